@@ -1,0 +1,36 @@
+PYTHON ?= .venv/bin/python
+.DEFAULT_GOAL := help
+
+.PHONY: build  ## Set up .venv and compile the kernels into it, editable
+build:
+	python3 -m venv .venv
+	$(PYTHON) -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+
+.PHONY: test  ## Rust tests without Python, then Python tests and doctests
+test:
+	cargo test --release
+	$(PYTHON) -m pytest
+
+.PHONY: lint  ## Everything that needs no judgement
+lint:
+	cargo fmt --check
+	cargo clippy --all-targets --features python -- -D warnings
+	$(PYTHON) -m ruff check .
+	$(PYTHON) -m ruff format --check .
+
+.PHONY: types  ## Python types, and stubs against the compiled module
+types:
+	$(PYTHON) -m mypy
+	$(PYTHON) -m mypy.stubtest envlights._native
+
+.PHONY: bench  ## Run time against error, peers in the same run
+bench:
+	$(PYTHON) benchmarks/probe_and_fit.py
+
+.PHONY: check  ## What CI runs
+check:
+	bash .ci/run
+
+.PHONY: help  ## This list
+help:
+	@awk -F '## ' '/^.PHONY/ {split($$1, t, " "); printf "%-8s %s\n", t[2], $$2}' $(MAKEFILE_LIST)

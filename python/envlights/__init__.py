@@ -1,0 +1,31 @@
+"""An environment map as a handful of lights.
+
+>>> import envlights as el
+>>> env = el.EnvMap(el.synthetic.hall(128).radiance)
+>>> rig = el.fit(env, lights=4)
+>>> len(rig.lights)
+4
+"""
+
+from importlib.metadata import version as _version
+
+from envlights import kernels, synthetic
+from envlights._native import EnvLightsError
+from envlights.envmap import EnvMap
+from envlights.fit import fit, fit_probe
+from envlights.rig import FitReport, Lights, Rig, StopReason
+
+__all__ = [
+    "EnvLightsError",
+    "EnvMap",
+    "FitReport",
+    "Lights",
+    "Rig",
+    "StopReason",
+    "fit",
+    "fit_probe",
+    "kernels",
+    "synthetic",
+]
+
+__version__ = _version("envlights")

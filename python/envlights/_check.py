@@ -1,0 +1,31 @@
+"""What every public function asks of its arguments before a kernel sees them."""
+
+from __future__ import annotations
+
+import numbers
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from envlights._native import EnvLightsError
+
+
+def reals(name: str, values: ArrayLike, ndim: int) -> NDArray[np.float64]:
+    """`values` as a C-contiguous float64 array of `ndim` axes, or a refusal that names it."""
+    try:
+        array = np.asarray(values)
+    except ValueError as error:
+        raise EnvLightsError(f"{name} must be an array of real numbers; {error}") from None
+    if array.dtype.kind not in "fiu":
+        raise EnvLightsError(f"{name} must hold real numbers; got the dtype {array.dtype}")
+    if array.ndim != ndim:
+        raise EnvLightsError(f"{name} must have {ndim} axes; got the shape {array.shape}")
+    return np.ascontiguousarray(array, dtype=np.float64)
+
+
+def count(name: str, value: object, least: int = 0) -> int:
+    """`value` as an int of at least `least`, or a refusal that names it."""
+    is_whole = isinstance(value, numbers.Integral) and not isinstance(value, bool | np.bool_)
+    if not is_whole or int(value) < least:  # type: ignore[call-overload]
+        raise EnvLightsError(f"{name} must be a whole number, {least} or more; got {value!r}")
+    return int(value)  # type: ignore[call-overload, no-any-return]

@@ -1,0 +1,98 @@
+"""The command line: one subcommand, one public function."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+import envlights
+from envlights.files import check_writable
+from envlights.rig import Rig
+
+
+class _Refusing(click.Group):
+    """A group whose refusals are a sentence and the exit code 2, not a traceback."""
+
+    def invoke(self, context: click.Context) -> Any:
+        try:
+            return super().invoke(context)
+        except envlights.EnvLightsError as refusal:
+            click.echo(f"envlights: {refusal}", err=True)
+            context.exit(2)
+
+
+@click.group(cls=_Refusing, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(envlights.__version__, prog_name="envlights")
+def main() -> None:
+    """Turn an environment map into a handful of lights."""
+
+
+@main.command()
+@click.argument("map_path", metavar="MAP")
+@click.option("-n", "--lights", default=4, show_default=True, help="Directional lights, at most.")
+@click.option(
+    "-o",
+    "--output",
+    "outputs",
+    multiple=True,
+    metavar="OUT",
+    help="Write the rig (.json) or a picture (.png, .pdf, .svg); may be given again.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print the rig as JSON.")
+def fit(map_path: str, lights: int, outputs: Sequence[str], as_json: bool) -> None:
+    """Fit ambient and directional lights to MAP (.hdr, .exr, .png, .jpg, .tif)."""
+    for output in outputs:
+        _check_output(output)
+    env = envlights.EnvMap.open(map_path)
+    rig = envlights.fit(env, lights=lights)
+    _print(rig, as_json)
+    for output in outputs:
+        _write(env, rig, output)
+        click.echo(f"wrote {output}", err=True)
+
+
+@main.command()
+@click.option(
+    "-o",
+    "--output",
+    "folder",
+    default=".",
+    metavar="FOLDER",
+    help="Where the files go.",
+    show_default=True,
+)
+@click.option("--json", "as_json", is_flag=True, help="Print the rig as JSON.")
+def demo(folder: str, as_json: bool) -> None:
+    """Make a hall with three bright windows, fit it, and draw the result."""
+    from envlights.demo import demo as run
+
+    _print(run(folder), as_json)
+    for suffix in ("exr", "json", "png"):
+        click.echo(f"wrote {Path(folder) / 'hall'}.{suffix}", err=True)
+
+
+def _print(rig: Rig, as_json: bool) -> None:
+    click.echo(json.dumps(rig.to_dict(), indent=2) if as_json else f"{rig}\n\n{rig.report}")
+
+
+def _check_output(output: str) -> None:
+    known = (".json", ".png", ".pdf", ".svg")
+    if Path(output).suffix.lower() not in known:
+        raise envlights.EnvLightsError(
+            f"cannot write {output}: the suffix must be one of {', '.join(known)}"
+        )
+    check_writable(output)
+
+
+def _write(env: envlights.EnvMap, rig: Rig, output: str) -> None:
+    if Path(output).suffix.lower() == ".json":
+        rig.save(output)
+        return
+    # Drawing takes a second to import; a rig alone does not need it.
+    from envlights.plot import save_picture
+
+    save_picture(env, rig, output)

@@ -1,0 +1,38 @@
+"""The main job on a map that the package makes itself."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from envlights import synthetic
+from envlights.envmap import EnvMap
+from envlights.files import check_writable
+from envlights.fit import fit
+from envlights.io import write_exr
+from envlights.plot import save_picture
+from envlights.rig import Rig
+
+
+def demo(folder: str | os.PathLike[str] = ".") -> Rig:
+    """Make a hall with three bright windows, write it, read it back and fit it.
+
+    Parameters
+    ----------
+    folder : path-like
+        Where ``hall.exr``, ``hall.json`` and the picture ``hall.png`` are written.
+
+    Returns
+    -------
+    Rig
+        Ambient and four lights: three at the windows, one for the white wall opposite.
+    """
+    exr, saved, picture = (Path(folder) / f"hall.{suffix}" for suffix in ("exr", "json", "png"))
+    for path in (exr, saved, picture):
+        check_writable(path)
+    write_exr(exr, synthetic.hall().radiance)
+    env = EnvMap.open(exr)
+    rig = fit(env, lights=4)
+    rig.save(saved)
+    save_picture(env, rig, picture)
+    return rig

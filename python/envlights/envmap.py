@@ -1,0 +1,220 @@
+"""The map: radiance, how its pixels lie on the sphere, and what was cleaned."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from envlights import _native, io, kernels
+from envlights._native import EnvLightsError
+
+PROJECTIONS = ("equirectangular",)
+REGISTRATIONS = ("cell-centred", "border-sampled")
+
+
+class EnvMap:
+    r"""An environment map: radiance from every direction.
+
+    Frame: right-handed, +y up. The centre of the image looks along +z, its left quarter along +x,
+    its top row at the zenith.
+
+    Parameters
+    ----------
+    radiance : array_like, shape (height, 2 * height, 3)
+        Floating point: linear radiance in W m\ :sup:`-2` sr\ :sup:`-1`, on any common scale.
+        uint8 and uint16: sRGB-coded, which is noted. A C-contiguous float32 array is not copied
+        (it must not be changed afterwards), unless it holds samples that no light can have:
+        negative ones and NaN become 0, infinite ones the largest finite sample, and `notes` says
+        how many.
+    projection : {"equirectangular"}
+        How the sphere lies in the image.
+    registration : {"cell-centred", "border-sampled"}
+        Whether a pixel stands for the cell around its centre, as in most files, or the outer
+        pixels lie on the seam and the poles, as in OpenEXR files with the `envmap` attribute.
+    notes : iterable of str
+        What is known of the map's origin.
+
+    Raises
+    ------
+    EnvLightsError
+        If the array has another shape or dtype, or holds no finite sample.
+
+    Examples
+    --------
+    >>> env = EnvMap(np.ones((64, 128, 3)))
+    >>> env
+    EnvMap(128x64 equirectangular, cell-centred)
+    >>> env.probe([[0, 1, 0]]).round(3)
+    array([[3.142, 3.142, 3.142]])
+    """
+
+    def __init__(
+        self,
+        radiance: ArrayLike,
+        *,
+        projection: str = "equirectangular",
+        registration: str = "cell-centred",
+        notes: Iterable[str] = (),
+    ) -> None:
+        _check_choice("projection", projection, PROJECTIONS)
+        _check_choice("registration", registration, REGISTRATIONS)
+        self._notes = list(notes)
+        self._projection, self._registration = projection, registration
+        linear = self._linear(_as_map(radiance))
+        self._radiance = self._cleaned(linear).view()
+        self._radiance.flags.writeable = False
+
+    @classmethod
+    def open(cls, path: str | os.PathLike[str], *, registration: str | None = None) -> EnvMap:
+        """Read a map from a file.
+
+        Parameters
+        ----------
+        path : path-like
+            Radiance .hdr, OpenEXR, PNG, JPEG, TIFF, or whatever else OpenImageIO reads. Files of
+            8 or 16 bit integers are linearised from sRGB; alpha and extra channels are ignored.
+        registration : {"cell-centred", "border-sampled"}, optional
+            How the pixels lie. When left out, the file's own metadata decides.
+
+        Returns
+        -------
+        EnvMap
+            With everything that was assumed in `notes`.
+
+        Raises
+        ------
+        EnvLightsError
+            If the file cannot be read or holds no equirectangular map.
+        """
+        image = io.read_image(path)
+        if registration is None:
+            registration = REGISTRATIONS[image.border_sampled]
+        try:
+            return cls(image.pixels, registration=registration, notes=image.notes)
+        except EnvLightsError as refusal:
+            raise EnvLightsError(f"{os.fspath(path)}: {refusal}") from None
+
+    @property
+    def radiance(self) -> NDArray[np.float32]:
+        """Linear RGB, (height, width, 3), read-only."""
+        return self._radiance
+
+    @property
+    def projection(self) -> str:
+        """How the sphere lies in the image."""
+        return self._projection
+
+    @property
+    def registration(self) -> str:
+        """How the pixels lie on the sphere."""
+        return self._registration
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was cleaned or assumed."""
+        return tuple(self._notes)
+
+    @property
+    def height(self) -> int:
+        """Rows."""
+        return int(self._radiance.shape[0])
+
+    @property
+    def width(self) -> int:
+        """Columns."""
+        return int(self._radiance.shape[1])
+
+    def probe(self, normals: ArrayLike) -> NDArray[np.float64]:
+        r"""Exact irradiance of a white Lambertian probe under the whole map.
+
+        Nothing is fitted and nothing is sampled: this is the reference to which the lights of `fit`
+        are compared.
+
+        Parameters
+        ----------
+        normals : array_like, shape (n, 3)
+            Unit normals.
+
+        Returns
+        -------
+        ndarray, shape (n, 3)
+            RGB irradiance in W m\ :sup:`-2`:
+            :math:`E(n) = \int L(\omega) \max(0, n \cdot \omega)\, d\omega`. The radiance of the
+            probe (Madsen et al. 2003, equations 1 to 3) is this over pi.
+
+        Raises
+        ------
+        EnvLightsError
+            If `normals` has another shape or holds a vector of another length than 1.
+        """
+        border_sampled = self._registration == "border-sampled"
+        return kernels.irradiance(self._radiance, normals, border_sampled=border_sampled)
+
+    def __repr__(self) -> str:
+        size = f"{self.width}x{self.height}"
+        notes = f", {len(self._notes)} notes" if self._notes else ""
+        return f"EnvMap({size} {self._projection}, {self._registration}{notes})"
+
+    def _linear(self, array: NDArray[Any]) -> NDArray[np.float32]:
+        if array.dtype.kind == "f":
+            # A float64 sample beyond float32 becomes infinite and is cleaned as such.
+            with np.errstate(over="ignore"):
+                return np.ascontiguousarray(array, dtype=np.float32)
+        self._notes.append(f"{array.dtype} samples were taken as sRGB-coded and linearised")
+        codes = np.arange(np.iinfo(array.dtype).max + 1)
+        return np.ascontiguousarray(io.decode_srgb(codes / codes[-1])[array])
+
+    def _cleaned(self, linear: NDArray[np.float32]) -> NDArray[np.float32]:
+        nan, infinite, negative = _native.unusable(linear)
+        if not (nan or infinite or negative):
+            return linear
+        finite = np.isfinite(linear)
+        if not finite.any():
+            raise EnvLightsError("the map holds no finite sample; is it damaged?")
+        largest = max(float(linear[finite].max()), 0.0)
+        changes = [
+            (nan, "NaN", "0"),
+            (negative, "negative", "0"),
+            (infinite, "infinite", f"{largest:g}"),
+        ]
+        for seen, kind, value in changes:
+            if seen:
+                self._notes.append(f"{seen} {kind} sample{'s' if seen > 1 else ''} set to {value}")
+        return np.maximum(np.nan_to_num(linear, nan=0.0, posinf=largest, neginf=0.0), np.float32(0))
+
+
+def as_envmap(env: EnvMap | ArrayLike) -> EnvMap:
+    """`env` itself, or the map that an array stands for."""
+    return env if isinstance(env, EnvMap) else EnvMap(env)
+
+
+def _as_map(radiance: ArrayLike) -> NDArray[Any]:
+    """`radiance` as an array of a shape and dtype that a map can have."""
+    try:
+        array = np.asarray(radiance)
+    except ValueError as error:
+        raise EnvLightsError(f"a map must be an array of numbers; {error}") from None
+    if array.dtype.kind != "f" and array.dtype not in (np.uint8, np.uint16):
+        raise EnvLightsError(
+            f"a map must be floating point, uint8 or uint16; got the dtype {array.dtype}"
+        )
+    if array.ndim != 3 or array.shape[2] != 3:
+        raise EnvLightsError(f"a map must have the shape (height, width, 3); got {array.shape}")
+    height, width, _ = array.shape
+    if width != 2 * height:
+        raise EnvLightsError(
+            f"an equirectangular map is twice as wide as high; got {width}x{height} pixels"
+        )
+    if height < 2:
+        raise EnvLightsError(f"a map needs at least 4x2 pixels; got {width}x{height}")
+    return array
+
+
+def _check_choice(name: str, value: object, choices: tuple[str, ...]) -> None:
+    if value not in choices:
+        wanted = " or ".join(repr(choice) for choice in choices)
+        raise EnvLightsError(f"{name} must be {wanted}; got {value!r}")

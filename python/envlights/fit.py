@@ -1,0 +1,224 @@
+"""From a map, or from a measured probe, to a rig."""
+
+from __future__ import annotations
+
+from functools import cache
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from envlights import _native, kernels
+from envlights._check import count, reals
+from envlights.envmap import EnvMap, as_envmap
+from envlights.rig import FitReport, Lights, Rig, StopReason
+
+#: Faces of the probe that is fitted (Madsen et al. 2003, section 3.1) and normals that judge it.
+FITTED_NORMALS = 320
+JUDGING_NORMALS = 5120
+
+#: Steps after which the solver gives up on a start; real maps take 5 to 20.
+MAX_STEPS = 100
+
+
+def fit(env: EnvMap | ArrayLike, lights: int = 4) -> Rig:
+    """Ambient and at most `lights` directional lights that light a white probe as `env` does.
+
+    A white Lambertian probe is rendered under the map at 320 normals. Variable projection with
+    non-negative radiances then finds the lights, adding one at a time where it explains most of
+    what is left. The error is measured at 5120 other normals.
+
+    Parameters
+    ----------
+    env : EnvMap or array_like, shape (height, 2 * height, 3)
+        The map; an array is taken as `EnvMap` takes it.
+    lights : int
+        How many directional lights, 0 or more. Fewer come back where fewer do as well.
+
+    Returns
+    -------
+    Rig
+        Ambient radiance and lights, none negative, with the error and a report.
+
+    Raises
+    ------
+    EnvLightsError
+        If `env` is no map or `lights` no count.
+
+    See Also
+    --------
+    fit_probe : the same fit on probe values from elsewhere.
+
+    References
+    ----------
+    C. B. Madsen, M. K. D. Sørensen, M. Vittrup: "Estimating Positions and Radiances of a Small
+    Number of Light Sources for Real-Time Image-Based Lighting", Eurographics 2003; section 3.
+    Variable projection: Golub and Pereyra 1973.
+
+    Examples
+    --------
+    A sun at the zenith over a grey world:
+
+    >>> import envlights as el
+    >>> world = el.synthetic.scene(
+    ...     64,
+    ...     background=(0.5, 0.5, 0.5),
+    ...     shapes=[el.synthetic.Disc((0, 1, 0), 2.0, (500, 500, 500))],
+    ... )
+    >>> rig = el.fit(world.radiance, lights=1)
+    >>> rig.lights.direction.round(3) + 0.0
+    array([[0., 1., 0.]])
+    >>> rig.error < 0.01
+    True
+    """
+    count("lights", lights)
+    env = as_envmap(env)
+    started = perf_counter()
+    normals, weights = _normals()
+    seen, sources = kernels.working_irradiance(
+        env.radiance, normals, border_sampled=env.registration == "border-sampled"
+    )
+    rendered = perf_counter()
+    fitted, judging = slice(0, FITTED_NORMALS), slice(FITTED_NORMALS, None)
+    answers = _answers(normals[fitted], weights[fitted], seen[fitted], lights)
+    solved = perf_counter()
+    errors = [
+        _error(answer, normals[judging], weights[judging], seen[judging]) for answer in answers
+    ]
+    seconds = {
+        "probe": rendered - started,
+        "fit": solved - rendered,
+        "error": perf_counter() - solved,
+    }
+    measured_on = f"{JUDGING_NORMALS} normals that were not fitted"
+    skipped = _skipped(env, sources, len(answers) - 1, lights)
+    return _rig(answers, errors, seconds, measured_on, skipped, env.notes)
+
+
+def fit_probe(
+    normals: ArrayLike,
+    irradiance: ArrayLike,
+    lights: int = 4,
+    *,
+    weights: ArrayLike | None = None,
+) -> Rig:
+    """Ambient and at most `lights` directional lights from probe values measured elsewhere.
+
+    The fit of `fit`, on irradiance that was measured, or rendered by another program. There is no
+    map to judge the rig at other normals: its error is the one at `normals`, and flatters it where
+    they are few.
+
+    Parameters
+    ----------
+    normals : array_like, shape (n, 3)
+        Unit normals, in the frame of `EnvMap`.
+    irradiance : array_like, shape (n, 3)
+        RGB irradiance at each. For the radiance of a white Lambertian probe, give pi times it.
+    lights : int
+        How many directional lights, 0 or more.
+    weights : array_like, shape (n,), optional
+        Weight of each normal, such as the solid angle it stands for. All alike when left out.
+
+    Returns
+    -------
+    Rig
+        Ambient radiance and lights, none negative, with the error and a report.
+
+    Raises
+    ------
+    EnvLightsError
+        If shapes do not fit, a value is not finite, a normal is no unit vector, or there are fewer
+        equations than the 3 + 5 `lights` unknowns.
+
+    Examples
+    --------
+    >>> from envlights import kernels
+    >>> normals, solid_angles = kernels.icosphere(320)
+    >>> probe = kernels.rig_irradiance(normals, [0.1, 0.1, 0.1], [[0, 0.6, 0.8]], [[3, 2, 1]])
+    >>> rig = fit_probe(normals, probe, lights=1)
+    >>> rig.lights.direction.round(6), rig.lights.irradiance.round(6)
+    (array([[0. , 0.6, 0.8]]), array([[3., 2., 1.]]))
+    """
+    count("lights", lights)
+    normals, irradiance = reals("normals", normals, 2), reals("irradiance", irradiance, 2)
+    weights = np.ones(len(normals)) if weights is None else reals("weights", weights, 1)
+    started = perf_counter()
+    answers = _answers(normals, weights, irradiance, lights)
+    solved = perf_counter()
+    errors = [_error(answer, normals, weights, irradiance) for answer in answers]
+    seconds = {"fit": solved - started, "error": perf_counter() - solved}
+    measured_on = f"the {len(normals)} fitted normals"
+    return _rig(answers, errors, seconds, measured_on, (), ())
+
+
+@cache
+def _normals() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Normals and weights: the faces of the probe, then even points between them that judge."""
+    faces, solid_angles = kernels.icosphere(FITTED_NORMALS)
+    judging = kernels.uniform_sphere(kernels.hammersley(JUDGING_NORMALS))
+    share = np.full(JUDGING_NORMALS, 4 * np.pi / JUDGING_NORMALS)
+    return np.concatenate([faces, judging]), np.concatenate([solid_angles, share])
+
+
+def _answers(
+    normals: NDArray[np.float64],
+    weights: NDArray[np.float64],
+    irradiance: NDArray[np.float64],
+    lights: int,
+) -> list[Any]:
+    """Best answers of the kernel with 0, 1, ... lights, on irradiance brought to about 1.
+
+    The sums are of fourth powers: a map in candela per square metre of the sun would overflow them.
+    """
+    brightest = float(np.abs(irradiance).max(initial=0.0))
+    scale = brightest if 0 < brightest < np.inf else 1.0
+    answers = _native.fit_lights(normals, weights, irradiance / scale, lights, MAX_STEPS)
+    return [
+        (np.array(ambient) * scale, directions, strength * scale, *rest)
+        for ambient, directions, strength, *rest in answers
+    ]
+
+
+def _error(
+    answer: tuple[Any, ...],
+    normals: NDArray[np.float64],
+    weights: NDArray[np.float64],
+    irradiance: NDArray[np.float64],
+) -> float:
+    ambient, directions, strength, *_ = answer
+    seen = kernels.rig_irradiance(normals, ambient, directions, strength)
+    return kernels.relative_rms(seen, irradiance, weights)
+
+
+def _skipped(env: EnvMap, sources: int, used: int, lights: int) -> tuple[str, ...]:
+    notes = []
+    if env.width > 256:
+        notes.append(
+            f"{env.width}x{env.height} pixels were rendered as a working map of at most 256 columns"
+            f" and {sources} point sources"
+        )
+    if used < lights:
+        notes.append(f"{lights - used} of {lights} lights: they would not lower the error")
+    return tuple(notes)
+
+
+def _rig(
+    answers: list[Any],
+    errors: list[float],
+    seconds: dict[str, float],
+    measured_on: str,
+    skipped: tuple[str, ...],
+    notes: tuple[str, ...],
+) -> Rig:
+    ambient, directions, irradiance, _, _, stop = answers[-1]
+    is_black = not ambient.any() and not len(directions) and errors[-1] == 0
+    report = FitReport(
+        errors=tuple(errors),
+        steps=sum(answer[4] for answer in answers),
+        stop_reason=StopReason.NOTHING_TO_FIT if is_black else StopReason[stop],
+        seconds=seconds,
+        measured_on=measured_on,
+        skipped=skipped,
+    )
+    return Rig(ambient, Lights(directions, irradiance), errors[-1], report, notes)

@@ -1,0 +1,155 @@
+"""Pictures: the map with its lights, and the probe under either."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from envlights import kernels
+from envlights._native import EnvLightsError
+from envlights.envmap import EnvMap
+from envlights.files import write_atomically
+from envlights.rig import LUMINANCE, Rig
+
+SUFFIXES = (".png", ".pdf", ".svg")
+
+#: Pixels across the probe.
+_PROBE_SIZE = 160
+
+
+def picture(env: EnvMap, rig: Rig) -> Figure:
+    """Draw the map with the lights on it, the probe under map and rig, and their difference.
+
+    The probe is seen from beside the brightest light, so that its lit and its dark side show. Both
+    probes have one exposure; the difference is that of luminance, in percent of the mean.
+
+    Parameters
+    ----------
+    env : EnvMap
+        The map.
+    rig : Rig
+        Its lights.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Shown by Jupyter as it is; `savefig` writes it.
+
+    Examples
+    --------
+    >>> import envlights as el
+    >>> env = el.EnvMap(el.synthetic.hall(32).radiance)
+    >>> figure = picture(env, el.fit(env, lights=1))
+    >>> len(figure.axes)
+    5
+    """
+    figure = Figure(figsize=(10, 8.2), layout="constrained")
+    FigureCanvasAgg(figure)
+    grid = figure.add_gridspec(2, 3, height_ratios=(1.55, 1))
+    _draw_map(figure.add_subplot(grid[0, :]), env, rig)
+    normals, inside = _visible_normals(_viewpoint(rig))
+    under_map, under_rig = env.probe(normals), rig.probe(normals)
+    white = max(float((under_map @ LUMINANCE).max()), np.finfo(float).tiny)
+    for column, (title, seen) in enumerate(
+        [("under the map", under_map), ("under the rig", under_rig)]
+    ):
+        axes = figure.add_subplot(grid[1, column])
+        axes.imshow(_image(inside, _display(seen / white), background=1.0))
+        axes.set_title(f"white probe {title}")
+        axes.axis("off")
+    _draw_difference(figure, figure.add_subplot(grid[1, 2]), inside, under_map, under_rig)
+    count = len(rig.lights)
+    lights = f"{count} light{'' if count == 1 else 's'}"
+    figure.suptitle(f"ambient + {lights}: relative RMS error {100 * rig.error:.2g} %")
+    return figure
+
+
+def save_picture(env: EnvMap, rig: Rig, path: str | os.PathLike[str]) -> None:
+    """Write `picture` as PNG, PDF or SVG, whole or not at all."""
+    if Path(path).suffix.lower() not in SUFFIXES:
+        raise EnvLightsError(f"cannot draw {path}; the suffix must be {', '.join(SUFFIXES)}")
+    figure = picture(env, rig)
+    write_atomically(path, lambda beside: figure.savefig(beside, dpi=100, bbox_inches="tight"))
+
+
+def _draw_map(axes: Axes, env: EnvMap, rig: Rig) -> None:
+    """The map, exposed for its middle, and a numbered ring at each light."""
+    radiance = env.radiance[:: max(env.height // 512, 1), :: max(env.width // 1024, 1)]
+    luminance = radiance @ LUMINANCE
+    lit = luminance[luminance > 0]
+    exposure = 0.35 / np.median(lit) if lit.size else 1.0
+    axes.imshow(_display(radiance * exposure), extent=(0, 360, -90, 90))
+    axes.set(xlabel="azimuth (degrees)", ylabel="elevation (degrees)")
+    axes.set(xticks=range(0, 361, 45), yticks=range(-90, 91, 45))
+    for number, (u, v) in enumerate(kernels.direction_to_uv(rig.lights.direction), start=1):
+        irradiance = rig.lights.irradiance[number - 1]
+        at = (360 * u, 90 - 180 * v)
+        colour = irradiance / irradiance.max()
+        face = (*colour, 0.75)
+        axes.plot(*at, "o", ms=20, mew=2, markeredgecolor="crimson", markerfacecolor=face)
+        axes.annotate(
+            str(number), at, ha="center", va="center", weight="bold", annotation_clip=True
+        )
+
+
+def _draw_difference(
+    figure: Figure,
+    axes: Axes,
+    inside: NDArray[np.bool_],
+    under_map: NDArray[np.float64],
+    under_rig: NDArray[np.float64],
+) -> None:
+    wanted = under_map @ LUMINANCE
+    percent = 100 * (under_rig @ LUMINANCE - wanted) / max(wanted.mean(), np.finfo(float).tiny)
+    limit = max(float(np.abs(percent).max()), 0.1)
+    drawn = np.full(inside.shape, np.nan)
+    drawn[inside] = percent
+    image = axes.imshow(drawn, cmap="RdBu_r", vmin=-limit, vmax=limit)
+    axes.set_title("rig minus map")
+    axes.axis("off")
+    figure.colorbar(image, ax=axes, label="% of the mean", shrink=0.85)
+
+
+def _viewpoint(rig: Rig) -> NDArray[np.float64]:
+    """Direction from the probe to the eye: level with it, 60 degrees aside of the main light."""
+    if not len(rig.lights):
+        return np.array([0.0, 0.0, -1.0])
+    ((u, _),) = kernels.direction_to_uv(rig.lights.direction[:1])
+    ((x, y, z),) = kernels.uv_to_direction([[u + 1 / 6, 0.47]])
+    return np.array([x, y, z])
+
+
+def _visible_normals(eye: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Normals of a sphere as seen from `eye`, one for each pixel inside its outline."""
+    right = np.cross([0.0, 1.0, 0.0], eye)
+    right /= np.linalg.norm(right)
+    up = np.cross(eye, right)
+    at = (2 * np.arange(_PROBE_SIZE) + 1) / _PROBE_SIZE - 1
+    across, down = np.meshgrid(at, at)
+    inside = across**2 + down**2 < 1
+    across, down = across[inside], down[inside]
+    towards = np.sqrt(1 - across**2 - down**2)
+    normals = across[:, None] * right - down[:, None] * up + towards[:, None] * eye
+    return normals, inside
+
+
+def _image(
+    inside: NDArray[np.bool_], colours: NDArray[np.floating], background: float
+) -> NDArray[np.float64]:
+    image = np.full((*inside.shape, 3), background)
+    image[inside] = colours
+    return image
+
+
+def _display(linear: NDArray[np.floating]) -> NDArray[np.floating]:
+    """Linear values as sRGB codes in 0 .. 1, clipped."""
+    linear = np.clip(linear, 0, 1)
+    coded = 1.055 * linear ** (1 / 2.4) - 0.055
+    clipped: NDArray[np.floating] = np.where(linear <= 0.0031308, 12.92 * linear, coded).clip(0, 1)
+    return clipped

@@ -1,0 +1,300 @@
+"""Lights, the rig that they make, and the report on how it was found."""
+
+from __future__ import annotations
+
+import enum
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from envlights import kernels
+from envlights._check import reals
+from envlights._native import EnvLightsError
+from envlights.files import write_atomically
+
+#: Rec.709 weights of linear red, green and blue in luminance.
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+
+_FORMAT = "envlights rig"
+_VERSION = 1
+
+
+class StopReason(enum.Enum):
+    """Why the solver stopped. The text is what a user reads."""
+
+    CONVERGED = "the error stopped falling"
+    EXACT = "the lights reproduce the probe"
+    OUT_OF_STEPS = "the step limit came first; the lights are usable but may not be the best"
+    NOTHING_TO_FIT = "the map is black: there is no light to fit"
+
+    @property
+    def is_success(self) -> bool:
+        """Whether more steps would change nothing."""
+        return self is not StopReason.OUT_OF_STEPS
+
+
+@dataclass(frozen=True, eq=False)
+class Lights:
+    r"""Directional lights, brightest first.
+
+    Parameters
+    ----------
+    direction : array_like, shape (n, 3)
+        Unit vectors from the scene towards the lights: right-handed, +y up.
+    irradiance : array_like, shape (n, 3)
+        Linear RGB at normal incidence, in W m\ :sup:`-2` for radiance in W m\ :sup:`-2`
+        sr\ :sup:`-1`; not negative.
+
+    Examples
+    --------
+    >>> lights = Lights([[0, 1, 0], [1, 0, 0]], [[1, 1, 1], [5, 4, 3]])
+    >>> lights.direction[0]
+    array([1., 0., 0.])
+    >>> len(lights), len(lights[:1])
+    (2, 1)
+    """
+
+    direction: NDArray[np.float64]
+    irradiance: NDArray[np.float64]
+
+    def __post_init__(self) -> None:
+        direction, irradiance = _light_arrays(self.direction, self.irradiance)
+        brightest_first = np.argsort(-(irradiance @ LUMINANCE), kind="stable")
+        for name, array in (("direction", direction), ("irradiance", irradiance)):
+            object.__setattr__(self, name, _frozen(array[brightest_first]))
+
+    def __len__(self) -> int:
+        return len(self.direction)
+
+    def __getitem__(self, which: slice) -> Lights:
+        if not isinstance(which, slice):
+            raise EnvLightsError(f"lights are taken by slices, such as lights[:4]; got {which!r}")
+        return Lights(self.direction[which], self.irradiance[which])
+
+    def to_dict(self) -> dict[str, list[list[float]]]:
+        """Lists of numbers, for JSON and the like."""
+        return {"direction": self.direction.tolist(), "irradiance": self.irradiance.tolist()}
+
+
+@dataclass(frozen=True)
+class FitReport:
+    """How a rig was found."""
+
+    errors: tuple[float, ...]
+    """Relative RMS error with 0, 1, 2, ... lights, as far as they were tried."""
+
+    steps: int
+    """Steps that the solver took, all starts together."""
+
+    stop_reason: StopReason
+    """Why it took no more."""
+
+    seconds: Mapping[str, float] = field(default_factory=dict)
+    """Wall time of each stage."""
+
+    measured_on: str = ""
+    """The normals on which `errors` were measured."""
+
+    skipped: tuple[str, ...] = ()
+    """What was not computed because it was not needed."""
+
+    def __str__(self) -> str:
+        curve = "  ".join(
+            f"{count}: {100 * error:.3g} %" for count, error in enumerate(self.errors)
+        )
+        lines = [
+            f"error by number of lights: {curve}",
+            f"measured on {self.measured_on}",
+            f"{self.steps} steps; {self.stop_reason.value}",
+            *(f"skipped: {note}" for note in self.skipped),
+        ]
+        return "\n".join(lines)
+
+
+@dataclass(frozen=True, eq=False)
+class Rig:
+    """Ambient and directional lights, and how well they stand for the map.
+
+    Examples
+    --------
+    >>> rig = Rig([0.1, 0.1, 0.1], Lights([[0, 1, 0]], [[2, 2, 2]]), error=0.0)
+    >>> rig.probe([[0, 1, 0], [0, -1, 0]]).round(3)
+    array([[2.314, 2.314, 2.314],
+           [0.314, 0.314, 0.314]])
+    """
+
+    ambient: NDArray[np.float64]
+    """Radiance of a constant environment, linear RGB, shape (3,)."""
+
+    lights: Lights
+    r"""Directional lights, brightest first."""
+
+    error: float
+    """Relative RMS error of the irradiance; `report` says on which normals."""
+
+    report: FitReport = FitReport((), 0, StopReason.CONVERGED)
+    """How the rig was found."""
+
+    notes: tuple[str, ...] = ()
+    """What was cleaned or assumed in the map."""
+
+    def __post_init__(self) -> None:
+        ambient = reals("ambient", self.ambient, 1)
+        if ambient.shape != (3,) or not np.isfinite(ambient).all() or (ambient < 0).any():
+            raise EnvLightsError(
+                f"ambient must be three finite numbers, none negative; got {ambient.tolist()}"
+            )
+        object.__setattr__(self, "ambient", _frozen(ambient))
+
+    def probe(self, normals: ArrayLike) -> NDArray[np.float64]:
+        """Irradiance under the rig.
+
+        Parameters
+        ----------
+        normals : array_like, shape (n, 3)
+            Unit normals.
+
+        Returns
+        -------
+        ndarray, shape (n, 3)
+            ``pi * ambient + sum_j irradiance_j * max(0, n . direction_j)``; Madsen et al. (2003),
+            equations 4 to 6.
+        """
+        return kernels.rig_irradiance(
+            normals, self.ambient, self.lights.direction, self.lights.irradiance
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything as plain numbers, lists and strings: what `save` writes."""
+        return {
+            "format": _FORMAT,
+            "version": _VERSION,
+            "frame": "right-handed, +y up; image centre +z, left quarter +x; towards the light",
+            "units": "ambient: radiance; irradiance: at normal incidence; linear Rec.709 RGB",
+            "ambient": self.ambient.tolist(),
+            "lights": self.lights.to_dict(),
+            "error": self.error,
+            "report": {
+                "errors": list(self.report.errors),
+                "steps": self.report.steps,
+                "stop_reason": self.report.stop_reason.name,
+                "seconds": dict(self.report.seconds),
+                "measured_on": self.report.measured_on,
+                "skipped": list(self.report.skipped),
+            },
+            "notes": list(self.notes),
+        }
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the rig as JSON: lossless, versioned, whole or not at all.
+
+        Parameters
+        ----------
+        path : path-like
+            A file with the suffix ``.json``.
+        """
+        if Path(path).suffix.lower() != ".json":
+            raise EnvLightsError(f"cannot save a rig as {path}; the suffix must be .json")
+        text = json.dumps(self.to_dict(), indent=2, allow_nan=False) + "\n"
+        write_atomically(path, lambda beside: beside.write_text(text, encoding="utf-8"))
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Rig:
+        """Read a rig that `save` wrote.
+
+        Raises
+        ------
+        EnvLightsError
+            If the file is missing, of another kind or version, or holds impossible lights.
+        """
+        try:
+            data = json.loads(Path(path).read_text(encoding="utf-8"))
+        except OSError as error:
+            raise EnvLightsError(f"cannot read {path}: {error.strerror}") from None
+        except ValueError as error:
+            raise EnvLightsError(f"{path} is no JSON file: {error}") from None
+        _check_version(path, data)
+        try:
+            return _from_dict(data)
+        except EnvLightsError as error:
+            raise EnvLightsError(f"{path} holds no possible rig: {error}") from None
+        except (KeyError, TypeError, ValueError) as error:
+            raise EnvLightsError(f"{path} is no whole rig: {error!r}") from None
+
+    def __str__(self) -> str:
+        ambient = "  ".join(f"{value:.4g}" for value in self.ambient)
+        lines = [
+            _table(self.lights),
+            f"ambient radiance {ambient}",
+            f"relative RMS error {100 * self.error:.3g} % on {self.report.measured_on}",
+            *(f"note: {note}" for note in self.notes),
+        ]
+        return "\n".join(line for line in lines if line)
+
+
+def _table(lights: Lights) -> str:
+    """One line a light."""
+    if not len(lights):
+        return "no directional light"
+    flux = lights.irradiance @ LUMINANCE
+    uv = kernels.direction_to_uv(lights.direction)
+    lines = ["light  azimuth  elevation   share      irradiance (R, G, B)"]
+    for i, ((u, v), power) in enumerate(zip(uv, flux, strict=True), start=1):
+        rgb = "".join(f"{value:>11.4g}" for value in lights.irradiance[i - 1])
+        share = 100 * power / flux.sum()
+        lines.append(f"{i:>5}  {360 * u:>6.1f}°  {90 - 180 * v:>+8.1f}°  {share:>4.1f} %{rgb}")
+    return "\n".join(lines)
+
+
+def _light_arrays(
+    direction: ArrayLike, irradiance: ArrayLike
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The arrays of `Lights`, refused where no renderer could use them."""
+    direction = reals("direction", direction, 2)
+    irradiance = reals("irradiance", irradiance, 2)
+    kernels.direction_to_uv(direction)  # refuses what is no unit vector
+    if irradiance.shape != direction.shape:
+        raise EnvLightsError(
+            f"irradiance must have the shape {direction.shape}; got {irradiance.shape}"
+        )
+    if not np.isfinite(irradiance).all() or (irradiance < 0).any():
+        raise EnvLightsError("irradiance must be finite and not negative")
+    return direction, irradiance
+
+
+def _frozen(array: NDArray[np.float64]) -> NDArray[np.float64]:
+    array = array.copy()
+    array.flags.writeable = False
+    return array
+
+
+def _check_version(path: object, data: Any) -> None:
+    if not isinstance(data, dict) or data.get("format") != _FORMAT:
+        raise EnvLightsError(f"{path} is no rig: it does not say 'format': '{_FORMAT}'")
+    if data.get("version") != _VERSION:
+        seen = data.get("version")
+        raise EnvLightsError(f"{path} is a rig of version {seen!r}; this package reads {_VERSION}")
+
+
+def _from_dict(data: dict[str, Any]) -> Rig:
+    report = dict(data["report"])
+    report["stop_reason"] = StopReason[report["stop_reason"]]
+    for name in ("errors", "skipped"):
+        report[name] = tuple(report[name])
+    lights = data["lights"]
+    # A list without entries has lost its second axis.
+    direction = np.reshape(lights["direction"], (-1, 3))
+    irradiance = np.reshape(lights["irradiance"], (-1, 3))
+    return Rig(
+        data["ambient"],
+        Lights(direction, irradiance),
+        float(data["error"]),
+        FitReport(**report),
+        tuple(data["notes"]),
+    )

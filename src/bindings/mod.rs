@@ -1,0 +1,27 @@
+//! The stair between Python and the kernels: borrow, detach, call, wrap. No arithmetic lives here.
+
+mod error;
+mod fit;
+mod image;
+mod probe;
+mod sampling;
+mod sphere;
+
+use pyo3::prelude::*;
+
+/// Native kernels of `envlights`; import the typed functions of the package instead.
+#[pymodule(gil_used = false)]
+mod _native {
+    #[pymodule_export]
+    use super::error::EnvLightsError;
+    #[pymodule_export]
+    use super::fit::{fit_lights, relative_rms, rig_irradiance};
+    #[pymodule_export]
+    use super::image::unusable;
+    #[pymodule_export]
+    use super::probe::{irradiance, sum_over_sources, working_irradiance};
+    #[pymodule_export]
+    use super::sampling::{halton, hammersley, icosphere, radical_inverse, uniform_sphere};
+    #[pymodule_export]
+    use super::sphere::{direction_to_uv, pixel_directions, pixel_solid_angles, uv_to_direction};
+}

@@ -1,0 +1,57 @@
+//! `kernels::sphere` for Python.
+
+use numpy::{IntoPyArray, PyArray2, PyArray3, PyReadonlyArray2};
+use pyo3::prelude::*;
+
+use crate::kernels::sphere::{self, Registration};
+
+/// The kernels' name of a registration.
+pub fn registration(border_sampled: bool) -> Registration {
+    if border_sampled { Registration::BorderSampled } else { Registration::CellCentred }
+}
+
+/// See `envlights.kernels.uv_to_direction`.
+#[pyfunction]
+pub fn uv_to_direction<'py>(
+    py: Python<'py>,
+    uv: PyReadonlyArray2<'py, f64>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let uv = uv.as_array();
+    let out = py.detach(|| sphere::uv_to_direction(uv))?;
+    Ok(out.into_pyarray(py))
+}
+
+/// See `envlights.kernels.direction_to_uv`.
+#[pyfunction]
+pub fn direction_to_uv<'py>(
+    py: Python<'py>,
+    direction: PyReadonlyArray2<'py, f64>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let direction = direction.as_array();
+    let out = py.detach(|| sphere::direction_to_uv(direction))?;
+    Ok(out.into_pyarray(py))
+}
+
+/// See `envlights.kernels.pixel_directions`.
+#[pyfunction]
+pub fn pixel_directions(
+    py: Python<'_>,
+    height: usize,
+    width: usize,
+    border_sampled: bool,
+) -> PyResult<Bound<'_, PyArray3<f64>>> {
+    let out = py.detach(|| sphere::pixel_directions(height, width, registration(border_sampled)))?;
+    Ok(out.into_pyarray(py))
+}
+
+/// See `envlights.kernels.pixel_solid_angles`.
+#[pyfunction]
+pub fn pixel_solid_angles(
+    py: Python<'_>,
+    height: usize,
+    width: usize,
+    border_sampled: bool,
+) -> PyResult<Bound<'_, PyArray2<f64>>> {
+    let out = py.detach(|| sphere::pixel_solid_angles(height, width, registration(border_sampled)))?;
+    Ok(out.into_pyarray(py))
+}

@@ -1,0 +1,104 @@
+//! Every refusal of every kernel. Each sentence says what was wrong, what was seen and what is wanted.
+
+use thiserror::Error;
+
+/// The answer of a kernel, or the reason why there is none.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// A reason why a kernel gave no answer.
+#[derive(Debug, Error, PartialEq)]
+#[non_exhaustive]
+pub enum Error {
+    /// An image is not (height, width, 3) or too small to cover the sphere.
+    #[error(
+        "radiance must have the shape (height, width, 3) with height and width at least 2; got {shape:?}"
+    )]
+    NotAMap {
+        /// Shape of the array that was given.
+        shape: Vec<usize>,
+    },
+
+    /// An array does not have the columns that it must have.
+    #[error("{what} must have the shape (n, {columns}); got {shape:?}")]
+    WrongColumns {
+        /// Name of the argument.
+        what: &'static str,
+        /// Columns that it must have.
+        columns: usize,
+        /// Shape that was given.
+        shape: Vec<usize>,
+    },
+
+    /// Two arrays that describe the same things have different lengths.
+    #[error("{what} must have as many rows as {other} ({wanted}); got {seen}")]
+    LengthMismatch {
+        /// The argument that is off.
+        what: &'static str,
+        /// The argument that it is measured by.
+        other: &'static str,
+        /// Rows of `other`.
+        wanted: usize,
+        /// Rows of `what`.
+        seen: usize,
+    },
+
+    /// A vector that should be a direction has another length than 1.
+    #[error("{what} {index} has length {length}; it must be a unit vector")]
+    NotUnit {
+        /// Name of the argument.
+        what: &'static str,
+        /// Row of the first offender.
+        index: usize,
+        /// Its length.
+        length: f64,
+    },
+
+    /// A number is NaN or infinite.
+    #[error("{what} must be finite; row {index} holds {value}")]
+    NotFinite {
+        /// Name of the argument.
+        what: &'static str,
+        /// Row of the first offender.
+        index: usize,
+        /// What it holds.
+        value: f64,
+    },
+
+    /// A number that may not be negative is.
+    #[error("{what} must not be negative; row {index} holds {value}")]
+    Negative {
+        /// Name of the argument.
+        what: &'static str,
+        /// Row of the first offender.
+        index: usize,
+        /// What it holds.
+        value: f64,
+    },
+
+    /// An icosphere of this many faces does not exist.
+    #[error("an icosphere has 20 * 4^k faces (20, 80, 320, 1280, 5120, ... up to {limit}); got {faces}")]
+    NoSuchIcosphere {
+        /// Faces that were asked for.
+        faces: usize,
+        /// The largest that is made.
+        limit: usize,
+    },
+
+    /// The base of a radical inverse is too small.
+    #[error("a radical inverse needs a base of at least 2; got {base}")]
+    BadBase {
+        /// Base that was given.
+        base: u64,
+    },
+
+    /// Too few probe values for the unknowns.
+    #[error("a fit needs at least {wanted} normals for {lights} lights; got {seen}")]
+    TooFewNormals {
+        /// Normals that were given.
+        seen: usize,
+        /// Normals needed for as many equations as unknowns.
+        wanted: usize,
+        /// Lights asked for.
+        lights: usize,
+    },
+}

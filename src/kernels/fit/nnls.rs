@@ -1,0 +1,138 @@
+//! Non-negative least squares from inner products (Lawson and Hanson 1974, chapter 23).
+//!
+//! Minimise `x^T G x - 2 b^T x` over `x >= 0`. No renderer takes a negative lamp, and an
+//! unconstrained fit of a real map asks for one from the second light on.
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+/// The minimiser for one channel.
+pub fn solve(gram: &DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
+    let all: Vec<usize> = (0..right.len()).collect();
+    // Most often nothing wants to be negative, and one factorisation is all it takes.
+    if let Some(x) = on(gram, right, &all).filter(|x| x.iter().all(|&value| value >= 0.0)) {
+        return x;
+    }
+    active_set(gram, right)
+}
+
+fn active_set(gram: &DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
+    let mut x = DVector::zeros(right.len());
+    let mut active: Vec<usize> = Vec::new();
+    // Columns that were let in and came out at once: rounding, not descent.
+    let mut refused: Vec<usize> = Vec::new();
+    while let Some(next) = steepest(gram, right, &x, &active, &refused) {
+        active.push(next);
+        let Some(moved) = retreat(gram, right, &x, &mut active) else {
+            active.retain(|&column| column != next);
+            refused.push(next);
+            continue;
+        };
+        x = moved;
+        if active.contains(&next) {
+            refused.clear();
+        } else {
+            refused.push(next);
+        }
+    }
+    x
+}
+
+/// The column outside `active` along which the cost falls fastest, if it falls at all.
+fn steepest(
+    gram: &DMatrix<f64>,
+    right: &DVector<f64>,
+    x: &DVector<f64>,
+    active: &[usize],
+    refused: &[usize],
+) -> Option<usize> {
+    const ROUNDING: f64 = 1e-13;
+    let fall = right - gram * x;
+    // Per length of the column, so that the choice does not depend on the unit of a column.
+    let rate = |&column: &usize| fall[column] / gram[(column, column)].sqrt().max(f64::MIN_POSITIVE);
+    let floor = |column: usize| ROUNDING * right[column].abs();
+    (0..right.len())
+        .filter(|column| !active.contains(column) && !refused.contains(column))
+        .filter(|&column| gram[(column, column)] > 0.0 && fall[column] > floor(column))
+        .max_by(|a, b| rate(a).total_cmp(&rate(b)))
+}
+
+/// From `x` towards the minimum on the active columns, giving up those that reach 0 on the way.
+fn retreat(
+    gram: &DMatrix<f64>,
+    right: &DVector<f64>,
+    x: &DVector<f64>,
+    active: &mut Vec<usize>,
+) -> Option<DVector<f64>> {
+    let mut x = x.clone();
+    loop {
+        let goal = on(gram, right, active)?;
+        let share = active
+            .iter()
+            .filter(|&&column| goal[column] <= 0.0)
+            .map(|&column| x[column] / (x[column] - goal[column]))
+            .fold(f64::INFINITY, f64::min);
+        if share == f64::INFINITY {
+            return Some(goal);
+        }
+        x += (&goal - &x) * share;
+        active.retain(|&column| goal[column] > 0.0 || x[column] > 1e-15 * goal[column].abs());
+        for column in (0..x.len()).filter(|column| !active.contains(column)) {
+            x[column] = 0.0;
+        }
+    }
+}
+
+/// The unconstrained minimum over `columns`, 0 elsewhere; none where they are not independent.
+fn on(gram: &DMatrix<f64>, right: &DVector<f64>, columns: &[usize]) -> Option<DVector<f64>> {
+    let solved = factor(gram, columns)?.solve(&DVector::from_fn(columns.len(), |i, _| right[columns[i]]));
+    let mut x = DVector::zeros(right.len());
+    for (value, &column) in solved.iter().zip(columns) {
+        x[column] = *value;
+    }
+    Some(x)
+}
+
+/// Cholesky factor of the Gram matrix of `columns`; none where they are not independent.
+pub fn factor(gram: &DMatrix<f64>, columns: &[usize]) -> Option<Cholesky<f64, nalgebra::Dyn>> {
+    /// A column this close to the span of the others has lost all its digits.
+    const DEPENDENT: f64 = 1e-12;
+    let size = columns.len();
+    let part = DMatrix::from_fn(size, size, |i, j| gram[(columns[i], columns[j])]);
+    let factor = Cholesky::new(part)?;
+    let lower = factor.l_dirty();
+    let independent = |i: usize| lower[(i, i)] * lower[(i, i)] > DEPENDENT * gram[(columns[i], columns[i])];
+    (0..size).all(independent).then_some(factor)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Karush-Kuhn-Tucker: no free value has a slope, no bound one wants to grow.
+        #[test]
+        fn the_answer_is_optimal(
+            columns in proptest::collection::vec(0.0..1.0_f64, 40),
+            target in proptest::collection::vec(-1.0..1.0_f64, 8),
+        ) {
+            let a = DMatrix::from_vec(8, 5, columns);
+            let y = DVector::from_vec(target);
+            let (gram, right) = (a.transpose() * &a, a.transpose() * y);
+            let x = solve(&gram, &right);
+            let fall = &right - &gram * &x;
+            for i in 0..5 {
+                prop_assert!(x[i] >= 0.0, "{x}");
+                prop_assert!(fall[i] < 1e-8, "{fall}");
+                prop_assert!((fall[i] * x[i]).abs() < 1e-7, "{fall} {x}");
+            }
+        }
+
+        #[test]
+        fn twin_columns_do_no_harm(right in 0.1..2.0_f64) {
+            let gram = DMatrix::from_element(2, 2, 1.0);
+            let x = solve(&gram, &DVector::from_element(2, right));
+            prop_assert!((x.sum() - right).abs() < 1e-12, "{x}");
+        }
+    }
+}

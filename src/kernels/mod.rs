@@ -1,0 +1,15 @@
+//! The method, in the order in which it runs. Nothing here names a Python type.
+//!
+//! | step                                          | file          |
+//! |-----------------------------------------------|---------------|
+//! | directions, pixels, solid angles              | `sphere.rs`   |
+//! | low-discrepancy points, icospheres            | `sampling.rs` |
+//! | unusable samples, reduction to a working size | `image.rs`    |
+//! | exact irradiance of a white probe             | `probe.rs`    |
+//! | ambient + directional lights from the probe   | `fit/`        |
+
+pub mod fit;
+pub mod image;
+pub mod probe;
+pub mod sampling;
+pub mod sphere;

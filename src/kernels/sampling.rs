@@ -1,0 +1,166 @@
+//! Points that fill the sphere evenly: Hammersley, Halton, icospheres.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::DVec3;
+use ndarray::{Array1, Array2, ArrayView2};
+
+use super::sphere::{check_rows, direction, from_vectors};
+use crate::error::{Error, Result};
+
+/// Faces of the finest icosphere that is made: 8 subdivisions.
+const MOST_FACES: usize = 20 << 16;
+
+/// The digits of `index` in `base`, mirrored behind the point: van der Corput's sequence.
+///
+/// ```text
+/// index = sum_k a_k base^k   ->   sum_k a_k base^(-k - 1)   in 0 .. 1
+/// ```
+///
+/// # Errors
+///
+/// [`Error::BadBase`] for a base below 2.
+pub fn radical_inverse(index: u64, base: u64) -> Result<f64> {
+    if base < 2 {
+        return Err(Error::BadBase { base });
+    }
+    Ok(mirrored_digits(index, base))
+}
+
+fn mirrored_digits(mut index: u64, base: u64) -> f64 {
+    if base == 2 {
+        // Mirroring bits is one instruction; 53 of them fill the double.
+        return (index.reverse_bits() >> 11) as f64 * 2.0_f64.powi(-53);
+    }
+    let (mut value, mut weight) = (0.0, 1.0);
+    while index > 0 {
+        weight /= base as f64;
+        value += weight * (index % base) as f64;
+        index /= base;
+    }
+    value
+}
+
+/// The `count` Hammersley points of the unit square, (count, 2): `(i / count, radical inverse of i)`.
+pub fn hammersley(count: usize) -> Array2<f64> {
+    Array2::from_shape_fn((count, 2), |(i, axis)| {
+        if axis == 0 { i as f64 / count as f64 } else { mirrored_digits(i as u64, 2) }
+    })
+}
+
+/// The first `count` Halton points, (count, number of bases): one radical inverse for each base.
+///
+/// # Errors
+///
+/// [`Error::BadBase`] for a base below 2.
+pub fn halton(count: usize, bases: &[u64]) -> Result<Array2<f64>> {
+    if let Some(&base) = bases.iter().find(|&&base| base < 2) {
+        return Err(Error::BadBase { base });
+    }
+    Ok(Array2::from_shape_fn((count, bases.len()), |(i, axis)| mirrored_digits(i as u64, bases[axis])))
+}
+
+/// Points of the unit square, (n, 2), laid on the sphere so that equal areas stay equal: (n, 3).
+///
+/// Archimedes: height on the axis is uniform. `u` runs from the top pole to the bottom one
+/// (`y = 1 - 2 u`), `v` around (`phi = 2 pi v`).
+///
+/// # Errors
+///
+/// [`Error::WrongColumns`], [`Error::NotFinite`].
+pub fn uniform_sphere(uv: ArrayView2<'_, f64>) -> Result<Array2<f64>> {
+    check_rows("uv", uv, 2)?;
+    Ok(from_vectors(uv.rows().into_iter().map(|row| {
+        // acos(1 - 2u) = 2 asin(sqrt u), which keeps its digits at the poles.
+        direction(2.0 * row[0].clamp(0.0, 1.0).sqrt().asin(), TAU * row[1])
+    })))
+}
+
+/// Centroids, (faces, 3), and solid angles, (faces,), of the faces of a subdivided icosahedron.
+///
+/// Each subdivision cuts every triangle into four at the midpoints of its edges, pushed out to
+/// the sphere. The solid angles differ by -7 % / +20 % from their mean: weight by them.
+///
+/// # Errors
+///
+/// [`Error::NoSuchIcosphere`] when `faces` is not 20 * 4^k.
+pub fn icosphere(faces: usize) -> Result<(Array2<f64>, Array1<f64>)> {
+    let mut triangles = icosahedron();
+    if faces > MOST_FACES {
+        return Err(Error::NoSuchIcosphere { faces, limit: MOST_FACES });
+    }
+    while triangles.len() < faces {
+        triangles = triangles.into_iter().flat_map(quarters).collect();
+    }
+    if triangles.len() != faces {
+        return Err(Error::NoSuchIcosphere { faces, limit: MOST_FACES });
+    }
+    let centroids = from_vectors(triangles.iter().map(|[a, b, c]| (*a + *b + *c).normalize()));
+    Ok((centroids, triangles.iter().map(spherical_area).collect()))
+}
+
+/// The 20 faces of the icosahedron with vertices on both poles.
+fn icosahedron() -> Vec<[DVec3; 3]> {
+    let latitude_circle = |theta: f64, turn: f64| -> Vec<DVec3> {
+        (0..5).map(|k| direction(theta, (f64::from(k) + turn) * TAU / 5.0)).collect()
+    };
+    let theta = 2.0_f64.atan();
+    let (upper, lower) = (latitude_circle(theta, 0.0), latitude_circle(PI - theta, 0.5));
+    (0..5)
+        .flat_map(|k| {
+            let next = (k + 1) % 5;
+            [
+                [DVec3::Y, upper[k], upper[next]],
+                [upper[k], lower[k], upper[next]],
+                [upper[next], lower[k], lower[next]],
+                [DVec3::NEG_Y, lower[next], lower[k]],
+            ]
+        })
+        .collect()
+}
+
+fn quarters([a, b, c]: [DVec3; 3]) -> [[DVec3; 3]; 4] {
+    let (ab, bc, ca) = ((a + b).normalize(), (b + c).normalize(), (c + a).normalize());
+    [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+}
+
+/// Solid angle of a triangle on the sphere (van Oosterom and Strackee 1983):
+/// `tan(omega / 2) = a.(b x c) / (1 + a.b + b.c + c.a)`.
+fn spherical_area([a, b, c]: &[DVec3; 3]) -> f64 {
+    let volume = a.dot(b.cross(*c)).abs();
+    2.0 * volume.atan2(1.0 + a.dot(*b) + b.dot(*c) + c.dot(*a))
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn radical_inverses_mirror_the_digits() {
+        let halves: Vec<f64> = (0..5).map(|i| radical_inverse(i, 2).unwrap()).collect();
+        assert_eq!(halves, [0.0, 0.5, 0.25, 0.75, 0.125]);
+        assert_relative_eq!(radical_inverse(5, 3).unwrap(), 2.0 / 3.0 + 1.0 / 9.0);
+        assert_eq!(radical_inverse(1, 1), Err(Error::BadBase { base: 1 }));
+    }
+
+    #[test]
+    fn icospheres_cover_the_sphere_once() {
+        for faces in [20, 320, 5120] {
+            let (centroids, solid_angles) = icosphere(faces).unwrap();
+            assert_eq!(centroids.nrows(), faces);
+            assert_relative_eq!(solid_angles.sum(), 4.0 * PI, max_relative = 1e-12);
+        }
+        assert!(icosphere(100).is_err());
+    }
+
+    #[test]
+    fn hammersley_on_the_sphere_has_no_preferred_direction() {
+        let points = uniform_sphere(hammersley(4096).view()).unwrap();
+        for axis in points.columns() {
+            assert!(axis.mean().unwrap().abs() < 1e-3);
+            assert_relative_eq!(axis.mapv(|x| x * x).mean().unwrap(), 1.0 / 3.0, epsilon = 1e-3);
+        }
+    }
+}

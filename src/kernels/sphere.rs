@@ -1,0 +1,269 @@
+//! The sphere of directions and its equirectangular picture.
+//!
+//! Conventions, for the whole crate (right-handed, y up):
+//!
+//! ```text
+//!            +y  (row 0, theta = 0)    +z  (into the page: the centre of the image)
+//!             |                      /
+//!             |                   /        theta: angle from +y,                    0 ..   pi, down the rows
+//!   +x -------+ - - - - - - - -            phi:   angle from -z over +x towards +z, 0 .. 2 pi, along the columns
+//!
+//!   direction = (sin phi sin theta, cos theta, -cos phi sin theta)
+//! ```
+//!
+//! Image coordinates: `u = phi / 2 pi` from the left edge, `v = theta / pi` from the top.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::DVec3;
+use ndarray::{Array2, Array3, ArrayView2};
+
+use crate::error::{Error, Result};
+
+/// How pixels lie on the sphere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Registration {
+    /// Pixel `x` of `width` stands for the cell between `x` and `x + 1` widths: most files.
+    CellCentred,
+    /// The first and last columns lie on the seam, the first and last rows on the poles: `OpenEXR`
+    /// files with the `envmap` attribute. Their cells are half as wide as the others.
+    BorderSampled,
+}
+
+impl Registration {
+    /// Polar angles between the rows: `height + 1` values from 0 to pi.
+    pub fn theta_edges(self, height: usize) -> Vec<f64> {
+        self.edges(height, PI)
+    }
+
+    /// Azimuths between the columns: `width + 1` values from 0 to 2 pi.
+    pub fn phi_edges(self, width: usize) -> Vec<f64> {
+        self.edges(width, TAU)
+    }
+
+    fn edges(self, cells: usize, range: f64) -> Vec<f64> {
+        let edge = |i: usize| match self {
+            Self::CellCentred => i as f64 / cells as f64,
+            Self::BorderSampled => (i as f64 - 0.5) / (cells - 1) as f64,
+        };
+        (0..=cells).map(|i| range * edge(i).clamp(0.0, 1.0)).collect()
+    }
+
+    /// Where the samples of `cells` pixels lie in `0 ..= range`.
+    fn centres(self, cells: usize, range: f64) -> Vec<f64> {
+        let centre = |i: usize| match self {
+            Self::CellCentred => (i as f64 + 0.5) / cells as f64,
+            Self::BorderSampled => i as f64 / (cells - 1) as f64,
+        };
+        (0..cells).map(|i| range * centre(i)).collect()
+    }
+}
+
+/// The direction at polar angle `theta` and azimuth `phi`, both in radians.
+pub fn direction(theta: f64, phi: f64) -> DVec3 {
+    let (sin_theta, cos_theta) = theta.sin_cos();
+    let (sin_phi, cos_phi) = phi.sin_cos();
+    DVec3::new(sin_phi * sin_theta, cos_theta, -cos_phi * sin_theta)
+}
+
+/// Polar angle and azimuth in `0 .. 2 pi` of `direction`; the inverse of [`direction`].
+///
+/// `atan2` of the two legs, not `acos` of one: near the poles `acos` keeps half of the digits.
+pub fn angles(direction: DVec3) -> (f64, f64) {
+    let equatorial = direction.x.hypot(direction.z);
+    let theta = equatorial.atan2(direction.y);
+    let phi = direction.x.atan2(-direction.z);
+    (theta, if phi < 0.0 { phi + TAU } else { phi })
+}
+
+/// Directions, (n, 3), of the image coordinates `uv`, (n, 2).
+///
+/// # Errors
+///
+/// [`Error::WrongColumns`], [`Error::NotFinite`].
+pub fn uv_to_direction(uv: ArrayView2<'_, f64>) -> Result<Array2<f64>> {
+    check_rows("uv", uv, 2)?;
+    Ok(from_vectors(uv.rows().into_iter().map(|row| direction(PI * row[1], TAU * row[0]))))
+}
+
+/// Image coordinates, (n, 2), of the unit vectors `directions`, (n, 3); `u` lies in `0 .. 1`.
+///
+/// # Errors
+///
+/// [`Error::WrongColumns`], [`Error::NotFinite`], [`Error::NotUnit`].
+pub fn direction_to_uv(directions: ArrayView2<'_, f64>) -> Result<Array2<f64>> {
+    let directions = unit_vectors("direction", directions)?;
+    let mut out = Array2::zeros((directions.len(), 2));
+    for (mut row, &d) in out.rows_mut().into_iter().zip(&directions) {
+        let (theta, phi) = angles(d);
+        row[0] = (phi / TAU) % 1.0;
+        row[1] = theta / PI;
+    }
+    Ok(out)
+}
+
+/// Direction of every pixel's sample: (height, width, 3).
+///
+/// # Errors
+///
+/// [`Error::NotAMap`] for fewer than 2 rows or columns.
+pub fn pixel_directions(height: usize, width: usize, registration: Registration) -> Result<Array3<f64>> {
+    check_size(height, width)?;
+    let thetas = registration.centres(height, PI);
+    let phis = registration.centres(width, TAU);
+    Ok(Array3::from_shape_fn((height, width, 3), |(row, column, axis)| {
+        direction(thetas[row], phis[column])[axis]
+    }))
+}
+
+/// Solid angle of every pixel in steradians: (height, width).
+///
+/// The patch between two parallels and two meridians has the closed form
+///
+/// ```text
+/// omega = (phi_right - phi_left) * (cos theta_top - cos theta_bottom)
+/// ```
+///
+/// which we use instead of the midpoint rule `sin theta * dtheta * dphi`: the closed form sums
+/// to 4 pi over the image, the midpoint rule does so only in the limit.
+///
+/// # Errors
+///
+/// [`Error::NotAMap`] for fewer than 2 rows or columns.
+pub fn pixel_solid_angles(height: usize, width: usize, registration: Registration) -> Result<Array2<f64>> {
+    check_size(height, width)?;
+    let bands = band_heights(&registration.theta_edges(height));
+    let phi = registration.phi_edges(width);
+    Ok(Array2::from_shape_fn((height, width), |(row, column)| bands[row] * (phi[column + 1] - phi[column])))
+}
+
+/// `cos theta_top - cos theta_bottom` of each row, as a product that does not cancel at the poles.
+pub fn band_heights(theta_edges: &[f64]) -> Vec<f64> {
+    theta_edges
+        .windows(2)
+        .map(|edge| 2.0 * (0.5 * (edge[0] + edge[1])).sin() * (0.5 * (edge[1] - edge[0])).sin())
+        .collect()
+}
+
+/// Two unit vectors that make a right angle with `axis` and with each other.
+///
+/// The frame follows the axis' smallest component, so that it exists at the poles as anywhere.
+pub fn tangents(axis: DVec3) -> [DVec3; 2] {
+    let first = axis.any_orthonormal_vector();
+    [first, axis.cross(first)]
+}
+
+/// `axis` moved along the great circle that starts with the tangent vector `step` (radians).
+pub fn exponential_map(axis: DVec3, step: DVec3) -> DVec3 {
+    let angle = step.length();
+    if angle < f64::MIN_POSITIVE {
+        return axis;
+    }
+    (axis * angle.cos() + step * (angle.sin() / angle)).normalize()
+}
+
+/// `rows` as unit vectors.
+///
+/// # Errors
+///
+/// [`Error::WrongColumns`], [`Error::NotFinite`], [`Error::NotUnit`].
+pub fn unit_vectors(what: &'static str, rows: ArrayView2<'_, f64>) -> Result<Vec<DVec3>> {
+    // Vectors that were normalised in f32 pass, vectors that were never normalised do not.
+    const TOLERANCE: f64 = 1e-5;
+    check_rows(what, rows, 3)?;
+    rows.rows()
+        .into_iter()
+        .enumerate()
+        .map(|(index, row)| {
+            let vector = DVec3::new(row[0], row[1], row[2]);
+            let length = vector.length();
+            if (length - 1.0).abs() <= TOLERANCE {
+                Ok(vector)
+            } else {
+                Err(Error::NotUnit { what, index, length })
+            }
+        })
+        .collect()
+}
+
+/// Refuse an array that is not (n, `columns`) or holds a number that is not finite.
+pub(crate) fn check_rows(what: &'static str, rows: ArrayView2<'_, f64>, columns: usize) -> Result<()> {
+    if rows.ncols() != columns {
+        return Err(Error::WrongColumns { what, columns, shape: rows.shape().to_vec() });
+    }
+    for (index, row) in rows.rows().into_iter().enumerate() {
+        if let Some(&value) = row.iter().find(|value| !value.is_finite()) {
+            return Err(Error::NotFinite { what, index, value });
+        }
+    }
+    Ok(())
+}
+
+pub(crate) fn check_size(height: usize, width: usize) -> Result<()> {
+    if height < 2 || width < 2 {
+        return Err(Error::NotAMap { shape: vec![height, width, 3] });
+    }
+    Ok(())
+}
+
+/// Vectors as the rows of an array.
+pub(crate) fn from_vectors(vectors: impl ExactSizeIterator<Item = DVec3>) -> Array2<f64> {
+    let mut out = Array2::zeros((vectors.len(), 3));
+    for (mut row, vector) in out.rows_mut().into_iter().zip(vectors) {
+        row.assign(&ndarray::aview1(&vector.to_array()));
+    }
+    out
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+    use proptest::prelude::*;
+
+    #[test]
+    fn centre_looks_along_z_and_left_quarter_along_x() {
+        assert!((direction(PI / 2.0, PI) - DVec3::Z).length() < 1e-15);
+        assert!((direction(PI / 2.0, PI / 2.0) - DVec3::X).length() < 1e-15);
+        assert!((direction(0.0, 1.0) - DVec3::Y).length() < 1e-15);
+    }
+
+    #[test]
+    fn pixels_cover_the_sphere_once() {
+        for registration in [Registration::CellCentred, Registration::BorderSampled] {
+            let total: f64 = pixel_solid_angles(512, 1024, registration).unwrap().sum();
+            assert_relative_eq!(total, 4.0 * PI, max_relative = 1e-13);
+        }
+    }
+
+    #[test]
+    fn border_samples_lie_on_seam_and_poles() {
+        let directions = pixel_directions(5, 9, Registration::BorderSampled).unwrap();
+        assert_relative_eq!(directions[[0, 3, 1]], 1.0);
+        assert_relative_eq!(directions[[2, 0, 2]], -1.0, epsilon = 1e-15);
+        assert_relative_eq!(directions[[2, 8, 2]], -1.0, epsilon = 1e-15);
+    }
+
+    proptest! {
+        #[test]
+        fn angles_invert_direction(theta in 0.0..PI, phi in 0.0..TAU) {
+            let d = direction(theta, phi);
+            let (theta_again, phi_again) = angles(d);
+            prop_assert!((direction(theta_again, phi_again) - d).length() < 1e-14);
+            prop_assert!((theta - theta_again).abs() < 1e-12, "{theta} {theta_again}");
+        }
+
+        #[test]
+        fn exponential_map_turns_by_the_length_of_its_step(
+            theta in 0.0..PI, phi in 0.0..TAU, a in -1.0..1.0_f64, b in -1.0..1.0_f64,
+        ) {
+            let axis = direction(theta, phi);
+            let [s, t] = tangents(axis);
+            let step = s * a + t * b;
+            let turned = exponential_map(axis, step);
+            prop_assert!((turned.length() - 1.0).abs() < 1e-14);
+            prop_assert!((axis.angle_between(turned) - step.length()).abs() < 1e-7);
+        }
+    }
+}

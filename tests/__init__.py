@@ -1,0 +1,1 @@
+"""Tests; `twins` holds slow, plain versions of what they check."""

@@ -1,0 +1,78 @@
+"""The command line: one subcommand, one public function, one sentence for a refusal."""
+
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import envlights as el
+from envlights import io
+from envlights.cli import main
+
+
+def run(*arguments):
+    return CliRunner().invoke(main, [str(argument) for argument in arguments])
+
+
+@pytest.fixture(scope="module")
+def hall(tmp_path_factory):
+    path = tmp_path_factory.mktemp("maps") / "hall.exr"
+    io.write_exr(path, el.synthetic.hall(64).radiance)
+    return path
+
+
+def test_fit_prints_a_table_and_writes_rig_and_picture(hall, tmp_path):
+    rig, picture = tmp_path / "rig.json", tmp_path / "rig.png"
+    result = run("fit", hall, "-n", 3, "-o", rig, "-o", picture)
+    assert result.exit_code == 0, result.output
+    assert "relative RMS error" in result.stdout
+    assert len(el.Rig.load(rig).lights) == 3
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["rig.json", "rig.png"]
+
+
+def test_json_is_what_save_writes(hall):
+    result = run("fit", hall, "-n", 2, "--json")
+    assert result.exit_code == 0
+    data = json.loads(result.stdout)
+    expected = el.fit(el.EnvMap.open(hall), lights=2).to_dict()
+    for name in ("ambient", "lights", "error"):
+        assert data[name] == expected[name]
+
+
+def test_demo_writes_map_rig_and_picture(tmp_path):
+    result = run("demo", "-o", tmp_path)
+    assert result.exit_code == 0, result.output
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["hall.exr", "hall.json", "hall.png"]
+    assert el.Rig.load(tmp_path / "hall.json").error < 0.01
+
+
+def test_a_black_map_is_answered(tmp_path):
+    io.write_exr(tmp_path / "black.exr", np.zeros((16, 32, 3), np.float32))
+    result = run("fit", tmp_path / "black.exr", "-o", tmp_path / "black.png")
+    assert result.exit_code == 0, result.output
+    assert "no directional light" in result.stdout
+
+
+def test_refusals_are_a_sentence_and_exit_code_2(hall, tmp_path):
+    read_only = tmp_path / "kept.json"
+    read_only.write_text("kept")
+    read_only.chmod(0o444)
+    cases = {
+        ("fit", tmp_path / "none.exr"): "there is no such file",
+        ("fit", tmp_path): "it is a folder",
+        ("fit", hall, "-n", -1): "lights must be a whole number, 0 or more; got -1",
+        ("fit", hall, "-n", 3.5): "'3.5' is not a valid integer",
+        ("fit", hall, "-o", tmp_path / "none" / "rig.json"): "does not exist",
+        ("fit", hall, "-o", read_only): "marked read-only",
+        ("fit", hall, "-o", tmp_path / "rig.yaml"): "the suffix must be one of",
+        ("demo", "-o", tmp_path / "none"): "does not exist",
+    }
+    for arguments, message in cases.items():
+        result = run(*arguments)
+        assert result.exit_code == 2, arguments
+        assert message in result.stderr
+        assert result.stdout == ""
+    assert [path.name for path in tmp_path.iterdir()] == ["kept.json"]
+    assert read_only.read_text() == "kept"

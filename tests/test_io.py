@@ -1,0 +1,227 @@
+"""Maps in: files of every kind, what is cleaned, what is refused."""
+
+import numpy as np
+import OpenImageIO as oiio  # noqa: N813, its own name for itself
+import pytest
+
+import envlights as el
+from envlights import io
+from tests.conftest import EQUIRECTANGULAR, real_maps
+
+RADIANCE = np.random.default_rng(1).gamma(0.5, 2.0, size=(16, 32, 3)).astype(np.float32)
+
+
+def write(path, pixels, file_format=oiio.FLOAT, **attributes):
+    height, width, channels = pixels.shape
+    spec = oiio.ImageSpec(width, height, channels, file_format)
+    for name, value in attributes.items():
+        if name == "channelnames":
+            spec.channelnames = value
+        elif name == "tile":
+            spec.tile_width = spec.tile_height = value
+        else:
+            spec.attribute(name.replace("__", ":"), value)
+    file = oiio.ImageOutput.create(str(path))
+    assert file.open(str(path), spec), file.geterror()
+    assert file.write_image(np.ascontiguousarray(pixels)), file.geterror()
+    file.close()
+    return path
+
+
+def srgb(linear):
+    coded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+    return coded.astype(np.float32)
+
+
+@pytest.mark.parametrize(
+    ("name", "file_format", "attributes", "rtol"),
+    [
+        ("map.exr", oiio.FLOAT, {}, 0),
+        ("map.exr", oiio.HALF, {}, 1e-3),
+        ("map.exr", oiio.FLOAT, {"tile": 16}, 0),
+        ("map.tif", oiio.FLOAT, {}, 0),
+    ],
+)
+def test_linear_files_are_read_as_they_are(tmp_path, name, file_format, attributes, rtol):
+    env = el.EnvMap.open(write(tmp_path / name, RADIANCE, file_format, **attributes))
+    np.testing.assert_allclose(env.radiance, RADIANCE, rtol=rtol, atol=1e-7 if rtol else 0)
+    assert env.notes == ()
+    assert env.registration == "cell-centred"
+
+
+@pytest.mark.parametrize("rle", [0, 1])
+def test_radiance_files_keep_their_shared_exponent(tmp_path, rle):
+    path = write(tmp_path / "map.hdr", RADIANCE, rgbe__rle=rle)
+    brightest = RADIANCE.max(axis=2, keepdims=True)
+    difference = np.abs(el.EnvMap.open(path).radiance - RADIANCE)
+    assert (difference <= brightest / 128).all()
+
+
+@pytest.mark.parametrize(
+    ("name", "file_format", "steps"),
+    [
+        ("map.png", oiio.UINT8, 255),
+        ("map.png", oiio.UINT16, 65535),
+        ("map.tif", oiio.UINT16, 65535),
+    ],
+)
+def test_integer_files_are_linearised_from_srgb(tmp_path, name, file_format, steps):
+    linear = np.linspace(0, 1, 16 * 32 * 3).reshape(16, 32, 3)
+    env = el.EnvMap.open(write(tmp_path / name, srgb(linear), file_format))
+    # Half a code, times the steepest slope of the curve.
+    np.testing.assert_allclose(env.radiance, linear, atol=0.5 * 2.3 / steps)
+    assert "sRGB" in env.notes[0]
+
+
+def test_jpeg_is_read(tmp_path):
+    grey = np.full((16, 32, 3), srgb(np.array(0.25)), np.float32)
+    env = el.EnvMap.open(write(tmp_path / "map.jpg", grey, oiio.UINT8))
+    np.testing.assert_allclose(env.radiance, 0.25, atol=0.01)
+
+
+@pytest.mark.parametrize(("name", "file_format"), [("a.exr", oiio.FLOAT), ("a.png", oiio.UINT8)])
+def test_alpha_is_ignored_and_noted(tmp_path, name, file_format):
+    pixels = np.full((16, 32, 4), 0.5, np.float32)
+    env = el.EnvMap.open(write(tmp_path / name, pixels, file_format, oiio__UnassociatedAlpha=1))
+    expected = 0.5 if file_format == oiio.FLOAT else io.decode_srgb(np.array(128 / 255))
+    np.testing.assert_allclose(env.radiance, expected, rtol=1e-2)
+    assert "alpha was ignored" in env.notes
+
+
+def test_extra_channels_are_ignored_and_noted(tmp_path):
+    pixels = np.concatenate([RADIANCE, np.full((16, 32, 1), 9, np.float32)], axis=2)
+    path = write(tmp_path / "z.exr", pixels, channelnames=("R", "G", "B", "Z"))
+    env = el.EnvMap.open(path)
+    np.testing.assert_array_equal(env.radiance, RADIANCE)
+    assert "other channels were ignored: Z" in env.notes
+
+
+def test_a_single_channel_is_grey(tmp_path):
+    path = write(tmp_path / "y.exr", RADIANCE[..., :1], channelnames=("Y",))
+    env = el.EnvMap.open(path)
+    np.testing.assert_array_equal(env.radiance, np.repeat(RADIANCE[..., :1], 3, axis=2))
+    assert "the only channel, Y, was taken as grey" in env.notes
+
+
+def test_the_envmap_attribute_says_where_pixels_lie_and_can_be_overruled(tmp_path):
+    path = write(tmp_path / "env.exr", RADIANCE, textureformat="LatLong Environment")
+    assert el.EnvMap.open(path).registration == "border-sampled"
+    assert el.EnvMap.open(path, registration="cell-centred").registration == "cell-centred"
+
+
+def test_exr_round_trip_is_exact(tmp_path):
+    io.write_exr(tmp_path / "map.exr", RADIANCE)
+    np.testing.assert_array_equal(el.EnvMap.open(tmp_path / "map.exr").radiance, RADIANCE)
+    assert [path.name for path in tmp_path.iterdir()] == ["map.exr"]
+
+
+def test_float32_arrays_are_not_copied():
+    array = RADIANCE.copy()
+    env = el.EnvMap(array)
+    assert np.shares_memory(env.radiance, array)
+    assert not env.radiance.flags.writeable
+    array.flags.writeable = False
+    assert np.shares_memory(el.EnvMap(array).radiance, array)
+
+
+def test_integer_arrays_are_taken_as_srgb_and_noted():
+    codes = np.full((4, 8, 3), 188, np.uint8)
+    env = el.EnvMap(codes)
+    np.testing.assert_allclose(env.radiance, ((188 / 255 + 0.055) / 1.055) ** 2.4, rtol=1e-6)
+    assert env.notes == ("uint8 samples were taken as sRGB-coded and linearised",)
+
+
+def test_unusable_samples_are_cleaned_and_counted():
+    array = np.ones((4, 8, 3))
+    array[0, 0] = np.nan, np.inf, -1
+    array[1, 1] = -np.inf, 5, 1e300
+    env = el.EnvMap(array)
+    np.testing.assert_array_equal(env.radiance[0, 0], [0, 5, 0])
+    np.testing.assert_array_equal(env.radiance[1, 1], [0, 5, 5])
+    assert env.notes == (
+        "1 NaN sample set to 0",
+        "2 negative samples set to 0",
+        "2 infinite samples set to 5",
+    )
+    assert np.isnan(array[0, 0, 0]), "the caller's array was changed"
+
+
+@pytest.mark.parametrize(
+    ("array", "message"),
+    [
+        (np.ones((4, 8)), r"shape \(height, width, 3\); got \(4, 8\)"),
+        (np.ones((4, 8, 4)), r"got \(4, 8, 4\)"),
+        (np.ones((8, 8, 3)), r"twice as wide as high; got 8x8"),
+        (np.ones((1, 2, 3)), r"at least 4x2 pixels; got 2x1"),
+        (np.ones((2, 1, 3)), r"twice as wide as high; got 1x2"),
+        (np.ones((0, 0, 3)), r"at least 4x2 pixels; got 0x0"),
+        (np.ones((4, 8, 3), complex), r"got the dtype complex128"),
+        (np.ones((4, 8, 3), bool), r"got the dtype bool"),
+        (np.ones((4, 8, 3), np.int32), r"got the dtype int32"),
+        ([[1, 2], [3]], r"a map must be an array of numbers"),
+        ("hall.exr", r"got the dtype <U8"),
+        (np.full((4, 8, 3), np.nan), r"no finite sample"),
+    ],
+)
+def test_arrays_that_are_no_map_are_refused(array, message):
+    with pytest.raises(el.EnvLightsError, match=message):
+        el.EnvMap(array)
+
+
+@pytest.mark.parametrize(("name", "wanted"), [("projection", "cube"), ("registration", "middle")])
+def test_unknown_choices_are_refused(name, wanted):
+    with pytest.raises(el.EnvLightsError, match=rf"{name} must be .*; got '{wanted}'"):
+        el.EnvMap(np.ones((4, 8, 3)), **{name: wanted})
+
+
+def broken_files(folder):
+    """Path and words of the refusal."""
+    whole = write(folder / "whole.exr", RADIANCE.repeat(8, 0).repeat(8, 1)).read_bytes()
+    (folder / "empty.exr").write_bytes(b"")
+    (folder / "text.hdr").write_text("this is no picture\n")
+    (folder / "truncated.exr").write_bytes(whole[: len(whole) // 2])
+    write(folder / "square.exr", RADIANCE[:, :16])
+    write(folder / "two.exr", RADIANCE[..., :2], channelnames=("R", "B"))
+    write(folder / "cube.exr", RADIANCE, textureformat="CubeFace Environment")
+    return {
+        "missing.exr": "no such file",
+        "": "it is a folder",
+        "empty.exr": "the file is empty",
+        "text.hdr": "cannot read",
+        "truncated.exr": "cannot read all pixels",
+        "square.exr": "twice as wide as high; got 16x16",
+        "two.exr": "R, G, B or one is needed",
+        "cube.exr": "cube map",
+    }
+
+
+def test_broken_files_are_refused_in_one_sentence_that_names_them(tmp_path):
+    for name, message in broken_files(tmp_path).items():
+        with pytest.raises(el.EnvLightsError, match=message) as refusal:
+            el.EnvMap.open(tmp_path / name)
+        assert str(tmp_path / name) in str(refusal.value)
+        assert "\n" not in str(refusal.value)
+
+
+@real_maps(*EQUIRECTANGULAR)
+def test_real_maps_open_clean(path):
+    env = el.EnvMap.open(path)
+    assert np.isfinite(env.radiance).all()
+    assert (env.radiance >= 0).all()
+    expected = "border-sampled" if "LatLong" in path.name else "cell-centred"
+    assert env.registration == expected
+
+
+@real_maps("loader_tests/damaged/*", "loader_tests/*YC.exr", "openexr_envmaps/*Cube.exr")
+def test_damaged_and_other_files_are_refused(path):
+    with pytest.raises(el.EnvLightsError, match=r"cannot read|R, G, B or one") as refusal:
+        el.EnvMap.open(path)
+    assert "\n" not in str(refusal.value)
+
+
+@real_maps("loader_tests/[!C]*.exr", "loader_tests/*709.exr", "loader_tests/*XYZ.exr")
+def test_odd_files_are_read_whole(path):
+    image = io.read_image(path)
+    assert image.pixels.ndim == 3
+    assert image.pixels.shape[2] == 3
+    assert image.pixels.dtype == np.float32

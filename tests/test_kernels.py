@@ -1,0 +1,113 @@
+"""The compiled steps against closed forms and independent libraries."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.stats import qmc
+
+import envlights as el
+from envlights import kernels
+
+
+def test_radical_inverse_of_base_2_and_3_is_scipys_van_der_corput():
+    for base in (2, 3, 7):
+        ours = [kernels.radical_inverse(i, base) for i in range(200)]
+        # The first axis of a Halton sequence is base 2, the next 3, 5, 7.
+        axis = [2, 3, 5, 7].index(base)
+        theirs = qmc.Halton(4, scramble=False).random(200)[:, axis]
+        np.testing.assert_allclose(ours, theirs, atol=1e-15)
+
+
+def test_halton_is_scipys():
+    theirs = qmc.Halton(2, scramble=False).random(500)
+    np.testing.assert_allclose(kernels.halton(500), theirs, atol=1e-15)
+
+
+def test_hammersley_on_the_sphere_covers_caps_in_proportion():
+    """A cap of height h holds the share h / 2 of the sphere (Archimedes)."""
+    directions = kernels.uniform_sphere(kernels.hammersley(4096))
+    for pole in np.eye(3):
+        for cosine in (-0.5, 0.0, 0.9):
+            share = (directions @ pole > cosine).mean()
+            assert share == pytest.approx((1 - cosine) / 2, abs=4e-3)
+
+
+@pytest.mark.parametrize("border_sampled", [False, True])
+@pytest.mark.parametrize("height", [2, 64, 1024])
+def test_solid_angles_sum_to_the_sphere(height, border_sampled):
+    total = kernels.pixel_solid_angles(height, 2 * height, border_sampled=border_sampled).sum()
+    assert total == pytest.approx(4 * np.pi, rel=1e-12)
+
+
+def test_frame_is_the_one_of_openexr():
+    directions = kernels.uv_to_direction([[0.5, 0.5], [0.25, 0.5], [0.3, 0.0], [0.0, 0.5]])
+    expected = [[0, 0, 1], [1, 0, 0], [0, 1, 0], [0, 0, -1]]
+    np.testing.assert_allclose(directions, expected, atol=1e-15)
+
+
+def test_pixels_look_along_their_centres():
+    x, y = 5, 3
+    (direction,) = kernels.uv_to_direction([[(x + 0.5) / 16, (y + 0.5) / 8]])
+    np.testing.assert_allclose(kernels.pixel_directions(8, 16)[y, x], direction, atol=1e-15)
+
+
+@given(st.floats(0, 1, exclude_max=True), st.floats(0, 1))
+def test_uv_survives_the_way_through_directions(u, v):
+    direction = kernels.uv_to_direction([[u, v]])
+    again = kernels.uv_to_direction(kernels.direction_to_uv(direction))
+    np.testing.assert_allclose(again, direction, atol=1e-14)
+
+
+def test_icosphere_has_the_papers_sizes_and_no_preferred_direction():
+    for faces in (320, 5120):
+        centroids, solid_angles = kernels.icosphere(faces)
+        assert centroids.shape == (faces, 3)
+        np.testing.assert_allclose(solid_angles @ centroids, 0, atol=1e-12)
+        assert solid_angles.sum() == pytest.approx(4 * np.pi, rel=1e-12)
+
+
+def test_rig_irradiance_is_equations_4_to_6():
+    rng = np.random.default_rng(1)
+    normals, _ = kernels.icosphere(80)
+    directions = kernels.uniform_sphere(rng.uniform(size=(3, 2)))
+    ambient, strength = rng.uniform(size=3), rng.uniform(size=(3, 3))
+    expected = np.pi * ambient + np.maximum(normals @ directions.T, 0) @ strength
+    received = kernels.rig_irradiance(normals, ambient, directions, strength)
+    np.testing.assert_allclose(received, expected, rtol=1e-13)
+
+
+def test_sum_over_sources_is_equations_1_to_3():
+    rng = np.random.default_rng(2)
+    normals, _ = kernels.icosphere(80)
+    directions, solid_angles = kernels.icosphere(320)
+    radiance = rng.uniform(size=(320, 3))
+    cosine = np.maximum(normals @ directions.T, 0)
+    expected = 0.5 * np.array([1, 2, 3]) * (cosine @ (radiance * solid_angles[:, None]))
+    received = kernels.sum_over_sources(
+        normals, directions, radiance, solid_angles, k_d=0.5, C=(1, 2, 3)
+    )
+    np.testing.assert_allclose(received, expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: kernels.icosphere(100), r"20 \* 4\^k faces .* got 100"),
+        (lambda: kernels.radical_inverse(1, 1), r"base of at least 2; got 1"),
+        (lambda: kernels.radical_inverse(-1), r"index must be a whole number, 0 or more; got -1"),
+        (lambda: kernels.direction_to_uv([[0, 2, 0]]), r"direction 0 has length 2; .* unit vector"),
+        (lambda: kernels.direction_to_uv([[0, 1]]), r"shape \(n, 3\); got \[1, 2\]"),
+        (lambda: kernels.uv_to_direction([[0, np.nan]]), r"uv must be finite; row 0 holds NaN"),
+        (lambda: kernels.uv_to_direction([["a", "b"]]), r"uv must hold real numbers; got .*<U1"),
+        (lambda: kernels.pixel_directions(1, 2), r"at least 2; got \[1, 2, 3\]"),
+        (lambda: kernels.hammersley(2.5), r"n must be a whole number, 0 or more; got 2.5"),
+        (
+            lambda: kernels.sum_over_sources([[0, 1, 0]], [[0, 1, 0]], [[1, 1, 1]], [1, 1]),
+            r"solid_angles must have as many rows as directions \(1\); got 2",
+        ),
+    ],
+)
+def test_bad_input_is_refused_by_name(call, message):
+    with pytest.raises(el.EnvLightsError, match=message):
+        call()

@@ -1,0 +1,103 @@
+"""Rigs: round trips, order, words."""
+
+import json
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import envlights as el
+
+POSITIVE = st.floats(0, 1e30, allow_subnormal=False)
+RGB = st.tuples(POSITIVE, POSITIVE, POSITIVE)
+UNIT = st.tuples(st.floats(0, 1), st.floats(0, 1))
+
+
+def a_rig():
+    report = el.FitReport(
+        (0.5, 0.25), 7, el.StopReason.CONVERGED, {"fit": 0.5}, "5 normals", ("a",)
+    )
+    lights = el.Lights([[0, 1, 0], [1, 0, 0]], [[1, 1, 1], [5, 4, 3]])
+    return el.Rig([0.1, 0.2, 0.3], lights, 0.25, report, ("alpha was ignored",))
+
+
+@given(RGB, st.lists(st.tuples(UNIT, RGB), max_size=4))
+def test_saved_rigs_come_back_to_the_bit(tmp_path_factory, ambient, lights):
+    direction = el.kernels.uniform_sphere(np.reshape([uv for uv, _ in lights], (-1, 2)))
+    irradiance = np.reshape([rgb for _, rgb in lights], (-1, 3))
+    rig = el.Rig(ambient, el.Lights(direction, irradiance), error=0.125)
+    path = tmp_path_factory.mktemp("rig") / "rig.json"
+    rig.save(path)
+    again = el.Rig.load(path)
+    np.testing.assert_array_equal(again.ambient, rig.ambient)
+    np.testing.assert_array_equal(again.lights.direction, rig.lights.direction)
+    np.testing.assert_array_equal(again.lights.irradiance, rig.lights.irradiance)
+    assert again.to_dict() == rig.to_dict()
+
+
+def test_reports_and_notes_are_saved(tmp_path):
+    a_rig().save(tmp_path / "rig.json")
+    again = el.Rig.load(tmp_path / "rig.json")
+    assert again.report == a_rig().report
+    assert again.notes == a_rig().notes
+
+
+def test_lights_are_sorted_and_sliced():
+    lights = a_rig().lights
+    np.testing.assert_array_equal(lights.direction[0], [1, 0, 0])
+    assert len(lights[:1]) == 1
+    assert lights[1:].to_dict() == {"direction": [[0, 1, 0]], "irradiance": [[1, 1, 1]]}
+    with pytest.raises(ValueError, match="read-only"):
+        lights.direction[0] = 0
+
+
+def test_the_table_says_where_each_light_is_and_how_wrong_the_rig_is():
+    text = str(a_rig())
+    assert "  90.0°      +0.0°  80.5 %" in text
+    assert "relative RMS error 25 %" in text
+    assert "note: alpha was ignored" in text
+    assert "0: 50 %  1: 25 %" in str(a_rig().report)
+    assert "no directional light" in str(
+        el.Rig([1, 1, 1], el.Lights(np.zeros((0, 3)), np.zeros((0, 3))), 0)
+    )
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"format": "another"}, "is no rig"),
+        ({"version": 2}, "version 2; this package reads 1"),
+        ({"ambient": [0, 0, -1]}, "ambient must be three finite numbers, none negative"),
+        ({"ambient": [0, 0, float("nan")]}, "ambient must be"),
+        ({"lights": {"direction": [[0, 2, 0]], "irradiance": [[1, 1, 1]]}}, "unit vector"),
+        ({"lights": {"direction": [[0, 1, 0]], "irradiance": [[1, 1, -1]]}}, "not negative"),
+        (
+            {"lights": {"direction": [[0, 1, 0]], "irradiance": []}},
+            "irradiance must have the shape",
+        ),
+        ({"lights": {"direction": [[0, 1]], "irradiance": [[1, 1]]}}, "no whole rig"),
+        ({"lights": None}, "no whole rig"),
+        ({"error": "small"}, "no whole rig"),
+        ({"report": {"stop_reason": "TIRED"}}, "no whole rig"),
+    ],
+)
+def test_impossible_files_are_refused(tmp_path, change, message):
+    path = tmp_path / "rig.json"
+    path.write_text(json.dumps({**a_rig().to_dict(), **change}))
+    with pytest.raises(el.EnvLightsError, match=message):
+        el.Rig.load(path)
+
+
+@pytest.mark.parametrize(("content", "message"), [("", "no JSON"), ("[1]", "is no rig")])
+def test_files_of_another_kind_are_refused(tmp_path, content, message):
+    (tmp_path / "rig.json").write_text(content)
+    with pytest.raises(el.EnvLightsError, match=message):
+        el.Rig.load(tmp_path / "rig.json")
+
+
+def test_missing_files_and_other_suffixes_are_refused(tmp_path):
+    with pytest.raises(el.EnvLightsError, match="cannot read"):
+        el.Rig.load(tmp_path / "none.json")
+    with pytest.raises(el.EnvLightsError, match=r"the suffix must be \.json"):
+        a_rig().save(tmp_path / "rig.yaml")

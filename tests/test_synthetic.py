@@ -1,0 +1,64 @@
+"""Synthetic maps have the lights that they say."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import envlights as el
+from envlights import synthetic
+from envlights.synthetic import Disc, PixelSun, Rectangle
+
+
+def flux(radiance):
+    height, width, _ = radiance.shape
+    return (radiance * el.kernels.pixel_solid_angles(height, width)[..., None]).sum(axis=(0, 1))
+
+
+@given(st.floats(0, 1), st.floats(0, 1), st.floats(3, 60))
+def test_discs_have_the_solid_angle_of_a_cap_wherever_they_stand(u, v, radius):
+    (direction,) = el.kernels.uniform_sphere([[u, v]])
+    lamp = synthetic.scene(64, shapes=[Disc(direction, radius, (1, 2, 4))])
+    cap = 2 * np.pi * (1 - np.cos(np.deg2rad(radius)))
+    # Coverage is sampled every 180 / 64 / 4 = 0.7 degrees: the rim may be half of that off.
+    assert lamp.solid_angle[0] == pytest.approx(cap, rel=0.75 / radius)
+    np.testing.assert_allclose(lamp.lights.irradiance[0], flux(lamp.radiance), rtol=1e-6)
+    assert np.rad2deg(np.arccos(min(lamp.lights.direction[0] @ direction, 1))) < 0.3
+
+
+def test_rectangles_have_the_solid_angle_of_a_pyramid():
+    """Their closed form is 4 asin(sin(a / 2) sin(b / 2)), with the opening angles a, b."""
+    lamp = synthetic.scene(256, shapes=[Rectangle((1, 0, 0), 40, 20, (1, 1, 1))])
+    pyramid = 4 * np.arcsin(np.sin(np.deg2rad(20)) * np.sin(np.deg2rad(10)))
+    assert lamp.solid_angle[0] == pytest.approx(pyramid, rel=5e-3)
+
+
+@pytest.mark.parametrize("direction", [(0, 0, -1), (0, 1, 0), (0, -1, 0), (1, 0.2, 0.3)])
+def test_a_pixel_sun_is_one_pixel(direction):
+    sun = synthetic.scene(32, background=(0.5, 0.5, 0.5), shapes=[PixelSun(direction, (9, 9, 9))])
+    assert (sun.radiance == 9).all(axis=2).sum() == 1
+    (row,), (column,) = (sun.radiance[..., 0] == 9).nonzero()
+    solid_angle = el.kernels.pixel_solid_angles(32, 64)[row, column]
+    np.testing.assert_allclose(sun.lights.irradiance[0], 8.5 * solid_angle, rtol=1e-6)
+
+
+def test_the_front_shape_hides_the_one_behind():
+    both = synthetic.scene(
+        64, shapes=[Disc((1, 0, 0), 30, (5, 5, 5)), Disc((1, 0, 0), 20, (1, 1, 1))]
+    )
+    ring, front = both.solid_angle
+    assert ring == pytest.approx(2 * np.pi * (np.cos(np.pi / 9) - np.cos(np.pi / 6)), rel=0.02)
+    assert front == pytest.approx(2 * np.pi * (1 - np.cos(np.pi / 9)), rel=0.02)
+    assert both.radiance[32, 32, 0] == 1
+
+
+def test_the_hall_has_three_windows_that_outshine_the_rest():
+    hall = synthetic.hall(128)
+    assert len(hall.lights) == 3
+    assert hall.radiance.min() > 0
+    assert hall.lights.irradiance.sum() > 0.4 * flux(hall.radiance).sum()
+
+
+def test_no_direction_is_refused():
+    with pytest.raises(el.EnvLightsError, match="a direction must be three numbers"):
+        synthetic.scene(8, shapes=[Disc((0, 0, 0), 5, (1, 1, 1))])
