@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from matplotlib.image import imsave
 
 import envlights as el
 from envlights import io
@@ -63,6 +64,8 @@ def test_refusals_are_a_sentence_and_exit_code_2(hall, tmp_path):
         ("fit", tmp_path / "none.exr"): "there is no such file",
         ("fit", tmp_path): "it is a folder",
         ("fit", hall, "-n", -1): "lights must be a whole number, 0 or more; got -1",
+        ("fit", hall, "-n", 10**20): "lights must be a whole number up to",
+        ("fit", hall, "-n", 10**9): "at least",
         ("fit", hall, "-n", 3.5): "'3.5' is not a valid integer",
         ("fit", hall, "-o", tmp_path / "none" / "rig.json"): "does not exist",
         ("fit", hall, "-o", read_only): "marked read-only",
@@ -76,3 +79,15 @@ def test_refusals_are_a_sentence_and_exit_code_2(hall, tmp_path):
         assert result.stdout == ""
     assert [path.name for path in tmp_path.iterdir()] == ["kept.json"]
     assert read_only.read_text() == "kept"
+
+
+def test_the_map_is_never_overwritten_by_its_picture(tmp_path):
+    path, link = tmp_path / "map.png", tmp_path / "link.png"
+    imsave(path, np.full((8, 16, 3), 0.5))
+    before = path.read_bytes()
+    link.symlink_to(path)
+    for output in (path, link):
+        result = run("fit", path, "-o", output)
+        assert result.exit_code == 2
+        assert "it is the map; give another name" in result.stderr
+    assert path.read_bytes() == before

@@ -1,6 +1,7 @@
 """Files are written whole or not at all."""
 
 import os
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -49,3 +50,52 @@ def test_places_where_nothing_can_be_written_are_refused(tmp_path):
         with pytest.raises(el.EnvLightsError, match=message):
             check_writable(path)
     assert read_only.read_text() == "kept"
+
+
+def test_a_move_that_fails_leaves_nothing(tmp_path, monkeypatch):
+    def fail(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("pathlib.Path.replace", fail)
+    with pytest.raises(el.EnvLightsError, match="No space left"):
+        write_atomically(tmp_path / "rig.json", lambda beside: beside.write_text("new"))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_any_other_failure_of_the_writer_leaves_nothing(tmp_path):
+    def fail(beside):
+        beside.write_text("half")
+        raise RuntimeError("the writer broke")
+
+    with pytest.raises(RuntimeError, match="the writer broke"):
+        write_atomically(tmp_path / "rig.json", fail)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_private_file_stays_private(tmp_path):
+    target = tmp_path / "rig.json"
+    target.write_text("old")
+    target.chmod(0o600)
+    write_atomically(target, lambda beside: beside.write_text("new"))
+    assert target.stat().st_mode & 0o777 == 0o600
+
+
+def test_the_longest_name_is_written_and_impossible_names_are_refused(tmp_path):
+    longest = tmp_path / ("n" * 250 + ".json")
+    write_atomically(longest, lambda beside: beside.write_text("new"))
+    assert longest.read_text() == "new"
+    for name in ("n" * 300 + ".json", "a\0b.json"):
+        with pytest.raises(el.EnvLightsError, match="cannot write"):
+            check_writable(tmp_path / name)
+
+
+def test_threads_that_write_one_file_do_not_disturb_each_other(tmp_path):
+    target = tmp_path / "rig.json"
+
+    def write(_):
+        write_atomically(target, lambda beside: beside.write_text("whole"))
+
+    with ThreadPoolExecutor(4) as pool:
+        list(pool.map(write, range(200)))
+    assert target.read_text() == "whole"
+    assert list(tmp_path.iterdir()) == [target]

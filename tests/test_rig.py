@@ -78,7 +78,7 @@ def test_the_table_says_where_each_light_is_and_how_wrong_the_rig_is():
         ),
         ({"lights": {"direction": [[0, 1]], "irradiance": [[1, 1]]}}, "no whole rig"),
         ({"lights": None}, "no whole rig"),
-        ({"error": "small"}, "no whole rig"),
+        ({"error": "small"}, "no possible rig"),
         ({"report": {"stop_reason": "TIRED"}}, "no whole rig"),
     ],
 )
@@ -101,3 +101,41 @@ def test_missing_files_and_other_suffixes_are_refused(tmp_path):
         el.Rig.load(tmp_path / "none.json")
     with pytest.raises(el.EnvLightsError, match=r"the suffix must be \.json"):
         a_rig().save(tmp_path / "rig.yaml")
+
+
+REPORT = a_rig().to_dict()["report"]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"error": float("nan")},
+        {"error": -1},
+        {"error": 10**400},
+        {"error": True},
+        {"report": {**REPORT, "errors": [float("nan")]}},
+        {"report": {**REPORT, "steps": "x"}},
+        {"report": {**REPORT, "seconds": {"fit": -1}}},
+    ],
+)
+def test_files_with_impossible_numbers_are_refused(tmp_path, change):
+    path = tmp_path / "rig.json"
+    path.write_text(json.dumps({**a_rig().to_dict(), **change}))
+    with pytest.raises(el.EnvLightsError, match=r"holds no possible rig: (error|steps|seconds)"):
+        el.Rig.load(path)
+
+
+def test_nested_brackets_without_end_are_refused(tmp_path):
+    path = tmp_path / "rig.json"
+    path.write_text("[" * 100_000)
+    with pytest.raises(el.EnvLightsError, match="no JSON"):
+        el.Rig.load(path)
+
+
+def test_an_error_that_is_no_number_is_refused_before_it_is_saved():
+    with pytest.raises(el.EnvLightsError, match="error must be a finite number"):
+        el.Rig([0, 0, 0], a_rig().lights, float("nan"))
+
+
+def test_a_black_light_has_a_row():
+    assert " 0.0 %" in str(el.Rig([1, 1, 1], el.Lights([[0, 1, 0]], [[0, 0, 0]]), 0))

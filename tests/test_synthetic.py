@@ -62,3 +62,41 @@ def test_the_hall_has_three_windows_that_outshine_the_rest():
 def test_no_direction_is_refused():
     with pytest.raises(el.EnvLightsError, match="a direction must be three numbers"):
         synthetic.scene(8, shapes=[Disc((0, 0, 0), 5, (1, 1, 1))])
+
+
+def test_shapes_around_one_direction_keep_their_own_solid_angles_and_flux():
+    lamp = synthetic.scene(
+        64, shapes=[Disc((0, 1, 0), 20, (1, 1, 1)), Disc((0, 1, 0), 5, (50, 50, 50))]
+    )
+    inner, outer = 2 * np.pi * (1 - np.cos(np.deg2rad([5, 20])))
+    np.testing.assert_allclose(lamp.solid_angle, [inner, outer - inner], rtol=0.05)
+    np.testing.assert_allclose(lamp.lights.irradiance.sum(axis=0), flux(lamp.radiance), rtol=1e-6)
+    np.testing.assert_allclose(lamp.lights.irradiance[:, 0], [50, 1] * lamp.solid_angle, rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    "shapes",
+    [
+        [Disc((1, 0.01, 0.02), 0.01, (1, 1, 1))],
+        [Disc((1, 0, 0), 10, (0, 0, 0))],
+        [PixelSun((1, 0, 0), (9, 9, 9)), Disc((1, 0, 0), 20, (1, 1, 1))],
+    ],
+    ids=["smaller than a sample", "black", "hidden"],
+)
+def test_shapes_that_add_no_light_are_refused(shapes):
+    with pytest.raises(el.EnvLightsError, match="shape 0 adds no light to the map"):
+        synthetic.scene(64, shapes=shapes)
+
+
+@pytest.mark.parametrize(
+    ("background", "direction", "radiance", "message"),
+    [
+        ((1, 2), (1, 0, 0), (1, 1, 1), r"background must be finite RGB"),
+        ((np.nan, 0, 0), (1, 0, 0), (1, 1, 1), r"background must be finite RGB"),
+        ((0, 0, 0), (1, 0, 0), (1, 2), r"radiance must be finite RGB"),
+        ((0, 0, 0), "up", (1, 1, 1), r"a direction must hold real numbers"),
+    ],
+)
+def test_impossible_scenes_are_refused(background, direction, radiance, message):
+    with pytest.raises(el.EnvLightsError, match=message):
+        synthetic.scene(8, background=background, shapes=[Disc(direction, 30, radiance)])

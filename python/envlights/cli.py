@@ -46,7 +46,7 @@ def main() -> None:
 def fit(map_path: str, lights: int, outputs: Sequence[str], as_json: bool) -> None:
     """Fit ambient and directional lights to MAP (.hdr, .exr, .png, .jpg, .tif)."""
     for output in outputs:
-        _check_output(output)
+        _check_output(output, map_path)
     env = envlights.EnvMap.open(map_path)
     rig = envlights.fit(env, lights=lights)
     _print(rig, as_json)
@@ -79,13 +79,19 @@ def _print(rig: Rig, as_json: bool) -> None:
     click.echo(json.dumps(rig.to_dict(), indent=2) if as_json else f"{rig}\n\n{rig.report}")
 
 
-def _check_output(output: str) -> None:
+def _check_output(output: str, map_path: str) -> None:
     known = (".json", ".png", ".pdf", ".svg")
     if Path(output).suffix.lower() not in known:
         raise envlights.EnvLightsError(
             f"cannot write {output}: the suffix must be one of {', '.join(known)}"
         )
-    check_writable(output)
+    target = check_writable(output)
+    if _is_same(target, Path(map_path)):
+        raise envlights.EnvLightsError(f"cannot write {output}: it is the map; give another name")
+
+
+def _is_same(target: Path, source: Path) -> bool:
+    return target.exists() and source.exists() and target.samefile(source)
 
 
 def _write(env: envlights.EnvMap, rig: Rig, output: str) -> None:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
+import secrets
+import shutil
 import stat
 from collections.abc import Callable
 from pathlib import Path
@@ -21,18 +24,29 @@ def check_writable(path: str | os.PathLike[str]) -> Path:
     Path
         Where the file will stand: `path` with links followed.
     """
-    target = Path(os.path.realpath(path))
-    if not target.parent.is_dir():
-        raise EnvLightsError(f"cannot write {path}: the folder {target.parent} does not exist")
-    if target.is_dir():
-        raise EnvLightsError(f"cannot write {path}: it is a folder; give the name of a file")
-    if target.exists() and not target.is_file():
-        raise EnvLightsError(f"cannot write {path}: it exists and is no regular file")
-    if target.exists() and not (_has_write_mark(target) and os.access(target, os.W_OK)):
-        raise EnvLightsError(f"cannot write {path}: it exists and is marked read-only")
-    if not os.access(target.parent, os.W_OK | os.X_OK):
-        raise EnvLightsError(f"cannot write {path}: the folder {target.parent} is read-only")
+    try:
+        target = Path(os.path.realpath(path))
+        obstacle = _obstacle(target)
+    except (OSError, ValueError) as error:  # a name that is too long, or holds a NUL
+        obstacle = getattr(error, "strerror", None) or str(error)
+    if obstacle:
+        raise EnvLightsError(f"cannot write {path}: {obstacle}")
     return target
+
+
+def _obstacle(target: Path) -> str:
+    """Why no file can be written at `target`; empty where nothing is in the way."""
+    if not target.parent.is_dir():
+        return f"the folder {target.parent} does not exist"
+    if target.is_dir():
+        return "it is a folder; give the name of a file"
+    if target.exists() and not target.is_file():
+        return "it exists and is no regular file"
+    if target.exists() and not (_has_write_mark(target) and os.access(target, os.W_OK)):
+        return "it exists and is marked read-only"
+    if not os.access(target.parent, os.W_OK | os.X_OK):
+        return f"the folder {target.parent} is read-only"
+    return ""
 
 
 def _has_write_mark(path: Path) -> bool:
@@ -45,11 +59,15 @@ def write_atomically(path: str | os.PathLike[str], write: Callable[[Path], objec
     The temporary name keeps the suffix, which tells image libraries the format.
     """
     target = check_writable(path)
-    beside = target.with_name(f".{target.stem}.{os.getpid()}{target.suffix}")
+    # Short and drawn at random: long names stay possible, and threads do not meet.
+    beside = target.with_name(f".{secrets.token_hex(8)}{target.suffix}")
     try:
         write(beside)
+        if target.exists():
+            shutil.copymode(target, beside)
         beside.replace(target)
     except OSError as error:
         raise EnvLightsError(f"cannot write {path}: {error.strerror or error}") from error
     finally:
-        beside.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):
+            beside.unlink()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -75,17 +75,12 @@ def fit(env: EnvMap | ArrayLike, lights: int = 4) -> Rig:
     count("lights", lights)
     env = as_envmap(env)
     started = perf_counter()
-    normals, weights = _normals()
-    seen, sources = kernels.working_irradiance(
-        env.radiance, normals, border_sampled=env.registration == "border-sampled"
-    )
+    fitted, judging = _normals(FITTED_NORMALS), _normals(JUDGING_NORMALS)
+    (seen, judged), sources = _both_sides(env, fitted, judging)
     rendered = perf_counter()
-    fitted, judging = slice(0, FITTED_NORMALS), slice(FITTED_NORMALS, None)
-    answers = _answers(normals[fitted], weights[fitted], seen[fitted], lights)
+    answers = _answers(fitted.directions, fitted.weights, seen, lights)
     solved = perf_counter()
-    errors = [
-        _error(answer, normals[judging], weights[judging], seen[judging]) for answer in answers
-    ]
+    errors = [_error(answer, judging.directions, judging.weights, judged) for answer in answers]
     seconds = {
         "probe": rendered - started,
         "fit": solved - rendered,
@@ -152,13 +147,50 @@ def fit_probe(
     return _rig(answers, errors, seconds, measured_on, (), ())
 
 
+class _Normals(NamedTuple):
+    """Normals in opposite pairs: the second half of them mirrors the first."""
+
+    directions: NDArray[np.float64]
+    weights: NDArray[np.float64]
+
+    @property
+    def front(self) -> NDArray[np.float64]:
+        """One normal of each pair."""
+        return self.directions[: len(self.directions) // 2]
+
+
 @cache
-def _normals() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Normals and weights: the faces of the probe, then even points between them that judge."""
-    faces, solid_angles = kernels.icosphere(FITTED_NORMALS)
-    judging = kernels.uniform_sphere(kernels.hammersley(JUDGING_NORMALS))
-    share = np.full(JUDGING_NORMALS, 4 * np.pi / JUDGING_NORMALS)
-    return np.concatenate([faces, judging]), np.concatenate([solid_angles, share])
+def _normals(count: int) -> _Normals:
+    """The faces of the fitted probe, or even points between them that judge."""
+    if count == FITTED_NORMALS:
+        faces, solid_angles = kernels.icosphere(count)
+        # No face looks along the horizon of this axis, so just one of each pair is in front of it.
+        is_front = faces @ (0.8, 0.5, 0.33) > 0
+        front, weights = faces[is_front], solid_angles[is_front]
+    else:
+        front = kernels.uniform_sphere(kernels.hammersley(count // 2) * (0.5, 1.0))
+        weights = np.full(count // 2, 4 * np.pi / count)
+    return _Normals(np.concatenate([front, -front]), np.concatenate([weights, weights]))
+
+
+def _both_sides(env: EnvMap, *normals: _Normals) -> tuple[list[NDArray[np.float64]], int]:
+    """Irradiance at each set of normals, of which only the front halves are rendered.
+
+    A normal and its opposite see the whole sphere between them, so that
+    ``E(n) - E(-n) = n . F`` with the map's vector flux F; the axes tell F in the same way.
+    """
+    axes = np.concatenate([np.eye(3), -np.eye(3)])
+    fronts = [*(some.front for some in normals), axes]
+    rendered, sources = kernels.working_irradiance(
+        env.radiance, np.concatenate(fronts), border_sampled=env.registration == "border-sampled"
+    )
+    ends = np.cumsum([len(front) for front in fronts])
+    flux = rendered[-6:-3] - rendered[-3:]
+    seen = [
+        np.concatenate([part, np.maximum(part - some.front @ flux, 0)])
+        for some, part in zip(normals, np.split(rendered, ends[:-1]), strict=False)
+    ]
+    return seen, sources
 
 
 def _answers(

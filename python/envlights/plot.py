@@ -53,7 +53,8 @@ def picture(env: EnvMap, rig: Rig) -> Figure:
     FigureCanvasAgg(figure)
     grid = figure.add_gridspec(2, 3, height_ratios=(1.55, 1))
     _draw_map(figure.add_subplot(grid[0, :]), env, rig)
-    normals, inside = _visible_normals(_viewpoint(rig))
+    eye = _viewpoint(rig)
+    normals, inside = _visible_normals(eye)
     under_map, under_rig = env.probe(normals), rig.probe(normals)
     white = max(float((under_map @ LUMINANCE).max()), np.finfo(float).tiny)
     for column, (title, seen) in enumerate(
@@ -66,7 +67,11 @@ def picture(env: EnvMap, rig: Rig) -> Figure:
     _draw_difference(figure, figure.add_subplot(grid[1, 2]), inside, under_map, under_rig)
     count = len(rig.lights)
     lights = f"{count} light{'' if count == 1 else 's'}"
-    figure.suptitle(f"ambient + {lights}: relative RMS error {100 * rig.error:.2g} %")
+    ((u, v),) = kernels.direction_to_uv([eye])
+    figure.suptitle(
+        f"ambient + {lights}: relative RMS error {100 * rig.error:.2g} %\n"
+        f"probe seen from azimuth {360 * u:.0f}°, elevation {90 - 180 * v:.0f}°"
+    )
     return figure
 
 
@@ -90,7 +95,7 @@ def _draw_map(axes: Axes, env: EnvMap, rig: Rig) -> None:
     for number, (u, v) in enumerate(kernels.direction_to_uv(rig.lights.direction), start=1):
         irradiance = rig.lights.irradiance[number - 1]
         at = (360 * u, 90 - 180 * v)
-        colour = irradiance / irradiance.max()
+        colour = irradiance / max(float(irradiance.max()), np.finfo(float).tiny)
         face = (*colour, 0.75)
         axes.plot(*at, "o", ms=20, mew=2, markeredgecolor="crimson", markerfacecolor=face)
         axes.annotate(

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import enum
 import json
+import numbers
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -14,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import kernels
-from envlights._check import reals
+from envlights._check import count, reals
 from envlights._native import EnvLightsError
 from envlights.files import write_atomically
 
@@ -151,6 +153,7 @@ class Rig:
                 f"ambient must be three finite numbers, none negative; got {ambient.tolist()}"
             )
         object.__setattr__(self, "ambient", _frozen(ambient))
+        object.__setattr__(self, "error", _amount("error", self.error))
 
     def probe(self, normals: ArrayLike) -> NDArray[np.float64]:
         """Irradiance under the rig.
@@ -217,14 +220,14 @@ class Rig:
             data = json.loads(Path(path).read_text(encoding="utf-8"))
         except OSError as error:
             raise EnvLightsError(f"cannot read {path}: {error.strerror}") from None
-        except ValueError as error:
+        except (ValueError, RecursionError) as error:
             raise EnvLightsError(f"{path} is no JSON file: {error}") from None
         _check_version(path, data)
         try:
             return _from_dict(data)
         except EnvLightsError as error:
             raise EnvLightsError(f"{path} holds no possible rig: {error}") from None
-        except (KeyError, TypeError, ValueError) as error:
+        except (AttributeError, KeyError, TypeError, ValueError) as error:
             raise EnvLightsError(f"{path} is no whole rig: {error!r}") from None
 
     def __str__(self) -> str:
@@ -243,11 +246,12 @@ def _table(lights: Lights) -> str:
     if not len(lights):
         return "no directional light"
     flux = lights.irradiance @ LUMINANCE
+    whole = flux.sum() or 1.0  # black lights have no share
     uv = kernels.direction_to_uv(lights.direction)
     lines = ["light  azimuth  elevation   share      irradiance (R, G, B)"]
     for i, ((u, v), power) in enumerate(zip(uv, flux, strict=True), start=1):
         rgb = "".join(f"{value:>11.4g}" for value in lights.irradiance[i - 1])
-        share = 100 * power / flux.sum()
+        share = 100 * power / whole
         lines.append(f"{i:>5}  {360 * u:>6.1f}°  {90 - 180 * v:>+8.1f}°  {share:>4.1f} %{rgb}")
     return "\n".join(lines)
 
@@ -274,6 +278,17 @@ def _frozen(array: NDArray[np.float64]) -> NDArray[np.float64]:
     return array
 
 
+def _amount(name: str, value: object) -> float:
+    """`value` as a float, or a refusal where it is no finite number from 0 up."""
+    amount = -1.0
+    if isinstance(value, numbers.Real) and not isinstance(value, bool):
+        with contextlib.suppress(OverflowError):  # an int beyond every float
+            amount = float(value)
+    if not 0 <= amount < np.inf:
+        raise EnvLightsError(f"{name} must be a finite number, not negative; got {value!r}")
+    return amount
+
+
 def _check_version(path: object, data: Any) -> None:
     if not isinstance(data, dict) or data.get("format") != _FORMAT:
         raise EnvLightsError(f"{path} is no rig: it does not say 'format': '{_FORMAT}'")
@@ -285,8 +300,12 @@ def _check_version(path: object, data: Any) -> None:
 def _from_dict(data: dict[str, Any]) -> Rig:
     report = dict(data["report"])
     report["stop_reason"] = StopReason[report["stop_reason"]]
-    for name in ("errors", "skipped"):
-        report[name] = tuple(report[name])
+    report["errors"] = tuple(_amount("errors", error) for error in report["errors"])
+    report["steps"] = count("steps", report["steps"])
+    report["seconds"] = {
+        str(stage): _amount("seconds", value) for stage, value in report["seconds"].items()
+    }
+    report["skipped"] = tuple(report["skipped"])
     lights = data["lights"]
     # A list without entries has lost its second axis.
     direction = np.reshape(lights["direction"], (-1, 3))
@@ -294,7 +313,7 @@ def _from_dict(data: dict[str, Any]) -> Rig:
     return Rig(
         data["ambient"],
         Lights(direction, irradiance),
-        float(data["error"]),
+        data["error"],
         FitReport(**report),
         tuple(data["notes"]),
     )

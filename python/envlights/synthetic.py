@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import kernels
-from envlights._check import count
+from envlights._check import count, reals
 from envlights._native import EnvLightsError
-from envlights.rig import Lights
+from envlights.rig import LUMINANCE, Lights
 
 #: Samples along each side of a pixel by which its coverage is measured.
 _SUPERSAMPLING = 4
@@ -52,7 +52,8 @@ class Disc:
         """Share of each pixel inside the rim."""
         centre = _unit(self.direction)
         rim = np.cos(np.deg2rad(self.angular_radius_deg))
-        return _supersampled(height, lambda directions: directions @ centre >= rim)
+        rows = _rows_near(height, centre, np.deg2rad(self.angular_radius_deg))
+        return _supersampled(height, rows, lambda directions: directions @ centre >= rim)
 
 
 @dataclass(frozen=True)
@@ -86,7 +87,8 @@ class Rectangle:
             within: NDArray[np.bool_] = (across <= half[0] * depth) & (along <= half[1] * depth)
             return within & (depth > 0)
 
-        return _supersampled(height, inside)
+        rows = _rows_near(height, centre, np.arctan(np.hypot(*half)))
+        return _supersampled(height, rows, inside)
 
 
 @dataclass(frozen=True)
@@ -149,7 +151,7 @@ def scene(
     """
     height = count("height", height, least=2)
     map_shape = (height, 2 * height, 3)
-    backdrop = np.broadcast_to(np.asarray(background, np.float64), map_shape)
+    backdrop = _radiance("background", background, map_shape)
     # Share of every pixel that shows each shape, after those in front of it.
     shown: list[NDArray[np.float64]] = []
     for shape in shapes:
@@ -157,29 +159,44 @@ def scene(
         shown = [other * (1 - covered) for other in shown] + [covered]
     radiance = backdrop.copy()
     for shape, share in zip(shapes, shown, strict=True):
-        radiance += share * (np.asarray(shape.radiance, np.float64) - backdrop)
-    return _measured(radiance, backdrop, shown)
+        radiance += share * (_radiance("radiance", shape.radiance, (3,)) - backdrop)
+    return _measured(radiance, backdrop, shapes, shown)
 
 
 def _measured(
-    radiance: NDArray[np.float64], backdrop: NDArray[np.float64], shown: list[NDArray[np.float64]]
+    radiance: NDArray[np.float64],
+    backdrop: NDArray[np.float64],
+    shapes: Sequence[Shape],
+    shown: list[NDArray[np.float64]],
 ) -> SyntheticMap:
-    """The lights of a map, summed over the pixels that they show in."""
+    """The lights of a map, summed over the pixels that they show in.
+
+    A pixel that shows two shapes is divided between them, so no flux counts twice.
+    """
     height, width, _ = radiance.shape
     solid_angles = kernels.pixel_solid_angles(height, width)[..., None]
     directions = kernels.pixel_directions(height, width)
     stored = radiance.astype(np.float32)
     direction, irradiance, solid_angle = np.zeros((3, len(shown), 3))
-    for i, share in enumerate(shown):
-        lit = (share[..., 0] > 0).nonzero()
-        flux = (stored[lit] - backdrop[lit]) * solid_angles[lit]
+    for i, (shape, share) in enumerate(zip(shapes, shown, strict=True)):
+        # A shape wholly behind another keeps a rounding error of its coverage.
+        lit = (share[..., 0] > 1e-9).nonzero()
+        added = share[lit] * (_radiance("radiance", shape.radiance, (3,)) - backdrop[lit])
+        whole = radiance[lit] - backdrop[lit]
+        part = np.divide(added, whole, out=np.zeros_like(whole), where=whole != 0)
+        flux = (stored[lit] - backdrop[lit]) * part * solid_angles[lit]
+        if not flux.any():
+            raise EnvLightsError(
+                f"shape {i} adds no light to the map; it must be in front, brighter than the"
+                f" background, and large enough for maps {height} pixels high"
+            )
         centroid = (flux.sum(axis=1, keepdims=True) * directions[lit]).sum(axis=0)
         direction[i] = centroid / np.linalg.norm(centroid)
         irradiance[i] = flux.sum(axis=0)
         solid_angle[i] = (share[lit] * solid_angles[lit]).sum()
-    lights = Lights(direction, irradiance)
-    order = [int(np.argmax(direction @ found)) for found in lights.direction]
-    return SyntheticMap(stored, lights, solid_angle[order, 0])
+    # The order of `Lights`: shapes may share a direction, so it cannot be found by looking.
+    order = np.argsort(-(irradiance @ LUMINANCE), kind="stable")
+    return SyntheticMap(stored, Lights(direction, irradiance), solid_angle[order, 0])
 
 
 # A hall like that of Madsen et al. (2003), in metres, seen from the origin.
@@ -234,7 +251,11 @@ class _Window:
     radiance: ArrayLike
 
     def coverage(self, height: int) -> NDArray[np.float64]:
-        return _supersampled(height, self._glass)
+        middle = np.array([self.x, 0.5 * (_WINDOW_BOTTOM + _WINDOW_TOP), _HALL["windows"]])
+        half = np.hypot(_WINDOW_HALF_WIDTH, 0.5 * (_WINDOW_TOP - _WINDOW_BOTTOM))
+        distance = float(np.linalg.norm(middle))
+        rows = _rows_near(height, middle / distance, np.arcsin(half / distance))
+        return _supersampled(height, rows, self._glass)
 
     def _glass(self, directions: NDArray[np.float64]) -> NDArray[np.bool_]:
         depth = np.maximum(directions[..., 2], 1e-9)
@@ -265,14 +286,22 @@ def _room(directions: NDArray[np.float64]) -> NDArray[np.float64]:
     return shaded
 
 
+def _rows_near(height: int, centre: NDArray[np.float64], radius: float) -> range:
+    """Rows that a disc of `radius` radians around `centre` may touch."""
+    theta = np.arccos(np.clip(centre[1], -1, 1))
+    first = int((theta - radius) / np.pi * height) - 1
+    last = int((theta + radius) / np.pi * height) + 1
+    return range(max(first, 0), min(last + 1, height))
+
+
 def _supersampled(
-    height: int, inside: Callable[[NDArray[np.float64]], NDArray[np.bool_]]
+    height: int, rows: range, inside: Callable[[NDArray[np.float64]], NDArray[np.bool_]]
 ) -> NDArray[np.float64]:
     """Share of each pixel's samples that are inside, by solid angle where rows are thin."""
     n = _SUPERSAMPLING
-    covered = np.empty((height, 2 * height))
+    covered = np.zeros((height, 2 * height))
     u = (np.arange(2 * height * n) + 0.5) / (2 * height * n)
-    for row in range(height):
+    for row in rows:
         v = (row * n + np.arange(n) + 0.5) / (height * n)
         uv = np.stack(np.meshgrid(u, v), axis=-1)
         seen = inside(kernels.uv_to_direction(uv.reshape(-1, 2))).reshape(n, 2 * height, n)
@@ -281,8 +310,19 @@ def _supersampled(
     return covered
 
 
+def _radiance(name: str, values: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float64]:
+    """`values` as an RGB radiance of `shape`, or a refusal that names it."""
+    array = reals(name, values, np.ndim(values))
+    if array.shape not in ((3,), shape) or not np.isfinite(array).all() or (array < 0).any():
+        raise EnvLightsError(
+            f"{name} must be finite RGB, not negative, of the shape {shape};"
+            f" got the shape {array.shape}"
+        )
+    return np.broadcast_to(array, shape)
+
+
 def _unit(direction: ArrayLike) -> NDArray[np.float64]:
-    vector = np.asarray(direction, np.float64)
+    vector = reals("a direction", direction, 1)
     length = np.linalg.norm(vector)
     if vector.shape != (3,) or not np.isfinite(length) or length == 0:
         raise EnvLightsError(f"a direction must be three numbers, not all 0; got {direction!r}")

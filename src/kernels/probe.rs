@@ -28,8 +28,10 @@ use super::image::{self, Grid, WorkingMap};
 use super::sphere::{Registration, angles, check_rows, unit_vectors};
 use crate::error::{Error, Result};
 
-/// Rows are summed in this many runs, whatever the number of threads: the same bits everywhere.
-const RUNS: usize = 64;
+/// Rows are summed in runs of their own, whatever the number of threads: the same bits everywhere.
+const MOST_RUNS: usize = 64;
+/// Rows that are worth sums of their own.
+const ROWS_OF_A_RUN: usize = 8;
 /// Normals that share one pass over the map; bounds the memory of the runs' sums.
 const NORMALS_AT_ONCE: usize = 2048;
 
@@ -133,7 +135,7 @@ pub fn sum_over_sources(
 fn under_cells(radiance: ArrayView3<'_, f32>, grid: &Grid, nodes: Nodes, normals: &[DVec3]) -> Array2<f64> {
     let columns = Columns::new(grid);
     let height = radiance.dim().0;
-    let runs = RUNS.min(height);
+    let runs = (height / ROWS_OF_A_RUN).clamp(1, MOST_RUNS);
     let mut out = Array2::zeros((normals.len(), 3));
     for (mut out, normals) in
         out.axis_chunks_iter_mut(Axis(0), NORMALS_AT_ONCE).zip(normals.chunks(NORMALS_AT_ONCE))

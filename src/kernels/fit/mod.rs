@@ -16,6 +16,7 @@ mod start;
 
 use glam::DVec3;
 use ndarray::{Array2, ArrayView1, ArrayView2, Axis, Zip};
+use rayon::prelude::*;
 
 use super::sphere::{check_rows, unit_vectors};
 use crate::error::{Error, Result};
@@ -26,6 +27,8 @@ pub struct Probe {
     normals: Vec<DVec3>,
     weights: Vec<f64>,
     irradiance: Vec<DVec3>,
+    /// `w n n^T` of each normal: its diagonal, and its entries xy, yz, zx.
+    outer: Vec<[DVec3; 2]>,
     /// Weighted sum of squares of the irradiance: the cost of no light at all.
     energy: f64,
 }
@@ -62,7 +65,8 @@ impl Probe {
         let irradiance: Vec<DVec3> =
             irradiance.rows().into_iter().map(|row| DVec3::new(row[0], row[1], row[2])).collect();
         let energy = irradiance.iter().zip(weights).map(|(e, w)| w * e.length_squared()).sum();
-        Ok(Self { normals, weights: weights.to_vec(), irradiance, energy })
+        let outer = normals.iter().zip(weights).map(|(&n, &w)| [n * n * w, n * DVec3::new(n.y, n.z, n.x) * w]);
+        Ok(Self { outer: outer.collect(), normals, weights: weights.to_vec(), irradiance, energy })
     }
 }
 
@@ -140,7 +144,7 @@ impl Search<'_> {
     /// `last` with one more light, where that light helps.
     fn with_one_more(&self, last: &Solution) -> Option<Solution> {
         let added = self.best_start(&last.rig)?;
-        let split = self.best_of(start::splits(&last.rig.directions).into_iter());
+        let split = self.best_of(start::splits(&last.rig.directions));
         let grown = split.filter(|split| split.residual < added.residual).unwrap_or(added);
         let best = self.exchange(grown);
         let polished = solver::refine(self.probe, &best.rig.directions, self.max_steps, FINE);
@@ -151,14 +155,16 @@ impl Search<'_> {
     /// The best of the rigs that one more light beside `rig` leads to.
     fn best_start(&self, rig: &Rig) -> Option<Solution> {
         let candidates = self.starts.candidates(self.probe, rig);
-        self.best_of(candidates.into_iter().map(|light| start::with(&rig.directions, light)))
+        self.best_of(candidates.into_iter().map(|light| start::with(&rig.directions, light)).collect())
     }
 
     /// The best of the rigs that refining each of `starts` leads to.
-    fn best_of(&self, starts: impl Iterator<Item = Vec<DVec3>>) -> Option<Solution> {
-        starts
-            .map(|directions| solver::refine(self.probe, &directions, self.max_steps, ROUGH))
-            .min_by(|a, b| a.residual.total_cmp(&b.residual))
+    ///
+    /// They run side by side; the first of equals wins, whichever comes home first.
+    fn best_of(&self, starts: Vec<Vec<DVec3>>) -> Option<Solution> {
+        let refine = |directions: Vec<DVec3>| solver::refine(self.probe, &directions, self.max_steps, ROUGH);
+        let refined: Vec<Solution> = starts.into_par_iter().map(refine).collect();
+        refined.into_iter().min_by(|a, b| a.residual.total_cmp(&b.residual))
     }
 
     /// Take out each light in turn and let it start anew where it helps most, while that pays.

@@ -147,9 +147,9 @@ fn outer_products(probe: &Probe, first: &[u64], second: &[u64]) -> DMat3 {
     let both: Vec<u64> = first.iter().zip(second).map(|(a, b)| a & b).collect();
     let (mut diagonal, mut mixed) = (DVec3::ZERO, DVec3::ZERO);
     for i in members(&both) {
-        let (n, w) = (probe.normals[i], probe.weights[i]);
-        diagonal += n * n * w;
-        mixed += DVec3::new(n.x * n.y, n.y * n.z, n.z * n.x) * w;
+        let [squares, products] = probe.outer[i];
+        diagonal += squares;
+        mixed += products;
     }
     DMat3::from_cols(
         DVec3::new(diagonal.x, mixed.x, mixed.z),

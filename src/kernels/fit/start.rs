@@ -8,8 +8,8 @@ use super::{Probe, Rig, nnls};
 use crate::kernels::sampling;
 use crate::kernels::sphere::{exponential_map, tangents};
 
-/// Directions that are tried: faces of an icosphere, about 9 degrees apart.
-const TRIED: usize = 320;
+/// Directions that are tried: faces of an icosphere, about 20 degrees apart.
+const TRIED: usize = 80;
 /// Starts that are worth a refinement; with 2, one map in fifty ends 4 % above the best known fit.
 const STARTS: usize = 3;
 /// Two starts closer than this (cosine) would end in the same place.

@@ -1,0 +1,101 @@
+"""The probe against a white sphere that Mitsuba renders under the same map."""
+
+import numpy as np
+import pytest
+
+import envlights as el
+from envlights import kernels
+
+mi = pytest.importorskip("mitsuba")
+
+SIZE = 48
+
+
+def smooth_sky(theta, phi):
+    """Two soft lamps before a gradient: no pixel matters, only the frame does."""
+    theta, phi = np.broadcast_arrays(theta, phi)
+    directions = kernels.uv_to_direction(
+        np.stack([phi.ravel() / (2 * np.pi), theta.ravel() / np.pi], axis=-1)
+    )
+    radiance = np.full((len(directions), 3), 0.2) + 0.1 * directions[:, 1:2] * [1, 0, -1]
+    lamps = [((0.6, 0.64, -0.48), (8, 6, 3)), ((-0.8, -0.36, 0.48), (1, 3, 5))]
+    for centre, colour in lamps:
+        radiance += np.exp(12 * (directions @ np.array(centre) - 1))[:, None] * colour
+    return radiance.reshape(*theta.shape, 3).astype(np.float32)
+
+
+def skies(height):
+    """The same sky for us (rows between the poles) and for Mitsuba (rows on the poles)."""
+    phi = 2 * np.pi * (np.arange(2 * height) + 0.5) / (2 * height)
+    ours = np.pi * (np.arange(height)[:, None] + 0.5) / height
+    theirs = np.pi * np.arange(height)[:, None] / (height - 1)
+    return smooth_sky(ours, phi), smooth_sky(theirs, phi)
+
+
+def render(emitters, samples, seed):
+    """Radiance of a white Lambertian sphere, seen from +z without perspective."""
+    eye = mi.ScalarTransform4f().look_at(origin=[0, 0, 5], target=[0, 0, 0], up=[0, 1, 0])
+    film = {"type": "hdrfilm", "width": SIZE, "height": SIZE, "rfilter": {"type": "box"}}
+    white = {"type": "diffuse", "reflectance": {"type": "rgb", "value": 1.0}}
+    scene = {
+        "type": "scene",
+        "integrator": {"type": "direct", "emitter_samples": 1, "bsdf_samples": 1},
+        "sensor": {"type": "orthographic", "to_world": eye, "film": film},
+        "probe": {"type": "sphere", "bsdf": white},
+        **emitters,
+    }
+    image = mi.render(mi.load_dict(scene), spp=samples, seed=seed)
+    return np.array(image)[..., :3]
+
+
+def visible_normals():
+    """Normals at the pixels' centres, and which pixels lie well inside the outline."""
+    at = (2 * np.arange(SIZE) + 1) / SIZE - 1
+    # Seen from +z with +y up, +x lies to the right.
+    x, y = np.meshgrid(at, -at)
+    inside = x**2 + y**2 < 0.85
+    x, y = x[inside], y[inside]
+    return np.stack([x, y, np.sqrt(1 - x**2 - y**2)], axis=-1), inside
+
+
+def compare(emitters, irradiance, samples):
+    """RMS of Mitsuba's noise and of our difference from it, both relative."""
+    _, inside = visible_normals()
+    first, second = (np.pi * render(emitters, samples, seed)[inside] for seed in (1, 2))
+    mean = (first + second) / 2
+    size = np.sqrt((mean**2).mean())
+    # The mean of two has half the variance of one, and their difference twice.
+    noise = np.sqrt(((first - second) ** 2).mean()) / 2 / size
+    return noise, np.sqrt(((mean - irradiance) ** 2).mean()) / size
+
+
+@pytest.fixture(scope="module", autouse=True)
+def variant():
+    mi.set_variant("scalar_rgb")
+
+
+def test_probe_agrees_with_mitsuba_within_its_noise():
+    ours, theirs = skies(256)
+    normals, _ = visible_normals()
+    emitter = {"type": "envmap", "bitmap": mi.Bitmap(theirs)}
+    noise, difference = compare({"sky": emitter}, el.EnvMap(ours).probe(normals), 4096)
+    assert noise < 0.01
+    assert difference < 1.2 * noise, f"difference {difference:.2e}, noise {noise:.2e}"
+
+
+def test_a_rig_lights_mitsubas_probe_as_it_says():
+    """`constant.radiance` is our ambient, `directional.irradiance` ours; theirs points away."""
+    rig = el.fit(skies(64)[0], lights=2)
+    normals, _ = visible_normals()
+    emitters = {"ambient": {"type": "constant", "radiance": rgb(rig.ambient)}}
+    for i, direction in enumerate(rig.lights.direction):
+        irradiance = rgb(rig.lights.irradiance[i])
+        light = {"type": "directional", "direction": (-direction).tolist()}
+        emitters[f"light_{i}"] = {**light, "irradiance": irradiance}
+    noise, difference = compare(emitters, rig.probe(normals), 64)
+    # A pixel is 1/24 of the radius wide: across a terminator its mean is not its middle.
+    assert difference < max(1.2 * noise, 5e-3), f"difference {difference:.2e}, noise {noise:.2e}"
+
+
+def rgb(values):
+    return {"type": "rgb", "value": values.tolist()}
