@@ -33,7 +33,7 @@ const MOST_RUNS: usize = 64;
 /// Rows that are worth sums of their own.
 const ROWS_OF_A_RUN: usize = 8;
 /// Normals that share one pass over the map; bounds the memory of the runs' sums.
-const NORMALS_AT_ONCE: usize = 2048;
+const NORMALS_AT_ONCE: usize = 4096;
 
 /// Gauss-Legendre nodes and weights on -1 .. 1.
 type Nodes = &'static [(f64, f64)];
