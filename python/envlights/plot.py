@@ -93,13 +93,11 @@ def _draw_map(axes: Axes, env: EnvMap, rig: Rig) -> None:
     axes.set(xlabel="azimuth (degrees)", ylabel="elevation (degrees)")
     axes.set(xticks=range(0, 361, 45), yticks=range(-90, 91, 45))
     for number, (u, v) in enumerate(kernels.direction_to_uv(rig.lights.direction), start=1):
-        irradiance = rig.lights.irradiance[number - 1]
         at = (360 * u, 90 - 180 * v)
-        colour = irradiance / max(float(irradiance.max()), np.finfo(float).tiny)
-        face = (*colour, 0.75)
-        axes.plot(*at, "o", ms=20, mew=2, markeredgecolor="crimson", markerfacecolor=face)
+        # A ring, so that the lamp inside it shows; whole also on the seam.
+        axes.plot(*at, "o", ms=22, mew=2, mec="crimson", mfc="none", clip_on=False)
         axes.annotate(
-            str(number), at, ha="center", va="center", weight="bold", annotation_clip=True
+            str(number), at, (0, 12), textcoords="offset points", ha="center", color="crimson"
         )
 
 
