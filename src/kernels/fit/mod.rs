@@ -65,7 +65,8 @@ impl Probe {
         let irradiance: Vec<DVec3> =
             irradiance.rows().into_iter().map(|row| DVec3::new(row[0], row[1], row[2])).collect();
         let energy = irradiance.iter().zip(weights).map(|(e, w)| w * e.length_squared()).sum();
-        let outer = normals.iter().zip(weights).map(|(&n, &w)| [n * n * w, n * DVec3::new(n.y, n.z, n.x) * w]);
+        let outer =
+            normals.iter().zip(weights).map(|(&n, &w)| [n * n * w, n * DVec3::new(n.y, n.z, n.x) * w]);
         Ok(Self { outer: outer.collect(), normals, weights: weights.to_vec(), irradiance, energy })
     }
 }
