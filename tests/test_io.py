@@ -1,5 +1,9 @@
 """Maps in: files of every kind, what is cleaned, what is refused."""
 
+import os
+import struct
+import zlib
+
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813, its own name for itself
 import pytest
@@ -103,6 +107,67 @@ def test_a_single_channel_is_grey(tmp_path):
     assert "the only channel, Y, was taken as grey" in env.notes
 
 
+def test_only_the_first_of_several_images_is_read_and_noted(tmp_path):
+    spec = oiio.ImageSpec(32, 16, 3, oiio.FLOAT)
+    file = oiio.ImageOutput.create(str(tmp_path / "parts.exr"))
+    assert file.open(str(tmp_path / "parts.exr"), (spec, spec))
+    assert file.write_image(RADIANCE)
+    assert file.open(str(tmp_path / "parts.exr"), spec, "AppendSubimage")
+    assert file.write_image(2 * RADIANCE)
+    file.close()
+    env = el.EnvMap.open(tmp_path / "parts.exr")
+    np.testing.assert_array_equal(env.radiance, RADIANCE)
+    assert env.notes == ("only the first of several images in the file was read",)
+
+
+def test_a_small_data_window_is_set_into_black(tmp_path):
+    spec = oiio.ImageSpec(16, 8, 3, oiio.FLOAT)
+    spec.x, spec.y, spec.full_width, spec.full_height = 4, 2, 32, 16
+    file = oiio.ImageOutput.create(str(tmp_path / "window.exr"))
+    assert file.open(str(tmp_path / "window.exr"), spec)
+    assert file.write_image(np.ascontiguousarray(RADIANCE[2:10, 4:20]))
+    file.close()
+    env = el.EnvMap.open(tmp_path / "window.exr")
+    expected = np.zeros_like(RADIANCE)
+    expected[2:10, 4:20] = RADIANCE[2:10, 4:20]
+    np.testing.assert_array_equal(env.radiance, expected)
+    assert "(4, 2, 16, 8) was set into the display window (0, 0, 32, 16)" in env.notes[0]
+
+
+def radiance_bytes(codes, resolution, *variables):
+    """A Radiance file without run lengths; every pixel is codes / 256."""
+    header = "\n".join(["#?RADIANCE", "FORMAT=32-bit_rle_rgbe", *variables, "", resolution, ""])
+    return header.encode() + np.insert(codes, 3, 128, axis=2).tobytes()
+
+
+@pytest.mark.parametrize(
+    ("resolution", "rows", "columns"),
+    [
+        ("-Y 16 +X 32", 1, 1),
+        ("-Y 16 -X 32", 1, -1),
+        ("+Y 16 +X 32", -1, 1),
+        ("+Y 16 -X 32", -1, -1),
+    ],
+)
+def test_maps_stored_upside_down_or_mirrored_are_turned_upright(
+    tmp_path, resolution, rows, columns
+):
+    codes = np.random.default_rng(2).integers(1, 256, (16, 32, 3), dtype=np.uint8)
+    (tmp_path / "map.hdr").write_bytes(radiance_bytes(codes[::rows, ::columns], resolution))
+    env = el.EnvMap.open(tmp_path / "map.hdr")
+    np.testing.assert_array_equal(env.radiance, codes / np.float32(256))
+    assert any("turned upright" in note for note in env.notes) == (rows + columns < 2)
+
+
+@pytest.mark.parametrize("variables", [("PRIMARIES=0 0 0 0 0 0 0 0", "GAMMA=1"), ("GAMMA=2.2",)])
+def test_primaries_and_gamma_of_radiance_headers_are_not_applied(tmp_path, variables):
+    codes = np.full((16, 32, 3), 64, np.uint8)
+    (tmp_path / "map.hdr").write_bytes(radiance_bytes(codes, "-Y 16 +X 32", *variables))
+    env = el.EnvMap.open(tmp_path / "map.hdr")
+    assert (env.radiance == 0.25).all()
+    assert env.notes == ()
+
+
 def test_the_envmap_attribute_says_where_pixels_lie_and_can_be_overruled(tmp_path):
     path = write(tmp_path / "env.exr", RADIANCE, textureformat="LatLong Environment")
     assert el.EnvMap.open(path).registration == "border-sampled"
@@ -122,6 +187,43 @@ def test_float32_arrays_are_not_copied():
     assert not env.radiance.flags.writeable
     array.flags.writeable = False
     assert np.shares_memory(el.EnvMap(array).radiance, array)
+
+
+@pytest.mark.parametrize(
+    "array",
+    [
+        RADIANCE.astype(np.float64),
+        RADIANCE.astype(np.longdouble),
+        RADIANCE.astype(">f4"),
+        np.asfortranarray(RADIANCE),
+        RADIANCE.repeat(2, axis=1)[:, ::2],
+        RADIANCE.tolist(),
+    ],
+    ids=["float64", "longdouble", "big-endian", "fortran", "strided", "lists"],
+)
+def test_any_floating_point_array_like_gives_the_same_map(array):
+    env = el.EnvMap(array)
+    assert env.radiance.dtype == np.float32
+    assert env.radiance.flags.c_contiguous
+    assert not env.radiance.flags.writeable
+    np.testing.assert_array_equal(env.radiance, RADIANCE)
+
+
+def test_a_black_map_is_a_map():
+    env = el.EnvMap(np.zeros((4, 8, 3)))
+    assert env.notes == ()
+    np.testing.assert_array_equal(env.probe([[0, 1, 0]]), 0)
+
+
+def test_a_note_may_be_given_as_text():
+    assert el.EnvMap(RADIANCE, notes="from the stage").notes == ("from the stage",)
+
+
+def test_codes_are_read_in_either_byte_order():
+    codes = np.arange(4 * 8 * 3).reshape(4, 8, 3) * 600
+    little, big = (el.EnvMap(codes.astype(order)) for order in ("<u2", ">u2"))
+    np.testing.assert_array_equal(little.radiance, big.radiance)
+    assert little.notes == big.notes == ("uint16 samples were taken as sRGB-coded and linearised",)
 
 
 def test_integer_arrays_are_taken_as_srgb_and_noted():
@@ -160,6 +262,7 @@ def test_unusable_samples_are_cleaned_and_counted():
         (np.ones((4, 8, 3), np.int32), r"got the dtype int32"),
         ([[1, 2], [3]], r"a map must be an array of numbers"),
         ("hall.exr", r"got the dtype <U8"),
+        (None, r"got the dtype object"),
         (np.full((4, 8, 3), np.nan), r"no finite sample"),
     ],
 )
@@ -174,6 +277,27 @@ def test_unknown_choices_are_refused(name, wanted):
         el.EnvMap(np.ones((4, 8, 3)), **{name: wanted})
 
 
+def write_deep(path):
+    spec = oiio.ImageSpec(32, 16, 3, oiio.FLOAT)
+    spec.deep = True
+    samples = oiio.DeepData()
+    samples.init(spec)
+    file = oiio.ImageOutput.create(str(path))
+    assert file.open(str(path), spec), file.geterror()
+    assert file.write_deep_image(samples), file.geterror()
+    file.close()
+
+
+def write_window(path, width, height):
+    """A file of few pixels whose display window is large."""
+    spec = oiio.ImageSpec(32, 16, 3, oiio.FLOAT)
+    spec.full_width, spec.full_height = width, height
+    file = oiio.ImageOutput.create(str(path))
+    assert file.open(str(path), spec), file.geterror()
+    assert file.write_image(RADIANCE), file.geterror()
+    file.close()
+
+
 def broken_files(folder):
     """Path and words of the refusal."""
     whole = write(folder / "whole.exr", RADIANCE.repeat(8, 0).repeat(8, 1)).read_bytes()
@@ -183,8 +307,17 @@ def broken_files(folder):
     write(folder / "square.exr", RADIANCE[:, :16])
     write(folder / "two.exr", RADIANCE[..., :2], channelnames=("R", "B"))
     write(folder / "cube.exr", RADIANCE, textureformat="CubeFace Environment")
+    write(folder / "luminance.exr", RADIANCE, channelnames=("Y", "RY", "BY"))
+    write(folder / "counts.tif", RADIANCE / RADIANCE.max(), oiio.UINT32)
+    write(folder / "side.jpg", np.ones((16, 32, 3), np.float32), oiio.UINT8, Orientation=6)
+    write_deep(folder / "deep.exr")
+    write_window(folder / "vast.exr", 100_000, 50_000)
+    picture = write(folder / "whole.png", RADIANCE.clip(0, 1), oiio.UINT8).read_bytes()
+    (folder / "truncated.png").write_bytes(picture[: len(picture) // 2])
+    (folder / "flipped.png").write_bytes(picture[:-40] + bytes([picture[-40] ^ 1]) + picture[-39:])
     return {
         "missing.exr": "no such file",
+        "x" * 300 + ".exr": "name too long",
         "": "it is a folder",
         "empty.exr": "the file is empty",
         "text.hdr": "cannot read",
@@ -192,15 +325,52 @@ def broken_files(folder):
         "square.exr": "twice as wide as high; got 16x16",
         "two.exr": "R, G, B or one is needed",
         "cube.exr": "cube map",
+        "luminance.exr": "channels Y, BY, RY; R, G, B or one is needed",
+        "counts.tif": "its samples are uint; give floating point, uint8 or uint16",
+        "side.jpg": "lies on its side",
+        "deep.exr": "it is a deep image",
+        "vast.exr": "100000x50000 pixels, more than",
+        "truncated.png": "the file is cut off",
+        "flipped.png": "wrong checksum",
     }
 
 
-def test_broken_files_are_refused_in_one_sentence_that_names_them(tmp_path):
+def test_broken_files_are_refused_in_one_sentence_that_names_them(tmp_path, capfd):
     for name, message in broken_files(tmp_path).items():
         with pytest.raises(el.EnvLightsError, match=message) as refusal:
             el.EnvMap.open(tmp_path / name)
         assert str(tmp_path / name) in str(refusal.value)
         assert "\n" not in str(refusal.value)
+    assert capfd.readouterr() == ("", ""), "an image library wrote to the terminal"
+
+
+@pytest.mark.parametrize(
+    ("path", "message"),
+    [
+        (3, "a path must be text; got int"),
+        (None, "a path must be text; got NoneType"),
+        ("", "cannot read an empty path"),
+        ("two\nlines.exr", r"cannot read two\\nlines.exr: there is no such file"),
+        ("nul\0.exr", r"cannot read nul\\x00.exr"),
+        (os.devnull, "it is no regular file"),
+    ],
+)
+def test_paths_that_name_no_file_are_refused(path, message):
+    with pytest.raises(el.EnvLightsError, match=message) as refusal:
+        el.EnvMap.open(path)
+    assert "\n" not in str(refusal.value)
+
+
+def test_a_header_that_claims_too_much_is_refused_before_memory_is_taken(tmp_path):
+    header = b"IHDR" + struct.pack(">IIBBBBB", 100_000, 50_000, 8, 2, 0, 0, 0)
+    chunks = [header, b"IDAT" + zlib.compress(b"\0"), b"IEND"]
+    body = b"".join(
+        struct.pack(">I", len(chunk) - 4) + chunk + struct.pack(">I", zlib.crc32(chunk))
+        for chunk in chunks
+    )
+    (tmp_path / "claim.png").write_bytes(b"\x89PNG\r\n\x1a\n" + body)
+    with pytest.raises(el.EnvLightsError, match="cannot read"):
+        el.EnvMap.open(tmp_path / "claim.png")
 
 
 @real_maps(*EQUIRECTANGULAR)
@@ -212,14 +382,19 @@ def test_real_maps_open_clean(path):
     assert env.registration == expected
 
 
-@real_maps("loader_tests/damaged/*", "loader_tests/*YC.exr", "openexr_envmaps/*Cube.exr")
+@real_maps(
+    "loader_tests/damaged/*",
+    "loader_tests/*YC.exr",
+    "loader_tests/*Trunks.exr",  # a deep image
+    "openexr_envmaps/*Cube.exr",
+)
 def test_damaged_and_other_files_are_refused(path):
     with pytest.raises(el.EnvLightsError, match=r"cannot read|R, G, B or one") as refusal:
         el.EnvMap.open(path)
     assert "\n" not in str(refusal.value)
 
 
-@real_maps("loader_tests/[!C]*.exr", "loader_tests/*709.exr", "loader_tests/*XYZ.exr")
+@real_maps("loader_tests/[!Cv]*.exr", "loader_tests/*709.exr", "loader_tests/*XYZ.exr")
 def test_odd_files_are_read_whole(path):
     image = io.read_image(path)
     assert image.pixels.ndim == 3

@@ -35,7 +35,7 @@ class EnvMap:
     registration : {"cell-centred", "border-sampled"}
         Whether a pixel stands for the cell around its centre, as in most files, or the outer
         pixels lie on the seam and the poles, as in OpenEXR files with the `envmap` attribute.
-    notes : iterable of str
+    notes : str or iterable of str
         What is known of the map's origin.
 
     Raises
@@ -58,11 +58,11 @@ class EnvMap:
         *,
         projection: str = "equirectangular",
         registration: str = "cell-centred",
-        notes: Iterable[str] = (),
+        notes: str | Iterable[str] = (),
     ) -> None:
         _check_choice("projection", projection, PROJECTIONS)
         _check_choice("registration", registration, REGISTRATIONS)
-        self._notes = list(notes)
+        self._notes = [notes] if isinstance(notes, str) else list(notes)
         self._projection, self._registration = projection, registration
         linear = self._linear(_as_map(radiance))
         self._radiance = self._cleaned(linear).view()
@@ -164,7 +164,7 @@ class EnvMap:
             # A float64 sample beyond float32 becomes infinite and is cleaned as such.
             with np.errstate(over="ignore"):
                 return np.ascontiguousarray(array, dtype=np.float32)
-        self._notes.append(f"{array.dtype} samples were taken as sRGB-coded and linearised")
+        self._notes.append(f"{array.dtype.name} samples were taken as sRGB-coded and linearised")
         codes = np.arange(np.iinfo(array.dtype).max + 1)
         return np.ascontiguousarray(io.decode_srgb(codes / codes[-1])[array])
 
@@ -198,7 +198,8 @@ def _as_map(radiance: ArrayLike) -> NDArray[Any]:
         array = np.asarray(radiance)
     except ValueError as error:
         raise EnvLightsError(f"a map must be an array of numbers; {error}") from None
-    if array.dtype.kind != "f" and array.dtype not in (np.uint8, np.uint16):
+    is_coded = array.dtype.kind == "u" and array.dtype.itemsize <= 2  # in either byte order
+    if array.dtype.kind != "f" and not is_coded:
         raise EnvLightsError(
             f"a map must be floating point, uint8 or uint16; got the dtype {array.dtype}"
         )
@@ -215,6 +216,6 @@ def _as_map(radiance: ArrayLike) -> NDArray[Any]:
 
 
 def _check_choice(name: str, value: object, choices: tuple[str, ...]) -> None:
-    if value not in choices:
+    if not isinstance(value, str) or value not in choices:
         wanted = " or ".join(repr(choice) for choice in choices)
         raise EnvLightsError(f"{name} must be {wanted}; got {value!r}")

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import struct
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,6 +17,15 @@ from envlights.files import write_atomically
 
 #: More pixels than this are a damaged header, not a map: 65536 x 32768.
 _MOST_PIXELS = 2**31
+
+#: What every refusal of a file ends with.
+_WANTED = "give a Radiance .hdr, OpenEXR, PNG, JPEG or TIFF image"
+
+#: Sample formats by what they hold.
+_CODED = {"uint8", "uint16"}
+_LINEAR = {"half", "float", "double"}
+
+_PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 
 #: Primaries and white of Rec.709, as OpenEXR stores them: x and y of red, green, blue, white.
 _REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
@@ -52,53 +63,114 @@ def read_image(path: str | os.PathLike[str]) -> Image:
     EnvLightsError
         If the file is missing, damaged, or holds no RGB or grey image.
     """
-    name = os.fspath(path)
-    _check_file(name)
+    path, name = _checked_path(path)
     # PNG alpha is stored beside the colour: left alone, OpenImageIO would multiply it in.
     config = oiio.ImageSpec()
     config.attribute("oiio:UnassociatedAlpha", 1)
-    file = oiio.ImageInput.open(name, config)
+    file = oiio.ImageInput.open(path, config)
     if file is None:
-        raise EnvLightsError(f"cannot read {name} as an image: {_one_line(oiio.geterror())}")
+        reason = _one_line(oiio.geterror())
+        raise EnvLightsError(f"cannot read {name} as an image: {reason}; {_WANTED}")
     try:
         return _read(name, file)
+    except MemoryError:
+        raise EnvLightsError(
+            f"cannot read {name}: its pixels do not fit into memory; give a smaller map"
+        ) from None
     finally:
         file.close()
 
 
-def _check_file(name: str) -> None:
-    if not Path(name).exists():
-        raise EnvLightsError(f"cannot read {name}: there is no such file")
-    if Path(name).is_dir():
-        raise EnvLightsError(f"cannot read {name}: it is a folder; give an image file")
-    if Path(name).stat().st_size == 0:
-        raise EnvLightsError(f"cannot read {name}: the file is empty")
+def _checked_path(path: str | os.PathLike[str]) -> tuple[str, str]:
+    """`path` and how a sentence writes it, or a refusal where no image can be."""
+    try:
+        text = os.fsdecode(path)
+    except TypeError:
+        raise EnvLightsError(f"a path must be text; got {type(path).__name__}; {_WANTED}") from None
+    name = _printable(text)
+    try:
+        obstacle = _obstacle(text)
+    except (OSError, ValueError) as error:  # a name that is too long, or no Unicode
+        obstacle = _printable(getattr(error, "strerror", None) or str(error))
+    if obstacle:
+        raise EnvLightsError(f"cannot read {name or 'an empty path'}: {obstacle}; {_WANTED}")
+    return text, name
+
+
+def _obstacle(path: str) -> str:
+    """Why no image can be read from `path`; empty where nothing is in the way."""
+    path.encode()
+    if not path or not Path(path).exists():
+        return "there is no such file"
+    if Path(path).is_dir():
+        return "it is a folder"
+    if not Path(path).is_file():
+        return "it is no regular file"
+    if Path(path).stat().st_size == 0:
+        return "the file is empty"
+    return _png_damage(path)
+
+
+def _png_damage(path: str) -> str:
+    """What is wrong with the chunks of a PNG file: libpng would print it to stderr."""
+    with Path(path).open("rb") as file:
+        if file.read(8) != _PNG_SIGNATURE:
+            return ""
+        while len(head := file.read(8)) == 8:
+            length, kind = struct.unpack(">I4s", head)
+            body, check = file.read(length), file.read(4)
+            if len(check) < 4:
+                break
+            if zlib.crc32(kind + body).to_bytes(4, "big") != check:
+                return f"a chunk of {length} bytes has a wrong checksum; the file is damaged"
+            if kind == b"IEND":
+                return ""
+    return "the file is cut off"
 
 
 def _read(name: str, file: oiio.ImageInput) -> Image:
     spec = file.spec()
     _check_spec(name, spec)
     channels, notes = _colour_channels(name, spec)
-    pixels = file.read_image(0, 0, 0, spec.nchannels, oiio.FLOAT)
+    is_coded = _is_coded(name, spec, channels)
+    first, end = min(channels), max(channels) + 1
+    pixels = file.read_image(0, 0, first, end, oiio.FLOAT)
     if pixels is None or file.has_error:
-        raise EnvLightsError(f"cannot read all pixels of {name}: {_one_line(file.geterror())}")
-    pixels = np.ascontiguousarray(pixels[..., channels])
-    if _is_coded(spec):
+        reason = _one_line(file.geterror())
+        raise EnvLightsError(f"cannot read all pixels of {name}: {reason}; give an undamaged file")
+    pixels = np.ascontiguousarray(pixels[..., [channel - first for channel in channels]])
+    if is_coded:
         pixels = decode_srgb(pixels)
         notes.append("integer samples were taken as sRGB-coded and linearised")
-    pixels = _in_display_window(pixels, spec, notes)
+    pixels = _upright(_in_display_window(pixels, spec, notes), spec, notes)
     _note_primaries(spec, notes)
+    if spec.get_int_attribute("oiio:subimages", 1) > 1:
+        notes.append("only the first of several images in the file was read")
     return Image(pixels, bool(spec.getattribute("oiio:sampleborder")), tuple(notes))
 
 
 def _check_spec(name: str, spec: oiio.ImageSpec) -> None:
-    if spec.width * spec.height > _MOST_PIXELS:
-        size = f"{spec.width}x{spec.height}"
-        raise EnvLightsError(f"cannot read {name}: it claims to hold {size} pixels; is it damaged?")
-    if spec.depth > 1:
-        raise EnvLightsError(f"cannot read {name}: it is a volume of {spec.depth} slices")
-    if "CubeFace" in (spec.getattribute("textureformat") or ""):
-        raise EnvLightsError(f"cannot read {name}: it is a cube map; only equirectangular maps are")
+    windows = [(spec.width, spec.height), (spec.full_width, spec.full_height)]
+    width, height = max(windows, key=lambda size: size[0] * size[1])
+    refusals = [
+        (
+            width * height > _MOST_PIXELS,
+            f"it claims to hold {width}x{height} pixels, more than {_MOST_PIXELS}; is it damaged?",
+        ),
+        (spec.depth > 1, f"it is a volume of {spec.depth} slices; give a flat image"),
+        (spec.deep, "it is a deep image; give a flattened one"),
+        (
+            "CubeFace" in (spec.getattribute("textureformat") or ""),
+            "it is a cube map; give an equirectangular one",
+        ),
+        (
+            spec.get_int_attribute("Orientation", 1) > 4,
+            "it says that it lies on its side; give it upright",
+        ),
+    ]
+    for is_so, reason in refusals:
+        if is_so:
+            raise EnvLightsError(f"cannot read {name}: {reason}")
 
 
 def _colour_channels(name: str, spec: oiio.ImageSpec) -> tuple[list[int], list[str]]:
@@ -124,8 +196,13 @@ def _colour_channels(name: str, spec: oiio.ImageSpec) -> tuple[list[int], list[s
     return [names.index(channel) for channel in wanted], notes
 
 
-def _is_coded(spec: oiio.ImageSpec) -> bool:
-    return spec.format.basetype in (oiio.UINT8, oiio.UINT16)
+def _is_coded(name: str, spec: oiio.ImageSpec, channels: list[int]) -> bool:
+    """Whether the samples are sRGB codes and not radiance."""
+    formats = {str(spec.channelformat(channel)) for channel in channels}
+    if others := formats - _CODED - _LINEAR:
+        seen, wanted = ", ".join(sorted(others)), "floating point, uint8 or uint16"
+        raise EnvLightsError(f"cannot read {name}: its samples are {seen}; give {wanted}")
+    return bool(formats & _CODED)
 
 
 def decode_srgb(coded: NDArray[np.floating]) -> NDArray[np.float32]:
@@ -143,8 +220,6 @@ def _in_display_window(
     display = (spec.full_x, spec.full_y, spec.full_width, spec.full_height)
     if data == display:
         return pixels
-    if display[2] * display[3] > _MOST_PIXELS:
-        raise EnvLightsError(f"the display window of {display[2]}x{display[3]} pixels is too large")
     notes.append(
         f"the data window {data} was set into the display window {display}, black around it"
     )
@@ -160,6 +235,19 @@ def _in_display_window(
     return whole
 
 
+def _upright(
+    pixels: NDArray[np.float32], spec: oiio.ImageSpec, notes: list[str]
+) -> NDArray[np.float32]:
+    """Row 0 at the top and column 0 at the left, where the file says that they are elsewhere."""
+    orientation = spec.get_int_attribute("Orientation", 1)
+    if orientation not in (2, 3, 4):
+        return pixels
+    notes.append(f"the image was turned upright from the orientation {orientation} of its header")
+    rows = -1 if orientation in (3, 4) else 1
+    columns = -1 if orientation in (2, 3) else 1
+    return np.ascontiguousarray(pixels[::rows, ::columns])
+
+
 def _note_primaries(spec: oiio.ImageSpec, notes: list[str]) -> None:
     """Say where the file names other primaries; the zeros of Radiance headers name none."""
     primaries = spec.getattribute("chromaticities")
@@ -170,7 +258,13 @@ def _note_primaries(spec: oiio.ImageSpec, notes: list[str]) -> None:
 
 
 def _one_line(message: str) -> str:
-    return "; ".join(message.split("\n")) or "OpenImageIO gives no reason"
+    lines = [_printable(line.strip()) for line in message.splitlines()]
+    return "; ".join(filter(None, lines)).rstrip(".?") or "OpenImageIO gives no reason"
+
+
+def _printable(text: str) -> str:
+    """`text` on one line: a path may hold a line break, a damaged file anything."""
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
 
 
 def write_exr(path: str | os.PathLike[str], radiance: NDArray[np.float32]) -> None:
