@@ -33,6 +33,9 @@ __all__ = [
     "working_irradiance",
 ]
 
+#: Width of the map that `working_irradiance` makes when it is not told another.
+WORKING_COLUMNS = 256
+
 
 def radical_inverse(index: int, base: int = 2) -> float:
     """Digits of `index` in `base`, mirrored behind the point: van der Corput's sequence.
@@ -287,14 +290,14 @@ def working_irradiance(
     normals: ArrayLike,
     *,
     border_sampled: bool = False,
-    columns: int = 256,
+    columns: int = WORKING_COLUMNS,
     source_share: float = 2e-3,
 ) -> tuple[NDArray[np.float64], int]:
     """Irradiance of a map at many normals, from a smaller working map.
 
     The map is averaged into at most `columns` columns; cells with more than `source_share` of the
-    flux become point sources of exact direction. On real maps the relative RMS difference from
-    `irradiance` is below 1e-4.
+    flux become point sources of exact direction. On 14 real maps the relative RMS difference from
+    `irradiance` was 3e-5 to 1.4e-4 with 256 columns, and up to 4e-4 with 128.
 
     Parameters
     ----------

@@ -10,7 +10,10 @@ use crate::kernels::sphere::{exponential_map, tangents};
 
 /// Directions that are tried: faces of an icosphere, about 20 degrees apart.
 const TRIED: usize = 80;
-/// Starts that are worth a refinement; with 2, one map in fifty ends 4 % above the best known fit.
+/// Starts that are worth a refinement.
+///
+/// Chosen together with [`TRIED`] on 13 real maps with 1 to 8 lights, against the best of 30 random
+/// starts of another solver: at worst 0.5 % above it. Those maps chose it, so they do not prove it.
 const STARTS: usize = 3;
 /// Two starts closer than this (cosine) would end in the same place.
 const APART: f64 = 0.8;
