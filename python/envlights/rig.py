@@ -69,14 +69,13 @@ class Lights:
         direction, irradiance = _light_arrays(self.direction, self.irradiance)
         brightest_first = np.argsort(-(irradiance @ LUMINANCE), kind="stable")
         for name, array in (("direction", direction), ("irradiance", irradiance)):
-            object.__setattr__(self, name, _frozen(array[brightest_first]))
+            object.__setattr__(self, name, frozen(array[brightest_first]))
 
     def __len__(self) -> int:
         return len(self.direction)
 
     def __getitem__(self, which: slice) -> Lights:
-        if not isinstance(which, slice):
-            raise EnvLightsError(f"lights are taken by slices, such as lights[:4]; got {which!r}")
+        check_slice(which)
         return Lights(self.direction[which], self.irradiance[which])
 
     def to_dict(self) -> dict[str, list[list[float]]]:
@@ -152,7 +151,7 @@ class Rig:
             raise EnvLightsError(
                 f"ambient must be three finite numbers, none negative; got {ambient.tolist()}"
             )
-        object.__setattr__(self, "ambient", _frozen(ambient))
+        object.__setattr__(self, "ambient", frozen(ambient))
         object.__setattr__(self, "error", _amount("error", self.error))
 
     def probe(self, normals: ArrayLike) -> NDArray[np.float64]:
@@ -272,7 +271,14 @@ def _light_arrays(
     return direction, irradiance
 
 
-def _frozen(array: NDArray[np.float64]) -> NDArray[np.float64]:
+def check_slice(which: object) -> None:
+    """Refuse an index that is no slice: a single light is no `Lights`."""
+    if not isinstance(which, slice):
+        raise EnvLightsError(f"lights are taken by slices, such as lights[:4]; got {which!r}")
+
+
+def frozen(array: NDArray[Any]) -> NDArray[Any]:
+    """A copy of `array` that cannot be written to."""
     array = array.copy()
     array.flags.writeable = False
     return array
