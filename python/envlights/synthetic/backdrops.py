@@ -6,16 +6,14 @@ Each function draws from the generator that it is given and returns the radiance
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from envlights import kernels
 from envlights.rig import LUMINANCE
-from envlights.synthetic.shapes import Disc, Rectangle, unit
-
-Backdrop = Callable[[np.random.Generator, int], NDArray[np.float64]]
+from envlights.synthetic.shapes import Disc, PixelSun, Rectangle
 
 
 def constant(rng: np.random.Generator, height: int) -> NDArray[np.float64]:
@@ -72,24 +70,28 @@ def lit_walls(rng: np.random.Generator, height: int) -> NDArray[np.float64]:
 
 
 def glare(
-    rng: np.random.Generator, height: int, shapes: Sequence[Disc | Rectangle]
+    rng: np.random.Generator, height: int, lamps: Sequence[Disc | Rectangle | PixelSun]
 ) -> NDArray[np.float64]:
     """Halos that the lens puts around lights: a few per cent of their radiance at the rim.
 
     A halo falls off as exp(-(angle from the rim) / width). Around a light smaller than the width
-    it is fainter by their solid angles' ratio, for a lens spreads flux and makes none.
+    it is fainter by the ratio of their solid angles, for a lens spreads flux and makes none.
     """
     directions = kernels.pixel_directions(height, 2 * height)
     halos = np.zeros((height, 2 * height, 3))
-    for shape in shapes:
-        # A pixel sun is as large as its pixel.
-        radius = max(shape.reach_deg, 90 / height)
+    for lamp in lamps:
         width, strength = rng.uniform(1, 4), rng.uniform(0.02, 0.08)
-        strength *= min(1.0, (radius / width) ** 2)
-        off = np.rad2deg(np.arccos(np.clip(directions @ unit(shape.direction), -1, 1)))
-        falloff = np.exp(-np.maximum(off - radius, 0) / width)
-        halos += strength * falloff[..., None] * np.asarray(shape.radiance)
+        strength *= min(1.0, (_radius_deg(lamp, height) / width) ** 2)
+        falloff = np.exp(-lamp.angle_deg(directions) / width)
+        halos += strength * falloff[..., None] * np.asarray(lamp.radiance)
     return halos
+
+
+def _radius_deg(lamp: Disc | Rectangle | PixelSun, height: int) -> float:
+    """Of a disc about as large as the light."""
+    if isinstance(lamp, Rectangle):
+        return float(np.sqrt(lamp.width_deg * lamp.height_deg / np.pi))
+    return max(lamp.reach_deg, 90 / height)  # a pixel sun is as large as its pixel
 
 
 def tint(rng: np.random.Generator) -> NDArray[np.float64]:

@@ -46,6 +46,10 @@ class Disc:
         """From the centre to the farthest point, in degrees."""
         return self.angular_radius_deg
 
+    def angle_deg(self, directions: NDArray[np.float64]) -> NDArray[np.float64]:
+        """From each direction to the nearest point of the disc, in degrees."""
+        return np.maximum(_angle_deg(directions, unit(self.direction)) - self.reach_deg, 0)
+
     def coverage(self, height: int) -> NDArray[np.float64]:
         """Share of each pixel inside the rim."""
         centre = unit(self.direction)
@@ -86,6 +90,17 @@ class Rectangle:
         half = np.tan(np.deg2rad([self.width_deg, self.height_deg]) / 2)
         return float(np.rad2deg(np.arctan(np.hypot(*half))))
 
+    def angle_deg(self, directions: NDArray[np.float64]) -> NDArray[np.float64]:
+        """From each direction to the nearest point within the frame, in degrees."""
+        axes = _head_on(unit(self.direction), np.deg2rad(self.tilt_deg))
+        across, along, depth = np.moveaxis(directions @ axes.T, -1, 0)
+        depth = np.maximum(depth, 1e-6)  # what lies behind is nearest to a side or a corner
+        half = np.tan(np.deg2rad([self.width_deg, self.height_deg]) / 2)
+        x, y = np.clip(across / depth, -half[0], half[0]), np.clip(along / depth, -half[1], half[1])
+        nearest = np.stack([x, y, np.ones_like(x)], axis=-1) @ axes
+        nearest /= np.linalg.norm(nearest, axis=-1, keepdims=True)
+        return _angle_deg(directions, nearest)
+
     def coverage(self, height: int) -> NDArray[np.float64]:
         """Share of each pixel inside the frame, without the bars."""
         centre = unit(self.direction)
@@ -121,6 +136,10 @@ class PixelSun:
     def reach_deg(self) -> float:
         """A point."""
         return 0.0
+
+    def angle_deg(self, directions: NDArray[np.float64]) -> NDArray[np.float64]:
+        """From each direction to the sun, in degrees."""
+        return _angle_deg(directions, unit(self.direction))
 
     def coverage(self, height: int) -> NDArray[np.float64]:
         """1 at the pixel, 0 elsewhere."""
@@ -164,6 +183,12 @@ def unit(direction: ArrayLike) -> NDArray[np.float64]:
         raise EnvLightsError(f"a direction must be three numbers, not all 0; got {direction!r}")
     of_length_one: NDArray[np.float64] = vector / length
     return of_length_one
+
+
+def _angle_deg(directions: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.float64]:
+    cosine = np.clip((directions * others).sum(axis=-1), -1, 1)
+    angle: NDArray[np.float64] = np.rad2deg(np.arccos(cosine))
+    return angle
 
 
 def _head_on(centre: NDArray[np.float64], tilt: float) -> NDArray[np.float64]:
