@@ -1,0 +1,37 @@
+"""Maps with exactly known lights: for the demo, the tests and the benchmarks.
+
+Frame and units are those of `EnvMap`; pixels are cell-centred.
+
+| what is there                                   | file           |
+|-------------------------------------------------|----------------|
+| outlines of lights on the sphere                | `shapes.py`    |
+| shapes before a background, measured as stored  | `scene.py`     |
+| the hall of the demo                            | `hall.py`      |
+| surroundings that are no lights                 | `backdrops.py` |
+| lights of random kind, size and place           | `lamps.py`     |
+| two families of random maps, to judge detectors | `suite.py`     |
+| what a detector found against what is there     | `score.py`     |
+"""
+
+from envlights.synthetic.hall import hall
+from envlights.synthetic.scene import SyntheticMap, scene
+from envlights.synthetic.score import Score, judge, match
+from envlights.synthetic.shapes import Disc, PixelSun, Rectangle, Shape
+from envlights.synthetic.suite import JUDGING, TUNING, hard, plain
+
+__all__ = [
+    "JUDGING",
+    "TUNING",
+    "Disc",
+    "PixelSun",
+    "Rectangle",
+    "Score",
+    "Shape",
+    "SyntheticMap",
+    "hall",
+    "hard",
+    "judge",
+    "match",
+    "plain",
+    "scene",
+]

@@ -1,0 +1,201 @@
+"""Outlines of lights on the sphere."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from envlights import kernels
+from envlights._check import reals
+from envlights._native import EnvLightsError
+
+#: Samples along each side of a pixel by which its coverage is measured.
+_SUPERSAMPLING = 4
+
+
+class Shape(Protocol):
+    """A light with an outline on the sphere and one radiance."""
+
+    @property
+    def radiance(self) -> ArrayLike:
+        """RGB."""
+
+    def coverage(self, height: int) -> NDArray[np.float64]:
+        """Share of each pixel that the shape covers, (height, 2 * height)."""
+
+
+@dataclass(frozen=True)
+class Disc:
+    """A round light."""
+
+    direction: ArrayLike
+    """Unit vector towards the centre."""
+
+    angular_radius_deg: float
+    """From the centre to the rim, in degrees."""
+
+    radiance: ArrayLike
+    """RGB."""
+
+    @property
+    def reach_deg(self) -> float:
+        """From the centre to the farthest point, in degrees."""
+        return self.angular_radius_deg
+
+    def angle_deg(self, directions: NDArray[np.float64]) -> NDArray[np.float64]:
+        """From each direction to the nearest point of the disc, in degrees."""
+        return np.maximum(_angle_deg(directions, unit(self.direction)) - self.reach_deg, 0)
+
+    def coverage(self, height: int) -> NDArray[np.float64]:
+        """Share of each pixel inside the rim."""
+        centre = unit(self.direction)
+        rim = np.cos(np.deg2rad(self.angular_radius_deg))
+        return supersampled(
+            height, centre, self.reach_deg, lambda directions: directions @ centre >= rim
+        )
+
+
+@dataclass(frozen=True)
+class Rectangle:
+    """A window or a tube: a flat rectangle seen head-on."""
+
+    direction: ArrayLike
+    """Unit vector towards the centre."""
+
+    width_deg: float
+    """Opening angle from side to side, in degrees, below 180."""
+
+    height_deg: float
+    """Opening angle from top to bottom, in degrees, below 180."""
+
+    radiance: ArrayLike
+    """RGB."""
+
+    tilt_deg: float = 0.0
+    """Turn about the direction: 0 is upright, 90 swaps the sides."""
+
+    panes: tuple[int, int] = (1, 1)
+    """Panes from side to side and from top to bottom, with a bar between neighbours."""
+
+    bar_deg: float = 0.0
+    """Opening angle of a bar in the middle, in degrees; the background shows through it."""
+
+    @property
+    def reach_deg(self) -> float:
+        """From the centre to the corners, in degrees."""
+        half = np.tan(np.deg2rad([self.width_deg, self.height_deg]) / 2)
+        return float(np.rad2deg(np.arctan(np.hypot(*half))))
+
+    def angle_deg(self, directions: NDArray[np.float64]) -> NDArray[np.float64]:
+        """From each direction to the nearest point within the frame, in degrees."""
+        axes = _head_on(unit(self.direction), np.deg2rad(self.tilt_deg))
+        across, along, depth = np.moveaxis(directions @ axes.T, -1, 0)
+        depth = np.maximum(depth, 1e-6)  # what lies behind is nearest to a side or a corner
+        half = np.tan(np.deg2rad([self.width_deg, self.height_deg]) / 2)
+        x, y = np.clip(across / depth, -half[0], half[0]), np.clip(along / depth, -half[1], half[1])
+        nearest = np.stack([x, y, np.ones_like(x)], axis=-1) @ axes
+        nearest /= np.linalg.norm(nearest, axis=-1, keepdims=True)
+        return _angle_deg(directions, nearest)
+
+    def coverage(self, height: int) -> NDArray[np.float64]:
+        """Share of each pixel inside the frame, without the bars."""
+        centre = unit(self.direction)
+        return supersampled(height, centre, self.reach_deg, self._glass)
+
+    def _glass(self, directions: NDArray[np.float64]) -> NDArray[np.bool_]:
+        axes = _head_on(unit(self.direction), np.deg2rad(self.tilt_deg))
+        across, along, depth = np.moveaxis(directions @ axes.T, -1, 0)
+        inside: NDArray[np.bool_] = depth > 0
+        bar = np.tan(np.deg2rad(self.bar_deg) / 2)
+        for offset, side_deg, panes in zip(
+            (across, along), (self.width_deg, self.height_deg), self.panes, strict=True
+        ):
+            half = np.tan(np.deg2rad(side_deg) / 2)
+            inside &= np.abs(offset) <= half * depth
+            for pane in range(1, panes):
+                between = half * (2 * pane / panes - 1)
+                inside &= np.abs(offset - between * depth) > bar * depth
+        return inside
+
+
+@dataclass(frozen=True)
+class PixelSun:
+    """A sun of one pixel, as in most maps."""
+
+    direction: ArrayLike
+    """Unit vector into the pixel."""
+
+    radiance: ArrayLike
+    """RGB of the pixel."""
+
+    @property
+    def reach_deg(self) -> float:
+        """A point."""
+        return 0.0
+
+    def angle_deg(self, directions: NDArray[np.float64]) -> NDArray[np.float64]:
+        """From each direction to the sun, in degrees."""
+        return _angle_deg(directions, unit(self.direction))
+
+    def coverage(self, height: int) -> NDArray[np.float64]:
+        """1 at the pixel, 0 elsewhere."""
+        ((u, v),) = kernels.direction_to_uv([unit(self.direction)])
+        covered = np.zeros((height, 2 * height))
+        covered[min(int(v * height), height - 1), int(u * 2 * height) % (2 * height)] = 1
+        return covered
+
+
+def supersampled(
+    height: int,
+    centre: NDArray[np.float64],
+    reach_deg: float,
+    inside: Callable[[NDArray[np.float64]], NDArray[np.bool_]],
+) -> NDArray[np.float64]:
+    """Share of each pixel's samples that are inside, by solid angle where rows are thin.
+
+    Only pixels within `reach_deg` of the centre are looked at.
+    """
+    n = _SUPERSAMPLING
+    margin = np.pi / height  # more than from a pixel's centre to its corner
+    reach = min(np.deg2rad(reach_deg) + margin, np.pi)
+    near = kernels.pixel_directions(height, 2 * height) @ centre >= np.cos(reach)
+    row, column = near.nonzero()
+    step = (np.arange(n) + 0.5) / n
+    u = (column[:, None] + step) / (2 * height)
+    v = (row[:, None] + step) / height
+    uv = np.stack(np.broadcast_arrays(u[:, None, :], v[:, :, None]), axis=-1)
+    seen = inside(kernels.uv_to_direction(uv.reshape(-1, 2))).reshape(-1, n, n)
+    weight = np.sin(np.pi * v)
+    covered = np.zeros((height, 2 * height))
+    covered[near] = (weight * seen.mean(axis=2)).sum(axis=1) / weight.sum(axis=1)
+    return covered
+
+
+def unit(direction: ArrayLike) -> NDArray[np.float64]:
+    """`direction` at the length 1, or a refusal."""
+    vector = reals("a direction", direction, 1)
+    length = np.linalg.norm(vector)
+    if vector.shape != (3,) or not np.isfinite(length) or length == 0:
+        raise EnvLightsError(f"a direction must be three numbers, not all 0; got {direction!r}")
+    of_length_one: NDArray[np.float64] = vector / length
+    return of_length_one
+
+
+def _angle_deg(directions: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.float64]:
+    cosine = np.clip((directions * others).sum(axis=-1), -1, 1)
+    angle: NDArray[np.float64] = np.rad2deg(np.arccos(cosine))
+    return angle
+
+
+def _head_on(centre: NDArray[np.float64], tilt: float) -> NDArray[np.float64]:
+    """Rows: right, up and towards a flat shape around `centre`, turned by `tilt` radians."""
+    upright = [0.0, 1.0, 0.0] if abs(centre[1]) < 0.999 else [0.0, 0.0, 1.0]
+    right = np.cross(upright, centre)
+    right /= np.linalg.norm(right)
+    up = np.cross(centre, right)
+    cos, sin = np.cos(tilt), np.sin(tilt)
+    return np.array([cos * right + sin * up, cos * up - sin * right, centre])

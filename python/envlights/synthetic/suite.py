@@ -1,0 +1,166 @@
+"""Two families of random maps with known lights, to judge detectors by.
+
+A seed gives one map, always the same. Whoever chooses a threshold may look at the seeds `TUNING`;
+the seeds `JUDGING` are for the final numbers only, so that no threshold is fitted to them.
+
+Lights do not overlap and stand apart by some degrees. They are at least 8 times as bright as the
+brightest surroundings; in pictures clipped to 1, at least 2.5 times.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights import io
+from envlights._check import count
+from envlights.synthetic import backdrops, lamps
+from envlights.synthetic.scene import Camera, SyntheticMap, scene
+from envlights.synthetic.shapes import PixelSun, Shape
+
+#: Seeds for choosing thresholds.
+TUNING = range(0, 60)
+#: Seeds for the numbers that are published. No threshold may be chosen by them.
+JUDGING = range(1000, 1060)
+
+_Backdrop = Callable[[np.random.Generator, int], NDArray[np.float64]]
+
+_PLAIN_BACKDROPS: Mapping[str, _Backdrop] = {
+    "even": backdrops.constant,
+    "sky": backdrops.gradient,
+    "noise": backdrops.constant,
+    "white wall": backdrops.white_wall,
+    "checker": backdrops.checker,
+}
+_HARD_BACKDROPS: Mapping[str, _Backdrop] = {
+    "clouds": backdrops.clouds,
+    "lit walls": backdrops.lit_walls,
+    "sky": backdrops.gradient,
+}
+_CLUTTER = ("clouds", "lit walls")
+
+
+def plain(seed: int, height: int = 512) -> SyntheticMap:
+    """A map that every detector should master.
+
+    Discs of 0.25 to 15 degrees, windows, tubes, close pairs and one-pixel suns; some across the
+    seam or on a pole; before an even background, a clear sky, noise of 2 %, a white wall or tiles.
+    Some maps have another exposure, some are clipped to 1, also with 8 bits; every tenth has no
+    light.
+
+    Parameters
+    ----------
+    seed : int
+        Which map; see `TUNING` and `JUDGING`.
+    height : int
+        Rows; the map is twice as wide.
+
+    Returns
+    -------
+    SyntheticMap
+
+    Examples
+    --------
+    >>> plain(3, height=64).note
+    'pair, pole, window before white wall; linear, x 4.14, 0 % noise'
+    """
+    rng = np.random.default_rng([count("seed", seed), 1])
+    # Counting through keeps every range of seeds balanced.
+    name = _nth(_PLAIN_BACKDROPS, seed + seed // 10)
+    background = _PLAIN_BACKDROPS[name](rng, height)
+    shapes: list[Shape] = []
+    words = []
+    if seed % 10 != 9:
+        first = _nth(lamps.PLAIN, seed)
+        shapes, words = lamps.draw(rng, lamps.PLAIN, first, contrast=(8, 500), gap_deg=3)
+    camera, picture = _camera(rng, height, 0.02 * (name == "noise"), may_clip=_is_large(shapes))
+    note = _note(words, name, picture)
+    return scene(height, background=background, shapes=shapes, camera=camera, note=note)
+
+
+def hard(seed: int, height: int = 512) -> SyntheticMap:
+    """A map with what is easily mistaken.
+
+    Glare around the lights, lit walls and bright clouds, which are no lights; windows with bars,
+    each of which is one light; noise of 2 %; all in many combinations. Every eighth map shows
+    clouds or lit walls alone.
+
+    Parameters
+    ----------
+    seed : int
+        Which map; see `TUNING` and `JUDGING`.
+    height : int
+        Rows; the map is twice as wide.
+
+    Returns
+    -------
+    SyntheticMap
+
+    Examples
+    --------
+    >>> hard(3, height=64).note
+    'sun, window before clouds; linear, x 1, 0 % noise'
+    """
+    rng = np.random.default_rng([count("seed", seed), 2])
+    is_lit = seed % 8 != 7
+    name = _nth(_HARD_BACKDROPS, seed) if is_lit else _CLUTTER[seed // 8 % 2]
+    background = _HARD_BACKDROPS[name](rng, height)
+    has_glare = is_lit and rng.random() < 0.4
+    shapes: list[Shape] = []
+    words = []
+    if is_lit:
+        kinds, gap_deg = (lamps.ROUND, 12) if has_glare else (lamps.HARD, 3)
+        shapes, words = lamps.draw(rng, kinds, _nth(kinds, seed), (20, 300), gap_deg)
+    if has_glare:
+        background, name = background + backdrops.glare(rng, height, shapes), f"{name}, glare"
+    # Clipped glare would widen the lights: nobody could say where they end.
+    may_clip = _is_large(shapes) and not has_glare
+    camera, picture = _camera(rng, height, 0.02 * (rng.random() < 0.6), may_clip)
+    note = _note(words, name, picture)
+    return scene(height, background=background, shapes=shapes, camera=camera, note=note)
+
+
+def _nth(choices: Mapping[str, object], n: int) -> str:
+    return list(choices)[n % len(choices)]
+
+
+def _note(lights: list[str], backdrop: str, picture: str) -> str:
+    return f"{', '.join(lights) or 'no light'} before {backdrop}; {picture}"
+
+
+def _is_large(shapes: list[Shape]) -> bool:
+    """Whether all lights survive clipping: one white pixel in a picture is no light to anyone."""
+    return not any(isinstance(shape, PixelSun) for shape in shapes)
+
+
+def _camera(
+    rng: np.random.Generator, height: int, noise: float, may_clip: bool
+) -> tuple[Camera, str]:
+    """What is stored, and how that is called."""
+    picture = rng.choice(["as is", "exposure", "clipped", "8 bit"], p=[0.3, 0.3, 0.2, 0.2])
+    is_clipped = may_clip and picture in ("clipped", "8 bit")
+    exposure = 1.0
+    if picture == "exposure":
+        exposure = 10 ** rng.uniform(-3, 3)
+    elif is_clipped:
+        exposure = 10 ** rng.uniform(np.log10(0.05), np.log10(0.4))
+    grain = 1 + noise * rng.standard_normal((height, 2 * height, 3)) if noise else 1.0
+
+    def camera(radiance: NDArray[np.float64]) -> NDArray[np.float64]:
+        stored = np.maximum(exposure * grain * radiance, 0)
+        if is_clipped:
+            stored = np.minimum(stored, 1)
+        return _eight_bits(stored) if is_clipped and picture == "8 bit" else stored
+
+    words = [picture if is_clipped else "linear", f"x {exposure:.3g}", f"{100 * noise:g} % noise"]
+    return camera, ", ".join(words)
+
+
+def _eight_bits(radiance: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Radiance up to 1 after it was sRGB-coded in 8 bits and linearised."""
+    levels = io.decode_srgb(np.arange(256) / 255)
+    between = io.decode_srgb((np.arange(255) + 0.5) / 255)
+    nearest: NDArray[np.float64] = levels[np.searchsorted(between, radiance)].astype(np.float64)
+    return nearest
