@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import contextlib
 import enum
 import json
-import numbers
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -16,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import kernels
-from envlights._check import count, reals
+from envlights._check import amount, count, reals
 from envlights._native import EnvLightsError
 from envlights.files import write_atomically
 
@@ -152,7 +150,7 @@ class Rig:
                 f"ambient must be three finite numbers, none negative; got {ambient.tolist()}"
             )
         object.__setattr__(self, "ambient", frozen(ambient))
-        object.__setattr__(self, "error", _amount("error", self.error))
+        object.__setattr__(self, "error", amount("error", self.error))
 
     def probe(self, normals: ArrayLike) -> NDArray[np.float64]:
         """Irradiance under the rig.
@@ -284,17 +282,6 @@ def frozen(array: NDArray[Any]) -> NDArray[Any]:
     return array
 
 
-def _amount(name: str, value: object) -> float:
-    """`value` as a float, or a refusal where it is no finite number from 0 up."""
-    amount = -1.0
-    if isinstance(value, numbers.Real) and not isinstance(value, bool):
-        with contextlib.suppress(OverflowError):  # an int beyond every float
-            amount = float(value)
-    if not 0 <= amount < np.inf:
-        raise EnvLightsError(f"{name} must be a finite number, not negative; got {value!r}")
-    return amount
-
-
 def _check_version(path: object, data: Any) -> None:
     if not isinstance(data, dict) or data.get("format") != _FORMAT:
         raise EnvLightsError(f"{path} is no rig: it does not say 'format': '{_FORMAT}'")
@@ -306,10 +293,10 @@ def _check_version(path: object, data: Any) -> None:
 def _from_dict(data: dict[str, Any]) -> Rig:
     report = dict(data["report"])
     report["stop_reason"] = StopReason[report["stop_reason"]]
-    report["errors"] = tuple(_amount("errors", error) for error in report["errors"])
+    report["errors"] = tuple(amount("errors", error) for error in report["errors"])
     report["steps"] = count("steps", report["steps"])
     report["seconds"] = {
-        str(stage): _amount("seconds", value) for stage, value in report["seconds"].items()
+        str(stage): amount("seconds", value) for stage, value in report["seconds"].items()
     }
     report["skipped"] = tuple(report["skipped"])
     lights = data["lights"]

@@ -19,7 +19,12 @@ use rayon::prelude::*;
 use super::summary::{Summary, TILE};
 
 /// A light rises this far above the threshold; down to the threshold it extends (hysteresis).
-const HYSTERESIS: f32 = 2.0;
+const HYSTERESIS: f32 = 2.5;
+/// A light that is clipped rises this far, at least.
+const CLIPPED_HYSTERESIS: f32 = 1.2;
+/// As many pixels as this, so much alike, at the map's maximum are a ceiling where a camera saturates.
+const CEILING_PIXELS: usize = 3;
+const CEILING: f32 = 1.0 - 1e-5;
 
 /// Pixels above the threshold.
 pub struct BrightPixels {
@@ -69,7 +74,7 @@ pub fn regions(summary: &Summary, bright: &BrightPixels, threshold: f64, promine
     let level: Vec<f32> = bright.order.iter().map(|&index| luminance[index as usize]).collect();
     let mut tree = Tree::of(level.len());
     let mut label = tree.flood(summary.luminance.dim(), &bright.order, &level, prominence as f32);
-    let lowest_peak = HYSTERESIS * threshold as f32;
+    let lowest_peak = lowest_peak(&level, threshold as f32);
     let mut light_of_peak: Vec<u32> = vec![0; level.len()];
     let mut pixels: Vec<Vec<u32>> = Vec::new();
     for (rank, &index) in bright.order.iter().enumerate() {
@@ -84,6 +89,16 @@ pub fn regions(summary: &Summary, bright: &BrightPixels, threshold: f64, promine
         }
     }
     Regions { pixels, label }
+}
+
+/// The luminance that a light must reach, among the levels of the bright pixels.
+///
+/// At the ceiling of a clipped picture nobody knows how bright a light is: it need not rise as far.
+fn lowest_peak(level: &[f32], threshold: f32) -> f32 {
+    let ceiling = level.first().map_or(0.0, |highest| CEILING * highest);
+    let is_clipped = level.partition_point(|&level| level >= ceiling) >= CEILING_PIXELS;
+    let enough = HYSTERESIS * threshold;
+    if is_clipped { enough.min(ceiling.max(CLIPPED_HYSTERESIS * threshold)) } else { enough }
 }
 
 /// Islands and lights, by the rank of pixels.

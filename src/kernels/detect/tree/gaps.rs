@@ -15,14 +15,14 @@ use std::f64::consts::PI;
 use super::components::{Regions, root};
 use super::summary::Summary;
 
-/// Join the regions that come closer than `gap` radians, from pixel to pixel; a pixel counts if it
-/// has the share `extent` of its region's peak.
-pub fn bridge(summary: &Summary, regions: Regions, gap: f64, extent: f64) -> Regions {
+/// Join the regions that come closer than `gap` radians, from pixel to pixel; a pixel counts from the
+/// `edge` of its region's peak on.
+pub fn bridge(summary: &Summary, regions: Regions, gap: f64, edge: impl Fn(f64) -> f64) -> Regions {
     let count = regions.pixels.len() as u32;
     if count < 2 || gap <= 0.0 {
         return regions;
     }
-    let neighbourhood = Neighbourhood::new(summary, &regions, gap, extent);
+    let neighbourhood = Neighbourhood::new(summary, &regions, gap, edge);
     let mut parent: Vec<u32> = (0..count).collect();
     for (region, pixels) in (0..).zip(&regions.pixels) {
         for &pixel in pixels.iter().take_while(|&&pixel| neighbourhood.is_solid(pixel)) {
@@ -70,10 +70,10 @@ struct Neighbourhood<'a> {
 }
 
 impl<'a> Neighbourhood<'a> {
-    fn new(summary: &'a Summary, regions: &'a Regions, gap: f64, extent: f64) -> Self {
+    fn new(summary: &'a Summary, regions: &'a Regions, gap: f64, edge: impl Fn(f64) -> f64) -> Self {
         let luminance = summary.luminance.as_slice().expect("an owned array");
         let (height, width) = summary.luminance.dim();
-        let peak = |pixels: &Vec<u32>| luminance[pixels[0] as usize];
+        let least = |pixels: &Vec<u32>| edge(f64::from(luminance[pixels[0] as usize])) as f32;
         let theta = summary.grid.theta_edges.windows(2).map(|edge| (0.5 * (edge[0] + edge[1])).sin_cos());
         let theta: Vec<(f64, f64)> = theta.collect();
         let rows = (gap / PI * height as f64) as usize;
@@ -81,7 +81,7 @@ impl<'a> Neighbourhood<'a> {
         Self {
             regions,
             luminance,
-            least: regions.pixels.iter().map(|pixels| extent as f32 * peak(pixels)).collect(),
+            least: regions.pixels.iter().map(least).collect(),
             height,
             width,
             rows,

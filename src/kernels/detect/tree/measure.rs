@@ -107,16 +107,16 @@ impl Light {
     }
 }
 
-/// Measure each region down to the share `extent` of its peak, in the pixels of the map itself.
+/// Measure each region down to the `edge` of its peak, in the pixels of the map itself.
 pub fn measure(
     radiance: ArrayView3<'_, f32>,
     registration: Registration,
     summary: &Summary,
     regions: &Regions,
-    extent: f64,
+    edge: impl Fn(f64) -> f64 + Sync,
 ) -> Vec<Light> {
     let map = Map::new(radiance, registration, summary);
-    regions.pixels.par_iter().map(|pixels| map.measure(pixels, extent)).collect()
+    regions.pixels.par_iter().map(|pixels| map.measure(pixels, &edge)).collect()
 }
 
 /// The map's pixels behind the working image's.
@@ -154,10 +154,10 @@ impl<'a> Map<'a> {
         }
     }
 
-    fn measure(&self, region: &[u32], extent: f64) -> Light {
+    fn measure(&self, region: &[u32], edge: impl Fn(f64) -> f64) -> Light {
         let mut light = Light::default();
         self.visit(region, |rgb, _, _| light.peak = light.peak.max(luminance(rgb)));
-        let least = extent * light.peak;
+        let least = edge(light.peak);
         self.visit(region, |rgb, row, column| {
             let y = luminance(rgb);
             if y >= least {

@@ -95,8 +95,9 @@ pub fn detect(
     let threshold = threshold::from_histogram(&summary);
     let bright = components::bright_pixels(&summary, threshold.luminance);
     let regions = components::regions(&summary, &bright, threshold.luminance, options.prominence);
-    let regions = gaps::bridge(&summary, regions, options.gap, options.extent);
-    let lights = measure::measure(radiance, registration, &summary, &regions, options.extent);
+    let edge = |peak| threshold.edge(peak, options.extent);
+    let regions = gaps::bridge(&summary, regions, options.gap, edge);
+    let lights = measure::measure(radiance, registration, &summary, &regions, edge);
     let choice = budget::choose(lights, options.min_flux_share * summary.flux, options.max_lights);
     let seen = Seen::of(&summary, threshold, &bright, &choice);
     Ok(Detection::new(&regions, choice, seen))

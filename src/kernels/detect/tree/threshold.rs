@@ -51,6 +51,23 @@ pub struct Threshold {
     pub reason: Reason,
 }
 
+impl Threshold {
+    /// The luminance at which a light of the peak `P` ends: at least its share `extent`.
+    ///
+    /// The edge of a light cuts pixels. One that it covers in the share c has the luminance
+    /// `B + c (P - B)` before the background B. Counting those from c_0 on adds the background
+    /// behind them and loses the light in the others; all c are equally frequent, so
+    ///
+    /// ```text
+    ///   B (1 - c_0)^2 / 2 = P c_0^2 / 2   <=>   c_0 = 1 / (1 + sqrt(P / B))   <=>   level sqrt(B P)
+    /// ```
+    ///
+    /// cancels both: the geometric mean of background and peak.
+    pub fn edge(&self, peak: f64, extent: f64) -> f64 {
+        (self.luminance / EXCESS * peak).sqrt().max(extent * peak)
+    }
+}
+
 /// The threshold of a map.
 pub fn from_histogram(summary: &Summary) -> Threshold {
     let mean = summary.flux / (4.0 * PI);
