@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 from envlights import kernels
 from envlights.rig import LUMINANCE
 from envlights.synthetic.backdrops import tint
-from envlights.synthetic.shapes import Disc, PixelSun, Rectangle, unit
+from envlights.synthetic.shapes import Disc, Lamp, PixelSun, Rectangle, unit
 
-Lamp = Disc | Rectangle | PixelSun
 #: Draws a light, or a group of lights, of the given radiance.
 Kind = Callable[[np.random.Generator, NDArray[np.float64]], list[Lamp]]
 _Place = Callable[[np.random.Generator], NDArray[np.float64]]
@@ -74,17 +73,20 @@ def _between(rng: np.random.Generator, low: float, high: float) -> float:
 
 
 def _anywhere(rng: np.random.Generator) -> NDArray[np.float64]:
-    return kernels.uniform_sphere(rng.random((1, 2)))[0]
+    (direction,) = kernels.uniform_sphere(rng.random((1, 2)))
+    return np.asarray(direction)
 
 
 def _on_seam(rng: np.random.Generator) -> NDArray[np.float64]:
     u = rng.uniform(-0.5, 0.5) / 360
-    return kernels.uv_to_direction([[u % 1, rng.uniform(0.15, 0.85)]])[0]
+    (direction,) = kernels.uv_to_direction([[u % 1, rng.uniform(0.15, 0.85)]])
+    return np.asarray(direction)
 
 
 def _on_pole(rng: np.random.Generator) -> NDArray[np.float64]:
     v = rng.uniform(0, 0.5) / 180
-    return kernels.uv_to_direction([[rng.random(), rng.choice([v, 1 - v])]])[0]
+    (direction,) = kernels.uv_to_direction([[rng.random(), rng.choice([v, 1 - v])]])
+    return np.asarray(direction)
 
 
 def _disc(
