@@ -109,6 +109,13 @@ def _window(
     return Rectangle(direction, width, width * _between(rng, 0.6, 1.8), radiance)
 
 
+def _glass_front(
+    rng: np.random.Generator, direction: NDArray[np.float64], radiance: NDArray[np.float64]
+) -> Rectangle:
+    """A twentieth to a ninth of the sphere: the brightest tenth of a map may be light."""
+    return Rectangle(direction, rng.uniform(50, 90), rng.uniform(40, 60), radiance)
+
+
 def _barred(
     rng: np.random.Generator, direction: NDArray[np.float64], radiance: NDArray[np.float64]
 ) -> Rectangle:
@@ -162,6 +169,7 @@ PLAIN: Mapping[str, Kind] = {
     "tube": _at(_anywhere, _tube),
     "pair": _pair,
     "sun": _at(_anywhere, _sun),
+    "glass front": _at(_anywhere, _glass_front),
     "seam": _at(_on_seam, _large_disc, _window),
     "pole": _at(_on_pole, _large_disc, _window),
 }

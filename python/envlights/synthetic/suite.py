@@ -48,10 +48,10 @@ _CLUTTER = ("clouds", "lit walls")
 def plain(seed: int, height: int = 512) -> SyntheticMap:
     """A map that every detector should master.
 
-    Discs of 0.25 to 15 degrees, windows, tubes, close pairs and one-pixel suns; some across the
-    seam or on a pole; before an even background, a clear sky, noise of 2 %, a white wall or tiles.
-    Some maps have another exposure, some are clipped to 1, also with 8 bits; every tenth has no
-    light.
+    Discs of 0.25 to 15 degrees in radius, windows, glass fronts, tubes, close pairs and one-pixel
+    suns; some across the seam or on a pole; before an even background, a clear sky, noise of 2 %,
+    a white wall or tiles. Some maps have another exposure, some are clipped to 1, also with 8
+    bits; every tenth has no light.
 
     Parameters
     ----------
