@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from envlights import kernels
 from envlights.rig import LUMINANCE
-from envlights.synthetic.shapes import Disc, PixelSun, Rectangle
+from envlights.synthetic.shapes import Lamp, Rectangle
 
 
 def constant(rng: np.random.Generator, height: int) -> NDArray[np.float64]:
@@ -31,8 +31,8 @@ def gradient(rng: np.random.Generator, height: int) -> NDArray[np.float64]:
 
 def white_wall(rng: np.random.Generator, height: int) -> NDArray[np.float64]:
     """One bright wall of a room."""
-    phi, sides = rng.uniform(0, 2 * np.pi), rng.uniform([70, 50], [120, 90])
-    wall = Rectangle((np.sin(phi), 0, -np.cos(phi)), *sides, (1, 1, 1)).coverage(height)
+    phi, (broad, high) = rng.uniform(0, 2 * np.pi), rng.uniform([70, 50], [120, 90])
+    wall = Rectangle((np.sin(phi), 0, -np.cos(phi)), broad, high, (1, 1, 1)).coverage(height)
     room = rng.uniform(0.1, 0.4)
     return (room + (1 - room) * wall)[..., None] * tint(rng)
 
@@ -66,12 +66,11 @@ def lit_walls(rng: np.random.Generator, height: int) -> NDArray[np.float64]:
     for centre in kernels.uniform_sphere(rng.random((int(rng.integers(2, 5)), 2))):
         off = np.arccos(np.clip(directions @ centre, -1, 1)) / np.deg2rad(rng.uniform(12, 35))
         room += rng.uniform(0.3, 1) * np.exp(-(off**2))
-    return (room / room.max())[..., None] * tint(rng)
+    level: NDArray[np.float64] = (room / room.max())[..., None]
+    return level * tint(rng)
 
 
-def glare(
-    rng: np.random.Generator, height: int, lamps: Sequence[Disc | Rectangle | PixelSun]
-) -> NDArray[np.float64]:
+def glare(rng: np.random.Generator, height: int, lamps: Sequence[Lamp]) -> NDArray[np.float64]:
     """Halos that the lens puts around lights: a few per cent of their radiance at the rim.
 
     A halo falls off as exp(-(angle from the rim) / width). Around a light smaller than the width
@@ -87,7 +86,7 @@ def glare(
     return halos
 
 
-def _radius_deg(lamp: Disc | Rectangle | PixelSun, height: int) -> float:
+def _radius_deg(lamp: Lamp, height: int) -> float:
     """Of a disc about as large as the light."""
     if isinstance(lamp, Rectangle):
         return float(np.sqrt(lamp.width_deg * lamp.height_deg / np.pi))

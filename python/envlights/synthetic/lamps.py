@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 from envlights import kernels
 from envlights.rig import LUMINANCE
 from envlights.synthetic.backdrops import tint
-from envlights.synthetic.shapes import Disc, PixelSun, Rectangle, unit
+from envlights.synthetic.shapes import Disc, Lamp, PixelSun, Rectangle, unit
 
-Lamp = Disc | Rectangle | PixelSun
 #: Draws a light, or a group of lights, of the given radiance.
 Kind = Callable[[np.random.Generator, NDArray[np.float64]], list[Lamp]]
 _Place = Callable[[np.random.Generator], NDArray[np.float64]]
@@ -74,17 +73,20 @@ def _between(rng: np.random.Generator, low: float, high: float) -> float:
 
 
 def _anywhere(rng: np.random.Generator) -> NDArray[np.float64]:
-    return kernels.uniform_sphere(rng.random((1, 2)))[0]
+    (direction,) = kernels.uniform_sphere(rng.random((1, 2)))
+    return np.asarray(direction)
 
 
 def _on_seam(rng: np.random.Generator) -> NDArray[np.float64]:
     u = rng.uniform(-0.5, 0.5) / 360
-    return kernels.uv_to_direction([[u % 1, rng.uniform(0.15, 0.85)]])[0]
+    (direction,) = kernels.uv_to_direction([[u % 1, rng.uniform(0.15, 0.85)]])
+    return np.asarray(direction)
 
 
 def _on_pole(rng: np.random.Generator) -> NDArray[np.float64]:
     v = rng.uniform(0, 0.5) / 180
-    return kernels.uv_to_direction([[rng.random(), rng.choice([v, 1 - v])]])[0]
+    (direction,) = kernels.uv_to_direction([[rng.random(), rng.choice([v, 1 - v])]])
+    return np.asarray(direction)
 
 
 def _disc(
@@ -105,6 +107,13 @@ def _window(
 ) -> Rectangle:
     width = _between(rng, 3, 25)
     return Rectangle(direction, width, width * _between(rng, 0.6, 1.8), radiance)
+
+
+def _glass_front(
+    rng: np.random.Generator, direction: NDArray[np.float64], radiance: NDArray[np.float64]
+) -> Rectangle:
+    """A twentieth to a ninth of the sphere: the brightest tenth of a map may be light."""
+    return Rectangle(direction, rng.uniform(50, 90), rng.uniform(40, 60), radiance)
 
 
 def _barred(
@@ -160,6 +169,7 @@ PLAIN: Mapping[str, Kind] = {
     "tube": _at(_anywhere, _tube),
     "pair": _pair,
     "sun": _at(_anywhere, _sun),
+    "glass front": _at(_anywhere, _glass_front),
     "seam": _at(_on_seam, _large_disc, _window),
     "pole": _at(_on_pole, _large_disc, _window),
 }

@@ -149,6 +149,10 @@ class PixelSun:
         return covered
 
 
+#: The shapes whose size and place are known.
+Lamp = Disc | Rectangle | PixelSun
+
+
 def supersampled(
     height: int,
     centre: NDArray[np.float64],

@@ -18,12 +18,15 @@ from envlights import io
 from envlights._check import count
 from envlights.synthetic import backdrops, lamps
 from envlights.synthetic.scene import Camera, SyntheticMap, scene
-from envlights.synthetic.shapes import PixelSun, Shape
+from envlights.synthetic.shapes import Lamp, PixelSun
 
 #: Seeds for choosing thresholds.
 TUNING = range(0, 60)
 #: Seeds for the numbers that are published. No threshold may be chosen by them.
 JUDGING = range(1000, 1060)
+
+#: Rows of a map in which samples are close enough to see a disc of 0.25 degrees.
+_LEAST_HEIGHT = 128
 
 _Backdrop = Callable[[np.random.Generator, int], NDArray[np.float64]]
 
@@ -45,17 +48,17 @@ _CLUTTER = ("clouds", "lit walls")
 def plain(seed: int, height: int = 512) -> SyntheticMap:
     """A map that every detector should master.
 
-    Discs of 0.25 to 15 degrees, windows, tubes, close pairs and one-pixel suns; some across the
-    seam or on a pole; before an even background, a clear sky, noise of 2 %, a white wall or tiles.
-    Some maps have another exposure, some are clipped to 1, also with 8 bits; every tenth has no
-    light.
+    Discs of 0.25 to 15 degrees in radius, windows, glass fronts, tubes, close pairs and one-pixel
+    suns; some across the seam or on a pole; before an even background, a clear sky, noise of 2 %,
+    a white wall or tiles. Some maps have another exposure, some are clipped to 1, also with 8
+    bits; every tenth has no light.
 
     Parameters
     ----------
     seed : int
         Which map; see `TUNING` and `JUDGING`.
     height : int
-        Rows; the map is twice as wide.
+        Rows, 128 or more, for smaller maps do not show all lights; the map is twice as wide.
 
     Returns
     -------
@@ -63,15 +66,16 @@ def plain(seed: int, height: int = 512) -> SyntheticMap:
 
     Examples
     --------
-    >>> plain(3, height=64).note
+    >>> plain(3, height=128).note
     'pair, pole, window before white wall; linear, x 4.14, 0 % noise'
     """
+    height = count("height", height, least=_LEAST_HEIGHT)
     rng = np.random.default_rng([count("seed", seed), 1])
     # Counting through keeps every range of seeds balanced.
     name = _nth(_PLAIN_BACKDROPS, seed + seed // 10)
     background = _PLAIN_BACKDROPS[name](rng, height)
-    shapes: list[Shape] = []
-    words = []
+    shapes: list[Lamp] = []
+    words: list[str] = []
     if seed % 10 != 9:
         first = _nth(lamps.PLAIN, seed)
         shapes, words = lamps.draw(rng, lamps.PLAIN, first, contrast=(8, 500), gap_deg=3)
@@ -92,7 +96,7 @@ def hard(seed: int, height: int = 512) -> SyntheticMap:
     seed : int
         Which map; see `TUNING` and `JUDGING`.
     height : int
-        Rows; the map is twice as wide.
+        Rows, 128 or more, for smaller maps do not show all lights; the map is twice as wide.
 
     Returns
     -------
@@ -100,21 +104,23 @@ def hard(seed: int, height: int = 512) -> SyntheticMap:
 
     Examples
     --------
-    >>> hard(3, height=64).note
+    >>> hard(3, height=128).note
     'sun, window before clouds; linear, x 1, 0 % noise'
     """
+    height = count("height", height, least=_LEAST_HEIGHT)
     rng = np.random.default_rng([count("seed", seed), 2])
     is_lit = seed % 8 != 7
     name = _nth(_HARD_BACKDROPS, seed) if is_lit else _CLUTTER[seed // 8 % 2]
     background = _HARD_BACKDROPS[name](rng, height)
     has_glare = is_lit and rng.random() < 0.4
-    shapes: list[Shape] = []
-    words = []
+    shapes: list[Lamp] = []
+    words: list[str] = []
     if is_lit:
         kinds, gap_deg = (lamps.ROUND, 12) if has_glare else (lamps.HARD, 3)
         shapes, words = lamps.draw(rng, kinds, _nth(kinds, seed), (20, 300), gap_deg)
     if has_glare:
-        background, name = background + backdrops.glare(rng, height, shapes), f"{name}, glare"
+        background = np.add(background, backdrops.glare(rng, height, shapes))
+        name += ", glare"
     # Clipped glare would widen the lights: nobody could say where they end.
     may_clip = _is_large(shapes) and not has_glare
     camera, picture = _camera(rng, height, 0.02 * (rng.random() < 0.6), may_clip)
@@ -130,7 +136,7 @@ def _note(lights: list[str], backdrop: str, picture: str) -> str:
     return f"{', '.join(lights) or 'no light'} before {backdrop}; {picture}"
 
 
-def _is_large(shapes: list[Shape]) -> bool:
+def _is_large(shapes: list[Lamp]) -> bool:
     """Whether all lights survive clipping: one white pixel in a picture is no light to anyone."""
     return not any(isinstance(shape, PixelSun) for shape in shapes)
 

@@ -1,0 +1,130 @@
+"""Run time of detection against what it is compared with, in one run, at equal thread counts.
+
+Measurements take turns and the least of many counts; only their ratios mean anything on a shared
+machine. Usage: python benchmarks/detection_speed.py
+"""
+
+import argparse
+import os
+import subprocess
+import sys
+import time
+
+import cv2
+import numpy as np
+
+import envlights as el
+from envlights import synthetic
+
+#: Seed of the usual map: two windows and two pixel suns, glare and lit walls.
+_USUAL = 10
+_THREADS = "RAYON_NUM_THREADS"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--threads", type=int, help="measure in this process")
+    threads = parser.parse_args().threads
+    if threads is None:
+        # The kernels' threads are counted once, when a process first uses them.
+        for threads in (1, 2):
+            command = [sys.executable, __file__, "--threads", str(threads)]
+            subprocess.run(command, env={**os.environ, _THREADS: str(threads)}, check=True)
+        return
+    cv2.setNumThreads(threads)
+    usual = synthetic.hard(_USUAL).radiance
+    print(f"\n{threads} thread{'s' if threads > 1 else ''}")
+    whole_way(enlarged(usual, 4))
+    if threads == 1:
+        methods(usual)
+        worst_cases(usual)
+    scenes(usual)
+
+
+def whole_way(radiance):
+    """From a large map in memory to lights, beside the reduction of the map alone."""
+    height, width, _ = radiance.shape
+    compare(
+        f"{width}x{height} float32",
+        {
+            "cv2.resize to 1024x512, INTER_AREA": lambda: cv2.resize(
+                radiance, (1024, 512), interpolation=cv2.INTER_AREA
+            ),
+            "el.detect(array)": lambda: el.detect(radiance),
+            "array.max()": lambda: radiance.max(),
+        },
+    )
+
+
+def methods(radiance):
+    compare(
+        "a usual map, 1024x512",
+        {
+            'method="article"': lambda: el.detect(radiance, method="article"),
+            'method="tree"': lambda: el.detect(radiance),
+        },
+    )
+
+
+def worst_cases(usual):
+    rng = np.random.default_rng(0)
+    maps = {
+        "a usual map": usual,
+        "white noise": rng.random(usual.shape, dtype=np.float32),
+        "heavy-tailed noise": rng.gamma(0.1, size=usual.shape).astype(np.float32),
+        "all bright": np.ones_like(usual),
+        "all black": np.zeros_like(usual),
+    }
+    for method in ("tree", "article"):
+        compare(
+            f'worst cases, 1024x512, method="{method}"',
+            {name: lambda r=r, m=method: el.detect(r, method=m) for name, r in maps.items()},
+        )
+
+
+def scenes(usual):
+    """What little there is to see costs little, and the report says what was skipped."""
+    dark = synthetic.scene(
+        512, background=[0.01] * 3, shapes=[synthetic.PixelSun((1, 1, 0), [1e3] * 3)]
+    ).radiance
+    maps = {"dark": dark, "usual": usual, "cluttered": canopy()}
+    maps = {name: enlarged(radiance, 4) for name, radiance in maps.items()}
+    compare(
+        "scenes, 4096x2048",
+        {name: lambda r=radiance: el.detect(r) for name, radiance in maps.items()},
+        base="usual",
+    )
+    for name, radiance in maps.items():
+        lights = el.detect(radiance)
+        print(f"{name}: {len(lights)} lights; skipped: {'; '.join(lights.report.skipped)}")
+
+
+def canopy():
+    """A sky through leaves: thousands of bright gaps of a few pixels, over half of the sphere."""
+    rng = np.random.default_rng(0)
+    gaps = rng.random((256, 512)) ** 40
+    gaps[128:] = 0
+    level = np.float32(0.05) + 20 * gaps.repeat(2, axis=0).repeat(2, axis=1).astype(np.float32)
+    return np.repeat(level[..., None], 3, axis=2)
+
+
+def enlarged(radiance, factor):
+    return np.ascontiguousarray(radiance.repeat(factor, axis=0).repeat(factor, axis=1))
+
+
+def compare(title, work, base=None, rounds=25):
+    """Print the least time of each piece of work, and its ratio to `base`, or to the first."""
+    least = dict.fromkeys(work, np.inf)
+    for _ in range(rounds):
+        for name, piece in work.items():
+            start = time.perf_counter()
+            piece()
+            least[name] = min(least[name], time.perf_counter() - start)
+    print(f"{title}")
+    for name, seconds in least.items():
+        ratio = seconds / least[base or next(iter(work))]
+        print(f"  {name:<40}{1e3 * seconds:>9.2f} ms{ratio:>8.2f} x")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,130 @@
+"""Detectors to compare: ours, and what one would build from general image libraries.
+
+Each takes radiance, (height, 2 * height, 3), and returns unit directions and RGB irradiance, both
+(n, 3). The peers get the same fair chance: they know the seam and the poles, count by solid angle
+and measure on the sphere.
+"""
+
+import numpy as np
+from skimage import feature, filters, measure
+
+import envlights as el
+from envlights.rig import LUMINANCE
+
+#: Rounds of the median cut, each of which doubles the cells; the best of 3 to 7 on `TUNING`.
+_CUTS = 5
+
+
+def ours(**options):
+    def detector(radiance):
+        lights = el.detect(radiance, **options)
+        return lights.direction, lights.irradiance
+
+    return detector
+
+
+def twice_the_90_percent_quantile(luminance):
+    solid_angles = el.kernels.pixel_solid_angles(*luminance.shape)
+    return 2 * np.quantile(luminance, 0.9, weights=solid_angles, method="inverted_cdf")
+
+
+def otsu_of_the_logarithm(luminance):
+    return np.exp(filters.threshold_otsu(_logarithm(luminance)))
+
+
+def components(threshold):
+    """Threshold and connected components, whole at the seam and the poles."""
+
+    def detector(radiance):
+        luminance = radiance @ LUMINANCE
+        labels = measure.label(luminance > threshold(luminance), connectivity=2)
+        meetings = [*zip(labels[:, 0], labels[:, -1], strict=True)]
+        meetings += [(a, b) for row in labels[[0, -1]] for a in set(row) for b in set(row)]
+        for a, b in set(meetings):
+            if a and b and a != b:
+                labels[labels == max(a, b)] = min(a, b)
+        return measured(radiance, labels)
+
+    return detector
+
+
+def blobs(radiance):
+    """Laplacian of Gaussians on the logarithm, kept where the threshold above keeps them."""
+    luminance = radiance @ LUMINANCE
+    logarithm = _logarithm(luminance)
+    height, width = luminance.shape
+    margin = width // 8
+    padded = np.pad(logarithm, ((0, 0), (margin, margin)), mode="wrap")
+    found = feature.blob_log(
+        padded, min_sigma=1, max_sigma=30, num_sigma=8, threshold=2.0, overlap=0.2
+    )
+    directions = el.kernels.pixel_directions(height, width)
+    labels = np.zeros((height, width), int)
+    threshold = twice_the_90_percent_quantile(luminance)
+    for label, (row, padded_column, sigma) in enumerate(found, start=1):
+        row, column = int(row), int(padded_column) - margin
+        if 0 <= column < width and luminance[row, column] > threshold:
+            reach = np.cos(np.sqrt(2) * sigma * np.pi / height)
+            labels[directions @ directions[row, column] >= reach] = label
+    return measured(radiance, labels)
+
+
+def median_cut(radiance):
+    """Debevec (2005): cut the flux in halves along the longer side; keep the bright cells."""
+    luminance = radiance @ LUMINANCE
+    flux = luminance * el.kernels.pixel_solid_angles(*luminance.shape)
+    cells = [(0, flux.shape[0], 0, flux.shape[1])]
+    for _ in range(_CUTS):
+        cells = [half for cell in cells for half in _halves(flux, *cell)]
+    labels = np.zeros(flux.shape, int)
+    threshold = twice_the_90_percent_quantile(luminance)
+    for label, (top, bottom, left, right) in enumerate(cells, start=1):
+        if luminance[top:bottom, left:right].mean() > threshold:
+            labels[top:bottom, left:right] = label
+    return measured(radiance, labels)
+
+
+def _halves(flux, top, bottom, left, right):
+    """Two parts of a cell with about the same flux; the cell alone where it is one pixel."""
+    cell = flux[top:bottom, left:right]
+    if cell.size == 1:
+        return [(top, bottom, left, right)]
+    # Meridians draw together towards the poles.
+    breadth = (right - left) * np.sin(np.pi * (top + bottom) / 2 / len(flux))
+    axis = 0 if bottom - top > 1 and (bottom - top >= breadth or right - left == 1) else 1
+    along = cell.sum(axis=1 - axis).cumsum()
+    cut = 1 + int(np.searchsorted(along[:-2], along[-1] / 2))
+    if axis == 0:
+        return [(top, top + cut, left, right), (top + cut, bottom, left, right)]
+    return [(top, bottom, left, left + cut), (top, bottom, left + cut, right)]
+
+
+def measured(radiance, labels):
+    """Flux centroid and irradiance of the pixels of each label from 1 up."""
+    lit = labels > 0
+    _, label = np.unique(labels[lit], return_inverse=True)
+    height, width = labels.shape
+    solid_angle = el.kernels.pixel_solid_angles(height, width)[lit]
+    flux = radiance[lit] * solid_angle[:, None]
+    weighted = (flux @ LUMINANCE)[:, None] * el.kernels.pixel_directions(height, width)[lit]
+    centroid, irradiance = (
+        np.stack([np.bincount(label, values) for values in array.T], axis=1)
+        for array in (weighted, flux)
+    )
+    return centroid / np.linalg.norm(centroid, axis=1, keepdims=True), irradiance
+
+
+def _logarithm(luminance):
+    """Of the luminance, over what is left of black where a tenth of the sphere is."""
+    brightest = luminance.max()
+    return np.log(np.maximum(luminance, 1e-6 * brightest if brightest else 1.0))
+
+
+DETECTORS = {
+    "tree": ours(method="tree"),
+    "article": ours(method="article"),
+    "threshold + components": components(twice_the_90_percent_quantile),
+    "Otsu + components": components(otsu_of_the_logarithm),
+    "blob_log": blobs,
+    "median cut": median_cut,
+}
