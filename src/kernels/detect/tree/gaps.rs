@@ -36,13 +36,16 @@ pub fn bridge(summary: &Summary, regions: Regions, gap: f64, edge: impl Fn(f64) 
 }
 
 /// The regions of each tree of `parent` as one.
-fn join(regions: Regions, parent: &mut [u32]) -> Regions {
+fn join(mut regions: Regions, parent: &mut [u32]) -> Regions {
     let mut joined: Vec<Vec<u32>> = vec![Vec::new(); parent.len()];
     for (region, pixels) in (0..).zip(regions.pixels) {
         joined[root(parent, region) as usize].extend(pixels);
     }
     joined.retain(|pixels| !pixels.is_empty());
-    Regions { pixels: joined, ..regions }
+    for (label, pixels) in (1..).zip(&joined) {
+        pixels.iter().for_each(|&pixel| regions.label[pixel as usize] = label);
+    }
+    Regions { pixels: joined, label: regions.label }
 }
 
 /// How many of `width` columns a row reaches into another before the chord exceeds `gap`; sine and

@@ -107,16 +107,20 @@ impl Light {
     }
 }
 
-/// Measure each region down to the `edge` of its peak, in the pixels of the map itself.
+/// A pixel counts if the light covers this share of it: less is noise.
+const LEAST_COVERAGE: f64 = 0.05;
+
+/// Measure each region, before its background, in the pixels of the map itself.
 pub fn measure(
     radiance: ArrayView3<'_, f32>,
     registration: Registration,
     summary: &Summary,
     regions: &Regions,
-    edge: impl Fn(f64) -> f64 + Sync,
+    backgrounds: &[f64],
 ) -> Vec<Light> {
     let map = Map::new(radiance, registration, summary);
-    regions.pixels.par_iter().map(|pixels| map.measure(pixels, &edge)).collect()
+    let lights = regions.pixels.par_iter().zip(backgrounds);
+    lights.map(|(pixels, &background)| map.measure(pixels, background)).collect()
 }
 
 /// The map's pixels behind the working image's.
@@ -154,15 +158,17 @@ impl<'a> Map<'a> {
         }
     }
 
-    fn measure(&self, region: &[u32], edge: impl Fn(f64) -> f64) -> Light {
-        let mut light = Light::default();
+    fn measure(&self, region: &[u32], background: f64) -> Light {
+        // The default matrix of glam is the identity.
+        let mut light = Light { second: DMat3::ZERO, ..Light::default() };
         self.visit(region, |rgb, _, _| light.peak = light.peak.max(luminance(rgb)));
-        let least = edge(light.peak);
         self.visit(region, |rgb, row, column| {
             let y = luminance(rgb);
-            if y >= least {
+            let coverage = ((y - background) / (light.peak - background)).min(1.0);
+            if coverage >= LEAST_COVERAGE {
+                let share = 1.0 - (1.0 - coverage) * background / y;
                 let (towards, second, solid_angle) = self.pixel(row, column);
-                light.add(rgb, y, towards, second, solid_angle);
+                light.add(rgb, y, towards, second, share * solid_angle);
             }
         });
         light

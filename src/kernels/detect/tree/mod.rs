@@ -8,6 +8,7 @@
 //! | how bright is bright                      | `threshold.rs`  |
 //! | which pixels hang together, and how well  | `components.rs` |
 //! | which lights only a bar divides           | `gaps.rs`       |
+//! | what is behind each light                 | `surroundings.rs` |
 //! | what each light sends                     | `measure.rs`    |
 //! | how many lights there may be              | `budget.rs`     |
 
@@ -16,6 +17,7 @@ mod components;
 mod gaps;
 mod measure;
 mod summary;
+mod surroundings;
 mod threshold;
 
 use ndarray::ArrayView3;
@@ -97,7 +99,8 @@ pub fn detect(
     let regions = components::regions(&summary, &bright, threshold.luminance, options.prominence);
     let edge = |peak| threshold.edge(peak, options.extent);
     let regions = gaps::bridge(&summary, regions, options.gap, edge);
-    let lights = measure::measure(radiance, registration, &summary, &regions, edge);
+    let backgrounds = surroundings::backgrounds(&summary, &regions, edge);
+    let lights = measure::measure(radiance, registration, &summary, &regions, &backgrounds);
     let choice = budget::choose(lights, options.min_flux_share * summary.flux, options.max_lights);
     let seen = Seen::of(&summary, threshold, &bright, &choice);
     Ok(Detection::new(&regions, choice, seen))

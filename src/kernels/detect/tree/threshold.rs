@@ -7,7 +7,8 @@
 //! Where q90 is itself light (more than 12 times the median: a bright sky over a dark ground, a
 //! wall of windows), a tenth of the sphere is no background. Then the flux-weighted cut of Otsu
 //! (1979) in log luminance divides what shines from what does not, and T is twice the 95 %
-//! quantile of what lies below it.
+//! quantile of what lies below it. What exceeds 8 q90 counts as 8 q90: a sun many octaves above all
+//! else would draw the cut above the sky or the windows.
 //!
 //! The bins are the exponent and the leading bits of the mantissa of luminance over mean luminance:
 //! 1/32 of an octave, no logarithm and no sort, and the same bins whatever the map's scale.
@@ -30,6 +31,8 @@ const BACKGROUND: f64 = 0.9;
 const EXCESS: f64 = 2.0;
 /// A background so far above the median is light itself.
 const MOST_OVER_MEDIAN: f64 = 12.0;
+/// Brighter than this over the 90 % quantile counts as no brighter, where the cut is sought.
+const MOST_OVER_BACKGROUND: f64 = 8.0;
 /// The share of what lies below the cut that is background.
 const BACKGROUND_BELOW_CUT: f64 = 0.95;
 
@@ -76,7 +79,7 @@ pub fn from_histogram(summary: &Summary) -> Threshold {
     if background <= MOST_OVER_MEDIAN * median {
         return Threshold { luminance: EXCESS * background * mean, reason: Reason::Background };
     }
-    let cut = histogram.flux_weighted_cut();
+    let cut = histogram.clamped(MOST_OVER_BACKGROUND * background).flux_weighted_cut();
     let below = histogram.up_to(cut).quantile(BACKGROUND_BELOW_CUT);
     Threshold { luminance: EXCESS * below * mean, reason: Reason::BelowCut }
 }
@@ -130,16 +133,27 @@ impl Histogram {
         let total: f64 = flux.iter().sum();
         let mean: f64 = flux.iter().enumerate().map(|(bin, flux)| bin as f64 * flux).sum::<f64>() / total;
         let (mut share, mut moment) = (0.0, 0.0);
-        let (mut best, mut most) = (BINS, 0.0);
+        let (mut best, mut most) = (self.parts.len(), 0.0);
         for (bin, flux) in flux.iter().enumerate() {
             share += flux / total;
             moment += bin as f64 * flux / total;
+            if share > 1.0 - 1e-9 {
+                break;
+            }
             let variance = (mean * share - moment).powi(2) / (share * (1.0 - share));
             if variance > most {
                 (best, most) = (bin + 1, variance);
             }
         }
         best
+    }
+
+    /// What is brighter than `most` counted as if it were no brighter.
+    fn clamped(&self, most: f64) -> Self {
+        let last = bin(most as f32);
+        let mut parts = self.parts[..=last].to_vec();
+        parts[last] += self.parts[last + 1..].iter().sum::<u64>();
+        Self { parts }
     }
 
     fn up_to(&self, end: usize) -> Self {
