@@ -15,119 +15,84 @@ use std::f64::consts::PI;
 use super::components::{Regions, root};
 use super::summary::Summary;
 
-/// Join the regions that come closer than `gap` radians, from pixel to pixel; a pixel counts from the
-/// `edge` of its region's peak on.
-pub fn bridge(summary: &Summary, regions: Regions, gap: f64, edge: impl Fn(f64) -> f64) -> Regions {
-    let count = regions.pixels.len() as u32;
-    if count < 2 || gap <= 0.0 {
+/// Join the regions that come closer than `gap` radians, from pixel to pixel of their outlines.
+pub fn bridge(summary: &Summary, regions: Regions, outline: &[u32], gap: f64) -> Regions {
+    if regions.pixels.len() < 2 || gap <= 0.0 {
         return regions;
     }
-    let neighbourhood = Neighbourhood::new(summary, &regions, gap, edge);
-    let mut parent: Vec<u32> = (0..count).collect();
-    for (region, pixels) in (0..).zip(&regions.pixels) {
-        for &pixel in pixels.iter().take_while(|&&pixel| neighbourhood.is_solid(pixel)) {
-            neighbourhood.visit(pixel, region, |other| {
-                let (one, other) = (root(&mut parent, region), root(&mut parent, other));
+    let reach = Reach::new(summary, gap);
+    let mut parent: Vec<u32> = (0..regions.pixels.len() as u32).collect();
+    for &pixel in outline {
+        let own = regions.label[pixel as usize];
+        reach.visit(pixel as usize, |other| {
+            let other = regions.label[other];
+            if other != 0 && other != own {
+                let (one, other) = (root(&mut parent, own - 1), root(&mut parent, other - 1));
                 parent[one.max(other) as usize] = one.min(other);
-            });
-        }
+            }
+        });
     }
     join(regions, &mut parent)
 }
 
 /// The regions of each tree of `parent` as one.
-fn join(mut regions: Regions, parent: &mut [u32]) -> Regions {
-    let mut joined: Vec<Vec<u32>> = vec![Vec::new(); parent.len()];
-    for (region, pixels) in (0..).zip(regions.pixels) {
-        joined[root(parent, region) as usize].extend(pixels);
+fn join(regions: Regions, parent: &mut [u32]) -> Regions {
+    let mut place = vec![0; parent.len()];
+    let mut joined = Regions { pixels: Vec::new(), peaks: Vec::new(), label: regions.label };
+    for ((region, pixels), peak) in (0..).zip(regions.pixels).zip(regions.peaks) {
+        let whole = root(parent, region) as usize;
+        if place[whole] == 0 {
+            joined.pixels.push(Vec::new());
+            joined.peaks.push(peak);
+            place[whole] = joined.pixels.len();
+        }
+        let whole = place[whole];
+        for &pixel in &pixels {
+            let label = &mut joined.label[pixel as usize];
+            *label = if *label == 0 { 0 } else { whole as u32 };
+        }
+        joined.peaks[whole - 1] = joined.peaks[whole - 1].max(peak);
+        joined.pixels[whole - 1].extend(pixels);
     }
-    joined.retain(|pixels| !pixels.is_empty());
-    for (label, pixels) in (1..).zip(&joined) {
-        pixels.iter().for_each(|&pixel| regions.label[pixel as usize] = label);
-    }
-    Regions { pixels: joined, label: regions.label }
+    joined
 }
 
-/// How many of `width` columns a row reaches into another before the chord exceeds `gap`; sine and
-/// cosine of both polar angles.
-fn columns_within(gap: f64, one: (f64, f64), other: (f64, f64), width: usize) -> usize {
-    let along = (one.0 - other.0).powi(2) + (one.1 - other.1).powi(2);
-    let half_sine = ((gap * gap - along).max(0.0) / (4.0 * one.0 * other.0)).sqrt();
-    (half_sine.min(1.0).asin() / PI * width as f64) as usize
-}
-
-/// What lies how near to a pixel.
-struct Neighbourhood<'a> {
-    regions: &'a Regions,
-    luminance: &'a [f32],
-    /// Luminance from which on a pixel of each region counts.
-    least: Vec<f32>,
+/// Which pixels lie within a gap of one.
+struct Reach {
+    gap: f64,
     height: usize,
     width: usize,
-    /// Rows within the gap.
     rows: usize,
-    /// Columns within the gap: of the row `r + d`, seen from the row `r`, at `r * (rows + 1) + d`.
-    columns: Vec<usize>,
-    /// Columns of each row that lie about half a row's height apart: all of them but around the poles.
-    steps: Vec<usize>,
+    /// Sine and cosine of the polar angle of each row.
+    theta: Vec<(f64, f64)>,
 }
 
-impl<'a> Neighbourhood<'a> {
-    fn new(summary: &'a Summary, regions: &'a Regions, gap: f64, edge: impl Fn(f64) -> f64) -> Self {
-        let luminance = summary.luminance.as_slice().expect("an owned array");
+impl Reach {
+    fn new(summary: &Summary, gap: f64) -> Self {
         let (height, width) = summary.luminance.dim();
-        let least = |pixels: &Vec<u32>| edge(f64::from(luminance[pixels[0] as usize])) as f32;
         let theta = summary.grid.theta_edges.windows(2).map(|edge| (0.5 * (edge[0] + edge[1])).sin_cos());
-        let theta: Vec<(f64, f64)> = theta.collect();
-        let rows = (gap / PI * height as f64) as usize;
-        let columns = (0..height).flat_map(|row| (0..=rows).map(move |d| (row, (row + d).min(height - 1))));
-        Self {
-            regions,
-            luminance,
-            least: regions.pixels.iter().map(least).collect(),
-            height,
-            width,
-            rows,
-            columns: columns
-                .map(|(row, other)| columns_within(gap, theta[row], theta[other], width))
-                .collect(),
-            steps: theta.iter().map(|(sin, _)| ((0.25 / sin) as usize).max(1)).collect(),
-        }
+        Self { gap, height, width, rows: (gap / PI * height as f64) as usize, theta: theta.collect() }
     }
 
-    /// The region of a pixel that counts.
-    fn region(&self, pixel: usize) -> Option<u32> {
-        let region = self.regions.label[pixel].checked_sub(1)?;
-        (self.luminance[pixel] >= self.least[region as usize]).then_some(region)
-    }
-
-    fn is_solid(&self, pixel: u32) -> bool {
-        self.region(pixel as usize).is_some()
-    }
-
-    /// Call `meet` with the other regions within the gap of a pixel of `region`.
-    fn visit(&self, pixel: u32, region: u32, mut meet: impl FnMut(u32)) {
-        let (row, column) = (pixel as usize / self.width, pixel as usize % self.width);
-        if self.is_inside(row, column, region) {
-            return;
-        }
+    /// Call `see` with the flat index of each pixel within the gap.
+    fn visit(&self, pixel: usize, mut see: impl FnMut(usize)) {
+        let (row, column) = (pixel / self.width, pixel % self.width);
         for other in row.saturating_sub(self.rows)..(row + self.rows + 1).min(self.height) {
-            let columns = self.columns[row.min(other) * (self.rows + 1) + row.abs_diff(other)];
-            for offset in (0..=columns.min(self.width / 2)).step_by(self.steps[other]) {
+            // Around a pole a row's pixels lie closer than its height: half a height apart will do.
+            let step = ((0.25 / self.theta[other].0) as usize).max(1);
+            for offset in (0..=self.columns_within(row, other)).step_by(step) {
                 for column in [column + offset, column + self.width - offset] {
-                    let column = if column >= self.width { column - self.width } else { column };
-                    self.region(other * self.width + column).filter(|&other| other != region).map(&mut meet);
+                    see(other * self.width + column % self.width);
                 }
             }
         }
     }
 
-    /// Whether the pixel's four neighbours are of its own region: nothing else is nearer to it than to them.
-    fn is_inside(&self, row: usize, column: usize, region: u32) -> bool {
-        let left = if column == 0 { self.width - 1 } else { column - 1 };
-        let right = if column + 1 == self.width { 0 } else { column + 1 };
-        let (up, down) = (row.saturating_sub(1), (row + 1).min(self.height - 1));
-        let around = [(row, left), (row, right), (up, column), (down, column)];
-        around.iter().all(|(row, column)| self.region(row * self.width + column) == Some(region))
+    /// How many columns a row reaches into another before the chord exceeds the gap.
+    fn columns_within(&self, row: usize, other: usize) -> usize {
+        let ((sin, cos), (other_sin, other_cos)) = (self.theta[row], self.theta[other]);
+        let along = (sin - other_sin).powi(2) + (cos - other_cos).powi(2);
+        let half_sine = ((self.gap * self.gap - along).max(0.0) / (4.0 * sin * other_sin)).sqrt();
+        (half_sine.min(1.0).asin() / PI * self.width as f64) as usize
     }
 }

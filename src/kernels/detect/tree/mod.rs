@@ -16,9 +16,11 @@ mod budget;
 mod components;
 mod gaps;
 mod measure;
+mod outline;
 mod summary;
 mod surroundings;
 mod threshold;
+mod touch;
 
 use ndarray::ArrayView3;
 
@@ -27,6 +29,7 @@ use components::{BrightPixels, Regions};
 pub use measure::Light;
 use summary::Summary;
 pub use threshold::{Reason, Threshold};
+use touch::Sheet;
 
 use crate::error::Result;
 use crate::kernels::sphere::Registration;
@@ -94,12 +97,13 @@ pub fn detect(
     options: &Options,
 ) -> Result<Detection> {
     let summary = summary::summarise(radiance, registration, options.working_columns)?;
+    let sheet = Sheet::of(&summary);
     let threshold = threshold::from_histogram(&summary);
     let bright = components::bright_pixels(&summary, threshold.luminance);
-    let regions = components::regions(&summary, &bright, threshold.luminance, options.prominence);
-    let edge = |peak| threshold.edge(peak, options.extent);
-    let regions = gaps::bridge(&summary, regions, options.gap, edge);
-    let backgrounds = surroundings::backgrounds(&summary, &regions, edge);
+    let regions = components::regions(&summary, &sheet, &bright, &threshold, options);
+    let outline = outline::outline(&sheet, &regions);
+    let regions = gaps::bridge(&summary, regions, &outline, options.gap);
+    let backgrounds = surroundings::backgrounds(&summary, &sheet, &regions, &outline);
     let lights = measure::measure(radiance, registration, &summary, &regions, &backgrounds);
     let choice = budget::choose(lights, options.min_flux_share * summary.flux, options.max_lights);
     let seen = Seen::of(&summary, threshold, &bright, &choice);
@@ -114,7 +118,7 @@ impl Seen {
             working_size: summary.luminance.dim(),
             tiles: summary.tile_maxima.len(),
             opened_tiles: bright.opened_tiles,
-            bright_pixels: bright.order.len(),
+            bright_pixels: bright.indices.len(),
             dropped: choice.dropped,
             merged: choice.part_of.len() - choice.dropped - choice.lights.len(),
         }

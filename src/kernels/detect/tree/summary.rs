@@ -32,6 +32,13 @@ pub struct Summary {
     pub flux: f64,
 }
 
+impl Summary {
+    /// The pixels of [`Summary::luminance`], row after row.
+    pub fn luminance(&self) -> &[f32] {
+        self.luminance.as_slice().expect("an array of our own")
+    }
+}
+
 /// `radiance` as luminance in at most `columns` columns.
 ///
 /// # Errors

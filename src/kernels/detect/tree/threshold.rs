@@ -97,13 +97,16 @@ impl Histogram {
         let columns = summary.luminance.dim().1 as f64;
         for (row, band) in summary.luminance.outer_iter().zip(&summary.bands) {
             let share = (band / 2.0 / columns * PARTS_OF_THE_SPHERE) as u64;
-            let (fours, rest) = row.as_slice().expect("a row of an owned array").as_chunks::<4>();
-            for four in fours {
-                for (lane, &value) in four.iter().enumerate() {
-                    parts[bin(value * per_mean)][lane] += share;
+            let row = row.as_slice().expect("a row of our own");
+            for values in row.chunks(64) {
+                let mut bins = [0; 64];
+                for (bin_of, &value) in bins.iter_mut().zip(values) {
+                    *bin_of = bin(value * per_mean) as u32;
+                }
+                for (i, bin) in bins[..values.len()].iter().enumerate() {
+                    parts[*bin as usize][i % 4] += share;
                 }
             }
-            rest.iter().for_each(|&value| parts[bin(value * per_mean)][0] += share);
         }
         Self { parts: parts.iter().map(|lanes| lanes.iter().sum()).collect() }
     }

@@ -1,0 +1,78 @@
+//! How the pixels of an equirectangular image touch on the sphere.
+
+use super::summary::Summary;
+
+/// Eight neighbours, columns that meet again behind the seam, and rows at the poles whose pixels all
+/// touch: each of them touches the brightest of its row, the pole's *hub*, and through it the others.
+pub struct Sheet {
+    height: usize,
+    width: usize,
+    hubs: [usize; 2],
+}
+
+impl Sheet {
+    pub fn of(summary: &Summary) -> Self {
+        let (height, width) = summary.luminance.dim();
+        let luminance = summary.luminance();
+        let brightest = |row: usize| {
+            let pixels = row * width..(row + 1) * width;
+            pixels.reduce(|a, b| if luminance[b] > luminance[a] { b } else { a }).unwrap_or(0)
+        };
+        Self { height, width, hubs: [brightest(0), brightest(height - 1)] }
+    }
+
+    /// The pixels that touch one; itself where there is none.
+    pub fn around(&self, index: usize) -> [usize; 9] {
+        let [left, here, right] = self.columns(index);
+        let (up, row, down) = self.rows(index);
+        let hub = self.hub(index);
+        [
+            up + left,
+            up + here,
+            up + right,
+            row + left,
+            row + right,
+            down + left,
+            down + here,
+            down + right,
+            hub,
+        ]
+    }
+
+    /// The pixels on the left, on the right, above and below; itself beyond the first and last row.
+    pub fn sides(&self, index: usize) -> [usize; 4] {
+        let [left, here, right] = self.columns(index);
+        let (up, row, down) = self.rows(index);
+        [row + left, row + right, up + here, down + here]
+    }
+
+    /// The pixels `columns` to the left and right, `rows` above and below; at the poles the last there is.
+    pub fn beyond(&self, index: usize, rows: usize, columns: usize) -> [usize; 4] {
+        let (row, column) = (index / self.width, index % self.width);
+        let at = |row: usize, column: usize| row * self.width + column % self.width;
+        let (up, down) = (row.saturating_sub(rows), (row + rows).min(self.height - 1));
+        [at(row, column + self.width - columns), at(row, column + columns), at(up, column), at(down, column)]
+    }
+
+    fn hub(&self, index: usize) -> usize {
+        match index / self.width {
+            0 => self.hubs[0],
+            row if row + 1 == self.height => self.hubs[1],
+            _ => index,
+        }
+    }
+
+    fn columns(&self, index: usize) -> [usize; 3] {
+        let column = index % self.width;
+        let left = if column == 0 { self.width - 1 } else { column - 1 };
+        let right = if column + 1 == self.width { 0 } else { column + 1 };
+        [left, column, right]
+    }
+
+    /// First pixels of the row above, its own row and the one below.
+    fn rows(&self, index: usize) -> (usize, usize, usize) {
+        let row = index - index % self.width;
+        let last = (self.height - 1) * self.width;
+        (row.saturating_sub(self.width), row, (row + self.width).min(last))
+    }
+}
