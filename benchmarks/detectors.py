@@ -49,14 +49,17 @@ def components(threshold):
 
 
 def blobs(radiance):
-    """Laplacian of Gaussians on the logarithm, kept where the threshold above keeps them."""
+    """Laplacian of Gaussians on the logarithm, kept where the threshold above keeps them.
+
+    Its own threshold and overlap are the best of six on a quarter of `TUNING`, by F1.
+    """
     luminance = radiance @ LUMINANCE
     logarithm = _logarithm(luminance)
     height, width = luminance.shape
     margin = width // 8
     padded = np.pad(logarithm, ((0, 0), (margin, margin)), mode="wrap")
     found = feature.blob_log(
-        padded, min_sigma=1, max_sigma=30, num_sigma=8, threshold=2.0, overlap=0.2
+        padded, min_sigma=1, max_sigma=30, num_sigma=8, threshold=2.0, overlap=0.05
     )
     directions = el.kernels.pixel_directions(height, width)
     labels = np.zeros((height, width), int)
