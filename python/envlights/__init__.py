@@ -11,17 +11,22 @@ from importlib.metadata import version as _version
 
 from envlights import kernels, synthetic
 from envlights._native import EnvLightsError
+from envlights.detect import detect
+from envlights.detected import DetectedLights, DetectionReport
 from envlights.envmap import EnvMap
 from envlights.fit import fit, fit_probe
 from envlights.rig import FitReport, Lights, Rig, StopReason
 
 __all__ = [
+    "DetectedLights",
+    "DetectionReport",
     "EnvLightsError",
     "EnvMap",
     "FitReport",
     "Lights",
     "Rig",
     "StopReason",
+    "detect",
     "fit",
     "fit_probe",
     "kernels",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import numbers
 
 import numpy as np
@@ -34,3 +35,15 @@ def count(name: str, value: object, least: int = 0) -> int:
     if int(value) > _MOST:  # type: ignore[call-overload]
         raise EnvLightsError(f"{name} must be a whole number up to {_MOST}; got {value!r}")
     return int(value)  # type: ignore[call-overload, no-any-return]
+
+
+def amount(name: str, value: object, least: float = 0.0, most: float = np.inf) -> float:
+    """`value` as a finite float from `least` to `most`, or a refusal that names it."""
+    number = np.nan
+    if isinstance(value, numbers.Real) and not isinstance(value, bool):
+        with contextlib.suppress(OverflowError):  # an int beyond every float
+            number = float(value)
+    if not (least <= number <= most and np.isfinite(number)):
+        limits = f"from {least:g} to {most:g}" if np.isfinite(most) else f"{least:g} or more"
+        raise EnvLightsError(f"{name} must be a finite number, {limits}; got {value!r}")
+    return number

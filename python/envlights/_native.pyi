@@ -1,10 +1,14 @@
 """Types of the Rust kernels. `make types` checks this file against the built module."""
 
+from typing import final
+
 import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
     "EnvLightsError",
+    "TreeDetection",
+    "detect_tree",
     "direction_to_uv",
     "fit_lights",
     "halton",
@@ -26,6 +30,40 @@ __all__ = [
 _Reals = NDArray[np.float64]
 
 class EnvLightsError(ValueError): ...
+
+@final
+class TreeDetection:
+    direction: _Reals
+    irradiance: _Reals
+    peak_direction: _Reals
+    orientation: _Reals
+    solid_angle: _Reals
+    elongation: _Reals
+    peak_luminance: _Reals
+    flux: _Reals
+    top_pixels: NDArray[np.int64]
+    pixel: NDArray[np.int64]
+    light_of_pixel: NDArray[np.int64]
+    threshold: float
+    background_is_light: bool
+    map_flux: float
+    working_size: tuple[int, int]
+    tiles: int
+    opened_tiles: int
+    bright_pixels: int
+    dropped: int
+    merged: int
+
+def detect_tree(
+    radiance: NDArray[np.float32],
+    border_sampled: bool,
+    working_columns: int,
+    prominence: float,
+    extent: float,
+    gap: float,
+    min_flux_share: float,
+    max_lights: int,
+) -> TreeDetection: ...
 
 def direction_to_uv(direction: _Reals) -> _Reals: ...
 def fit_lights(

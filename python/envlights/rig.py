@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import contextlib
 import enum
 import json
-import numbers
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -16,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import kernels
-from envlights._check import count, reals
+from envlights._check import amount, count, reals
 from envlights._native import EnvLightsError
 from envlights.files import write_atomically
 
@@ -69,14 +67,13 @@ class Lights:
         direction, irradiance = _light_arrays(self.direction, self.irradiance)
         brightest_first = np.argsort(-(irradiance @ LUMINANCE), kind="stable")
         for name, array in (("direction", direction), ("irradiance", irradiance)):
-            object.__setattr__(self, name, _frozen(array[brightest_first]))
+            object.__setattr__(self, name, frozen(array[brightest_first]))
 
     def __len__(self) -> int:
         return len(self.direction)
 
     def __getitem__(self, which: slice) -> Lights:
-        if not isinstance(which, slice):
-            raise EnvLightsError(f"lights are taken by slices, such as lights[:4]; got {which!r}")
+        check_slice(which)
         return Lights(self.direction[which], self.irradiance[which])
 
     def to_dict(self) -> dict[str, list[list[float]]]:
@@ -152,8 +149,8 @@ class Rig:
             raise EnvLightsError(
                 f"ambient must be three finite numbers, none negative; got {ambient.tolist()}"
             )
-        object.__setattr__(self, "ambient", _frozen(ambient))
-        object.__setattr__(self, "error", _amount("error", self.error))
+        object.__setattr__(self, "ambient", frozen(ambient))
+        object.__setattr__(self, "error", amount("error", self.error))
 
     def probe(self, normals: ArrayLike) -> NDArray[np.float64]:
         """Irradiance under the rig.
@@ -272,21 +269,17 @@ def _light_arrays(
     return direction, irradiance
 
 
-def _frozen(array: NDArray[np.float64]) -> NDArray[np.float64]:
+def check_slice(which: object) -> None:
+    """Refuse an index that is no slice: a single light is no `Lights`."""
+    if not isinstance(which, slice):
+        raise EnvLightsError(f"lights are taken by slices, such as lights[:4]; got {which!r}")
+
+
+def frozen(array: NDArray[Any]) -> NDArray[Any]:
+    """A copy of `array` that cannot be written to."""
     array = array.copy()
     array.flags.writeable = False
     return array
-
-
-def _amount(name: str, value: object) -> float:
-    """`value` as a float, or a refusal where it is no finite number from 0 up."""
-    amount = -1.0
-    if isinstance(value, numbers.Real) and not isinstance(value, bool):
-        with contextlib.suppress(OverflowError):  # an int beyond every float
-            amount = float(value)
-    if not 0 <= amount < np.inf:
-        raise EnvLightsError(f"{name} must be a finite number, not negative; got {value!r}")
-    return amount
 
 
 def _check_version(path: object, data: Any) -> None:
@@ -300,10 +293,10 @@ def _check_version(path: object, data: Any) -> None:
 def _from_dict(data: dict[str, Any]) -> Rig:
     report = dict(data["report"])
     report["stop_reason"] = StopReason[report["stop_reason"]]
-    report["errors"] = tuple(_amount("errors", error) for error in report["errors"])
+    report["errors"] = tuple(amount("errors", error) for error in report["errors"])
     report["steps"] = count("steps", report["steps"])
     report["seconds"] = {
-        str(stage): _amount("seconds", value) for stage, value in report["seconds"].items()
+        str(stage): amount("seconds", value) for stage, value in report["seconds"].items()
     }
     report["skipped"] = tuple(report["skipped"])
     lights = data["lights"]

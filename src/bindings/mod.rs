@@ -1,5 +1,6 @@
 //! The stair between Python and the kernels: borrow, detach, call, wrap. No arithmetic lives here.
 
+mod detect;
 mod error;
 mod fit;
 mod image;
@@ -12,6 +13,8 @@ use pyo3::prelude::*;
 /// Native kernels of `envlights`; import the typed functions of the package instead.
 #[pymodule(gil_used = false)]
 mod _native {
+    #[pymodule_export]
+    use super::detect::{TreeDetection, detect_tree};
     #[pymodule_export]
     use super::error::EnvLightsError;
     #[pymodule_export]

@@ -93,7 +93,7 @@ impl Grid {
     }
 
     /// Every `block` x `block` pixels a cell; what is left over at the far edges makes smaller ones.
-    fn in_blocks(&self, block: usize) -> Self {
+    pub(crate) fn in_blocks(&self, block: usize) -> Self {
         let every = |edges: &[f64]| {
             let mut kept: Vec<f64> = edges[..edges.len() - 1].iter().copied().step_by(block).collect();
             kept.extend(edges.last());
@@ -234,9 +234,12 @@ fn mean_radiance(flux: &Array3<f64>, grid: &Grid) -> Array3<f32> {
     })
 }
 
+/// Weights of linear Rec.709 red, green and blue in luminance.
+pub const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
+
 /// Luminance of linear Rec.709 RGB.
 pub fn luminance(rgb: [f64; 3]) -> f64 {
-    0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]
+    LUMINANCE[0] * rgb[0] + LUMINANCE[1] * rgb[1] + LUMINANCE[2] * rgb[2]
 }
 
 /// Irradiance of point sources at `normals`: `E(n) = sum of max(0, n.F)`, for each channel its own F.

@@ -8,6 +8,7 @@
 //! | exact irradiance of a white probe             | `probe.rs`    |
 //! | ambient + directional lights from the probe   | `fit/`        |
 
+pub mod detect;
 pub mod fit;
 pub mod image;
 pub mod probe;

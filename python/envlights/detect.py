@@ -1,0 +1,53 @@
+"""`detect`: the bright places of a map."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from envlights._native import EnvLightsError
+from envlights.detected import DetectedLights
+from envlights.envmap import EnvMap
+from envlights.tree import detect_tree
+
+_METHODS = {"tree": detect_tree}
+
+
+def detect(env: EnvMap | ArrayLike, method: str = "tree", **options: Any) -> DetectedLights:
+    """Bright places of a map, as lights.
+
+    Parameters
+    ----------
+    env : EnvMap or array_like, shape (height, 2 * height, 3)
+        The map.
+    method : {"tree", "article"}
+        "tree" follows every bright path exactly and measures each light on the sphere: see
+        `detect_tree`. "article" is the method of Loghin (2021), sample by sample: see
+        `detect_article`.
+    **options
+        Those of `detect_tree` or `detect_article`.
+
+    Returns
+    -------
+    DetectedLights
+        Most flux first.
+
+    Raises
+    ------
+    EnvLightsError
+        If `env` is no map, the method is not known or an option is out of its range.
+
+    Examples
+    --------
+    >>> import envlights as el
+    >>> lamp = el.synthetic.Disc((0, 0, 1), 5.0, (9, 9, 9))
+    >>> env = el.EnvMap(el.synthetic.scene(256, background=[0.1] * 3, shapes=[lamp]).radiance)
+    >>> lights = detect(env)
+    >>> len(lights), float(np.rad2deg(lights.angular_radius[0]).round(1))
+    (1, 5.0)
+    """
+    if method not in _METHODS:
+        wanted = " or ".join(repr(name) for name in _METHODS)
+        raise EnvLightsError(f"method must be {wanted}; got {method!r}")
+    return _METHODS[method](env, **options)

@@ -1,0 +1,142 @@
+"""Lights that were seen in a map, what each is like, and the report on how they were found."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights._native import EnvLightsError
+from envlights.rig import LUMINANCE, Lights, check_slice, frozen
+
+
+@dataclass(frozen=True, eq=False)
+class DetectionReport:
+    """How lights were found, and what was not looked at."""
+
+    method: str
+    """The detector: "tree" or "article"."""
+
+    threshold: float
+    """Luminance above which a place is bright."""
+
+    reason: str
+    """Where the threshold comes from."""
+
+    working_size: tuple[int, int]
+    """Height and width of the image in which the lights were sought."""
+
+    skipped: tuple[str, ...] = ()
+    """What was not opened, kept or told apart, with its share."""
+
+    seconds: Mapping[str, float] = field(default_factory=dict)
+    """Wall time of each stage."""
+
+    def __str__(self) -> str:
+        height, width = self.working_size
+        lines = [
+            f"method {self.method} on {width}x{height} pixels",
+            f"threshold: luminance {self.threshold:.4g}, {self.reason}",
+            *(f"skipped: {note}" for note in self.skipped),
+        ]
+        return "\n".join(lines)
+
+
+@dataclass(frozen=True, eq=False)
+class Members:
+    """What the lights are made of: places in the working image, whose size the report holds."""
+
+    pixel: NDArray[np.int64]
+    """Row and column in the working image, shape (k, 2)."""
+
+    light: NDArray[np.int64]
+    """Index of the light that each belongs to, shape (k,)."""
+
+
+@dataclass(frozen=True, eq=False)
+class DetectedLights(Lights):
+    """Lights of a map, most flux first, and what was seen of each.
+
+    Every array holds one row for each light. `lights[:4]` keeps the first four and their members;
+    `report` then still speaks of all that were found.
+
+    Examples
+    --------
+    >>> import envlights as el
+    >>> lamp = el.synthetic.Disc((1, 0, 0), 5.0, (9, 9, 9))
+    >>> lights = el.detect(el.synthetic.scene(128, background=[0.1] * 3, shapes=[lamp]).radiance)
+    >>> len(lights), lights.direction.round(2) + 0.0
+    (1, array([[1., 0., 0.]]))
+    """
+
+    peak_direction: NDArray[np.float64]
+    """Unit vectors towards the brightest place of each light, shape (n, 3)."""
+
+    solid_angle: NDArray[np.float64]
+    """In steradians, shape (n,)."""
+
+    elongation: NDArray[np.float64]
+    """Length over breadth, 1 for a disc, shape (n,)."""
+
+    orientation: NDArray[np.float64]
+    """Unit vectors along each light, at right angles to its direction, shape (n, 3)."""
+
+    peak_luminance: NDArray[np.float64]
+    """Luminance at the peak, shape (n,)."""
+
+    flux_share: NDArray[np.float64]
+    """Share of the luminance flux of the whole map, shape (n,)."""
+
+    is_clipped: NDArray[np.bool_]
+    """Whether the light is a flat top at the map's maximum, as where a camera saturates."""
+
+    members: Members
+    """What the lights were made of."""
+
+    report: DetectionReport
+    """How the lights were found."""
+
+    def __post_init__(self) -> None:
+        order = np.argsort(-(np.asarray(self.irradiance) @ LUMINANCE), kind="stable")
+        for name in self._per_light():
+            array = np.asarray(getattr(self, name))
+            if len(array) != len(self.irradiance):
+                raise EnvLightsError(
+                    f"{name} must have a row for each light ({len(self.irradiance)});"
+                    f" got {len(array)}"
+                )
+            object.__setattr__(self, name, frozen(array[order]))
+        rank = np.argsort(order)
+        members = Members(self.members.pixel, frozen(rank[self.members.light]))
+        object.__setattr__(self, "members", members)
+
+    def __getitem__(self, which: slice) -> DetectedLights:
+        """The lights of a slice."""
+        check_slice(which)
+        arrays: dict[str, Any] = {name: getattr(self, name)[which] for name in self._per_light()}
+        kept = np.arange(len(self))[which]
+        place = np.full(len(self), -1)
+        place[kept] = np.arange(len(kept))
+        ours = np.isin(self.members.light, kept)
+        members = Members(self.members.pixel[ours], place[self.members.light[ours]])
+        return DetectedLights(**arrays, members=members, report=self.report)
+
+    @property
+    def angular_radius(self) -> NDArray[np.float64]:
+        """Radius in radians of a disc of the same solid angle, shape (n,)."""
+        radius: NDArray[np.float64] = np.arccos(1 - np.minimum(self.solid_angle / (2 * np.pi), 2))
+        return radius
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        """Lists of numbers, for JSON and the like."""
+        return {name: getattr(self, name).tolist() for name in self._per_light()}
+
+    def __str__(self) -> str:
+        return f"{len(self)} lights\n{self.report}"
+
+    @classmethod
+    def _per_light(cls) -> list[str]:
+        return [each.name for each in fields(cls) if each.name not in ("members", "report")]

@@ -1,0 +1,138 @@
+"""Detection by the component tree."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from envlights import _native
+from envlights._check import amount, count
+from envlights.detected import DetectedLights, DetectionReport, Members
+from envlights.envmap import EnvMap, as_envmap
+
+#: Pixels at a light's peak from which on a flat top at the map's maximum looks clipped.
+_CLIPPED_PIXELS = 4
+
+
+def detect_tree(
+    env: EnvMap | ArrayLike,
+    *,
+    max_lights: int | None = None,
+    min_flux_share: float = 0.0,
+    prominence: float = 4.0,
+    gap_deg: float = 0.8,
+    extent: float = 0.1,
+    working_width: int = 1024,
+) -> DetectedLights:
+    r"""Bright places of a map: the branches of its component tree.
+
+    The threshold comes from the map's own histogram. From the brightest pixel down, pixels
+    join the islands beside them, across the seam and the poles; where two islands meet, the
+    dimmer stays a light of its own if its peak is `prominence` times the level at which they meet.
+    Each light is then measured in the map's own pixels. After Loghin (2021), whose line between two
+    samples is one straight guess at the path that the tree follows.
+
+    Parameters
+    ----------
+    env : EnvMap or array_like, shape (height, 2 * height, 3)
+        The map.
+    max_lights : int, optional
+        Most lights. Neighbours are merged until there are no more, those first that move the least
+        flux (Ward 1963); nothing is dropped for it.
+    min_flux_share : float
+        Lights with a smaller share of the map's flux are left out.
+    prominence : float
+        A light's peak over its saddle, at least; 1 keeps every local maximum apart.
+    gap_deg : float
+        Dark bars up to this many degrees do not divide a light.
+    extent : float
+        A light ends where its luminance has fallen to this share of its peak.
+    working_width : int
+        The lights are sought in a reduction of the map to at most so many columns.
+
+    Returns
+    -------
+    DetectedLights
+        Most flux first; `report` says the threshold and why, and what was skipped.
+
+    Raises
+    ------
+    EnvLightsError
+        If `env` is no map or an option is out of its range.
+
+    Examples
+    --------
+    Two lamps, the second across the seam:
+
+    >>> import envlights as el
+    >>> lamps = [el.synthetic.Disc((1, 1, 0), 4.0, (9, 9, 9)),
+    ...          el.synthetic.Disc((0, 0, -1), 2.0, (9, 6, 3))]
+    >>> lights = detect_tree(el.synthetic.scene(256, background=[0.1] * 3, shapes=lamps).radiance)
+    >>> lights.direction.round(2) + 0.0
+    array([[ 0.71,  0.71,  0.  ],
+           [ 0.  ,  0.  , -1.  ]])
+    """
+    env = as_envmap(env)
+    start = time.perf_counter()
+    most = np.iinfo(np.uint32).max if max_lights is None else count("max_lights", max_lights, 1)
+    found = _native.detect_tree(
+        env.radiance,
+        border_sampled=env.registration == "border-sampled",
+        working_columns=count("working_width", working_width, least=16),
+        prominence=amount("prominence", prominence, least=1.0),
+        extent=amount("extent", extent, most=1.0),
+        gap=np.deg2rad(amount("gap_deg", gap_deg, most=90.0)),
+        min_flux_share=amount("min_flux_share", min_flux_share, most=1.0),
+        max_lights=most,
+    )
+    return _wrapped(found, time.perf_counter() - start)
+
+
+def _wrapped(found: _native.TreeDetection, seconds: float) -> DetectedLights:
+    peak = found.peak_luminance
+    is_brightest = peak >= 0.99 * peak.max(initial=0.0)
+    report = DetectionReport(
+        method="tree",
+        threshold=found.threshold,
+        reason=_reason(found),
+        working_size=found.working_size,
+        skipped=tuple(_skipped(found)),
+        seconds={"detect": seconds},
+    )
+    return DetectedLights(
+        found.direction,
+        found.irradiance,
+        peak_direction=found.peak_direction,
+        solid_angle=found.solid_angle,
+        elongation=found.elongation,
+        orientation=found.orientation,
+        peak_luminance=peak,
+        flux_share=found.flux / (found.map_flux or 1.0),
+        is_clipped=is_brightest & (found.top_pixels >= _CLIPPED_PIXELS),
+        members=Members(found.pixel, found.light_of_pixel),
+        report=report,
+    )
+
+
+def _reason(found: _native.TreeDetection) -> str:
+    if found.background_is_light:
+        return (
+            "twice the 95 % quantile of what lies below the flux-weighted Otsu cut,"
+            " for a tenth of the sphere is itself light"
+        )
+    return "twice the luminance that 90 % of the sphere does not exceed"
+
+
+def _skipped(found: _native.TreeDetection) -> list[str]:
+    """What was not looked at or kept, in words."""
+    dark = found.tiles - found.opened_tiles
+    notes = [f"{dark} of {found.tiles} tiles ({100 * dark / found.tiles:.3g} %) that are dark"]
+    if not len(found.flux):
+        notes.append("everything: nothing rises to twice the threshold")
+    if found.dropped:
+        notes.append(f"{found.dropped} lights below min_flux_share")
+    if found.merged:
+        notes.append(f"the difference between {found.merged} lights and their neighbours")
+    return notes

@@ -1,0 +1,89 @@
+//! `kernels::detect` for Python.
+
+use numpy::ndarray::{Array1, Array2};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray3};
+use pyo3::prelude::*;
+
+use super::sphere::registration;
+use crate::kernels::detect::tree::{self, Detection, Light, Options, Reason};
+
+/// What `detect_tree` found; see `envlights.kernels.detect_tree`.
+#[pyclass(frozen, get_all)]
+pub struct TreeDetection {
+    direction: Py<PyArray2<f64>>,
+    irradiance: Py<PyArray2<f64>>,
+    peak_direction: Py<PyArray2<f64>>,
+    orientation: Py<PyArray2<f64>>,
+    solid_angle: Py<PyArray1<f64>>,
+    elongation: Py<PyArray1<f64>>,
+    peak_luminance: Py<PyArray1<f64>>,
+    flux: Py<PyArray1<f64>>,
+    top_pixels: Py<PyArray1<i64>>,
+    pixel: Py<PyArray2<i64>>,
+    light_of_pixel: Py<PyArray1<i64>>,
+    threshold: f64,
+    background_is_light: bool,
+    map_flux: f64,
+    working_size: (usize, usize),
+    tiles: usize,
+    opened_tiles: usize,
+    bright_pixels: usize,
+    dropped: usize,
+    merged: usize,
+}
+
+/// See `envlights.kernels.detect_tree`.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "every option is named once more, on the Python side")]
+pub fn detect_tree(
+    py: Python<'_>,
+    radiance: PyReadonlyArray3<'_, f32>,
+    border_sampled: bool,
+    working_columns: usize,
+    prominence: f64,
+    extent: f64,
+    gap: f64,
+    min_flux_share: f64,
+    max_lights: usize,
+) -> PyResult<TreeDetection> {
+    let radiance = radiance.as_array();
+    let options = Options { working_columns, prominence, extent, gap, min_flux_share, max_lights };
+    let found = py.detach(|| tree::detect(radiance, registration(border_sampled), &options))?;
+    Ok(TreeDetection::new(py, &found))
+}
+
+impl TreeDetection {
+    fn new(py: Python<'_>, found: &Detection) -> Self {
+        let lights = &found.lights;
+        let numbers =
+            |of: fn(&Light) -> f64| lights.iter().map(of).collect::<Array1<f64>>().into_pyarray(py).unbind();
+        let vectors = |of: fn(&Light) -> [f64; 3]| {
+            let rows: Vec<[f64; 3]> = lights.iter().map(of).collect();
+            Array2::from(rows).into_pyarray(py).unbind()
+        };
+        let indices = |values: Array1<i64>| values.into_pyarray(py).unbind();
+        let pixels: Vec<[i64; 2]> = found.pixels.iter().map(|pixel| pixel.map(|i| i as i64)).collect();
+        Self {
+            direction: vectors(|light| light.direction().to_array()),
+            irradiance: vectors(|light| light.irradiance),
+            peak_direction: vectors(|light| light.peak_direction().to_array()),
+            orientation: vectors(|light| light.elongation().1.to_array()),
+            solid_angle: numbers(Light::solid_angle),
+            elongation: numbers(|light| light.elongation().0),
+            peak_luminance: numbers(|light| light.peak),
+            flux: numbers(|light| light.flux),
+            top_pixels: indices(lights.iter().map(|light| light.top_pixels as i64).collect()),
+            pixel: Array2::from(pixels).into_pyarray(py).unbind(),
+            light_of_pixel: indices(found.light_of_pixel.iter().map(|&light| light as i64).collect()),
+            threshold: found.seen.threshold.luminance,
+            background_is_light: found.seen.threshold.reason == Reason::BelowCut,
+            map_flux: found.seen.flux,
+            working_size: found.seen.working_size,
+            tiles: found.seen.tiles,
+            opened_tiles: found.seen.opened_tiles,
+            bright_pixels: found.seen.bright_pixels,
+            dropped: found.seen.dropped,
+            merged: found.seen.merged,
+        }
+    }
+}

@@ -1,0 +1,135 @@
+//! Lights of a map as the branches of its component tree.
+//!
+//! [`detect`] is the whole story; each line of it is a room of its own:
+//!
+//! | step                                      | file            |
+//! |-------------------------------------------|-----------------|
+//! | the map in fewer pixels, in one pass      | `summary.rs`    |
+//! | how bright is bright                      | `threshold.rs`  |
+//! | which pixels hang together, and how well  | `components.rs` |
+//! | which lights only a bar divides           | `gaps.rs`       |
+//! | what is behind each light                 | `surroundings.rs` |
+//! | what each light sends                     | `measure.rs`    |
+//! | how many lights there may be              | `budget.rs`     |
+
+mod budget;
+mod components;
+mod gaps;
+mod measure;
+mod summary;
+mod surroundings;
+mod threshold;
+
+use ndarray::ArrayView3;
+
+use budget::Choice;
+use components::{BrightPixels, Regions};
+pub use measure::Light;
+use summary::Summary;
+pub use threshold::{Reason, Threshold};
+
+use crate::error::Result;
+use crate::kernels::sphere::Registration;
+
+/// How [`detect`] decides. Defaults are chosen in Python, in one place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// Most columns of the working image, in pixels.
+    pub working_columns: usize,
+    /// A light's peak over the highest saddle to a brighter one, at least: 4 tells two lamps apart
+    /// where the way between them falls to a quarter of the dimmer.
+    pub prominence: f64,
+    /// A light ends where its luminance has fallen to this share of its peak.
+    pub extent: f64,
+    /// Dark gaps up to this angle, in radians, do not divide a light.
+    pub gap: f64,
+    /// Lights with a smaller share of the map's flux are left out.
+    pub min_flux_share: f64,
+    /// Most lights; neighbours are merged until there are no more.
+    pub max_lights: usize,
+}
+
+/// Lights, and what was seen on the way to them.
+#[derive(Clone, Debug)]
+pub struct Detection {
+    /// Most flux first.
+    pub lights: Vec<Light>,
+    /// Row and column in the working image of each pixel of a light.
+    pub pixels: Vec<[usize; 2]>,
+    /// The light of each of `pixels`.
+    pub light_of_pixel: Vec<usize>,
+    /// What was looked at, and what was not.
+    pub seen: Seen,
+}
+
+/// What was looked at, and what was not.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seen {
+    /// Above what a pixel is bright.
+    pub threshold: Threshold,
+    /// Integral of the map's luminance.
+    pub flux: f64,
+    /// Height and width of the working image.
+    pub working_size: (usize, usize),
+    /// Tiles of the working image.
+    pub tiles: usize,
+    /// Tiles that hold a bright pixel.
+    pub opened_tiles: usize,
+    /// Pixels of the working image above the threshold.
+    pub bright_pixels: usize,
+    /// Lights below `min_flux_share`.
+    pub dropped: usize,
+    /// Lights that became part of another for `max_lights`.
+    pub merged: usize,
+}
+
+/// Lights of an equirectangular map of radiance, (height, width, 3), finite and not negative.
+///
+/// # Errors
+///
+/// [`crate::error::Error::NotAMap`], [`crate::error::Error::NotFinite`].
+pub fn detect(
+    radiance: ArrayView3<'_, f32>,
+    registration: Registration,
+    options: &Options,
+) -> Result<Detection> {
+    let summary = summary::summarise(radiance, registration, options.working_columns)?;
+    let threshold = threshold::from_histogram(&summary);
+    let bright = components::bright_pixels(&summary, threshold.luminance);
+    let regions = components::regions(&summary, &bright, threshold.luminance, options.prominence);
+    let edge = |peak| threshold.edge(peak, options.extent);
+    let regions = gaps::bridge(&summary, regions, options.gap, edge);
+    let backgrounds = surroundings::backgrounds(&summary, &regions, edge);
+    let lights = measure::measure(radiance, registration, &summary, &regions, &backgrounds);
+    let choice = budget::choose(lights, options.min_flux_share * summary.flux, options.max_lights);
+    let seen = Seen::of(&summary, threshold, &bright, &choice);
+    Ok(Detection::new(&regions, choice, seen))
+}
+
+impl Seen {
+    fn of(summary: &Summary, threshold: Threshold, bright: &BrightPixels, choice: &Choice) -> Self {
+        Self {
+            threshold,
+            flux: summary.flux,
+            working_size: summary.luminance.dim(),
+            tiles: summary.tile_maxima.len(),
+            opened_tiles: bright.opened_tiles,
+            bright_pixels: bright.order.len(),
+            dropped: choice.dropped,
+            merged: choice.part_of.len() - choice.dropped - choice.lights.len(),
+        }
+    }
+}
+
+impl Detection {
+    fn new(regions: &Regions, choice: Choice, seen: Seen) -> Self {
+        let columns = seen.working_size.1;
+        let (mut pixels, mut light_of_pixel) = (Vec::new(), Vec::new());
+        for (region, light) in regions.pixels.iter().zip(&choice.part_of) {
+            let Some(light) = light else { continue };
+            pixels.extend(region.iter().map(|&i| [i as usize / columns, i as usize % columns]));
+            light_of_pixel.resize(pixels.len(), *light);
+        }
+        Self { lights: choice.lights, pixels, light_of_pixel, seen }
+    }
+}

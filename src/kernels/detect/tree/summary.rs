@@ -1,0 +1,187 @@
+//! One pass over the map: luminance in fewer pixels, and the maximum of each tile of them.
+//!
+//! Detection is bound by memory: this pass reads every sample once, what follows reads a
+//! sixteenth of them and less.
+
+use ndarray::{Array2, ArrayView3, s};
+use rayon::prelude::*;
+
+use crate::error::{Error, Result};
+use crate::kernels::image::{self, Grid};
+use crate::kernels::sphere::{Registration, band_heights};
+
+/// Sides of a tile, in pixels of the working image.
+pub const TILE: usize = 16;
+/// Pixels of the map that are summed at once: few enough to stay in the first cache.
+const PIXELS_AT_ONCE: usize = 1024;
+
+/// A map in fewer pixels, each the mean of a block of the map's.
+#[derive(Clone, Debug)]
+pub struct Summary {
+    /// Mean luminance by solid angle, (rows, columns).
+    pub luminance: Array2<f32>,
+    /// Where the pixels lie on the sphere.
+    pub grid: Grid,
+    /// `cos theta_top - cos theta_bottom` of each row.
+    pub bands: Vec<f64>,
+    /// Pixels of the map along each side of a working pixel.
+    pub block: usize,
+    /// Largest luminance in each tile.
+    pub tile_maxima: Array2<f32>,
+    /// Integral of the luminance over the sphere.
+    pub flux: f64,
+}
+
+/// `radiance` as luminance in at most `columns` columns.
+///
+/// # Errors
+///
+/// [`Error::NotAMap`]; [`Error::NotFinite`] with the working row that holds what is no number.
+pub fn summarise(
+    radiance: ArrayView3<'_, f32>,
+    registration: Registration,
+    columns: usize,
+) -> Result<Summary> {
+    image::check_rgb(radiance)?;
+    let (height, width, _) = radiance.dim();
+    let pixels = Grid::of_pixels(height, width, registration);
+    let block = width.div_ceil(columns.max(1));
+    let grid = pixels.in_blocks(block);
+    let bands = band_heights(&grid.theta_edges);
+    let reduction = Reduction::new(radiance, &pixels, &grid, block);
+    let mut luminance = Array2::zeros((grid.theta_edges.len() - 1, grid.phi_edges.len() - 1));
+    let tiles = luminance.dim().1.div_ceil(TILE);
+    let mut tile_maxima = Array2::zeros((luminance.dim().0.div_ceil(TILE), tiles));
+    luminance
+        .axis_chunks_iter_mut(ndarray::Axis(0), TILE)
+        .into_par_iter()
+        .zip(tile_maxima.outer_iter_mut().into_par_iter())
+        .enumerate()
+        .for_each(|(tile_row, (mut rows, mut maxima))| {
+            let mut largest = vec![0.0; rows.dim().1];
+            for (i, row) in rows.outer_iter_mut().enumerate() {
+                let row = row.into_slice().expect("a row of an owned array");
+                reduction.fill_row(tile_row * TILE + i, row);
+                raise(&mut largest, row);
+            }
+            for (maximum, columns) in maxima.iter_mut().zip(largest.chunks(TILE)) {
+                *maximum = columns.iter().copied().fold(0.0, f32::max);
+            }
+        });
+    let flux = flux(&luminance, &grid, &bands)?;
+    Ok(Summary { luminance, grid, bands, block, tile_maxima, flux })
+}
+
+fn raise(largest: &mut [f32], row: &[f32]) {
+    for (largest, &value) in largest.iter_mut().zip(row) {
+        *largest = if value > *largest { value } else { *largest };
+    }
+}
+
+fn flux(luminance: &Array2<f32>, grid: &Grid, bands: &[f64]) -> Result<f64> {
+    let mut flux = 0.0;
+    for (index, (row, band)) in luminance.outer_iter().zip(bands).enumerate() {
+        let value: f64 = weighted_sum(row.as_slice().expect("a row of an owned array"), grid) * band;
+        if !value.is_finite() {
+            return Err(Error::NotFinite { what: "luminance", index, value });
+        }
+        flux += value;
+    }
+    Ok(flux)
+}
+
+/// Integral of a row over its azimuths. Only the outermost columns may be narrower than the rest.
+fn weighted_sum(row: &[f32], grid: &Grid) -> f64 {
+    let width = |column: usize| grid.phi_edges[column + 1] - grid.phi_edges[column];
+    let last = row.len() - 1;
+    // Eight sums side by side: one would wait for each addition in turn.
+    let mut lanes = [0.0_f64; 8];
+    let (eights, rest) = row[1..last].as_chunks::<8>();
+    for eight in eights {
+        for (lane, &value) in lanes.iter_mut().zip(eight) {
+            *lane += f64::from(value);
+        }
+    }
+    let inner = lanes.iter().sum::<f64>() + rest.iter().map(|&value| f64::from(value)).sum::<f64>();
+    let inner_width = if last > 1 { width(1) } else { 0.0 };
+    inner * inner_width + f64::from(row[0]) * width(0) + f64::from(row[last]) * width(last)
+}
+
+/// How the map's pixels make the pixels of the working image.
+struct Reduction<'a> {
+    radiance: ArrayView3<'a, f32>,
+    block: usize,
+    /// Band height of each row of the map.
+    bands: Vec<f64>,
+    /// Widths of the map's first and last pixel, in widths of the others.
+    outer_widths: [f32; 2],
+    /// One over the width of each column of the working image, in widths of the map's pixels.
+    per_width: Vec<f32>,
+}
+
+impl<'a> Reduction<'a> {
+    fn new(radiance: ArrayView3<'a, f32>, pixels: &Grid, grid: &Grid, block: usize) -> Self {
+        let width = |edge: &[f64]| ((edge[1] - edge[0]) * pixels.columns_per_radian) as f32;
+        let per_width = grid.phi_edges.windows(2).map(|edge| 1.0 / width(edge)).collect();
+        let phi = &pixels.phi_edges;
+        let outer_widths = [width(&phi[..2]), width(&phi[phi.len() - 2..])];
+        Self { radiance, block, bands: band_heights(&pixels.theta_edges), outer_widths, per_width }
+    }
+
+    /// Luminance of one row of the working image.
+    fn fill_row(&self, row: usize, out: &mut [f32]) {
+        let rows = row * self.block..((row + 1) * self.block).min(self.bands.len());
+        let samples = self.radiance.slice(s![rows.clone(), .., ..]);
+        let samples = samples.as_standard_layout();
+        let samples = samples.as_slice().expect("standard layout");
+        if self.block == 1 {
+            fill_luminance(samples, out);
+        } else {
+            self.reduce(samples, &self.bands[rows], out);
+        }
+    }
+
+    /// Mean luminance of blocks of pixels, from the rows `samples` of the heights `bands`.
+    fn reduce(&self, samples: &[f32], bands: &[f64], out: &mut [f32]) {
+        let whole: f64 = bands.iter().sum();
+        let weights: Vec<f32> = bands.iter().map(|band| (band / whole) as f32).collect();
+        let row_length = samples.len() / bands.len();
+        let (mut mean, mut luminance) = ([0.0; 3 * PIXELS_AT_ONCE], [0.0; PIXELS_AT_ONCE]);
+        let cells = (PIXELS_AT_ONCE / self.block).max(1);
+        let parts = out.chunks_mut(cells).zip(self.per_width.chunks(cells));
+        for (start, (out, per_width)) in (0..).step_by(3 * cells * self.block).zip(parts) {
+            let columns = start..(start + 3 * cells * self.block).min(row_length);
+            let mean = &mut mean[..columns.len()];
+            mean.fill(0.0);
+            for (row, weight) in samples.chunks_exact(row_length).zip(&weights) {
+                for (mean, sample) in mean.iter_mut().zip(&row[columns.clone()]) {
+                    *mean += weight * sample;
+                }
+            }
+            let luminance = &mut luminance[..mean.len() / 3];
+            fill_luminance(mean, luminance);
+            self.narrow_the_outer(luminance, start == 0, columns.end == row_length);
+            for ((out, pixels), per_width) in out.iter_mut().zip(luminance.chunks(self.block)).zip(per_width)
+            {
+                *out = per_width * pixels.iter().sum::<f32>();
+            }
+        }
+    }
+
+    fn narrow_the_outer(&self, luminance: &mut [f32], is_first: bool, is_last: bool) {
+        let last = luminance.len() - 1;
+        if is_first {
+            luminance[0] *= self.outer_widths[0];
+        }
+        if is_last {
+            luminance[last] *= self.outer_widths[1];
+        }
+    }
+}
+
+fn fill_luminance(samples: &[f32], out: &mut [f32]) {
+    let [red, green, blue] = image::LUMINANCE.map(|weight| weight as f32);
+    for (out, pixel) in out.iter_mut().zip(samples.as_chunks::<3>().0) {
+        *out = red * pixel[0] + green * pixel[1] + blue * pixel[2];
+    }
+}

@@ -1,0 +1,174 @@
+//! How bright is bright: a threshold from the map's own histogram, never an absolute one.
+//!
+//! ```text
+//!   T = 2 q90                      twice the luminance that 90 % of the sphere does not reach
+//! ```
+//!
+//! Where q90 is itself light (more than 12 times the median: a bright sky over a dark ground, a
+//! wall of windows), a tenth of the sphere is no background. Then the flux-weighted cut of Otsu
+//! (1979) in log luminance divides what shines from what does not, and T is twice the 95 %
+//! quantile of what lies below it. What exceeds 8 q90 counts as 8 q90: a sun many octaves above all
+//! else would draw the cut above the sky or the windows.
+//!
+//! The bins are the exponent and the leading bits of the mantissa of luminance over mean luminance:
+//! 1/32 of an octave, no logarithm and no sort, and the same bins whatever the map's scale.
+
+use std::f64::consts::PI;
+
+use super::summary::Summary;
+
+/// Bits of an `f32`'s mantissa that a bin ignores.
+const IGNORED_BITS: u32 = 18;
+const BINS_OF_AN_OCTAVE: usize = 1 << (23 - IGNORED_BITS);
+/// Luminance over the mean is told apart from `2^-24` to `2^24`.
+const OCTAVES_BELOW: u32 = 24;
+const BINS: usize = 2 * OCTAVES_BELOW as usize * BINS_OF_AN_OCTAVE;
+/// Solid angles are summed as integers, in this many parts of the sphere: any order, the same sum.
+const PARTS_OF_THE_SPHERE: f64 = (1_u64 << 52) as f64;
+
+/// The share of the sphere that is background, and what a light exceeds it by.
+const BACKGROUND: f64 = 0.9;
+const EXCESS: f64 = 2.0;
+/// A background so far above the median is light itself.
+const MOST_OVER_MEDIAN: f64 = 12.0;
+/// Brighter than this over the 90 % quantile counts as no brighter, where the cut is sought.
+const MOST_OVER_BACKGROUND: f64 = 8.0;
+/// The share of what lies below the cut that is background.
+const BACKGROUND_BELOW_CUT: f64 = 0.95;
+
+/// Where a threshold comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reason {
+    /// Twice the 90 % quantile.
+    Background,
+    /// Twice the 95 % quantile of what lies below the cut.
+    BelowCut,
+}
+
+/// Above what a pixel is bright, and why.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Threshold {
+    /// In units of the map's luminance.
+    pub luminance: f64,
+    /// Where it comes from.
+    pub reason: Reason,
+}
+
+impl Threshold {
+    /// The luminance at which a light of the peak `P` ends: at least its share `extent`.
+    ///
+    /// The edge of a light cuts pixels. One that it covers in the share c has the luminance
+    /// `B + c (P - B)` before the background B. Counting those from c_0 on adds the background
+    /// behind them and loses the light in the others; all c are equally frequent, so
+    ///
+    /// ```text
+    ///   B (1 - c_0)^2 / 2 = P c_0^2 / 2   <=>   c_0 = 1 / (1 + sqrt(P / B))   <=>   level sqrt(B P)
+    /// ```
+    ///
+    /// cancels both: the geometric mean of background and peak.
+    pub fn edge(&self, peak: f64, extent: f64) -> f64 {
+        (self.luminance / EXCESS * peak).sqrt().max(extent * peak)
+    }
+}
+
+/// The threshold of a map.
+pub fn from_histogram(summary: &Summary) -> Threshold {
+    let mean = summary.flux / (4.0 * PI);
+    let histogram = Histogram::of(summary, mean);
+    let (median, background) = (histogram.quantile(0.5), histogram.quantile(BACKGROUND));
+    if background <= MOST_OVER_MEDIAN * median {
+        return Threshold { luminance: EXCESS * background * mean, reason: Reason::Background };
+    }
+    let cut = histogram.clamped(MOST_OVER_BACKGROUND * background).flux_weighted_cut();
+    let below = histogram.up_to(cut).quantile(BACKGROUND_BELOW_CUT);
+    Threshold { luminance: EXCESS * below * mean, reason: Reason::BelowCut }
+}
+
+/// Solid angle by luminance over mean luminance.
+struct Histogram {
+    parts: Vec<u64>,
+}
+
+impl Histogram {
+    fn of(summary: &Summary, mean: f64) -> Self {
+        // Neighbours are often alike: counters of their own do not wait for one another.
+        let mut parts = vec![[0; 4]; BINS];
+        let per_mean = if mean > 0.0 { (1.0 / mean) as f32 } else { 0.0 };
+        let columns = summary.luminance.dim().1 as f64;
+        for (row, band) in summary.luminance.outer_iter().zip(&summary.bands) {
+            let share = (band / 2.0 / columns * PARTS_OF_THE_SPHERE) as u64;
+            let (fours, rest) = row.as_slice().expect("a row of an owned array").as_chunks::<4>();
+            for four in fours {
+                for (lane, &value) in four.iter().enumerate() {
+                    parts[bin(value * per_mean)][lane] += share;
+                }
+            }
+            rest.iter().for_each(|&value| parts[bin(value * per_mean)][0] += share);
+        }
+        Self { parts: parts.iter().map(|lanes| lanes.iter().sum()).collect() }
+    }
+
+    /// The value that `share` of the solid angle does not exceed; linear within a bin.
+    fn quantile(&self, share: f64) -> f64 {
+        let total: u64 = self.parts.iter().sum();
+        let wanted = share * total as f64;
+        let mut below = 0.0;
+        for (bin, &parts) in self.parts.iter().enumerate() {
+            let parts = parts as f64;
+            if below + parts >= wanted && parts > 0.0 {
+                let (low, high) = (lower_edge(bin), lower_edge(bin + 1));
+                return low + (wanted - below) / parts * (high - low);
+            }
+            below += parts;
+        }
+        0.0
+    }
+
+    /// The bin that divides the flux best into two groups of log luminance: the between-class
+    /// variance `(m w - s)^2 / (w (1 - w))` is largest, with `w` the share of flux below the
+    /// bin, `s` its first moment and `m` the mean (Otsu 1979).
+    fn flux_weighted_cut(&self) -> usize {
+        let flux: Vec<f64> =
+            self.parts.iter().enumerate().map(|(bin, &parts)| parts as f64 * lower_edge(bin)).collect();
+        let total: f64 = flux.iter().sum();
+        let mean: f64 = flux.iter().enumerate().map(|(bin, flux)| bin as f64 * flux).sum::<f64>() / total;
+        let (mut share, mut moment) = (0.0, 0.0);
+        let (mut best, mut most) = (self.parts.len(), 0.0);
+        for (bin, flux) in flux.iter().enumerate() {
+            share += flux / total;
+            moment += bin as f64 * flux / total;
+            if share > 1.0 - 1e-9 {
+                break;
+            }
+            let variance = (mean * share - moment).powi(2) / (share * (1.0 - share));
+            if variance > most {
+                (best, most) = (bin + 1, variance);
+            }
+        }
+        best
+    }
+
+    /// What is brighter than `most` counted as if it were no brighter.
+    fn clamped(&self, most: f64) -> Self {
+        let last = bin(most as f32);
+        let mut parts = self.parts[..=last].to_vec();
+        parts[last] += self.parts[last + 1..].iter().sum::<u64>();
+        Self { parts }
+    }
+
+    fn up_to(&self, end: usize) -> Self {
+        Self { parts: self.parts[..end].to_vec() }
+    }
+}
+
+const FIRST_BITS: u32 = (127 - OCTAVES_BELOW) << (23 - IGNORED_BITS);
+
+/// The bin of a value that is not negative.
+fn bin(value: f32) -> usize {
+    ((value.to_bits() >> IGNORED_BITS).saturating_sub(FIRST_BITS) as usize).min(BINS - 1)
+}
+
+/// The smallest value of a bin; the lowest bin starts at 0.
+fn lower_edge(bin: usize) -> f64 {
+    if bin == 0 { 0.0 } else { f64::from(f32::from_bits((bin as u32 + FIRST_BITS) << IGNORED_BITS)) }
+}
