@@ -121,7 +121,8 @@ def _barred(
 ) -> Rectangle:
     width, height = rng.uniform(8, 25, size=2)
     panes = (int(rng.integers(2, 5)), int(rng.integers(1, 5)))
-    bar_deg = rng.uniform(0.15, 0.4)
+    # Half a pixel of 0.35 degrees would leave the bar as bright as the panes.
+    bar_deg = rng.uniform(0.3, 0.6)
     return Rectangle(direction, width, height, radiance, panes=panes, bar_deg=bar_deg)
 
 

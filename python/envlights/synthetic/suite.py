@@ -116,8 +116,9 @@ def hard(seed: int, height: int = 512) -> SyntheticMap:
     shapes: list[Lamp] = []
     words: list[str] = []
     if is_lit:
-        kinds, gap_deg = (lamps.ROUND, 12) if has_glare else (lamps.HARD, 3)
-        shapes, words = lamps.draw(rng, kinds, _nth(kinds, seed), (20, 300), gap_deg)
+        # Lights in the glare of others stand out less: they are farther apart and brighter.
+        kinds, least, gap_deg = (lamps.ROUND, 20, 12) if has_glare else (lamps.HARD, 10, 3)
+        shapes, words = lamps.draw(rng, kinds, _nth(kinds, seed), (least, 300), gap_deg)
     if has_glare:
         background = np.add(background, backdrops.glare(rng, height, shapes))
         name += ", glare"
@@ -152,10 +153,13 @@ def _camera(
         exposure = 10 ** rng.uniform(-3, 3)
     elif is_clipped:
         exposure = 10 ** rng.uniform(np.log10(0.05), np.log10(0.4))
-    grain = 1 + noise * rng.standard_normal((height, 2 * height, 3)) if noise else 1.0
+    # Grain goes with the radiance. Hum is a tenth of it before the brightest surroundings, whose
+    # luminance is 1, and the larger of the two in the dark.
+    grain, hum = noise * rng.standard_normal((2, height, 2 * height, 3))
+    hum *= 0.1
 
     def camera(radiance: NDArray[np.float64]) -> NDArray[np.float64]:
-        stored = np.maximum(exposure * grain * radiance, 0)
+        stored = np.maximum(exposure * ((1 + grain) * radiance + hum), 0)
         if is_clipped:
             stored = np.minimum(stored, 1)
         return _eight_bits(stored) if is_clipped and picture == "8 bit" else stored
