@@ -3,6 +3,8 @@
 //! Detection is bound by memory: this pass reads every sample once, what follows reads a
 //! sixteenth of them and less.
 
+use std::ops::Range;
+
 use ndarray::{Array2, ArrayView3, s};
 use rayon::prelude::*;
 
@@ -13,7 +15,7 @@ use crate::kernels::sphere::{Registration, band_heights};
 /// Sides of a tile, in pixels of the working image.
 pub const TILE: usize = 16;
 /// Pixels of the map that are summed at once: few enough to stay in the first cache.
-const PIXELS_AT_ONCE: usize = 1024;
+const PIXELS_AT_ONCE: usize = 128;
 
 /// A map in fewer pixels, each the mean of a block of the map's.
 #[derive(Clone, Debug)]
@@ -152,38 +154,65 @@ impl<'a> Reduction<'a> {
     fn reduce(&self, samples: &[f32], bands: &[f64], out: &mut [f32]) {
         let whole: f64 = bands.iter().sum();
         let weights: Vec<f32> = bands.iter().map(|band| (band / whole) as f32).collect();
-        let row_length = samples.len() / bands.len();
-        let (mut mean, mut luminance) = ([0.0; 3 * PIXELS_AT_ONCE], [0.0; PIXELS_AT_ONCE]);
+        let rows: Vec<&[f32]> = samples.chunks_exact(samples.len() / bands.len()).collect();
+        let mut mean = [0.0; 3 * PIXELS_AT_ONCE];
         let cells = (PIXELS_AT_ONCE / self.block).max(1);
         let parts = out.chunks_mut(cells).zip(self.per_width.chunks(cells));
         for (start, (out, per_width)) in (0..).step_by(3 * cells * self.block).zip(parts) {
-            let columns = start..(start + 3 * cells * self.block).min(row_length);
+            let columns = start..(start + 3 * cells * self.block).min(rows[0].len());
             let mean = &mut mean[..columns.len()];
-            mean.fill(0.0);
-            for (row, weight) in samples.chunks_exact(row_length).zip(&weights) {
-                for (mean, sample) in mean.iter_mut().zip(&row[columns.clone()]) {
-                    *mean += weight * sample;
-                }
-            }
-            let luminance = &mut luminance[..mean.len() / 3];
-            fill_luminance(mean, luminance);
-            self.narrow_the_outer(luminance, start == 0, columns.end == row_length);
-            for ((out, pixels), per_width) in out.iter_mut().zip(luminance.chunks(self.block)).zip(per_width)
-            {
-                *out = per_width * pixels.iter().sum::<f32>();
+            weighted_mean(&rows, &weights, columns.clone(), mean);
+            self.narrow_the_outer(mean, start == 0, columns.end == rows[0].len());
+            for ((out, pixels), per_width) in out.iter_mut().zip(mean.chunks(3 * self.block)).zip(per_width) {
+                *out = per_width * luminance_of_sum(pixels);
             }
         }
     }
 
-    fn narrow_the_outer(&self, luminance: &mut [f32], is_first: bool, is_last: bool) {
-        let last = luminance.len() - 1;
+    fn narrow_the_outer(&self, mean: &mut [f32], is_first: bool, is_last: bool) {
+        let last = mean.len() - 3;
         if is_first {
-            luminance[0] *= self.outer_widths[0];
+            mean[..3].iter_mut().for_each(|value| *value *= self.outer_widths[0]);
         }
         if is_last {
-            luminance[last] *= self.outer_widths[1];
+            mean[last..].iter_mut().for_each(|value| *value *= self.outer_widths[1]);
         }
     }
+}
+
+/// Mean of the `columns` of some rows, four rows at a time: fewer passes over what is summed.
+fn weighted_mean(rows: &[&[f32]], weights: &[f32], columns: Range<usize>, mean: &mut [f32]) {
+    mean.fill(0.0);
+    let (fours, rest) = rows.as_chunks::<4>();
+    for (rows, weights) in fours.iter().zip(weights.as_chunks::<4>().0) {
+        let [a, b, c, d] = rows.map(|row| &row[columns.clone()]);
+        for ((((mean, a), b), c), d) in mean.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+            *mean += (weights[0] * a + weights[1] * b) + (weights[2] * c + weights[3] * d);
+        }
+    }
+    for (row, weight) in rest.iter().zip(&weights[4 * fours.len()..]) {
+        for (mean, sample) in mean.iter_mut().zip(&row[columns.clone()]) {
+            *mean += weight * sample;
+        }
+    }
+}
+
+/// Luminance of the sum of RGB pixels: four of them are twelve samples, three vectors of four lanes.
+fn luminance_of_sum(samples: &[f32]) -> f32 {
+    let [r, g, b] = image::LUMINANCE.map(|weight| weight as f32);
+    let (fours, rest) = samples.as_chunks::<12>();
+    let mut lanes = [0.0_f32; 4];
+    for four in fours {
+        let weights = [[r, g, b, r], [g, b, r, g], [b, r, g, b]];
+        for (samples, weights) in four.as_chunks::<4>().0.iter().zip(weights) {
+            for (lane, (sample, weight)) in lanes.iter_mut().zip(samples.iter().zip(weights)) {
+                *lane += weight * sample;
+            }
+        }
+    }
+    let rest: f32 =
+        rest.as_chunks::<3>().0.iter().map(|pixel| r * pixel[0] + g * pixel[1] + b * pixel[2]).sum();
+    (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]) + rest
 }
 
 fn fill_luminance(samples: &[f32], out: &mut [f32]) {
