@@ -1,0 +1,165 @@
+//! Step 2: where the horizon of a normal cuts a band, and what the normal sees there.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+
+use super::band::{Band, weigh};
+use crate::kernels::sphere::angles;
+
+/// Gauss-Legendre nodes and weights on -1 .. 1.
+pub type Nodes = &'static [(f64, f64)];
+const ONE_NODE: Nodes = &[(0.0, 2.0)];
+const TWO_NODES: Nodes = &[(-0.577_350_269_189_625_8, 1.0), (0.577_350_269_189_625_8, 1.0)];
+const FOUR_NODES: Nodes = &[
+    (-0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
+    (-0.339_981_043_584_856_26, 0.652_145_154_862_546_1),
+    (0.339_981_043_584_856_26, 0.652_145_154_862_546_1),
+    (0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
+];
+
+/// How finely the horizon is followed down the rows.
+#[derive(Clone, Copy)]
+pub struct Steps {
+    /// Rows of a band; more than one have one node.
+    pub rows: usize,
+    /// Where in a row the horizon is taken.
+    pub nodes: Nodes,
+}
+
+impl Steps {
+    /// Each row at its middle latitude.
+    pub const ONE_NODE: Self = Self { rows: 1, nodes: ONE_NODE };
+
+    /// For a map of `height` rows: 1024 bands and more are as good as rows (see [`super::irradiance`]).
+    pub fn of(height: usize) -> Self {
+        match height {
+            2048.. => Self { rows: height / 1024, nodes: ONE_NODE },
+            256.. => Self { rows: 1, nodes: TWO_NODES },
+            _ => Self { rows: 1, nodes: FOUR_NODES },
+        }
+    }
+}
+
+/// A normal, and where its horizon cuts a row.
+pub struct Normal {
+    vector: DVec3,
+    azimuth: f64,
+    cos_azimuth: f64,
+    sin_azimuth: f64,
+    /// `-n_y / n_e`: times cot theta it is the cosine of the half-width of the visible interval.
+    slope: f64,
+}
+
+impl Normal {
+    pub fn new(vector: DVec3) -> Self {
+        let equatorial = vector.x.hypot(vector.z).max(f64::MIN_POSITIVE);
+        let (_, azimuth) = angles(vector);
+        let (sin_azimuth, cos_azimuth) = azimuth.sin_cos();
+        Self { vector, azimuth, cos_azimuth, sin_azimuth, slope: -vector.y / equatorial }
+    }
+
+    /// `pull . flux` of the interval of half-width `acos(c)` around the normal's azimuth.
+    #[inline]
+    fn between(&self, c: f64, pull: DVec3, band: &Band<'_>) -> DVec3 {
+        let (half_width, s) = (c.acos(), (1.0 - c * c).sqrt());
+        let (cos_n, sin_n) = (self.cos_azimuth, self.sin_azimuth);
+        let (start, end) = (self.azimuth - half_width, self.azimuth + half_width);
+        let [first, last] = [(start, s), (end, -s)]
+            .map(|(phi, s)| band.up_to(pull, wrap(phi), cos_n * c + sin_n * s, sin_n * c - cos_n * s));
+        let over_the_seam = start < 0.0 || end >= TAU;
+        last - first + if over_the_seam { weigh(band.total(), pull) } else { DVec3::ZERO }
+    }
+}
+
+/// `phi`, at most one turn off, in 0 .. 2 pi.
+fn wrap(phi: f64) -> f64 {
+    if phi < 0.0 {
+        phi + TAU
+    } else if phi >= TAU {
+        phi - TAU
+    } else {
+        phi
+    }
+}
+
+/// A node of a row: the latitude at which its horizon is taken, and its share of the row.
+pub struct Slice {
+    cot_theta: f64,
+    /// Share of the integral of sin^2 theta over the row.
+    equatorial: f64,
+    /// Share of the integral of sin theta cos theta over the row.
+    polar: f64,
+}
+
+/// The row between two polar angles at the given nodes, scaled so that their sum is exact:
+///
+/// ```text
+///   integral of sin^2 theta         = (dtheta - cos(t0 + t1) sin(dtheta)) / 2
+///   integral of sin theta cos theta = sin(t0 + t1) sin(dtheta) / 2
+/// ```
+fn slices(top: f64, bottom: f64, nodes: Nodes) -> Vec<Slice> {
+    let (sum, difference) = (top + bottom, bottom - top);
+    let equatorial = 0.5 * (difference - sum.cos() * difference.sin());
+    let polar = 0.5 * sum.sin() * difference.sin();
+    let angles: Vec<f64> = nodes.iter().map(|(node, _)| 0.5 * (sum + node * difference)).collect();
+    let weigh = |f: fn(f64) -> f64| -> f64 { angles.iter().zip(nodes).map(|(&t, (_, w))| w * f(t)).sum() };
+    let sin_squared = weigh(|theta| theta.sin().powi(2));
+    angles
+        .iter()
+        .zip(nodes)
+        .map(|(theta, (_, weight))| Slice {
+            cot_theta: theta.cos() / theta.sin(),
+            equatorial: equatorial * weight * theta.sin().powi(2) / sin_squared,
+            // sin theta cos theta changes its sign at the equator, where a quotient of sums would
+            // divide by 0; the ratio of the two exact integrals to their node values is the same to O(h^2).
+            polar: if nodes.len() == 1 {
+                polar
+            } else {
+                0.5 * difference * weight * theta.sin() * theta.cos()
+            },
+        })
+        .collect()
+}
+
+/// Weights of the rows of a band, equatorial and polar, and the slices of the horizon through it.
+///
+/// A row by itself leaves its weight to its slices; several rows bring theirs to one horizon.
+pub fn cut(theta_edges: &[f64], nodes: Nodes) -> (Vec<DVec3>, Vec<Slice>) {
+    let (top, bottom) = (theta_edges[0], theta_edges[theta_edges.len() - 1]);
+    if theta_edges.len() == 2 {
+        return (vec![DVec3::ONE], slices(top, bottom, nodes));
+    }
+    let of_row = |edge: &[f64]| slices(edge[0], edge[1], ONE_NODE).remove(0);
+    let rows = theta_edges
+        .windows(2)
+        .map(of_row)
+        .map(|slice| DVec3::new(slice.equatorial, slice.equatorial, slice.polar));
+    let middle = 0.5 * (top + bottom);
+    (rows.collect(), vec![Slice { cot_theta: middle.cos() / middle.sin(), equatorial: 1.0, polar: 1.0 }])
+}
+
+impl Slice {
+    /// Irradiance at `normal` from what it sees of this slice.
+    #[inline]
+    pub fn seen_by(&self, normal: &Normal, band: &Band<'_>) -> DVec3 {
+        let c = normal.slope * self.cot_theta;
+        let n = normal.vector;
+        let pull = DVec3::new(-self.equatorial * n.z, self.equatorial * n.x, self.polar * n.y);
+        if c >= 1.0 {
+            DVec3::ZERO
+        } else if c <= -1.0 {
+            weigh(band.total(), pull)
+        } else {
+            normal.between(c, pull, band)
+        }
+    }
+
+    /// Add the slice's vector flux to `whole`.
+    pub fn add_whole(&self, band: &Band<'_>, whole: &mut [DVec3; 3]) {
+        let [cos, sin, one] = *band.total();
+        whole[0] += sin * self.equatorial;
+        whole[1] += one * self.polar;
+        whole[2] -= cos * self.equatorial;
+    }
+}
