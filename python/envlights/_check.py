@@ -47,3 +47,10 @@ def amount(name: str, value: object, least: float = 0.0, most: float = np.inf) -
         limits = f"from {least:g} to {most:g}" if np.isfinite(most) else f"{least:g} or more"
         raise EnvLightsError(f"{name} must be a finite number, {limits}; got {value!r}")
     return number
+
+
+def check_choice(name: str, value: object, choices: tuple[str, ...]) -> None:
+    """Refuse a `value` that is none of the `choices`."""
+    if not isinstance(value, str) or value not in choices:
+        wanted = " or ".join(repr(choice) for choice in choices)
+        raise EnvLightsError(f"{name} must be {wanted}; got {value!r}")

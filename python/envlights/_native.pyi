@@ -64,10 +64,14 @@ def detect_tree(
     min_flux_share: float,
     max_lights: int,
 ) -> TreeDetection: ...
-
 def direction_to_uv(direction: _Reals) -> _Reals: ...
 def fit_lights(
-    normals: _Reals, weights: _Reals, irradiance: _Reals, lights: int, max_steps: int
+    normals: _Reals,
+    weights: _Reals,
+    irradiance: _Reals,
+    start: _Reals,
+    lights: int,
+    max_steps: int,
 ) -> list[tuple[list[float], _Reals, _Reals, float, int, str]]: ...
 def halton(count: int, bases: list[int]) -> _Reals: ...
 def hammersley(count: int) -> _Reals: ...

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import click
 
 import envlights
-from envlights.files import check_writable
+from envlights.files import check_writable, write_atomically
 from envlights.rig import Rig
 
 
@@ -25,6 +25,10 @@ class _Refusing(click.Group):
             context.exit(2)
 
 
+def _outputs(help_text: str) -> Callable[[Any], Any]:
+    return click.option("-o", "--output", "outputs", multiple=True, metavar="OUT", help=help_text)
+
+
 @click.group(cls=_Refusing, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(envlights.__version__, prog_name="envlights")
 def main() -> None:
@@ -34,14 +38,7 @@ def main() -> None:
 @main.command()
 @click.argument("map_path", metavar="MAP")
 @click.option("-n", "--lights", default=4, show_default=True, help="Directional lights, at most.")
-@click.option(
-    "-o",
-    "--output",
-    "outputs",
-    multiple=True,
-    metavar="OUT",
-    help="Write the rig (.json) or a picture (.png, .pdf, .svg); may be given again.",
-)
+@_outputs("Write the rig (.json) or a picture (.png, .pdf, .svg); may be given again.")
 @click.option("--json", "as_json", is_flag=True, help="Print the rig as JSON.")
 def fit(map_path: str, lights: int, outputs: Sequence[str], as_json: bool) -> None:
     """Fit ambient and directional lights to MAP (.hdr, .exr, .png, .jpg, .tif)."""
@@ -52,6 +49,32 @@ def fit(map_path: str, lights: int, outputs: Sequence[str], as_json: bool) -> No
     _print(rig, as_json)
     for output in outputs:
         _write(env, rig, output)
+        click.echo(f"wrote {output}", err=True)
+
+
+@main.command()
+@click.argument("map_path", metavar="MAP")
+@click.option("-n", "--max-lights", type=int, help="Merge neighbours until there are no more.")
+@click.option(
+    "--method",
+    type=click.Choice(["tree", "article"]),
+    default="tree",
+    show_default=True,
+    help="How bright places are found.",
+)
+@_outputs("Write the lights (.json) or a picture (.png, .pdf, .svg); may be given again.")
+@click.option("--json", "as_json", is_flag=True, help="Print the lights as JSON.")
+def detect(
+    map_path: str, max_lights: int | None, method: str, outputs: Sequence[str], as_json: bool
+) -> None:
+    """Find the bright places of MAP (.hdr, .exr, .png, .jpg, .tif)."""
+    for output in outputs:
+        _check_output(output, map_path)
+    env = envlights.EnvMap.open(map_path)
+    lights = envlights.detect(env, method, max_lights=max_lights)
+    click.echo(json.dumps(lights.to_dict(), indent=2) if as_json else str(lights))
+    for output in outputs:
+        _write_lights(env, lights, output)
         click.echo(f"wrote {output}", err=True)
 
 
@@ -99,6 +122,16 @@ def _write(env: envlights.EnvMap, rig: Rig, output: str) -> None:
         rig.save(output)
         return
     # Drawing takes a second to import; a rig alone does not need it.
-    from envlights.plot import save_picture
+    from envlights import plot
 
-    save_picture(env, rig, output)
+    plot.save(plot.picture(env, rig), output)
+
+
+def _write_lights(env: envlights.EnvMap, lights: envlights.DetectedLights, output: str) -> None:
+    if Path(output).suffix.lower() == ".json":
+        text = json.dumps(lights.to_dict(), indent=2, allow_nan=False) + "\n"
+        write_atomically(output, lambda beside: beside.write_text(text, encoding="utf-8"))
+        return
+    from envlights import plot
+
+    plot.save(plot.detection_picture(env, lights), output)

@@ -5,12 +5,11 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from envlights import synthetic
+from envlights import plot, synthetic
 from envlights.envmap import EnvMap
 from envlights.files import check_writable
 from envlights.fit import fit
 from envlights.io import write_exr
-from envlights.plot import save_picture
 from envlights.rig import Rig
 
 
@@ -34,5 +33,5 @@ def demo(folder: str | os.PathLike[str] = ".") -> Rig:
     env = EnvMap.open(exr)
     rig = fit(env, lights=4)
     rig.save(saved)
-    save_picture(env, rig, picture)
+    plot.save(plot.picture(env, rig), picture)
     return rig

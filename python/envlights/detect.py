@@ -6,7 +6,7 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from envlights._native import EnvLightsError
+from envlights._check import check_choice
 from envlights.detected import DetectedLights
 from envlights.envmap import EnvMap
 from envlights.tree import detect_tree
@@ -47,7 +47,5 @@ def detect(env: EnvMap | ArrayLike, method: str = "tree", **options: Any) -> Det
     >>> len(lights), float(np.rad2deg(lights.angular_radius[0]).round(1))
     (1, 5.0)
     """
-    if method not in _METHODS:
-        wanted = " or ".join(repr(name) for name in _METHODS)
-        raise EnvLightsError(f"method must be {wanted}; got {method!r}")
+    check_choice("method", method, tuple(_METHODS))
     return _METHODS[method](env, **options)

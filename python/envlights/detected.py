@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights import kernels
 from envlights._native import EnvLightsError
 from envlights.rig import LUMINANCE, Lights, check_slice, frozen
 
@@ -135,7 +136,23 @@ class DetectedLights(Lights):
         return {name: getattr(self, name).tolist() for name in self._per_light()}
 
     def __str__(self) -> str:
-        return f"{len(self)} lights\n{self.report}"
+        return f"{self._table()}\n\n{self.report}"
+
+    def _table(self) -> str:
+        """One line a light."""
+        if not len(self):
+            return "no light"
+        lines = ["light  azimuth  elevation   share   radius      peak   irradiance (R, G, B)"]
+        uv = kernels.direction_to_uv(self.direction)
+        for i, (u, v) in enumerate(uv):
+            clipped = "  clipped" if self.is_clipped[i] else ""
+            rgb = "".join(f"{value:>11.4g}" for value in self.irradiance[i])
+            lines.append(
+                f"{i + 1:>5}  {360 * u:>6.1f}°  {90 - 180 * v:>+8.1f}°  "
+                f"{100 * self.flux_share[i]:>4.1f} %  {np.rad2deg(self.angular_radius[i]):>5.2f}°  "
+                f"{self.peak_luminance[i]:>8.4g}{rgb}{clipped}"
+            )
+        return "\n".join(lines)
 
     @classmethod
     def _per_light(cls) -> list[str]:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native, io, kernels
+from envlights._check import check_choice
 from envlights._native import EnvLightsError
 
 PROJECTIONS = ("equirectangular",)
@@ -60,8 +61,8 @@ class EnvMap:
         registration: str = "cell-centred",
         notes: str | Iterable[str] = (),
     ) -> None:
-        _check_choice("projection", projection, PROJECTIONS)
-        _check_choice("registration", registration, REGISTRATIONS)
+        check_choice("projection", projection, PROJECTIONS)
+        check_choice("registration", registration, REGISTRATIONS)
         self._notes = [notes] if isinstance(notes, str) else list(notes)
         self._projection, self._registration = projection, registration
         linear = self._linear(_as_map(radiance))
@@ -213,9 +214,3 @@ def _as_map(radiance: ArrayLike) -> NDArray[Any]:
     if height < 2:
         raise EnvLightsError(f"a map needs at least 4x2 pixels; got {width}x{height}")
     return array
-
-
-def _check_choice(name: str, value: object, choices: tuple[str, ...]) -> None:
-    if not isinstance(value, str) or value not in choices:
-        wanted = " or ".join(repr(choice) for choice in choices)
-        raise EnvLightsError(f"{name} must be {wanted}; got {value!r}")

@@ -8,11 +8,13 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from envlights import kernels
 from envlights._native import EnvLightsError
+from envlights.detected import DetectedLights
 from envlights.envmap import EnvMap
 from envlights.files import write_atomically
 from envlights.rig import LUMINANCE, Rig
@@ -75,16 +77,98 @@ def picture(env: EnvMap, rig: Rig) -> Figure:
     return figure
 
 
-def save_picture(env: EnvMap, rig: Rig, path: str | os.PathLike[str]) -> None:
-    """Write `picture` as PNG, PDF or SVG, whole or not at all."""
+def detection_picture(env: EnvMap, lights: DetectedLights) -> Figure:
+    """Draw the map with the lights that were seen in it, as in Loghin (2021).
+
+    Red: what each light is made of, the outline of its pixels or its samples with a line to each.
+    Blue: the brightest place of each light. Cyan: its position, with its number.
+
+    Parameters
+    ----------
+    env : EnvMap
+        The map.
+    lights : DetectedLights
+        What `detect` saw in it.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Examples
+    --------
+    >>> import envlights as el
+    >>> env = el.EnvMap(el.synthetic.hall(128).radiance)
+    >>> figure = detection_picture(env, el.detect(env))
+    >>> len(figure.axes)
+    1
+    """
+    figure = Figure(figsize=(12, 6.6), layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.add_subplot()
+    _draw_exposed(axes, env)
+    _draw_members(axes, lights)
+    peaks = _degrees(lights.peak_direction)
+    axes.plot(*peaks.T, "o", ms=5, mec="white", mew=0.5, mfc="blue", clip_on=False)
+    for number, at in enumerate(_degrees(lights.direction), start=1):
+        axes.plot(*at, "o", ms=9, mew=1.5, mec="cyan", mfc="none", clip_on=False)
+        axes.annotate(
+            str(number), at, (7, 4), textcoords="offset points", color="cyan", annotation_clip=False
+        )
+    count = f"{len(lights)} light{'' if len(lights) == 1 else 's'}"
+    report = lights.report
+    figure.suptitle(f"{count}: brighter than {report.threshold:.3g}, {report.reason}", wrap=True)
+    return figure
+
+
+def save(figure: Figure, path: str | os.PathLike[str]) -> None:
+    """Write a picture as PNG, PDF or SVG, whole or not at all."""
     if Path(path).suffix.lower() not in SUFFIXES:
         raise EnvLightsError(f"cannot draw {path}; the suffix must be {', '.join(SUFFIXES)}")
-    figure = picture(env, rig)
     write_atomically(path, lambda beside: figure.savefig(beside, dpi=100, bbox_inches="tight"))
+
+
+def _draw_members(axes: Axes, lights: DetectedLights) -> None:
+    """Outlines of pixels, or samples and their links."""
+    height, width = lights.report.working_size
+    rows, columns = lights.members.pixel.T
+    if lights.report.method == "article":
+        at = np.stack([360 * (columns + 0.5) / width, 90 - 180 * (rows + 0.5) / height], axis=1)
+        homes = _degrees(lights.direction)[lights.members.light]
+        is_near = np.abs(homes[:, 0] - at[:, 0]) < 180  # no line right across the seam
+        links = LineCollection(np.stack([at, homes], axis=1)[is_near], colors="red", lw=0.4)
+        axes.add_collection(links)
+        axes.plot(*at.T, ".", ms=3, color="red")
+        return
+    number = np.zeros((height, width))
+    number[rows, columns] = 1 + lights.members.light
+    for light in range(1, len(lights) + 1):
+        axes.contour(
+            number == light,
+            levels=[0.5],
+            colors="red",
+            linewidths=0.8,
+            extent=(0, 360, 90, -90),
+        )
+
+
+def _degrees(directions: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Azimuth and elevation of `directions`, shape (n, 2)."""
+    degrees: NDArray[np.float64] = kernels.direction_to_uv(directions) * (360, -180) + (0, 90)
+    return degrees
 
 
 def _draw_map(axes: Axes, env: EnvMap, rig: Rig) -> None:
     """The map, exposed for its middle, and a numbered ring at each light."""
+    _draw_exposed(axes, env)
+    for number, at in enumerate(_degrees(rig.lights.direction), start=1):
+        # A ring, so that the lamp inside it shows; whole also on the seam.
+        axes.plot(*at, "o", ms=22, mew=2, mec="crimson", mfc="none", clip_on=False)
+        axes.annotate(
+            str(number), at, (0, 12), textcoords="offset points", ha="center", color="crimson"
+        )
+
+
+def _draw_exposed(axes: Axes, env: EnvMap) -> None:
     radiance = env.radiance[:: max(env.height // 512, 1), :: max(env.width // 1024, 1)]
     luminance = radiance @ LUMINANCE
     lit = luminance[luminance > 0]
@@ -92,13 +176,6 @@ def _draw_map(axes: Axes, env: EnvMap, rig: Rig) -> None:
     axes.imshow(_display(radiance * exposure), extent=(0, 360, -90, 90))
     axes.set(xlabel="azimuth (degrees)", ylabel="elevation (degrees)")
     axes.set(xticks=range(0, 361, 45), yticks=range(-90, 91, 45))
-    for number, (u, v) in enumerate(kernels.direction_to_uv(rig.lights.direction), start=1):
-        at = (360 * u, 90 - 180 * v)
-        # A ring, so that the lamp inside it shows; whole also on the seam.
-        axes.plot(*at, "o", ms=22, mew=2, mec="crimson", mfc="none", clip_on=False)
-        axes.annotate(
-            str(number), at, (0, 12), textcoords="offset points", ha="center", color="crimson"
-        )
 
 
 def _draw_difference(

@@ -17,13 +17,15 @@ pub fn fit_lights<'py>(
     normals: PyReadonlyArray2<'py, f64>,
     weights: PyReadonlyArray1<'py, f64>,
     irradiance: PyReadonlyArray2<'py, f64>,
+    start: PyReadonlyArray2<'py, f64>,
     lights: usize,
     max_steps: usize,
 ) -> PyResult<Vec<Answer<'py>>> {
     let (normals, weights, irradiance) = (normals.as_array(), weights.as_array(), irradiance.as_array());
+    let start = start.as_array();
     let solutions = py.detach(|| {
         let probe = Probe::new(normals, weights, irradiance)?;
-        fit::fit(&probe, lights, max_steps)
+        fit::fit(&probe, &unit_vectors("start", start)?, lights, max_steps)
     })?;
     Ok(solutions.into_iter().map(|solution| answer(py, solution)).collect())
 }

@@ -108,25 +108,38 @@ pub struct Solution {
 
 /// The best rigs with 0, 1, ... `lights` lights; fewer where the probe is explained before.
 ///
+/// The first lights start in the directions `start`, brightest first, and go downhill from there.
+/// Those beyond start where each explains most of what is left.
+///
 /// # Errors
 ///
 /// [`Error::TooFewNormals`] when there are fewer equations than the 3 + 5 M unknowns.
-pub fn fit(probe: &Probe, lights: usize, max_steps: usize) -> Result<Vec<Solution>> {
+pub fn fit(probe: &Probe, start: &[DVec3], lights: usize, max_steps: usize) -> Result<Vec<Solution>> {
     check_unknowns(probe, lights)?;
     let mut solutions = vec![solver::ambient_only(probe)];
-    if lights == 0 || solutions[0].stop == StopReason::Exact {
-        return Ok(solutions);
-    }
-    let search = Search { probe, starts: start::Starts::new(probe), max_steps };
-    for _ in 0..lights {
-        let last = &solutions[solutions.len() - 1];
-        if last.stop == StopReason::Exact {
+    for given in 1..=start.len().min(lights) {
+        if solutions[given - 1].stop == StopReason::Exact {
             break;
         }
-        let Some(next) = search.with_one_more(last) else { break };
+        solutions.push(solver::refine(probe, &start[..given], max_steps, FINE));
+    }
+    add_greedily(probe, &mut solutions, lights, max_steps);
+    Ok(solutions)
+}
+
+/// Add lights to the last of `solutions` one at a time, while that helps.
+fn add_greedily(probe: &Probe, solutions: &mut Vec<Solution>, lights: usize, max_steps: usize) {
+    let is_enough = |solutions: &[Solution]| {
+        solutions.len() > lights || solutions.last().is_none_or(|last| last.stop == StopReason::Exact)
+    };
+    if is_enough(solutions) {
+        return;
+    }
+    let search = Search { probe, starts: start::Starts::new(probe), max_steps };
+    while !is_enough(solutions) {
+        let Some(next) = search.with_one_more(&solutions[solutions.len() - 1]) else { break };
         solutions.push(next);
     }
-    Ok(solutions)
 }
 
 /// Relative fall of the cost in one step at which a try has shown what it is worth.
@@ -254,7 +267,7 @@ mod tests {
             directions: vec![direction(0.4, 1.0), direction(1.3, 3.5), direction(2.5, 5.0)],
             irradiance: vec![DVec3::new(3.0, 2.5, 2.0), DVec3::new(0.5, 1.0, 1.5), DVec3::splat(0.7)],
         };
-        let solutions = fit(&probe_of(&rig), 3, 100).unwrap();
+        let solutions = fit(&probe_of(&rig), &[], 3, 100).unwrap();
         let found = &solutions[3].rig;
         for (wanted, irradiance) in rig.directions.iter().zip(&rig.irradiance) {
             let nearest = found.directions.iter().zip(&found.irradiance);
@@ -268,7 +281,7 @@ mod tests {
 
     #[test]
     fn black_needs_no_light() {
-        let solutions = fit(&probe_of(&Rig::default()), 4, 100).unwrap();
+        let solutions = fit(&probe_of(&Rig::default()), &[], 4, 100).unwrap();
         assert_eq!(solutions.len(), 1);
         assert_eq!(solutions[0].rig, Rig::default());
     }
