@@ -136,7 +136,8 @@ class DetectedLights(Lights):
         return {name: getattr(self, name).tolist() for name in self._per_light()}
 
     def __str__(self) -> str:
-        return f"{self._table()}\n\n{self.report}"
+        together = 100 * self.flux_share.sum()
+        return f"{self._table()}\n\nthe lights hold {together:.3g} % of the flux\n{self.report}"
 
     def _table(self) -> str:
         """One line a light."""

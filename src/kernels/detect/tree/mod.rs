@@ -57,7 +57,7 @@ pub struct Options {
 pub struct Detection {
     /// Most flux first.
     pub lights: Vec<Light>,
-    /// Row and column in the working image of each pixel of a light.
+    /// Row and column in the working image of each pixel within the edge of a light.
     pub pixels: Vec<[usize; 2]>,
     /// The light of each of `pixels`.
     pub light_of_pixel: Vec<usize>,
@@ -131,7 +131,8 @@ impl Detection {
         let (mut pixels, mut light_of_pixel) = (Vec::new(), Vec::new());
         for (region, light) in regions.pixels.iter().zip(&choice.part_of) {
             let Some(light) = light else { continue };
-            pixels.extend(region.iter().map(|&i| [i as usize / columns, i as usize % columns]));
+            let within = region.iter().map(|&i| i as usize).filter(|&i| regions.label[i] != 0);
+            pixels.extend(within.map(|i| [i / columns, i % columns]));
             light_of_pixel.resize(pixels.len(), *light);
         }
         Self { lights: choice.lights, pixels, light_of_pixel, seen }
