@@ -101,4 +101,28 @@ pub enum Error {
         /// Lights asked for.
         lights: usize,
     },
+
+    /// An image without a pixel.
+    #[error("an image needs at least one pixel; got {height} rows of {width}")]
+    EmptyImage {
+        /// Rows that were given.
+        height: usize,
+        /// Columns that were given.
+        width: usize,
+    },
+
+    /// A pixel that the image does not have.
+    #[error("pixel {index} is row {row}, column {column}; the image has {height} rows and {width} columns")]
+    OutsideImage {
+        /// Place of the first offender.
+        index: usize,
+        /// Its row.
+        row: i64,
+        /// Its column.
+        column: i64,
+        /// Rows of the image.
+        height: usize,
+        /// Columns of the image.
+        width: usize,
+    },
 }

@@ -11,11 +11,13 @@ from importlib.metadata import version as _version
 
 from envlights import kernels, synthetic
 from envlights._native import EnvLightsError
+from envlights.article import detect_article
 from envlights.detect import detect
 from envlights.detected import DetectedLights, DetectionReport
 from envlights.envmap import EnvMap
 from envlights.fit import fit, fit_probe
 from envlights.rig import FitReport, Lights, Rig, StopReason
+from envlights.tree import detect_tree
 
 __all__ = [
     "DetectedLights",
@@ -27,6 +29,8 @@ __all__ = [
     "Rig",
     "StopReason",
     "detect",
+    "detect_article",
+    "detect_tree",
     "fit",
     "fit_probe",
     "kernels",

@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 __all__ = [
     "EnvLightsError",
     "TreeDetection",
+    "blur",
+    "bresenham_line",
     "detect_tree",
     "direction_to_uv",
     "fit_lights",
@@ -15,12 +17,18 @@ __all__ = [
     "hammersley",
     "icosphere",
     "irradiance",
+    "luminance",
+    "merge_along_lines",
+    "neighbour_maximum",
     "pixel_directions",
     "pixel_solid_angles",
     "radical_inverse",
+    "reduced_luminance",
     "relative_rms",
+    "resize_bilinear",
     "rig_irradiance",
     "sum_over_sources",
+    "suppress",
     "uniform_sphere",
     "unusable",
     "uv_to_direction",
@@ -28,6 +36,8 @@ __all__ = [
 ]
 
 _Reals = NDArray[np.float64]
+_Image = NDArray[np.float32]
+_Indices = NDArray[np.int64]
 
 class EnvLightsError(ValueError): ...
 
@@ -41,9 +51,9 @@ class TreeDetection:
     elongation: _Reals
     peak_luminance: _Reals
     flux: _Reals
-    top_pixels: NDArray[np.int64]
-    pixel: NDArray[np.int64]
-    light_of_pixel: NDArray[np.int64]
+    top_pixels: _Indices
+    pixel: _Indices
+    light_of_pixel: _Indices
     threshold: float
     background_is_light: bool
     map_flux: float
@@ -54,8 +64,10 @@ class TreeDetection:
     dropped: int
     merged: int
 
+def blur(image: _Image, sigma: float) -> _Image: ...
+def bresenham_line(start: list[int], end: list[int]) -> _Indices: ...
 def detect_tree(
-    radiance: NDArray[np.float32],
+    radiance: _Image,
     border_sampled: bool,
     working_columns: int,
     prominence: float,
@@ -76,11 +88,27 @@ def fit_lights(
 def halton(count: int, bases: list[int]) -> _Reals: ...
 def hammersley(count: int) -> _Reals: ...
 def icosphere(faces: int) -> tuple[_Reals, _Reals]: ...
-def irradiance(radiance: NDArray[np.float32], normals: _Reals, border_sampled: bool) -> _Reals: ...
+def irradiance(radiance: _Image, normals: _Reals, border_sampled: bool) -> _Reals: ...
+def luminance(radiance: _Image) -> _Image: ...
+def merge_along_lines(
+    luminance: _Image,
+    pixels: _Indices,
+    points: _Reals,
+    farthest: float,
+    tolerance: float,
+    ceiling: float,
+    bright: float,
+    sphere: bool,
+) -> _Indices: ...
+def neighbour_maximum(
+    luminance: _Image, pixels: _Indices, reach: int, sphere: bool
+) -> tuple[_Image, _Indices]: ...
 def pixel_directions(height: int, width: int, border_sampled: bool) -> _Reals: ...
 def pixel_solid_angles(height: int, width: int, border_sampled: bool) -> _Reals: ...
 def radical_inverse(index: int, base: int) -> float: ...
+def reduced_luminance(radiance: _Image, columns: int, border_sampled: bool) -> _Image: ...
 def relative_rms(seen: _Reals, wanted: _Reals, weights: _Reals) -> float: ...
+def resize_bilinear(image: _Image, height: int, width: int) -> _Image: ...
 def rig_irradiance(
     normals: _Reals, ambient: list[float], directions: _Reals, irradiance: _Reals
 ) -> _Reals: ...
@@ -92,11 +120,12 @@ def sum_over_sources(
     k_d: float,
     colour: list[float],
 ) -> _Reals: ...
+def suppress(points: _Reals, distance: float) -> _Indices: ...
 def uniform_sphere(uv: _Reals) -> _Reals: ...
-def unusable(radiance: NDArray[np.float32]) -> tuple[int, int, int]: ...
+def unusable(radiance: _Image) -> tuple[int, int, int]: ...
 def uv_to_direction(uv: _Reals) -> _Reals: ...
 def working_irradiance(
-    radiance: NDArray[np.float32],
+    radiance: _Image,
     normals: _Reals,
     border_sampled: bool,
     columns: int,

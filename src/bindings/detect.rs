@@ -1,13 +1,13 @@
 //! `kernels::detect` for Python.
 
 use numpy::ndarray::{Array1, Array2};
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray3};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray3};
 use pyo3::prelude::*;
 
 use super::sphere::registration;
 use crate::kernels::detect::tree::{self, Detection, Light, Options, Reason};
 
-/// What `detect_tree` found; see `envlights.kernels.detect_tree`.
+/// What `detect_tree` found; see `envlights.detect_tree`.
 #[pyclass(frozen, get_all)]
 pub struct TreeDetection {
     direction: Py<PyArray2<f64>>,
@@ -32,7 +32,20 @@ pub struct TreeDetection {
     merged: usize,
 }
 
-/// See `envlights.kernels.detect_tree`.
+/// See `envlights.kernels.reduced_luminance`.
+#[pyfunction]
+pub fn reduced_luminance<'py>(
+    py: Python<'py>,
+    radiance: PyReadonlyArray3<'py, f32>,
+    columns: usize,
+    border_sampled: bool,
+) -> PyResult<Bound<'py, PyArray2<f32>>> {
+    let radiance = radiance.as_array();
+    let summary = py.detach(|| tree::summarise(radiance, registration(border_sampled), columns))?;
+    summary.luminance.into_pyarray(py).reshape(summary.size)
+}
+
+/// See `envlights.detect_tree`.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "every option is named once more, on the Python side")]
 pub fn detect_tree(

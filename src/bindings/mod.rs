@@ -1,5 +1,6 @@
 //! The stair between Python and the kernels: borrow, detach, call, wrap. No arithmetic lives here.
 
+mod article;
 mod detect;
 mod error;
 mod fit;
@@ -14,7 +15,11 @@ use pyo3::prelude::*;
 #[pymodule(gil_used = false)]
 mod _native {
     #[pymodule_export]
-    use super::detect::{TreeDetection, detect_tree};
+    use super::article::{
+        blur, bresenham_line, luminance, merge_along_lines, neighbour_maximum, resize_bilinear, suppress,
+    };
+    #[pymodule_export]
+    use super::detect::{TreeDetection, detect_tree, reduced_luminance};
     #[pymodule_export]
     use super::error::EnvLightsError;
     #[pymodule_export]

@@ -1,7 +1,9 @@
-//! Bright places of a map: the component tree.
+//! Bright places of a map, found in two ways.
 //!
-//! | way     | what it does                                                         |
-//! |---------|----------------------------------------------------------------------|
-//! | `tree/` | follows every bright path exactly: [`tree::detect`]                   |
+//! | way        | what it does                                                        |
+//! |------------|---------------------------------------------------------------------|
+//! | `article/` | the steps of Loghin (2021), sample by sample; put together in Python  |
+//! | `tree/`    | follows every bright path exactly: [`tree::detect`]                 |
 
+pub mod article;
 pub mod tree;

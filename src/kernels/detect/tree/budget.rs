@@ -69,8 +69,9 @@ impl Linkage {
     fn merge_the_rest(&mut self, first: usize) {
         for i in first..self.lights.len() {
             let distance = |j: &usize| self.distance_squared(i, *j);
-            let nearest = (0..first).min_by(|i, j| distance(i).total_cmp(&distance(j)));
-            nearest.into_iter().for_each(|nearest| self.merge(nearest, i));
+            if let Some(nearest) = (0..first).min_by(|i, j| distance(i).total_cmp(&distance(j))) {
+                self.merge(nearest, i);
+            }
         }
     }
 

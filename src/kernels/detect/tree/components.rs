@@ -39,8 +39,8 @@ pub struct BrightPixels {
 /// Pixels brighter than `threshold`, from the tiles that hold any.
 pub fn bright_pixels(summary: &Summary, threshold: f64) -> BrightPixels {
     let threshold = threshold as f32;
-    let (height, width) = summary.luminance.dim();
-    let luminance = summary.luminance();
+    let (height, width) = summary.size;
+    let luminance = &summary.luminance;
     let (mut indices, mut opened_tiles) = (Vec::new(), 0);
     for ((tile_row, tile_column), &maximum) in summary.tile_maxima.indexed_iter() {
         if maximum <= threshold {
@@ -74,7 +74,7 @@ pub fn regions(
     threshold: &Threshold,
     options: &Options,
 ) -> Regions {
-    let luminance = summary.luminance();
+    let luminance = &summary.luminance;
     let level: Vec<f32> = bright.indices.iter().map(|&index| luminance[index as usize]).collect();
     let (basin, image) = basins(sheet, luminance, bright);
     let border = border(sheet, luminance, bright, &image);

@@ -69,7 +69,7 @@ struct Reach {
 
 impl Reach {
     fn new(summary: &Summary, gap: f64) -> Self {
-        let (height, width) = summary.luminance.dim();
+        let (height, width) = summary.size;
         let theta = summary.grid.theta_edges.windows(2).map(|edge| (0.5 * (edge[0] + edge[1])).sin_cos());
         Self { gap, height, width, rows: (gap / PI * height as f64) as usize, theta: theta.collect() }
     }

@@ -74,6 +74,7 @@ impl Light {
     }
 
     /// Two lights as one.
+    #[must_use]
     pub fn and(&self, other: &Self) -> Self {
         let sum = |i: usize| self.irradiance[i] + other.irradiance[i];
         let (brighter, dimmer) = if self.peak >= other.peak { (self, other) } else { (other, self) };
@@ -154,7 +155,7 @@ impl<'a> Map<'a> {
             columns: columns.collect(),
             radiance,
             block: summary.block,
-            working_columns: summary.luminance.dim().1,
+            working_columns: summary.size.1,
         }
     }
 

@@ -27,7 +27,7 @@ use ndarray::ArrayView3;
 use budget::Choice;
 use components::{BrightPixels, Regions};
 pub use measure::Light;
-use summary::Summary;
+pub use summary::{Summary, summarise};
 pub use threshold::{Reason, Threshold};
 use touch::Sheet;
 
@@ -96,7 +96,7 @@ pub fn detect(
     registration: Registration,
     options: &Options,
 ) -> Result<Detection> {
-    let summary = summary::summarise(radiance, registration, options.working_columns)?;
+    let summary = summarise(radiance, registration, options.working_columns)?;
     let sheet = Sheet::of(&summary);
     let threshold = threshold::from_histogram(&summary);
     let bright = components::bright_pixels(&summary, threshold.luminance);
@@ -115,7 +115,7 @@ impl Seen {
         Self {
             threshold,
             flux: summary.flux,
-            working_size: summary.luminance.dim(),
+            working_size: summary.size,
             tiles: summary.tile_maxima.len(),
             opened_tiles: bright.opened_tiles,
             bright_pixels: bright.indices.len(),

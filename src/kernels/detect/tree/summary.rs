@@ -20,8 +20,10 @@ const PIXELS_AT_ONCE: usize = 128;
 /// A map in fewer pixels, each the mean of a block of the map's.
 #[derive(Clone, Debug)]
 pub struct Summary {
-    /// Mean luminance by solid angle, (rows, columns).
-    pub luminance: Array2<f32>,
+    /// Rows and columns.
+    pub size: (usize, usize),
+    /// Mean luminance by solid angle, row after row.
+    pub luminance: Vec<f32>,
     /// Where the pixels lie on the sphere.
     pub grid: Grid,
     /// `cos theta_top - cos theta_bottom` of each row.
@@ -32,13 +34,6 @@ pub struct Summary {
     pub tile_maxima: Array2<f32>,
     /// Integral of the luminance over the sphere.
     pub flux: f64,
-}
-
-impl Summary {
-    /// The pixels of [`Summary::luminance`], row after row.
-    pub fn luminance(&self) -> &[f32] {
-        self.luminance.as_slice().expect("an array of our own")
-    }
 }
 
 /// `radiance` as luminance in at most `columns` columns.
@@ -58,18 +53,16 @@ pub fn summarise(
     let grid = pixels.in_blocks(block);
     let bands = band_heights(&grid.theta_edges);
     let reduction = Reduction::new(radiance, &pixels, &grid, block);
-    let mut luminance = Array2::zeros((grid.theta_edges.len() - 1, grid.phi_edges.len() - 1));
-    let tiles = luminance.dim().1.div_ceil(TILE);
-    let mut tile_maxima = Array2::zeros((luminance.dim().0.div_ceil(TILE), tiles));
+    let size = (grid.theta_edges.len() - 1, grid.phi_edges.len() - 1);
+    let mut luminance = vec![0.0; size.0 * size.1];
+    let mut tile_maxima = Array2::zeros((size.0.div_ceil(TILE), size.1.div_ceil(TILE)));
     luminance
-        .axis_chunks_iter_mut(ndarray::Axis(0), TILE)
-        .into_par_iter()
+        .par_chunks_mut(TILE * size.1)
         .zip(tile_maxima.outer_iter_mut().into_par_iter())
         .enumerate()
-        .for_each(|(tile_row, (mut rows, mut maxima))| {
-            let mut largest = vec![0.0; rows.dim().1];
-            for (i, row) in rows.outer_iter_mut().enumerate() {
-                let row = row.into_slice().expect("a row of an owned array");
+        .for_each(|(tile_row, (rows, mut maxima))| {
+            let mut largest = vec![0.0; size.1];
+            for (i, row) in rows.chunks_mut(size.1).enumerate() {
                 reduction.fill_row(tile_row * TILE + i, row);
                 raise(&mut largest, row);
             }
@@ -78,7 +71,7 @@ pub fn summarise(
             }
         });
     let flux = flux(&luminance, &grid, &bands)?;
-    Ok(Summary { luminance, grid, bands, block, tile_maxima, flux })
+    Ok(Summary { size, luminance, grid, bands, block, tile_maxima, flux })
 }
 
 fn raise(largest: &mut [f32], row: &[f32]) {
@@ -87,10 +80,11 @@ fn raise(largest: &mut [f32], row: &[f32]) {
     }
 }
 
-fn flux(luminance: &Array2<f32>, grid: &Grid, bands: &[f64]) -> Result<f64> {
+fn flux(luminance: &[f32], grid: &Grid, bands: &[f64]) -> Result<f64> {
+    let widths: Vec<f64> = grid.phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect();
     let mut flux = 0.0;
-    for (index, (row, band)) in luminance.outer_iter().zip(bands).enumerate() {
-        let value: f64 = weighted_sum(row.as_slice().expect("a row of an owned array"), grid) * band;
+    for (index, (row, band)) in luminance.chunks_exact(widths.len()).zip(bands).enumerate() {
+        let value: f64 = weighted_sum(row, &widths) * band;
         if !value.is_finite() {
             return Err(Error::NotFinite { what: "luminance", index, value });
         }
@@ -99,21 +93,15 @@ fn flux(luminance: &Array2<f32>, grid: &Grid, bands: &[f64]) -> Result<f64> {
     Ok(flux)
 }
 
-/// Integral of a row over its azimuths. Only the outermost columns may be narrower than the rest.
-fn weighted_sum(row: &[f32], grid: &Grid) -> f64 {
-    let width = |column: usize| grid.phi_edges[column + 1] - grid.phi_edges[column];
-    let last = row.len() - 1;
-    // Eight sums side by side: one would wait for each addition in turn.
+/// Eight sums side by side: one would wait for each addition in turn.
+fn weighted_sum(row: &[f32], widths: &[f64]) -> f64 {
     let mut lanes = [0.0_f64; 8];
-    let (eights, rest) = row[1..last].as_chunks::<8>();
-    for eight in eights {
-        for (lane, &value) in lanes.iter_mut().zip(eight) {
-            *lane += f64::from(value);
+    for (values, widths) in row.chunks(8).zip(widths.chunks(8)) {
+        for (lane, (&value, width)) in lanes.iter_mut().zip(values.iter().zip(widths)) {
+            *lane += f64::from(value) * width;
         }
     }
-    let inner = lanes.iter().sum::<f64>() + rest.iter().map(|&value| f64::from(value)).sum::<f64>();
-    let inner_width = if last > 1 { width(1) } else { 0.0 };
-    inner * inner_width + f64::from(row[0]) * width(0) + f64::from(row[last]) * width(last)
+    lanes.iter().sum()
 }
 
 /// How the map's pixels make the pixels of the working image.
@@ -142,7 +130,7 @@ impl<'a> Reduction<'a> {
         let rows = row * self.block..((row + 1) * self.block).min(self.bands.len());
         let samples = self.radiance.slice(s![rows.clone(), .., ..]);
         let samples = samples.as_standard_layout();
-        let samples = samples.as_slice().expect("standard layout");
+        let samples = samples.as_slice().unwrap_or(&[]); // the standard layout is a slice
         if self.block == 1 {
             fill_luminance(samples, out);
         } else {

@@ -15,8 +15,8 @@ const MOST_OF_THE_PEAK: f64 = 0.5;
 
 /// Luminance behind each region.
 pub fn backgrounds(summary: &Summary, sheet: &Sheet, regions: &Regions, outline: &[u32]) -> Vec<f64> {
-    let luminance = summary.luminance();
-    let width = summary.luminance.dim().1;
+    let luminance = &summary.luminance;
+    let width = summary.size.1;
     let theta = summary.grid.theta_edges.windows(2);
     let columns = theta.map(|edge| (DISTANCE as f64 / (0.5 * (edge[0] + edge[1])).sin()) as usize);
     let columns: Vec<usize> = columns.map(|columns| columns.min(width / 2)).collect();

@@ -58,7 +58,7 @@ impl Threshold {
     /// The luminance at which a light of the peak `P` ends: at least its share `extent`.
     ///
     /// The edge of a light cuts pixels. One that it covers in the share c has the luminance
-    /// `B + c (P - B)` before the background B. Counting those from c_0 on adds the background
+    /// `B + c (P - B)` before the background B. Counting those from `c_0` on adds the background
     /// behind them and loses the light in the others; all c are equally frequent, so
     ///
     /// ```text
@@ -94,10 +94,9 @@ impl Histogram {
         // Neighbours are often alike: counters of their own do not wait for one another.
         let mut parts = vec![[0; 4]; BINS];
         let per_mean = if mean > 0.0 { (1.0 / mean) as f32 } else { 0.0 };
-        let columns = summary.luminance.dim().1 as f64;
-        for (row, band) in summary.luminance.outer_iter().zip(&summary.bands) {
+        let columns = summary.size.1 as f64;
+        for (row, band) in summary.luminance.chunks_exact(summary.size.1).zip(&summary.bands) {
             let share = (band / 2.0 / columns * PARTS_OF_THE_SPHERE) as u64;
-            let row = row.as_slice().expect("a row of our own");
             for values in row.chunks(64) {
                 let mut bins = [0; 64];
                 for (bin_of, &value) in bins.iter_mut().zip(values) {

@@ -12,8 +12,8 @@ pub struct Sheet {
 
 impl Sheet {
     pub fn of(summary: &Summary) -> Self {
-        let (height, width) = summary.luminance.dim();
-        let luminance = summary.luminance();
+        let (height, width) = summary.size;
+        let luminance = &summary.luminance;
         let brightest = |row: usize| {
             let pixels = row * width..(row + 1) * width;
             pixels.reduce(|a, b| if luminance[b] > luminance[a] { b } else { a }).unwrap_or(0)

@@ -1,0 +1,271 @@
+"""Detection as in Loghin (2021), step by step."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from envlights import kernels
+from envlights._check import amount, check_choice, count
+from envlights.detected import DetectedLights, DetectionReport, Members
+from envlights.envmap import EnvMap, as_envmap
+from envlights.rig import LUMINANCE
+from envlights.tree import detect_tree
+
+
+@dataclass(frozen=True)
+class _Samples:
+    """Samples of the sphere that may show a light, brightest first."""
+
+    pixel: NDArray[np.int64]
+    luminance: NDArray[np.float32]
+    taken: int
+    """Samples that were taken in all."""
+
+
+def detect_article(
+    env: EnvMap | ArrayLike,
+    *,
+    max_lights: int | None = None,
+    working_width: int = 1024,
+    reduction: str = "bilinear",
+    blur_px: float = 0.0,
+    samples_per_pixel: float = 0.006,
+    window_px: int = 12,
+    threshold: float = 0.8,
+    suppression_deg: float = 5.0,
+    tolerance: float = 0.15,
+    ceiling: float = 1.25,
+    merge_cap_deg: float | None = None,
+    relative: bool = False,
+    move_to_maximum: bool = False,
+    sphere: bool = False,
+) -> DetectedLights:
+    """Bright places of a map, by the steps of Loghin (2021): the compatibility mode.
+
+    The sphere is sampled with Hammersley points; samples near a bright pixel are kept, those near a
+    brighter one suppressed, those that a bright line joins merged. The defaults are the
+    article's as it means them: its slips are mended (32-bit masks, a line check that ends,
+    ``sum(w p) / sum(w)``, only survivors suppress and merge, pixel centres, the frame of
+    `EnvMap`). `relative`, `move_to_maximum`, `sphere` and `merge_cap_deg` are improvements.
+
+    Parameters
+    ----------
+    env : EnvMap or array_like, shape (height, 2 * height, 3)
+        The map.
+    max_lights : int, optional
+        Keep the first so many.
+    working_width : int
+        Columns of the working image; maps with fewer stay as they are.
+    reduction : {"bilinear", "area"}
+        How the map is reduced. Bilinear, the article's, leaves pixels out.
+    blur_px : float
+        Standard deviation of a blur; 1 to 2 in the article, where it is optional.
+    samples_per_pixel : float
+        Of the working image.
+    window_px : int
+        Width of the window around a sample, at 1024 columns, less one.
+    threshold : float
+        Luminance that the brightest pixel of a window exceeds.
+    suppression_deg : float
+        Samples closer to a brighter one are suppressed. The article asks for a number of pixels and
+        gives none; this is half again the distance between its samples.
+    tolerance, ceiling : float
+        Of the line check; see `kernels.merge_along_lines`.
+    merge_cap_deg : float, optional
+        Samples farther apart are not merged. The article has no cap.
+    relative : bool
+        Whether luminance is first scaled so that the threshold of `detect_tree` becomes
+        `threshold`. The article's thresholds are absolute.
+    move_to_maximum : bool
+        Whether a sample moves to the brightest pixel of its window. In the article it stays.
+    sphere : bool
+        Whether windows, distances, lines and means live on the sphere, across the seam. In the
+        article they live on the image.
+
+    Returns
+    -------
+    DetectedLights
+        Most flux first. Each sample stands for ``4 pi / n`` steradians, which gives the solid angle
+        and the irradiance of a light from its samples: a rough estimate.
+
+    Raises
+    ------
+    EnvLightsError
+        If `env` is no map or an option is out of its range.
+
+    Examples
+    --------
+    >>> import envlights as el
+    >>> lamp = el.synthetic.Disc((1, 1, 0), 8.0, (1, 1, 1))
+    >>> env = el.EnvMap(el.synthetic.scene(256, background=[0.1] * 3, shapes=[lamp]).radiance)
+    >>> detect_article(env).direction.round(1) + 0.0
+    array([[0.7, 0.7, 0. ]])
+    """
+    env = as_envmap(env)
+    start = time.perf_counter()
+    exposure = _exposure(env, threshold) if relative else 1.0
+    image = _working_image(env, working_width, reduction, blur_px) * np.float32(exposure)
+    height, width = image.shape
+    reach = int(count("window_px", window_px) * width / 1024) // 2
+    samples = _bright_samples(image, samples_per_pixel, reach, threshold, move_to_maximum, sphere)
+    points = _points(samples.pixel, image.shape, sphere)
+    survivor_of = kernels.suppress(points, _distance(suppression_deg, width, sphere))
+    survivors = np.unique(survivor_of)
+    merged_into = kernels.merge_along_lines(
+        image,
+        samples.pixel[survivors],
+        tolerance=tolerance,
+        ceiling=ceiling,
+        points=points[survivors],
+        farthest=np.inf if merge_cap_deg is None else _distance(merge_cap_deg, width, sphere),
+        sphere=sphere,
+    )
+    means = kernels.weighted_means(points[survivors], samples.luminance[survivors], merged_into)
+    peaks, light = np.unique(merged_into, return_inverse=True)
+    found = _Found(
+        direction=_directions(means, image.shape),
+        peak=samples.pixel[survivors[peaks]],
+        light=light[np.searchsorted(survivors, survivor_of)],
+    )
+    report = DetectionReport(
+        method="article",
+        threshold=threshold / exposure,
+        reason="that of the tree" if relative else "the article's, which is absolute",
+        working_size=(height, width),
+        skipped=(f"{samples.taken - len(samples.pixel)} of {samples.taken} samples that are dark",),
+        seconds={"detect": time.perf_counter() - start},
+    )
+    lights = _lights(env, image / np.float32(exposure), samples, found, report)
+    return lights if max_lights is None else lights[: count("max_lights", max_lights, least=1)]
+
+
+@dataclass(frozen=True)
+class _Found:
+    """What the steps leave: lights, and the light of each sample."""
+
+    direction: NDArray[np.float64]
+    peak: NDArray[np.int64]
+    light: NDArray[np.int64]
+
+
+def _working_image(env: EnvMap, width: int, reduction: str, blur_px: float) -> NDArray[np.float32]:
+    """Steps 1 and 2: luminance in at most `width` columns."""
+    check_choice("reduction", reduction, ("bilinear", "area"))
+    width = min(count("working_width", width, least=16), env.width)
+    if reduction == "area":
+        border_sampled = env.registration == "border-sampled"
+        image = kernels.reduced_luminance(env.radiance, width, border_sampled=border_sampled)
+    else:
+        image = kernels.luminance(env.radiance)
+        if width < env.width:
+            image = kernels.resize_bilinear(image, width // 2, width)
+    return kernels.blur(image, blur_px) if amount("blur_px", blur_px) > 0 else image
+
+
+def _exposure(env: EnvMap, threshold: float) -> float:
+    """Factor that brings the threshold of the tree to that of the article."""
+    level = detect_tree(env).report.threshold
+    return threshold / level if level > 0 else 1.0
+
+
+def _bright_samples(
+    image: NDArray[np.float32],
+    samples_per_pixel: float,
+    reach: int,
+    threshold: float,
+    move_to_maximum: bool,
+    sphere: bool,
+) -> _Samples:
+    """Steps 3 to 6: samples whose window holds a pixel above the threshold, brightest first."""
+    height, width = image.shape
+    taken = int(samples_per_pixel * width * height)
+    directions = kernels.uniform_sphere(kernels.hammersley(taken))
+    pixel = kernels.uv_to_pixel(kernels.direction_to_uv(directions), height, width)
+    brightest, place = kernels.neighbour_maximum(image, pixel, reach, sphere=sphere)
+    kept = brightest > amount("threshold", threshold)
+    pixel = (place if move_to_maximum else pixel)[kept]
+    luminance = image[pixel[:, 0], pixel[:, 1]]
+    order = np.argsort(-luminance, kind="stable")
+    return _Samples(pixel[order], luminance[order], taken)
+
+
+def _points(pixel: NDArray[np.int64], size: tuple[int, ...], sphere: bool) -> NDArray[np.float64]:
+    """Where samples are: unit vectors on the sphere, else rows and columns."""
+    if not sphere:
+        return pixel.astype(np.float64)
+    return kernels.uv_to_direction((pixel[:, ::-1] + 0.5) / (size[1], size[0]))
+
+
+def _distance(angle_deg: float, width: int, sphere: bool) -> float:
+    """The distance between `_points` that an angle stands for."""
+    angle = amount("an angle", angle_deg, most=180.0)
+    return float(2 * np.sin(np.deg2rad(angle) / 2)) if sphere else angle * width / 360
+
+
+def _directions(means: NDArray[np.float64], size: tuple[int, ...]) -> NDArray[np.float64]:
+    """Unit vectors of `_points` or of their means."""
+    if means.shape[1] == 2:
+        return kernels.uv_to_direction((means[:, ::-1] + 0.5) / (size[1], size[0]))
+    return _unit(means)
+
+
+def _lights(
+    env: EnvMap,
+    image: NDArray[np.float32],
+    samples: _Samples,
+    found: _Found,
+    report: DetectionReport,
+) -> DetectedLights:
+    """What the samples of each light say of it: each stands for 4 pi / n steradians."""
+    many, each = len(found.direction), 4 * np.pi / max(samples.taken, 1)
+    seen = _points(samples.pixel, image.shape, sphere=True)
+    place = kernels.uv_to_pixel(kernels.direction_to_uv(seen), env.height, env.width)
+    radiance = env.radiance[place[:, 0], place[:, 1]].astype(np.float64)
+    irradiance = each * _sums(radiance, found.light, many)
+    elongation, orientation = _shapes(seen, found)
+    bands = kernels.pixel_solid_angles(*image.shape)[:, 0]
+    whole = float(image.sum(axis=1, dtype=np.float64) @ bands) or 1.0
+    return DetectedLights(
+        found.direction,
+        irradiance,
+        peak_direction=_points(found.peak, image.shape, sphere=True),
+        solid_angle=each * np.bincount(found.light, minlength=many).astype(np.float64),
+        elongation=elongation,
+        orientation=orientation,
+        peak_luminance=image[found.peak[:, 0], found.peak[:, 1]].astype(np.float64),
+        flux_share=irradiance @ LUMINANCE / whole,
+        is_clipped=np.zeros(many, dtype=bool),
+        members=Members(samples.pixel, found.light),
+        report=report,
+    )
+
+
+def _sums(values: NDArray[np.float64], light: NDArray[np.int64], many: int) -> NDArray[np.float64]:
+    """Sum of the rows of `values` over each light."""
+    columns = [np.bincount(light, column, minlength=many) for column in values.T]
+    return np.stack(columns, axis=1)
+
+
+def _shapes(
+    seen: NDArray[np.float64], found: _Found
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Elongation and long axis of each light, from the spread of its samples."""
+    offset = seen - found.direction[found.light]
+    spread = (offset[:, :, None] * offset[:, None, :]).reshape(-1, 9)
+    matrices = _sums(spread, found.light, len(found.direction)).reshape(-1, 3, 3)
+    values, axes = np.linalg.eigh(matrices)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        elongation = np.sqrt(values[:, 2] / values[:, 1])
+    along = axes[:, :, 2]
+    along = along - np.sum(along * found.direction, axis=1, keepdims=True) * found.direction
+    return np.where(values[:, 1] > 1e-12, elongation, 1.0), _unit(along)
+
+
+def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    unit: NDArray[np.float64] = vectors / np.maximum(lengths, np.finfo(float).tiny)
+    return unit

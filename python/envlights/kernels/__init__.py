@@ -1,0 +1,69 @@
+"""The compiled steps on plain numpy arrays, one function for each step.
+
+Directions are unit vectors in the frame of `EnvMap`: right-handed, +y up, the centre of an
+equirectangular image along +z, its left quarter along +x. All arrays are float64 unless a
+function says otherwise; none is changed. An array must not be written to by another thread while a
+kernel reads it.
+"""
+
+from envlights.kernels.article import (
+    blur,
+    bresenham_line,
+    luminance,
+    merge_along_lines,
+    neighbour_maximum,
+    reduced_luminance,
+    resize_bilinear,
+    suppress,
+    uv_to_pixel,
+    weighted_means,
+)
+from envlights.kernels.probe import (
+    WORKING_COLUMNS,
+    irradiance,
+    relative_rms,
+    rig_irradiance,
+    sum_over_sources,
+    working_irradiance,
+)
+from envlights.kernels.sampling import (
+    halton,
+    hammersley,
+    icosphere,
+    radical_inverse,
+    uniform_sphere,
+)
+from envlights.kernels.sphere import (
+    direction_to_uv,
+    pixel_directions,
+    pixel_solid_angles,
+    uv_to_direction,
+)
+
+__all__ = [
+    "WORKING_COLUMNS",
+    "blur",
+    "bresenham_line",
+    "direction_to_uv",
+    "halton",
+    "hammersley",
+    "icosphere",
+    "irradiance",
+    "luminance",
+    "merge_along_lines",
+    "neighbour_maximum",
+    "pixel_directions",
+    "pixel_solid_angles",
+    "radical_inverse",
+    "reduced_luminance",
+    "relative_rms",
+    "resize_bilinear",
+    "rig_irradiance",
+    "sum_over_sources",
+    "suppress",
+    "uniform_sphere",
+    "uv_to_direction",
+    "uv_to_pixel",
+    "weighted_means",
+    "working_irradiance",
+]

@@ -1,0 +1,178 @@
+"""A white Lambertian probe under a map, under sources and under a rig."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from envlights import _native
+from envlights._check import count, reals
+
+#: Width of the map that `working_irradiance` makes when it is not told another.
+WORKING_COLUMNS = 256
+
+
+def irradiance(
+    radiance: NDArray[np.float32], normals: ArrayLike, *, border_sampled: bool = False
+) -> NDArray[np.float64]:
+    r"""Exact irradiance of an equirectangular map at `normals`.
+
+    `EnvMap.probe` checks and cleans a map and then calls this.
+
+    Parameters
+    ----------
+    radiance : ndarray of float32, shape (height, width, 3)
+        Finite and not negative; read in place.
+    normals : array_like, shape (n, 3)
+        Unit vectors.
+    border_sampled : bool
+        Whether the outer pixels lie on the seam and the poles.
+
+    Returns
+    -------
+    ndarray, shape (n, 3)
+        :math:`E(n) = \int L(\omega) \max(0, n \cdot \omega)\, d\omega`.
+
+    Examples
+    --------
+    >>> irradiance(np.ones((64, 128, 3), np.float32), [[0, 1, 0]]).round(4)
+    array([[3.1416, 3.1416, 3.1416]])
+    """
+    return _native.irradiance(radiance, reals("normals", normals, 2), border_sampled)
+
+
+def working_irradiance(
+    radiance: NDArray[np.float32],
+    normals: ArrayLike,
+    *,
+    border_sampled: bool = False,
+    columns: int = WORKING_COLUMNS,
+    source_share: float = 2e-3,
+) -> tuple[NDArray[np.float64], int]:
+    """Irradiance of a map at many normals, from a smaller working map.
+
+    The map is averaged into at most `columns` columns; cells with more than `source_share` of the
+    flux become point sources of exact direction. On 14 real maps the relative RMS difference from
+    `irradiance` was 3e-5 to 1.4e-4 with 256 columns, and up to 4e-4 with 128.
+
+    Parameters
+    ----------
+    radiance, normals, border_sampled
+        As for `irradiance`.
+    columns : int
+        Width of the working map.
+    source_share : float
+        Share of the flux of any channel from which a cell is a source.
+
+    Returns
+    -------
+    irradiance : ndarray, shape (n, 3)
+    sources : int
+        How many cells were taken as sources.
+
+    Examples
+    --------
+    >>> working_irradiance(np.ones((64, 128, 3), np.float32), [[0, 1, 0]])[0].round(2)
+    array([[3.14, 3.14, 3.14]])
+    """
+    normals = reals("normals", normals, 2)
+    columns = count("columns", columns, least=2)
+    return _native.working_irradiance(radiance, normals, border_sampled, columns, source_share)
+
+
+def sum_over_sources(
+    normals: ArrayLike,
+    directions: ArrayLike,
+    radiance: ArrayLike,
+    solid_angles: ArrayLike,
+    *,
+    k_d: float = 1.0,
+    C: Sequence[float] = (1.0, 1.0, 1.0),  # noqa: N803, the paper's name
+) -> NDArray[np.float64]:
+    r"""Probe values as a plain sum over K sources: equations 1 to 3 of Madsen et al. (2003).
+
+    Parameters
+    ----------
+    normals : array_like, shape (n, 3)
+        Unit vectors.
+    directions : array_like, shape (K, 3)
+        Unit vectors towards the sources.
+    radiance : array_like, shape (K, 3)
+        Of the sources.
+    solid_angles : array_like, shape (K,)
+        Of the sources; the paper's even sphere has ``4 pi / K``.
+    k_d : float
+        Diffuse coefficient of the probe: 1 gives irradiance, ``1 / pi`` the radiance of white.
+    C : sequence of 3 floats
+        Colour of the probe.
+
+    Returns
+    -------
+    ndarray, shape (n, 3)
+        :math:`\sum_j k_d C L_j \omega_j \max(0, n \cdot l_j)`.
+
+    Examples
+    --------
+    >>> sum_over_sources([[0, 1, 0]], [[0, 1, 0]], [[1, 2, 3]], [0.5])
+    array([[0.5, 1. , 1.5]])
+    """
+    vectors = reals("normals", normals, 2), reals("directions", directions, 2)
+    sources = reals("radiance", radiance, 2), reals("solid_angles", solid_angles, 1)
+    return _native.sum_over_sources(*vectors, *sources, float(k_d), [float(c) for c in C])
+
+
+def rig_irradiance(
+    normals: ArrayLike, ambient: ArrayLike, directions: ArrayLike, irradiance: ArrayLike
+) -> NDArray[np.float64]:
+    r"""Irradiance under ambient and directional lights: equations 4 to 6 of Madsen et al. (2003).
+
+    Parameters
+    ----------
+    normals : array_like, shape (n, 3)
+        Unit vectors.
+    ambient : array_like, shape (3,)
+        Radiance of the constant environment.
+    directions : array_like, shape (m, 3)
+        Unit vectors towards the lights.
+    irradiance : array_like, shape (m, 3)
+        Of each light at normal incidence.
+
+    Returns
+    -------
+    ndarray, shape (n, 3)
+        :math:`\pi L_a + \sum_j E_j \max(0, n \cdot l_j)`.
+
+    Examples
+    --------
+    >>> rig_irradiance([[0, 1, 0]], [0, 0, 0], [[0, 1, 0]], [[1, 2, 3]])
+    array([[1., 2., 3.]])
+    """
+    lights = reals("directions", directions, 2), reals("irradiance", irradiance, 2)
+    radiance = reals("ambient", ambient, 1).tolist()
+    return _native.rig_irradiance(reals("normals", normals, 2), radiance, *lights)
+
+
+def relative_rms(seen: ArrayLike, wanted: ArrayLike, weights: ArrayLike) -> float:
+    r"""Relative RMS difference of two probes over all channels.
+
+    Parameters
+    ----------
+    seen, wanted : array_like, shape (n, 3)
+        Irradiance at the same normals.
+    weights : array_like, shape (n,)
+        Solid angle of each normal.
+
+    Returns
+    -------
+    float
+        :math:`\|seen - wanted\| / \|wanted\|`; the numerator alone where `wanted` is black.
+
+    Examples
+    --------
+    >>> round(relative_rms([[1.1, 1.1, 1.1]], [[1, 1, 1]], [1]), 12)
+    0.1
+    """
+    probes = reals("seen", seen, 2), reals("wanted", wanted, 2)
+    return _native.relative_rms(*probes, reals("weights", weights, 1))

@@ -1,0 +1,112 @@
+"""Directions, and the pixels of an equirectangular image on the sphere."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from envlights import _native
+from envlights._check import count, reals
+
+
+def uv_to_direction(uv: ArrayLike) -> NDArray[np.float64]:
+    """Directions of equirectangular image coordinates.
+
+    Parameters
+    ----------
+    uv : array_like, shape (n, 2)
+        `u` from the left edge (0) to the right (1), `v` from the top (0) to the bottom (1).
+
+    Returns
+    -------
+    ndarray, shape (n, 3)
+        ``(sin phi sin theta, cos theta, -cos phi sin theta)``, ``phi = 2 pi u``, ``theta = pi v``.
+
+    See Also
+    --------
+    direction_to_uv : the inverse.
+
+    Examples
+    --------
+    The centre of the image looks along +z:
+
+    >>> uv_to_direction([[0.5, 0.5]]).round(12)
+    array([[0., 0., 1.]])
+    """
+    return _native.uv_to_direction(reals("uv", uv, 2))
+
+
+def direction_to_uv(direction: ArrayLike) -> NDArray[np.float64]:
+    """Equirectangular image coordinates of directions.
+
+    Parameters
+    ----------
+    direction : array_like, shape (n, 3)
+        Unit vectors.
+
+    Returns
+    -------
+    ndarray, shape (n, 2)
+        `u` in [0, 1) and `v` in [0, 1].
+
+    See Also
+    --------
+    uv_to_direction : the inverse.
+
+    Examples
+    --------
+    >>> direction_to_uv([[1, 0, 0]])
+    array([[0.25, 0.5 ]])
+    """
+    return _native.direction_to_uv(reals("direction", direction, 2))
+
+
+def pixel_directions(
+    height: int, width: int, *, border_sampled: bool = False
+) -> NDArray[np.float64]:
+    """Direction of every pixel's sample in an equirectangular image.
+
+    Parameters
+    ----------
+    height, width : int
+        Size of the image, 2 or more.
+    border_sampled : bool
+        Whether the outer pixels lie on the seam and the poles (OpenEXR's `envmap` files).
+
+    Returns
+    -------
+    ndarray, shape (height, width, 3)
+
+    Examples
+    --------
+    >>> pixel_directions(2, 4)[0, 0].round(3)
+    array([ 0.5  ,  0.707, -0.5  ])
+    """
+    size = count("height", height), count("width", width)
+    return _native.pixel_directions(*size, border_sampled)
+
+
+def pixel_solid_angles(
+    height: int, width: int, *, border_sampled: bool = False
+) -> NDArray[np.float64]:
+    """Exact solid angle of every pixel in an equirectangular image.
+
+    Parameters
+    ----------
+    height, width : int
+        Size of the image, 2 or more.
+    border_sampled : bool
+        Whether the outer pixels lie on the seam and the poles (and are cut by them).
+
+    Returns
+    -------
+    ndarray, shape (height, width)
+        Steradians; the sum is 4 pi.
+
+    Examples
+    --------
+    >>> float(pixel_solid_angles(8, 16).sum() / (4 * np.pi))
+    1.0
+    """
+    size = count("height", height), count("width", width)
+    return _native.pixel_solid_angles(*size, border_sampled)
