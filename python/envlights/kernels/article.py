@@ -151,7 +151,8 @@ def uv_to_pixel(uv: ArrayLike, height: int, width: int) -> NDArray[np.int64]:
            [3, 7]])
     """
     size = np.array([count("height", height, least=1), count("width", width, least=1)])
-    at = np.floor(reals("uv", uv, 2)[:, ::-1] * size)
+    # Hammersley points lie on the very borders of pixels, where rounding would toss a coin.
+    at = np.floor(reals("uv", uv, 2)[:, ::-1] * size + 1e-9)
     pixel: NDArray[np.int64] = np.clip(at, 0, size - 1).astype(np.int64)
     return pixel
 
