@@ -144,6 +144,9 @@ def _logarithm(luminance):
 DETECTORS = {
     "tree": ours(method="tree"),
     "article": ours(method="article"),
+    "article improved": ours(
+        method="article", relative=True, move_to_maximum=True, sphere=True, reduction="area"
+    ),
     "threshold + components": components(twice_the_90_percent_quantile),
     "Otsu + components": components(otsu_of_the_logarithm),
     "blob_log": blobs,

@@ -93,7 +93,8 @@ def test_a_line_is_the_twins(start, end):
 @given(PIXEL, PIXEL)
 def test_a_line_ends_where_asked_and_never_jumps(start, end):
     line = kernels.bresenham_line(start, end)
-    assert line[0].tolist() == list(start) and line[-1].tolist() == list(end)
+    assert line[0].tolist() == list(start)
+    assert line[-1].tolist() == list(end)
     assert len(line) == 1 + max(abs(start[0] - end[0]), abs(start[1] - end[1]))
     assert np.abs(np.diff(line, axis=0)).max(initial=0) <= 1
 
@@ -202,7 +203,8 @@ def test_the_improvements_find_what_the_article_misses():
 def test_worst_cases_are_answered(radiance, count, options):
     found = el.detect(radiance, method="article", **options)
     assert len(found) == count
-    assert np.isfinite(found.direction).all() and np.isfinite(found.irradiance).all()
+    assert np.isfinite(found.direction).all()
+    assert np.isfinite(found.irradiance).all()
 
 
 @pytest.mark.parametrize(

@@ -253,8 +253,8 @@ def merge_along_lines(
     """Merge samples that a line of like luminance joins; Loghin (2021), step 8.
 
     From each sample that is not merged yet, brightest first, a line goes to each later one. It
-    holds while the mean of its pixels, each cut at `ceiling`, differs from the start's luminance by at
-    most `tolerance` or is at least `bright`. The defaults are the article's.
+    holds while the mean of its pixels, each cut at `ceiling`, differs from the start's luminance by
+    at most `tolerance` or is at least `bright`. The defaults are the article's.
 
     Parameters
     ----------

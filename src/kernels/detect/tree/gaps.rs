@@ -14,18 +14,31 @@ use std::f64::consts::PI;
 
 use super::components::{Regions, root};
 use super::summary::Summary;
+use super::touch::Sheet;
 
-/// Join the regions that come closer than `gap` radians, from pixel to pixel of their outlines.
-pub fn bridge(summary: &Summary, regions: Regions, outline: &[u32], gap: f64) -> Regions {
+/// Join the regions whose solid pixels come closer than `gap` radians.
+///
+/// A pixel is solid if its luminance times `prominence` reaches its region's peak. Two lights that
+/// prominence keeps apart are darker than that where they meet: they are joined across a bar,
+/// however dim, but not along the glow between two lamps.
+pub fn bridge(summary: &Summary, sheet: &Sheet, regions: Regions, prominence: f64, gap: f64) -> Regions {
     if regions.pixels.len() < 2 || gap <= 0.0 {
         return regions;
     }
+    let solid_label = |pixel: usize| match regions.label[pixel] {
+        0 => 0,
+        label if prominence as f32 * summary.luminance[pixel] < regions.peaks[label as usize - 1] => 0,
+        label => label,
+    };
     let reach = Reach::new(summary, gap);
     let mut parent: Vec<u32> = (0..regions.pixels.len() as u32).collect();
-    for &pixel in outline {
-        let own = regions.label[pixel as usize];
-        reach.visit(pixel as usize, |other| {
-            let other = regions.label[other];
+    for pixel in regions.pixels.iter().flatten().map(|&pixel| pixel as usize) {
+        let own = solid_label(pixel);
+        if own == 0 || sheet.sides(pixel).into_iter().all(|side| solid_label(side) == own) {
+            continue; // dark, or nearer to its own kind than to any other
+        }
+        reach.visit(pixel, |other| {
+            let other = solid_label(other);
             if other != 0 && other != own {
                 let (one, other) = (root(&mut parent, own - 1), root(&mut parent, other - 1));
                 parent[one.max(other) as usize] = one.min(other);

@@ -101,8 +101,8 @@ pub fn detect(
     let threshold = threshold::from_histogram(&summary);
     let bright = components::bright_pixels(&summary, threshold.luminance);
     let regions = components::regions(&summary, &sheet, &bright, &threshold, options);
+    let regions = gaps::bridge(&summary, &sheet, regions, options.prominence, options.gap);
     let outline = outline::outline(&sheet, &regions);
-    let regions = gaps::bridge(&summary, regions, &outline, options.gap);
     let backgrounds = surroundings::backgrounds(&summary, &sheet, &regions, &outline);
     let lights = measure::measure(radiance, registration, &summary, &regions, &backgrounds);
     let choice = budget::choose(lights, options.min_flux_share * summary.flux, options.max_lights);

@@ -135,7 +135,9 @@ impl Histogram {
         let total: f64 = flux.iter().sum();
         let mean: f64 = flux.iter().enumerate().map(|(bin, flux)| bin as f64 * flux).sum::<f64>() / total;
         let (mut share, mut moment) = (0.0, 0.0);
-        let (mut best, mut most) = (self.parts.len(), 0.0);
+        // Where all flux is in one bin, what is darker lies below it.
+        let first = flux.iter().position(|&flux| flux > 0.0).unwrap_or(0);
+        let (mut best, mut most) = (first, 0.0);
         for (bin, flux) in flux.iter().enumerate() {
             share += flux / total;
             moment += bin as f64 * flux / total;
