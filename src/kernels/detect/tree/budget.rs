@@ -144,3 +144,40 @@ impl Linkage {
         (left.into_iter().map(|(_, light)| light).collect(), merged_into)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn light(flux: f64) -> Light {
+        let mut light = Light::default();
+        light.flux = flux;
+        light
+    }
+
+    #[test]
+    fn nothing_is_merged_within_the_budget() {
+        let choice = choose(vec![Light::default(); 3], 0.0, 3);
+        assert_eq!(choice.lights.len(), 3);
+        assert_eq!(choice.part_of, [Some(0), Some(1), Some(2)]);
+    }
+
+    #[test]
+    fn what_is_too_dim_is_dropped_before_the_rest_is_merged() {
+        let choice = choose(vec![light(1.0), light(5.0), light(0.1), light(2.0)], 0.5, 2);
+        assert_eq!(choice.dropped, 1);
+        assert_eq!(choice.part_of[2], None);
+        assert_eq!(choice.lights.len(), 2);
+        let flux: f64 = choice.lights.iter().map(|light| light.flux).sum();
+        assert!((flux - 8.0).abs() < 1e-12, "{flux}");
+    }
+
+    #[test]
+    fn more_lights_than_pairs_can_be_compared_are_merged_all_the_same() {
+        let choice = choose((1..=MOST_IN_PAIRS + 500).map(|i| light(i as f64)).collect(), 0.0, 7);
+        assert_eq!(choice.lights.len(), 7);
+        let flux: f64 = choice.lights.iter().map(|light| light.flux).sum();
+        let wanted = (MOST_IN_PAIRS + 500) * (MOST_IN_PAIRS + 501) / 2;
+        assert!((flux - wanted as f64).abs() < 1e-3, "{flux} {wanted}");
+    }
+}

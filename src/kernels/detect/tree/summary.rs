@@ -209,3 +209,65 @@ fn fill_luminance(samples: &[f32], out: &mut [f32]) {
         *out = red * pixel[0] + green * pixel[1] + blue * pixel[2];
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+    use ndarray::Array3;
+    use std::f64::consts::PI;
+
+    fn map(height: usize, width: usize) -> Array3<f32> {
+        Array3::from_shape_fn((height, width, 3), |(y, x, c)| ((y * 7 + x * 3 + c) % 11) as f32)
+    }
+
+    /// Sum over the map's own pixels, one by one.
+    fn flux_of(map: &Array3<f32>, registration: Registration) -> f64 {
+        let (height, width, _) = map.dim();
+        let solid_angles = crate::kernels::sphere::pixel_solid_angles(height, width, registration).unwrap();
+        let pixels = solid_angles.indexed_iter();
+        let rgb = |y: usize, x: usize| [0, 1, 2].map(|c| f64::from(map[[y, x, c]]));
+        pixels.map(|((y, x), solid_angle)| image::luminance(rgb(y, x)) * solid_angle).sum()
+    }
+
+    #[test]
+    fn the_flux_is_that_of_the_map_whatever_the_blocks() {
+        for registration in [Registration::CellCentred, Registration::BorderSampled] {
+            for (height, width, columns) in [(30, 60, 60), (30, 60, 16), (37, 74, 10), (9, 18, 1)] {
+                let map = map(height, width);
+                let summary = summarise(map.view(), registration, columns).unwrap();
+                assert!(summary.size.1 <= columns);
+                assert_relative_eq!(summary.flux, flux_of(&map, registration), max_relative = 1e-6);
+            }
+        }
+    }
+
+    #[test]
+    fn an_even_map_stays_even() {
+        let map = Array3::from_elem((50, 100, 3), 0.5_f32);
+        let summary = summarise(map.view(), Registration::BorderSampled, 30).unwrap();
+        assert!(summary.luminance.iter().all(|value| (value - 0.5).abs() < 1e-6));
+        assert_relative_eq!(summary.flux, 0.5 * 4.0 * PI, max_relative = 1e-6);
+    }
+
+    #[test]
+    fn a_tile_holds_the_maximum_of_its_pixels() {
+        let summary = summarise(map(50, 100).view(), Registration::CellCentred, 100).unwrap();
+        for ((row, column), &maximum) in summary.tile_maxima.indexed_iter() {
+            let rows = row * TILE..((row + 1) * TILE).min(50);
+            let pixels =
+                rows.flat_map(|y| (column * TILE..((column + 1) * TILE).min(100)).map(move |x| y * 100 + x));
+            let wanted = pixels.map(|i| summary.luminance[i]).fold(0.0, f32::max);
+            assert_relative_eq!(maximum, wanted);
+        }
+    }
+
+    #[test]
+    fn what_is_no_number_is_refused() {
+        let mut map = map(8, 16);
+        map[[3, 5, 1]] = f32::NAN;
+        let seen = summarise(map.view(), Registration::CellCentred, 16);
+        assert!(matches!(seen, Err(Error::NotFinite { what: "luminance", index: 3, .. })), "{seen:?}");
+    }
+}

@@ -176,3 +176,59 @@ fn bin(value: f32) -> usize {
 fn lower_edge(bin: usize) -> f64 {
     if bin == 0 { 0.0 } else { f64::from(f32::from_bits((bin as u32 + FIRST_BITS) << IGNORED_BITS)) }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::super::summary::summarise;
+    use super::*;
+    use crate::kernels::sphere::Registration;
+    use approx::assert_relative_eq;
+    use ndarray::Array3;
+
+    /// The share of the sphere above the latitude of row y of 1000 is (1 - cos theta) / 2.
+    fn bright_cap(share: f64, above: f32) -> Threshold {
+        let map = Array3::from_shape_fn((1000, 2000, 3), |(y, _, _)| {
+            let theta = (y as f64 + 0.5) / 1000.0 * PI;
+            if (1.0 - theta.cos()) / 2.0 < share { above } else { 1.0 }
+        });
+        from_histogram(&summarise(map.view(), Registration::CellCentred, 2000).unwrap())
+    }
+
+    #[test]
+    fn it_is_twice_the_background_up_to_a_tenth_of_light() {
+        for share in [0.0, 0.05, 0.095] {
+            let threshold = bright_cap(share, 100.0);
+            assert_eq!(threshold.reason, Reason::Background);
+            assert_relative_eq!(threshold.luminance, 2.0, max_relative = 0.04); // a bin's width
+        }
+    }
+
+    #[test]
+    fn beyond_a_tenth_it_is_twice_the_background_below_the_cut() {
+        for share in [0.11, 0.3, 0.45] {
+            let threshold = bright_cap(share, 100.0);
+            assert_eq!(threshold.reason, Reason::BelowCut);
+            assert_relative_eq!(threshold.luminance, 2.0, max_relative = 0.04);
+        }
+    }
+
+    #[test]
+    fn a_bright_half_that_is_no_light_is_background() {
+        let threshold = bright_cap(0.4, 8.0);
+        assert_eq!(threshold.reason, Reason::Background);
+        assert_relative_eq!(threshold.luminance, 16.0, max_relative = 0.04);
+    }
+
+    #[test]
+    fn bins_are_in_the_order_of_luminance() {
+        let values = [0.0, 1e-30, 1e-6, 0.5, 1.0, 1.02, 1.1, 3.0, 1e5, f32::MAX];
+        let bins: Vec<usize> = values.iter().map(|&value| bin(value)).collect();
+        assert!(bins.is_sorted(), "{bins:?}");
+        assert!(bins.iter().all(|&bin| bin < BINS));
+        for &value in &values[2..9] {
+            let (low, high) = (lower_edge(bin(value)), lower_edge(bin(value) + 1));
+            assert!(low <= f64::from(value) && f64::from(value) < high, "{low} {value} {high}");
+        }
+    }
+}

@@ -76,3 +76,44 @@ impl Sheet {
         (row.saturating_sub(self.width), row, (row + self.width).min(last))
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::super::summary::summarise;
+    use super::*;
+    use crate::kernels::sphere::Registration;
+    use ndarray::Array3;
+    use proptest::prelude::*;
+
+    fn sheet() -> Sheet {
+        let map = Array3::from_shape_fn((8, 16, 3), |(y, x, _)| ((y * 5 + x * 3) % 7) as f32);
+        Sheet::of(&summarise(map.view(), Registration::CellCentred, 16).unwrap())
+    }
+
+    proptest! {
+        /// Away from the poles, whoever I touch touches me.
+        #[test]
+        fn touching_is_mutual(row in 1_usize..7, column in 0_usize..16) {
+            let (sheet, pixel) = (sheet(), row * 16 + column);
+            for other in sheet.around(pixel).into_iter().filter(|other| (16..112).contains(other)) {
+                prop_assert!(sheet.around(other).contains(&pixel), "{pixel} {other}");
+            }
+        }
+    }
+
+    #[test]
+    fn columns_meet_behind_the_seam() {
+        assert!(sheet().around(3 * 16).contains(&(3 * 16 + 15)));
+        assert!(sheet().sides(3 * 16 + 15).contains(&(3 * 16)));
+    }
+
+    #[test]
+    fn all_pixels_of_a_pole_row_touch_its_brightest() {
+        let sheet = sheet();
+        for pixel in 0..16 {
+            assert!(sheet.around(pixel).contains(&sheet.hubs[0]));
+        }
+        assert!(!sheet.around(5 * 16).contains(&sheet.hubs[0]));
+    }
+}
