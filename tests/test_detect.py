@@ -441,6 +441,8 @@ def test_unusable_samples_are_cleaned_and_a_map_of_nothing_else_is_refused():
     damaged[64, 64] = np.inf  # in the lamp: becomes as bright as it
     lights = el.detect(damaged)
     assert len(lights) == 1
+    assert "NaN samples set to 0" in str(lights.report)
+    assert "negative samples set to 0" in str(lights.report)
     with pytest.raises(el.EnvLightsError, match="no finite sample"):
         el.detect(np.full((64, 128, 3), np.nan))
 

@@ -137,6 +137,7 @@ def detect_article(
         reason="that of the tree" if relative else "the article's, which is absolute",
         working_size=(height, width),
         skipped=(f"{samples.taken - len(samples.pixel)} of {samples.taken} samples that are dark",),
+        notes=env.notes,
         seconds={"detect": time.perf_counter() - start},
     )
     lights = _lights(env, image / np.float32(exposure), samples, found, report)

@@ -33,6 +33,9 @@ class DetectionReport:
     skipped: tuple[str, ...] = ()
     """What was not opened, kept or told apart, with its share."""
 
+    notes: tuple[str, ...] = ()
+    """What was cleaned or assumed in the map."""
+
     seconds: Mapping[str, float] = field(default_factory=dict)
     """Wall time of each stage."""
 
@@ -42,6 +45,7 @@ class DetectionReport:
             f"method {self.method} on {width}x{height} pixels",
             f"threshold: luminance {self.threshold:.4g}, {self.reason}",
             *(f"skipped: {note}" for note in self.skipped),
+            *(f"note: {note}" for note in self.notes),
         ]
         return "\n".join(lines)
 

@@ -65,9 +65,16 @@ class EnvMap:
         check_choice("registration", registration, REGISTRATIONS)
         self._notes = [notes] if isinstance(notes, str) else list(notes)
         self._projection, self._registration = projection, registration
-        linear = self._linear(_as_map(radiance))
-        self._radiance = self._cleaned(linear).view()
-        self._radiance.flags.writeable = False
+        self._radiance = _read_only(self._cleaned(self._linear(_as_map(radiance))))
+
+    @classmethod
+    def unchecked(cls, radiance: ArrayLike) -> EnvMap:
+        """A map that nobody has looked through, for kernels that look at every sample."""
+        env = cls.__new__(cls)
+        env._notes = []
+        env._projection, env._registration = PROJECTIONS[0], REGISTRATIONS[0]
+        env._radiance = _read_only(env._linear(_as_map(radiance)))
+        return env
 
     @classmethod
     def open(cls, path: str | os.PathLike[str], *, registration: str | None = None) -> EnvMap:
@@ -186,6 +193,12 @@ class EnvMap:
             if seen:
                 self._notes.append(f"{seen} {kind} sample{'s' if seen > 1 else ''} set to {value}")
         return np.maximum(np.nan_to_num(linear, nan=0.0, posinf=largest, neginf=0.0), np.float32(0))
+
+
+def _read_only(array: NDArray[np.float32]) -> NDArray[np.float32]:
+    view = array.view()
+    view.flags.writeable = False
+    return view
 
 
 def as_envmap(env: EnvMap | ArrayLike) -> EnvMap:

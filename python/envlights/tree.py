@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from envlights import _native
 from envlights._check import amount, count
+from envlights._native import EnvLightsError
 from envlights.detected import DetectedLights, DetectionReport, Members
-from envlights.envmap import EnvMap, as_envmap
+from envlights.envmap import EnvMap
 
 #: Pixels at a light's peak from which on a flat top at the map's maximum looks clipped.
 _CLIPPED_PIXELS = 4
@@ -74,12 +77,10 @@ def detect_tree(
     array([[ 0.71,  0.71,  0.  ],
            [ 0.  ,  0.  , -1.  ]])
     """
-    env = as_envmap(env)
     start = time.perf_counter()
     most = np.iinfo(np.uint32).max if max_lights is None else count("max_lights", max_lights, 1)
-    found = _native.detect_tree(
-        env.radiance,
-        border_sampled=env.registration == "border-sampled",
+    detect = partial(
+        _native.detect_tree,
         working_columns=count("working_width", working_width, least=16),
         prominence=amount("prominence", prominence, least=1.0),
         extent=amount("extent", extent, most=1.0),
@@ -87,10 +88,31 @@ def detect_tree(
         min_flux_share=amount("min_flux_share", min_flux_share, most=1.0),
         max_lights=most,
     )
-    return _wrapped(found, time.perf_counter() - start)
+    found, notes = _detect_in(env, detect)
+    return _wrapped(found, notes, time.perf_counter() - start)
 
 
-def _wrapped(found: _native.TreeDetection, seconds: float) -> DetectedLights:
+def _detect_in(
+    env: EnvMap | ArrayLike, detect: Callable[..., _native.TreeDetection]
+) -> tuple[_native.TreeDetection, tuple[str, ...]]:
+    """What the kernel finds, and the notes of the map.
+
+    The kernel refuses samples that no light can have, for it reads them all: an array is looked
+    at a second time, and cleaned, only then.
+    """
+    world = env if isinstance(env, EnvMap) else EnvMap.unchecked(env)
+    try:
+        found = detect(world.radiance, border_sampled=world.registration == "border-sampled")
+    except EnvLightsError:
+        if world is env:
+            raise
+        return _detect_in(EnvMap(env), detect)
+    return found, world.notes
+
+
+def _wrapped(
+    found: _native.TreeDetection, notes: tuple[str, ...], seconds: float
+) -> DetectedLights:
     peak = found.peak_luminance
     is_brightest = peak >= 0.99 * peak.max(initial=0.0)
     report = DetectionReport(
@@ -99,6 +121,7 @@ def _wrapped(found: _native.TreeDetection, seconds: float) -> DetectedLights:
         reason=_reason(found),
         working_size=found.working_size,
         skipped=tuple(_skipped(found)),
+        notes=notes,
         seconds={"detect": seconds},
     )
     return DetectedLights(

@@ -129,7 +129,7 @@ fn basins(sheet: &Sheet, luminance: &[f32], bright: &BrightPixels) -> (Vec<u32>,
         let highest = around.into_iter().fold(height(luminance, index as usize), u64::max);
         image[!(highest as u32) as usize]
     };
-    let mut basin: Vec<u32> = bright.indices.iter().map(uphill).collect();
+    let mut basin: Vec<u32> = bright.indices.par_iter().map(uphill).collect();
     for place in 0..basin.len() {
         basin[place] = root(&mut basin, place as u32);
         image[bright.indices[place] as usize] = basin[place] + 1;
@@ -143,7 +143,7 @@ fn border(sheet: &Sheet, luminance: &[f32], bright: &BrightPixels, basin: &[u32]
         let mine = basin[index as usize];
         sheet.around(index as usize).into_iter().any(|other| basin[other] != 0 && basin[other] != mine)
     };
-    let border = bright.indices.iter().filter(touches_another);
+    let border = bright.indices.par_iter().filter(touches_another);
     let mut border: Vec<u64> = border.map(|&index| !height(luminance, index as usize)).collect();
     border.par_sort_unstable();
     border

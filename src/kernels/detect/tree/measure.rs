@@ -9,16 +9,19 @@
 //!   second moments   S = sum Y d d^T dw   elongation   from the eigenvalues of S across the direction
 //! ```
 //!
+//! A pixel adds its own width to the second moments, dw / 12 in every direction, so that a light of one
+//! pixel is round.
+//!
 //! The solid angle is that of a light of one radiance which has the same `F` and the same `sum Y^2 dw`:
 //! no outline needs to be drawn. Sums of lights add up, so lights can be merged without the map.
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use ndarray::ArrayView3;
 use rayon::prelude::*;
 
 use super::components::Regions;
 use super::summary::Summary;
-use crate::kernels::image::luminance;
+use crate::kernels::image::LUMINANCE;
 use crate::kernels::sphere::{Registration, band_heights, tangents};
 
 /// Pixels this close to a light's peak are its top.
@@ -36,7 +39,10 @@ pub struct Light {
     /// Pixels at the peak.
     pub top_pixels: usize,
     flux_vector: DVec3,
-    second: DMat3,
+    /// Second moments: the diagonal, and the entries xy, yz, zx.
+    second: [DVec3; 2],
+    /// Second moments of the pixels' own widths.
+    width_squared: f64,
     luminance_squared: f64,
     top: DVec3,
 }
@@ -64,13 +70,20 @@ impl Light {
     /// larger one's eigenvector has the angle `atan2(b, (a - c) / 2) / 2`.
     pub fn elongation(&self) -> (f64, DVec3) {
         let [right, up] = tangents(self.direction());
-        let a = right.dot(self.second * right);
-        let b = right.dot(self.second * up);
-        let c = up.dot(self.second * up);
+        let a = self.second_moment(right, right) + self.width_squared;
+        let b = self.second_moment(right, up);
+        let c = self.second_moment(up, up) + self.width_squared;
         let (middle, radius) = (0.5 * (a + c), (0.5 * (a - c)).hypot(b));
         let angle = 0.5 * b.atan2(0.5 * (a - c));
         let along = right * angle.cos() + up * angle.sin();
         (((middle + radius) / (middle - radius).max(1e-6 * middle)).sqrt(), along)
+    }
+
+    /// `v^T S w`.
+    fn second_moment(&self, v: DVec3, w: DVec3) -> f64 {
+        let [diagonal, off] = self.second;
+        let crossed = v * DVec3::new(w.y, w.z, w.x) + w * DVec3::new(v.y, v.z, v.x);
+        diagonal.dot(v * w) + off.dot(crossed)
     }
 
     /// Two lights as one.
@@ -86,20 +99,25 @@ impl Light {
             peak: brighter.peak,
             top_pixels: brighter.top_pixels + more,
             flux_vector: self.flux_vector + other.flux_vector,
-            second: self.second + other.second,
+            second: [self.second[0] + other.second[0], self.second[1] + other.second[1]],
+            width_squared: self.width_squared + other.width_squared,
             luminance_squared: self.luminance_squared + other.luminance_squared,
             top: brighter.top + top,
         }
     }
 
-    fn add(&mut self, rgb: [f64; 3], y: f64, towards: DVec3, extent: DMat3, solid_angle: f64) {
+    /// Add a pixel of the luminance `y`, of which the light covers `solid_angle`.
+    fn add(&mut self, rgb: [f32; 3], y: f64, towards: DVec3, solid_angle: f64) {
         let flux = y * solid_angle;
         self.flux += flux;
         for (sum, value) in self.irradiance.iter_mut().zip(rgb) {
-            *sum += value * solid_angle;
+            *sum += f64::from(value) * solid_angle;
         }
-        self.flux_vector += flux * towards;
-        self.second += extent * flux;
+        let pull = towards * flux;
+        self.flux_vector += pull;
+        self.second[0] += pull * towards;
+        self.second[1] += pull * DVec3::new(towards.y, towards.z, towards.x);
+        self.width_squared += flux * solid_angle / 12.0;
         self.luminance_squared += y * flux;
         if y >= TOP * self.peak {
             self.top += solid_angle * towards;
@@ -108,6 +126,8 @@ impl Light {
     }
 }
 
+/// Working pixels that are summed at once.
+const PIXELS_OF_A_PART: usize = 1024;
 /// A pixel counts if the light covers this share of it: less is noise.
 const LEAST_COVERAGE: f64 = 0.05;
 
@@ -119,86 +139,101 @@ pub fn measure(
     regions: &Regions,
     backgrounds: &[f64],
 ) -> Vec<Light> {
-    let map = Map::new(radiance, registration, summary);
+    let radiance = radiance.as_standard_layout();
+    let pixels = radiance.as_slice().map_or(&[][..], |samples| samples.as_chunks::<3>().0);
+    let map = Map::new(pixels, radiance.dim(), registration, summary);
     let lights = regions.pixels.par_iter().zip(backgrounds);
-    lights.map(|(pixels, &background)| map.measure(pixels, background)).collect()
+    lights.map(|(region, &background)| map.measure(region, background)).collect()
 }
 
 /// The map's pixels behind the working image's.
 struct Map<'a> {
-    radiance: ArrayView3<'a, f32>,
+    pixels: &'a [[f32; 3]],
+    height: usize,
+    width: usize,
     block: usize,
     working_columns: usize,
-    /// Height, sine and cosine of the polar angle, and `cos theta_top - cos theta_bottom`, of each row.
-    rows: Vec<[f64; 4]>,
+    /// Sine and cosine of the polar angle, and `cos theta_top - cos theta_bottom`, of each row.
+    rows: Vec<[f64; 3]>,
     /// Width, sine and cosine of the azimuth of each column.
     columns: Vec<[f64; 3]>,
 }
 
 impl<'a> Map<'a> {
-    fn new(radiance: ArrayView3<'a, f32>, registration: Registration, summary: &Summary) -> Self {
-        let (height, width, _) = radiance.dim();
+    fn new(
+        pixels: &'a [[f32; 3]],
+        (height, width, _): (usize, usize, usize),
+        registration: Registration,
+        summary: &Summary,
+    ) -> Self {
         let middle = |edge: &[f64]| (0.5 * (edge[0] + edge[1])).sin_cos();
         let theta = registration.theta_edges(height);
-        let bands = band_heights(&theta);
-        let rows = theta.windows(2).zip(bands).map(|(edge, band)| {
-            let (sin, cos) = middle(edge);
-            [edge[1] - edge[0], sin, cos, band]
-        });
-        let columns = registration.phi_edges(width);
-        let columns = columns.windows(2).map(|edge| {
-            let (sin, cos) = middle(edge);
-            [edge[1] - edge[0], sin, cos]
-        });
+        let phi = registration.phi_edges(width);
+        let rows = theta.windows(2).map(middle).zip(band_heights(&theta));
+        let columns = phi.windows(2).map(|edge| (middle(edge), edge[1] - edge[0]));
         Self {
-            rows: rows.collect(),
-            columns: columns.collect(),
-            radiance,
+            pixels,
+            height,
+            width,
             block: summary.block,
             working_columns: summary.size.1,
+            rows: rows.map(|((sin, cos), band)| [sin, cos, band]).collect(),
+            columns: columns.map(|((sin, cos), width)| [width, sin, cos]).collect(),
         }
     }
 
+    /// Part by part: large lights keep all threads busy, and any number of threads adds in one order.
     fn measure(&self, region: &[u32], background: f64) -> Light {
-        // The default matrix of glam is the identity.
-        let mut light = Light { second: DMat3::ZERO, ..Light::default() };
-        self.visit(region, |rgb, _, _| light.peak = light.peak.max(luminance(rgb)));
-        self.visit(region, |rgb, row, column| {
-            let y = luminance(rgb);
-            let coverage = ((y - background) / (light.peak - background)).min(1.0);
+        let parts = region.par_chunks(PIXELS_OF_A_PART);
+        let peak = parts.clone().map(|part| self.peak(part)).reduce(|| 0.0, f64::max);
+        let lights: Vec<Light> = parts.map(|part| self.sum(part, peak, background)).collect();
+        let dark = Light { peak, ..Light::default() };
+        lights.iter().fold(dark, |sum, part| sum.and(part))
+    }
+
+    fn peak(&self, part: &[u32]) -> f64 {
+        let mut peak = 0.0_f32;
+        self.visit(part, |_, _, pixel| peak = peak.max(luminance(pixel)));
+        f64::from(peak)
+    }
+
+    fn sum(&self, part: &[u32], peak: f64, background: f64) -> Light {
+        let mut light = Light { peak, ..Light::default() };
+        self.visit(part, |row, column, pixel| {
+            let y = f64::from(luminance(pixel));
+            let coverage = ((y - background) / (peak - background)).min(1.0);
             if coverage >= LEAST_COVERAGE {
                 let share = 1.0 - (1.0 - coverage) * background / y;
-                let (towards, second, solid_angle) = self.pixel(row, column);
-                light.add(rgb, y, towards, second, share * solid_angle);
+                let (towards, solid_angle) = self.pixel(row, column);
+                light.add(pixel, y, towards, share * solid_angle);
             }
         });
         light
     }
 
-    fn visit(&self, region: &[u32], mut seen: impl FnMut([f64; 3], usize, usize)) {
-        let (height, width, _) = self.radiance.dim();
+    fn visit(&self, region: &[u32], mut seen: impl FnMut(usize, usize, [f32; 3])) {
         for &index in region {
             let (row, column) =
                 (index as usize / self.working_columns, index as usize % self.working_columns);
-            for row in row * self.block..((row + 1) * self.block).min(height) {
-                for column in column * self.block..((column + 1) * self.block).min(width) {
-                    let rgb = [0, 1, 2].map(|channel| f64::from(self.radiance[[row, column, channel]]));
-                    seen(rgb, row, column);
+            let columns = column * self.block..((column + 1) * self.block).min(self.width);
+            for row in row * self.block..((row + 1) * self.block).min(self.height) {
+                let pixels = &self.pixels[row * self.width..][columns.clone()];
+                for (column, &pixel) in columns.clone().zip(pixels) {
+                    seen(row, column, pixel);
                 }
             }
         }
     }
 
-    /// Direction, second moments and solid angle of a pixel: a light of one pixel is as wide as it.
-    fn pixel(&self, row: usize, column: usize) -> (DVec3, DMat3, f64) {
-        let [height, sin_theta, cos_theta, band] = self.rows[row];
+    /// Direction and solid angle of a pixel.
+    fn pixel(&self, row: usize, column: usize) -> (DVec3, f64) {
+        let [sin_theta, cos_theta, band] = self.rows[row];
         let [width, sin_phi, cos_phi] = self.columns[column];
-        let towards = DVec3::new(sin_phi * sin_theta, cos_theta, -cos_phi * sin_theta);
-        let down = DVec3::new(sin_phi * cos_theta, -sin_theta, -cos_phi * cos_theta);
-        let right = DVec3::new(cos_phi, 0.0, sin_phi);
-        let outer = |v: DVec3| DMat3::from_cols(v * v.x, v * v.y, v * v.z);
-        let across = width * sin_theta;
-        let spread = outer(down) * (height * height / 12.0) + outer(right) * (across * across / 12.0);
-        (towards, outer(towards) + spread, band * width)
+        (DVec3::new(sin_phi * sin_theta, cos_theta, -cos_phi * sin_theta), band * width)
     }
+}
+
+fn luminance([red, green, blue]: [f32; 3]) -> f32 {
+    let weights = LUMINANCE.map(|weight| weight as f32);
+    weights[0] * red + weights[1] * green + weights[2] * blue
 }

@@ -40,7 +40,8 @@ pub struct Summary {
 ///
 /// # Errors
 ///
-/// [`Error::NotAMap`]; [`Error::NotFinite`] with the working row that holds what is no number.
+/// [`Error::NotAMap`]; [`Error::NotFinite`] and [`Error::Negative`] for samples that no light can have:
+/// this pass sees them all.
 pub fn summarise(
     radiance: ArrayView3<'_, f32>,
     registration: Registration,
@@ -56,22 +57,37 @@ pub fn summarise(
     let size = (grid.theta_edges.len() - 1, grid.phi_edges.len() - 1);
     let mut luminance = vec![0.0; size.0 * size.1];
     let mut tile_maxima = Array2::zeros((size.0.div_ceil(TILE), size.1.div_ceil(TILE)));
+    let mut signs = vec![false; size.0.div_ceil(TILE)];
     luminance
         .par_chunks_mut(TILE * size.1)
         .zip(tile_maxima.outer_iter_mut().into_par_iter())
+        .zip(&mut signs)
         .enumerate()
-        .for_each(|(tile_row, (rows, mut maxima))| {
+        .for_each(|(tile_row, ((rows, mut maxima), signs))| {
             let mut largest = vec![0.0; size.1];
             for (i, row) in rows.chunks_mut(size.1).enumerate() {
-                reduction.fill_row(tile_row * TILE + i, row);
+                *signs |= reduction.fill_row(tile_row * TILE + i, row);
                 raise(&mut largest, row);
             }
             for (maximum, columns) in maxima.iter_mut().zip(largest.chunks(TILE)) {
                 *maximum = columns.iter().copied().fold(0.0, f32::max);
             }
         });
+    if signs.contains(&true) {
+        check_not_negative(radiance)?;
+    }
     let flux = flux(&luminance, &grid, &bands)?;
     Ok(Summary { size, luminance, grid, bands, block, tile_maxima, flux })
+}
+
+/// A minus sign may be that of -0, which is as good as 0.
+fn check_not_negative(radiance: ArrayView3<'_, f32>) -> Result<()> {
+    for (index, row) in radiance.outer_iter().enumerate() {
+        if let Some(&value) = row.iter().find(|&&value| value < 0.0) {
+            return Err(Error::Negative { what: "radiance", index, value: f64::from(value) });
+        }
+    }
+    Ok(())
 }
 
 fn raise(largest: &mut [f32], row: &[f32]) {
@@ -125,21 +141,23 @@ impl<'a> Reduction<'a> {
         Self { radiance, block, bands: band_heights(&pixels.theta_edges), outer_widths, per_width }
     }
 
-    /// Luminance of one row of the working image.
-    fn fill_row(&self, row: usize, out: &mut [f32]) {
+    /// Luminance of one row of the working image; whether a sample of it has a minus sign.
+    fn fill_row(&self, row: usize, out: &mut [f32]) -> bool {
         let rows = row * self.block..((row + 1) * self.block).min(self.bands.len());
         let samples = self.radiance.slice(s![rows.clone(), .., ..]);
         let samples = samples.as_standard_layout();
         let samples = samples.as_slice().unwrap_or(&[]); // the standard layout is a slice
         if self.block == 1 {
             fill_luminance(samples, out);
+            has_sign(samples)
         } else {
-            self.reduce(samples, &self.bands[rows], out);
+            self.reduce(samples, &self.bands[rows], out)
         }
     }
 
     /// Mean luminance of blocks of pixels, from the rows `samples` of the heights `bands`.
-    fn reduce(&self, samples: &[f32], bands: &[f64], out: &mut [f32]) {
+    fn reduce(&self, samples: &[f32], bands: &[f64], out: &mut [f32]) -> bool {
+        let mut signs = false;
         let whole: f64 = bands.iter().sum();
         let weights: Vec<f32> = bands.iter().map(|band| (band / whole) as f32).collect();
         let rows: Vec<&[f32]> = samples.chunks_exact(samples.len() / bands.len()).collect();
@@ -150,11 +168,13 @@ impl<'a> Reduction<'a> {
             let columns = start..(start + 3 * cells * self.block).min(rows[0].len());
             let mean = &mut mean[..columns.len()];
             weighted_mean(&rows, &weights, columns.clone(), mean);
+            signs |= rows.iter().any(|row| has_sign(&row[columns.clone()])); // while they are at hand
             self.narrow_the_outer(mean, start == 0, columns.end == rows[0].len());
             for ((out, pixels), per_width) in out.iter_mut().zip(mean.chunks(3 * self.block)).zip(per_width) {
                 *out = per_width * luminance_of_sum(pixels);
             }
         }
+        signs
     }
 
     fn narrow_the_outer(&self, mean: &mut [f32], is_first: bool, is_last: bool) {
@@ -166,6 +186,11 @@ impl<'a> Reduction<'a> {
             mean[last..].iter_mut().for_each(|value| *value *= self.outer_widths[1]);
         }
     }
+}
+
+/// Whether any of `samples` has a minus sign. (NaN and infinity show in the flux.)
+fn has_sign(samples: &[f32]) -> bool {
+    samples.iter().fold(0, |bits, sample| bits | sample.to_bits()) >> 31 == 1
 }
 
 /// Mean of the `columns` of some rows, four rows at a time: fewer passes over what is summed.
