@@ -199,9 +199,10 @@ impl<'a> Map<'a> {
 
     fn sum(&self, part: &[u32], peak: f64, background: f64) -> Light {
         let mut light = Light { peak, ..Light::default() };
+        let per_cover = 1.0 / (peak - background);
         self.visit(part, |row, column, pixel| {
             let y = f64::from(luminance(pixel));
-            let coverage = ((y - background) / (peak - background)).min(1.0);
+            let coverage = ((y - background) * per_cover).min(1.0);
             if coverage >= LEAST_COVERAGE {
                 let share = 1.0 - (1.0 - coverage) * background / y;
                 let (towards, solid_angle) = self.pixel(row, column);

@@ -102,6 +102,7 @@ pub fn detect(
     let bright = components::bright_pixels(&summary, threshold.luminance);
     let regions = components::regions(&summary, &sheet, &bright, &threshold, options);
     let regions = gaps::bridge(&summary, &sheet, regions, options.prominence, options.gap);
+    let regions = outline::trim(&sheet, regions);
     let outline = outline::outline(&sheet, &regions);
     let backgrounds = surroundings::backgrounds(&summary, &sheet, &regions, &outline);
     let lights = measure::measure(radiance, registration, &summary, &regions, &backgrounds);

@@ -167,8 +167,7 @@ impl<'a> Reduction<'a> {
         for (start, (out, per_width)) in (0..).step_by(3 * cells * self.block).zip(parts) {
             let columns = start..(start + 3 * cells * self.block).min(rows[0].len());
             let mean = &mut mean[..columns.len()];
-            weighted_mean(&rows, &weights, columns.clone(), mean);
-            signs |= rows.iter().any(|row| has_sign(&row[columns.clone()])); // while they are at hand
+            signs |= weighted_mean(&rows, &weights, columns.clone(), mean);
             self.narrow_the_outer(mean, start == 0, columns.end == rows[0].len());
             for ((out, pixels), per_width) in out.iter_mut().zip(mean.chunks(3 * self.block)).zip(per_width) {
                 *out = per_width * luminance_of_sum(pixels);
@@ -193,21 +192,26 @@ fn has_sign(samples: &[f32]) -> bool {
     samples.iter().fold(0, |bits, sample| bits | sample.to_bits()) >> 31 == 1
 }
 
-/// Mean of the `columns` of some rows, four rows at a time: fewer passes over what is summed.
-fn weighted_mean(rows: &[&[f32]], weights: &[f32], columns: Range<usize>, mean: &mut [f32]) {
+/// Mean of the `columns` of some rows, four rows at a time: fewer passes over what is summed. Whether
+/// a sample has a minus sign is seen on the way.
+fn weighted_mean(rows: &[&[f32]], weights: &[f32], columns: Range<usize>, mean: &mut [f32]) -> bool {
+    let mut bits = 0;
     mean.fill(0.0);
     let (fours, rest) = rows.as_chunks::<4>();
     for (rows, weights) in fours.iter().zip(weights.as_chunks::<4>().0) {
         let [a, b, c, d] = rows.map(|row| &row[columns.clone()]);
         for ((((mean, a), b), c), d) in mean.iter_mut().zip(a).zip(b).zip(c).zip(d) {
             *mean += (weights[0] * a + weights[1] * b) + (weights[2] * c + weights[3] * d);
+            bits |= (a.to_bits() | b.to_bits()) | (c.to_bits() | d.to_bits());
         }
     }
     for (row, weight) in rest.iter().zip(&weights[4 * fours.len()..]) {
         for (mean, sample) in mean.iter_mut().zip(&row[columns.clone()]) {
             *mean += weight * sample;
+            bits |= sample.to_bits();
         }
     }
+    bits >> 31 == 1
 }
 
 /// Luminance of the sum of RGB pixels: four of them are twelve samples, three vectors of four lanes.

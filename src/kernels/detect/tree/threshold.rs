@@ -15,6 +15,8 @@
 
 use std::f64::consts::PI;
 
+use rayon::prelude::*;
+
 use super::summary::Summary;
 
 /// Bits of an `f32`'s mantissa that a bin ignores.
@@ -25,6 +27,9 @@ const OCTAVES_BELOW: u32 = 24;
 const BINS: usize = 2 * OCTAVES_BELOW as usize * BINS_OF_AN_OCTAVE;
 /// Solid angles are summed as integers, in this many parts of the sphere: any order, the same sum.
 const PARTS_OF_THE_SPHERE: f64 = (1_u64 << 52) as f64;
+
+/// Rows that are counted at once.
+const ROWS_AT_ONCE: usize = 64;
 
 /// The share of the sphere that is background, and what a light exceeds it by.
 const BACKGROUND: f64 = 0.9;
@@ -90,24 +95,15 @@ struct Histogram {
 }
 
 impl Histogram {
+    /// Integers add up to the same sum in any order.
     fn of(summary: &Summary, mean: f64) -> Self {
-        // Neighbours are often alike: counters of their own do not wait for one another.
-        let mut parts = vec![[0; 4]; BINS];
         let per_mean = if mean > 0.0 { (1.0 / mean) as f32 } else { 0.0 };
-        let columns = summary.size.1 as f64;
-        for (row, band) in summary.luminance.chunks_exact(summary.size.1).zip(&summary.bands) {
-            let share = (band / 2.0 / columns * PARTS_OF_THE_SPHERE) as u64;
-            for values in row.chunks(64) {
-                let mut bins = [0; 64];
-                for (bin_of, &value) in bins.iter_mut().zip(values) {
-                    *bin_of = bin(value * per_mean) as u32;
-                }
-                for (i, bin) in bins[..values.len()].iter().enumerate() {
-                    parts[*bin as usize][i % 4] += share;
-                }
-            }
-        }
-        Self { parts: parts.iter().map(|lanes| lanes.iter().sum()).collect() }
+        let width = summary.size.1;
+        let parts =
+            summary.luminance.par_chunks(ROWS_AT_ONCE * width).zip(summary.bands.par_chunks(ROWS_AT_ONCE));
+        let of_rows = parts.map(|(rows, bands)| parts_of_rows(rows, bands, width, per_mean));
+        let plus = |one: Vec<u64>, other: Vec<u64>| one.iter().zip(&other).map(|(a, b)| a + b).collect();
+        Self { parts: of_rows.reduce(|| vec![0; BINS], plus) }
     }
 
     /// The value that `share` of the solid angle does not exceed; linear within a bin.
@@ -163,6 +159,24 @@ impl Histogram {
     fn up_to(&self, end: usize) -> Self {
         Self { parts: self.parts[..end].to_vec() }
     }
+}
+
+fn parts_of_rows(rows: &[f32], bands: &[f64], width: usize, per_mean: f32) -> Vec<u64> {
+    // Neighbours are often alike: counters of their own do not wait for one another.
+    let mut parts = vec![[0; 4]; BINS];
+    for (row, band) in rows.chunks_exact(width).zip(bands) {
+        let share = (band / 2.0 / width as f64 * PARTS_OF_THE_SPHERE) as u64;
+        for values in row.chunks(64) {
+            let mut bins = [0; 64];
+            for (bin_of, &value) in bins.iter_mut().zip(values) {
+                *bin_of = bin(value * per_mean) as u32;
+            }
+            for (i, bin) in bins[..values.len()].iter().enumerate() {
+                parts[*bin as usize][i % 4] += share;
+            }
+        }
+    }
+    parts.iter().map(|lanes| lanes.iter().sum()).collect()
 }
 
 const FIRST_BITS: u32 = (127 - OCTAVES_BELOW) << (23 - IGNORED_BITS);
