@@ -111,6 +111,30 @@ pub enum Error {
         width: usize,
     },
 
+    /// A pixel of a gray image is NaN or infinite.
+    #[error("{what} must be finite; pixel (row {row}, column {column}) holds {value}")]
+    BadPixel {
+        /// Name of the argument.
+        what: &'static str,
+        /// Row of the first offender.
+        row: usize,
+        /// Its column.
+        column: usize,
+        /// What it holds.
+        value: f32,
+    },
+
+    /// A line of more pixels than can be listed.
+    #[error("a line must be shorter than {limit} pixels; got one from {start:?} to {end:?}")]
+    LongLine {
+        /// Row and column of its start.
+        start: [i64; 2],
+        /// Row and column of its end.
+        end: [i64; 2],
+        /// Pixels of the first line that is refused.
+        limit: u64,
+    },
+
     /// A pixel that the image does not have.
     #[error("pixel {index} is row {row}, column {column}; the image has {height} rows and {width} columns")]
     OutsideImage {

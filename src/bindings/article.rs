@@ -5,7 +5,7 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2, PyReadonlyArray3}
 use pyo3::prelude::*;
 
 use crate::kernels::detect::article::bresenham::{self, LineRule};
-use crate::kernels::detect::article::{image, neighbours, suppress as suppression};
+use crate::kernels::detect::article::{image, merge, neighbours, suppress as suppression};
 
 /// See `envlights.kernels.luminance`.
 #[pyfunction]
@@ -76,9 +76,9 @@ pub fn suppress<'py>(
 
 /// See `envlights.kernels.bresenham_line`.
 #[pyfunction]
-pub fn bresenham_line(py: Python<'_>, start: [i64; 2], end: [i64; 2]) -> Bound<'_, PyArray2<i64>> {
-    let pixels: Vec<[i64; 2]> = py.detach(|| bresenham::line(start, end).collect());
-    Array2::from(pixels).into_pyarray(py)
+pub fn bresenham_line(py: Python<'_>, start: [i64; 2], end: [i64; 2]) -> PyResult<Bound<'_, PyArray2<i64>>> {
+    let pixels = py.detach(|| bresenham::line(start, end))?;
+    Ok(Array2::from(pixels).into_pyarray(py))
 }
 
 /// See `envlights.kernels.merge_along_lines`.
@@ -97,7 +97,7 @@ pub fn merge_along_lines<'py>(
 ) -> PyResult<Bound<'py, PyArray1<i64>>> {
     let (luminance, pixels, points) = (luminance.as_array(), pixels.as_array(), points.as_array());
     let rule = LineRule { tolerance, ceiling, bright };
-    let out = py.detach(|| bresenham::merge(luminance, pixels, points, farthest, &rule, sphere))?;
+    let out = py.detach(|| merge::merge(luminance, pixels, points, farthest, &rule, sphere))?;
     Ok(indices(py, &out))
 }
 

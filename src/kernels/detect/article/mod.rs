@@ -6,18 +6,22 @@
 //! | 1, 2: a smaller, smoother luminance image     | `image.rs`      |
 //! | 5: the brightest pixel around a sample        | `neighbours.rs` |
 //! | 7: samples near a brighter one                | `suppress.rs`   |
-//! | 8: which samples a bright line joins          | `bresenham.rs`  |
+//! | 8: the line between two samples               | `bresenham.rs`  |
+//! | 8: which samples a bright line joins          | `merge.rs`      |
 //!
 //! Steps 3, 4 and 6 are `kernels::sampling`, `kernels::sphere` and a sort; step 9 is a weighted mean.
 
 pub mod bresenham;
 pub mod image;
+pub mod merge;
 pub mod neighbours;
 pub mod suppress;
 
+use glam::DVec3;
 use ndarray::{ArrayView2, Axis};
 
 use crate::error::{Error, Result};
+use crate::kernels::sphere::check_rows;
 
 /// Row and column.
 pub type Pixel = [usize; 2];
@@ -36,4 +40,44 @@ fn pixels_inside(pixels: ArrayView2<'_, i64>, size: (usize, usize)) -> Result<Ve
         }
     };
     pixels.axis_iter(Axis(0)).enumerate().map(inside).collect()
+}
+
+/// `points`, (n, 2) or (n, 3), in space; those of a plane at height 0.
+fn places(points: ArrayView2<'_, f64>) -> Result<Vec<DVec3>> {
+    let columns = if points.ncols() == 3 { 3 } else { 2 };
+    check_rows("points", points, columns)?;
+    let height = |row: ndarray::ArrayView1<'_, f64>| if columns == 3 { row[2] } else { 0.0 };
+    Ok(points.rows().into_iter().map(|row| DVec3::new(row[0], row[1], height(row))).collect())
+}
+
+/// A gray image whose pixels are finite, row behind row.
+struct Image<'a> {
+    height: usize,
+    width: usize,
+    samples: &'a [f32],
+}
+
+impl<'a> Image<'a> {
+    /// The `image` that is called `what`, in standard layout.
+    fn new(what: &'static str, image: ArrayView2<'a, f32>) -> Result<Self> {
+        image::check_size(image.dim())?;
+        let (height, width) = image.dim();
+        let samples = image.to_slice().unwrap_or(&[]);
+        for (row, samples) in samples.chunks(width).enumerate() {
+            // Without an early way out the row is tested eight pixels at a time.
+            if !samples.iter().fold(true, |all, value| all & value.is_finite()) {
+                let bad = samples.iter().position(|value| !value.is_finite()).unwrap_or(0);
+                return Err(Error::BadPixel { what, row, column: bad, value: samples[bad] });
+            }
+        }
+        Ok(Self { height, width, samples })
+    }
+
+    fn row(&self, row: usize) -> &'a [f32] {
+        &self.samples[row * self.width..][..self.width]
+    }
+
+    fn at(&self, [row, column]: Pixel) -> f32 {
+        self.samples[row * self.width + column]
+    }
 }
