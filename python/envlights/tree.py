@@ -152,8 +152,8 @@ def _skipped(found: _native.TreeDetection) -> list[str]:
     """What was not looked at or kept, in words."""
     dark = found.tiles - found.opened_tiles
     notes = [f"{dark} of {found.tiles} tiles ({100 * dark / found.tiles:.3g} %) that are dark"]
-    if not len(found.flux):
-        notes.append("everything: nothing rises to twice the threshold")
+    if not len(found.flux) and not found.dropped:
+        notes.append("everything: nothing rises far enough above the threshold")
     if found.dropped:
         notes.append(f"{found.dropped} lights below min_flux_share")
     if found.merged:
