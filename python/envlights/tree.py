@@ -100,14 +100,17 @@ def _detect_in(
     The kernel refuses samples that no light can have, for it reads them all: an array is looked
     at a second time, and cleaned, only then.
     """
-    world = env if isinstance(env, EnvMap) else EnvMap.unchecked(env)
+
+    def within(world: EnvMap) -> tuple[_native.TreeDetection, tuple[str, ...]]:
+        border_sampled = world.registration == "border-sampled"
+        return detect(world.radiance, border_sampled=border_sampled), world.notes
+
+    if isinstance(env, EnvMap):
+        return within(env)
     try:
-        found = detect(world.radiance, border_sampled=world.registration == "border-sampled")
+        return within(EnvMap.unchecked(env))
     except EnvLightsError:
-        if world is env:
-            raise
-        return _detect_in(EnvMap(env), detect)
-    return found, world.notes
+        return within(EnvMap(env))
 
 
 def _wrapped(
