@@ -486,5 +486,3 @@ def test_a_fit_that_starts_at_the_lamps_stays_with_them():
     assert angle_deg(rig.lights.direction, world.lights.direction).max() < 0.5
     assert rig.error < 0.01
     assert "start" in rig.report.seconds
-    with pytest.raises(el.EnvLightsError, match="start must be 'greedy' or 'detect'"):
-        el.fit(world.radiance, start="x")

@@ -82,8 +82,10 @@ def fit_lights(
     weights: _Reals,
     irradiance: _Reals,
     start: _Reals,
+    has_ambient: bool,
     lights: int,
     max_steps: int,
+    goal: tuple[_Reals, _Reals, _Reals, float] | None,
 ) -> list[tuple[list[float], _Reals, _Reals, float, int, str]]: ...
 def halton(count: int, bases: list[int]) -> _Reals: ...
 def hammersley(count: int) -> _Reals: ...

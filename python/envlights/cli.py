@@ -37,15 +37,18 @@ def main() -> None:
 
 @main.command()
 @click.argument("map_path", metavar="MAP")
-@click.option("-n", "--lights", default=4, show_default=True, help="Directional lights, at most.")
+@click.option("-n", "--lights", type=int, help="Directional lights, at most; 4 when left out.")
+@click.option("--error", type=float, help="Use the fewest lights with at most this error: 0.01.")
 @_outputs("Write the rig (.json) or a picture (.png, .pdf, .svg); may be given again.")
 @click.option("--json", "as_json", is_flag=True, help="Print the rig as JSON.")
-def fit(map_path: str, lights: int, outputs: Sequence[str], as_json: bool) -> None:
+def fit(
+    map_path: str, lights: int | None, error: float | None, outputs: Sequence[str], as_json: bool
+) -> None:
     """Fit ambient and directional lights to MAP (.hdr, .exr, .png, .jpg, .tif)."""
     for output in outputs:
         _check_output(output, map_path)
     env = envlights.EnvMap.open(map_path)
-    rig = envlights.fit(env, lights=lights)
+    rig = envlights.fit(env, lights=lights, error=error)
     _print(rig, as_json)
     for output in outputs:
         _write(env, rig, output)

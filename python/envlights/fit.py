@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from time import perf_counter
 from typing import Any, NamedTuple
@@ -10,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native, kernels
-from envlights._check import check_choice, count, reals
+from envlights._check import amount, check_choice, count, reals
 from envlights.detect import detect
 from envlights.envmap import EnvMap, as_envmap
 from envlights.rig import FitReport, Lights, Rig, StopReason
@@ -20,15 +21,28 @@ FITTED_NORMALS = 320
 JUDGING_NORMALS = 5120
 
 #: Where the lights of `fit` may start.
-STARTS = ("greedy", "detect")
+STARTS = ("greedy", "detect", "even")
+#: What a fit may use beside the lights.
+AMBIENTS = ("constant", "none")
 _NO_START = np.zeros((0, 3))
+
+#: Lights of a fit that is not told how many, and of one that is told an error.
+LIGHTS = 4
+MOST_LIGHTS = 32
 
 #: Steps after which the solver gives up on a start; real maps take 5 to 20.
 MAX_STEPS = 100
 
 
-def fit(env: EnvMap | ArrayLike, lights: int = 4, *, start: str = "greedy") -> Rig:
-    """Ambient and at most `lights` directional lights that light a white probe as `env` does.
+def fit(
+    env: EnvMap | ArrayLike,
+    lights: int | None = None,
+    *,
+    error: float | None = None,
+    ambient: str = "constant",
+    start: str | Rig = "greedy",
+) -> Rig:
+    """Ambient and a few directional lights that light a white probe as `env` does.
 
     A white Lambertian probe is rendered under the map at 320 normals. Variable projection with
     non-negative radiances then finds the lights, adding one at a time where it explains most of
@@ -38,13 +52,21 @@ def fit(env: EnvMap | ArrayLike, lights: int = 4, *, start: str = "greedy") -> R
     ----------
     env : EnvMap or array_like, shape (height, 2 * height, 3)
         The map; an array is taken as `EnvMap` takes it.
-    lights : int
-        How many directional lights, 0 or more. Fewer come back where fewer do as well.
-    start : {"greedy", "detect"}
+    lights : int, optional
+        How many directional lights at most, 0 or more. Fewer come back where fewer do as well.
+        Left out: 4, or up to 32 where an `error` is asked for.
+    error : float, optional
+        Relative RMS error that is good enough: the fewest lights that reach it come back, which
+        may be none. `report` holds the error for each number that was tried, and says so where
+        `lights` were not enough.
+    ambient : {"constant", "none"}
+        "constant": beside the lights, an environment of one radiance. "none": lights alone.
+    start : {"greedy", "detect", "even"} or Rig
         "greedy": each light starts where it explains most of what is left, and again while that
-        pays. "detect": the lights start at the bright places that `detect` finds, and go downhill
-        from there, so that each stays with its lamp; those beyond are greedy. The error is
-        rarely lower.
+        pays. The others start the lights at given places, from where they go downhill, and add
+        those beyond greedily: "detect" at the bright places that `detect` finds, so that each
+        stays with its lamp; "even" at points spread over the sphere (Madsen et al. 2003, section
+        3.2), which often get stuck; a rig at its own lights, as for the next frame of a video.
 
     Returns
     -------
@@ -54,7 +76,7 @@ def fit(env: EnvMap | ArrayLike, lights: int = 4, *, start: str = "greedy") -> R
     Raises
     ------
     EnvLightsError
-        If `env` is no map, `lights` no count or `start` not known.
+        If `env` is no map, `lights` no count, `error` no share, or `ambient` or `start` not known.
 
     See Also
     --------
@@ -82,16 +104,20 @@ def fit(env: EnvMap | ArrayLike, lights: int = 4, *, start: str = "greedy") -> R
     >>> rig.error < 0.01
     True
     """
-    count("lights", lights)
-    check_choice("start", start, STARTS)
+    most = _most_lights(lights, error)
+    check_choice("ambient", ambient, AMBIENTS)
+    if not isinstance(start, Rig):
+        check_choice("start", start, STARTS)
     env = as_envmap(env)
     started = perf_counter()
     fitted, judging = _normals(FITTED_NORMALS), _normals(JUDGING_NORMALS)
     (seen, judged), sources = _both_sides(env, fitted, judging)
     rendered = perf_counter()
-    first = _first_directions(env, lights, start)
+    first = _first_directions(env, most, start)
     found = perf_counter()
-    answers = _answers(fitted.directions, fitted.weights, seen, lights, first)
+    goal = None if error is None else (judging.directions, judging.weights, judged, error)
+    problem = fitted.directions, fitted.weights, seen
+    answers = _answers(*problem, most, ambient == "constant", first, goal)
     solved = perf_counter()
     errors = [_error(answer, judging.directions, judging.weights, judged) for answer in answers]
     seconds = {
@@ -101,8 +127,12 @@ def fit(env: EnvMap | ArrayLike, lights: int = 4, *, start: str = "greedy") -> R
         "error": perf_counter() - solved,
     }
     measured_on = f"{JUDGING_NORMALS} normals that were not fitted"
-    skipped = _skipped(env, sources, len(answers) - 1, lights)
-    return _rig(answers, errors, seconds, measured_on, skipped, env.notes)
+    skipped = _skipped(env, sources, len(answers) - 1, most, error)
+    rig = _rig(answers, errors, seconds, measured_on, skipped, env.notes)
+    if error is not None and rig.error > error:
+        report = replace(rig.report, stop_reason=StopReason.ERROR_NOT_REACHED)
+        return replace(rig, report=report)
+    return rig
 
 
 def fit_probe(
@@ -111,6 +141,7 @@ def fit_probe(
     lights: int = 4,
     *,
     weights: ArrayLike | None = None,
+    ambient: str = "constant",
 ) -> Rig:
     """Ambient and at most `lights` directional lights from probe values measured elsewhere.
 
@@ -128,6 +159,8 @@ def fit_probe(
         How many directional lights, 0 or more.
     weights : array_like, shape (n,), optional
         Weight of each normal, such as the solid angle it stands for. All alike when left out.
+    ambient : {"constant", "none"}
+        As for `fit`.
 
     Returns
     -------
@@ -151,9 +184,10 @@ def fit_probe(
     """
     count("lights", lights)
     normals, irradiance = reals("normals", normals, 2), reals("irradiance", irradiance, 2)
+    check_choice("ambient", ambient, AMBIENTS)
     weights = np.ones(len(normals)) if weights is None else reals("weights", weights, 1)
     started = perf_counter()
-    answers = _answers(normals, weights, irradiance, lights, _NO_START)
+    answers = _answers(normals, weights, irradiance, lights, ambient == "constant", _NO_START)
     solved = perf_counter()
     errors = [_error(answer, normals, weights, irradiance) for answer in answers]
     seconds = {"fit": solved - started, "error": perf_counter() - solved}
@@ -207,10 +241,24 @@ def _both_sides(env: EnvMap, *normals: _Normals) -> tuple[list[NDArray[np.float6
     return seen, sources
 
 
-def _first_directions(env: EnvMap, lights: int, start: str) -> NDArray[np.float64]:
+def _most_lights(lights: int | None, error: float | None) -> int:
+    """How many lights there may be."""
+    if error is not None:
+        amount("error", error, most=1.0)
+    if lights is None:
+        return LIGHTS if error is None else MOST_LIGHTS
+    return count("lights", lights)
+
+
+def _first_directions(env: EnvMap, lights: int, start: str | Rig) -> NDArray[np.float64]:
     """Where the first lights start, brightest first."""
+    if isinstance(start, Rig):
+        return start.lights.direction
     if start == "greedy" or lights == 0:
         return _NO_START
+    if start == "even":
+        # Half a step in, so that none stands on a pole.
+        return kernels.uniform_sphere(kernels.hammersley(lights) + np.array([0.5 / lights, 0.0]))
     return detect(env, max_lights=lights).direction
 
 
@@ -219,7 +267,9 @@ def _answers(
     weights: NDArray[np.float64],
     irradiance: NDArray[np.float64],
     lights: int,
+    has_ambient: bool,
     start: NDArray[np.float64],
+    goal: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], float] | None = None,
 ) -> list[Any]:
     """Best answers of the kernel with 0, 1, ... lights, on irradiance brought to about 1.
 
@@ -227,7 +277,11 @@ def _answers(
     """
     brightest = float(np.abs(irradiance).max(initial=0.0))
     scale = brightest if 0 < brightest < np.inf else 1.0
-    answers = _native.fit_lights(normals, weights, irradiance / scale, start, lights, MAX_STEPS)
+    if goal is not None:
+        judges, judges_weights, judged, error = goal
+        goal = judges, judges_weights, judged / scale, error
+    problem = normals, weights, irradiance / scale, start, has_ambient
+    answers = _native.fit_lights(*problem, lights, MAX_STEPS, goal)
     return [
         (np.array(ambient) * scale, directions, strength * scale, *rest)
         for ambient, directions, strength, *rest in answers
@@ -245,7 +299,9 @@ def _error(
     return kernels.relative_rms(seen, irradiance, weights)
 
 
-def _skipped(env: EnvMap, sources: int, used: int, lights: int) -> tuple[str, ...]:
+def _skipped(
+    env: EnvMap, sources: int, used: int, lights: int, error: float | None
+) -> tuple[str, ...]:
     notes = []
     if env.width > kernels.WORKING_COLUMNS:
         notes.append(
@@ -254,7 +310,8 @@ def _skipped(env: EnvMap, sources: int, used: int, lights: int) -> tuple[str, ..
             " about 1e-4 under the error"
         )
     if used < lights:
-        notes.append(f"{lights - used} of {lights} lights: they would not lower the error")
+        why = "they would not lower the error" if error is None else "fewer are good enough"
+        notes.append(f"{lights - used} of {lights} lights: {why}")
     return tuple(notes)
 
 

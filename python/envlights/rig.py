@@ -31,12 +31,13 @@ class StopReason(enum.Enum):
     CONVERGED = "the error stopped falling"
     EXACT = "the lights reproduce the probe"
     OUT_OF_STEPS = "the step limit came first; the lights are usable but may not be the best"
+    ERROR_NOT_REACHED = "the error asked for was not reached; allow more `lights`"
     NOTHING_TO_FIT = "the map is black: there is no light to fit"
 
     @property
     def is_success(self) -> bool:
         """Whether more steps would change nothing."""
-        return self is not StopReason.OUT_OF_STEPS
+        return self not in (StopReason.OUT_OF_STEPS, StopReason.ERROR_NOT_REACHED)
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,11 +4,14 @@ use glam::DVec3;
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
-use crate::kernels::fit::{self, Probe, Rig, Solution, StopReason};
+use crate::kernels::fit::{self, Goal, Probe, Rig, Solution, StopReason};
 use crate::kernels::sphere::{from_vectors, unit_vectors};
 
 /// Ambient radiance, directions, irradiance, residual, steps, stop reason.
 type Answer<'py> = ([f64; 3], Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>, f64, usize, &'static str);
+
+/// Normals, weights and irradiance that judge, and the error that is good enough.
+type Judge<'py> = (PyReadonlyArray2<'py, f64>, PyReadonlyArray1<'py, f64>, PyReadonlyArray2<'py, f64>, f64);
 
 /// See `envlights.fit`: the best rig for each number of lights.
 #[pyfunction]
@@ -18,14 +21,21 @@ pub fn fit_lights<'py>(
     weights: PyReadonlyArray1<'py, f64>,
     irradiance: PyReadonlyArray2<'py, f64>,
     start: PyReadonlyArray2<'py, f64>,
+    has_ambient: bool,
     lights: usize,
     max_steps: usize,
+    goal: Option<Judge<'py>>,
 ) -> PyResult<Vec<Answer<'py>>> {
     let (normals, weights, irradiance) = (normals.as_array(), weights.as_array(), irradiance.as_array());
     let start = start.as_array();
+    let judge = goal.as_ref().map(|(n, w, e, error)| (n.as_array(), w.as_array(), e.as_array(), *error));
     let solutions = py.detach(|| {
-        let probe = Probe::new(normals, weights, irradiance)?;
-        fit::fit(&probe, &unit_vectors("start", start)?, lights, max_steps)
+        let probe = Probe::new(normals, weights, irradiance, has_ambient)?;
+        let goal = match judge {
+            Some((n, w, e, error)) => Some(Goal { judge: Probe::new(n, w, e, has_ambient)?, error }),
+            None => None,
+        };
+        fit::fit(&probe, &unit_vectors("start", start)?, lights, max_steps, goal.as_ref())
     })?;
     Ok(solutions.into_iter().map(|solution| answer(py, solution)).collect())
 }

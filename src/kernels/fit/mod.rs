@@ -31,6 +31,8 @@ pub struct Probe {
     outer: Vec<[DVec3; 2]>,
     /// Weighted sum of squares of the irradiance: the cost of no light at all.
     energy: f64,
+    /// Whether the model has an ambient term.
+    has_ambient: bool,
 }
 
 impl Probe {
@@ -40,6 +42,7 @@ impl Probe {
     ///
     /// - `normals`: (n, 3) unit vectors; `weights`: (n,), not negative.
     /// - `irradiance`: (n, 3) RGB, finite.
+    /// - `has_ambient`: whether the model may explain it by a constant environment as well.
     ///
     /// # Errors
     ///
@@ -49,6 +52,7 @@ impl Probe {
         normals: ArrayView2<'_, f64>,
         weights: ArrayView1<'_, f64>,
         irradiance: ArrayView2<'_, f64>,
+        has_ambient: bool,
     ) -> Result<Self> {
         let normals = unit_vectors("normal", normals)?;
         check_rows("irradiance", irradiance, 3)?;
@@ -67,7 +71,13 @@ impl Probe {
         let energy = irradiance.iter().zip(weights).map(|(e, w)| w * e.length_squared()).sum();
         let outer =
             normals.iter().zip(weights).map(|(&n, &w)| [n * n * w, n * DVec3::new(n.y, n.z, n.x) * w]);
-        Ok(Self { outer: outer.collect(), normals, weights: weights.to_vec(), irradiance, energy })
+        let (outer, weights) = (outer.collect(), weights.to_vec());
+        Ok(Self { normals, weights, irradiance, outer, energy, has_ambient })
+    }
+
+    /// The columns of the model with `lights` lights, without their derivatives.
+    fn columns(&self, lights: usize) -> Vec<usize> {
+        self.has_ambient.then_some(0).into_iter().chain((0..lights).map(model::column)).collect()
     }
 }
 
@@ -106,7 +116,23 @@ pub struct Solution {
     pub stop: StopReason,
 }
 
-/// The best rigs with 0, 1, ... `lights` lights; fewer where the probe is explained before.
+/// An error that is good enough, on probe values that are not fitted.
+#[derive(Clone, Debug)]
+pub struct Goal {
+    /// The values that judge.
+    pub judge: Probe,
+    /// Relative RMS error at which no more lights are added.
+    pub error: f64,
+}
+
+impl Goal {
+    fn is_reached(&self, solution: &Solution) -> bool {
+        model::cost(&self.judge, &solution.rig) <= self.error * self.error * self.judge.energy
+    }
+}
+
+/// The best rigs with 0, 1, ... `lights` lights; fewer where the probe is explained before, or `goal`
+/// is reached.
 ///
 /// The first lights start in the directions `start`, brightest first, and go downhill from there.
 /// Those beyond start where each explains most of what is left.
@@ -114,32 +140,30 @@ pub struct Solution {
 /// # Errors
 ///
 /// [`Error::TooFewNormals`] when there are fewer equations than the 3 + 5 M unknowns.
-pub fn fit(probe: &Probe, start: &[DVec3], lights: usize, max_steps: usize) -> Result<Vec<Solution>> {
+pub fn fit(
+    probe: &Probe,
+    start: &[DVec3],
+    lights: usize,
+    max_steps: usize,
+    goal: Option<&Goal>,
+) -> Result<Vec<Solution>> {
     check_unknowns(probe, lights)?;
+    let is_enough =
+        |last: &Solution| last.stop == StopReason::Exact || goal.is_some_and(|goal| goal.is_reached(last));
     let mut solutions = vec![solver::ambient_only(probe)];
-    for given in 1..=start.len().min(lights) {
-        if solutions[given - 1].stop == StopReason::Exact {
-            break;
-        }
-        solutions.push(solver::refine(probe, &start[..given], max_steps, FINE));
-    }
-    add_greedily(probe, &mut solutions, lights, max_steps);
-    Ok(solutions)
-}
-
-/// Add lights to the last of `solutions` one at a time, while that helps.
-fn add_greedily(probe: &Probe, solutions: &mut Vec<Solution>, lights: usize, max_steps: usize) {
-    let is_enough = |solutions: &[Solution]| {
-        solutions.len() > lights || solutions.last().is_none_or(|last| last.stop == StopReason::Exact)
-    };
-    if is_enough(solutions) {
-        return;
-    }
-    let search = Search { probe, starts: start::Starts::new(probe), max_steps };
-    while !is_enough(solutions) {
-        let Some(next) = search.with_one_more(&solutions[solutions.len() - 1]) else { break };
+    // Made once, and only for lights that have no start.
+    let mut search = None;
+    while solutions.len() <= lights && !is_enough(&solutions[solutions.len() - 1]) {
+        let count = solutions.len();
+        let next = if count <= start.len() {
+            Some(solver::refine(probe, &start[..count], max_steps, FINE))
+        } else {
+            search.get_or_insert_with(|| Search::new(probe, max_steps)).with_one_more(&solutions[count - 1])
+        };
+        let Some(next) = next else { break };
         solutions.push(next);
     }
+    Ok(solutions)
 }
 
 /// Relative fall of the cost in one step at which a try has shown what it is worth.
@@ -154,7 +178,11 @@ struct Search<'a> {
     max_steps: usize,
 }
 
-impl Search<'_> {
+impl<'a> Search<'a> {
+    fn new(probe: &'a Probe, max_steps: usize) -> Self {
+        Self { probe, starts: start::Starts::new(probe), max_steps }
+    }
+
     /// `last` with one more light, where that light helps.
     fn with_one_more(&self, last: &Solution) -> Option<Solution> {
         let added = self.best_start(&last.rig)?;
@@ -257,7 +285,7 @@ mod tests {
     fn probe_of(rig: &Rig) -> Probe {
         let (normals, weights) = sampling::icosphere(320).unwrap();
         let seen = irradiance(rig, normals.view()).unwrap();
-        Probe::new(normals.view(), weights.view(), seen.view()).unwrap()
+        Probe::new(normals.view(), weights.view(), seen.view(), true).unwrap()
     }
 
     #[test]
@@ -267,7 +295,7 @@ mod tests {
             directions: vec![direction(0.4, 1.0), direction(1.3, 3.5), direction(2.5, 5.0)],
             irradiance: vec![DVec3::new(3.0, 2.5, 2.0), DVec3::new(0.5, 1.0, 1.5), DVec3::splat(0.7)],
         };
-        let solutions = fit(&probe_of(&rig), &[], 3, 100).unwrap();
+        let solutions = fit(&probe_of(&rig), &[], 3, 100, None).unwrap();
         let found = &solutions[3].rig;
         for (wanted, irradiance) in rig.directions.iter().zip(&rig.irradiance) {
             let nearest = found.directions.iter().zip(&found.irradiance);
@@ -281,7 +309,7 @@ mod tests {
 
     #[test]
     fn black_needs_no_light() {
-        let solutions = fit(&probe_of(&Rig::default()), &[], 4, 100).unwrap();
+        let solutions = fit(&probe_of(&Rig::default()), &[], 4, 100, None).unwrap();
         assert_eq!(solutions.len(), 1);
         assert_eq!(solutions[0].rig, Rig::default());
     }

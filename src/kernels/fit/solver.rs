@@ -35,7 +35,7 @@ struct State {
 impl State {
     fn new(probe: &Probe, directions: Vec<DVec3>) -> Self {
         let moments = Moments::new(probe, &directions);
-        let rig = best_radiances(&moments, directions);
+        let rig = best_radiances(probe, &moments, directions);
         let cost = model::cost(probe, &rig);
         Self { moments, rig, cost }
     }
@@ -46,7 +46,7 @@ impl State {
     }
 }
 
-/// The best ambient term alone.
+/// The best ambient term alone, if the model has one.
 pub fn ambient_only(probe: &Probe) -> Solution {
     let state = State::new(probe, Vec::new());
     let stop = if state.cost <= EXACT * probe.energy { StopReason::Exact } else { StopReason::Converged };
@@ -55,7 +55,7 @@ pub fn ambient_only(probe: &Probe) -> Solution {
 
 /// The best radiances of lights in fixed directions.
 pub fn radiances(probe: &Probe, directions: &[DVec3]) -> Rig {
-    best_radiances(&Moments::new(probe, directions), directions.to_vec())
+    best_radiances(probe, &Moments::new(probe, directions), directions.to_vec())
 }
 
 /// From `directions` downhill until a step lowers the cost by less than the share `still` of it.
@@ -124,16 +124,17 @@ fn turned(state: &State, step: &DVector<f64>) -> Vec<DVec3> {
 }
 
 /// Best radiances, channel by channel, for lights in `directions`.
-fn best_radiances(moments: &Moments, directions: Vec<DVec3>) -> Rig {
-    let columns: Vec<usize> = std::iter::once(0).chain((0..directions.len()).map(column)).collect();
+fn best_radiances(probe: &Probe, moments: &Moments, directions: Vec<DVec3>) -> Rig {
+    let columns = probe.columns(directions.len());
     let gram = DMatrix::from_fn(columns.len(), columns.len(), |i, j| moments.gram[(columns[i], columns[j])]);
     let mut rig = Rig { ambient: DVec3::ZERO, irradiance: vec![DVec3::ZERO; directions.len()], directions };
     for channel in 0..3 {
         let right = DVector::from_fn(columns.len(), |i, _| moments.right[(columns[i], channel)]);
         let x = nnls::solve(&gram, &right);
-        rig.ambient[channel] = x[0];
-        for (light, irradiance) in rig.irradiance.iter_mut().enumerate() {
-            irradiance[channel] = x[1 + light];
+        let (ambient, lights) = x.as_slice().split_at(usize::from(probe.has_ambient));
+        rig.ambient[channel] = ambient.first().copied().unwrap_or(0.0);
+        for (irradiance, &value) in rig.irradiance.iter_mut().zip(lights) {
+            irradiance[channel] = value;
         }
     }
     rig

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use nalgebra::{DMatrix, DVector};
 
-use super::model::{self, Moments, column};
+use super::model::{self, Moments};
 use super::{Probe, Rig, nnls};
 use crate::kernels::sampling;
 use crate::kernels::sphere::{exponential_map, tangents};
@@ -74,10 +74,11 @@ impl Starts {
     /// `|a - P a|^2` of every direction: what its column adds to those of `directions`.
     fn outside(&self, probe: &Probe, directions: &[DVec3]) -> DVector<f64> {
         let gram = Moments::new(probe, directions).gram;
-        let columns: Vec<usize> = std::iter::once(0).chain((0..directions.len()).map(column)).collect();
+        let columns = probe.columns(directions.len());
         let Some(factor) = nnls::factor(&gram, &columns) else { return self.square.clone() };
-        let basis = DMatrix::from_fn(probe.normals.len(), columns.len(), |i, j| {
-            if j == 0 { std::f64::consts::PI } else { probe.normals[i].dot(directions[j - 1]).max(0.0) }
+        let basis = DMatrix::from_fn(probe.normals.len(), columns.len(), |i, j| match columns[j] {
+            0 => std::f64::consts::PI,
+            _ => probe.normals[i].dot(directions[columns[j] / 3]).max(0.0),
         });
         let mut inside = (&self.weighted * basis).transpose();
         factor.l_dirty().solve_lower_triangular_mut(&mut inside);
