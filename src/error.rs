@@ -111,6 +111,30 @@ pub enum Error {
         width: usize,
     },
 
+    /// An image of more pixels than are made.
+    #[error("an image may have up to {limit} pixels; got {height} rows of {width}")]
+    HugeImage {
+        /// Rows that were asked for.
+        height: usize,
+        /// Columns that were asked for.
+        width: usize,
+        /// Pixels of the largest.
+        limit: usize,
+    },
+
+    /// A number outside of its range.
+    #[error("{what} must be from {least} to {most}; got {value}")]
+    OutOfRange {
+        /// Name of the argument.
+        what: &'static str,
+        /// What was given.
+        value: f64,
+        /// The smallest that is accepted.
+        least: f64,
+        /// The largest.
+        most: f64,
+    },
+
     /// A pixel of a gray image is NaN or infinite.
     #[error("{what} must be finite; pixel (row {row}, column {column}) holds {value}")]
     BadPixel {

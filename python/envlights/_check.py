@@ -54,3 +54,35 @@ def check_choice(name: str, value: object, choices: tuple[str, ...]) -> None:
     if not isinstance(value, str) or value not in choices:
         wanted = " or ".join(repr(choice) for choice in choices)
         raise EnvLightsError(f"{name} must be {wanted}; got {value!r}")
+
+
+def float_image(name: str, values: ArrayLike, ndim: int) -> NDArray[np.float32]:
+    """`values` as a C-contiguous float32 array of `ndim` axes, or a refusal that names it."""
+    is_ready = isinstance(values, np.ndarray) and values.dtype == np.float32
+    array = values if is_ready else reals(name, values, ndim)
+    if np.ndim(array) != ndim:
+        raise EnvLightsError(f"{name} must have {ndim} axes; got the shape {np.shape(array)}")
+    return np.ascontiguousarray(array, dtype=np.float32)
+
+
+def finite(name: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """`values`, or a refusal if one is NaN or infinite."""
+    bad = np.argwhere(~np.isfinite(values))
+    if len(bad):
+        value = values[tuple(bad[0])]
+        raise EnvLightsError(f"{name} must be finite; row {bad[0][0]} holds {value}")
+    return values
+
+
+def whole_pixels(values: ArrayLike) -> NDArray[np.int64]:
+    """`values` as rows and columns, or a refusal."""
+    try:
+        array = np.asarray(values)
+    except ValueError as error:
+        raise EnvLightsError(f"pixels must be an array of whole numbers; {error}") from None
+    if array.dtype.kind not in "iu" or array.ndim != 2 or array.shape[1] != 2:
+        raise EnvLightsError(
+            f"pixels must be whole numbers of the shape (n, 2);"
+            f" got the dtype {array.dtype} and the shape {array.shape}"
+        )
+    return np.ascontiguousarray(array, dtype=np.int64)

@@ -5,7 +5,9 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2, PyReadonlyArray3}
 use pyo3::prelude::*;
 
 use crate::kernels::detect::article::bresenham::{self, LineRule};
-use crate::kernels::detect::article::{image, merge, neighbours, suppress as suppression};
+use crate::kernels::detect::article::{
+    blur as smoothing, luminance as light, merge, neighbours, resize, suppress as suppression,
+};
 
 /// See `envlights.kernels.luminance`.
 #[pyfunction]
@@ -14,7 +16,7 @@ pub fn luminance<'py>(
     radiance: PyReadonlyArray3<'py, f32>,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let radiance = radiance.as_array();
-    let out = py.detach(|| image::luminance(radiance))?;
+    let out = py.detach(|| light::luminance(radiance))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -27,7 +29,7 @@ pub fn resize_bilinear<'py>(
     width: usize,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let view = image.as_array();
-    let out = py.detach(|| image::resize_bilinear(view, height, width))?;
+    let out = py.detach(|| resize::resize_bilinear(view, height, width))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -39,7 +41,7 @@ pub fn blur<'py>(
     sigma: f64,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let view = image.as_array();
-    let out = py.detach(|| image::blur(view, sigma))?;
+    let out = py.detach(|| smoothing::blur(view, sigma))?;
     Ok(out.into_pyarray(py))
 }
 

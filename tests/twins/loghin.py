@@ -27,26 +27,52 @@ def samples(n: int, height: int, width: int) -> list[tuple[int, int]]:
     return pixels
 
 
-def brightest_around(luminance, pixel, reach):
-    """Step 5: value and place of the maximum of a square window, cut at the image's border."""
+def direction(pixel, height, width):
+    """Unit vector towards the centre of a pixel, which may lie between pixels."""
+    theta, phi = math.pi * (pixel[0] + 0.5) / height, 2 * math.pi * (pixel[1] + 0.5) / width
+    sine = math.sin(theta)
+    return sine * math.sin(phi), math.cos(theta), -sine * math.cos(phi)
+
+
+def columns_around(row, column, reach, height, width, sphere):
+    """Columns of one row of a window: cut at the border, or as wide as an angle on the sphere."""
+    if not sphere:
+        return range(max(column - reach, 0), min(column + reach, width - 1) + 1)
+    reach = int(reach / math.sin(math.pi * (row + 0.5) / height))
+    if 2 * reach >= width:
+        return range(width)
+    return [x % width for x in range(column - reach, column + reach + 1)]
+
+
+def brightest_around(luminance, pixel, reach, sphere=False):
+    """Step 5: value and place of the maximum of a window."""
     height, width = luminance.shape
     best, place = -math.inf, pixel
     for row in range(max(pixel[0] - reach, 0), min(pixel[0] + reach, height - 1) + 1):
-        for column in range(max(pixel[1] - reach, 0), min(pixel[1] + reach, width - 1) + 1):
+        for column in columns_around(row, pixel[1], reach, height, width, sphere):
             if luminance[row, column] > best:
                 best, place = luminance[row, column], (row, column)
     return best, place
 
 
-def suppress(pixels, distance):
+def distance(one, other, size, sphere):
+    """Between two pixels: in pixels, or in degrees on the sphere."""
+    if not sphere:
+        return math.dist(one, other)
+    a, b = direction(one, *size), direction(other, *size)
+    return math.degrees(
+        2 * math.atan2(math.dist(a, b), math.hypot(*map(sum, zip(a, b, strict=True))))
+    )
+
+
+def suppress(pixels, is_near):
     """Step 7: from the brightest on, each survivor takes what is near and not taken yet."""
     label = [-1] * len(pixels)
-    for i, (row, column) in enumerate(pixels):
+    for i, pixel in enumerate(pixels):
         if label[i] == -1:
             label[i] = i
             for j in range(i + 1, len(pixels)):
-                near = math.hypot(pixels[j][0] - row, pixels[j][1] - column) < distance
-                if label[j] == -1 and near:
+                if label[j] == -1 and is_near(pixel, pixels[j]):
                     label[j] = i
     return label
 
@@ -72,47 +98,75 @@ def line(start, end):
     return pixels
 
 
-def is_bright(luminance, start, end, tolerance=0.15, ceiling=1.25):
+def is_bright(luminance, start, end, unit=1.0, sphere=False):
     """Step 8: the running mean stays close to the start's luminance, or is 1 and more."""
+    width = luminance.shape[1]
+    if sphere and abs(end[1] - start[1]) > width // 2:
+        end = (end[0], end[1] - width if end[1] > start[1] else end[1] + width)
+    tolerance, ceiling, bright = (np.float32(unit * level) for level in (0.15, 1.25, 1.0))
     total = np.float32(0)
-    for count, pixel in enumerate(line(start, end)[1:], start=1):
-        total += min(luminance[pixel], np.float32(ceiling))
+    for count, (row, column) in enumerate(line(start, end)[1:], start=1):
+        total += min(luminance[row, column % width], ceiling)
         mean = total / np.float32(count)
-        if abs(mean - luminance[tuple(start)]) > np.float32(tolerance) and mean < 1:
+        if abs(mean - luminance[tuple(start)]) > tolerance and mean < bright:
             return False
     return True
 
 
-def merge(luminance, pixels):
-    """Step 8: each survivor that is left takes those that a bright line joins to it."""
+def merge(pixels, belongs):
+    """Step 8: each survivor that is left takes those that belong to it."""
     label = [-1] * len(pixels)
     for i, start in enumerate(pixels):
         if label[i] == -1:
             label[i] = i
             for j in range(i + 1, len(pixels)):
-                if label[j] == -1 and is_bright(luminance, start, pixels[j]):
+                if label[j] == -1 and belongs(start, pixels[j]):
                     label[j] = i
     return label
 
 
-def detect(luminance, *, samples_per_pixel=0.006, threshold=0.8, suppression_deg=5.0):
-    """All steps: pixels of the samples that passed, their lights, and the lights' mean pixels."""
+def position(luminance, pixels, sphere):
+    """Step 9: the mean, weighted by luminance, of pixels or of unit vectors; as a direction."""
+    weights = [float(luminance[pixel]) for pixel in pixels]
+    points = [direction(pixel, *luminance.shape) if sphere else pixel for pixel in pixels]
+    mean = [
+        sum(w * x for w, x in zip(weights, axis, strict=True)) for axis in zip(*points, strict=True)
+    ]
+    mean = [total / sum(weights) for total in mean]
+    if not sphere:
+        return direction(mean, *luminance.shape)
+    return tuple(x / math.hypot(*mean) for x in mean)
+
+
+def detect(luminance, *, unit=1.0, move_to_maximum=False, sphere=False, merge_cap_deg=None):
+    """All steps: pixels of the samples that passed, their lights, and the lights' directions.
+
+    `unit` is the luminance that stands for the article's 1.
+    """
     height, width = luminance.shape
     reach = int(12 * width / 1024) // 2
-    taken = samples(int(samples_per_pixel * width * height), height, width)
-    kept = [p for p in taken if brightest_around(luminance, p, reach)[0] > threshold]
+    per_degree = 1 if sphere else width / 360
+
+    def apart(one, other):
+        return distance(one, other, luminance.shape, sphere)
+
+    def belongs(one, other):
+        within = merge_cap_deg is None or apart(one, other) <= merge_cap_deg * per_degree
+        return within and is_bright(luminance, one, other, unit, sphere)
+
+    kept = []
+    for pixel in samples(int(0.006 * width * height), height, width):
+        brightest, place = brightest_around(luminance, pixel, reach, sphere)
+        if brightest > unit * 0.8:
+            kept.append(place if move_to_maximum else pixel)
     kept.sort(key=lambda pixel: -luminance[pixel])  # stable
-    survivor = suppress(kept, suppression_deg * width / 360)
+    survivor = suppress(kept, lambda one, other: apart(one, other) < 5.0 * per_degree)
     survivors = sorted(set(survivor))
-    merged = merge(luminance, [kept[i] for i in survivors])
-    light_of_survivor = {s: survivors[m] for s, m in zip(survivors, merged, strict=True)}
-    light = [light_of_survivor[s] for s in survivor]
-    means = {}
-    for home in sorted(set(light)):
-        parts = [s for s in survivors if light_of_survivor[s] == home]
-        weights = [float(luminance[kept[s]]) for s in parts]
-        means[home] = [
-            sum(w * kept[s][axis] for w, s in zip(weights, parts, strict=True)) / sum(weights)
-            for axis in (0, 1)
-        ]
-    return kept, light, means
+    merged = merge([kept[i] for i in survivors], belongs)
+    light_of = {s: survivors[m] for s, m in zip(survivors, merged, strict=True)}
+    members = {home: [s for s in survivors if light_of[s] == home] for home in light_of.values()}
+    directions = {
+        home: position(luminance, [kept[s] for s in parts], sphere)
+        for home, parts in members.items()
+    }
+    return kept, [light_of[s] for s in survivor], directions

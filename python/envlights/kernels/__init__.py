@@ -7,16 +7,18 @@ kernel reads it.
 """
 
 from envlights.kernels.article import (
-    blur,
     bresenham_line,
-    luminance,
     merge_along_lines,
     neighbour_maximum,
+    suppress,
+    weighted_means,
+)
+from envlights.kernels.image import (
+    blur,
+    luminance,
     reduced_luminance,
     resize_bilinear,
-    suppress,
     uv_to_pixel,
-    weighted_means,
 )
 from envlights.kernels.probe import (
     WORKING_COLUMNS,

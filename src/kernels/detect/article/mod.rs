@@ -3,7 +3,9 @@
 //!
 //! | step                                          | file            |
 //! |-----------------------------------------------|-----------------|
-//! | 1, 2: a smaller, smoother luminance image     | `image.rs`      |
+//! | 1: a smaller image                            | `resize.rs`     |
+//! | 2: its luminance                              | `luminance.rs`  |
+//! | 2: smoother, if wanted                        | `blur.rs`       |
 //! | 5: the brightest pixel around a sample        | `neighbours.rs` |
 //! | 7: samples near a brighter one                | `suppress.rs`   |
 //! | 8: the line between two samples               | `bresenham.rs`  |
@@ -11,10 +13,12 @@
 //!
 //! Steps 3, 4 and 6 are `kernels::sampling`, `kernels::sphere` and a sort; step 9 is a weighted mean.
 
+pub mod blur;
 pub mod bresenham;
-pub mod image;
+pub mod luminance;
 pub mod merge;
 pub mod neighbours;
+pub mod resize;
 pub mod suppress;
 
 use glam::DVec3;
@@ -60,8 +64,10 @@ struct Image<'a> {
 impl<'a> Image<'a> {
     /// The `image` that is called `what`, in standard layout.
     fn new(what: &'static str, image: ArrayView2<'a, f32>) -> Result<Self> {
-        image::check_size(image.dim())?;
         let (height, width) = image.dim();
+        if height == 0 || width == 0 {
+            return Err(Error::EmptyImage { height, width });
+        }
         let samples = image.to_slice().unwrap_or(&[]);
         for (row, samples) in samples.chunks(width).enumerate() {
             // Without an early way out the row is tested eight pixels at a time.

@@ -1,0 +1,163 @@
+"""Images to look at: luminance, smaller, smoother, and the pixels of image coordinates."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from envlights import _native
+from envlights._check import amount, count, finite, float_image, reals
+from envlights._native import EnvLightsError
+
+
+def luminance(radiance: ArrayLike) -> NDArray[np.float32]:
+    """Rec.709 luminance of linear RGB; Loghin (2021), step 2.
+
+    Parameters
+    ----------
+    radiance : array_like, shape (height, width, 3)
+        Linear RGB. A float32 array is read in place.
+
+    Returns
+    -------
+    ndarray of float32, shape (height, width)
+        ``0.2126 R + 0.7152 G + 0.0722 B``.
+
+    Raises
+    ------
+    EnvLightsError
+        If the shape is wrong or a value is not finite.
+
+    Examples
+    --------
+    >>> luminance(np.full((2, 4, 3), 0.5))[0, 0].round(6)
+    np.float32(0.5)
+    """
+    return _native.luminance(float_image("radiance", radiance, 3))
+
+
+def resize_bilinear(image: ArrayLike, height: int, width: int) -> NDArray[np.float32]:
+    """An image in another size, linear between the pixels' centres; Loghin (2021), step 1.
+
+    A reduction by more than 2 leaves pixels out: small lights may vanish. The area average of
+    `envlights.detect` does not.
+
+    Parameters
+    ----------
+    image : array_like, shape (rows, columns)
+        Columns meet at the seam, as those of an equirectangular map.
+    height, width : int
+        The new size.
+
+    Returns
+    -------
+    ndarray of float32, shape (height, width)
+
+    Raises
+    ------
+    EnvLightsError
+        If `image` has another shape or is not finite, or the new size is 0 or beyond 2**30 pixels.
+
+    Examples
+    --------
+    >>> resize_bilinear([[0, 2, 4, 2]], 1, 2)
+    array([[1., 3.]], dtype=float32)
+    """
+    size = count("height", height, least=1), count("width", width, least=1)
+    return _native.resize_bilinear(float_image("image", image, 2), *size)
+
+
+def reduced_luminance(
+    radiance: NDArray[np.float32], columns: int, *, border_sampled: bool = False
+) -> NDArray[np.float32]:
+    """Luminance of a map in fewer pixels, each the mean of a block by solid angle.
+
+    What `envlights.detect` works on. No light is lost, unlike in `resize_bilinear`.
+
+    Parameters
+    ----------
+    radiance : ndarray of float32, shape (height, width, 3)
+        Finite and not negative; read in place.
+    columns : int
+        At most so many columns are made; blocks have whole pixels, so there may be fewer.
+    border_sampled : bool
+        Whether the outer pixels lie on the seam and the poles.
+
+    Returns
+    -------
+    ndarray of float32, shape (rows, columns)
+
+    Raises
+    ------
+    EnvLightsError
+        If the shape is wrong.
+
+    Examples
+    --------
+    >>> reduced_luminance(np.ones((64, 128, 3), np.float32), 50).shape
+    (22, 43)
+    """
+    return _native.reduced_luminance(radiance, count("columns", columns, least=1), border_sampled)
+
+
+def blur(image: ArrayLike, sigma: float) -> NDArray[np.float32]:
+    """A Gaussian blur; Loghin (2021), step 2, where it is optional.
+
+    Parameters
+    ----------
+    image : array_like, shape (height, width)
+        Columns meet at the seam; rows end.
+    sigma : float
+        Standard deviation in pixels: 1 to 2 at a width of 1024.
+
+    Returns
+    -------
+    ndarray of float32, shape (height, width)
+
+    Raises
+    ------
+    EnvLightsError
+        If `image` has another shape or is not finite, or `sigma` is negative or beyond the width.
+
+    Examples
+    --------
+    >>> blur([[0, 0, 1, 0, 0, 0, 0, 0]], 1.0).round(2)
+    array([[0.05, 0.24, 0.4 , 0.24, 0.05, 0.  , 0.  , 0.  ]], dtype=float32)
+    """
+    return _native.blur(float_image("image", image, 2), amount("sigma", sigma))
+
+
+def uv_to_pixel(uv: ArrayLike, height: int, width: int) -> NDArray[np.int64]:
+    """The pixels in which image coordinates lie; Loghin (2021), step 4.
+
+    Parameters
+    ----------
+    uv : array_like, shape (n, 2)
+        ``u`` from the left edge, ``v`` from the top, 0 to 1.
+    height, width : int
+        Size of the image.
+
+    Returns
+    -------
+    ndarray of int, shape (n, 2)
+        Row and column.
+
+    Raises
+    ------
+    EnvLightsError
+        If `uv` has another shape or is not finite, or the size is not positive.
+
+    Examples
+    --------
+    >>> uv_to_pixel([[0.5, 0.0], [0.999, 1.0]], 4, 8)
+    array([[0, 4],
+           [3, 7]])
+    """
+    uv = finite("uv", reals("uv", uv, 2))
+    if uv.shape[1] != 2:
+        raise EnvLightsError(f"uv must have the shape (n, 2); got {uv.shape}")
+    size = np.array([count("height", height, least=1), count("width", width, least=1)])
+    # Hammersley points lie on the very borders of pixels, where rounding would toss a coin.
+    at = np.floor(uv[:, ::-1] * size + 1e-9)
+    pixel: NDArray[np.int64] = np.clip(at, 0, size - 1).astype(np.int64)
+    return pixel
