@@ -1,5 +1,7 @@
 """The component tree against plain twins, closed sums, and maps where its shortcuts could fail."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -167,6 +169,22 @@ def test_the_members_of_a_reduced_map_are_pixels_of_the_working_image():
     assert not is_member[off > 8 + 0.43].any()
 
 
+def test_any_slice_brings_its_own_members():
+    lights = el.detect(one_pixel_suns(6, 0))
+    homes = members(lights)
+    assert members(lights[1:5:2]) == [homes[1], homes[3]]
+    assert members(lights[4:]) == homes[4:]
+    # Lights are always sorted, also those of a slice from the back.
+    assert members(lights[::-1]) == homes
+
+
+def test_members_follow_their_lights_into_the_order_of_flux():
+    lights = el.detect(one_pixel_suns(3, 0))
+    turned = dataclasses.replace(lights, irradiance=lights.irradiance[[1, 2, 0]])
+    homes = members(lights)
+    assert members(turned) == [homes[2], homes[0], homes[1]]
+
+
 # Gaps are angles
 
 
@@ -279,6 +297,22 @@ def test_exposure_changes_no_light_of_either_registration(factor, registration):
     assert angle_deg(lights.direction, scaled.direction).max() < 1e-3
     np.testing.assert_allclose(scaled.irradiance, factor * lights.irradiance, rtol=1e-5)
     assert scaled.report.threshold == pytest.approx(factor * lights.report.threshold, rel=1e-4)
+
+
+@real_maps("hdr/*.hdr", "exr/*.exr")
+def test_a_real_map_turned_by_whole_blocks_has_turned_lights(path):
+    env = el.EnvMap.open(path)
+    lights = el.detect(env)
+    # By other numbers of columns a reduced map has other working pixels.
+    columns = 333 * -(-env.width // 1024)
+    turned = el.detect(np.ascontiguousarray(np.roll(env.radiance, columns, axis=1)))
+    assert len(turned) == len(lights)
+    azimuth = 2 * np.pi * columns / env.width
+    cos, sin = np.cos(azimuth), np.sin(azimuth)
+    rotation = np.array([[cos, 0, -sin], [0, 1, 0], [sin, 0, cos]])
+    for direction in (lights.direction @ rotation.T)[lights.flux_share > 0.001]:
+        assert angle_deg(turned.direction, direction).min() < 1e-3
+    np.testing.assert_allclose(turned.flux_share, lights.flux_share, rtol=1e-4, atol=1e-6)
 
 
 @real_maps("hdr/*.hdr", "exr/*.exr", "openexr_envmaps/*LatLong.exr")

@@ -191,3 +191,101 @@ pub fn root(parent: &mut [u32], mut i: u32) -> u32 {
     }
     i
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::super::drawn::{drawn, drawn_from, regions, sizes};
+    use super::*;
+
+    /// Pixels of each light in one row between dark ones, the smallest light first.
+    fn in_a_row(row: &str) -> Vec<usize> {
+        sizes(&regions(&drawn_from(4, &[row]), 0.0))
+    }
+
+    #[test]
+    fn ends_of_a_tube_are_one_light() {
+        assert_eq!(in_a_row("...865555568...."), [9]);
+    }
+
+    #[test]
+    fn two_lamps_are_two_where_the_way_falls_to_a_quarter_of_the_dimmer() {
+        assert_eq!(in_a_row("....93338......."), [5]);
+        // 8 / 2 is 4: just enough. Of pixels alike the left one counts as higher.
+        assert_eq!(in_a_row("....92228......."), [2, 3]);
+        assert_eq!(in_a_row("....91118......."), [2, 3]);
+        assert_eq!(in_a_row("....92227......."), [5]);
+    }
+
+    #[test]
+    fn the_way_between_two_lamps_is_the_brightest_not_the_straight_one() {
+        let summary = drawn_from(3, &["....4444444.....", "....9.....8....."]);
+        assert_eq!(sizes(&regions(&summary, 0.0)), [9]);
+    }
+
+    #[test]
+    fn a_lamp_that_absorbed_another_is_as_prominent_as_its_own_peak() {
+        // 5 goes to 6 over 4, then 6 to 9 over 2; 8 stays, for all ways to it fall to 1.
+        assert_eq!(in_a_row("..54629.1.8....."), [1, 5]);
+        assert_eq!(in_a_row("..54629118......"), [2, 6]);
+    }
+
+    #[test]
+    fn corners_touch() {
+        let summary = drawn_from(2, &["....9...........", ".....9..........", "....9..........."]);
+        assert_eq!(sizes(&regions(&summary, 0.0)), [3]);
+    }
+
+    #[test]
+    fn a_light_across_the_seam_is_one() {
+        assert_eq!(in_a_row("98............79"), [4]);
+        for rows in [["9...............", "...............8"], ["...............9", "8..............."]] {
+            assert_eq!(sizes(&regions(&drawn_from(3, &rows), 0.0)), [2]);
+        }
+    }
+
+    #[test]
+    fn a_light_over_a_pole_is_one_and_beside_it_two() {
+        let row = "..9.......8.....";
+        for (top, wanted) in [(0, vec![2]), (7, vec![2]), (1, vec![1, 1]), (6, vec![1, 1])] {
+            assert_eq!(sizes(&regions(&drawn_from(top, &[row]), 0.0)), wanted, "row {top}");
+        }
+    }
+
+    #[test]
+    fn a_light_rises_above_the_threshold_and_extends_down_to_it() {
+        assert_eq!(in_a_row("....1..........."), [0; 0]); // 1 is bright, 1.25 would be a light
+        assert_eq!(in_a_row("...121.....1...."), [3]);
+    }
+
+    #[test]
+    fn at_the_ceiling_of_a_clipped_picture_a_light_need_not_rise_as_far() {
+        assert_eq!(in_a_row("....11.........."), [0; 0]);
+        assert_eq!(in_a_row("....111........."), [3]);
+        assert_eq!(in_a_row("....111....9...."), [1]); // the ceiling is higher
+    }
+
+    #[test]
+    fn what_is_labelled_is_within_the_edge() {
+        let summary = drawn_from(4, &["....1295......1."]);
+        let regions = regions(&summary, 0.5);
+        assert_eq!(regions.pixels[0].len(), 4);
+        let labelled: Vec<usize> = (0..128).filter(|&i| regions.label[i] == 1).collect();
+        assert_eq!(labelled, [4 * 16 + 6, 4 * 16 + 7]); // 9 and 5, not 2 and 1
+        assert_eq!(regions.label.iter().filter(|&&label| label != 0).count(), 2);
+        assert!((regions.peaks[0] - 9.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn bright_pixels_are_all_above_the_threshold_and_dark_tiles_stay_shut() {
+        let rows: Vec<String> = (0..40)
+            .map(|y| (0..80).map(|x| if y % 39 == 15 && x % 31 == 15 { '9' } else { '.' }).collect())
+            .collect();
+        let rows: Vec<&str> = rows.iter().map(String::as_str).collect();
+        let bright = bright_pixels(&drawn(&rows), 0.5);
+        let mut indices = bright.indices;
+        indices.sort_unstable();
+        assert_eq!(indices, [15 * 80 + 15, 15 * 80 + 46, 15 * 80 + 77]);
+        assert_eq!(bright.opened_tiles, 3);
+    }
+}

@@ -109,3 +109,97 @@ impl Reach {
         (half_sine.min(1.0).asin() / PI * self.width as f64) as usize
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::super::drawn::{drawn, drawn_from, regions, sizes};
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Pixels of each light of a drawing after gaps of so many pixel heights are bridged.
+    fn bridged(summary: &Summary, gap_px: f64) -> Vec<usize> {
+        let gap = gap_px * PI / summary.size.0 as f64;
+        sizes(&bridge(summary, &Sheet::of(summary), regions(summary, 0.0), 4.0, gap))
+    }
+
+    #[test]
+    fn a_bar_of_one_pixel_joins_and_one_of_three_does_not() {
+        // Their middles are 2 and 4 pixels apart.
+        assert_eq!(bridged(&drawn_from(4, &["...99.99........"]), 2.2), [4]);
+        assert_eq!(bridged(&drawn_from(4, &["...99...99......"]), 2.2), [2, 2]);
+        assert_eq!(
+            bridged(&drawn_from(2, &["....99..........", "................", "....99.........."]), 2.2),
+            [4]
+        );
+    }
+
+    #[test]
+    fn a_bar_on_the_seam_joins() {
+        assert_eq!(bridged(&drawn_from(4, &["9..............9"]), 2.2), [2]);
+        assert_eq!(bridged(&drawn_from(4, &[".9.............9"]), 2.2), [2]);
+        assert_eq!(bridged(&drawn_from(4, &["9.............9."]), 2.2), [2]);
+        assert_eq!(bridged(&drawn_from(4, &[".9............9."]), 2.2), [1, 1]);
+    }
+
+    #[test]
+    fn no_gap_no_bridge() {
+        assert_eq!(bridged(&drawn_from(4, &["...99.99........"]), 0.0), [2, 2]);
+    }
+
+    #[test]
+    fn a_glow_between_two_lamps_is_no_bridge() {
+        assert_eq!(bridged(&drawn_from(4, &["...921298......."]), 2.2), [3, 3]);
+        // A third of the peak is solid.
+        assert_eq!(bridged(&drawn_from(4, &["...93.39........"]), 2.2), [4]);
+    }
+
+    /// Over the pole, half a turn apart in row 1: 3 heights; in row 7 of 16 nearly a half circle.
+    #[test]
+    fn around_a_pole_a_gap_is_an_angle() {
+        let row = "9...............9...............";
+        let dark = ".".repeat(32);
+        for (y, wanted) in [(1, vec![2]), (14, vec![2]), (2, vec![1, 1]), (7, vec![1, 1])] {
+            let mut rows = vec![dark.as_str(); 16];
+            rows[y] = row;
+            assert_eq!(bridged(&drawn(&rows), 3.2), wanted, "row {y}");
+        }
+    }
+
+    #[test]
+    fn a_chain_of_panes_is_one_light_with_all_pixels_and_the_highest_peak() {
+        let summary = drawn_from(4, &["..5.9.7.6......."]);
+        let gap = 2.2 * PI / 8.0;
+        let joined = bridge(&summary, &Sheet::of(&summary), regions(&summary, 0.0), 4.0, gap);
+        assert_eq!(sizes(&joined), [4]);
+        assert!((joined.peaks[0] - 9.0).abs() < 1e-5);
+        for &pixel in &joined.pixels[0] {
+            assert_eq!(joined.label[pixel as usize], 1);
+        }
+        assert_eq!(joined.label.iter().filter(|&&label| label != 0).count(), 4);
+    }
+
+    proptest! {
+        /// All pixels whose chord is shorter than the gap, and none whose is longer.
+        #[test]
+        fn what_is_within_reach_is_seen(row in 0_usize..24, column in 0_usize..48, gap in 0.1..1.0) {
+            let dark = ".".repeat(48);
+            let summary = drawn(&vec![dark.as_str(); 24]);
+            let pixel = row * 48 + column;
+            let mut is_seen = vec![false; 24 * 48];
+            Reach::new(&summary, gap).visit(pixel, |other| is_seen[other] = true);
+            let towards = |pixel: usize| {
+                let (theta, phi) = ((pixel / 48) as f64 + 0.5, (pixel % 48) as f64 + 0.5);
+                crate::kernels::sphere::direction(PI * theta / 24.0, PI * phi / 24.0)
+            };
+            for (other, seen) in is_seen.into_iter().enumerate() {
+                let chord = towards(pixel).distance(towards(other));
+                prop_assert!(!seen || chord <= gap + 1e-9, "{pixel} {other} {chord}");
+                // Rows are counted by their angle, which is longer than the chord by gap^3 / 24;
+                // the rows at the poles are seen in steps.
+                let is_polar = [0, 23].contains(&(other / 48));
+                prop_assert!(seen || is_polar || chord > gap - 0.05, "{pixel} {other} {chord}");
+            }
+        }
+    }
+}

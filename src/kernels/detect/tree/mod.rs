@@ -14,6 +14,8 @@
 
 mod budget;
 mod components;
+#[cfg(test)]
+mod drawn;
 mod gaps;
 mod measure;
 mod outline;

@@ -27,3 +27,29 @@ pub fn outline(sheet: &Sheet, regions: &Regions) -> Vec<u32> {
     };
     regions.pixels.iter().flat_map(|pixels| pixels.iter().filter(is_border)).copied().collect()
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::super::drawn::{drawn_from, regions};
+    use super::*;
+
+    fn length(top: usize, rows: &[&str]) -> usize {
+        let summary = drawn_from(top, rows);
+        outline(&Sheet::of(&summary), &regions(&summary, 0.0)).len()
+    }
+
+    #[test]
+    fn the_inner_pixels_are_no_outline() {
+        assert_eq!(length(2, &["...9999.........", "...9999.........", "...9999........."]), 10);
+        assert_eq!(length(2, &["99............99", "99............99", "99............99"]), 10);
+        assert_eq!(length(4, &[".......9........"]), 1);
+    }
+
+    /// Beyond a pole row there is nothing that a light could end at.
+    #[test]
+    fn a_cap_has_one_ring_of_outline() {
+        assert_eq!(length(0, &["9999999999999999", "9999999999999999"]), 16);
+        assert_eq!(length(6, &["9999999999999999", "9999999999999999"]), 16);
+    }
+}

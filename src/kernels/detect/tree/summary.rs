@@ -273,6 +273,28 @@ mod tests {
     }
 
     #[test]
+    fn each_pixel_is_the_mean_of_its_block_by_solid_angle() {
+        for registration in [Registration::CellCentred, Registration::BorderSampled] {
+            for (height, width, block) in [(30, 60, 1), (30, 60, 4), (37, 74, 5), (300, 600, 3)] {
+                let map = map(height, width);
+                let summary = summarise(map.view(), registration, width.div_ceil(block)).unwrap();
+                assert_eq!(summary.block, block);
+                let solid_angles =
+                    crate::kernels::sphere::pixel_solid_angles(height, width, registration).unwrap();
+                let mut sums = vec![(0.0, 0.0); summary.luminance.len()];
+                for ((y, x), &solid_angle) in solid_angles.indexed_iter() {
+                    let sum = &mut sums[y / block * summary.size.1 + x / block];
+                    let rgb = [0, 1, 2].map(|c| f64::from(map[[y, x, c]]));
+                    *sum = (sum.0 + image::luminance(rgb) * solid_angle, sum.1 + solid_angle);
+                }
+                for (&seen, (flux, solid_angle)) in summary.luminance.iter().zip(sums) {
+                    assert_relative_eq!(f64::from(seen), flux / solid_angle, max_relative = 1e-5);
+                }
+            }
+        }
+    }
+
+    #[test]
     fn an_even_map_stays_even() {
         let map = Array3::from_elem((50, 100, 3), 0.5_f32);
         let summary = summarise(map.view(), Registration::BorderSampled, 30).unwrap();

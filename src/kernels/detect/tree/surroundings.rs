@@ -38,3 +38,45 @@ fn median(values: &mut [f32]) -> f64 {
     let middle = values.len() / 2;
     if values.is_empty() { 0.0 } else { f64::from(*values.select_nth_unstable_by(middle, f32::total_cmp).1) }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::super::drawn::{drawn, regions};
+    use super::super::outline::outline;
+    use super::*;
+    use approx::assert_relative_eq;
+
+    /// Luminance behind a lamp of 9, 5 x 5 pixels, where column x around it looks like `pixel(x)`.
+    fn behind(row: usize, column: usize, pixel: impl Fn(usize) -> char) -> f64 {
+        let is_lamp = |y: usize, x: usize| y.abs_diff(row) <= 2 && (x + 32 - column + 2) % 32 <= 4;
+        let rows: Vec<String> =
+            (0..16).map(|y| (0..32).map(|x| if is_lamp(y, x) { '9' } else { pixel(x) }).collect()).collect();
+        let rows: Vec<&str> = rows.iter().map(String::as_str).collect();
+        let summary = drawn(&rows);
+        let (sheet, mut regions) = (Sheet::of(&summary), regions(&summary, 0.7));
+        assert_eq!(regions.pixels.len(), 1);
+        regions.pixels[0].retain(|&pixel| regions.label[pixel as usize] != 0);
+        assert_eq!(regions.pixels[0].len(), 25);
+        backgrounds(&summary, &sheet, &regions, &outline(&sheet, &regions))[0]
+    }
+
+    #[test]
+    fn it_is_the_luminance_around_the_light_also_on_the_seam() {
+        for column in [10, 0, 31] {
+            assert_relative_eq!(behind(8, column, |_| '.'), 0.1, max_relative = 1e-5);
+            assert_relative_eq!(behind(8, column, |_| '3'), 3.0, max_relative = 1e-5);
+        }
+    }
+
+    #[test]
+    fn what_stands_on_one_side_does_not_matter() {
+        assert_relative_eq!(behind(8, 10, |x| if x > 12 { '4' } else { '1' }), 1.0, max_relative = 1e-5);
+    }
+
+    #[test]
+    fn it_is_at_most_half_of_the_peak() {
+        assert_relative_eq!(behind(8, 10, |_| '4'), 4.0, max_relative = 1e-5);
+        assert_relative_eq!(behind(8, 10, |_| '5'), 4.5, max_relative = 1e-5);
+    }
+}

@@ -234,6 +234,50 @@ mod tests {
         assert_relative_eq!(threshold.luminance, 16.0, max_relative = 0.04);
     }
 
+    /// The luminance that a share of the sphere does not exceed, from all pixels in order.
+    fn sorted_quantile(summary: &Summary, share: f64) -> f64 {
+        let columns = summary.size.1;
+        let pixels = summary.luminance.iter().enumerate();
+        let mut pixels: Vec<(f32, f64)> = pixels.map(|(i, &y)| (y, summary.bands[i / columns])).collect();
+        pixels.sort_by(|one, other| one.0.total_cmp(&other.0));
+        let wanted = share * pixels.iter().map(|(_, band)| band).sum::<f64>();
+        let mut below = 0.0;
+        let reached = pixels.iter().find(|(_, band)| {
+            below += band;
+            below >= wanted
+        });
+        f64::from(reached.unwrap().0)
+    }
+
+    #[test]
+    fn quantiles_are_those_of_the_sorted_pixels() {
+        // Seven octaves, dark at the poles: without solid angles the median would be another.
+        let map = Array3::from_shape_fn((64, 128, 3), |(y, x, _)| {
+            let chance = ((y * 7919 + x * 104_729) % 1000) as f32 / 1000.0;
+            (7.0 * chance * (y as f32 / 20.0).sin().abs()).exp2()
+        });
+        let summary = summarise(map.view(), Registration::CellCentred, 128).unwrap();
+        let mean = summary.flux / (4.0 * PI);
+        let histogram = Histogram::of(&summary, mean);
+        for share in [0.01, 0.1, 0.5, 0.9, 0.95, 0.999] {
+            let (seen, wanted) = (histogram.quantile(share) * mean, sorted_quantile(&summary, share));
+            assert_relative_eq!(seen, wanted, max_relative = 1.0 / 32.0); // the width of a bin
+        }
+    }
+
+    #[test]
+    fn a_sun_does_not_draw_the_cut_above_the_windows() {
+        // A fifth of the sphere at 100 before 1, and one row's cap at 1e6.
+        let map = Array3::from_shape_fn((200, 400, 3), |(y, _, _)| match y {
+            0 => 1e6_f32,
+            1..60 => 100.0,
+            _ => 1.0,
+        });
+        let threshold = from_histogram(&summarise(map.view(), Registration::CellCentred, 400).unwrap());
+        assert_eq!(threshold.reason, Reason::BelowCut);
+        assert_relative_eq!(threshold.luminance, 2.0, max_relative = 0.04);
+    }
+
     #[test]
     fn bins_are_in_the_order_of_luminance() {
         let values = [0.0, 1e-30, 1e-6, 0.5, 1.0, 1.02, 1.1, 3.0, 1e5, f32::MAX];
