@@ -279,10 +279,10 @@ mod tests {
     #[test]
     fn bright_pixels_are_all_above_the_threshold_and_dark_tiles_stay_shut() {
         let rows: Vec<String> = (0..40)
-            .map(|y| (0..80).map(|x| if y % 39 == 15 && x % 31 == 15 { '9' } else { '.' }).collect())
+            .map(|y| (0..80).map(|x| if y % 39 == 15 && x % 31 == 15 { '1' } else { '.' }).collect())
             .collect();
         let rows: Vec<&str> = rows.iter().map(String::as_str).collect();
-        let bright = bright_pixels(&drawn(&rows), 0.5);
+        let bright = bright_pixels(&drawn(&rows), 0.9); // 1 is only just bright
         let mut indices = bright.indices;
         indices.sort_unstable();
         assert_eq!(indices, [15 * 80 + 15, 15 * 80 + 46, 15 * 80 + 77]);
