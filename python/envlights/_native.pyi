@@ -78,14 +78,12 @@ def detect_tree(
 ) -> TreeDetection: ...
 def direction_to_uv(direction: _Reals) -> _Reals: ...
 def fit_lights(
-    normals: _Reals,
-    weights: _Reals,
-    irradiance: _Reals,
+    fitted: tuple[_Reals, _Reals, _Reals],
     start: _Reals,
     has_ambient: bool,
     lights: int,
     max_steps: int,
-    goal: tuple[_Reals, _Reals, _Reals, float] | None,
+    goal: tuple[tuple[_Reals, _Reals, _Reals], float] | None,
 ) -> list[tuple[list[float], _Reals, _Reals, float, int, str]]: ...
 def halton(count: int, bases: list[int]) -> _Reals: ...
 def hammersley(count: int) -> _Reals: ...

@@ -26,6 +26,9 @@ STARTS = ("greedy", "detect", "even")
 AMBIENTS = ("constant", "none")
 _NO_START = np.zeros((0, 3))
 
+#: Normals, weights and irradiance.
+_Samples = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
+
 #: Lights of a fit that is not told how many, and of one that is told an error.
 LIGHTS = 4
 MOST_LIGHTS = 32
@@ -115,7 +118,7 @@ def fit(
     rendered = perf_counter()
     first = _first_directions(env, most, start)
     found = perf_counter()
-    goal = None if error is None else (judging.directions, judging.weights, judged, error)
+    goal = None if error is None else ((judging.directions, judging.weights, judged), error)
     problem = fitted.directions, fitted.weights, seen
     answers = _answers(*problem, most, ambient == "constant", first, goal)
     solved = perf_counter()
@@ -269,7 +272,7 @@ def _answers(
     lights: int,
     has_ambient: bool,
     start: NDArray[np.float64],
-    goal: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], float] | None = None,
+    goal: tuple[_Samples, float] | None = None,
 ) -> list[Any]:
     """Best answers of the kernel with 0, 1, ... lights, on irradiance brought to about 1.
 
@@ -278,10 +281,10 @@ def _answers(
     brightest = float(np.abs(irradiance).max(initial=0.0))
     scale = brightest if 0 < brightest < np.inf else 1.0
     if goal is not None:
-        judges, judges_weights, judged, error = goal
-        goal = judges, judges_weights, judged / scale, error
-    problem = normals, weights, irradiance / scale, start, has_ambient
-    answers = _native.fit_lights(*problem, lights, MAX_STEPS, goal)
+        (judges, judges_weights, judged), error = goal
+        goal = (judges, judges_weights, judged / scale), error
+    fitted = normals, weights, irradiance / scale
+    answers = _native.fit_lights(fitted, start, has_ambient, lights, MAX_STEPS, goal)
     return [
         (np.array(ambient) * scale, directions, strength * scale, *rest)
         for ambient, directions, strength, *rest in answers

@@ -1,6 +1,7 @@
 //! `kernels::fit` for Python.
 
 use glam::DVec3;
+use numpy::ndarray::{ArrayView1, ArrayView2};
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
@@ -10,34 +11,34 @@ use crate::kernels::sphere::{from_vectors, unit_vectors};
 /// Ambient radiance, directions, irradiance, residual, steps, stop reason.
 type Answer<'py> = ([f64; 3], Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>, f64, usize, &'static str);
 
-/// Normals, weights and irradiance that judge, and the error that is good enough.
-type Judge<'py> = (PyReadonlyArray2<'py, f64>, PyReadonlyArray1<'py, f64>, PyReadonlyArray2<'py, f64>, f64);
+/// Normals, weights and irradiance.
+type Samples<'py> = (PyReadonlyArray2<'py, f64>, PyReadonlyArray1<'py, f64>, PyReadonlyArray2<'py, f64>);
 
 /// See `envlights.fit`: the best rig for each number of lights.
 #[pyfunction]
 pub fn fit_lights<'py>(
     py: Python<'py>,
-    normals: PyReadonlyArray2<'py, f64>,
-    weights: PyReadonlyArray1<'py, f64>,
-    irradiance: PyReadonlyArray2<'py, f64>,
+    fitted: Samples<'py>,
     start: PyReadonlyArray2<'py, f64>,
     has_ambient: bool,
     lights: usize,
     max_steps: usize,
-    goal: Option<Judge<'py>>,
+    goal: Option<(Samples<'py>, f64)>,
 ) -> PyResult<Vec<Answer<'py>>> {
-    let (normals, weights, irradiance) = (normals.as_array(), weights.as_array(), irradiance.as_array());
-    let start = start.as_array();
-    let judge = goal.as_ref().map(|(n, w, e, error)| (n.as_array(), w.as_array(), e.as_array(), *error));
+    let (fitted, start) = (views(&fitted), start.as_array());
+    let goal = goal.as_ref().map(|(judge, error)| (views(judge), *error));
     let solutions = py.detach(|| {
-        let probe = Probe::new(normals, weights, irradiance, has_ambient)?;
-        let goal = match judge {
-            Some((n, w, e, error)) => Some(Goal { judge: Probe::new(n, w, e, has_ambient)?, error }),
-            None => None,
-        };
-        fit::fit(&probe, &unit_vectors("start", start)?, lights, max_steps, goal.as_ref())
+        let probe = |(n, w, e)| Probe::new(n, w, e, has_ambient);
+        let goal = goal.map(|(judge, error)| Ok(Goal { judge: probe(judge)?, error })).transpose()?;
+        fit::fit(&probe(fitted)?, &unit_vectors("start", start)?, lights, max_steps, goal.as_ref())
     })?;
     Ok(solutions.into_iter().map(|solution| answer(py, solution)).collect())
+}
+
+type Views<'a> = (ArrayView2<'a, f64>, ArrayView1<'a, f64>, ArrayView2<'a, f64>);
+
+fn views<'a>((normals, weights, irradiance): &'a Samples<'_>) -> Views<'a> {
+    (normals.as_array(), weights.as_array(), irradiance.as_array())
 }
 
 fn answer(py: Python<'_>, solution: Solution) -> Answer<'_> {

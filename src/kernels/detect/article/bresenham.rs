@@ -93,7 +93,7 @@ pub(super) fn is_bright(image: &Image<'_>, start: Pixel, end: Pixel, rule: &Line
     }
     let (first, mut sum, mut count) = (image.at(start), 0.0_f32, 0.0_f32);
     Steps::new(from, to).all(|[row, column]| {
-        // Less than one width beyond the seam: cheaper than a remainder, which tripled the time.
+        // At most one width beyond the seam.
         let column = if column < 0 { column + width } else { column };
         let column = if column < width { column } else { column - width };
         sum += image.at([row as usize, column as usize]).min(rule.ceiling);

@@ -46,9 +46,10 @@ fn brightest_around(
     sphere: bool,
 ) -> (f32, Pixel) {
     let mut best = (f32::NEG_INFINITY, [row, column]);
-    for y in row.saturating_sub(reach)..row.saturating_add(reach + 1).min(image.height) {
+    let rows = row.saturating_sub(reach)..row.saturating_add(reach + 1).min(image.height);
+    for (y, &columns) in rows.clone().zip(&columns[rows]) {
         let line = image.row(y);
-        for part in window(column, columns[y], image.width, sphere) {
+        for part in window(column, columns, image.width, sphere) {
             let first = part.start;
             for (x, &value) in line[part].iter().enumerate() {
                 if value > best.0 {
