@@ -126,7 +126,8 @@ radiance = np.random.default_rng(3).gamma(0.3, 1.0, size=(256, 512, 3)).astype(n
 radiance[60, 100] = 3e4
 normals, _ = el.kernels.icosphere(320)
 rig = el.fit(radiance, lights=3)
-found = [rig.ambient, rig.lights.direction, rig.lights.irradiance, np.array(rig.report.errors)]
+errors = np.array(list(rig.report.errors.values()))
+found = [rig.ambient, rig.lights.direction, rig.lights.irradiance, errors]
 for array in [el.EnvMap(radiance).probe(normals), *found]:
     print(array.tobytes().hex())
 """

@@ -16,7 +16,8 @@ from envlights.detect import detect
 from envlights.detected import DetectedLights, DetectionReport
 from envlights.envmap import EnvMap
 from envlights.fit import fit, fit_probe
-from envlights.rig import FitReport, Lights, Rig, StopReason
+from envlights.report import FitReport, StopReason
+from envlights.rig import Lights, Rig
 from envlights.tree import detect_tree
 
 __all__ = [

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 __all__ = [
     "EnvLightsError",
+    "FitAnswer",
     "TreeDetection",
     "blur",
     "bresenham_line",
@@ -64,6 +65,18 @@ class TreeDetection:
     dropped: int
     merged: int
 
+@final
+class FitAnswer:
+    lights: int
+    ambient: _Reals
+    directions: _Reals
+    irradiance: _Reals
+    condition: float
+    direction_errors: list[float]
+    irradiance_errors: list[list[float]]
+    steps: int
+    stop: str
+
 def blur(image: _Image, sigma: float) -> _Image: ...
 def bresenham_line(start: list[int], end: list[int]) -> _Indices: ...
 def detect_tree(
@@ -80,11 +93,12 @@ def direction_to_uv(direction: _Reals) -> _Reals: ...
 def fit_lights(
     fitted: tuple[_Reals, _Reals, _Reals],
     start: _Reals,
-    has_ambient: bool,
+    held: int,
+    ambient: int,
     lights: int,
     max_steps: int,
     goal: tuple[tuple[_Reals, _Reals, _Reals], float] | None,
-) -> list[tuple[list[float], _Reals, _Reals, float, int, str]]: ...
+) -> list[FitAnswer]: ...
 def halton(count: int, bases: list[int]) -> _Reals: ...
 def hammersley(count: int) -> _Reals: ...
 def icosphere(faces: int) -> tuple[_Reals, _Reals]: ...
@@ -110,7 +124,7 @@ def reduced_luminance(radiance: _Image, columns: int, border_sampled: bool) -> _
 def relative_rms(seen: _Reals, wanted: _Reals, weights: _Reals) -> float: ...
 def resize_bilinear(image: _Image, height: int, width: int) -> _Image: ...
 def rig_irradiance(
-    normals: _Reals, ambient: list[float], directions: _Reals, irradiance: _Reals
+    normals: _Reals, ambient: _Reals, directions: _Reals, irradiance: _Reals
 ) -> _Reals: ...
 def sum_over_sources(
     normals: _Reals,

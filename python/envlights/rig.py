@@ -1,11 +1,9 @@
-"""Lights, the rig that they make, and the report on how it was found."""
+"""Lights, and the rig that they make with an ambient term."""
 
 from __future__ import annotations
 
-import enum
 import json
 import os
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -14,30 +12,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import kernels
-from envlights._check import amount, count, reals
+from envlights._check import amount, reals
 from envlights._native import EnvLightsError
 from envlights.files import write_atomically
+from envlights.report import FitReport
 
 #: Rec.709 weights of linear red, green and blue in luminance.
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 _FORMAT = "envlights rig"
 _VERSION = 1
-
-
-class StopReason(enum.Enum):
-    """Why the solver stopped. The text is what a user reads."""
-
-    CONVERGED = "the error stopped falling"
-    EXACT = "the lights reproduce the probe"
-    OUT_OF_STEPS = "the step limit came first; the lights are usable but may not be the best"
-    ERROR_NOT_REACHED = "the error asked for was not reached; allow more `lights`"
-    NOTHING_TO_FIT = "the map is black: there is no light to fit"
-
-    @property
-    def is_success(self) -> bool:
-        """Whether more steps would change nothing."""
-        return self not in (StopReason.OUT_OF_STEPS, StopReason.ERROR_NOT_REACHED)
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,41 +66,6 @@ class Lights:
         return {"direction": self.direction.tolist(), "irradiance": self.irradiance.tolist()}
 
 
-@dataclass(frozen=True)
-class FitReport:
-    """How a rig was found."""
-
-    errors: tuple[float, ...]
-    """Relative RMS error with 0, 1, 2, ... lights, as far as they were tried."""
-
-    steps: int
-    """Steps that the solver took, all starts together."""
-
-    stop_reason: StopReason
-    """Why it took no more."""
-
-    seconds: Mapping[str, float] = field(default_factory=dict)
-    """Wall time of each stage."""
-
-    measured_on: str = ""
-    """The normals on which `errors` were measured."""
-
-    skipped: tuple[str, ...] = ()
-    """What was not computed because it was not needed."""
-
-    def __str__(self) -> str:
-        curve = "  ".join(
-            f"{count}: {100 * error:.3g} %" for count, error in enumerate(self.errors)
-        )
-        lines = [
-            f"error by number of lights: {curve}",
-            f"measured on {self.measured_on}",
-            f"{self.steps} steps; {self.stop_reason.value}",
-            *(f"skipped: {note}" for note in self.skipped),
-        ]
-        return "\n".join(lines)
-
-
 @dataclass(frozen=True, eq=False)
 class Rig:
     """Ambient and directional lights, and how well they stand for the map.
@@ -130,7 +79,9 @@ class Rig:
     """
 
     ambient: NDArray[np.float64]
-    """Radiance of a constant environment, linear RGB, shape (3,)."""
+    """Radiance of a constant environment, linear RGB, shape (3,); or real spherical harmonics of it
+    up to order 2, shape (9, 3), as `kernels.rig_irradiance` takes them. Their irradiance is nowhere
+    negative on a fitted rig."""
 
     lights: Lights
     r"""Directional lights, brightest first."""
@@ -138,19 +89,14 @@ class Rig:
     error: float
     """Relative RMS error of the irradiance; `report` says on which normals."""
 
-    report: FitReport = FitReport((), 0, StopReason.CONVERGED)
+    report: FitReport = field(default_factory=FitReport)
     """How the rig was found."""
 
     notes: tuple[str, ...] = ()
     """What was cleaned or assumed in the map."""
 
     def __post_init__(self) -> None:
-        ambient = reals("ambient", self.ambient, 1)
-        if ambient.shape != (3,) or not np.isfinite(ambient).all() or (ambient < 0).any():
-            raise EnvLightsError(
-                f"ambient must be three finite numbers, none negative; got {ambient.tolist()}"
-            )
-        object.__setattr__(self, "ambient", frozen(ambient))
+        object.__setattr__(self, "ambient", frozen(_ambient(self.ambient)))
         object.__setattr__(self, "error", amount("error", self.error))
 
     def probe(self, normals: ArrayLike) -> NDArray[np.float64]:
@@ -181,14 +127,7 @@ class Rig:
             "ambient": self.ambient.tolist(),
             "lights": self.lights.to_dict(),
             "error": self.error,
-            "report": {
-                "errors": list(self.report.errors),
-                "steps": self.report.steps,
-                "stop_reason": self.report.stop_reason.name,
-                "seconds": dict(self.report.seconds),
-                "measured_on": self.report.measured_on,
-                "skipped": list(self.report.skipped),
-            },
+            "report": self.report.to_dict(),
             "notes": list(self.notes),
         }
 
@@ -229,14 +168,23 @@ class Rig:
             raise EnvLightsError(f"{path} is no whole rig: {error!r}") from None
 
     def __str__(self) -> str:
-        ambient = "  ".join(f"{value:.4g}" for value in self.ambient)
         lines = [
             _table(self.lights),
-            f"ambient radiance {ambient}",
+            *_ambient_lines(self.ambient),
             f"relative RMS error {100 * self.error:.3g} % on {self.report.measured_on}",
             *(f"note: {note}" for note in self.notes),
         ]
         return "\n".join(line for line in lines if line)
+
+
+def _ambient(values: ArrayLike) -> NDArray[np.float64]:
+    """An ambient term that no renderer has to take light away for, in the shape it came in."""
+    rows = kernels.probe.coefficients(values)
+    if not np.isfinite(rows).all():
+        raise EnvLightsError(f"ambient must be finite; got {rows.tolist()}")
+    if len(rows) == 1 and (rows < 0).any():
+        raise EnvLightsError(f"ambient must not be negative; got {rows[0].tolist()}")
+    return rows.reshape(np.shape(values))
 
 
 def _table(lights: Lights) -> str:
@@ -252,6 +200,15 @@ def _table(lights: Lights) -> str:
         share = 100 * power / whole
         lines.append(f"{i:>5}  {360 * u:>6.1f}°  {90 - 180 * v:>+8.1f}°  {share:>4.1f} %{rgb}")
     return "\n".join(lines)
+
+
+def _ambient_lines(ambient: NDArray[np.float64]) -> list[str]:
+    rows = [" ".join(f"{value:>11.4g}" for value in row) for row in np.atleast_2d(ambient)]
+    if len(rows) == 1:
+        return ["ambient radiance  " + "  ".join(rows[0].split())]
+    names = ("1", "y", "z", "x", "xy", "yz", "3zz-1", "xz", "xx-yy")
+    table = [f"  {name:<5} {row}" for name, row in zip(names, rows, strict=True)]
+    return ["ambient radiance, spherical harmonics (R, G, B):", *table]
 
 
 def _light_arrays(
@@ -292,14 +249,6 @@ def _check_version(path: object, data: Any) -> None:
 
 
 def _from_dict(data: dict[str, Any]) -> Rig:
-    report = dict(data["report"])
-    report["stop_reason"] = StopReason[report["stop_reason"]]
-    report["errors"] = tuple(amount("errors", error) for error in report["errors"])
-    report["steps"] = count("steps", report["steps"])
-    report["seconds"] = {
-        str(stage): amount("seconds", value) for stage, value in report["seconds"].items()
-    }
-    report["skipped"] = tuple(report["skipped"])
     lights = data["lights"]
     # A list without entries has lost its second axis.
     direction = np.reshape(lights["direction"], (-1, 3))
@@ -308,6 +257,6 @@ def _from_dict(data: dict[str, Any]) -> Rig:
         data["ambient"],
         Lights(direction, irradiance),
         data["error"],
-        FitReport(**report),
+        FitReport.from_dict(data["report"]),
         tuple(data["notes"]),
     )

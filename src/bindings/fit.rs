@@ -5,11 +5,22 @@ use numpy::ndarray::{ArrayView1, ArrayView2};
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
-use crate::kernels::fit::{self, Goal, Probe, Rig, Solution, StopReason};
+use crate::kernels::fit::{self, Ambient, Goal, Probe, Request, Rig, Solution, StopReason};
 use crate::kernels::sphere::{from_vectors, unit_vectors};
 
-/// Ambient radiance, directions, irradiance, residual, steps, stop reason.
-type Answer<'py> = ([f64; 3], Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>, f64, usize, &'static str);
+/// The best rig with one number of lights.
+#[pyclass(frozen, get_all)]
+pub struct FitAnswer {
+    lights: usize,
+    ambient: Py<PyArray2<f64>>,
+    directions: Py<PyArray2<f64>>,
+    irradiance: Py<PyArray2<f64>>,
+    condition: f64,
+    direction_errors: Vec<f64>,
+    irradiance_errors: Vec<[f64; 3]>,
+    steps: usize,
+    stop: &'static str,
+}
 
 /// Normals, weights and irradiance.
 type Samples<'py> = (PyReadonlyArray2<'py, f64>, PyReadonlyArray1<'py, f64>, PyReadonlyArray2<'py, f64>);
@@ -20,17 +31,20 @@ pub fn fit_lights<'py>(
     py: Python<'py>,
     fitted: Samples<'py>,
     start: PyReadonlyArray2<'py, f64>,
-    has_ambient: bool,
+    held: usize,
+    ambient: usize,
     lights: usize,
     max_steps: usize,
     goal: Option<(Samples<'py>, f64)>,
-) -> PyResult<Vec<Answer<'py>>> {
+) -> PyResult<Vec<FitAnswer>> {
     let (fitted, start) = (views(&fitted), start.as_array());
     let goal = goal.as_ref().map(|(judge, error)| (views(judge), *error));
     let solutions = py.detach(|| {
-        let probe = |(n, w, e)| Probe::new(n, w, e, has_ambient);
+        let ambient = Ambient::with_len(ambient).unwrap_or(Ambient::None);
+        let probe = |(n, w, e)| Probe::new(n, w, e, ambient);
         let goal = goal.map(|(judge, error)| Ok(Goal { judge: probe(judge)?, error })).transpose()?;
-        fit::fit(&probe(fitted)?, &unit_vectors("start", start)?, lights, max_steps, goal.as_ref())
+        let start = unit_vectors("start", start)?;
+        fit::fit(&probe(fitted)?, &Request { start: &start, held, lights, max_steps, goal })
     })?;
     Ok(solutions.into_iter().map(|solution| answer(py, solution)).collect())
 }
@@ -41,21 +55,24 @@ fn views<'a>((normals, weights, irradiance): &'a Samples<'_>) -> Views<'a> {
     (normals.as_array(), weights.as_array(), irradiance.as_array())
 }
 
-fn answer(py: Python<'_>, solution: Solution) -> Answer<'_> {
-    let Solution { rig, residual, steps, stop } = solution;
-    let stop = match stop {
-        StopReason::Converged => "CONVERGED",
-        StopReason::Exact => "EXACT",
-        StopReason::OutOfSteps => "OUT_OF_STEPS",
-    };
-    (
-        rig.ambient.to_array(),
-        from_vectors(rig.directions.into_iter()).into_pyarray(py),
-        from_vectors(rig.irradiance.into_iter()).into_pyarray(py),
-        residual,
+fn answer(py: Python<'_>, solution: Solution) -> FitAnswer {
+    let Solution { lights, rig, uncertainty, steps, stop } = solution;
+    let rows = |vectors: Vec<DVec3>| from_vectors(vectors.into_iter()).into_pyarray(py).unbind();
+    FitAnswer {
+        lights,
+        ambient: rows(rig.ambient),
+        directions: rows(rig.directions),
+        irradiance: rows(rig.irradiance),
+        condition: uncertainty.condition,
+        direction_errors: uncertainty.direction,
+        irradiance_errors: uncertainty.irradiance,
         steps,
-        stop,
-    )
+        stop: match stop {
+            StopReason::Converged => "CONVERGED",
+            StopReason::Exact => "EXACT",
+            StopReason::OutOfSteps => "OUT_OF_STEPS",
+        },
+    }
 }
 
 /// See `envlights.Rig.probe`.
@@ -63,21 +80,25 @@ fn answer(py: Python<'_>, solution: Solution) -> Answer<'_> {
 pub fn rig_irradiance<'py>(
     py: Python<'py>,
     normals: PyReadonlyArray2<'py, f64>,
-    ambient: [f64; 3],
+    ambient: PyReadonlyArray2<'py, f64>,
     directions: PyReadonlyArray2<'py, f64>,
     irradiance: PyReadonlyArray2<'py, f64>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let (normals, directions, irradiance) =
-        (normals.as_array(), directions.as_array(), irradiance.as_array());
+    let (normals, ambient) = (normals.as_array(), ambient.as_array());
+    let (directions, irradiance) = (directions.as_array(), irradiance.as_array());
     let out = py.detach(|| {
         let rig = Rig {
-            ambient: DVec3::from_array(ambient),
+            ambient: vectors(ambient),
             directions: unit_vectors("direction", directions)?,
-            irradiance: irradiance.rows().into_iter().map(|row| DVec3::new(row[0], row[1], row[2])).collect(),
+            irradiance: vectors(irradiance),
         };
         fit::irradiance(&rig, normals)
     })?;
     Ok(out.into_pyarray(py))
+}
+
+fn vectors(rows: ArrayView2<'_, f64>) -> Vec<DVec3> {
+    rows.rows().into_iter().map(|row| DVec3::new(row[0], row[1], row[2])).collect()
 }
 
 /// See `envlights.kernels.relative_rms`.

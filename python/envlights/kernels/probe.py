@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
 from envlights._check import count, reals
+from envlights._native import EnvLightsError
 
 #: Width of the map that `working_irradiance` makes when it is not told another.
 WORKING_COLUMNS = 256
@@ -132,8 +133,10 @@ def rig_irradiance(
     ----------
     normals : array_like, shape (n, 3)
         Unit vectors.
-    ambient : array_like, shape (3,)
-        Radiance of the constant environment.
+    ambient : array_like, shape (3,) or (9, 3)
+        Radiance of the constant environment, or its real spherical harmonics up to order 2, in the
+        order and with the signs of Ramamoorthi and Hanrahan (2001), equation 3: 1, y, z, x, xy,
+        yz, 3z² - 1, xz, x² - y².
     directions : array_like, shape (m, 3)
         Unit vectors towards the lights.
     irradiance : array_like, shape (m, 3)
@@ -142,7 +145,8 @@ def rig_irradiance(
     Returns
     -------
     ndarray, shape (n, 3)
-        :math:`\pi L_a + \sum_j E_j \max(0, n \cdot l_j)`.
+        :math:`\pi L_a + \sum_j E_j \max(0, n \cdot l_j)`; harmonics of order 0, 1, 2 count
+        :math:`\pi`, :math:`2 \pi / 3`, :math:`\pi / 4` times.
 
     Examples
     --------
@@ -150,8 +154,18 @@ def rig_irradiance(
     array([[1., 2., 3.]])
     """
     lights = reals("directions", directions, 2), reals("irradiance", irradiance, 2)
-    radiance = reals("ambient", ambient, 1).tolist()
-    return _native.rig_irradiance(reals("normals", normals, 2), radiance, *lights)
+    return _native.rig_irradiance(reals("normals", normals, 2), coefficients(ambient), *lights)
+
+
+def coefficients(ambient: ArrayLike) -> NDArray[np.float64]:
+    """Coefficients of an ambient term as rows of RGB, or a refusal."""
+    try:
+        array = np.asarray(ambient)
+    except ValueError as error:
+        raise EnvLightsError(f"ambient must be an array of real numbers; {error}") from None
+    if array.shape not in ((3,), (9, 3)):
+        raise EnvLightsError(f"ambient must have the shape (3,) or (9, 3); got {array.shape}")
+    return reals("ambient", array.reshape(-1, 3), 2)
 
 
 def relative_rms(seen: ArrayLike, wanted: ArrayLike, weights: ArrayLike) -> float:

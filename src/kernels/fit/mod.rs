@@ -2,90 +2,46 @@
 //!
 //! [`fit`] is the whole story; each line of it is a room of its own:
 //!
-//! | step                                        | file         |
-//! |---------------------------------------------|--------------|
-//! | lights -> probe, and all sums over normals  | `model.rs`   |
-//! | best radiances, none negative               | `nnls.rs`    |
-//! | best directions near given ones             | `solver.rs`  |
-//! | where the next light starts                 | `start.rs`   |
+//! | step                                          | file                       |
+//! |-----------------------------------------------|----------------------------|
+//! | what is to be reproduced                      | `probe.rs`                 |
+//! | a rig on the probe, its ambient term          | `model.rs`, `ambient.rs`   |
+//! | all sums over the normals                     | `moments.rs`               |
+//! | best radiances, none negative                 | `radiances.rs`, `nnls.rs`  |
+//! | best directions near given ones               | `solver.rs`                |
+//! | best set of lights                            | `search.rs`, `moves.rs`    |
+//! | what one more light would explain             | `candidates.rs`            |
+//! | how well the probe determines them            | `uncertainty.rs`           |
 
-pub mod model;
+mod ambient;
+mod candidates;
+mod model;
+mod moments;
+mod moves;
 mod nnls;
+mod probe;
+mod radiances;
+mod search;
 mod solver;
-mod start;
+mod uncertainty;
+
+pub use ambient::Ambient;
+pub use probe::Probe;
+pub use uncertainty::{Uncertainty, uncertainty};
 
 use glam::DVec3;
-use ndarray::{Array2, ArrayView1, ArrayView2, Axis, Zip};
-use rayon::prelude::*;
+use ndarray::{Array2, ArrayView1, ArrayView2, Zip};
 
-use super::sphere::{check_rows, unit_vectors};
+use self::search::Search;
+use self::solver::{Problem, State};
+use super::sphere::unit_vectors;
 use crate::error::{Error, Result};
-
-/// Probe values to be reproduced: normals with weights, and the irradiance at each.
-#[derive(Clone, Debug)]
-pub struct Probe {
-    normals: Vec<DVec3>,
-    weights: Vec<f64>,
-    irradiance: Vec<DVec3>,
-    /// `w n n^T` of each normal: its diagonal, and its entries xy, yz, zx.
-    outer: Vec<[DVec3; 2]>,
-    /// Weighted sum of squares of the irradiance: the cost of no light at all.
-    energy: f64,
-    /// Whether the model has an ambient term.
-    has_ambient: bool,
-}
-
-impl Probe {
-    /// Check and pair up what was measured.
-    ///
-    /// # Inputs
-    ///
-    /// - `normals`: (n, 3) unit vectors; `weights`: (n,), not negative.
-    /// - `irradiance`: (n, 3) RGB, finite.
-    /// - `has_ambient`: whether the model may explain it by a constant environment as well.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::WrongColumns`], [`Error::LengthMismatch`], [`Error::NotFinite`], [`Error::NotUnit`],
-    /// [`Error::Negative`].
-    pub fn new(
-        normals: ArrayView2<'_, f64>,
-        weights: ArrayView1<'_, f64>,
-        irradiance: ArrayView2<'_, f64>,
-        has_ambient: bool,
-    ) -> Result<Self> {
-        let normals = unit_vectors("normal", normals)?;
-        check_rows("irradiance", irradiance, 3)?;
-        check_rows("weights", weights.insert_axis(Axis(1)), 1)?;
-        for (what, seen) in [("irradiance", irradiance.nrows()), ("weights", weights.len())] {
-            let wanted = normals.len();
-            if seen != wanted {
-                return Err(Error::LengthMismatch { what, other: "normals", wanted, seen });
-            }
-        }
-        if let Some((index, &value)) = weights.iter().enumerate().find(|(_, value)| **value < 0.0) {
-            return Err(Error::Negative { what: "weights", index, value });
-        }
-        let irradiance: Vec<DVec3> =
-            irradiance.rows().into_iter().map(|row| DVec3::new(row[0], row[1], row[2])).collect();
-        let energy = irradiance.iter().zip(weights).map(|(e, w)| w * e.length_squared()).sum();
-        let outer =
-            normals.iter().zip(weights).map(|(&n, &w)| [n * n * w, n * DVec3::new(n.y, n.z, n.x) * w]);
-        let (outer, weights) = (outer.collect(), weights.to_vec());
-        Ok(Self { normals, weights, irradiance, outer, energy, has_ambient })
-    }
-
-    /// The columns of the model with `lights` lights, without their derivatives.
-    fn columns(&self, lights: usize) -> Vec<usize> {
-        self.has_ambient.then_some(0).into_iter().chain((0..lights).map(model::column)).collect()
-    }
-}
 
 /// Ambient and directional lights.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rig {
-    /// Radiance of the constant environment, RGB.
-    pub ambient: DVec3,
+    /// Coefficients of the environment's radiance, RGB: as many as [`Ambient`] has.
+    pub ambient: Vec<DVec3>,
     /// Towards each light.
     pub directions: Vec<DVec3>,
     /// Irradiance of each light at normal incidence, RGB.
@@ -106,11 +62,13 @@ pub enum StopReason {
 /// The best rig found with one number of lights.
 #[derive(Clone, Debug)]
 pub struct Solution {
+    /// Lights that were allowed; the rig has fewer where some are black.
+    pub lights: usize,
     /// The lights.
     pub rig: Rig,
-    /// Weighted relative RMS error on the probe values that were fitted.
-    pub residual: f64,
-    /// Steps of the solver, all starts together.
+    /// How well they are determined.
+    pub uncertainty: Uncertainty,
+    /// Steps of the solver on the way there.
     pub steps: usize,
     /// Why it took no more.
     pub stop: StopReason,
@@ -126,109 +84,90 @@ pub struct Goal {
 }
 
 impl Goal {
-    fn is_reached(&self, solution: &Solution) -> bool {
-        model::cost(&self.judge, &solution.rig) <= self.error * self.error * self.judge.energy
+    fn is_reached(&self, probe: &Probe, state: &State) -> bool {
+        model::cost(&self.judge, &state.rig(probe)) <= self.error * self.error * self.judge.energy
     }
 }
 
-/// The best rigs with 0, 1, ... `lights` lights; fewer where the probe is explained before, or `goal`
-/// is reached.
+/// What is asked of [`fit`].
+#[derive(Clone, Debug)]
+pub struct Request<'a> {
+    /// Where the first lights start, brightest first. Those beyond start where they explain most.
+    pub start: &'a [DVec3],
+    /// How many of these keep their directions, and get only their radiances.
+    pub held: usize,
+    /// Lights at most.
+    pub lights: usize,
+    /// Steps after which the solver gives up on a start.
+    pub max_steps: usize,
+    /// An error at which no more lights are added.
+    pub goal: Option<Goal>,
+}
+
+/// The best rig with as many lights as `request` allows, after those with fewer on the way there.
 ///
-/// The first lights start in the directions `start`, brightest first, and go downhill from there.
-/// Those beyond start where each explains most of what is left.
+/// Fewer lights come where these explain the probe, or reach the goal. Without a goal, those on the
+/// way are only as good as the way needs, and the given starts are taken in one step.
 ///
 /// # Errors
 ///
-/// [`Error::TooFewNormals`] when there are fewer equations than the 3 + 5 M unknowns.
-pub fn fit(
-    probe: &Probe,
-    start: &[DVec3],
-    lights: usize,
-    max_steps: usize,
-    goal: Option<&Goal>,
-) -> Result<Vec<Solution>> {
+/// [`Error::TooFewNormals`] when there are fewer equations than unknowns.
+pub fn fit(probe: &Probe, request: &Request<'_>) -> Result<Vec<Solution>> {
+    let &Request { start, held, lights, max_steps, ref goal } = request;
     check_unknowns(probe, lights)?;
-    let is_enough =
-        |last: &Solution| last.stop == StopReason::Exact || goal.is_some_and(|goal| goal.is_reached(last));
-    let mut solutions = vec![solver::ambient_only(probe)];
+    let problem = Problem { probe, start, held, max_steps };
+    let is_enough = |last: &State| {
+        last.stop == Some(StopReason::Exact) || goal.as_ref().is_some_and(|goal| goal.is_reached(probe, last))
+    };
+    let mut states = vec![started(&problem, 0)];
     // Made once, and only for lights that have no start.
     let mut search = None;
-    while solutions.len() <= lights && !is_enough(&solutions[solutions.len() - 1]) {
-        let count = solutions.len();
-        let next = if count <= start.len() {
-            Some(solver::refine(probe, &start[..count], max_steps, FINE))
+    while let Some(last) = states.last().filter(|last| last.lights() < lights && !is_enough(last)) {
+        let next = if last.lights() < start.len() {
+            let count = if goal.is_some() { last.lights() + 1 } else { start.len().min(lights) };
+            Some(started(&problem, count))
         } else {
-            search.get_or_insert_with(|| Search::new(probe, max_steps)).with_one_more(&solutions[count - 1])
+            let search = search.get_or_insert_with(|| Search::new(problem));
+            let is_last = goal.is_some() || last.lights() + 1 == lights;
+            // Lights that were given a start stay near it.
+            match (is_last, start.len() > held) {
+                (true, false) => search.best(last)?,
+                (true, true) => search.grown(last).map(|grown| grown.descend(&problem, search::FINE)),
+                (false, _) => search.grown(last),
+            }
         };
         let Some(next) = next else { break };
-        solutions.push(next);
+        states.push(next);
     }
-    Ok(solutions)
+    Ok(states.iter().map(|state| solution(&problem, state)).collect())
 }
 
-/// Relative fall of the cost in one step at which a try has shown what it is worth.
-const ROUGH: f64 = 1e-2;
-/// Relative fall of the cost in one step at which an answer is final.
-const FINE: f64 = 1e-9;
-
-/// The search for the best set of lights, among the many that no small step improves.
-struct Search<'a> {
-    probe: &'a Probe,
-    starts: start::Starts,
-    max_steps: usize,
+/// The best lights near the first `count` starts.
+fn started(problem: &Problem<'_>, count: usize) -> State {
+    let problem = Problem { held: problem.held.min(count), ..*problem };
+    State::new(problem.probe, &problem.start[..count]).descend(&problem, search::FINE)
 }
 
-impl<'a> Search<'a> {
-    fn new(probe: &'a Probe, max_steps: usize) -> Self {
-        Self { probe, starts: start::Starts::new(probe), max_steps }
+fn solution(problem: &Problem<'_>, state: &State) -> Solution {
+    let Problem { probe, held, .. } = *problem;
+    let rig = state.rig(probe).lit(held);
+    let held = held.min(rig.directions.len());
+    Solution {
+        lights: state.lights(),
+        uncertainty: uncertainty(probe, &rig, held),
+        rig,
+        steps: state.steps,
+        stop: state.stop.unwrap_or(StopReason::Converged),
     }
+}
 
-    /// `last` with one more light, where that light helps.
-    fn with_one_more(&self, last: &Solution) -> Option<Solution> {
-        let added = self.best_start(&last.rig)?;
-        let split = self.best_of(start::splits(&last.rig.directions));
-        let grown = split.filter(|split| split.residual < added.residual).unwrap_or(added);
-        let best = self.exchange(grown);
-        let polished = solver::refine(self.probe, &best.rig.directions, self.max_steps, FINE);
-        (polished.residual < last.residual)
-            .then(|| Solution { steps: best.steps + polished.steps, ..polished })
-    }
-
-    /// The best of the rigs that one more light beside `rig` leads to.
-    fn best_start(&self, rig: &Rig) -> Option<Solution> {
-        let candidates = self.starts.candidates(self.probe, rig);
-        self.best_of(candidates.into_iter().map(|light| start::with(&rig.directions, light)).collect())
-    }
-
-    /// The best of the rigs that refining each of `starts` leads to.
-    ///
-    /// They run side by side; the first of equals wins, whichever comes home first.
-    fn best_of(&self, starts: Vec<Vec<DVec3>>) -> Option<Solution> {
-        let refine = |directions: Vec<DVec3>| solver::refine(self.probe, &directions, self.max_steps, ROUGH);
-        let refined: Vec<Solution> = starts.into_par_iter().map(refine).collect();
-        refined.into_iter().min_by(|a, b| a.residual.total_cmp(&b.residual))
-    }
-
-    /// Take out each light in turn and let it start anew where it helps most, while that pays.
-    ///
-    /// A greedy start keeps the light that explained most *alone*; with its neighbours in place a
-    /// different set is often better. This finds most of what many random starts would.
-    fn exchange(&self, mut best: Solution) -> Solution {
-        const WORTHWHILE: f64 = 1e-3;
-        let (mut light, mut unchanged) = (0, 0);
-        while unchanged < best.rig.directions.len() && best.rig.directions.len() > 1 {
-            light = (light + 1) % best.rig.directions.len();
-            let others = start::without(&best.rig.directions, light);
-            let Some(moved) = self.best_start(&solver::radiances(self.probe, &others)) else { break };
-            let steps = best.steps + moved.steps;
-            if moved.residual < best.residual * (1.0 - WORTHWHILE) {
-                (best, unchanged) = (moved, 0);
-            } else {
-                unchanged += 1;
-            }
-            best.steps = steps;
-        }
-        best
+impl Rig {
+    /// Without the lights that no channel uses, but for the first `held`.
+    fn lit(self, held: usize) -> Self {
+        let lights = self.directions.into_iter().zip(self.irradiance).enumerate();
+        let lit = lights.filter(|(light, (_, e))| *light < held || e.max_element() > 0.0);
+        let (directions, irradiance) = lit.map(|(_, light)| light).unzip();
+        Self { ambient: self.ambient, directions, irradiance }
     }
 }
 
@@ -282,20 +221,24 @@ mod tests {
     use crate::kernels::sampling;
     use crate::kernels::sphere::direction;
 
+    fn request(lights: usize) -> Request<'static> {
+        Request { start: &[], held: 0, lights, max_steps: 100, goal: None }
+    }
+
     fn probe_of(rig: &Rig) -> Probe {
         let (normals, weights) = sampling::icosphere(320).unwrap();
         let seen = irradiance(rig, normals.view()).unwrap();
-        Probe::new(normals.view(), weights.view(), seen.view(), true).unwrap()
+        Probe::new(normals.view(), weights.view(), seen.view(), Ambient::Constant).unwrap()
     }
 
     #[test]
     fn three_lights_and_ambient_come_back() {
         let rig = Rig {
-            ambient: DVec3::new(0.2, 0.1, 0.3),
+            ambient: vec![DVec3::new(0.2, 0.1, 0.3)],
             directions: vec![direction(0.4, 1.0), direction(1.3, 3.5), direction(2.5, 5.0)],
             irradiance: vec![DVec3::new(3.0, 2.5, 2.0), DVec3::new(0.5, 1.0, 1.5), DVec3::splat(0.7)],
         };
-        let solutions = fit(&probe_of(&rig), &[], 3, 100, None).unwrap();
+        let solutions = fit(&probe_of(&rig), &request(3)).unwrap();
         let found = &solutions[3].rig;
         for (wanted, irradiance) in rig.directions.iter().zip(&rig.irradiance) {
             let nearest = found.directions.iter().zip(&found.irradiance);
@@ -304,13 +247,13 @@ mod tests {
             assert!((l - wanted).length() < 1e-9, "{l} {wanted}");
             assert!((e - irradiance).length() < 1e-8, "{e} {irradiance}");
         }
-        assert!((found.ambient - rig.ambient).length() < 1e-9);
+        assert!((found.ambient[0] - rig.ambient[0]).length() < 1e-9);
     }
 
     #[test]
     fn black_needs_no_light() {
-        let solutions = fit(&probe_of(&Rig::default()), &[], 4, 100, None).unwrap();
+        let solutions = fit(&probe_of(&Rig::default()), &request(4)).unwrap();
         assert_eq!(solutions.len(), 1);
-        assert_eq!(solutions[0].rig, Rig::default());
+        assert_eq!(solutions[0].rig.ambient, [DVec3::ZERO]);
     }
 }

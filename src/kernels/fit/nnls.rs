@@ -1,28 +1,35 @@
 //! Non-negative least squares from inner products (Lawson and Hanson 1974, chapter 23).
 //!
-//! Minimise `x^T G x - 2 b^T x` over `x >= 0`. No renderer takes a negative lamp, and an
-//! unconstrained fit of a real map asks for one from the second light on.
+//! Minimise `x^T G x - 2 b^T x`, of which all but the first few values may not be negative. No renderer
+//! takes a negative lamp, and an unconstrained fit of a real map asks for one from the second light on.
 
-use nalgebra::{Cholesky, DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DMatrixView, DVector, Dyn, U1};
 
-/// The minimiser for one channel.
-pub fn solve(gram: &DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
-    let all: Vec<usize> = (0..right.len()).collect();
+/// Part of a matrix, or all of it.
+pub type View<'a> = DMatrixView<'a, f64, U1, Dyn>;
+
+/// The minimiser for each column of `right`; the first `free` values of it may have any sign.
+pub fn solve(gram: &View<'_>, right: &View<'_>, free: usize) -> DMatrix<f64> {
+    let all: Vec<usize> = (0..gram.nrows()).collect();
     // Most often nothing wants to be negative, and one factorisation is all it takes.
-    if let Some(x) = on(gram, right, &all).filter(|x| x.iter().all(|&value| value >= 0.0)) {
-        return x;
+    let mut solution = factor(gram, &all).map(|factor| factor.solve(right));
+    let x = solution.get_or_insert_with(|| DMatrix::repeat(gram.nrows(), right.ncols(), f64::NAN));
+    for (mut x, right) in x.column_iter_mut().zip(right.column_iter()) {
+        if !x.iter().skip(free).all(|&value| value >= 0.0) {
+            x.copy_from(&active_set(gram, &right.into_owned(), free));
+        }
     }
-    active_set(gram, right)
+    solution.unwrap_or_default()
 }
 
-fn active_set(gram: &DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
-    let mut x = DVector::zeros(right.len());
-    let mut active: Vec<usize> = Vec::new();
+fn active_set(gram: &View<'_>, right: &DVector<f64>, free: usize) -> DVector<f64> {
+    let mut active: Vec<usize> = (0..free).collect();
+    let mut x = on(gram, right, &active).unwrap_or_else(|| DVector::zeros(right.len()));
     // Columns that were let in and came out at once: rounding, not descent.
     let mut refused: Vec<usize> = Vec::new();
     while let Some(next) = steepest(gram, right, &x, &active, &refused) {
         active.push(next);
-        let Some(moved) = retreat(gram, right, &x, &mut active) else {
+        let Some(moved) = retreat(gram, right, &x, &mut active, free) else {
             active.retain(|&column| column != next);
             refused.push(next);
             continue;
@@ -39,7 +46,7 @@ fn active_set(gram: &DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
 
 /// The column outside `active` along which the cost falls fastest, if it falls at all.
 fn steepest(
-    gram: &DMatrix<f64>,
+    gram: &View<'_>,
     right: &DVector<f64>,
     x: &DVector<f64>,
     active: &[usize],
@@ -58,24 +65,26 @@ fn steepest(
 
 /// From `x` towards the minimum on the active columns, giving up those that reach 0 on the way.
 fn retreat(
-    gram: &DMatrix<f64>,
+    gram: &View<'_>,
     right: &DVector<f64>,
     x: &DVector<f64>,
     active: &mut Vec<usize>,
+    free: usize,
 ) -> Option<DVector<f64>> {
     let mut x = x.clone();
     loop {
         let goal = on(gram, right, active)?;
         let share = active
             .iter()
-            .filter(|&&column| goal[column] <= 0.0)
+            .filter(|&&column| column >= free && goal[column] <= 0.0)
             .map(|&column| x[column] / (x[column] - goal[column]))
             .fold(f64::INFINITY, f64::min);
         if share == f64::INFINITY {
             return Some(goal);
         }
         x += (&goal - &x) * share;
-        active.retain(|&column| goal[column] > 0.0 || x[column] > 1e-15 * goal[column].abs());
+        active
+            .retain(|&column| column < free || goal[column] > 0.0 || x[column] > 1e-15 * goal[column].abs());
         for column in (0..x.len()).filter(|column| !active.contains(column)) {
             x[column] = 0.0;
         }
@@ -83,7 +92,7 @@ fn retreat(
 }
 
 /// The unconstrained minimum over `columns`, 0 elsewhere; none where they are not independent.
-fn on(gram: &DMatrix<f64>, right: &DVector<f64>, columns: &[usize]) -> Option<DVector<f64>> {
+fn on(gram: &View<'_>, right: &DVector<f64>, columns: &[usize]) -> Option<DVector<f64>> {
     let solved = factor(gram, columns)?.solve(&DVector::from_fn(columns.len(), |i, _| right[columns[i]]));
     let mut x = DVector::zeros(right.len());
     for (value, &column) in solved.iter().zip(columns) {
@@ -93,7 +102,7 @@ fn on(gram: &DMatrix<f64>, right: &DVector<f64>, columns: &[usize]) -> Option<DV
 }
 
 /// Cholesky factor of the Gram matrix of `columns`; none where they are not independent.
-pub fn factor(gram: &DMatrix<f64>, columns: &[usize]) -> Option<Cholesky<f64, nalgebra::Dyn>> {
+pub fn factor(gram: &View<'_>, columns: &[usize]) -> Option<Cholesky<f64, Dyn>> {
     /// A column this close to the span of the others has lost all its digits.
     const DEPENDENT: f64 = 1e-12;
     let size = columns.len();
@@ -119,7 +128,7 @@ mod tests {
             let a = DMatrix::from_vec(8, 5, columns);
             let y = DVector::from_vec(target);
             let (gram, right) = (a.transpose() * &a, a.transpose() * y);
-            let x = solve(&gram, &right);
+            let x = solve(&gram.as_view(), &DMatrix::from_columns(&[right.clone()]).as_view(), 0).column(0).into_owned();
             let fall = &right - &gram * &x;
             for i in 0..5 {
                 prop_assert!(x[i] >= 0.0, "{x}");
@@ -131,7 +140,7 @@ mod tests {
         #[test]
         fn twin_columns_do_no_harm(right in 0.1..2.0_f64) {
             let gram = DMatrix::from_element(2, 2, 1.0);
-            let x = solve(&gram, &DVector::from_element(2, right));
+            let x = solve(&gram.as_view(), &DMatrix::from_element(2, 1, right).as_view(), 0);
             prop_assert!((x.sum() - right).abs() < 1e-12, "{x}");
         }
     }

@@ -16,93 +16,175 @@
 use glam::DVec3;
 use nalgebra::{DMatrix, DVector};
 
-use super::model::{self, Moments, column};
-use super::{Probe, Rig, Solution, StopReason, nnls};
+use super::ambient::Ambient;
+use super::moments::Moments;
+use super::nnls::{self, View};
+use super::probe::Probe;
+use super::radiances::{self, Radiances};
+use super::{Rig, StopReason, model};
 use crate::kernels::sphere::exponential_map;
 
 /// A light never turns by more than this in one step, in radians: the model is linear only nearby.
 const LONGEST_STEP: f64 = 0.5;
+/// Damping of a first step.
+const FIRST_DAMPING: f64 = 1e-3;
+/// Damping at which a step no longer moves anything.
+const STIFFEST: f64 = 1e8;
 /// Relative cost of rounding alone.
 const EXACT: f64 = 1e-26;
+/// Relative cost below which it is summed from the residuals: from the moments it would be a
+/// difference of large numbers.
+const SMALL: f64 = 1e-5;
+
+/// What is solved.
+#[derive(Clone, Copy, Debug)]
+pub struct Problem<'a> {
+    /// What is to be reproduced.
+    pub probe: &'a Probe,
+    /// Where the first lights start, brightest first.
+    pub start: &'a [DVec3],
+    /// How many of these keep their directions.
+    pub held: usize,
+    /// Steps after which the solver gives up.
+    pub max_steps: usize,
+}
 
 /// One place of the search: directions, their best radiances, and what that costs.
-struct State {
-    moments: Moments,
-    rig: Rig,
-    cost: f64,
+#[derive(Clone, Debug)]
+pub struct State {
+    pub moments: Moments,
+    /// Coefficients of the ambient term, then irradiance of the lights; a column for each channel.
+    pub x: DMatrix<f64>,
+    /// For each channel, the normals at which the ambient term is kept from turning negative.
+    dark: Vec<Vec<DVec3>>,
+    /// Weighted sum of squares of what is left unexplained.
+    pub cost: f64,
+    damping: f64,
+    /// Steps that led here, from wherever the search began.
+    pub steps: usize,
+    /// Why no step leads on, once that is so.
+    pub stop: Option<StopReason>,
 }
 
 impl State {
-    fn new(probe: &Probe, directions: Vec<DVec3>) -> Self {
-        let moments = Moments::new(probe, &directions);
-        let rig = best_radiances(probe, &moments, directions);
-        let cost = model::cost(probe, &rig);
-        Self { moments, rig, cost }
+    /// The best radiances of lights in `directions`.
+    pub fn new(probe: &Probe, directions: &[DVec3]) -> Self {
+        Self::at(probe, Moments::new(probe, directions), 0)
     }
 
-    fn solution(self, probe: &Probe, steps: usize, stop: StopReason) -> Solution {
-        let residual = if probe.energy > 0.0 { (self.cost / probe.energy).sqrt() } else { 0.0 };
-        Solution { rig: lit(self.rig), residual, steps, stop }
-    }
-}
-
-/// The best ambient term alone, if the model has one.
-pub fn ambient_only(probe: &Probe) -> Solution {
-    let state = State::new(probe, Vec::new());
-    let stop = if state.cost <= EXACT * probe.energy { StopReason::Exact } else { StopReason::Converged };
-    state.solution(probe, 0, stop)
-}
-
-/// The best radiances of lights in fixed directions.
-pub fn radiances(probe: &Probe, directions: &[DVec3]) -> Rig {
-    best_radiances(probe, &Moments::new(probe, directions), directions.to_vec())
-}
-
-/// From `directions` downhill until a step lowers the cost by less than the share `still` of it.
-pub fn refine(probe: &Probe, directions: &[DVec3], max_steps: usize, still: f64) -> Solution {
-    let mut state = State::new(probe, directions.to_vec());
-    let mut damping = 1e-3;
-    for step in 0..max_steps {
+    /// The best radiances of the lights of `moments`, after so many `steps`.
+    pub fn at(probe: &Probe, moments: Moments, steps: usize) -> Self {
+        let columns = moments.columns();
+        let gram = moments.gram.view((0, 0), (columns, columns));
+        let right = moments.right.rows(0, columns);
+        let Radiances { x, dark } = radiances::solve(probe, &gram, &right);
+        let cost = cost(probe, &gram, &right, &x);
+        let mut state = Self { moments, x, dark, cost, damping: FIRST_DAMPING, steps, stop: None };
+        if cost <= SMALL * probe.energy {
+            state.cost = model::cost(probe, &state.rig(probe));
+        }
         if state.cost <= EXACT * probe.energy {
-            return state.solution(probe, step, StopReason::Exact);
+            state.stop = Some(StopReason::Exact);
         }
-        let (curvature, slope) = normal_equations(&state);
-        let Some(next) = downhill(probe, &state, &curvature, &slope, &mut damping) else {
-            return state.solution(probe, step, StopReason::Converged);
+        state
+    }
+
+    /// How many lights there are.
+    pub fn lights(&self) -> usize {
+        self.moments.directions.len()
+    }
+
+    /// Irradiance of the lights: a row for each, a column for each channel.
+    pub fn irradiance(&self) -> View<'_> {
+        self.x.rows(self.x.nrows() - self.lights(), self.lights())
+    }
+
+    /// The columns that a channel uses.
+    fn used(&self, probe: &Probe, channel: usize) -> Vec<usize> {
+        let x = self.x.column(channel);
+        (0..x.len()).filter(|&i| i < probe.free() || x[i] > 0.0).collect()
+    }
+
+    /// All three channels of the lights.
+    pub fn rig(&self, probe: &Probe) -> Rig {
+        let rgb = |row: usize| {
+            DVec3::from_array(probe.like.map(|like| like.map_or(0.0, |channel| self.x[(row, channel)])))
         };
-        let fall = state.cost - next.cost;
-        let is_still = fall <= still * state.cost;
-        state = next;
-        if is_still {
-            return state.solution(probe, step + 1, StopReason::Converged);
+        let ambient = probe.ambient.len();
+        Rig {
+            ambient: (0..ambient).map(rgb).collect(),
+            directions: self.moments.directions.clone(),
+            irradiance: (ambient..self.x.nrows()).map(rgb).collect(),
         }
     }
-    state.solution(probe, max_steps, StopReason::OutOfSteps)
+
+    /// Downhill until a step lowers the cost by less than the share `still` of it.
+    pub fn descend(mut self, problem: &Problem<'_>, still: f64) -> Self {
+        for _ in 0..problem.max_steps {
+            self = self.step(problem, still);
+        }
+        self.stop = self.stop.or(Some(StopReason::OutOfSteps));
+        self
+    }
+
+    /// Ready for finer steps, unless nothing is left to explain.
+    pub fn resumed(mut self) -> Self {
+        self.stop = self.stop.filter(|&stop| stop == StopReason::Exact);
+        self
+    }
+
+    /// One damped step downhill; at the bottom none, and the reason why.
+    pub fn step(mut self, problem: &Problem<'_>, still: f64) -> Self {
+        if self.stop.is_some() {
+            return self;
+        }
+        let (curvature, slope) = normal_equations(problem, &self);
+        while self.damping < STIFFEST {
+            let Some(step) = damped_step(&curvature, &slope, self.damping) else { break };
+            // What the linear model promises: less than that is not worth the try.
+            let promised = -(2.0 * slope.dot(&step) + step.dot(&(&curvature * &step)));
+            if promised <= 0.1 * still * self.cost {
+                break;
+            }
+            let moments = self.moments.turned(problem.probe, self.turned(problem, &step));
+            let mut next = Self::at(problem.probe, moments, self.steps + 1);
+            if next.cost < self.cost {
+                next.damping = (self.damping * 0.1).max(1e-12);
+                if self.cost - next.cost <= still * self.cost {
+                    next.stop = next.stop.or(Some(StopReason::Converged));
+                }
+                return next;
+            }
+            self.damping *= 10.0;
+        }
+        self.stop = Some(StopReason::Converged);
+        self
+    }
+
+    /// Every direction turned by its part of `step`.
+    fn turned(&self, problem: &Problem<'_>, step: &DVector<f64>) -> Vec<DVec3> {
+        let mut directions = self.moments.directions.clone();
+        for (i, light) in (problem.held..directions.len()).enumerate() {
+            let [s, t] = self.moments.tangents[light];
+            let along = s * step[2 * i] + t * step[2 * i + 1];
+            directions[light] = exponential_map(directions[light], along.clamp_length_max(LONGEST_STEP));
+        }
+        directions
+    }
 }
 
-/// The first damped step that lowers the cost; none when even the shortest does not.
-fn downhill(
-    probe: &Probe,
-    state: &State,
-    curvature: &DMatrix<f64>,
-    slope: &DVector<f64>,
-    damping: &mut f64,
-) -> Option<State> {
-    const STIFFEST: f64 = 1e8;
-    while *damping < STIFFEST {
-        let step = damped_step(curvature, slope, *damping)?;
-        let next = State::new(probe, turned(state, &step));
-        if next.cost < state.cost {
-            *damping = (*damping * 0.1).max(1e-12);
-            return Some(next);
-        }
-        *damping *= 10.0;
-    }
-    None
+/// What the values `x` leave unexplained, from inner products: good to about 1e-15 of the energy.
+pub fn cost(probe: &Probe, gram: &View<'_>, right: &View<'_>, x: &DMatrix<f64>) -> f64 {
+    let used = gram * x;
+    let explained = |c: usize| 2.0 * right.column(c).dot(&x.column(c)) - used.column(c).dot(&x.column(c));
+    probe.energy - (0..x.ncols()).map(|c| probe.copies(c) * explained(c)).sum::<f64>()
 }
 
 /// `(H + damping diag H) step = -slope` (Levenberg 1944, Marquardt 1963).
 fn damped_step(curvature: &DMatrix<f64>, slope: &DVector<f64>, damping: f64) -> Option<DVector<f64>> {
+    if slope.is_empty() {
+        return None;
+    }
     let mut damped = curvature.clone();
     // A light that no channel uses has no slope and no curvature: it stays where it is.
     let floor = 1e-14 * curvature.diagonal().max();
@@ -112,81 +194,54 @@ fn damped_step(curvature: &DMatrix<f64>, slope: &DVector<f64>, damping: f64) -> 
     (floor > 0.0).then(|| damped.cholesky().map(|factor| factor.solve(&-slope))).flatten()
 }
 
-/// Every direction turned by its part of `step`.
-fn turned(state: &State, step: &DVector<f64>) -> Vec<DVec3> {
-    let lights = state.rig.directions.iter().zip(&state.moments.tangents).enumerate();
-    lights
-        .map(|(light, (&direction, &[s, t]))| {
-            let along = s * step[2 * light] + t * step[2 * light + 1];
-            exponential_map(direction, along.clamp_length_max(LONGEST_STEP))
-        })
-        .collect()
-}
-
-/// Best radiances, channel by channel, for lights in `directions`.
-fn best_radiances(probe: &Probe, moments: &Moments, directions: Vec<DVec3>) -> Rig {
-    let columns = probe.columns(directions.len());
-    let gram = DMatrix::from_fn(columns.len(), columns.len(), |i, j| moments.gram[(columns[i], columns[j])]);
-    let mut rig = Rig { ambient: DVec3::ZERO, irradiance: vec![DVec3::ZERO; directions.len()], directions };
-    for channel in 0..3 {
-        let right = DVector::from_fn(columns.len(), |i, _| moments.right[(columns[i], channel)]);
-        let x = nnls::solve(&gram, &right);
-        let (ambient, lights) = x.as_slice().split_at(usize::from(probe.has_ambient));
-        rig.ambient[channel] = ambient.first().copied().unwrap_or(0.0);
-        for (irradiance, &value) in rig.irradiance.iter_mut().zip(lights) {
-            irradiance[channel] = value;
-        }
-    }
-    rig
-}
-
-/// `J^T J` and `J^T r` of the head of this file, (2M, 2M) and (2M,).
-fn normal_equations(state: &State) -> (DMatrix<f64>, DVector<f64>) {
-    let size = 2 * state.rig.directions.len();
+/// `J^T J` and `J^T r` of the head of this file, for the lights that may move.
+fn normal_equations(problem: &Problem<'_>, state: &State) -> (DMatrix<f64>, DVector<f64>) {
+    let Moments { gram, right, .. } = &state.moments;
+    let first = state.moments.columns() + 2 * problem.held;
+    let size = gram.nrows() - first;
+    let derivatives = gram.view((first, 0), (size, gram.ncols()));
+    let explained = derivatives.columns(0, state.x.nrows()) * &state.x;
     let (mut curvature, mut slope) = (DMatrix::zeros(size, size), DVector::zeros(size));
-    for channel in 0..3 {
-        add_channel(state, channel, &mut curvature, &mut slope);
+    let mut outside: Option<(Vec<usize>, DMatrix<f64>)> = None;
+    for channel in 0..state.x.ncols() {
+        let (used, dark) = (state.used(problem.probe, channel), &state.dark[channel]);
+        // Channels that use the same lights share the projection.
+        if !dark.is_empty() || outside.as_ref().is_none_or(|(last, _)| *last != used) {
+            outside = project(gram, first, &used, dark).map(|outside| (used, outside));
+        }
+        let Some((_, outside)) = &outside else { continue };
+        let copies = problem.probe.copies(channel);
+        let irradiance = state.irradiance();
+        let of = |i: usize| irradiance[(problem.held + i / 2, channel)];
+        for a in 0..size {
+            slope[a] -= copies * of(a) * (right[(first + a, channel)] - explained[(a, channel)]);
+            for b in 0..size {
+                curvature[(b, a)] += copies * of(a) * of(b) * outside[(b, a)];
+            }
+        }
     }
     (curvature, slope)
 }
 
-fn add_channel(state: &State, channel: usize, curvature: &mut DMatrix<f64>, slope: &mut DVector<f64>) {
-    let Moments { gram, right, .. } = &state.moments;
-    let rig = &state.rig;
-    let lights = rig.directions.len();
-    let of_light = |j: usize| rig.irradiance[j][channel];
-    let derivative = |jk: usize| column(jk / 2) + 1 + jk % 2;
-
-    // The columns that this channel uses, and their radiances.
-    let mut used: Vec<(usize, f64)> = (0..lights).map(|j| (column(j), of_light(j))).collect();
-    used.insert(0, (0, rig.ambient[channel]));
-    used.retain(|&(_, radiance)| radiance > 0.0);
-    let columns: Vec<usize> = used.iter().map(|&(column, _)| column).collect();
-    let Some(factor) = nnls::factor(gram, &columns) else { return };
-
-    // Scaled derivatives in the coordinates of the used columns' orthonormal basis: L^-1 A^T da x.
-    let size = 2 * lights;
-    let mut inside =
-        DMatrix::from_fn(columns.len(), size, |i, jk| gram[(columns[i], derivative(jk))] * of_light(jk / 2));
-    factor.l_dirty().solve_lower_triangular_mut(&mut inside);
-
-    for jk in 0..size {
-        let explained: f64 =
-            used.iter().map(|&(column, radiance)| gram[(derivative(jk), column)] * radiance).sum();
-        slope[jk] -= of_light(jk / 2) * (right[(derivative(jk), channel)] - explained);
-        for other in 0..size {
-            let whole = gram[(derivative(jk), derivative(other))] * of_light(jk / 2) * of_light(other / 2);
-            curvature[(jk, other)] += whole - inside.column(jk).dot(&inside.column(other));
-        }
+/// Inner products of the derivatives from column `first` on, outside the span of the `used` columns.
+///
+/// With the factor L of the used columns' Gram matrix, `V = L^-1 A^T D` holds what is inside. Where
+/// the ambient term is held at zero for the normals `dark`, with rows C, the used columns may not
+/// follow along `U = L^-1 C^T`: that part of V is outside again.
+fn project(gram: &DMatrix<f64>, first: usize, used: &[usize], dark: &[DVec3]) -> Option<DMatrix<f64>> {
+    let factor = nnls::factor(&gram.as_view(), used)?;
+    let size = gram.nrows() - first;
+    let lower = factor.l_dirty();
+    let mut inside = DMatrix::from_fn(used.len(), size, |i, j| gram[(used[i], first + j)]);
+    lower.solve_lower_triangular_mut(&mut inside);
+    let mut outside = gram.view((first, first), (size, size)) - inside.tr_mul(&inside);
+    if !dark.is_empty() {
+        let columns: Vec<[f64; 9]> = dark.iter().map(|&n| Ambient::Sh2.irradiance(n)).collect();
+        let mut held = DMatrix::from_fn(used.len(), dark.len(), |i, j| *columns[j].get(i).unwrap_or(&0.0));
+        lower.solve_lower_triangular_mut(&mut held);
+        let basis = held.col_piv_qr().q();
+        let back = basis.tr_mul(&inside);
+        outside += back.tr_mul(&back);
     }
-}
-
-/// `rig` without the lights that no channel uses, brightest first.
-fn lit(rig: Rig) -> Rig {
-    let luminance = |e: &DVec3| crate::kernels::image::luminance(e.to_array());
-    let mut lights: Vec<(DVec3, DVec3)> = rig.directions.into_iter().zip(rig.irradiance).collect();
-    lights.retain(|(_, irradiance)| irradiance.max_element() > 0.0);
-    lights.sort_by(|a, b| luminance(&b.1).total_cmp(&luminance(&a.1)));
-    let (directions, irradiance) = lights.into_iter().unzip();
-    Rig { ambient: rig.ambient, directions, irradiance }
+    Some(outside)
 }

@@ -1,0 +1,89 @@
+"""Normals at which a map is looked at: those that are fitted, and those that judge."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights import kernels
+from envlights.envmap import EnvMap
+
+#: Faces of the probe that is fitted (Madsen et al. 2003, section 3.1) and normals that judge it.
+FITTED = 320
+JUDGING = 5120
+
+
+class Normals(NamedTuple):
+    """Normals in opposite pairs: the second half of them mirrors the first."""
+
+    directions: NDArray[np.float64]
+    weights: NDArray[np.float64]
+
+    @property
+    def front(self) -> NDArray[np.float64]:
+        """One normal of each pair."""
+        return self.directions[: len(self.directions) // 2]
+
+
+class Samples(NamedTuple):
+    """Irradiance at normals, and the weight of each."""
+
+    normals: NDArray[np.float64]
+    weights: NDArray[np.float64]
+    irradiance: NDArray[np.float64]
+
+    def upper(self) -> Samples:
+        """Those of surfaces that face up: what stands on a floor shows few others."""
+        is_up = self.normals[:, 1] > 0
+        return Samples(self.normals[is_up], self.weights[is_up], self.irradiance[is_up])
+
+
+def fitted_and_judging(env: EnvMap) -> tuple[Samples, Samples, int]:
+    """Irradiance of `env` at both sets of normals, and the point sources it was made from."""
+    sets = _fitted(), _judging()
+    seen, sources = _both_sides(env, *sets)
+    fitted, judging = (Samples(*normals, part) for normals, part in zip(sets, seen, strict=True))
+    return fitted, judging, sources
+
+
+@cache
+def _fitted() -> Normals:
+    """The faces of the fitted probe."""
+    faces, solid_angles = kernels.icosphere(FITTED)
+    # No face looks along the horizon of this axis, so just one of each pair is in front of it.
+    is_front = faces @ (0.8, 0.5, 0.33) > 0
+    return _with_opposites(faces[is_front], solid_angles[is_front])
+
+
+@cache
+def _judging() -> Normals:
+    """Even points between the faces."""
+    front = kernels.uniform_sphere(kernels.hammersley(JUDGING // 2) * (0.5, 1.0))
+    return _with_opposites(front, np.full(JUDGING // 2, 4 * np.pi / JUDGING))
+
+
+def _with_opposites(front: NDArray[np.float64], weights: NDArray[np.float64]) -> Normals:
+    return Normals(np.concatenate([front, -front]), np.concatenate([weights, weights]))
+
+
+def _both_sides(env: EnvMap, *normals: Normals) -> tuple[list[NDArray[np.float64]], int]:
+    """Irradiance at each set of normals, of which only the front halves are rendered.
+
+    A normal and its opposite see the whole sphere between them, so that
+    ``E(n) - E(-n) = n . F`` with the map's vector flux F; the axes tell F in the same way.
+    """
+    axes = np.concatenate([np.eye(3), -np.eye(3)])
+    fronts = [*(some.front for some in normals), axes]
+    rendered, sources = kernels.working_irradiance(
+        env.radiance, np.concatenate(fronts), border_sampled=env.registration == "border-sampled"
+    )
+    ends = np.cumsum([len(front) for front in fronts])
+    flux = rendered[-6:-3] - rendered[-3:]
+    seen = [
+        np.concatenate([part, np.maximum(part - some.front @ flux, 0)])
+        for some, part in zip(normals, np.split(rendered, ends[:-1]), strict=False)
+    ]
+    return seen, sources

@@ -1,0 +1,129 @@
+//! The environment beside the lights: none, one radiance, or nine spherical harmonics of it.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use nalgebra::{Matrix3, Vector3};
+
+/// Irradiance of the harmonics, by what multiplies the powers of a normal's coordinates: a clamped
+/// cosine scales those of order 0, 1, 2 by pi, 2 pi / 3, pi / 4 (Ramamoorthi and Hanrahan 2001,
+/// equation 8).
+const CONSTANT: f64 = PI * 0.282_094_791_773_878_14;
+const LINEAR: f64 = 2.0 * PI / 3.0 * 0.488_602_511_902_919_9;
+const SQUARE: f64 = PI / 4.0 * 1.092_548_430_592_079_2;
+const ZONAL: f64 = PI / 4.0 * 0.315_391_565_252_520_05;
+
+/// What a fit may use beside the lights.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ambient {
+    /// Lights alone.
+    None,
+    /// The same radiance from everywhere.
+    Constant,
+    /// Real spherical harmonics of the radiance up to order 2.
+    Sh2,
+}
+
+impl Ambient {
+    /// Number of its coefficients in each channel.
+    pub fn len(self) -> usize {
+        match self {
+            Self::None => 0,
+            Self::Constant => 1,
+            Self::Sh2 => 9,
+        }
+    }
+
+    /// The one with `len` coefficients in each channel, if there is one.
+    pub fn with_len(len: usize) -> Option<Self> {
+        [Self::None, Self::Constant, Self::Sh2].into_iter().find(|ambient| ambient.len() == len)
+    }
+
+    /// Irradiance at `normal` of each coefficient alone; the first [`Self::len`] count.
+    ///
+    /// Harmonics in the order and with the signs of Ramamoorthi and Hanrahan (2001), equation 3.
+    pub fn irradiance(self, normal: DVec3) -> [f64; 9] {
+        if self != Self::Sh2 {
+            return [PI, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        }
+        let DVec3 { x, y, z } = normal;
+        [
+            CONSTANT,
+            LINEAR * y,
+            LINEAR * z,
+            LINEAR * x,
+            SQUARE * x * y,
+            SQUARE * y * z,
+            ZONAL * (3.0 * z * z - 1.0),
+            SQUARE * x * z,
+            SQUARE / 2.0 * (x * x - y * y),
+        ]
+    }
+}
+
+/// The normal at which the nine `coefficients` give least irradiance, and that irradiance.
+///
+/// The irradiance is `k + 2 b.n + n^T Q n`. Where it is least on the sphere, with a multiplier m no
+/// greater than the least eigenvalue of Q (Moré and Sorensen 1983),
+///
+/// ```text
+///   (Q - m) n = -b        |n| = 1
+/// ```
+pub fn darkest(coefficients: &[f64]) -> (DVec3, f64) {
+    let c = |i: usize, scale: f64| coefficients[i] * scale;
+    let b = DVec3::new(c(3, LINEAR), c(1, LINEAR), c(2, LINEAR)) / 2.0;
+    let (xy, yz, xz) = (c(4, SQUARE / 2.0), c(5, SQUARE / 2.0), c(7, SQUARE / 2.0));
+    let (xx, zz) = (c(8, SQUARE / 2.0), c(6, 3.0 * ZONAL));
+    let eigen = Matrix3::new(xx, xy, xz, xy, -xx, yz, xz, yz, zz).symmetric_eigen();
+    let (vectors, values) = (eigen.eigenvectors, eigen.eigenvalues.into());
+    let along: [f64; 3] = (vectors.transpose() * Vector3::new(b.x, b.y, b.z)).into();
+    let normal = vectors * Vector3::from(least_on_sphere(values, along));
+    let normal = DVec3::new(normal.x, normal.y, normal.z).normalize();
+    let columns = Ambient::Sh2.irradiance(normal);
+    (normal, coefficients.iter().zip(columns).map(|(c, column)| c * column).sum())
+}
+
+/// The unit vector n at which `sum_i q_i n_i^2 + 2 b_i n_i` is least.
+fn least_on_sphere(q: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    let first = (0..3).min_by(|&i, &j| q[i].total_cmp(&q[j])).unwrap_or(0);
+    let length = |b: [f64; 3]| b.iter().map(|b| b * b).sum::<f64>().sqrt();
+    // |n(m)| grows with m, from at most 1 at the low end to at least 1 at the high end.
+    let (mut low, mut high) = (q[first] - length(b), q[first] - b[first].abs());
+    let at = |m: f64| [0, 1, 2].map(|i| if b[i] == 0.0 { 0.0 } else { -b[i] / (q[i] - m) });
+    for _ in 0..100 {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            break;
+        }
+        if length(at(middle)) < 1.0 { low = middle } else { high = middle }
+    }
+    let mut n = at(low);
+    // Where b has no part along the least eigenvector, that part of n closes the gap.
+    let rest = 1.0 - length(n).powi(2) + n[first] * n[first];
+    n[first] = rest.max(0.0).sqrt().copysign(-b[first]);
+    n
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn nowhere_is_darker_than_the_darkest(
+            coefficients in proptest::array::uniform9(-1.0..1.0_f64),
+            kept in proptest::array::uniform9(proptest::bool::ANY),
+        ) {
+            let coefficients: Vec<f64> = coefficients.iter().zip(kept).map(|(c, k)| if k { *c } else { 0.0 }).collect();
+            let (normal, least) = darkest(&coefficients);
+            prop_assert!((normal.length() - 1.0).abs() < 1e-12);
+            let (normals, _) = crate::kernels::sampling::icosphere(20480).expect("a number that exists");
+            let seen = normals.rows().into_iter().map(|n| {
+                let columns = Ambient::Sh2.irradiance(DVec3::new(n[0], n[1], n[2]));
+                coefficients.iter().zip(columns).map(|(c, column)| c * column).sum::<f64>()
+            }).fold(f64::INFINITY, f64::min);
+            prop_assert!(least <= seen + 1e-9 && seen < least + 0.01, "{least} {seen}");
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! What one more light would explain, from each of many directions at once.
+
+use glam::DVec3;
+use nalgebra::{DMatrix, DVector};
+
+use super::nnls::{self, View};
+use super::probe::Probe;
+use super::radiances::{self, Radiances};
+use super::solver::{State, cost};
+use crate::kernels::sampling;
+
+/// Directions that are tried: faces of an icosphere, about 20 degrees apart.
+const TRIED: usize = 80;
+/// A column this close to the span of the others, in squared length, brings nothing new.
+const DEPENDENT: f64 = 1e-6;
+
+/// The columns that lights from every direction would add to the model, made once for a fit.
+#[derive(Debug)]
+pub struct Candidates {
+    directions: Vec<DVec3>,
+    /// `w max(0, n.l)`: a row for each direction, a column for each normal.
+    weighted: DMatrix<f64>,
+    /// `sum w max(0, n.l) y`: a row for each direction, a column for each side y of the probe.
+    sides: DMatrix<f64>,
+    /// `sum w max(0, n.l)^2` of each direction.
+    square: DVector<f64>,
+}
+
+impl Candidates {
+    /// The columns over the normals of `probe`.
+    pub fn new(probe: &Probe) -> Self {
+        let (centroids, _) = sampling::icosphere(TRIED).expect("a number of faces that exists");
+        let directions: Vec<DVec3> =
+            centroids.rows().into_iter().map(|row| DVec3::new(row[0], row[1], row[2])).collect();
+        let plain = columns(probe, &directions);
+        let weights = DVector::from_column_slice(&probe.weights);
+        let mut weighted = plain.transpose();
+        for mut row in weighted.row_iter_mut() {
+            row.component_mul_assign(&weights.transpose());
+        }
+        let square = DVector::from_fn(TRIED, |i, _| weighted.row(i).transpose().dot(&plain.column(i)));
+        let sides = &weighted * probe.side_columns();
+        Self { directions, weighted, sides, square }
+    }
+
+    /// Inner products of every direction's column with the columns of the model of `state`.
+    pub fn products(&self, probe: &Probe, state: &State) -> DMatrix<f64> {
+        let ambient = probe.ambient.len();
+        let mut products = DMatrix::zeros(TRIED, state.x.nrows());
+        products.columns_mut(0, ambient).copy_from(&self.sides.columns(0, ambient));
+        let lights = &self.weighted * columns(probe, &state.moments.directions);
+        products.columns_range_mut(ambient..).copy_from(&lights);
+        products
+    }
+
+    /// The cost that one more light from each direction would leave, where it would lower it.
+    ///
+    /// With the residuals `r_c` of the lights of `state`, but for `without`, a light with the column
+    /// a leaves at least
+    ///
+    /// ```text
+    ///   sum over channels of |r_c|^2 - max(0, a.r_c)^2 / |a - P a|^2
+    /// ```
+    ///
+    /// where P projects on the columns that are in already.
+    pub fn left(
+        &self,
+        probe: &Probe,
+        state: &State,
+        products: &DMatrix<f64>,
+        without: Option<usize>,
+    ) -> Vec<(f64, DVec3)> {
+        let ambient = probe.ambient.len();
+        let gone = without.map(|light| ambient + light);
+        let kept: Vec<usize> = (0..state.x.nrows()).filter(|&column| Some(column) != gone).collect();
+        let (gram, right) = (&state.moments.gram, state.moments.right.select_rows(&kept));
+        let gram = DMatrix::from_fn(kept.len(), kept.len(), |i, j| gram[(kept[i], kept[j])]);
+        let (gram, right) = (gram.as_view(), right.as_view());
+        let products = products.select_columns(&kept);
+        let Radiances { x, .. } = radiances::solve(probe, &gram, &right);
+        let before = cost(probe, &gram, &right, &x);
+        let residual = self.sides.columns_range(ambient..) - &products * x;
+        let outside = self.outside(&gram, &products);
+        let after = |i: usize| {
+            let along = |c: usize| probe.copies(c) * residual[(i, c)].max(0.0).powi(2);
+            before - (0..residual.ncols()).map(along).sum::<f64>() / outside[i]
+        };
+        (0..TRIED)
+            .filter(|&i| outside[i] > DEPENDENT * self.square[i])
+            .map(|i| (after(i), self.directions[i]))
+            .filter(|&(after, _)| after < before)
+            .collect()
+    }
+
+    /// `|a - P a|^2` of every direction: what its column adds to those with this Gram matrix.
+    fn outside(&self, gram: &View<'_>, products: &DMatrix<f64>) -> DVector<f64> {
+        let all: Vec<usize> = (0..gram.nrows()).collect();
+        let Some(factor) = nnls::factor(gram, &all) else { return self.square.clone() };
+        let mut inside = products.transpose();
+        factor.l_dirty().solve_lower_triangular_mut(&mut inside);
+        DVector::from_fn(TRIED, |i, _| self.square[i] - inside.column(i).norm_squared())
+    }
+}
+
+/// `max(0, n.l)`: a row for each normal, a column for each of `directions`.
+fn columns(probe: &Probe, directions: &[DVec3]) -> DMatrix<f64> {
+    DMatrix::from_fn(probe.normals.len(), directions.len(), |i, j| {
+        probe.normals[i].dot(directions[j]).max(0.0)
+    })
+}

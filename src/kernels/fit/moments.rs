@@ -1,0 +1,246 @@
+//! Every sum over the normals that a fit needs.
+//!
+//! Equations 4 to 6 of Madsen et al. 2003 in physical scale (the paper's `k_a` is pi, `k_d` and C are 1):
+//!
+//! ```text
+//!   E(n) = sum_i c_i A_i(n) + sum_j E_j max(0, n.l_j)        A: pi, or harmonics (`ambient.rs`)
+//! ```
+//!
+//! For fixed directions this is linear in `c_i` and `E_j`. The columns of the lights, and their
+//! derivatives when `l_j` moves along its tangents `s_j`, `t_j`, are
+//!
+//! ```text
+//!   a_j = v_j.l_j      da_j = v_j.s_j, v_j.t_j      v_j(n) = n where n.l_j > 0, else 0
+//! ```
+//!
+//! so all their weighted inner products come from the hemisphere moments
+//!
+//! ```text
+//!   sum w v_j y   for each ambient column and channel y        sum w v_j v_k^T
+//! ```
+//!
+//! turned into the frames (l, s, t). A light that turns by a small step gains and loses few normals:
+//! only these are added and subtracted.
+
+use glam::{DMat3, DVec3};
+use nalgebra::DMatrix;
+
+use super::probe::Probe;
+use crate::kernels::sphere::tangents;
+
+/// Inner products of the columns `[A.., a_1, a_2, .., s_1, t_1, s_2, t_2, ..]`: the model, then what
+/// it changes by when a light turns.
+#[derive(Clone, Debug)]
+pub struct Moments {
+    /// Towards each light.
+    pub directions: Vec<DVec3>,
+    /// The tangents of each light.
+    pub tangents: Vec<[DVec3; 2]>,
+    /// Of the columns with each other.
+    pub gram: DMatrix<f64>,
+    /// Of the columns with the irradiance in each fitted channel.
+    pub right: DMatrix<f64>,
+    sums: Sums,
+}
+
+/// The sums over the normals themselves, in the frame of the world.
+#[derive(Clone, Debug, Default)]
+struct Sums {
+    /// Of the lights that have a sum.
+    directions: Vec<DVec3>,
+    /// The normals that see each light, as bits: so many words for each.
+    visible: Vec<u64>,
+    /// `sum w v_j y`: for each light, each side.
+    lit: Vec<DVec3>,
+    /// `sum w v_j v_k^T` for k <= j, as [`Probe::outer`].
+    pairs: Vec<[DVec3; 2]>,
+}
+
+impl Moments {
+    /// All sums over the normals of `probe` for lights in `directions`.
+    pub fn new(probe: &Probe, directions: &[DVec3]) -> Self {
+        Self::of(probe, Sums::default().resized(probe, directions.len()), directions.to_vec())
+    }
+
+    /// The lights `kept`, and others in the directions `new` after them.
+    pub fn with(&self, probe: &Probe, kept: &[usize], new: &[DVec3]) -> Self {
+        let directions = kept.iter().map(|&j| self.directions[j]).chain(new.iter().copied()).collect();
+        Self::of(probe, self.sums.only(probe, kept).resized(probe, kept.len() + new.len()), directions)
+    }
+
+    /// The same lights in other `directions`.
+    pub fn turned(&self, probe: &Probe, directions: Vec<DVec3>) -> Self {
+        Self::of(probe, self.sums.clone(), directions)
+    }
+
+    /// From `sums` of as many lights elsewhere.
+    fn of(probe: &Probe, mut sums: Sums, directions: Vec<DVec3>) -> Self {
+        sums.turn(probe, &directions);
+        let tangents = directions.iter().map(|&l| tangents(l)).collect();
+        let size = probe.ambient.len() + 3 * directions.len();
+        let gram = DMatrix::zeros(size, size);
+        let right = DMatrix::zeros(size, probe.channels.len());
+        let mut moments = Self { directions, tangents, gram, right, sums };
+        moments.set_products(probe);
+        moments
+    }
+
+    /// Number of columns of the model, which come before their derivatives.
+    pub fn columns(&self) -> usize {
+        self.gram.nrows() - 2 * self.directions.len()
+    }
+
+    /// The three columns of a light.
+    fn places(&self, light: usize) -> [usize; 3] {
+        let (columns, lights) = (self.columns(), self.directions.len());
+        [columns - lights + light, columns + 2 * light, columns + 2 * light + 1]
+    }
+
+    /// The sums, turned into the frames of the lights.
+    fn set_products(&mut self, probe: &Probe) {
+        let ambient = probe.ambient.len();
+        self.gram.view_mut((0, 0), (ambient, ambient)).copy_from(&probe.ambient_gram.columns(0, ambient));
+        self.right.rows_mut(0, ambient).copy_from(&probe.ambient_gram.columns_range(ambient..));
+        let frame = |(&l, &[s, t]): (&DVec3, &[DVec3; 2])| DMat3::from_cols(l, s, t);
+        let frames: Vec<DMat3> = self.directions.iter().zip(&self.tangents).map(frame).collect();
+        for (j, frame) in frames.iter().enumerate() {
+            self.set_sides(probe, j, frame);
+            for (k, other) in frames[..=j].iter().enumerate() {
+                let sum = symmetric(self.sums.pairs[pair(j, k)]);
+                self.set_pair(j, k, frame.transpose() * sum * *other);
+            }
+        }
+    }
+
+    fn set_sides(&mut self, probe: &Probe, light: usize, frame: &DMat3) {
+        let places = self.places(light);
+        let sides = &self.sums.lit[light * probe.sides()..];
+        for side in 0..probe.sides() {
+            let products = (frame.transpose() * sides[side]).to_array();
+            for (row, product) in places.into_iter().zip(products) {
+                if let Some(channel) = side.checked_sub(probe.ambient.len()) {
+                    self.right[(row, channel)] = product;
+                } else {
+                    self.gram[(row, side)] = product;
+                    self.gram[(side, row)] = product;
+                }
+            }
+        }
+    }
+
+    fn set_pair(&mut self, j: usize, k: usize, products: DMat3) {
+        let (rows, columns) = (self.places(j), self.places(k));
+        for (column, products) in columns.into_iter().zip(products.to_cols_array_2d()) {
+            for (row, product) in rows.into_iter().zip(products) {
+                self.gram[(row, column)] = product;
+                self.gram[(column, row)] = product;
+            }
+        }
+    }
+}
+
+impl Sums {
+    /// Those of the lights `kept` alone.
+    fn only(&self, probe: &Probe, kept: &[usize]) -> Self {
+        let (words, sides) = (words(probe), probe.sides());
+        let mut sums = Self::default();
+        for (row, &j) in kept.iter().enumerate() {
+            sums.directions.push(self.directions[j]);
+            sums.visible.extend_from_slice(&self.visible[j * words..(j + 1) * words]);
+            sums.lit.extend_from_slice(&self.lit[j * sides..(j + 1) * sides]);
+            sums.pairs.extend(kept[..=row].iter().map(|&k| self.pairs[pair(j, k)]));
+        }
+        sums
+    }
+
+    /// With further lights, so far seen by no normal.
+    fn resized(mut self, probe: &Probe, lights: usize) -> Self {
+        self.visible.resize(lights * words(probe), 0);
+        self.lit.resize(lights * probe.sides(), DVec3::ZERO);
+        self.pairs.resize(pair(lights, 0), [DVec3::ZERO; 2]);
+        self
+    }
+
+    /// Add and subtract the normals that see a light from `directions` and did not, or no longer do.
+    fn turn(&mut self, probe: &Probe, directions: &[DVec3]) {
+        let words = words(probe);
+        let mut seen = Vec::with_capacity(directions.len() * words);
+        for (j, &direction) in directions.iter().enumerate() {
+            if self.directions.get(j) == Some(&direction) {
+                seen.extend_from_slice(&self.visible[j * words..(j + 1) * words]);
+            } else {
+                seen.extend(visible(probe, direction));
+            }
+        }
+        for j in 0..directions.len() {
+            let lit = &mut self.lit[j * probe.sides()..(j + 1) * probe.sides()];
+            for word in 0..words {
+                let (old, new) = (self.visible[j * words + word], seen[j * words + word]);
+                change_lit(probe, changes(old, new, word), lit);
+                for k in 0..=j {
+                    let old = old & self.visible[k * words + word];
+                    let new = new & seen[k * words + word];
+                    change_pair(probe, changes(old, new, word), &mut self.pairs[pair(j, k)]);
+                }
+            }
+        }
+        self.visible = seen;
+        self.directions = directions.to_vec();
+    }
+}
+
+/// Place of the pair k <= j.
+fn pair(j: usize, k: usize) -> usize {
+    j * (j + 1) / 2 + k
+}
+
+/// How many words hold a bit for each normal.
+fn words(probe: &Probe) -> usize {
+    probe.normals.len().div_ceil(64)
+}
+
+/// The normals that see a light in `direction`, as bits.
+fn visible(probe: &Probe, direction: DVec3) -> impl Iterator<Item = u64> {
+    let bit = move |(i, n): (usize, &DVec3)| u64::from(n.dot(direction) > 0.0) << i;
+    probe
+        .normals
+        .chunks(64)
+        .map(move |normals| normals.iter().enumerate().map(bit).fold(0, |word, bit| word | bit))
+}
+
+/// The normals in which two sets differ: +1 for those that came, -1 for those that went.
+fn changes(old: u64, new: u64, word: usize) -> impl Iterator<Item = (usize, f64)> {
+    let mut rest = old ^ new;
+    std::iter::from_fn(move || {
+        (rest != 0).then(|| {
+            let bit = rest.trailing_zeros() as usize;
+            rest &= rest - 1;
+            (64 * word + bit, if new >> bit & 1 == 1 { 1.0 } else { -1.0 })
+        })
+    })
+}
+
+fn change_lit(probe: &Probe, changes: impl Iterator<Item = (usize, f64)>, lit: &mut [DVec3]) {
+    for (normal, sign) in changes {
+        for (sum, term) in lit.iter_mut().zip(&probe.lit[normal * probe.sides()..]) {
+            *sum += term * sign;
+        }
+    }
+}
+
+fn change_pair(probe: &Probe, changes: impl Iterator<Item = (usize, f64)>, pair: &mut [DVec3; 2]) {
+    for (normal, sign) in changes {
+        let [squares, products] = probe.outer[normal];
+        pair[0] += squares * sign;
+        pair[1] += products * sign;
+    }
+}
+
+/// The matrix with this diagonal and these entries xy, yz, zx.
+fn symmetric([diagonal, mixed]: [DVec3; 2]) -> DMat3 {
+    DMat3::from_cols(
+        DVec3::new(diagonal.x, mixed.x, mixed.z),
+        DVec3::new(mixed.x, diagonal.y, mixed.y),
+        DVec3::new(mixed.z, mixed.y, diagonal.z),
+    )
+}

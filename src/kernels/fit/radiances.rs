@@ -1,0 +1,122 @@
+//! The best radiances of lights in fixed directions, none of which takes light away.
+//!
+//! For one channel, with the Gram matrix G of the columns and their products b with the irradiance,
+//!
+//! ```text
+//!   least  x^T G x - 2 b^T x      where  x_j >= 0 for the lights and  A(n).x >= 0 for every normal n
+//! ```
+//!
+//! and A(n) is what the ambient coefficients give at n. With a constant environment the second
+//! condition is one of the first kind, and `nnls.rs` answers. Harmonics have any sign; their condition
+//! is met by cuts: the normal at which the ambient term is most negative is added to those where it may
+//! not be, and the problem solved again (Kelley 1960), until none is left. The multipliers u of the
+//! conditions C are themselves a problem of non-negative least squares:
+//!
+//! ```text
+//!   x = G^-1 (b + C^T u)      least  u^T C G^-1 C^T u + 2 u^T C G^-1 b,  u >= 0
+//! ```
+
+use glam::DVec3;
+use nalgebra::{DMatrix, DVector};
+
+use super::ambient::{Ambient, darkest};
+use super::nnls::{self, View};
+use super::probe::Probe;
+
+/// Share of the brightest ambient irradiance that counts as none.
+const DARK: f64 = 1e-7;
+/// Cuts after which the rest is lifted away.
+const CUTS: usize = 40;
+
+/// The values of each channel.
+#[derive(Clone, Debug)]
+pub struct Radiances {
+    /// Coefficients of the ambient term, then irradiance of the lights; a column for each channel.
+    pub x: DMatrix<f64>,
+    /// For each channel, the normals at which the ambient term is kept from turning negative.
+    pub dark: Vec<Vec<DVec3>>,
+}
+
+/// The best values.
+pub fn solve(probe: &Probe, gram: &View<'_>, right: &View<'_>) -> Radiances {
+    let x = nnls::solve(gram, right, probe.free());
+    let mut radiances = Radiances { x, dark: vec![Vec::new(); right.ncols()] };
+    if probe.ambient == Ambient::Sh2 {
+        for channel in 0..right.ncols() {
+            let x = radiances.x.column(channel).into_owned();
+            if shadow(&x) > 0.0 {
+                let (x, dark) = cut(gram, &right.column(channel).into_owned());
+                radiances.x.set_column(channel, &x);
+                radiances.dark[channel] = dark;
+            }
+        }
+    }
+    radiances
+}
+
+/// How far the ambient term of `x` is below zero where it is darkest, if it is.
+fn shadow(x: &DVector<f64>) -> f64 {
+    let size = x.rows(0, 9).amax();
+    let (_, least) = darkest(&x.as_slice()[..9]);
+    if least < -DARK * size { -least } else { 0.0 }
+}
+
+/// A condition `row.x >= 0`, and its normal if it is one on the ambient term.
+type Condition = (DVector<f64>, Option<DVec3>);
+
+/// The best values of one channel with harmonics, and the normals of the conditions that hold it.
+fn cut(gram: &View<'_>, right: &DVector<f64>) -> (DVector<f64>, Vec<DVec3>) {
+    let Some(factor) = with_ridge(gram).cholesky() else { return (right * 0.0, Vec::new()) };
+    let plain = factor.solve(right);
+    let mut x = plain.clone();
+    let mut conditions: Vec<Condition> = Vec::new();
+    for _ in 0..CUTS {
+        let violated = violated(&x);
+        if violated.is_empty() {
+            break;
+        }
+        conditions.extend(violated);
+        let rows: Vec<DVector<f64>> = conditions.iter().map(|(row, _)| row.clone()).collect();
+        let rows = DMatrix::from_columns(&rows);
+        let along = factor.solve(&rows);
+        let (dual, fall) = (rows.tr_mul(&along), -rows.tr_mul(&plain));
+        let multipliers = nnls::solve(&dual.as_view(), &DMatrix::from_columns(&[fall]).as_view(), 0);
+        x = &plain + &along * &multipliers.column(0);
+        let mut holds = multipliers.iter().map(|&multiplier| multiplier > 0.0);
+        conditions.retain(|_| holds.next() == Some(true));
+    }
+    lift(&mut x);
+    (x, conditions.into_iter().filter_map(|(_, normal)| normal).collect())
+}
+
+/// The conditions that `x` breaks: each light, and the ambient term where it is darkest.
+fn violated(x: &DVector<f64>) -> Vec<Condition> {
+    let row = |columns: &[f64], first: usize| {
+        let mut row = DVector::zeros(x.len());
+        row.rows_mut(first, columns.len()).copy_from_slice(columns);
+        row
+    };
+    let rounding = -1e-12 * x.amax();
+    let lights = (9..x.len()).filter(|&i| x[i] < rounding).map(|i| (row(&[1.0], i), None));
+    let ambient = (shadow(x) > 0.0).then(|| {
+        let (normal, _) = darkest(&x.as_slice()[..9]);
+        (row(&Ambient::Sh2.irradiance(normal), 0), Some(normal))
+    });
+    lights.chain(ambient).collect()
+}
+
+/// What rounding has left below zero, raised to it.
+fn lift(x: &mut DVector<f64>) {
+    x.rows_range_mut(9..).apply(|value| *value = value.max(0.0));
+    let (_, least) = darkest(&x.as_slice()[..9]);
+    x[0] += (-least).max(0.0) / Ambient::Sh2.irradiance(DVec3::Z)[0];
+}
+
+/// `gram`, with a little more on its diagonal, so that columns may depend on each other.
+fn with_ridge(gram: &View<'_>) -> DMatrix<f64> {
+    let mut gram = gram.into_owned();
+    for i in 0..gram.nrows() {
+        gram[(i, i)] *= 1.0 + 1e-12;
+    }
+    gram
+}

@@ -1,0 +1,119 @@
+//! How well the probe determines the lights: standard errors, and the condition number.
+//!
+//! With the Jacobian J of all free unknowns - radiances channel by channel, then the two tangent
+//! coordinates of every direction that moved - and the residuals r of n values,
+//!
+//! ```text
+//!   covariance = (J^T W J)^-1 r^T W r / (n - unknowns)
+//! ```
+//!
+//! A value held at zero is no unknown.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::moments::Moments;
+use super::probe::Probe;
+use super::{Rig, model};
+
+/// What the covariance says of a rig.
+#[derive(Clone, Debug, Default)]
+pub struct Uncertainty {
+    /// Ratio of the greatest to the least singular value of J, its columns brought to length 1:
+    /// infinite where the probe does not tell two unknowns apart.
+    pub condition: f64,
+    /// Standard error of each light's direction, in radians: 0 where it was held.
+    pub direction: Vec<f64>,
+    /// Standard error of each light's irradiance in each channel: 0 where it is held at zero.
+    pub irradiance: Vec<[f64; 3]>,
+}
+
+/// One unknown: a column of [`Moments`], in one channel or, for a direction, in all.
+#[derive(Clone, Copy)]
+struct Unknown {
+    column: usize,
+    channel: Option<usize>,
+}
+
+/// Of the lights of `rig`, of which the first `held` keep their directions.
+pub fn uncertainty(probe: &Probe, rig: &Rig, held: usize) -> Uncertainty {
+    let moments = Moments::new(probe, &rig.directions);
+    let unknowns = unknowns(probe, &moments, rig, held);
+    let normal = DMatrix::from_fn(unknowns.len(), unknowns.len(), |i, j| {
+        inner(&moments, rig, unknowns[i], unknowns[j])
+    });
+    let length = normal.diagonal().map(|square| square.sqrt().max(f64::MIN_POSITIVE));
+    let scaled =
+        DMatrix::from_fn(normal.nrows(), normal.ncols(), |i, j| normal[(i, j)] / length[i] / length[j]);
+    let condition = condition(&scaled);
+    let freedom = (3 * probe.normals.len()).saturating_sub(unknowns.len()).max(1) as f64;
+    let variance = model::cost(probe, rig) / freedom;
+    let error = match scaled.cholesky() {
+        Some(factor) => factor.inverse().diagonal().map(|value| (value * variance).sqrt()),
+        None => DVector::repeat(unknowns.len(), f64::INFINITY),
+    };
+    let mut out = Uncertainty {
+        condition,
+        direction: vec![0.0; rig.directions.len()],
+        irradiance: vec![[0.0; 3]; rig.directions.len()],
+    };
+    for (i, unknown) in unknowns.iter().enumerate() {
+        out.set(&moments, probe, *unknown, error[i] / length[i]);
+    }
+    out
+}
+
+impl Uncertainty {
+    fn set(&mut self, moments: &Moments, probe: &Probe, unknown: Unknown, error: f64) {
+        let Unknown { column, channel } = unknown;
+        match channel {
+            None => {
+                let direction = &mut self.direction[(column - moments.columns()) / 2];
+                *direction = direction.hypot(error);
+            }
+            Some(channel) if column >= probe.ambient.len() => {
+                self.irradiance[column - probe.ambient.len()][channel] = error;
+            }
+            Some(_) => (),
+        }
+    }
+}
+
+/// Ratio of the greatest to the least singular value of the matrix whose Gram matrix this is.
+fn condition(gram: &DMatrix<f64>) -> f64 {
+    if gram.is_empty() {
+        return 1.0;
+    }
+    let values = gram.symmetric_eigenvalues();
+    (values.max() / values.min().max(0.0)).sqrt()
+}
+
+fn unknowns(probe: &Probe, moments: &Moments, rig: &Rig, held: usize) -> Vec<Unknown> {
+    let is_free = move |channel: usize, column: usize| {
+        column < probe.free() || value(probe, rig, channel, column) > 0.0
+    };
+    let radiances = (0..3).flat_map(|channel| {
+        let free = (0..moments.columns()).filter(move |&column| is_free(channel, column));
+        free.map(move |column| Unknown { column, channel: Some(channel) })
+    });
+    let directions = moments.columns() + 2 * held..moments.gram.nrows();
+    let directions = directions.map(|column| Unknown { column, channel: None });
+    radiances.chain(directions).collect()
+}
+
+/// The coefficient of a column of the model in one channel.
+fn value(probe: &Probe, rig: &Rig, channel: usize, column: usize) -> f64 {
+    match column.checked_sub(probe.ambient.len()) {
+        None => rig.ambient[column][channel],
+        Some(light) => rig.irradiance[light][channel],
+    }
+}
+
+/// Inner product of two columns of the Jacobian.
+fn inner(moments: &Moments, rig: &Rig, a: Unknown, b: Unknown) -> f64 {
+    let scale = |unknown: Unknown, channel: usize| match unknown.channel {
+        Some(own) => f64::from(u8::from(own == channel)),
+        None => rig.irradiance[(unknown.column - moments.columns()) / 2][channel],
+    };
+    let channels: f64 = (0..3).map(|channel| scale(a, channel) * scale(b, channel)).sum();
+    channels * moments.gram[(a.column, b.column)]
+}
