@@ -106,64 +106,23 @@ impl Light {
         }
     }
 
-    /// Add what a row at the polar angle `theta` holds.
-    ///
-    /// With `d = (sin theta sin phi, cos theta, -sin theta cos phi)` a row's sums over phi are enough.
-    fn add_row(&mut self, row: &RowSums, [sin, cos, band]: [f64; 3]) {
-        let [by_sin, by_cos] = row.pull;
-        let flux = band * row.flux;
-        self.flux += flux;
-        for (sum, value) in self.irradiance.iter_mut().zip(row.irradiance) {
-            *sum += band * value;
-        }
-        self.flux_vector += band * DVec3::new(sin * by_sin, cos * row.flux, -sin * by_cos);
-        let [of_squares, crossed] = row.second.map(|sum| band * sin * sin * sum);
-        self.second[0] += DVec3::new(of_squares, cos * cos * flux, sin * sin * flux - of_squares);
-        self.second[1] += DVec3::new(band * sin * cos * by_sin, -band * sin * cos * by_cos, -crossed);
-        self.width_squared += band * band * row.width_squared / 12.0;
-        self.luminance_squared += band * row.luminance_squared;
-        self.top += band * DVec3::new(sin * row.top.x, cos * row.top.y, -sin * row.top.z);
-        self.top_pixels += row.top_pixels;
-    }
-}
-
-/// Sums over pixels of a row, with the width w of the light in each for its solid angle.
-#[derive(Default)]
-struct RowSums {
-    flux: f64,
-    irradiance: [f64; 3],
-    /// Sums of `Y w sin phi` and `Y w cos phi`.
-    pull: [f64; 2],
-    /// Sums of `Y w sin^2 phi` and `Y w sin phi cos phi`.
-    second: [f64; 2],
-    width_squared: f64,
-    luminance_squared: f64,
-    /// Sums of `w sin phi`, `w` and `w cos phi` over the pixels at the peak.
-    top: DVec3,
-    top_pixels: usize,
-}
-
-impl RowSums {
-    #[inline]
-    fn add(&mut self, rgb: [f32; 3], y: f64, width: f64, [sin, cos]: [f64; 2]) {
-        let flux = y * width;
-        let by_sin = flux * sin;
+    /// Add a pixel of the luminance `y`, of which the light covers `solid_angle`.
+    fn add(&mut self, rgb: [f32; 3], y: f64, towards: DVec3, solid_angle: f64) {
+        let flux = y * solid_angle;
         self.flux += flux;
         for (sum, value) in self.irradiance.iter_mut().zip(rgb) {
-            *sum += f64::from(value) * width;
+            *sum += f64::from(value) * solid_angle;
         }
-        self.pull[0] += by_sin;
-        self.pull[1] += flux * cos;
-        self.second[0] += by_sin * sin;
-        self.second[1] += by_sin * cos;
-        self.width_squared += flux * width;
+        let pull = towards * flux;
+        self.flux_vector += pull;
+        self.second[0] += pull * towards;
+        self.second[1] += pull * DVec3::new(towards.y, towards.z, towards.x);
+        self.width_squared += flux * solid_angle / 12.0;
         self.luminance_squared += y * flux;
-    }
-
-    #[inline]
-    fn add_top(&mut self, width: f64, [sin, cos]: [f64; 2]) {
-        self.top += width * DVec3::new(sin, 1.0, cos);
-        self.top_pixels += 1;
+        if y >= TOP * self.peak {
+            self.top += solid_angle * towards;
+            self.top_pixels += 1;
+        }
     }
 }
 
@@ -234,49 +193,44 @@ impl<'a> Map<'a> {
 
     fn peak(&self, part: &[u32]) -> f64 {
         let mut peak = 0.0_f32;
-        self.visit(part, |_, _, pixels| {
-            for &pixel in pixels {
-                peak = peak.max(luminance(pixel));
-            }
-        });
+        self.visit(part, |_, _, pixel| peak = peak.max(luminance(pixel)));
         f64::from(peak)
     }
 
     fn sum(&self, part: &[u32], peak: f64, background: f64) -> Light {
         let mut light = Light { peak, ..Light::default() };
         let per_cover = 1.0 / (peak - background);
-        self.visit(part, |row, columns, pixels| {
-            let mut sums = RowSums::default();
-            for (&pixel, &[width, sin, cos]) in pixels.iter().zip(columns) {
-                let y = f64::from(luminance(pixel));
-                let coverage = ((y - background) * per_cover).min(1.0);
-                if coverage >= LEAST_COVERAGE {
-                    let width = width * (1.0 - (1.0 - coverage) * background / y);
-                    sums.add(pixel, y, width, [sin, cos]);
-                    if y >= TOP * peak {
-                        sums.add_top(width, [sin, cos]);
-                    }
-                }
+        self.visit(part, |row, column, pixel| {
+            let y = f64::from(luminance(pixel));
+            let coverage = ((y - background) * per_cover).min(1.0);
+            if coverage >= LEAST_COVERAGE {
+                let share = 1.0 - (1.0 - coverage) * background / y;
+                let (towards, solid_angle) = self.pixel(row, column);
+                light.add(pixel, y, towards, share * solid_angle);
             }
-            light.add_row(&sums, *row);
         });
         light
     }
 
-    /// Call `seen` with each of the map's rows behind a run of working pixels, its columns and pixels.
-    fn visit(&self, region: &[u32], mut seen: impl FnMut(&[f64; 3], &[[f64; 3]], &[[f32; 3]])) {
-        let are_neighbours = |&one: &u32, &other: &u32| {
-            one + 1 == other && !(other as usize).is_multiple_of(self.working_columns)
-        };
-        for run in region.chunk_by(are_neighbours) {
+    fn visit(&self, region: &[u32], mut seen: impl FnMut(usize, usize, [f32; 3])) {
+        for &index in region {
             let (row, column) =
-                (run[0] as usize / self.working_columns, run[0] as usize % self.working_columns);
-            let columns = column * self.block..((column + run.len()) * self.block).min(self.width);
+                (index as usize / self.working_columns, index as usize % self.working_columns);
+            let columns = column * self.block..((column + 1) * self.block).min(self.width);
             for row in row * self.block..((row + 1) * self.block).min(self.height) {
                 let pixels = &self.pixels[row * self.width..][columns.clone()];
-                seen(&self.rows[row], &self.columns[columns.clone()], pixels);
+                for (column, &pixel) in columns.clone().zip(pixels) {
+                    seen(row, column, pixel);
+                }
             }
         }
+    }
+
+    /// Direction and solid angle of a pixel.
+    fn pixel(&self, row: usize, column: usize) -> (DVec3, f64) {
+        let [sin_theta, cos_theta, band] = self.rows[row];
+        let [width, sin_phi, cos_phi] = self.columns[column];
+        (DVec3::new(sin_phi * sin_theta, cos_theta, -cos_phi * sin_theta), band * width)
     }
 }
 
