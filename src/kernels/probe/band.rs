@@ -7,8 +7,8 @@
 //!   integral of L sin phi = 2 sin(d/2) (sin phi_b sum L cos o + cos phi_b sum L sin o)
 //! ```
 //!
-//! so one small table of cos o and sin o serves all blocks, and only the turn by `phi_b` is done in
-//! f64. Sums are kept for whole blocks; a look-up adds or takes off the few columns to the nearest.
+//! so one small table of cos o and sin o serves all blocks. A block is summed and turned by `phi_b` in
+//! f32, as the samples are; the sums over blocks are f64. Sums are kept for whole blocks; a look-up adds or takes off the few columns to the nearest.
 //! Rows of a band are weighted one by one, so that its vector flux is exact; only its horizon is not.
 
 use glam::{DVec3, Vec3, Vec4};
@@ -34,7 +34,7 @@ pub struct Columns<'a> {
     /// cos o and sin o of the pixels of a block of even width.
     offsets: [[FourPixels; 2]; BLOCK / 4],
     /// For each block the integrals over the column in its middle, if all its columns are as wide.
-    middles: Vec<Option<[f64; 3]>>,
+    middles: Vec<Option<[f32; 3]>>,
 }
 
 impl<'a> Columns<'a> {
@@ -72,12 +72,12 @@ impl<'a> Columns<'a> {
 
 /// Integrals of cos phi, sin phi and 1 over a column of `width` in the middle of `block`; none where
 /// the seam cuts a column or the row ends.
-fn middle(phi_edges: &[f64], block: usize, width: f64) -> Option<[f64; 3]> {
+fn middle(phi_edges: &[f64], block: usize, width: f64) -> Option<[f32; 3]> {
     let edges = phi_edges.get(BLOCK * block..=BLOCK * (block + 1))?;
     let is_even = edges.windows(2).all(|edge| (edge[1] - edge[0] - width).abs() < 1e-9 * width);
     let (sin, cos) = (0.5 * (edges[0] + edges[BLOCK])).sin_cos();
     let chord = 2.0 * (0.5 * width).sin();
-    is_even.then_some([chord * cos, chord * sin, width])
+    is_even.then_some([chord * cos, chord * sin, width].map(|x| x as f32))
 }
 
 /// Rows that share one horizon, and the prefix sums over their columns.
@@ -111,20 +111,22 @@ impl<'a> Band<'a> {
         self.prefix.push(sum);
     }
 
-    /// In f32, as the samples are; the sum over blocks goes on in f64.
+    /// Two rows at a time.
     #[inline]
-    fn even_block(&self, block: usize, [chord_cos, chord_sin, width]: [f64; 3]) -> Flux {
+    fn even_block(&self, block: usize, [chord_cos, chord_sin, width]: [f32; 3]) -> Flux {
+        let first = BLOCK * block;
         let mut sums = [[Vec4::ZERO; 3]; 3];
-        for (row, weights) in self.rows.iter().zip(&self.weights) {
-            let of_row = row_sums(&row[BLOCK * block..][..BLOCK], &self.columns.offsets);
-            for (i, weight) in weights.as_vec3().to_array().into_iter().enumerate() {
-                for part in 0..3 {
-                    sums[i][part] += of_row[i][part] * weight;
-                }
-            }
+        let (pairs, last) = self.rows.as_chunks::<2>();
+        let (weights_of_pairs, weights_of_last) = self.weights.as_chunks::<2>();
+        for (rows, &weights) in pairs.iter().zip(weights_of_pairs) {
+            add_sums(&mut sums, rows.map(|row| &row[first..]), weights, &self.columns.offsets);
+        }
+        for (row, &weights) in last.iter().zip(weights_of_last) {
+            add_sums(&mut sums, [&row[first..]], [weights], &self.columns.offsets);
         }
         let [cos, sin, one] = sums.map(by_channel);
-        [cos * chord_cos - sin * chord_sin, cos * chord_sin + sin * chord_cos, one * width]
+        let turned = [cos * chord_cos - sin * chord_sin, cos * chord_sin + sin * chord_cos, one * width];
+        turned.map(|flux| flux.truncate().as_dvec3())
     }
 
     fn uneven_block(&self, block: usize) -> Flux {
@@ -169,28 +171,41 @@ impl<'a> Band<'a> {
     }
 }
 
-/// Sums of L cos o, L sin o and L over a block, still in the lanes where the samples lie.
+/// Add the sums of L cos o, L sin o and L over a block of some rows, still in the lanes where the samples
+/// lie. The cos and the sin of a row have one weight: the rows are added up before they meet the offsets.
 #[inline]
-fn row_sums(pixels: &[[f32; 3]], offsets: &[[FourPixels; 2]]) -> [FourPixels; 3] {
-    let mut sums = [[Vec4::ZERO; 3]; 3];
-    for (samples, [cos, sin]) in pixels.as_flattened().as_chunks::<12>().0.iter().zip(offsets) {
+fn add_sums<const ROWS: usize>(
+    sums: &mut [FourPixels; 3],
+    rows: [&[[f32; 3]]; ROWS],
+    weights: [DVec3; ROWS],
+    offsets: &[[FourPixels; 2]],
+) {
+    let equatorials = weights.map(|weight| Vec4::splat(weight.x as f32));
+    let polars = weights.map(|weight| Vec4::splat(weight.z as f32));
+    let rows = rows.map(|row| row[..BLOCK].as_flattened().as_chunks::<12>().0);
+    for (i, [cos, sin]) in offsets.iter().enumerate() {
         for part in 0..3 {
-            let four = Vec4::from_slice(&samples[4 * part..]);
-            sums[0][part] += four * cos[part];
-            sums[1][part] += four * sin[part];
-            sums[2][part] += four;
+            let fours = rows.map(|row| Vec4::from_slice(&row[i][4 * part..]));
+            let mut equatorial = fours[0] * equatorials[0];
+            for row in 1..ROWS {
+                equatorial += fours[row] * equatorials[row];
+            }
+            sums[0][part] += equatorial * cos[part];
+            sums[1][part] += equatorial * sin[part];
+            for row in 0..ROWS {
+                sums[2][part] += fours[row] * polars[row];
+            }
         }
     }
-    sums
 }
 
 /// Sum of four pixels: `rgbr gbrg brgb` by channel.
 #[inline]
-fn by_channel([a, b, c]: FourPixels) -> DVec3 {
+fn by_channel([a, b, c]: FourPixels) -> Vec4 {
     let second = Vec4::new(a.w, b.x, b.y, 0.0);
     let third = Vec4::new(b.z, b.w, c.x, 0.0);
     let fourth = Vec4::new(c.y, c.z, c.w, 0.0);
-    ((a + second) + (third + fourth)).truncate().as_dvec3()
+    (a + second) + (third + fourth)
 }
 
 /// `pull . flux`, for each channel.

@@ -98,6 +98,15 @@ pub fn detect(
     registration: Registration,
     options: &Options,
 ) -> Result<Detection> {
+    // In the thread pool as a whole: from outside, each of the parallel loops would wake it anew.
+    rayon::scope(|_| detect_in_pool(radiance, registration, options))
+}
+
+fn detect_in_pool(
+    radiance: ArrayView3<'_, f32>,
+    registration: Registration,
+    options: &Options,
+) -> Result<Detection> {
     let summary = summarise(radiance, registration, options.working_columns)?;
     let sheet = Sheet::of(&summary);
     let threshold = threshold::from_histogram(&summary);

@@ -58,15 +58,19 @@ pub fn summarise(
     let mut luminance = vec![0.0; size.0 * size.1];
     let mut tile_maxima = Array2::zeros((size.0.div_ceil(TILE), size.1.div_ceil(TILE)));
     let mut signs = vec![false; size.0.div_ceil(TILE)];
+    let widths: Vec<f64> = grid.phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect();
+    let mut row_sums = vec![0.0; size.0];
     luminance
         .par_chunks_mut(TILE * size.1)
+        .zip(row_sums.par_chunks_mut(TILE))
         .zip(tile_maxima.outer_iter_mut().into_par_iter())
         .zip(&mut signs)
         .enumerate()
-        .for_each(|(tile_row, ((rows, mut maxima), signs))| {
+        .for_each(|(tile_row, (((rows, sums), mut maxima), signs))| {
             let mut largest = vec![0.0; size.1];
-            for (i, row) in rows.chunks_mut(size.1).enumerate() {
+            for (i, (row, sum)) in rows.chunks_mut(size.1).zip(sums).enumerate() {
                 *signs |= reduction.fill_row(tile_row * TILE + i, row);
+                *sum = weighted_sum(row, &widths);
                 raise(&mut largest, row);
             }
             for (maximum, columns) in maxima.iter_mut().zip(largest.chunks(TILE)) {
@@ -76,7 +80,7 @@ pub fn summarise(
     if signs.contains(&true) {
         check_not_negative(radiance)?;
     }
-    let flux = flux(&luminance, &grid, &bands)?;
+    let flux = flux(&row_sums, &bands)?;
     Ok(Summary { size, luminance, grid, bands, block, tile_maxima, flux })
 }
 
@@ -96,11 +100,10 @@ fn raise(largest: &mut [f32], row: &[f32]) {
     }
 }
 
-fn flux(luminance: &[f32], grid: &Grid, bands: &[f64]) -> Result<f64> {
-    let widths: Vec<f64> = grid.phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect();
+fn flux(row_sums: &[f64], bands: &[f64]) -> Result<f64> {
     let mut flux = 0.0;
-    for (index, (row, band)) in luminance.chunks_exact(widths.len()).zip(bands).enumerate() {
-        let value: f64 = weighted_sum(row, &widths) * band;
+    for (index, (sum, band)) in row_sums.iter().zip(bands).enumerate() {
+        let value = sum * band;
         if !value.is_finite() {
             return Err(Error::NotFinite { what: "luminance", index, value });
         }
@@ -111,21 +114,23 @@ fn flux(luminance: &[f32], grid: &Grid, bands: &[f64]) -> Result<f64> {
 
 /// Eight sums side by side: one would wait for each addition in turn.
 fn weighted_sum(row: &[f32], widths: &[f64]) -> f64 {
+    let ((values, last_values), (widths, last_widths)) = (row.as_chunks::<8>(), widths.as_chunks::<8>());
     let mut lanes = [0.0_f64; 8];
-    for (values, widths) in row.chunks(8).zip(widths.chunks(8)) {
-        for (lane, (&value, width)) in lanes.iter_mut().zip(values.iter().zip(widths)) {
-            *lane += f64::from(value) * width;
+    for (values, widths) in values.iter().zip(widths) {
+        for i in 0..8 {
+            lanes[i] += f64::from(values[i]) * widths[i];
         }
     }
-    lanes.iter().sum()
+    let last: f64 = last_values.iter().zip(last_widths).map(|(&value, width)| f64::from(value) * width).sum();
+    lanes.iter().sum::<f64>() + last
 }
 
 /// How the map's pixels make the pixels of the working image.
 struct Reduction<'a> {
     radiance: ArrayView3<'a, f32>,
     block: usize,
-    /// Band height of each row of the map.
-    bands: Vec<f64>,
+    /// Polar angles between the rows of the map.
+    theta_edges: &'a [f64],
     /// Widths of the map's first and last pixel, in widths of the others.
     outer_widths: [f32; 2],
     /// One over the width of each column of the working image, in widths of the map's pixels.
@@ -133,25 +138,24 @@ struct Reduction<'a> {
 }
 
 impl<'a> Reduction<'a> {
-    fn new(radiance: ArrayView3<'a, f32>, pixels: &Grid, grid: &Grid, block: usize) -> Self {
+    fn new(radiance: ArrayView3<'a, f32>, pixels: &'a Grid, grid: &Grid, block: usize) -> Self {
         let width = |edge: &[f64]| ((edge[1] - edge[0]) * pixels.columns_per_radian) as f32;
         let per_width = grid.phi_edges.windows(2).map(|edge| 1.0 / width(edge)).collect();
         let phi = &pixels.phi_edges;
         let outer_widths = [width(&phi[..2]), width(&phi[phi.len() - 2..])];
-        Self { radiance, block, bands: band_heights(&pixels.theta_edges), outer_widths, per_width }
+        Self { radiance, block, theta_edges: &pixels.theta_edges, outer_widths, per_width }
     }
 
     /// Luminance of one row of the working image; whether a sample of it has a minus sign.
     fn fill_row(&self, row: usize, out: &mut [f32]) -> bool {
-        let rows = row * self.block..((row + 1) * self.block).min(self.bands.len());
+        let rows = row * self.block..((row + 1) * self.block).min(self.theta_edges.len() - 1);
         let samples = self.radiance.slice(s![rows.clone(), .., ..]);
         let samples = samples.as_standard_layout();
         let samples = samples.as_slice().unwrap_or(&[]); // the standard layout is a slice
         if self.block == 1 {
-            fill_luminance(samples, out);
-            has_sign(samples)
+            fill_luminance(samples, out)
         } else {
-            self.reduce(samples, &self.bands[rows], out)
+            self.reduce(samples, &band_heights(&self.theta_edges[rows.start..=rows.end]), out)
         }
     }
 
@@ -185,11 +189,6 @@ impl<'a> Reduction<'a> {
             mean[last..].iter_mut().for_each(|value| *value *= self.outer_widths[1]);
         }
     }
-}
-
-/// Whether any of `samples` has a minus sign. (NaN and infinity show in the flux.)
-fn has_sign(samples: &[f32]) -> bool {
-    samples.iter().fold(0, |bits, sample| bits | sample.to_bits()) >> 31 == 1
 }
 
 /// Mean of the `columns` of some rows, four rows at a time: fewer passes over what is summed. Whether
@@ -232,11 +231,15 @@ fn luminance_of_sum(samples: &[f32]) -> f32 {
     (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]) + rest
 }
 
-fn fill_luminance(samples: &[f32], out: &mut [f32]) {
+/// Luminance of each pixel; whether a sample has a minus sign. (NaN and infinity show in the flux.)
+fn fill_luminance(samples: &[f32], out: &mut [f32]) -> bool {
     let [red, green, blue] = image::LUMINANCE.map(|weight| weight as f32);
-    for (out, pixel) in out.iter_mut().zip(samples.as_chunks::<3>().0) {
-        *out = red * pixel[0] + green * pixel[1] + blue * pixel[2];
+    let mut bits = 0;
+    for (out, [r, g, b]) in out.iter_mut().zip(samples.as_chunks::<3>().0) {
+        *out = red * r + green * g + blue * b;
+        bits |= r.to_bits() | g.to_bits() | b.to_bits();
     }
+    bits >> 31 == 1
 }
 
 #[cfg(test)]

@@ -171,8 +171,14 @@ fn parts_of_rows(rows: &[f32], bands: &[f64], width: usize, per_mean: f32) -> Ve
             for (bin_of, &value) in bins.iter_mut().zip(values) {
                 *bin_of = bin(value * per_mean) as u32;
             }
-            for (i, bin) in bins[..values.len()].iter().enumerate() {
-                parts[*bin as usize][i % 4] += share;
+            let (fours, rest) = bins[..values.len()].as_chunks::<4>();
+            for four in fours {
+                for (lane, &bin) in four.iter().enumerate() {
+                    parts[bin as usize][lane] += share;
+                }
+            }
+            for &bin in rest {
+                parts[bin as usize][0] += share;
             }
         }
     }
@@ -181,9 +187,14 @@ fn parts_of_rows(rows: &[f32], bands: &[f64], width: usize, per_mean: f32) -> Ve
 
 const FIRST_BITS: u32 = (127 - OCTAVES_BELOW) << (23 - IGNORED_BITS);
 
-/// The bin of a value that is not negative.
+/// The bin of a value that is not negative. Clamped while it is a float, which takes one instruction
+/// where integers take four.
 fn bin(value: f32) -> usize {
-    ((value.to_bits() >> IGNORED_BITS).saturating_sub(FIRST_BITS) as usize).min(BINS - 1)
+    let lowest = f32::from_bits(FIRST_BITS << IGNORED_BITS);
+    let highest = f32::from_bits(((FIRST_BITS + BINS as u32) << IGNORED_BITS) - 1);
+    let value = if value > lowest { value } else { lowest };
+    let value = if value < highest { value } else { highest };
+    ((value.to_bits() >> IGNORED_BITS) - FIRST_BITS) as usize
 }
 
 /// The smallest value of a bin; the lowest bin starts at 0.

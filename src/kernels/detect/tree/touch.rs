@@ -7,6 +7,8 @@ use super::summary::Summary;
 pub struct Sheet {
     height: usize,
     width: usize,
+    /// `2^48 / width`, rounded up.
+    per_width: u64,
     hubs: [usize; 2],
 }
 
@@ -18,14 +20,23 @@ impl Sheet {
             let pixels = row * width..(row + 1) * width;
             pixels.reduce(|a, b| if luminance[b] > luminance[a] { b } else { a }).unwrap_or(0)
         };
-        Self { height, width, hubs: [brightest(0), brightest(height - 1)] }
+        let per_width = (1 << 48) / width as u64 + 1;
+        Self { height, width, per_width, hubs: [brightest(0), brightest(height - 1)] }
+    }
+
+    /// Row and column, by a multiplication: a division would take a fifth of the time of all that touch.
+    /// Exact as long as `height * width^2 < 2^48`.
+    fn place(&self, index: usize) -> (usize, usize) {
+        let row = ((index as u64 * self.per_width) >> 48) as usize;
+        (row, index - row * self.width)
     }
 
     /// The pixels that touch one; itself where there is none.
     pub fn around(&self, index: usize) -> [usize; 9] {
-        let [left, here, right] = self.columns(index);
-        let (up, row, down) = self.rows(index);
-        let hub = self.hub(index);
+        let (row, column) = self.place(index);
+        let hub = self.hub(index, row);
+        let [left, here, right] = self.columns(column);
+        let (up, row, down) = self.rows(row);
         [
             up + left,
             up + here,
@@ -41,39 +52,39 @@ impl Sheet {
 
     /// The pixels on the left, on the right, above and below; itself beyond the first and last row.
     pub fn sides(&self, index: usize) -> [usize; 4] {
-        let [left, here, right] = self.columns(index);
-        let (up, row, down) = self.rows(index);
+        let (row, column) = self.place(index);
+        let [left, here, right] = self.columns(column);
+        let (up, row, down) = self.rows(row);
         [row + left, row + right, up + here, down + here]
     }
 
     /// The pixels `columns` to the left and right, `rows` above and below; at the poles the last there is.
     pub fn beyond(&self, index: usize, rows: usize, columns: usize) -> [usize; 4] {
-        let (row, column) = (index / self.width, index % self.width);
+        let (row, column) = self.place(index);
         let at = |row: usize, column: usize| row * self.width + column % self.width;
         let (up, down) = (row.saturating_sub(rows), (row + rows).min(self.height - 1));
         [at(row, column + self.width - columns), at(row, column + columns), at(up, column), at(down, column)]
     }
 
-    fn hub(&self, index: usize) -> usize {
-        match index / self.width {
+    fn hub(&self, index: usize, row: usize) -> usize {
+        match row {
             0 => self.hubs[0],
             row if row + 1 == self.height => self.hubs[1],
             _ => index,
         }
     }
 
-    fn columns(&self, index: usize) -> [usize; 3] {
-        let column = index % self.width;
+    fn columns(&self, column: usize) -> [usize; 3] {
         let left = if column == 0 { self.width - 1 } else { column - 1 };
         let right = if column + 1 == self.width { 0 } else { column + 1 };
         [left, column, right]
     }
 
     /// First pixels of the row above, its own row and the one below.
-    fn rows(&self, index: usize) -> (usize, usize, usize) {
-        let row = index - index % self.width;
+    fn rows(&self, row: usize) -> (usize, usize, usize) {
+        let first = row * self.width;
         let last = (self.height - 1) * self.width;
-        (row.saturating_sub(self.width), row, (row + self.width).min(last))
+        (first.saturating_sub(self.width), first, (first + self.width).min(last))
     }
 }
 
@@ -98,6 +109,17 @@ mod tests {
             let (sheet, pixel) = (sheet(), row * 16 + column);
             for other in sheet.around(pixel).into_iter().filter(|other| (16..112).contains(other)) {
                 prop_assert!(sheet.around(other).contains(&pixel), "{pixel} {other}");
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn a_place_is_a_quotient_and_a_rest(height in 1_usize..=1 << 14, width in 1_usize..=1 << 15, at in 0.0..1.0_f64) {
+            let sheet = Sheet { height, width, per_width: (1 << 48) / width as u64 + 1, hubs: [0; 2] };
+            let index = (at * (height * width) as f64) as usize;
+            for index in [index, index / width * width, index / width * width + width - 1] {
+                prop_assert_eq!(sheet.place(index), (index / width, index % width));
             }
         }
     }
