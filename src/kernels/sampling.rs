@@ -99,6 +99,50 @@ pub fn icosphere(faces: usize) -> Result<(Array2<f64>, Array1<f64>)> {
     Ok((centroids, triangles.iter().map(spherical_area).collect()))
 }
 
+/// Which face of an icosphere a direction lies in.
+#[derive(Clone, Debug)]
+pub struct FaceSearch {
+    roots: Vec<[DVec3; 3]>,
+    levels: usize,
+}
+
+impl FaceSearch {
+    /// Over the faces of [`icosphere`], in its order.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoSuchIcosphere`] when `faces` is not 20 * 4^k.
+    pub fn new(faces: usize) -> Result<Self> {
+        let levels = (0..=8)
+            .find(|&level| 20 << (2 * level) == faces)
+            .ok_or(Error::NoSuchIcosphere { faces, limit: MOST_FACES })?;
+        Ok(Self { roots: icosahedron(), levels })
+    }
+
+    /// Number of the face around `direction`.
+    pub fn face_of(&self, direction: DVec3) -> usize {
+        let root = deepest_in(&self.roots, direction);
+        let mut triangle = self.roots[root];
+        (0..self.levels).fold(root, |face, _| {
+            let parts = quarters(triangle);
+            let part = deepest_in(&parts, direction);
+            triangle = parts[part];
+            4 * face + part
+        })
+    }
+}
+
+/// The triangle in whose inside `direction` lies deepest: one is found on edges and corners too.
+fn deepest_in(triangles: &[[DVec3; 3]], direction: DVec3) -> usize {
+    let depth = |&[a, b, c]: &[DVec3; 3]| {
+        let turn = a.dot(b.cross(c)).signum();
+        let beside = |from: DVec3, to: DVec3| turn * direction.dot(from.cross(to).normalize());
+        beside(a, b).min(beside(b, c)).min(beside(c, a))
+    };
+    let depths = triangles.iter().map(depth).enumerate();
+    depths.max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(index, _)| index)
+}
+
 /// The 20 faces of the icosahedron with vertices on both poles.
 fn icosahedron() -> Vec<[DVec3; 3]> {
     let latitude_circle = |theta: f64, turn: f64| -> Vec<DVec3> {
@@ -153,6 +197,24 @@ mod tests {
             assert_relative_eq!(solid_angles.sum(), 4.0 * PI, max_relative = 1e-12);
         }
         assert!(icosphere(100).is_err());
+    }
+
+    /// Also where the centroid of a face is not the one that is nearest: close to its corners.
+    #[test]
+    fn a_face_is_found_from_anywhere_inside() {
+        for faces in [20, 320, 5120] {
+            let search = FaceSearch::new(faces).unwrap();
+            let mut triangles = icosahedron();
+            while triangles.len() < faces {
+                triangles = triangles.into_iter().flat_map(quarters).collect();
+            }
+            for (face, &[a, b, c]) in triangles.iter().enumerate() {
+                for inside in [a + b + c, a * 0.98 + b * 0.01 + c * 0.01, a * 0.01 + b * 0.5 + c * 0.49] {
+                    assert_eq!(search.face_of(inside.normalize()), face, "of {faces}");
+                }
+            }
+        }
+        assert!(FaceSearch::new(100).is_err());
     }
 
     #[test]

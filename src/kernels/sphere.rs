@@ -16,7 +16,7 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
-use ndarray::{Array2, Array3, ArrayView2};
+use ndarray::{Array2, Array3, ArrayView1, ArrayView2};
 
 use crate::error::{Error, Result};
 
@@ -64,6 +64,15 @@ pub fn direction(theta: f64, phi: f64) -> DVec3 {
     let (sin_theta, cos_theta) = theta.sin_cos();
     let (sin_phi, cos_phi) = phi.sin_cos();
     DVec3::new(sin_phi * sin_theta, cos_theta, -cos_phi * sin_theta)
+}
+
+/// Derivatives of [`direction`] by `theta` and by `phi`; the second is 0 on the poles.
+pub fn angle_derivatives(theta: f64, phi: f64) -> [DVec3; 2] {
+    let (sin_theta, cos_theta) = theta.sin_cos();
+    let (sin_phi, cos_phi) = phi.sin_cos();
+    let by_theta = DVec3::new(sin_phi * cos_theta, -sin_theta, -cos_phi * cos_theta);
+    let by_phi = DVec3::new(cos_phi * sin_theta, 0.0, sin_phi * sin_theta);
+    [by_theta, by_phi]
 }
 
 /// Polar angle and azimuth in `0 .. 2 pi` of `direction`; the inverse of [`direction`].
@@ -175,7 +184,7 @@ pub fn unit_vectors(what: &'static str, rows: ArrayView2<'_, f64>) -> Result<Vec
         .into_iter()
         .enumerate()
         .map(|(index, row)| {
-            let vector = DVec3::new(row[0], row[1], row[2]);
+            let vector = vector(row);
             let length = vector.length();
             if (length - 1.0).abs() <= TOLERANCE {
                 Ok(vector)
@@ -184,6 +193,11 @@ pub fn unit_vectors(what: &'static str, rows: ArrayView2<'_, f64>) -> Result<Vec
             }
         })
         .collect()
+}
+
+/// A row of three numbers as a vector.
+pub(crate) fn vector(row: ArrayView1<'_, f64>) -> DVec3 {
+    DVec3::new(row[0], row[1], row[2])
 }
 
 /// Refuse an array that is not (n, `columns`) or holds a number that is not finite.
