@@ -121,26 +121,29 @@ impl FaceSearch {
 
     /// Number of the face around `direction`.
     pub fn face_of(&self, direction: DVec3) -> usize {
-        let root = deepest_in(&self.roots, direction);
+        // The faces of the icosahedron are alike, so the nearest centroid is that of the face.
+        let nearness = self.roots.iter().map(|[a, b, c]| direction.dot(*a + *b + *c)).enumerate();
+        let root = nearness.max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(index, _)| index);
         let mut triangle = self.roots[root];
         (0..self.levels).fold(root, |face, _| {
             let parts = quarters(triangle);
-            let part = deepest_in(&parts, direction);
+            let part = quarter_of(&parts, direction);
             triangle = parts[part];
             4 * face + part
         })
     }
 }
 
-/// The triangle in whose inside `direction` lies deepest: one is found on edges and corners too.
-fn deepest_in(triangles: &[[DVec3; 3]], direction: DVec3) -> usize {
-    let depth = |&[a, b, c]: &[DVec3; 3]| {
-        let turn = a.dot(b.cross(c)).signum();
-        let beside = |from: DVec3, to: DVec3| turn * direction.dot(from.cross(to).normalize());
-        beside(a, b).min(beside(b, c)).min(beside(c, a))
+/// Which of the `quarters` of a triangle `direction` lies in: one at a corner, beyond the side that
+/// it shares with the middle, or else the middle.
+fn quarter_of(quarters: &[[DVec3; 3]; 4], direction: DVec3) -> usize {
+    let [ab, bc, ca] = quarters[3];
+    let is_beyond = |from: DVec3, to: DVec3, corner: DVec3| {
+        let side = from.cross(to);
+        direction.dot(side) * corner.dot(side) > 0.0
     };
-    let depths = triangles.iter().map(depth).enumerate();
-    depths.max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(index, _)| index)
+    let corners = [(ca, ab, quarters[0][0]), (ab, bc, quarters[1][1]), (bc, ca, quarters[2][2])];
+    corners.into_iter().position(|(from, to, corner)| is_beyond(from, to, corner)).unwrap_or(3)
 }
 
 /// The 20 faces of the icosahedron with vertices on both poles.

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
-from envlights._check import EnvLightsError, amount, count, float_image, reals
+from envlights._check import amount, count, float_image, reals
+from envlights._native import EnvLightsError
 
 _WHITE = (1.0, 1.0, 1.0)
 
@@ -192,14 +193,19 @@ def probe_residual(
     --------
     With SciPy, here to bounds that keep radiances from going negative:
 
+    >>> from envlights.kernels import icosphere, rig_irradiance
     >>> from scipy.optimize import least_squares
     >>> normals, weights = icosphere(320)
     >>> probe = rig_irradiance(normals, [0.1, 0.1, 0.1], [[0, 0.6, 0.8]], [[3, 2, 1]])
     >>> start = pack_lights([1, 1, 1], [[0, 0, 1]], [[1, 1, 1]])
     >>> low = [0] * 6 + [-np.inf] * 2
-    >>> options = {"weights": weights, "k_a": np.pi}
     >>> best = least_squares(
-    ...     probe_residual, start, probe_jacobian, (low, np.inf), args=(normals, probe), kwargs=options
+    ...     probe_residual,
+    ...     start,
+    ...     probe_jacobian,
+    ...     bounds=(low, np.inf),
+    ...     args=(normals, probe),
+    ...     kwargs={"weights": weights, "k_a": np.pi},
     ... )
     >>> ambient, directions, irradiance = unpack_lights(best.x)
     >>> ambient.round(6), directions.round(6), irradiance.round(6)
