@@ -1,6 +1,7 @@
 """The paper's equations and fit against plain sums, other derivatives and other solvers."""
 
 import re
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -83,15 +84,24 @@ def by_complex_steps(x, surface, lit):
     return derivatives_by_complex_steps(lambda z: probe_of_lit(z, NORMALS, **surface, lit=lit), x)
 
 
-def by_jax(x, surface, lit):
+@contextmanager
+def jax_in_float64():
     jax = pytest.importorskip("jax")
-    with jax.enable_x64(True):
-        numpy = jax.numpy
+    before = jax.config.jax_enable_x64
+    jax.config.update("jax_enable_x64", True)
+    try:
+        yield jax
+    finally:
+        jax.config.update("jax_enable_x64", before)
+
+
+def by_jax(x, surface, lit):
+    with jax_in_float64() as jax:
 
         def model(z):
-            return probe_of_lit(z, NORMALS, **surface, lit=lit, xp=numpy).ravel()
+            return probe_of_lit(z, NORMALS, **surface, lit=lit, xp=jax.numpy).ravel()
 
-        return np.asarray(jax.jacfwd(model)(numpy.asarray(x)))
+        return np.asarray(jax.jacfwd(model)(jax.numpy.asarray(x)))
 
 
 @given(unknowns, surfaces)
@@ -153,10 +163,8 @@ def blocks(*names):
 
 
 def test_scipy_and_jaxopt_end_in_the_same_minimum_as_documented():
-    jax = pytest.importorskip("jax")
     pytest.importorskip("jaxopt")
-    before = jax.config.jax_enable_x64
-    try:
+    with jax_in_float64() as jax:
         left = blocks("both", "scipy", "jaxopt")
         theirs = np.asarray(left["by_jaxopt"].params)
         at = left["start"]
@@ -165,8 +173,6 @@ def test_scipy_and_jaxopt_end_in_the_same_minimum_as_documented():
             args = left["normals"], left["probe"]
             wanted = kernels.probe_jacobian(at, *args, weights=left["weights"])
             np.testing.assert_array_equal(derived, wanted)
-    finally:
-        jax.config.update("jax_enable_x64", before)
     ours = left["by_scipy"].x
     for one, two in zip(kernels.unpack_lights(ours), kernels.unpack_lights(theirs), strict=True):
         np.testing.assert_allclose(one, two, atol=1e-4)
