@@ -260,6 +260,15 @@ def test_damped_steps_keep_the_claim_from_many_starts_and_whole_ones_from_few():
     assert sum(map(keeps_the_claim, whole)) <= 3
 
 
+def test_whole_steps_do_as_well_from_where_the_lights_are():
+    """Close to the answer nothing is shortened, and a step that changes nothing is the last."""
+    found = el.fit_paper(HALL.radiance)
+    again = el.fit_paper(HALL.radiance, start=found.direction, damped=False)
+    assert again.stop_reason is el.StopReason.CONVERGED
+    assert again.steps < 10
+    np.testing.assert_allclose(again.parameters, found.parameters, atol=1e-3)
+
+
 def test_damped_steps_never_raise_the_error():
     for many in (1, 3, 7):
         found = el.fit_paper(HALL.radiance, lights=many)

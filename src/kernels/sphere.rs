@@ -41,6 +41,16 @@ impl Registration {
         self.edges(width, TAU)
     }
 
+    /// Polar angles of the samples of the rows.
+    pub fn thetas(self, height: usize) -> Vec<f64> {
+        self.centres(height, PI)
+    }
+
+    /// Azimuths of the samples of the columns.
+    pub fn phis(self, width: usize) -> Vec<f64> {
+        self.centres(width, TAU)
+    }
+
     fn edges(self, cells: usize, range: f64) -> Vec<f64> {
         let edge = |i: usize| match self {
             Self::CellCentred => i as f64 / cells as f64,
@@ -118,8 +128,7 @@ pub fn direction_to_uv(directions: ArrayView2<'_, f64>) -> Result<Array2<f64>> {
 /// [`Error::NotAMap`] for fewer than 2 rows or columns.
 pub fn pixel_directions(height: usize, width: usize, registration: Registration) -> Result<Array3<f64>> {
     check_size(height, width)?;
-    let thetas = registration.centres(height, PI);
-    let phis = registration.centres(width, TAU);
+    let (thetas, phis) = (registration.thetas(height), registration.phis(width));
     Ok(Array3::from_shape_fn((height, width, 3), |(row, column, axis)| {
         direction(thetas[row], phis[column])[axis]
     }))
@@ -196,7 +205,7 @@ pub fn unit_vectors(what: &'static str, rows: ArrayView2<'_, f64>) -> Result<Vec
 }
 
 /// A row of three numbers as a vector.
-pub(crate) fn vector(row: ArrayView1<'_, f64>) -> DVec3 {
+fn vector(row: ArrayView1<'_, f64>) -> DVec3 {
     DVec3::new(row[0], row[1], row[2])
 }
 

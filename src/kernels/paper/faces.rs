@@ -1,12 +1,15 @@
 //! The scene radiance sphere: one radiance for each face of an icosphere.
 
-use ndarray::{Array2, ArrayView3};
+use ndarray::{Array2, ArrayView2, ArrayView3, Axis};
 use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::kernels::image::check_rgb;
-use crate::kernels::sampling;
-use crate::kernels::sphere::{self, Registration};
+use crate::kernels::sampling::{self, FaceSearch};
+use crate::kernels::sphere::{Registration, band_heights, direction};
+
+/// Rows are summed in runs of their own, whatever the number of threads: the same bits everywhere.
+const MOST_RUNS: usize = 16;
 
 /// Mean radiance, (faces, 3), of the map in each face of [`sampling::icosphere`].
 ///
@@ -28,30 +31,63 @@ pub fn face_radiance(
 ) -> Result<Array2<f64>> {
     check_rgb(radiance)?;
     let (_, areas) = sampling::icosphere(faces)?;
+    let search = FaceSearch::new(faces)?;
     let (height, width, _) = radiance.dim();
-    let directions = sphere::pixel_directions(height, width, registration)?;
-    let solid_angles = sphere::pixel_solid_angles(height, width, registration)?;
-    let search = sampling::FaceSearch::new(faces)?;
-    let rows: Vec<Vec<usize>> = directions
-        .outer_iter()
+    let pixels = Pixels::new(height, width, registration);
+    let runs = height.min(MOST_RUNS);
+    let sums: Vec<Array2<f64>> = (0..runs)
         .into_par_iter()
-        .map(|row| row.rows().into_iter().map(|d| search.face_of(sphere::vector(d))).collect())
+        .map(|run| {
+            let mut flux = Array2::zeros((faces, 3));
+            for row in run * height / runs..(run + 1) * height / runs {
+                pixels.add_row(row, radiance.index_axis(Axis(0), row), &search, &mut flux);
+            }
+            flux
+        })
         .collect();
-    let mut out = Array2::zeros((faces, 3));
-    // One by one, so that the sums do not depend on the threads.
-    for ((row, column), solid_angle) in solid_angles.indexed_iter() {
-        let face = rows[row][column];
-        for channel in 0..3 {
-            out[[face, channel]] += f64::from(radiance[[row, column, channel]]) * solid_angle / areas[face];
+    let mut mean = sums.into_iter().fold(Array2::zeros((faces, 3)), |sum, flux| sum + flux);
+    for (mut face, area) in mean.rows_mut().into_iter().zip(&areas) {
+        face /= *area;
+    }
+    Ok(mean)
+}
+
+/// Where samples lie and how wide their pixels are, along each axis of the image.
+struct Pixels {
+    thetas: Vec<f64>,
+    phis: Vec<f64>,
+    bands: Vec<f64>,
+    widths: Vec<f64>,
+}
+
+impl Pixels {
+    fn new(height: usize, width: usize, registration: Registration) -> Self {
+        let phi_edges = registration.phi_edges(width);
+        Self {
+            thetas: registration.thetas(height),
+            phis: registration.phis(width),
+            bands: band_heights(&registration.theta_edges(height)),
+            widths: phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect(),
         }
     }
-    Ok(out)
+
+    /// Give the flux of each pixel of a row to the face that its sample lies in.
+    fn add_row(&self, row: usize, samples: ArrayView2<'_, f32>, search: &FaceSearch, flux: &mut Array2<f64>) {
+        for (column, sample) in samples.rows().into_iter().enumerate() {
+            let face = search.face_of(direction(self.thetas[row], self.phis[column]));
+            let solid_angle = self.bands[row] * self.widths[column];
+            for channel in 0..3 {
+                flux[[face, channel]] += f64::from(sample[channel]) * solid_angle;
+            }
+        }
+    }
 }
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::kernels::sphere;
     use approx::assert_relative_eq;
     use ndarray::Array3;
 

@@ -34,7 +34,7 @@ impl Frame {
     }
 }
 
-/// Derivatives, (3n, 3 + 5M), of [`super::residual`] by each unknown of `x`, (3 + 5M,).
+/// Derivatives, (3n, 3 + 5M), of [`super::residual()`] by each unknown of `x`, (3 + 5M,).
 ///
 /// # Errors
 ///
