@@ -102,6 +102,13 @@ pub enum Error {
         lights: usize,
     },
 
+    /// A vector that cannot be the unknowns of ambient light and whole lights.
+    #[error("x must hold 3 + 5 M numbers (ambient RGB, then each light's RGB, theta and phi); got {seen}")]
+    NotParameters {
+        /// Numbers that were given.
+        seen: usize,
+    },
+
     /// An image without a pixel.
     #[error("an image needs at least one pixel; got {height} rows of {width}")]
     EmptyImage {

@@ -16,6 +16,7 @@ from envlights.detect import detect
 from envlights.detected import DetectedLights, DetectionReport
 from envlights.envmap import EnvMap
 from envlights.fit import fit, fit_probe
+from envlights.paper import PaperFit, fit_paper
 from envlights.report import FitReport, StopReason
 from envlights.rig import Lights, Rig
 from envlights.tree import detect_tree
@@ -27,12 +28,14 @@ __all__ = [
     "EnvMap",
     "FitReport",
     "Lights",
+    "PaperFit",
     "Rig",
     "StopReason",
     "detect",
     "detect_article",
     "detect_tree",
     "fit",
+    "fit_paper",
     "fit_probe",
     "kernels",
     "synthetic",

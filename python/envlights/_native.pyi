@@ -13,6 +13,7 @@ __all__ = [
     "bresenham_line",
     "detect_tree",
     "direction_to_uv",
+    "face_radiance",
     "fit_lights",
     "halton",
     "hammersley",
@@ -21,8 +22,12 @@ __all__ = [
     "luminance",
     "merge_along_lines",
     "neighbour_maximum",
+    "pack_lights",
     "pixel_directions",
     "pixel_solid_angles",
+    "probe_jacobian",
+    "probe_model",
+    "probe_residual",
     "radical_inverse",
     "reduced_luminance",
     "relative_rms",
@@ -31,6 +36,7 @@ __all__ = [
     "sum_over_sources",
     "suppress",
     "uniform_sphere",
+    "unpack_lights",
     "unusable",
     "uv_to_direction",
     "working_irradiance",
@@ -39,6 +45,7 @@ __all__ = [
 _Reals = NDArray[np.float64]
 _Image = NDArray[np.float32]
 _Indices = NDArray[np.int64]
+_Coefficients = tuple[float, float, list[float]]
 
 class EnvLightsError(ValueError): ...
 
@@ -90,11 +97,11 @@ def detect_tree(
     max_lights: int,
 ) -> TreeDetection: ...
 def direction_to_uv(direction: _Reals) -> _Reals: ...
+def face_radiance(radiance: _Image, faces: int, border_sampled: bool) -> _Reals: ...
 def fit_lights(
     fitted: tuple[_Reals, _Reals, _Reals],
-    start: _Reals,
-    held: int,
     ambient: int,
+    start: tuple[_Reals, int],
     lights: int,
     max_steps: int,
     goal: tuple[tuple[_Reals, _Reals, _Reals], float] | None,
@@ -117,8 +124,16 @@ def merge_along_lines(
 def neighbour_maximum(
     luminance: _Image, pixels: _Indices, reach: int, sphere: bool
 ) -> tuple[_Image, _Indices]: ...
+def pack_lights(ambient: _Reals, directions: _Reals, radiance: _Reals) -> _Reals: ...
 def pixel_directions(height: int, width: int, border_sampled: bool) -> _Reals: ...
 def pixel_solid_angles(height: int, width: int, border_sampled: bool) -> _Reals: ...
+def probe_jacobian(
+    x: _Reals, normals: _Reals, probe: _Reals, weights: _Reals, coefficients: _Coefficients
+) -> _Reals: ...
+def probe_model(x: _Reals, normals: _Reals, coefficients: _Coefficients) -> _Reals: ...
+def probe_residual(
+    x: _Reals, normals: _Reals, probe: _Reals, weights: _Reals, coefficients: _Coefficients
+) -> _Reals: ...
 def radical_inverse(index: int, base: int) -> float: ...
 def reduced_luminance(radiance: _Image, columns: int, border_sampled: bool) -> _Image: ...
 def relative_rms(seen: _Reals, wanted: _Reals, weights: _Reals) -> float: ...
@@ -136,6 +151,7 @@ def sum_over_sources(
 ) -> _Reals: ...
 def suppress(points: _Reals, distance: float) -> _Indices: ...
 def uniform_sphere(uv: _Reals) -> _Reals: ...
+def unpack_lights(x: _Reals) -> tuple[_Reals, _Reals, _Reals]: ...
 def unusable(radiance: _Image) -> tuple[int, int, int]: ...
 def uv_to_direction(uv: _Reals) -> _Reals: ...
 def working_irradiance(

@@ -335,9 +335,8 @@ def _answers(
         goal = judging._replace(irradiance=judging.irradiance / scale), error
     answers = _native.fit_lights(
         samples._replace(irradiance=samples.irradiance / scale),
-        np.concatenate([held, first]),
-        len(held),
         ambient,
+        (np.concatenate([held, first]), len(held)),
         lights,
         MAX_STEPS,
         goal,

@@ -19,12 +19,14 @@ class StopReason(enum.Enum):
     EXACT = "the lights reproduce the probe"
     OUT_OF_STEPS = "the step limit came first; the lights are usable but may not be the best"
     ERROR_NOT_REACHED = "the error asked for was not reached; allow more `lights`"
+    RAN_AWAY = "a step led to no finite light; the lights are those before it"
     NOTHING_TO_FIT = "the map is black: there is no light to fit"
 
     @property
     def is_success(self) -> bool:
         """Whether more steps would change nothing."""
-        return self not in (StopReason.OUT_OF_STEPS, StopReason.ERROR_NOT_REACHED)
+        failures = (StopReason.OUT_OF_STEPS, StopReason.ERROR_NOT_REACHED, StopReason.RAN_AWAY)
+        return self not in failures
 
 
 @dataclass(frozen=True)

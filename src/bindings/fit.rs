@@ -30,17 +30,16 @@ type Samples<'py> = (PyReadonlyArray2<'py, f64>, PyReadonlyArray1<'py, f64>, PyR
 pub fn fit_lights<'py>(
     py: Python<'py>,
     fitted: Samples<'py>,
-    start: PyReadonlyArray2<'py, f64>,
-    held: usize,
     ambient: usize,
+    start: (PyReadonlyArray2<'py, f64>, usize),
     lights: usize,
     max_steps: usize,
     goal: Option<(Samples<'py>, f64)>,
 ) -> PyResult<Vec<FitAnswer>> {
-    let (fitted, start) = (views(&fitted), start.as_array());
+    let (fitted, held, start) = (views(&fitted), start.1, start.0.as_array());
     let goal = goal.as_ref().map(|(judge, error)| (views(judge), *error));
     let solutions = py.detach(|| {
-        let ambient = Ambient::with_len(ambient).unwrap_or(Ambient::None);
+        let ambient = Ambient::with(ambient).unwrap_or(Ambient::None);
         let probe = |(n, w, e)| Probe::new(n, w, e, ambient);
         let goal = goal.map(|(judge, error)| Ok(Goal { judge: probe(judge)?, error })).transpose()?;
         let start = unit_vectors("start", start)?;

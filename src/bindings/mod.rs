@@ -5,6 +5,7 @@ mod detect;
 mod error;
 mod fit;
 mod image;
+mod paper;
 mod probe;
 mod sampling;
 mod sphere;
@@ -26,6 +27,10 @@ mod _native {
     use super::fit::{FitAnswer, fit_lights, relative_rms, rig_irradiance};
     #[pymodule_export]
     use super::image::unusable;
+    #[pymodule_export]
+    use super::paper::{
+        face_radiance, pack_lights, probe_jacobian, probe_model, probe_residual, unpack_lights,
+    };
     #[pymodule_export]
     use super::probe::{irradiance, sum_over_sources, working_irradiance};
     #[pymodule_export]

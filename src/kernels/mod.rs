@@ -7,10 +7,12 @@
 //! | unusable samples, reduction to a working size | `image.rs`    |
 //! | exact irradiance of a white probe             | `probe.rs`    |
 //! | ambient + directional lights from the probe   | `fit/`        |
+//! | the same, in the paper's own equations        | `paper/`      |
 
 pub mod detect;
 pub mod fit;
 pub mod image;
+pub mod paper;
 pub mod probe;
 pub mod sampling;
 pub mod sphere;

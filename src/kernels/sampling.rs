@@ -99,6 +99,53 @@ pub fn icosphere(faces: usize) -> Result<(Array2<f64>, Array1<f64>)> {
     Ok((centroids, triangles.iter().map(spherical_area).collect()))
 }
 
+/// Which face of an icosphere a direction lies in.
+#[derive(Clone, Debug)]
+pub struct FaceSearch {
+    roots: Vec<[DVec3; 3]>,
+    levels: usize,
+}
+
+impl FaceSearch {
+    /// Over the faces of [`icosphere`], in its order.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoSuchIcosphere`] when `faces` is not 20 * 4^k.
+    pub fn new(faces: usize) -> Result<Self> {
+        let levels = (0..=8)
+            .find(|&level| 20 << (2 * level) == faces)
+            .ok_or(Error::NoSuchIcosphere { faces, limit: MOST_FACES })?;
+        Ok(Self { roots: icosahedron(), levels })
+    }
+
+    /// Number of the face around `direction`.
+    pub fn face_of(&self, direction: DVec3) -> usize {
+        // The faces of the icosahedron are alike, so the nearest centroid is that of the face.
+        let nearness = self.roots.iter().map(|[a, b, c]| direction.dot(*a + *b + *c)).enumerate();
+        let root = nearness.max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(index, _)| index);
+        let mut triangle = self.roots[root];
+        (0..self.levels).fold(root, |face, _| {
+            let parts = quarters(triangle);
+            let part = quarter_of(&parts, direction);
+            triangle = parts[part];
+            4 * face + part
+        })
+    }
+}
+
+/// Which of the `quarters` of a triangle `direction` lies in: one at a corner, beyond the side that
+/// it shares with the middle, or else the middle.
+fn quarter_of(quarters: &[[DVec3; 3]; 4], direction: DVec3) -> usize {
+    let [ab, bc, ca] = quarters[3];
+    let is_beyond = |from: DVec3, to: DVec3, corner: DVec3| {
+        let side = from.cross(to);
+        direction.dot(side) * corner.dot(side) > 0.0
+    };
+    let corners = [(ca, ab, quarters[0][0]), (ab, bc, quarters[1][1]), (bc, ca, quarters[2][2])];
+    corners.into_iter().position(|(from, to, corner)| is_beyond(from, to, corner)).unwrap_or(3)
+}
+
 /// The 20 faces of the icosahedron with vertices on both poles.
 fn icosahedron() -> Vec<[DVec3; 3]> {
     let latitude_circle = |theta: f64, turn: f64| -> Vec<DVec3> {
@@ -153,6 +200,24 @@ mod tests {
             assert_relative_eq!(solid_angles.sum(), 4.0 * PI, max_relative = 1e-12);
         }
         assert!(icosphere(100).is_err());
+    }
+
+    /// Also where the centroid of a face is not the one that is nearest: close to its corners.
+    #[test]
+    fn a_face_is_found_from_anywhere_inside() {
+        for faces in [20, 320, 5120] {
+            let search = FaceSearch::new(faces).unwrap();
+            let mut triangles = icosahedron();
+            while triangles.len() < faces {
+                triangles = triangles.into_iter().flat_map(quarters).collect();
+            }
+            for (face, &[a, b, c]) in triangles.iter().enumerate() {
+                for inside in [a + b + c, a * 0.98 + b * 0.01 + c * 0.01, a * 0.01 + b * 0.5 + c * 0.49] {
+                    assert_eq!(search.face_of(inside.normalize()), face, "of {faces}");
+                }
+            }
+        }
+        assert!(FaceSearch::new(100).is_err());
     }
 
     #[test]

@@ -16,7 +16,7 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
-use ndarray::{Array2, Array3, ArrayView2};
+use ndarray::{Array2, Array3, ArrayView1, ArrayView2};
 
 use crate::error::{Error, Result};
 
@@ -39,6 +39,16 @@ impl Registration {
     /// Azimuths between the columns: `width + 1` values from 0 to 2 pi.
     pub fn phi_edges(self, width: usize) -> Vec<f64> {
         self.edges(width, TAU)
+    }
+
+    /// Polar angles of the samples of the rows.
+    pub fn thetas(self, height: usize) -> Vec<f64> {
+        self.centres(height, PI)
+    }
+
+    /// Azimuths of the samples of the columns.
+    pub fn phis(self, width: usize) -> Vec<f64> {
+        self.centres(width, TAU)
     }
 
     fn edges(self, cells: usize, range: f64) -> Vec<f64> {
@@ -64,6 +74,15 @@ pub fn direction(theta: f64, phi: f64) -> DVec3 {
     let (sin_theta, cos_theta) = theta.sin_cos();
     let (sin_phi, cos_phi) = phi.sin_cos();
     DVec3::new(sin_phi * sin_theta, cos_theta, -cos_phi * sin_theta)
+}
+
+/// Derivatives of [`direction`] by `theta` and by `phi`; the second is 0 on the poles.
+pub fn angle_derivatives(theta: f64, phi: f64) -> [DVec3; 2] {
+    let (sin_theta, cos_theta) = theta.sin_cos();
+    let (sin_phi, cos_phi) = phi.sin_cos();
+    let by_theta = DVec3::new(sin_phi * cos_theta, -sin_theta, -cos_phi * cos_theta);
+    let by_phi = DVec3::new(cos_phi * sin_theta, 0.0, sin_phi * sin_theta);
+    [by_theta, by_phi]
 }
 
 /// Polar angle and azimuth in `0 .. 2 pi` of `direction`; the inverse of [`direction`].
@@ -109,8 +128,7 @@ pub fn direction_to_uv(directions: ArrayView2<'_, f64>) -> Result<Array2<f64>> {
 /// [`Error::NotAMap`] for fewer than 2 rows or columns.
 pub fn pixel_directions(height: usize, width: usize, registration: Registration) -> Result<Array3<f64>> {
     check_size(height, width)?;
-    let thetas = registration.centres(height, PI);
-    let phis = registration.centres(width, TAU);
+    let (thetas, phis) = (registration.thetas(height), registration.phis(width));
     Ok(Array3::from_shape_fn((height, width, 3), |(row, column, axis)| {
         direction(thetas[row], phis[column])[axis]
     }))
@@ -175,7 +193,7 @@ pub fn unit_vectors(what: &'static str, rows: ArrayView2<'_, f64>) -> Result<Vec
         .into_iter()
         .enumerate()
         .map(|(index, row)| {
-            let vector = DVec3::new(row[0], row[1], row[2]);
+            let vector = vector(row);
             let length = vector.length();
             if (length - 1.0).abs() <= TOLERANCE {
                 Ok(vector)
@@ -184,6 +202,11 @@ pub fn unit_vectors(what: &'static str, rows: ArrayView2<'_, f64>) -> Result<Vec
             }
         })
         .collect()
+}
+
+/// A row of three numbers as a vector.
+fn vector(row: ArrayView1<'_, f64>) -> DVec3 {
+    DVec3::new(row[0], row[1], row[2])
 }
 
 /// Refuse an array that is not (n, `columns`) or holds a number that is not finite.

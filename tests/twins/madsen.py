@@ -1,10 +1,59 @@
-"""The fit of Madsen et al. (2003) by scipy: all 3 + 5M unknowns, bounded, analytic Jacobian.
+"""The equations of Madsen et al. (2003), and their fit by scipy: bounded, analytic Jacobian.
 
 Slow and plain. Unknowns: ambient radiance (3), then for each light irradiance (3), theta, phi.
 """
 
+import math
+
 import numpy as np
 from scipy.optimize import least_squares
+
+
+def probe_as_written(x, normals, k_a, k_d, C):  # noqa: N803, the paper's name
+    """Equations 4 to 6, one sum after the other."""
+    probe = []
+    for n in normals:
+        for channel in range(3):
+            value = k_a * C[channel] * x[channel]
+            for at in range(3, len(x), 5):
+                theta, phi = x[at + 3], x[at + 4]
+                # The paper's vector, with its axes (x, y, z) called (-z, x, y) here.
+                paper = (
+                    math.sin(theta) * math.cos(phi),
+                    math.sin(theta) * math.sin(phi),
+                    math.cos(theta),
+                )
+                cosine = -n[2] * paper[0] + n[0] * paper[1] + n[1] * paper[2]
+                value += k_d * C[channel] * x[at + channel] * max(0.0, cosine)
+            probe.append(value)
+    return np.reshape(probe, (len(normals), 3))
+
+
+def cosines(x, normals, xp=np):
+    """`n . l` of every normal with every light; `xp` is numpy or what writes like it."""
+    lights = x[3:].reshape(-1, 5)
+    theta, phi = lights[:, 3], lights[:, 4]
+    direction = xp.stack([xp.sin(phi) * xp.sin(theta), xp.cos(theta), -xp.cos(phi) * xp.sin(theta)])
+    return normals @ direction
+
+
+def probe_of_lit(x, normals, k_a, k_d, C, lit, xp=np):  # noqa: N803, the paper's name
+    """Equations 4 to 6 where it is given which normal is `lit` by which light.
+
+    Analytic in `x`, so it takes complex steps and automatic derivatives.
+    """
+    cosine = xp.where(lit, cosines(x, normals, xp), 0)
+    return k_a * C * x[:3] + k_d * C * (cosine @ x[3:].reshape(-1, 5)[:, :3])
+
+
+def derivatives_by_complex_steps(function, x, step=1e-30):
+    """Columns of the Jacobian of an analytic `function`, without a difference that cancels."""
+    columns = []
+    for i in range(len(x)):
+        ahead = x.astype(complex)
+        ahead[i] += 1j * step
+        columns.append(function(ahead).imag.ravel() / step)
+    return np.stack(columns, axis=-1)
 
 
 def directions_and_derivatives(theta, phi):

@@ -20,6 +20,14 @@ from envlights.kernels.image import (
     resize_bilinear,
     uv_to_pixel,
 )
+from envlights.kernels.paper import (
+    face_radiance,
+    pack_lights,
+    probe_jacobian,
+    probe_model,
+    probe_residual,
+    unpack_lights,
+)
 from envlights.kernels.probe import (
     WORKING_COLUMNS,
     irradiance,
@@ -47,6 +55,7 @@ __all__ = [
     "blur",
     "bresenham_line",
     "direction_to_uv",
+    "face_radiance",
     "halton",
     "hammersley",
     "icosphere",
@@ -54,8 +63,12 @@ __all__ = [
     "luminance",
     "merge_along_lines",
     "neighbour_maximum",
+    "pack_lights",
     "pixel_directions",
     "pixel_solid_angles",
+    "probe_jacobian",
+    "probe_model",
+    "probe_residual",
     "radical_inverse",
     "reduced_luminance",
     "relative_rms",
@@ -64,6 +77,7 @@ __all__ = [
     "sum_over_sources",
     "suppress",
     "uniform_sphere",
+    "unpack_lights",
     "uv_to_direction",
     "uv_to_pixel",
     "weighted_means",

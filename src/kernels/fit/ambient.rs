@@ -26,7 +26,7 @@ pub enum Ambient {
 
 impl Ambient {
     /// Number of its coefficients in each channel.
-    pub fn len(self) -> usize {
+    pub fn coefficients(self) -> usize {
         match self {
             Self::None => 0,
             Self::Constant => 1,
@@ -34,12 +34,14 @@ impl Ambient {
         }
     }
 
-    /// The one with `len` coefficients in each channel, if there is one.
-    pub fn with_len(len: usize) -> Option<Self> {
-        [Self::None, Self::Constant, Self::Sh2].into_iter().find(|ambient| ambient.len() == len)
+    /// The one with so many coefficients in each channel, if there is one.
+    pub fn with(coefficients: usize) -> Option<Self> {
+        [Self::None, Self::Constant, Self::Sh2]
+            .into_iter()
+            .find(|ambient| ambient.coefficients() == coefficients)
     }
 
-    /// Irradiance at `normal` of each coefficient alone; the first [`Self::len`] count.
+    /// Irradiance at `normal` of each coefficient alone; the first [`Self::coefficients`] count.
     ///
     /// Harmonics in the order and with the signs of Ramamoorthi and Hanrahan (2001), equation 3.
     pub fn irradiance(self, normal: DVec3) -> [f64; 9] {

@@ -45,7 +45,7 @@ impl Candidates {
 
     /// Inner products of every direction's column with the columns of the model of `state`.
     pub fn products(&self, probe: &Probe, state: &State) -> DMatrix<f64> {
-        let ambient = probe.ambient.len();
+        let ambient = probe.ambient.coefficients();
         let mut products = DMatrix::zeros(TRIED, state.x.nrows());
         products.columns_mut(0, ambient).copy_from(&self.sides.columns(0, ambient));
         let lights = &self.weighted * columns(probe, &state.moments.directions);
@@ -70,7 +70,7 @@ impl Candidates {
         products: &DMatrix<f64>,
         without: Option<usize>,
     ) -> Vec<(f64, DVec3)> {
-        let ambient = probe.ambient.len();
+        let ambient = probe.ambient.coefficients();
         let gone = without.map(|light| ambient + light);
         let kept: Vec<usize> = (0..state.x.nrows()).filter(|&column| Some(column) != gone).collect();
         let (gram, right) = (&state.moments.gram, state.moments.right.select_rows(&kept));

@@ -77,7 +77,7 @@ impl Moments {
     fn of(probe: &Probe, mut sums: Sums, directions: Vec<DVec3>) -> Self {
         sums.turn(probe, &directions);
         let tangents = directions.iter().map(|&l| tangents(l)).collect();
-        let size = probe.ambient.len() + 3 * directions.len();
+        let size = probe.ambient.coefficients() + 3 * directions.len();
         let gram = DMatrix::zeros(size, size);
         let right = DMatrix::zeros(size, probe.channels.len());
         let mut moments = Self { directions, tangents, gram, right, sums };
@@ -98,7 +98,7 @@ impl Moments {
 
     /// The sums, turned into the frames of the lights.
     fn set_products(&mut self, probe: &Probe) {
-        let ambient = probe.ambient.len();
+        let ambient = probe.ambient.coefficients();
         self.gram.view_mut((0, 0), (ambient, ambient)).copy_from(&probe.ambient_gram.columns(0, ambient));
         self.right.rows_mut(0, ambient).copy_from(&probe.ambient_gram.columns_range(ambient..));
         let frame = |(&l, &[s, t]): (&DVec3, &[DVec3; 2])| DMat3::from_cols(l, s, t);
@@ -114,11 +114,11 @@ impl Moments {
 
     fn set_sides(&mut self, probe: &Probe, light: usize, frame: &DMat3) {
         let places = self.places(light);
-        let sides = &self.sums.lit[light * probe.sides()..];
-        for side in 0..probe.sides() {
-            let products = (frame.transpose() * sides[side]).to_array();
+        let sides = &self.sums.lit[light * probe.sides()..(light + 1) * probe.sides()];
+        for (side, &sum) in sides.iter().enumerate() {
+            let products = (frame.transpose() * sum).to_array();
             for (row, product) in places.into_iter().zip(products) {
-                if let Some(channel) = side.checked_sub(probe.ambient.len()) {
+                if let Some(channel) = side.checked_sub(probe.ambient.coefficients()) {
                     self.right[(row, channel)] = product;
                 } else {
                     self.gram[(row, side)] = product;

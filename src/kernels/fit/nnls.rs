@@ -128,7 +128,7 @@ mod tests {
             let a = DMatrix::from_vec(8, 5, columns);
             let y = DVector::from_vec(target);
             let (gram, right) = (a.transpose() * &a, a.transpose() * y);
-            let x = solve(&gram.as_view(), &DMatrix::from_columns(&[right.clone()]).as_view(), 0).column(0).into_owned();
+            let x = solve(&gram.as_view(), &DMatrix::from_columns(std::slice::from_ref(&right)).as_view(), 0).column(0).into_owned();
             let fall = &right - &gram * &x;
             for i in 0..5 {
                 prop_assert!(x[i] >= 0.0, "{x}");

@@ -72,7 +72,7 @@ impl Probe {
         let mut probe = Self {
             outer: outer.collect(),
             lit: Vec::new(),
-            ambient_gram: DMatrix::zeros(ambient.len(), ambient.len() + channels.len()),
+            ambient_gram: DMatrix::zeros(ambient.coefficients(), ambient.coefficients() + channels.len()),
             normals,
             weights,
             irradiance,
@@ -88,12 +88,12 @@ impl Probe {
     /// Columns that every light is multiplied with: those of the ambient term, then the irradiance in
     /// each channel.
     pub(super) fn sides(&self) -> usize {
-        self.ambient.len() + self.channels.len()
+        self.ambient.coefficients() + self.channels.len()
     }
 
     /// The sides themselves: a row for each normal.
     pub(super) fn side_columns(&self) -> DMatrix<f64> {
-        let ambient = self.ambient.len();
+        let ambient = self.ambient.coefficients();
         DMatrix::from_fn(self.normals.len(), self.sides(), |i, side| {
             if side < ambient {
                 self.ambient.irradiance(self.normals[i])[side]
@@ -105,7 +105,7 @@ impl Probe {
 
     /// Ambient coefficients that may have any sign: harmonics do, a radiance does not.
     pub(super) fn free(&self) -> usize {
-        if self.ambient == Ambient::Sh2 { self.ambient.len() } else { 0 }
+        if self.ambient == Ambient::Sh2 { self.ambient.coefficients() } else { 0 }
     }
 
     /// How many of red, green, blue a fitted channel stands for.
@@ -114,16 +114,16 @@ impl Probe {
     }
 
     fn sum_sides(&mut self) {
-        let ambient = self.ambient.len();
+        let ambient = self.ambient.coefficients();
         for (i, &normal) in self.normals.iter().enumerate() {
             let columns = self.ambient.irradiance(normal);
             let channels = self.channels.iter().map(|&channel| self.irradiance[i][channel]);
             let sides: Vec<f64> = columns[..ambient].iter().copied().chain(channels).collect();
             let weight = self.weights[i];
             self.lit.extend(sides.iter().map(|y| normal * (weight * y)));
-            for a in 0..ambient {
+            for (a, column) in columns[..ambient].iter().enumerate() {
                 for (b, y) in sides.iter().enumerate() {
-                    self.ambient_gram[(a, b)] += weight * columns[a] * y;
+                    self.ambient_gram[(a, b)] += weight * column * y;
                 }
             }
         }
@@ -138,7 +138,7 @@ fn distinct(irradiance: &[DVec3]) -> (Vec<usize>, [Option<usize>; 3]) {
         if irradiance.iter().all(|e| e[channel] == 0.0) {
             continue;
         }
-        let same = |other: usize| irradiance.iter().all(|e| e[other] == e[channel]);
+        let same = |other: usize| irradiance.iter().all(|e| e[other].to_bits() == e[channel].to_bits());
         let place = channels.iter().position(|&other| same(other));
         *like = place.or_else(|| {
             channels.push(channel);

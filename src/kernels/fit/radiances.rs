@@ -81,7 +81,7 @@ fn cut(gram: &View<'_>, right: &DVector<f64>) -> (DVector<f64>, Vec<DVec3>) {
         let along = factor.solve(&rows);
         let (dual, fall) = (rows.tr_mul(&along), -rows.tr_mul(&plain));
         let multipliers = nnls::solve(&dual.as_view(), &DMatrix::from_columns(&[fall]).as_view(), 0);
-        x = &plain + &along * &multipliers.column(0);
+        x = &plain + &along * multipliers.column(0);
         let mut holds = multipliers.iter().map(|&multiplier| multiplier > 0.0);
         conditions.retain(|_| holds.next() == Some(true));
     }

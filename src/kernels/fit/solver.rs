@@ -110,7 +110,7 @@ impl State {
         let rgb = |row: usize| {
             DVec3::from_array(probe.like.map(|like| like.map_or(0.0, |channel| self.x[(row, channel)])))
         };
-        let ambient = probe.ambient.len();
+        let ambient = probe.ambient.coefficients();
         Rig {
             ambient: (0..ambient).map(rgb).collect(),
             directions: self.moments.directions.clone(),

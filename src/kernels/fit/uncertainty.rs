@@ -70,8 +70,8 @@ impl Uncertainty {
                 let direction = &mut self.direction[(column - moments.columns()) / 2];
                 *direction = direction.hypot(error);
             }
-            Some(channel) if column >= probe.ambient.len() => {
-                self.irradiance[column - probe.ambient.len()][channel] = error;
+            Some(channel) if column >= probe.ambient.coefficients() => {
+                self.irradiance[column - probe.ambient.coefficients()][channel] = error;
             }
             Some(_) => (),
         }
@@ -102,7 +102,7 @@ fn unknowns(probe: &Probe, moments: &Moments, rig: &Rig, held: usize) -> Vec<Unk
 
 /// The coefficient of a column of the model in one channel.
 fn value(probe: &Probe, rig: &Rig, channel: usize, column: usize) -> f64 {
-    match column.checked_sub(probe.ambient.len()) {
+    match column.checked_sub(probe.ambient.coefficients()) {
         None => rig.ambient[column][channel],
         Some(light) => rig.irradiance[light][channel],
     }
