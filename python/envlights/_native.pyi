@@ -81,6 +81,7 @@ class FitAnswer:
     condition: float
     direction_errors: list[float]
     irradiance_errors: list[list[float]]
+    error: float
     steps: int
     stop: str
 
@@ -100,11 +101,11 @@ def direction_to_uv(direction: _Reals) -> _Reals: ...
 def face_radiance(radiance: _Image, faces: int, border_sampled: bool) -> _Reals: ...
 def fit_lights(
     fitted: tuple[_Reals, _Reals, _Reals],
+    goal: tuple[tuple[_Reals, _Reals, _Reals], float | None],
     ambient: int,
     start: tuple[_Reals, int],
     lights: int,
     max_steps: int,
-    goal: tuple[tuple[_Reals, _Reals, _Reals], float] | None,
 ) -> list[FitAnswer]: ...
 def halton(count: int, bases: list[int]) -> _Reals: ...
 def hammersley(count: int) -> _Reals: ...

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Callable, Iterable
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +15,8 @@ from envlights._native import EnvLightsError
 
 PROJECTIONS = ("equirectangular",)
 REGISTRATIONS = ("cell-centred", "border-sampled")
+
+_T = TypeVar("_T")
 
 
 class EnvMap:
@@ -204,6 +206,21 @@ def _read_only(array: NDArray[np.float32]) -> NDArray[np.float32]:
 def as_envmap(env: EnvMap | ArrayLike) -> EnvMap:
     """`env` itself, or the map that an array stands for."""
     return env if isinstance(env, EnvMap) else EnvMap(env)
+
+
+def seen_through(env: EnvMap | ArrayLike, work: Callable[[EnvMap], _T]) -> tuple[EnvMap, _T]:
+    """The map, and what `work` makes of it, which refuses samples that no light can have.
+
+    It reads them all, so an array is looked at a second time, and cleaned, only when it refused.
+    """
+    if isinstance(env, EnvMap):
+        return env, work(env)
+    try:
+        world = EnvMap.unchecked(env)
+        return world, work(world)
+    except EnvLightsError:
+        world = EnvMap(env)
+        return world, work(world)
 
 
 def _as_map(radiance: ArrayLike) -> NDArray[Any]:

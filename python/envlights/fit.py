@@ -14,7 +14,7 @@ from envlights import _native, kernels
 from envlights._check import amount, check_choice, count, reals
 from envlights._native import EnvLightsError, FitAnswer
 from envlights.detect import detect
-from envlights.envmap import EnvMap, as_envmap
+from envlights.envmap import EnvMap, seen_through
 from envlights.normals import Samples, fitted_and_judging
 from envlights.report import FitReport, StopReason
 from envlights.rig import LUMINANCE, Lights, Rig
@@ -126,21 +126,19 @@ def fit(
     check_choice("normals", normals, NORMALS)
     held = _fixed(fixed)
     most = _most_lights(lights, error, start, held)
-    env = as_envmap(env)
     clock = _Clock()
-    fitted, judging, sources = fitted_and_judging(env)
+    world, (fitted, judging, sources) = seen_through(env, fitted_and_judging)
     if normals == "upper":
         fitted, judging = fitted.upper(), judging.upper()
     clock.lap("probe")
-    first = _first_directions(start, most - len(held), env)
+    first = _first_directions(start, most - len(held), world)
     clock.lap("start")
-    goal = None if error is None else (judging, error)
-    answers = _answers(fitted, most, AMBIENTS[ambient], held, first, goal)
+    answers = _answers(fitted, judging, error, most, AMBIENTS[ambient], held, first)
     clock.lap("fit")
     rig = _rig(answers, judging, len(held) + len(first))
-    clock.lap("error")
+    clock.lap("report")
     tried = max(rig.report.errors)
-    skipped = (*_working_map(env, sources), *_channels(fitted), *_counts(rig, tried, most, error))
+    skipped = (*_working_map(world, sources), *_channels(fitted), *_counts(rig, tried, most, error))
     report = replace(
         rig.report,
         seconds=clock.laps,
@@ -148,7 +146,7 @@ def fit(
         skipped=skipped,
         stop_reason=_stop_reason(rig, error),
     )
-    return replace(rig, report=report, notes=env.notes)
+    return replace(rig, report=report, notes=world.notes)
 
 
 def fit_probe(
@@ -212,10 +210,10 @@ def fit_probe(
     samples = Samples(normals, weights, irradiance)
     clock = _Clock()
     first = _first_directions(start, most - len(held), None)
-    answers = _answers(samples, most, AMBIENTS[ambient], held, first)
+    answers = _answers(samples, samples, None, most, AMBIENTS[ambient], held, first)
     clock.lap("fit")
     rig = _rig(answers, samples, len(held) + len(first))
-    clock.lap("error")
+    clock.lap("report")
     tried = max(rig.report.errors)
     report = replace(
         rig.report,
@@ -292,6 +290,7 @@ class _Answer(NamedTuple):
     condition: float
     direction_errors: NDArray[np.float64]
     irradiance_errors: NDArray[np.float64]
+    error: float
     steps: int
     stop: str
 
@@ -307,6 +306,7 @@ class _Answer(NamedTuple):
             raw.condition,
             np.array(raw.direction_errors)[order],
             np.reshape(raw.irradiance_errors, (-1, 3))[order] * scale,
+            raw.error,
             raw.steps,
             raw.stop,
         )
@@ -318,11 +318,12 @@ class _Answer(NamedTuple):
 
 def _answers(
     samples: Samples,
+    judging: Samples,
+    error: float | None,
     lights: int,
     ambient: int,
     held: NDArray[np.float64],
     first: NDArray[np.float64],
-    goal: tuple[Samples, float] | None = None,
 ) -> list[_Answer]:
     """Answers of the kernel with more and more lights, on irradiance brought to about 1.
 
@@ -330,16 +331,13 @@ def _answers(
     """
     brightest = float(np.abs(samples.irradiance).max(initial=0.0))
     scale = brightest if 0 < brightest < np.inf else 1.0
-    if goal is not None:
-        judging, error = goal
-        goal = judging._replace(irradiance=judging.irradiance / scale), error
     answers = _native.fit_lights(
-        samples._replace(irradiance=samples.irradiance / scale),
+        samples.scaled(1 / scale),
+        (judging.scaled(1 / scale), error),
         ambient,
         (np.concatenate([held, first]), len(held)),
         lights,
         MAX_STEPS,
-        goal,
     )
     return [_Answer.of(answer, scale) for answer in answers]
 
@@ -349,12 +347,7 @@ def _rig(answers: list[_Answer], judging: Samples, started: int) -> Rig:
 
     It is the last, unless one with fewer lights, but no fewer than had a start, does as well.
     """
-    errors = {
-        answer.lights: kernels.relative_rms(
-            answer.probe(judging.normals), judging.irradiance, judging.weights
-        )
-        for answer in answers
-    }
+    errors = {answer.lights: answer.error for answer in answers}
     last = answers[-1].lights
     enough = min(errors.values()) * (1 + NO_GAIN)
     worth = [n for n, error in errors.items() if error <= enough and n >= min(started, last)]

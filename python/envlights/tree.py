@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -11,9 +10,8 @@ from numpy.typing import ArrayLike
 
 from envlights import _native
 from envlights._check import amount, count
-from envlights._native import EnvLightsError
 from envlights.detected import DetectedLights, DetectionReport, Members
-from envlights.envmap import EnvMap
+from envlights.envmap import EnvMap, seen_through
 
 #: Pixels at a light's peak from which on a flat top at the map's maximum looks clipped.
 _CLIPPED_PIXELS = 4
@@ -88,29 +86,12 @@ def detect_tree(
         min_flux_share=amount("min_flux_share", min_flux_share, most=1.0),
         max_lights=most,
     )
-    found, notes = _detect_in(env, detect)
-    return _wrapped(found, notes, time.perf_counter() - start)
 
+    def found_in(world: EnvMap) -> _native.TreeDetection:
+        return detect(world.radiance, border_sampled=world.registration == "border-sampled")
 
-def _detect_in(
-    env: EnvMap | ArrayLike, detect: Callable[..., _native.TreeDetection]
-) -> tuple[_native.TreeDetection, tuple[str, ...]]:
-    """What the kernel finds, and the notes of the map.
-
-    The kernel refuses samples that no light can have, for it reads them all: an array is looked
-    at a second time, and cleaned, only then.
-    """
-
-    def within(world: EnvMap) -> tuple[_native.TreeDetection, tuple[str, ...]]:
-        border_sampled = world.registration == "border-sampled"
-        return detect(world.radiance, border_sampled=border_sampled), world.notes
-
-    if isinstance(env, EnvMap):
-        return within(env)
-    try:
-        return within(EnvMap.unchecked(env))
-    except EnvLightsError:
-        return within(EnvMap(env))
+    world, found = seen_through(env, found_in)
+    return _wrapped(found, world.notes, time.perf_counter() - start)
 
 
 def _wrapped(

@@ -5,7 +5,7 @@ use numpy::ndarray::{ArrayView1, ArrayView2};
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
-use crate::kernels::fit::{self, Ambient, Goal, Probe, Request, Rig, Solution, StopReason};
+use crate::kernels::fit::{self, Ambient, Goal, Judge, Probe, Request, Rig, Solution, StopReason};
 use crate::kernels::sphere::{from_vectors, unit_vectors};
 
 /// The best rig with one number of lights.
@@ -18,6 +18,7 @@ pub struct FitAnswer {
     condition: f64,
     direction_errors: Vec<f64>,
     irradiance_errors: Vec<[f64; 3]>,
+    error: f64,
     steps: usize,
     stop: &'static str,
 }
@@ -30,20 +31,23 @@ type Samples<'py> = (PyReadonlyArray2<'py, f64>, PyReadonlyArray1<'py, f64>, PyR
 pub fn fit_lights<'py>(
     py: Python<'py>,
     fitted: Samples<'py>,
+    goal: (Samples<'py>, Option<f64>),
     ambient: usize,
     start: (PyReadonlyArray2<'py, f64>, usize),
     lights: usize,
     max_steps: usize,
-    goal: Option<(Samples<'py>, f64)>,
 ) -> PyResult<Vec<FitAnswer>> {
-    let (fitted, held, start) = (views(&fitted), start.1, start.0.as_array());
-    let goal = goal.as_ref().map(|(judge, error)| (views(judge), *error));
+    let ((judging, error), (start, held)) = (&goal, &start);
+    let (fitted, judging, start) = (views(&fitted), views(judging), start.as_array());
+    let (error, held) = (*error, *held);
     let solutions = py.detach(|| {
-        let ambient = Ambient::with(ambient).unwrap_or(Ambient::None);
-        let probe = |(n, w, e)| Probe::new(n, w, e, ambient);
-        let goal = goal.map(|(judge, error)| Ok(Goal { judge: probe(judge)?, error })).transpose()?;
+        let (normals, weights, irradiance) = fitted;
+        let probe =
+            Probe::new(normals, weights, irradiance, Ambient::with(ambient).unwrap_or(Ambient::None))?;
+        let (normals, weights, irradiance) = judging;
+        let goal = Goal { judge: Judge::new(normals, weights, irradiance)?, error };
         let start = unit_vectors("start", start)?;
-        fit::fit(&probe(fitted)?, &Request { start: &start, held, lights, max_steps, goal })
+        fit::fit(&probe, &Request { start: &start, held, lights, max_steps, goal: &goal })
     })?;
     Ok(solutions.into_iter().map(|solution| answer(py, solution)).collect())
 }
@@ -55,7 +59,7 @@ fn views<'a>((normals, weights, irradiance): &'a Samples<'_>) -> Views<'a> {
 }
 
 fn answer(py: Python<'_>, solution: Solution) -> FitAnswer {
-    let Solution { lights, rig, uncertainty, steps, stop } = solution;
+    let Solution { lights, rig, uncertainty, error, steps, stop } = solution;
     let rows = |vectors: Vec<DVec3>| from_vectors(vectors.into_iter()).into_pyarray(py).unbind();
     FitAnswer {
         lights,
@@ -65,6 +69,7 @@ fn answer(py: Python<'_>, solution: Solution) -> FitAnswer {
         condition: uncertainty.condition,
         direction_errors: uncertainty.direction,
         irradiance_errors: uncertainty.irradiance,
+        error,
         steps,
         stop: match stop {
             StopReason::Converged => "CONVERGED",

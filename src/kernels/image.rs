@@ -1,5 +1,7 @@
 //! What the map holds before anything is made of it: unusable samples, and a smaller working map.
 
+use std::ops::Range;
+
 use ndarray::{Array2, Array3, ArrayView3, ArrayViewMut2, s};
 use rayon::prelude::*;
 
@@ -128,7 +130,8 @@ pub struct WorkingMap {
 ///
 /// # Errors
 ///
-/// [`Error::NotAMap`] when the array is not (height, width, 3) or smaller than 2 x 2.
+/// [`Error::NotAMap`] when the array is not (height, width, 3) or smaller than 2 x 2;
+/// [`Error::NotFinite`] and [`Error::Negative`] for samples that no light can have: this pass sees them all.
 pub fn reduce(
     radiance: ArrayView3<'_, f32>,
     registration: Registration,
@@ -140,7 +143,7 @@ pub fn reduce(
     let pixels = Grid::of_pixels(height, width, registration);
     let block = width.div_ceil(columns.max(1)).max(1);
     let grid = pixels.in_blocks(block);
-    let mut flux = block_flux(radiance, &pixels, block);
+    let mut flux = block_flux(radiance, &pixels, block)?;
     let cells = bright_cells(&flux, source_share);
     let sources: Vec<[[f64; 3]; 3]> =
         cells.iter().map(|&(row, column)| vector_irradiance(radiance, &pixels, block, row, column)).collect();
@@ -154,38 +157,108 @@ pub fn reduce(
     })
 }
 
+/// Pixels that are summed at once: few enough to stay in the first cache.
+pub(crate) const PIXELS_AT_ONCE: usize = 128;
+
 /// Integral of the radiance over each block, (rows, columns, 3).
-fn block_flux(radiance: ArrayView3<'_, f32>, pixels: &Grid, block: usize) -> Array3<f64> {
+fn block_flux(radiance: ArrayView3<'_, f32>, pixels: &Grid, block: usize) -> Result<Array3<f64>> {
     let (height, width, _) = radiance.dim();
-    let bands = band_heights(&pixels.theta_edges);
     let widths: Vec<f64> = pixels.phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect();
     let mut flux = Array3::zeros((height.div_ceil(block), width.div_ceil(block), 3));
-    flux.outer_iter_mut().into_par_iter().enumerate().for_each(|(cell_row, mut cells)| {
-        let rows = cell_row * block..((cell_row + 1) * block).min(height);
-        for (row, band) in rows.clone().zip(&bands[rows]) {
-            let samples = radiance.slice(s![row, .., ..]);
+    let signs: Vec<bool> = flux
+        .outer_iter_mut()
+        .into_par_iter()
+        .enumerate()
+        .map(|(cell_row, cells)| {
+            let rows = cell_row * block..((cell_row + 1) * block).min(height);
+            let bands = band_heights(&pixels.theta_edges[rows.start..=rows.end]);
+            let samples = radiance.slice(s![rows, .., ..]);
             let samples = samples.as_standard_layout();
-            let pixels = samples.as_slice().map_or(&[][..], |samples| samples.as_chunks::<3>().0);
-            add_row(cells.view_mut(), pixels, &widths, block, *band);
-        }
-    });
-    flux
+            let samples = samples.as_slice().unwrap_or(&[]); // the standard layout is a slice
+            add_rows(cells, &samples.chunks_exact(3 * width).collect::<Vec<_>>(), &bands, &widths, block)
+        })
+        .collect();
+    if signs.contains(&true) {
+        check_not_negative(radiance)?;
+    }
+    check_finite(&flux)?;
+    Ok(flux)
 }
 
-/// Add a row of pixels, each `width` wide and `band` high, to the cells that they lie in.
-fn add_row(mut cells: ArrayViewMut2<'_, f64>, pixels: &[[f32; 3]], widths: &[f64], block: usize, band: f64) {
-    let blocks = pixels.chunks(block).zip(widths.chunks(block));
-    for (mut cell, (pixels, widths)) in cells.outer_iter_mut().zip(blocks) {
-        let mut sum = [0.0_f64; 3];
-        for (pixel, width) in pixels.iter().zip(widths) {
-            for (sum, value) in sum.iter_mut().zip(pixel) {
-                *sum += f64::from(*value) * width;
+/// Sum rows of pixels of these `bands` and `widths` into the cells that they make. Whether a sample
+/// has a minus sign is seen on the way.
+fn add_rows(
+    mut cells: ArrayViewMut2<'_, f64>,
+    rows: &[&[f32]],
+    bands: &[f64],
+    widths: &[f64],
+    block: usize,
+) -> bool {
+    let whole: f64 = bands.iter().sum();
+    let weights: Vec<f32> = bands.iter().map(|band| (band / whole) as f32).collect();
+    let at_once = (PIXELS_AT_ONCE / block).max(1) * block;
+    let mut mean = vec![0.0; 3 * at_once];
+    let mut signs = false;
+    let mut cells = cells.outer_iter_mut();
+    for (i, widths) in widths.chunks(at_once).enumerate() {
+        let mean = &mut mean[..3 * widths.len()];
+        signs |= weighted_mean(rows, &weights, 3 * i * at_once..3 * (i * at_once + widths.len()), mean);
+        let pixels = mean.as_chunks::<3>().0;
+        for ((pixels, widths), mut cell) in pixels.chunks(block).zip(widths.chunks(block)).zip(&mut cells) {
+            for (pixel, width) in pixels.iter().zip(widths) {
+                for (cell, value) in cell.iter_mut().zip(pixel) {
+                    *cell += f64::from(*value) * width * whole;
+                }
             }
         }
-        for (cell, sum) in cell.iter_mut().zip(sum) {
-            *cell += sum * band;
+    }
+    signs
+}
+
+/// Mean of the `columns` of some rows, four rows at a time: fewer passes over what is summed. Whether
+/// a sample has a minus sign is seen on the way.
+pub(crate) fn weighted_mean(
+    rows: &[&[f32]],
+    weights: &[f32],
+    columns: Range<usize>,
+    mean: &mut [f32],
+) -> bool {
+    let mut bits = 0;
+    mean.fill(0.0);
+    let (fours, rest) = rows.as_chunks::<4>();
+    for (rows, weights) in fours.iter().zip(weights.as_chunks::<4>().0) {
+        let [a, b, c, d] = rows.map(|row| &row[columns.clone()]);
+        for ((((mean, a), b), c), d) in mean.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+            *mean += (weights[0] * a + weights[1] * b) + (weights[2] * c + weights[3] * d);
+            bits |= (a.to_bits() | b.to_bits()) | (c.to_bits() | d.to_bits());
         }
     }
+    for (row, weight) in rest.iter().zip(&weights[4 * fours.len()..]) {
+        for (mean, sample) in mean.iter_mut().zip(&row[columns.clone()]) {
+            *mean += weight * sample;
+            bits |= sample.to_bits();
+        }
+    }
+    bits >> 31 == 1
+}
+
+/// Refuse a sample below zero. A minus sign may be that of -0, which is as good as 0.
+pub(crate) fn check_not_negative(radiance: ArrayView3<'_, f32>) -> Result<()> {
+    for (index, row) in radiance.outer_iter().enumerate() {
+        if let Some(&value) = row.iter().find(|&&value| value < 0.0) {
+            return Err(Error::Negative { what: "radiance", index, value: f64::from(value) });
+        }
+    }
+    Ok(())
+}
+
+fn check_finite(flux: &Array3<f64>) -> Result<()> {
+    for (index, row) in flux.outer_iter().enumerate() {
+        if let Some(&value) = row.iter().find(|value| !value.is_finite()) {
+            return Err(Error::NotFinite { what: "radiance", index, value });
+        }
+    }
+    Ok(())
 }
 
 /// Cells that hold more than `share` of all flux of a channel.
@@ -289,7 +362,7 @@ mod tests {
         let map = Array3::from_shape_fn((30, 60, 3), |(y, x, c)| ((y * 7 + x * 3 + c) % 11) as f32);
         for registration in [Registration::CellCentred, Registration::BorderSampled] {
             let pixels = Grid::of_pixels(30, 60, registration);
-            let before = block_flux(map.view(), &pixels, 1).sum();
+            let before = block_flux(map.view(), &pixels, 1).unwrap().sum();
             let small = reduce(map.view(), registration, 16, 2.0).unwrap();
             let bands = band_heights(&small.grid.theta_edges);
             let after: f64 = small

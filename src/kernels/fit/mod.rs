@@ -26,11 +26,12 @@ mod solver;
 mod uncertainty;
 
 pub use ambient::Ambient;
-pub use probe::Probe;
+pub use probe::{Judge, Probe};
 pub use uncertainty::{Uncertainty, uncertainty};
 
 use glam::DVec3;
 use ndarray::{Array2, ArrayView1, ArrayView2, Zip};
+use rayon::prelude::*;
 
 use self::search::Search;
 use self::solver::{Problem, State};
@@ -68,24 +69,26 @@ pub struct Solution {
     pub rig: Rig,
     /// How well they are determined.
     pub uncertainty: Uncertainty,
+    /// Relative RMS error on the values that judge.
+    pub error: f64,
     /// Steps of the solver on the way there.
     pub steps: usize,
     /// Why it took no more.
     pub stop: StopReason,
 }
 
-/// An error that is good enough, on probe values that are not fitted.
+/// Who judges, and what is good enough.
 #[derive(Clone, Debug)]
 pub struct Goal {
-    /// The values that judge.
-    pub judge: Probe,
+    /// Values that are not fitted, or the fitted ones again.
+    pub judge: Judge,
     /// Relative RMS error at which no more lights are added.
-    pub error: f64,
+    pub error: Option<f64>,
 }
 
 impl Goal {
     fn is_reached(&self, probe: &Probe, state: &State) -> bool {
-        model::cost(&self.judge, &state.rig(probe)) <= self.error * self.error * self.judge.energy
+        self.error.is_some_and(|error| self.judge.error(&state.rig(probe)) <= error)
     }
 }
 
@@ -100,8 +103,8 @@ pub struct Request<'a> {
     pub lights: usize,
     /// Steps after which the solver gives up on a start.
     pub max_steps: usize,
-    /// An error at which no more lights are added.
-    pub goal: Option<Goal>,
+    /// Who judges, and what is good enough.
+    pub goal: &'a Goal,
 }
 
 /// The best rig with as many lights as `request` allows, after those with fewer on the way there.
@@ -113,22 +116,20 @@ pub struct Request<'a> {
 ///
 /// [`Error::TooFewNormals`] when there are fewer equations than unknowns.
 pub fn fit(probe: &Probe, request: &Request<'_>) -> Result<Vec<Solution>> {
-    let &Request { start, held, lights, max_steps, ref goal } = request;
+    let &Request { start, held, lights, max_steps, goal } = request;
     check_unknowns(probe, lights)?;
     let problem = Problem { probe, start, held, max_steps };
-    let is_enough = |last: &State| {
-        last.stop == Some(StopReason::Exact) || goal.as_ref().is_some_and(|goal| goal.is_reached(probe, last))
-    };
+    let is_enough = |last: &State| last.stop == Some(StopReason::Exact) || goal.is_reached(probe, last);
     let mut states = vec![started(&problem, 0)];
     // Made once, and only for lights that have no start.
     let mut search = None;
     while let Some(last) = states.last().filter(|last| last.lights() < lights && !is_enough(last)) {
         let next = if last.lights() < start.len() {
-            let count = if goal.is_some() { last.lights() + 1 } else { start.len().min(lights) };
+            let count = if goal.error.is_some() { last.lights() + 1 } else { start.len().min(lights) };
             Some(started(&problem, count))
         } else {
             let search = search.get_or_insert_with(|| Search::new(problem));
-            let is_last = goal.is_some() || last.lights() + 1 == lights;
+            let is_last = goal.error.is_some() || last.lights() + 1 == lights;
             // Lights that were given a start stay near it.
             match (is_last, start.len() > held) {
                 (true, false) => search.best(last)?,
@@ -139,7 +140,7 @@ pub fn fit(probe: &Probe, request: &Request<'_>) -> Result<Vec<Solution>> {
         let Some(next) = next else { break };
         states.push(next);
     }
-    Ok(states.iter().map(|state| solution(&problem, state)).collect())
+    Ok(states.par_iter().map(|state| solution(&problem, &goal.judge, state)).collect())
 }
 
 /// The best lights near the first `count` starts.
@@ -148,13 +149,14 @@ fn started(problem: &Problem<'_>, count: usize) -> State {
     State::new(problem.probe, &problem.start[..count]).descend(&problem, search::FINE)
 }
 
-fn solution(problem: &Problem<'_>, state: &State) -> Solution {
+fn solution(problem: &Problem<'_>, judge: &Judge, state: &State) -> Solution {
     let Problem { probe, held, .. } = *problem;
     let rig = state.rig(probe).lit(held);
     let held = held.min(rig.directions.len());
     Solution {
         lights: state.lights(),
         uncertainty: uncertainty(probe, &rig, held),
+        error: judge.error(&rig),
         rig,
         steps: state.steps,
         stop: state.stop.unwrap_or(StopReason::Converged),
@@ -221,14 +223,13 @@ mod tests {
     use crate::kernels::sampling;
     use crate::kernels::sphere::direction;
 
-    fn request(lights: usize) -> Request<'static> {
-        Request { start: &[], held: 0, lights, max_steps: 100, goal: None }
-    }
-
-    fn probe_of(rig: &Rig) -> Probe {
+    fn found(rig: &Rig, lights: usize) -> Vec<Solution> {
         let (normals, weights) = sampling::icosphere(320).unwrap();
         let seen = irradiance(rig, normals.view()).unwrap();
-        Probe::new(normals.view(), weights.view(), seen.view(), Ambient::Constant).unwrap()
+        let probe = Probe::new(normals.view(), weights.view(), seen.view(), Ambient::Constant).unwrap();
+        let judge = Judge::new(normals.view(), weights.view(), seen.view()).unwrap();
+        let goal = Goal { judge, error: None };
+        fit(&probe, &Request { start: &[], held: 0, lights, max_steps: 100, goal: &goal }).unwrap()
     }
 
     #[test]
@@ -238,7 +239,7 @@ mod tests {
             directions: vec![direction(0.4, 1.0), direction(1.3, 3.5), direction(2.5, 5.0)],
             irradiance: vec![DVec3::new(3.0, 2.5, 2.0), DVec3::new(0.5, 1.0, 1.5), DVec3::splat(0.7)],
         };
-        let solutions = fit(&probe_of(&rig), &request(3)).unwrap();
+        let solutions = found(&rig, 3);
         let found = &solutions[3].rig;
         for (wanted, irradiance) in rig.directions.iter().zip(&rig.irradiance) {
             let nearest = found.directions.iter().zip(&found.irradiance);
@@ -252,7 +253,7 @@ mod tests {
 
     #[test]
     fn black_needs_no_light() {
-        let solutions = fit(&probe_of(&Rig::default()), &request(4)).unwrap();
+        let solutions = found(&Rig::default(), 4);
         assert_eq!(solutions.len(), 1);
         assert_eq!(solutions[0].rig.ambient, [DVec3::ZERO]);
     }

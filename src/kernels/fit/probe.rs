@@ -5,6 +5,7 @@ use nalgebra::DMatrix;
 use ndarray::{ArrayView1, ArrayView2, Axis};
 
 use super::ambient::Ambient;
+use super::{Rig, model};
 use crate::error::{Error, Result};
 use crate::kernels::sphere::{check_rows, unit_vectors};
 
@@ -48,20 +49,8 @@ impl Probe {
         irradiance: ArrayView2<'_, f64>,
         ambient: Ambient,
     ) -> Result<Self> {
-        let normals = unit_vectors("normal", normals)?;
-        check_rows("irradiance", irradiance, 3)?;
-        check_rows("weights", weights.insert_axis(Axis(1)), 1)?;
-        for (what, seen) in [("irradiance", irradiance.nrows()), ("weights", weights.len())] {
-            let wanted = normals.len();
-            if seen != wanted {
-                return Err(Error::LengthMismatch { what, other: "normals", wanted, seen });
-            }
-        }
-        if let Some((index, &value)) = weights.iter().enumerate().find(|(_, value)| **value < 0.0) {
-            return Err(Error::Negative { what: "weights", index, value });
-        }
-        let irradiance = irradiance.rows().into_iter().map(|row| DVec3::new(row[0], row[1], row[2]));
-        Ok(Self::of(normals, weights.to_vec(), irradiance.collect(), ambient))
+        let (normals, weights, irradiance) = checked(normals, weights, irradiance)?;
+        Ok(Self::of(normals, weights, irradiance, ambient))
     }
 
     fn of(normals: Vec<DVec3>, weights: Vec<f64>, irradiance: Vec<DVec3>, ambient: Ambient) -> Self {
@@ -128,6 +117,63 @@ impl Probe {
             }
         }
     }
+}
+
+/// Probe values that judge a rig, and are not fitted.
+#[derive(Clone, Debug)]
+pub struct Judge {
+    normals: Vec<DVec3>,
+    weights: Vec<f64>,
+    irradiance: Vec<DVec3>,
+}
+
+impl Judge {
+    /// Check and pair up what was measured, as [`Probe::new`].
+    ///
+    /// # Errors
+    ///
+    /// As [`Probe::new`].
+    pub fn new(
+        normals: ArrayView2<'_, f64>,
+        weights: ArrayView1<'_, f64>,
+        irradiance: ArrayView2<'_, f64>,
+    ) -> Result<Self> {
+        let (normals, weights, irradiance) = checked(normals, weights, irradiance)?;
+        Ok(Self { normals, weights, irradiance })
+    }
+
+    /// Relative RMS error of `rig`; absolute where all is black.
+    pub fn error(&self, rig: &Rig) -> f64 {
+        let (mut left, mut whole) = (0.0, 0.0);
+        for ((&normal, weight), &wanted) in self.normals.iter().zip(&self.weights).zip(&self.irradiance) {
+            left += weight * (wanted - model::irradiance(rig, normal)).length_squared();
+            whole += weight * wanted.length_squared();
+        }
+        if whole > 0.0 { (left / whole).sqrt() } else { left.sqrt() }
+    }
+}
+
+type Values = (Vec<DVec3>, Vec<f64>, Vec<DVec3>);
+
+fn checked(
+    normals: ArrayView2<'_, f64>,
+    weights: ArrayView1<'_, f64>,
+    irradiance: ArrayView2<'_, f64>,
+) -> Result<Values> {
+    let normals = unit_vectors("normal", normals)?;
+    check_rows("irradiance", irradiance, 3)?;
+    check_rows("weights", weights.insert_axis(Axis(1)), 1)?;
+    for (what, seen) in [("irradiance", irradiance.nrows()), ("weights", weights.len())] {
+        let wanted = normals.len();
+        if seen != wanted {
+            return Err(Error::LengthMismatch { what, other: "normals", wanted, seen });
+        }
+    }
+    if let Some((index, &value)) = weights.iter().enumerate().find(|(_, value)| **value < 0.0) {
+        return Err(Error::Negative { what: "weights", index, value });
+    }
+    let irradiance = irradiance.rows().into_iter().map(|row| DVec3::new(row[0], row[1], row[2]));
+    Ok((normals, weights.to_vec(), irradiance.collect()))
 }
 
 /// The channels that have to be fitted, and for each of the three the one that it is like.

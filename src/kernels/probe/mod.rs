@@ -126,13 +126,16 @@ pub fn sum_over_sources(
     Ok(out)
 }
 
+/// So many normals for each column make a table of every column worth its time.
+const FINE: usize = 2;
+
 /// Sum of the cells of `radiance`, batch of normals by batch.
 fn under_cells(radiance: ArrayView3<'_, f32>, grid: &Grid, steps: Steps, normals: &[DVec3]) -> Array2<f64> {
     let samples = radiance.as_standard_layout();
     let pixels = samples.as_slice().expect("standard layout").as_chunks::<3>().0;
     let rows: Vec<&[[f32; 3]]> = pixels.chunks(radiance.dim().1).collect();
-    let columns = Columns::new(grid);
     let pairs = opposite::pairs(normals);
+    let columns = Columns::new(grid, pairs.kept.len() > FINE * radiance.dim().1);
     let mut seen = Vec::with_capacity(pairs.kept.len());
     let mut whole = [DVec3::ZERO; 3];
     for normals in pairs.kept.chunks(NORMALS_AT_ONCE) {

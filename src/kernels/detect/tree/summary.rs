@@ -3,19 +3,15 @@
 //! Detection is bound by memory: this pass reads every sample once, what follows reads a
 //! sixteenth of them and less.
 
-use std::ops::Range;
-
 use ndarray::{Array2, ArrayView3, s};
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
-use crate::kernels::image::{self, Grid};
+use crate::kernels::image::{self, Grid, PIXELS_AT_ONCE, check_not_negative, weighted_mean};
 use crate::kernels::sphere::{Registration, band_heights};
 
 /// Sides of a tile, in pixels of the working image.
 pub const TILE: usize = 16;
-/// Pixels of the map that are summed at once: few enough to stay in the first cache.
-const PIXELS_AT_ONCE: usize = 128;
 
 /// A map in fewer pixels, each the mean of a block of the map's.
 #[derive(Clone, Debug)]
@@ -82,16 +78,6 @@ pub fn summarise(
     }
     let flux = flux(&row_sums, &bands)?;
     Ok(Summary { size, luminance, grid, bands, block, tile_maxima, flux })
-}
-
-/// A minus sign may be that of -0, which is as good as 0.
-fn check_not_negative(radiance: ArrayView3<'_, f32>) -> Result<()> {
-    for (index, row) in radiance.outer_iter().enumerate() {
-        if let Some(&value) = row.iter().find(|&&value| value < 0.0) {
-            return Err(Error::Negative { what: "radiance", index, value: f64::from(value) });
-        }
-    }
-    Ok(())
 }
 
 fn raise(largest: &mut [f32], row: &[f32]) {
@@ -189,28 +175,6 @@ impl<'a> Reduction<'a> {
             mean[last..].iter_mut().for_each(|value| *value *= self.outer_widths[1]);
         }
     }
-}
-
-/// Mean of the `columns` of some rows, four rows at a time: fewer passes over what is summed. Whether
-/// a sample has a minus sign is seen on the way.
-fn weighted_mean(rows: &[&[f32]], weights: &[f32], columns: Range<usize>, mean: &mut [f32]) -> bool {
-    let mut bits = 0;
-    mean.fill(0.0);
-    let (fours, rest) = rows.as_chunks::<4>();
-    for (rows, weights) in fours.iter().zip(weights.as_chunks::<4>().0) {
-        let [a, b, c, d] = rows.map(|row| &row[columns.clone()]);
-        for ((((mean, a), b), c), d) in mean.iter_mut().zip(a).zip(b).zip(c).zip(d) {
-            *mean += (weights[0] * a + weights[1] * b) + (weights[2] * c + weights[3] * d);
-            bits |= (a.to_bits() | b.to_bits()) | (c.to_bits() | d.to_bits());
-        }
-    }
-    for (row, weight) in rest.iter().zip(&weights[4 * fours.len()..]) {
-        for (mean, sample) in mean.iter_mut().zip(&row[columns.clone()]) {
-            *mean += weight * sample;
-            bits |= sample.to_bits();
-        }
-    }
-    bits >> 31 == 1
 }
 
 /// Luminance of the sum of RGB pixels: four of them are twelve samples, three vectors of four lanes.
