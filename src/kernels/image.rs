@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use ndarray::{Array2, Array3, ArrayView3, ArrayViewMut2, s};
+use ndarray::{Array3, ArrayView3, ArrayViewMut2, s};
 use rayon::prelude::*;
 
 use super::sphere::{Registration, band_heights, direction};
@@ -313,22 +313,6 @@ pub const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
 /// Luminance of linear Rec.709 RGB.
 pub fn luminance(rgb: [f64; 3]) -> f64 {
     LUMINANCE[0] * rgb[0] + LUMINANCE[1] * rgb[1] + LUMINANCE[2] * rgb[2]
-}
-
-/// Irradiance of point sources at `normals`: `E(n) = sum of max(0, n.F)`, for each channel its own F.
-pub fn irradiance_of_sources(sources: &Array3<f64>, normals: &[glam::DVec3]) -> Array2<f64> {
-    let mut out = Array2::zeros((normals.len(), 3));
-    out.outer_iter_mut().into_par_iter().zip(normals).for_each(|(mut row, normal)| {
-        for source in sources.outer_iter() {
-            for channel in 0..3 {
-                let cosine = normal.x * source[[0, channel]]
-                    + normal.y * source[[1, channel]]
-                    + normal.z * source[[2, channel]];
-                row[channel] += cosine.max(0.0);
-            }
-        }
-    });
-    out
 }
 
 pub(crate) fn check_rgb(radiance: ArrayView3<'_, f32>) -> Result<()> {

@@ -116,8 +116,17 @@ pub struct Request<'a> {
 ///
 /// [`Error::TooFewNormals`] when there are fewer equations than unknowns.
 pub fn fit(probe: &Probe, request: &Request<'_>) -> Result<Vec<Solution>> {
+    check_unknowns(probe, request.lights)?;
+    // In the thread pool as a whole: from outside, each of the parallel loops would wake it anew.
+    rayon::scope(|_| {
+        let states = states(probe, request)?;
+        Ok(states.par_iter().map(|state| solution(probe, request, state)).collect())
+    })
+}
+
+/// The places that the search stops at, with more and more lights.
+fn states(probe: &Probe, request: &Request<'_>) -> Result<Vec<State>> {
     let &Request { start, held, lights, max_steps, goal } = request;
-    check_unknowns(probe, lights)?;
     let problem = Problem { probe, start, held, max_steps };
     let is_enough = |last: &State| last.stop == Some(StopReason::Exact) || goal.is_reached(probe, last);
     let mut states = vec![started(&problem, 0)];
@@ -140,7 +149,7 @@ pub fn fit(probe: &Probe, request: &Request<'_>) -> Result<Vec<Solution>> {
         let Some(next) = next else { break };
         states.push(next);
     }
-    Ok(states.par_iter().map(|state| solution(&problem, &goal.judge, state)).collect())
+    Ok(states)
 }
 
 /// The best lights near the first `count` starts.
@@ -149,14 +158,13 @@ fn started(problem: &Problem<'_>, count: usize) -> State {
     State::new(problem.probe, &problem.start[..count]).descend(&problem, search::FINE)
 }
 
-fn solution(problem: &Problem<'_>, judge: &Judge, state: &State) -> Solution {
-    let Problem { probe, held, .. } = *problem;
-    let rig = state.rig(probe).lit(held);
-    let held = held.min(rig.directions.len());
+fn solution(probe: &Probe, request: &Request<'_>, state: &State) -> Solution {
+    let rig = state.rig(probe).lit(request.held);
+    let held = request.held.min(rig.directions.len());
     Solution {
         lights: state.lights(),
         uncertainty: uncertainty(probe, &rig, held),
-        error: judge.error(&rig),
+        error: request.goal.judge.error(&rig),
         rig,
         steps: state.steps,
         stop: state.stop.unwrap_or(StopReason::Converged),

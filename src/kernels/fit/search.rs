@@ -22,19 +22,15 @@ const ROUGH: f64 = 1e-2;
 pub const FINE: f64 = 1e-9;
 /// Relative fall of the cost for which lights are moved.
 const WORTHWHILE: f64 = 2e-3;
-/// Relative difference of cost below which two tries ended in the same place.
-const SAME: f64 = 1e-3;
 /// Places where a further light starts, and exchanges that are tried together.
 const ADDED: usize = 2;
 const EXCHANGED: usize = 8;
 /// Moves that are still in the race after a look at their cost.
 const RACING: usize = 12;
-/// Even starts that race for one try, tries in a batch, and batches at most.
+/// Even starts that race for one try.
 const EVEN: usize = 2;
-const BATCH: usize = 4;
-const BATCHES: usize = 3;
-/// Tries that have to end in the best place found before no other is looked for.
-const SURE: usize = 3;
+/// Tries from even starts at most.
+const MOST_TRIES: usize = 12;
 
 /// The search for the best lights for one probe.
 #[derive(Debug)]
@@ -57,28 +53,21 @@ impl<'a> Search<'a> {
     /// The best lights, one more than `last` has, where that helps.
     pub fn best(&self, last: &State) -> Result<Option<State>> {
         let Some(grown) = self.more(last) else { return Ok(None) };
-        let lights = grown.moments.directions.len();
-        let mut tries = vec![self.exchanged(grown)];
-        for batch in 0..batches(lights) {
-            if !is_sure(&tries) {
-                tries.extend(self.even_tries(lights, batch)?);
-            }
-        }
+        let mut tries = self.even_tries(grown.lights())?;
+        tries.push(self.exchanged(grown));
         let best = tries.into_iter().min_by(by_cost);
         let best = best.map(|best| self.overshot(best).descend(&self.problem, FINE));
         Ok(best.filter(|best| best.cost < last.cost))
     }
 
-    /// A batch of tries that begin with lights spread evenly.
-    fn even_tries(&self, lights: usize, batch: usize) -> Result<Vec<State>> {
-        let free = lights - self.problem.held;
-        let first = batch * BATCH * EVEN * free;
-        let points =
-            sampling::uniform_sphere(sampling::halton(first + BATCH * EVEN * free, &[2, 3])?.view())?;
-        let points: Vec<DVec3> =
-            points.rows().into_iter().skip(first).map(|p| DVec3::new(p[0], p[1], p[2])).collect();
-        let held = &self.problem.start[..self.problem.held];
-        let start = |points: &[DVec3]| State::new(self.problem.probe, &[held, points].concat());
+    /// Tries that begin with lights spread evenly, each try elsewhere.
+    fn even_tries(&self, lights: usize) -> Result<Vec<State>> {
+        let Problem { probe, start, held, .. } = self.problem;
+        let free = lights - held;
+        let points = sampling::halton(tries(free) * EVEN * free, &[2, 3])?;
+        let points = sampling::uniform_sphere(points.view())?;
+        let points: Vec<DVec3> = points.rows().into_iter().map(|p| DVec3::new(p[0], p[1], p[2])).collect();
+        let start = |points: &[DVec3]| State::new(probe, &[&start[..held], points].concat());
         let tries = points.par_chunks(EVEN * free).filter_map(|points| {
             let field = points.chunks(free).map(start).collect();
             Some(self.exchanged(self.race(field, 3)?))
@@ -140,15 +129,9 @@ impl<'a> Search<'a> {
     }
 }
 
-/// How many batches of even starts so many lights are worth: two are found by exchanges alone.
-fn batches(lights: usize) -> usize {
-    if lights < 3 { 0 } else { ((lights - 1) / 2).min(BATCHES) }
-}
-
-/// Whether enough of `tries` ended in the best place.
-fn is_sure(tries: &[State]) -> bool {
-    let best = tries.iter().map(|state| state.cost).fold(f64::INFINITY, f64::min);
-    tries.iter().filter(|state| state.cost <= best * (1.0 + SAME)).count() >= SURE
+/// How many even starts so many free lights are worth: two are found by exchanges alone.
+fn tries(lights: usize) -> usize {
+    if lights < 3 { 0 } else { (4 * ((lights - 1) / 2)).min(MOST_TRIES) }
 }
 
 fn is_better(next: &State, best: &State) -> bool {

@@ -29,7 +29,7 @@ mod horizon;
 mod opposite;
 
 use glam::DVec3;
-use ndarray::{Array2, ArrayView1, ArrayView2, ArrayView3, Axis};
+use ndarray::{Array2, Array3, ArrayView1, ArrayView2, ArrayView3, Axis};
 use rayon::prelude::*;
 
 use super::image::{self, Grid, WorkingMap};
@@ -79,7 +79,22 @@ pub fn irradiance(
 pub fn working_irradiance(map: &WorkingMap, normals: ArrayView2<'_, f64>) -> Result<Array2<f64>> {
     let normals = unit_vectors("normal", normals)?;
     let cells = under_cells(map.radiance.view(), &map.grid, Steps::ONE_NODE, &normals);
-    Ok(cells + image::irradiance_of_sources(&map.sources, &normals))
+    Ok(cells + under_sources(&map.sources, &normals))
+}
+
+/// Irradiance of point sources, (n, 3 axes, 3 channels): `E(n) = sum of max(0, n.F)`, for each channel its
+/// own F.
+fn under_sources(sources: &Array3<f64>, normals: &[DVec3]) -> Array2<f64> {
+    let flux = |source: ArrayView2<'_, f64>| {
+        [0, 1, 2].map(|channel| DVec3::new(source[[0, channel]], source[[1, channel]], source[[2, channel]]))
+    };
+    let sources: Vec<[DVec3; 3]> = sources.outer_iter().map(flux).collect();
+    let seen = normals.par_iter().map(|normal| {
+        sources.iter().fold(DVec3::ZERO, |sum, flux| {
+            sum + DVec3::from_array(flux.map(|flux| normal.dot(flux))).max(DVec3::ZERO)
+        })
+    });
+    sphere::from_vectors(seen.collect::<Vec<_>>().into_iter())
 }
 
 /// Equations 1 to 3 of Madsen et al. 2003: `R_i = sum_j k_d C L_j (n_i . l_j)` over K sources.
