@@ -244,3 +244,77 @@ fn symmetric([diagonal, mixed]: [DVec3; 2]) -> DMat3 {
         DVec3::new(mixed.z, mixed.y, diagonal.z),
     )
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::kernels::fit::Ambient;
+    use crate::kernels::sampling;
+    use crate::kernels::sphere::exponential_map;
+    use approx::assert_abs_diff_eq;
+    use ndarray::Array2;
+
+    fn probe(ambient: Ambient) -> Probe {
+        let (normals, weights) = sampling::icosphere(320).unwrap();
+        let colour = |i: usize, c: usize| ((7 * i + 3 * c) % 11) as f64;
+        let irradiance = Array2::from_shape_fn((320, 3), |(i, c)| colour(i, c));
+        Probe::new(normals.view(), weights.view(), irradiance.view(), ambient).unwrap()
+    }
+
+    fn directions() -> Vec<DVec3> {
+        [DVec3::Y, DVec3::new(1.0, 2.0, -2.0) / 3.0, DVec3::new(2.0, -6.0, 3.0) / 7.0].to_vec()
+    }
+
+    /// Each column at each normal, as the head of this file defines it.
+    fn columns(probe: &Probe, moments: &Moments) -> Vec<Vec<f64>> {
+        let ambient = |i: usize| {
+            let columns = probe.normals.iter().map(move |&n| probe.ambient.irradiance(n)[i]);
+            columns.collect::<Vec<f64>>()
+        };
+        let along = |light: DVec3, axis: DVec3| {
+            let seen = probe.normals.iter().map(|n| if n.dot(light) > 0.0 { n.dot(axis) } else { 0.0 });
+            seen.collect::<Vec<f64>>()
+        };
+        let lights = moments.directions.iter().map(|&l| along(l, l));
+        let frames = moments.directions.iter().zip(&moments.tangents);
+        let derivatives = frames.flat_map(|(&l, &[s, t])| [along(l, s), along(l, t)]);
+        (0..probe.ambient.coefficients()).map(ambient).chain(lights).chain(derivatives).collect()
+    }
+
+    fn assert_sums(probe: &Probe, moments: &Moments) {
+        let columns = columns(probe, moments);
+        let sum = |a: &[f64], b: &[f64]| -> f64 {
+            a.iter().zip(b).zip(&probe.weights).map(|((a, b), w)| w * a * b).sum()
+        };
+        for (i, a) in columns.iter().enumerate() {
+            for (j, b) in columns.iter().enumerate() {
+                assert_abs_diff_eq!(moments.gram[(i, j)], sum(a, b), epsilon = 1e-12);
+            }
+            for channel in 0..3 {
+                let irradiance: Vec<f64> = probe.irradiance.iter().map(|e| e[channel]).collect();
+                assert_abs_diff_eq!(moments.right[(i, channel)], sum(a, &irradiance), epsilon = 1e-11);
+            }
+        }
+    }
+
+    #[test]
+    fn the_moments_are_the_plain_sums() {
+        for ambient in [Ambient::None, Ambient::Constant, Ambient::Sh2] {
+            let probe = probe(ambient);
+            assert_sums(&probe, &Moments::new(&probe, &directions()));
+        }
+    }
+
+    #[test]
+    fn turned_taken_out_and_put_in_they_still_are() {
+        let probe = probe(Ambient::Constant);
+        let moments = Moments::new(&probe, &directions());
+        let turn = |&l: &DVec3| exponential_map(l, tangents(l)[1] * 0.7);
+        let turned = moments.turned(&probe, directions().iter().map(turn).collect());
+        assert_sums(&probe, &turned);
+        let changed = turned.with(&probe, &[0, 2], &[DVec3::NEG_X, DVec3::NEG_Y]);
+        assert_eq!(changed.directions[2..], [DVec3::NEG_X, DVec3::NEG_Y]);
+        assert_sums(&probe, &changed);
+    }
+}

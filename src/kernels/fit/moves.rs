@@ -107,3 +107,53 @@ fn apart(mut places: Vec<(f64, DVec3)>, count: usize) -> Vec<(f64, DVec3)> {
     }
     chosen
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::kernels::fit::{Ambient, Rig, irradiance};
+    use crate::kernels::sampling;
+
+    fn probe_of(directions: &[DVec3]) -> Probe {
+        let (normals, weights) = sampling::icosphere(320).unwrap();
+        let rig = Rig {
+            ambient: vec![DVec3::splat(0.1)],
+            directions: directions.to_vec(),
+            irradiance: vec![DVec3::ONE; directions.len()],
+        };
+        let seen = irradiance(&rig, normals.view()).unwrap();
+        Probe::new(normals.view(), weights.view(), seen.view(), Ambient::Constant).unwrap()
+    }
+
+    #[test]
+    fn a_light_is_added_where_one_is_missing() {
+        let probe = probe_of(&[DVec3::Y, DVec3::X]);
+        let state = State::new(&probe, &[DVec3::Y]);
+        let best = &added(&Candidates::new(&probe), &probe, &state, 2)[0];
+        assert!(best.new[0].dot(DVec3::X) > 0.9, "{best:?}");
+        assert!(best.from(&probe, &state).cost < state.cost);
+    }
+
+    #[test]
+    fn the_light_that_is_not_needed_is_the_one_exchanged() {
+        let probe = probe_of(&[DVec3::Y, DVec3::X]);
+        let state = State::new(&probe, &[DVec3::Y, DVec3::NEG_Z]);
+        let candidates = Candidates::new(&probe);
+        let best = &exchanged(&candidates, &probe, &state, 0, 1)[0];
+        assert_eq!(best.gone, [1]);
+        assert!(best.new[0].dot(DVec3::X) > 0.9, "{best:?}");
+        // A light that is held is not.
+        assert!(exchanged(&candidates, &probe, &state, 2, 1).is_empty());
+    }
+
+    #[test]
+    fn neighbours_are_merged_where_one_light_stood() {
+        let probe = probe_of(&[DVec3::Y]);
+        let parted = &split(&State::new(&probe, &[DVec3::Y]), 0)[0];
+        let state = parted.from(&probe, &State::new(&probe, &[DVec3::Y]));
+        let merged = reduced(&state, 0).pop().unwrap();
+        assert_eq!(merged.gone, [0, 1]);
+        assert!(merged.new[0].dot(DVec3::Y) > 1.0 - 1e-4, "{merged:?}");
+    }
+}

@@ -120,3 +120,36 @@ fn with_ridge(gram: &View<'_>) -> DMatrix<f64> {
     }
     gram
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::kernels::fit::moments::Moments;
+    use crate::kernels::sampling;
+    use ndarray::Array2;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Karush-Kuhn-Tucker: what falls does so only along conditions that hold.
+        #[test]
+        fn no_small_change_within_the_conditions_is_better(
+            values in proptest::collection::vec(0.0..1.0_f64, 80),
+            along in proptest::collection::vec(-1.0..1.0_f64, 11),
+        ) {
+            let (normals, weights) = sampling::icosphere(80).unwrap();
+            // Powers make bright spots, which harmonics ring around.
+            let seen = Array2::from_shape_fn((80, 3), |(i, _)| values[i].powi(8));
+            let probe = Probe::new(normals.view(), weights.view(), seen.view(), Ambient::Sh2).unwrap();
+            let moments = Moments::new(&probe, &[DVec3::Y, DVec3::X]);
+            let gram = moments.gram.view((0, 0), (11, 11));
+            let x = solve(&probe, &gram, &moments.right.rows(0, 11)).x.column(0).into_owned();
+            let cost = |x: &DVector<f64>| (&gram * x).dot(x) - 2.0 * moments.right.rows(0, 11).column(0).dot(x);
+            prop_assert!(x.rows_range(9..).min() >= 0.0);
+            prop_assert!(darkest(&x.as_slice()[..9]).1 >= -1e-12);
+            let mut other = &x + DVector::from_vec(along) * 0.01;
+            lift(&mut other);
+            prop_assert!(cost(&x) <= cost(&other) + 1e-6, "{} {}", cost(&x), cost(&other));
+        }
+    }
+}

@@ -117,3 +117,44 @@ fn inner(moments: &Moments, rig: &Rig, a: Unknown, b: Unknown) -> f64 {
     let channels: f64 = (0..3).map(|channel| scale(a, channel) * scale(b, channel)).sum();
     channels * moments.gram[(a.column, b.column)]
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::kernels::fit::{Ambient, irradiance};
+    use crate::kernels::sampling;
+    use glam::DVec3;
+
+    /// Against the Jacobian itself, by differences, and the inverse of its square.
+    #[test]
+    fn the_errors_are_those_of_the_jacobian() {
+        let (normals, _) = sampling::icosphere(80).unwrap();
+        let rig = Rig {
+            ambient: vec![DVec3::splat(0.2)],
+            directions: vec![DVec3::new(1.0, 2.0, 2.0) / 3.0],
+            irradiance: vec![DVec3::new(3.0, 2.0, 0.0)],
+        };
+        let mut seen = irradiance(&rig, normals.view()).unwrap();
+        seen.indexed_iter_mut().for_each(|((i, c), value)| *value += 0.01 * ((i * 7 + c) % 5) as f64);
+        let probe =
+            Probe::new(normals.view(), ndarray::Array1::ones(80).view(), seen.view(), Ambient::Constant)
+                .unwrap();
+        let found = uncertainty(&probe, &rig, 0);
+        let [s, t] = crate::kernels::sphere::tangents(rig.directions[0]);
+        let lit = |n: DVec3, axis: DVec3| if n.dot(rig.directions[0]) > 0.0 { n.dot(axis) } else { 0.0 };
+        // Ambient RGB, red and green of the light, two tangents: blue is held at zero.
+        let entry = |n: DVec3, c: usize, column: usize| match column {
+            0..3 => f64::from(u8::from(c == column)) * std::f64::consts::PI,
+            3 | 4 => f64::from(u8::from(c == column - 3)) * lit(n, rig.directions[0]),
+            _ => rig.irradiance[0][c] * lit(n, if column == 5 { s } else { t }),
+        };
+        let jacobian = DMatrix::from_fn(240, 7, |row, column| entry(probe.normals[row / 3], row % 3, column));
+        let variance = model::cost(&probe, &rig) / 233.0;
+        let covariance = jacobian.tr_mul(&jacobian).try_inverse().unwrap() * variance;
+        let direction = (covariance[(5, 5)] + covariance[(6, 6)]).sqrt();
+        approx::assert_relative_eq!(found.direction[0], direction, max_relative = 1e-9);
+        approx::assert_relative_eq!(found.irradiance[0][1], covariance[(4, 4)].sqrt(), max_relative = 1e-9);
+        assert_eq!(found.irradiance[0][2], 0.0);
+    }
+}
