@@ -33,6 +33,14 @@ def test_fit_prints_a_table_and_writes_rig_and_picture(hall, tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["rig.json", "rig.png"]
 
 
+def test_fit_takes_ambient_normals_and_error(hall):
+    result = run("fit", hall, "--error", 0.05, "--ambient", "sh2", "--normals", "upper", "--json")
+    assert result.exit_code == 0, result.output
+    rig = json.loads(result.stdout)
+    assert len(rig["ambient"]) == 9
+    assert rig["error"] <= 0.05
+
+
 def test_json_is_what_save_writes(hall):
     result = run("fit", hall, "-n", 2, "--json")
     assert result.exit_code == 0

@@ -39,16 +39,36 @@ def main() -> None:
 @click.argument("map_path", metavar="MAP")
 @click.option("-n", "--lights", type=int, help="Directional lights, at most; 4 when left out.")
 @click.option("--error", type=float, help="Use the fewest lights with at most this error: 0.01.")
+@click.option(
+    "--ambient",
+    type=click.Choice(["constant", "none", "sh2"]),
+    default="constant",
+    show_default=True,
+    help="The environment beside the lights; sh2: nine spherical harmonics.",
+)
+@click.option(
+    "--normals",
+    type=click.Choice(["sphere", "upper"]),
+    default="sphere",
+    show_default=True,
+    help="Surfaces that count; upper: those that face up, for things on a floor.",
+)
 @_outputs("Write the rig (.json) or a picture (.png, .pdf, .svg); may be given again.")
 @click.option("--json", "as_json", is_flag=True, help="Print the rig as JSON.")
 def fit(
-    map_path: str, lights: int | None, error: float | None, outputs: Sequence[str], as_json: bool
+    map_path: str,
+    lights: int | None,
+    error: float | None,
+    ambient: str,
+    normals: str,
+    outputs: Sequence[str],
+    as_json: bool,
 ) -> None:
     """Fit ambient and directional lights to MAP (.hdr, .exr, .png, .jpg, .tif)."""
     for output in outputs:
         _check_output(output, map_path)
     env = envlights.EnvMap.open(map_path)
-    rig = envlights.fit(env, lights=lights, error=error)
+    rig = envlights.fit(env, lights, error=error, ambient=ambient, normals=normals)
     _print(rig, as_json)
     for output in outputs:
         _write(env, rig, output)

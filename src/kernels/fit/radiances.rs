@@ -144,7 +144,7 @@ mod tests {
             let moments = Moments::new(&probe, &[DVec3::Y, DVec3::X]);
             let gram = moments.gram.view((0, 0), (11, 11));
             let x = solve(&probe, &gram, &moments.right.rows(0, 11)).x.column(0).into_owned();
-            let cost = |x: &DVector<f64>| (&gram * x).dot(x) - 2.0 * moments.right.rows(0, 11).column(0).dot(x);
+            let cost = |x: &DVector<f64>| (gram * x).dot(x) - 2.0 * moments.right.rows(0, 11).column(0).dot(x);
             prop_assert!(x.rows_range(9..).min() >= 0.0);
             prop_assert!(darkest(&x.as_slice()[..9]).1 >= -1e-12);
             let mut other = &x + DVector::from_vec(along) * 0.01;
