@@ -364,6 +364,21 @@ def test_a_fixed_light_that_is_not_needed_comes_back_black():
     assert len(found.lights) == 2
 
 
+def test_fixed_lights_come_back_from_a_black_map():
+    found = el.fit(np.zeros((16, 32, 3)), fixed=[[0, 1, 0], [1, 0, 0]], error=0.1)
+    assert len(found.lights) == 2
+    assert not found.lights.irradiance.any()
+    assert found.report.stop_reason is el.StopReason.NOTHING_TO_FIT
+
+
+def test_lights_that_only_follow_the_pattern_of_the_normals_are_not_tried():
+    """A coarse constant map: its error is that of its few rows, which no light can mend."""
+    rig = el.fit(np.ones((8, 16, 3)), lights=40, ambient="sh2")
+    assert len(rig.lights) <= 1
+    assert max(rig.report.errors) < 10
+    assert any("were not tried" in note for note in rig.report.skipped)
+
+
 def test_upper_normals_forget_the_light_from_below():
     lamps = [el.synthetic.Disc((0, y, 0.6), 4, (50, 40, 30)) for y in (0.8, -0.8)]
     env = el.synthetic.scene(128, background=[0.1] * 3, shapes=lamps).radiance

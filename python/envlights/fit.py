@@ -409,4 +409,5 @@ def _counts(rig: Rig, tried: int, most: int, error: float | None) -> tuple[str, 
         return ()
     reached = error is not None and rig.error <= error and used == tried
     why = "fewer are good enough" if reached else "they would not lower the error"
-    return (f"{most - used} of {most} lights: {why}",)
+    untried = f"; more than {tried} were not tried" if tried < most else ""
+    return (f"{most - used} of {most} lights: {why}{untried}",)

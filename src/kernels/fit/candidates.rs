@@ -108,3 +108,33 @@ fn columns(probe: &Probe, directions: &[DVec3]) -> DMatrix<f64> {
         probe.normals[i].dot(directions[j]).max(0.0)
     })
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::kernels::fit::{Ambient, Rig, irradiance};
+
+    /// What is promised is what a light there leaves, and at best that: no radiance may be negative.
+    #[test]
+    fn the_promise_is_the_cost_with_that_light() {
+        let (normals, weights) = sampling::icosphere(320).unwrap();
+        let rig = Rig {
+            ambient: vec![DVec3::splat(0.1)],
+            directions: vec![DVec3::Y, DVec3::X, DVec3::NEG_Z],
+            irradiance: vec![DVec3::new(3.0, 2.0, 1.0), DVec3::ONE, DVec3::new(0.5, 1.0, 2.0)],
+        };
+        let seen = irradiance(&rig, normals.view()).unwrap();
+        let probe = Probe::new(normals.view(), weights.view(), seen.view(), Ambient::Constant).unwrap();
+        let state = State::new(&probe, &rig.directions[..2]);
+        let candidates = Candidates::new(&probe);
+        let left = candidates.left(&probe, &state, &candidates.products(&probe, &state), None);
+        let mut exact = 0;
+        for &(promised, direction) in &left {
+            let with = State::new(&probe, &[DVec3::Y, DVec3::X, direction]);
+            assert!(with.cost >= promised - 1e-9 * probe.energy, "{direction}: {} {promised}", with.cost);
+            exact += usize::from(with.cost <= promised + 1e-9 * probe.energy);
+        }
+        assert!(exact > 10, "{exact} of {}", left.len());
+    }
+}

@@ -86,12 +86,6 @@ pub struct Goal {
     pub error: Option<f64>,
 }
 
-impl Goal {
-    fn is_reached(&self, probe: &Probe, state: &State) -> bool {
-        self.error.is_some_and(|error| self.judge.error(&state.rig(probe)) <= error)
-    }
-}
-
 /// What is asked of [`fit`].
 #[derive(Clone, Debug)]
 pub struct Request<'a> {
@@ -109,7 +103,8 @@ pub struct Request<'a> {
 
 /// The best rig with as many lights as `request` allows, after those with fewer on the way there.
 ///
-/// Fewer lights come where these explain the probe, or reach the goal. Without a goal, those on the
+/// Fewer lights come where these explain the probe or reach the goal, or where more lower no error.
+/// Without a goal, those on the
 /// way are only as good as the way needs, and the given starts are taken in one step.
 ///
 /// # Errors
@@ -128,14 +123,17 @@ pub fn fit(probe: &Probe, request: &Request<'_>) -> Result<Vec<Solution>> {
 fn states(probe: &Probe, request: &Request<'_>) -> Result<Vec<State>> {
     let &Request { start, held, lights, max_steps, goal } = request;
     let problem = Problem { probe, start, held, max_steps };
-    let is_enough = |last: &State| last.stop == Some(StopReason::Exact) || goal.is_reached(probe, last);
     let mut states = vec![started(&problem, 0)];
+    let mut progress = Progress::new(goal, held);
     // Made once, and only for lights that have no start.
     let mut search = None;
-    while let Some(last) = states.last().filter(|last| last.lights() < lights && !is_enough(last)) {
+    while let Some(last) = states.last().filter(|last| last.lights() < lights) {
+        if progress.is_enough(probe, last) {
+            break;
+        }
         let next = if last.lights() < start.len() {
-            let count = if goal.error.is_some() { last.lights() + 1 } else { start.len().min(lights) };
-            Some(started(&problem, count))
+            let next = if goal.error.is_some() { held.max(last.lights() + 1) } else { start.len() };
+            Some(started(&problem, next.min(lights)))
         } else {
             let search = search.get_or_insert_with(|| Search::new(problem));
             let is_last = goal.error.is_some() || last.lights() + 1 == lights;
@@ -150,6 +148,39 @@ fn states(probe: &Probe, request: &Request<'_>) -> Result<Vec<State>> {
         states.push(next);
     }
     Ok(states)
+}
+
+/// Whether more lights are worth a try.
+struct Progress<'a> {
+    goal: &'a Goal,
+    held: usize,
+    /// Least error so far, and the lights that reached it.
+    best: (f64, usize),
+}
+
+impl<'a> Progress<'a> {
+    fn new(goal: &'a Goal, held: usize) -> Self {
+        Self { goal, held, best: (f64::INFINITY, 0) }
+    }
+
+    /// Nothing is left to explain, the error asked for is reached, or several more lights in a row have
+    /// not lowered the error: what they explain is the pattern of the normals.
+    fn is_enough(&mut self, probe: &Probe, last: &State) -> bool {
+        /// Lights that may fail to lower the error before no more are tried.
+        const PATIENCE: usize = 3;
+        /// Share of the error that counts as lower.
+        const LOWER: f64 = 1e-3;
+        if last.lights() < self.held {
+            return false;
+        }
+        let error = self.goal.judge.error(&last.rig(probe));
+        if error < self.best.0 * (1.0 - LOWER) {
+            self.best = (error, last.lights());
+        }
+        last.stop == Some(StopReason::Exact)
+            || self.goal.error.is_some_and(|wanted| error <= wanted)
+            || last.lights() >= self.best.1.max(self.held) + PATIENCE
+    }
 }
 
 /// The best lights near the first `count` starts.

@@ -143,6 +143,10 @@ mod tests {
         let best = &exchanged(&candidates, &probe, &state, 0, 1)[0];
         assert_eq!(best.gone, [1]);
         assert!(best.new[0].dot(DVec3::X) > 0.9, "{best:?}");
+        // None goes back to where it was.
+        let all = exchanged(&candidates, &probe, &state, 0, 100);
+        assert!(all.iter().all(|one| one.new[0].dot(state.moments.directions[one.gone[0]]) < BACK));
+        assert!(all.len() > 2);
         // A light that is held is not.
         assert!(exchanged(&candidates, &probe, &state, 2, 1).is_empty());
     }

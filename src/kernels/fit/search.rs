@@ -29,8 +29,9 @@ const EXCHANGED: usize = 8;
 const RACING: usize = 12;
 /// Even starts that race for one try.
 const EVEN: usize = 2;
-/// Tries from even starts at most.
+/// Tries from even starts at most, and how many lights they have together at most.
 const MOST_TRIES: usize = 12;
+const MOST_TRIED_LIGHTS: usize = 96;
 
 /// The search for the best lights for one probe.
 #[derive(Debug)]
@@ -131,7 +132,7 @@ impl<'a> Search<'a> {
 
 /// How many even starts so many free lights are worth: two are found by exchanges alone.
 fn tries(lights: usize) -> usize {
-    if lights < 3 { 0 } else { (4 * ((lights - 1) / 2)).min(MOST_TRIES) }
+    if lights < 3 { 0 } else { (4 * ((lights - 1) / 2)).min(MOST_TRIES).min(MOST_TRIED_LIGHTS / lights) }
 }
 
 fn is_better(next: &State, best: &State) -> bool {
