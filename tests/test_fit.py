@@ -160,6 +160,10 @@ def test_real_maps_give_lights_that_a_renderer_can_use(path):
             r"irradiance must be finite; row 0 holds NaN",
         ),
         (
+            lambda: el.fit_probe(NORMALS, np.ones((320, 3)), weights=np.zeros(320)),
+            "weights must not all be 0",
+        ),
+        (
             lambda: el.fit_probe(NORMALS, np.ones((320, 3)), weights=-np.ones(320)),
             r"weights must not be negative; row 0 holds -1",
         ),
@@ -377,6 +381,12 @@ def test_lights_that_only_follow_the_pattern_of_the_normals_are_not_tried():
     assert len(rig.lights) <= 1
     assert max(rig.report.errors) < 10
     assert any("were not tried" in note for note in rig.report.skipped)
+
+
+def test_the_smallest_numbers_there_are_do_not_overflow():
+    rig = el.fit_probe(NORMALS, known_rig().probe(NORMALS) * 1e-310, lights=3)
+    assert np.isfinite(rig.lights.irradiance).all()
+    assert rig.error < 1e-3
 
 
 def test_upper_normals_forget_the_light_from_below():

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 from time import perf_counter
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights import _native, kernels
+from envlights import kernels
 from envlights._check import amount, check_choice, count, reals
-from envlights._native import EnvLightsError, FitAnswer
+from envlights._native import EnvLightsError
+from envlights.answer import answers, rig_of, stop_reason
 from envlights.detect import detect
 from envlights.envmap import EnvMap, seen_through
 from envlights.normals import Samples, fitted_and_judging
-from envlights.report import FitReport, StopReason
-from envlights.rig import LUMINANCE, Lights, Rig
+from envlights.rig import Rig
 
 #: Where the lights of `fit` may start.
 STARTS = ("greedy", "detect", "even")
@@ -29,12 +27,6 @@ NORMALS = ("sphere", "upper")
 #: Lights of a fit that is not told how many, and of one that is told an error.
 LIGHTS = 4
 MOST_LIGHTS = 32
-
-#: Steps after which the solver gives up on a start; real maps take 5 to 30.
-MAX_STEPS = 100
-
-#: A light that lowers the error by less than this share of it does not pay for itself.
-NO_GAIN = 1e-3
 
 _NOWHERE = np.zeros((0, 3))
 
@@ -133,9 +125,9 @@ def fit(
     clock.lap("probe")
     first = _first_directions(start, most - len(held), world)
     clock.lap("start")
-    answers = _answers(fitted, judging, error, most, AMBIENTS[ambient], held, first)
+    found = answers(fitted, judging, error, most, AMBIENTS[ambient], held, first)
     clock.lap("fit")
-    rig = _rig(answers, judging, len(held) + len(first))
+    rig = rig_of(found, judging, len(held) + len(first))
     clock.lap("report")
     tried = max(rig.report.errors)
     skipped = (*_working_map(world, sources), *_channels(fitted), *_counts(rig, tried, most, error))
@@ -144,7 +136,7 @@ def fit(
         seconds=clock.laps,
         measured_on=f"{len(judging.normals)} normals that were not fitted",
         skipped=skipped,
-        stop_reason=_stop_reason(rig, error),
+        stop_reason=stop_reason(rig, error),
     )
     return replace(rig, report=report, notes=world.notes)
 
@@ -190,7 +182,8 @@ def fit_probe(
     Raises
     ------
     EnvLightsError
-        If shapes do not fit, a value is not finite, a normal is no unit vector, or there are fewer
+        If shapes do not fit, a value is not finite, a normal is no unit vector, a weight is
+        negative or all are 0, or there are fewer
         equations than unknowns: 5 a light and 3 or, for "sh2", 27.
 
     Examples
@@ -207,12 +200,14 @@ def fit_probe(
     most = _most_lights(lights, None, start, held)
     normals, irradiance = reals("normals", normals, 2), reals("irradiance", irradiance, 2)
     weights = np.ones(len(normals)) if weights is None else reals("weights", weights, 1)
+    if len(weights) and not weights.any():
+        raise EnvLightsError("weights must not all be 0")
     samples = Samples(normals, weights, irradiance)
     clock = _Clock()
     first = _first_directions(start, most - len(held), None)
-    answers = _answers(samples, samples, None, most, AMBIENTS[ambient], held, first)
+    found = answers(samples, samples, None, most, AMBIENTS[ambient], held, first)
     clock.lap("fit")
-    rig = _rig(answers, samples, len(held) + len(first))
+    rig = rig_of(found, samples, len(held) + len(first))
     clock.lap("report")
     tried = max(rig.report.errors)
     report = replace(
@@ -220,7 +215,7 @@ def fit_probe(
         seconds=clock.laps,
         measured_on=f"the {len(normals)} fitted normals",
         skipped=(*_channels(samples), *_counts(rig, tried, most, None)),
-        stop_reason=_stop_reason(rig, None),
+        stop_reason=stop_reason(rig, None),
     )
     return replace(rig, report=report)
 
@@ -278,111 +273,6 @@ def _first_directions(start: str | Rig, lights: int, env: EnvMap | None) -> NDAr
         return kernels.uniform_sphere(kernels.hammersley(lights) + np.array([0.5 / lights, 0.0]))
     assert env is not None
     return detect(env, max_lights=lights).direction
-
-
-class _Answer(NamedTuple):
-    """An answer of the kernel in the units of the probe, its lights brightest first."""
-
-    lights: int
-    ambient: NDArray[np.float64]
-    direction: NDArray[np.float64]
-    irradiance: NDArray[np.float64]
-    condition: float
-    direction_errors: NDArray[np.float64]
-    irradiance_errors: NDArray[np.float64]
-    error: float
-    steps: int
-    stop: str
-
-    @classmethod
-    def of(cls, raw: FitAnswer, scale: float) -> _Answer:
-        """`raw`, which was found on irradiance divided by `scale`."""
-        order = np.argsort(-(raw.irradiance @ LUMINANCE), kind="stable")  # as `Lights` has it
-        return cls(
-            raw.lights,
-            raw.ambient * scale,
-            raw.directions[order],
-            raw.irradiance[order] * scale,
-            raw.condition,
-            np.array(raw.direction_errors)[order],
-            np.reshape(raw.irradiance_errors, (-1, 3))[order] * scale,
-            raw.error,
-            raw.steps,
-            raw.stop,
-        )
-
-    def probe(self, normals: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Irradiance under the lights."""
-        return _native.rig_irradiance(normals, self.ambient, self.direction, self.irradiance)
-
-
-def _answers(
-    samples: Samples,
-    judging: Samples,
-    error: float | None,
-    lights: int,
-    ambient: int,
-    held: NDArray[np.float64],
-    first: NDArray[np.float64],
-) -> list[_Answer]:
-    """Answers of the kernel with more and more lights, on irradiance brought to about 1.
-
-    The sums are of fourth powers: a map in candela per square metre of the sun would overflow them.
-    """
-    brightest = float(np.abs(samples.irradiance).max(initial=0.0))
-    scale = brightest if 0 < brightest < np.inf else 1.0
-    answers = _native.fit_lights(
-        samples.scaled(1 / scale),
-        (judging.scaled(1 / scale), error),
-        ambient,
-        (np.concatenate([held, first]), len(held)),
-        lights,
-        MAX_STEPS,
-    )
-    return [_Answer.of(answer, scale) for answer in answers]
-
-
-def _rig(answers: list[_Answer], judging: Samples, started: int) -> Rig:
-    """The rig of the answer that is worth its lights.
-
-    It is the last, unless one with fewer lights, but no fewer than had a start, does as well.
-    """
-    errors = {answer.lights: answer.error for answer in answers}
-    last = answers[-1].lights
-    enough = min(errors.values()) * (1 + NO_GAIN)
-    worth = [n for n, error in errors.items() if error <= enough and n >= min(started, last)]
-    used = min(worth, default=last)
-    best = next(answer for answer in answers if answer.lights == used)
-    ambient = best.ambient if len(best.ambient) == AMBIENTS["sh2"] else best.ambient.sum(axis=0)
-    lights = Lights(best.direction, best.irradiance)
-    return Rig(ambient, lights, errors[used], _report(best, errors, judging))
-
-
-def _report(best: _Answer, errors: Mapping[int, float], judging: Samples) -> FitReport:
-    """What the numbers say of the answer."""
-    difference = best.probe(judging.normals) - judging.irradiance
-    weights = judging.weights[:, None]
-    left = np.sum(weights * difference**2, axis=0)
-    whole = np.sum(weights * judging.irradiance**2, axis=0)
-    rms = np.sqrt(whole.sum() / judging.weights.sum() / 3) or 1.0
-    return FitReport(
-        errors=errors,
-        steps=best.steps,
-        stop_reason=StopReason[best.stop],
-        channel_errors=tuple(np.sqrt(left / np.where(whole > 0, whole, 1.0)).tolist()),
-        max_error=float(np.abs(difference).max() / rms),
-        condition=best.condition,
-        direction_errors=tuple(best.direction_errors.tolist()),
-        irradiance_errors=tuple(map(tuple, best.irradiance_errors.tolist())),
-    )
-
-
-def _stop_reason(rig: Rig, error: float | None) -> StopReason:
-    if not rig.ambient.any() and not rig.lights.irradiance.any() and rig.error == 0:
-        return StopReason.NOTHING_TO_FIT
-    if error is not None and rig.error > error:
-        return StopReason.ERROR_NOT_REACHED
-    return rig.report.stop_reason
 
 
 def _working_map(env: EnvMap, sources: int) -> tuple[str, ...]:

@@ -35,9 +35,9 @@ class Samples(NamedTuple):
     weights: NDArray[np.float64]
     irradiance: NDArray[np.float64]
 
-    def scaled(self, scale: float) -> Samples:
-        """With all irradiance so many times as large."""
-        return self._replace(irradiance=self.irradiance * scale)
+    def divided_by(self, scale: float) -> Samples:
+        """With all irradiance in units of `scale`."""
+        return self._replace(irradiance=self.irradiance / scale)
 
     def upper(self) -> Samples:
         """Those of surfaces that face up: what stands on a floor shows few others."""
