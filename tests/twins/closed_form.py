@@ -1,4 +1,4 @@
-"""The fit at infinitely many normals: every sum over normals becomes an integral with a closed form.
+"""The fit at infinitely many normals: every sum over normals is an integral with a closed form.
 
 For unit vectors a and b at the angle g, over all unit normals n,
 
@@ -37,10 +37,6 @@ class World(NamedTuple):
     def probe(self, normals):
         return np.pi * self.ambient + np.maximum(normals @ self.direction.T, 0) @ self.irradiance
 
-    def energy(self):
-        """Integral of the squared irradiance, over all channels."""
-        return products(self, self)
-
 
 def products(one, two):
     """Integral of the product of two worlds' irradiance, over all channels."""
@@ -48,6 +44,12 @@ def products(one, two):
     mixed = np.pi**2 * (one.ambient @ two.irradiance.sum(0) + two.ambient @ one.irradiance.sum(0))
     lobes = overlap(one.direction, two.direction)
     return ambient + mixed + np.sum(lobes * (one.irradiance @ two.irradiance.T))
+
+
+def cost(rig, world):
+    """Integral of the squared difference of two worlds, over that of the second."""
+    energy = products(world, world)
+    return (products(rig, rig) - 2 * products(rig, world) + energy) / energy
 
 
 def best_radiances(world, directions):
@@ -65,26 +67,24 @@ def best_radiances(world, directions):
 
 
 def cost_and_gradient(flat, world):
-    """Cost over the world's energy with the best radiances, and its gradient by the directions."""
+    """`cost` with the best radiances, and its gradient by the directions."""
     vectors = flat.reshape(-1, 3)
     length = np.linalg.norm(vectors, axis=1, keepdims=True)
     rig = best_radiances(world, vectors / length)
-    energy = world.energy()
-    cost = products(rig, rig) - 2 * products(rig, world) + energy
     # The radiances are the best, so they add nothing to the gradient.
     towards_rig = slope(rig.direction, rig.direction) * (rig.irradiance @ rig.irradiance.T)
     towards_world = slope(rig.direction, world.direction) * (rig.irradiance @ world.irradiance.T)
     gradient = 2 * (towards_rig @ rig.direction - towards_world @ world.direction)
     along = (gradient * rig.direction).sum(axis=1, keepdims=True)
-    return cost / energy, ((gradient - along * rig.direction) / length).ravel() / energy
+    across = (gradient - along * rig.direction) / length / products(world, world)
+    return cost(rig, world), across.ravel()
 
 
 def fit(world, start):
-    """The best rig near lights in the directions `start`, and its cost over the world's energy."""
-    found = minimize(
-        cost_and_gradient, start.ravel(), args=(world,), jac=True, method="BFGS",
-        options={"gtol": 1e-10, "maxiter": 500},
-    )  # fmt: skip
+    """The best rig near lights in the directions `start`, and its cost."""
+    tight = {"gtol": 1e-10, "maxiter": 500}
+    given = start.ravel(), (world,), "BFGS"
+    found = minimize(cost_and_gradient, *given, jac=True, options=tight)
     directions = found.x.reshape(-1, 3)
     rig = best_radiances(world, directions / np.linalg.norm(directions, axis=1, keepdims=True))
     return rig, found.fun

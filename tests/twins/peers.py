@@ -28,7 +28,11 @@ class Problem(madsen.Problem):
 
     def __init__(self, normals, weights, irradiance, lights, ambient="constant"):
         super().__init__(normals, weights, irradiance, lights)
+        self.weights, self.ambient = weights, ambient
         self.held = {"constant": 0, "none": 3}[ambient]
+
+    def with_lights(self, lights):
+        return Problem(self.normals, self.weights, self.irradiance, lights, self.ambient)
 
     def whole(self, x):
         """`x` with the ambient radiance that is held."""
@@ -122,14 +126,13 @@ PEERS = {
 }
 
 
+def ours(problem, **options):
+    """Our own answer."""
+    given = problem.normals, problem.irradiance, problem.lights
+    return el.fit_probe(*given, weights=problem.weights, ambient=problem.ambient, **options)
+
+
 def ours_from(problem, directions):
     """Our own answer near lights in these directions."""
-    start = el.Rig(np.zeros(3), el.Lights(directions, np.ones((len(directions), 3))), 0.0)
-    return ours(problem, start=start)
-
-
-def ours(problem, **options):
-    weights = problem.root[:, 0] ** 2
-    ambient = "none" if problem.held else "constant"
-    given = problem.normals, problem.irradiance, problem.lights
-    return el.fit_probe(*given, weights=weights, ambient=ambient, **options)
+    lights = el.Lights(directions, np.ones((len(directions), 3)))
+    return ours(problem, start=el.Rig(np.zeros(3), lights, 0.0))
