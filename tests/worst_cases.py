@@ -35,6 +35,7 @@ def cases():
         ),
         "two lights 0.01 degrees apart": points([_UP, _UP + _CLOSE * _EAST], 3.0),
         "opposite lights": points([_EAST, -_EAST, _SOUTH, -_SOUTH], [3.0, 2.0, 1.0, 1.0]),
+        "lights that crowd": points(_EAST + 0.2 * kernels.icosphere(80)[0], 0.1),
         "lights at the poles": points([_UP, -_UP], [2.0, 1.0]),
         "one sun over a dim room": room + 1e5 * room.max() * sun,
         "one light": points([_UP + _EAST], 2.0),

@@ -83,8 +83,16 @@ def by_scipy(problem, start, method="trf", has_bounds=False, tolerance=TIGHT):
 
 def by_jaxopt(problem, start, tolerance=TIGHT):
     with jax_in_float64():
-        given = problem.normals, problem.root, problem.irradiance
-        return np.asarray(_compiled(problem.held, tolerance)(start, *given))
+        return np.asarray(compiled_jaxopt(problem, start, tolerance)())
+
+
+def compiled_jaxopt(problem, start, tolerance):
+    """What takes its arguments with it, and compiles when it is first called."""
+    import jax
+
+    solve = _compiled(problem.held, tolerance)
+    given = jax.device_put((start, problem.normals, problem.root, problem.irradiance))
+    return lambda: solve(*given).block_until_ready()
 
 
 @contextmanager
