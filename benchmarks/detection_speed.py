@@ -8,10 +8,10 @@ import argparse
 import os
 import subprocess
 import sys
-import time
 
 import cv2
 import numpy as np
+from stopwatch import compare
 
 import envlights as el
 from envlights import synthetic
@@ -110,20 +110,6 @@ def canopy():
 
 def enlarged(radiance, factor):
     return np.ascontiguousarray(radiance.repeat(factor, axis=0).repeat(factor, axis=1))
-
-
-def compare(title, work, base=None, rounds=25):
-    """Print the least time of each piece of work, and its ratio to `base`, or to the first."""
-    least = dict.fromkeys(work, np.inf)
-    for _ in range(rounds):
-        for name, piece in work.items():
-            start = time.perf_counter()
-            piece()
-            least[name] = min(least[name], time.perf_counter() - start)
-    print(f"{title}")
-    for name, seconds in least.items():
-        ratio = seconds / least[base or next(iter(work))]
-        print(f"  {name:<40}{1e3 * seconds:>9.2f} ms{ratio:>8.2f} x")
 
 
 if __name__ == "__main__":

@@ -12,9 +12,16 @@ hypothesis.settings.load_profile("project")
 _FOLDER = os.environ.get("ENVLIGHTS_MAPS")
 
 
+def paths_of_real_maps(*patterns):
+    """Those that match in the folder that `ENVLIGHTS_MAPS` names; none without it."""
+    if not _FOLDER:
+        return []
+    return sorted(path for pattern in patterns for path in Path(_FOLDER).glob(pattern))
+
+
 def real_maps(*patterns):
     """Parametrise over the real maps that match, where `ENVLIGHTS_MAPS` names their folder."""
-    found = sorted(path for pattern in patterns for path in Path(_FOLDER or "").glob(pattern))
+    found = paths_of_real_maps(*patterns)
     if not _FOLDER:
         reason = "set ENVLIGHTS_MAPS to a folder of maps to try them as well"
         return pytest.mark.parametrize("path", [pytest.param(None, marks=pytest.mark.skip(reason))])

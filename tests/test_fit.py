@@ -263,6 +263,14 @@ def test_an_earlier_rig_is_followed():
     assert sorted(moved.round(1)) == pytest.approx([0.0, np.rad2deg(0.02) * 0.6], abs=0.3)
 
 
+def test_a_light_that_starts_where_it_is_black_starts_again():
+    two = el.Rig([0.1] * 3, el.Lights([[0, 1, 0], [1, 0, 0]], [[1] * 3, [0.5] * 3]), 0)
+    start = el.Rig([0] * 3, el.Lights([[0, 1, 0], [0, -1, 0]], np.ones((2, 3))), 0)
+    found = el.fit_probe(NORMALS, two.probe(NORMALS), start=start, weights=SOLID_ANGLES)
+    assert found.error < 1e-9
+    np.testing.assert_allclose(found.lights.direction, two.lights.direction, atol=1e-9)
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [

@@ -32,9 +32,10 @@ def skies(height):
     return smooth_sky(ours, phi), smooth_sky(theirs, phi)
 
 
-def render(emitters, samples, seed):
-    """Radiance of a white Lambertian sphere, seen from +z without perspective."""
-    eye = mi.ScalarTransform4f().look_at(origin=[0, 0, 5], target=[0, 0, 0], up=[0, 1, 0])
+def render(emitters, samples, seed, view=(0.0, 0.0, 1.0), up=(0.0, 1.0, 0.0)):
+    """Radiance of a white Lambertian sphere, seen from `view` without perspective."""
+    origin = [5 * component for component in view]
+    eye = mi.ScalarTransform4f().look_at(origin=origin, target=[0, 0, 0], up=list(up))
     film = {"type": "hdrfilm", "width": SIZE, "height": SIZE, "rfilter": {"type": "box"}}
     white = {"type": "diffuse", "reflectance": {"type": "rgb", "value": 1.0}}
     scene = {
@@ -87,14 +88,51 @@ def test_a_rig_lights_mitsubas_probe_as_it_says():
     """`constant.radiance` is our ambient, `directional.irradiance` ours; theirs points away."""
     rig = el.fit(skies(64)[0], lights=2)
     normals, _ = visible_normals()
+    noise, difference = compare(emitters_of(rig), rig.probe(normals), 64)
+    # A pixel is 1/24 of the radius wide: across a terminator its mean is not its middle.
+    assert difference < max(1.2 * noise, 5e-3), f"difference {difference:.2e}, noise {noise:.2e}"
+
+
+def test_the_error_is_that_between_renders_under_map_and_rig():
+    ours, theirs = skies(256)
+    rig = el.fit(ours, lights=2)
+    sky = {"sky": {"type": "envmap", "bitmap": mi.Bitmap(theirs)}}
+    under_sky, weights = whole_probe(sky, 256, seeds=(1, 2))
+    # Mitsuba draws one emitter for each sample; each for itself leaves no noise of that draw.
+    emitters = emitters_of(rig).items()
+    under_rig = sum(whole_probe({name: one}, 64, seeds=(3, 4))[0] for name, one in emitters)
+    whole = np.sum(weights * (under_sky[0] * under_sky[1]).sum(axis=1))
+    # Noise that is independent has no part in the mean of the product.
+    one, other = under_sky - under_rig
+    error = np.sqrt(np.sum(weights * (one * other).sum(axis=1)) / whole)
+    # One and other share what is true: where their squares differ, they do by noise.
+    noisy = weights * (one**2 - other**2).sum(axis=1) / 2
+    noise = np.sqrt(np.sum(noisy**2)) / whole / (2 * error)
+    assert noise < 0.02 * error
+    assert abs(error - rig.error) < 3 * noise, f"{error:.4f} +- {noise:.4f}, said {rig.error:.4f}"
+
+
+def whole_probe(emitters, samples, seeds):
+    """Irradiance all around for each seed, (seeds, n, 3), and the solid angle of each pixel."""
+    at = (2 * np.arange(SIZE) + 1) / SIZE - 1
+    x, y = np.meshgrid(at, -at)
+    z = np.sqrt(np.maximum(1 - x**2 - y**2, 0))
+    # Six views, of each the part that no other sees better.
+    own = (z > 0) & (z >= np.abs(x)) & (z >= np.abs(y))
+    views = [
+        [np.pi * render(emitters, samples, seed, view, np.roll(view, 1))[own] for seed in seeds]
+        for view in np.concatenate([np.eye(3), -np.eye(3)])
+    ]
+    return np.concatenate(views, axis=1), np.tile((2 / SIZE) ** 2 / z[own], 6)
+
+
+def emitters_of(rig):
     emitters = {"ambient": {"type": "constant", "radiance": rgb(rig.ambient)}}
     for i, direction in enumerate(rig.lights.direction):
         irradiance = rgb(rig.lights.irradiance[i])
         light = {"type": "directional", "direction": (-direction).tolist()}
         emitters[f"light_{i}"] = {**light, "irradiance": irradiance}
-    noise, difference = compare(emitters, rig.probe(normals), 64)
-    # A pixel is 1/24 of the radius wide: across a terminator its mean is not its middle.
-    assert difference < max(1.2 * noise, 5e-3), f"difference {difference:.2e}, noise {noise:.2e}"
+    return emitters
 
 
 def rgb(values):

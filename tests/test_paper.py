@@ -1,7 +1,6 @@
 """The paper's equations and fit against plain sums, other derivatives and other solvers."""
 
 import re
-from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +17,7 @@ from tests.twins.madsen import (
     probe_as_written,
     probe_of_lit,
 )
+from tests.twins.peers import jax_in_float64
 
 NORMALS, SOLID_ANGLES = kernels.icosphere(80)
 HALL = el.synthetic.hall(256)
@@ -82,17 +82,6 @@ def jacobians_by(how, x, surface, weights):
 
 def by_complex_steps(x, surface, lit):
     return derivatives_by_complex_steps(lambda z: probe_of_lit(z, NORMALS, **surface, lit=lit), x)
-
-
-@contextmanager
-def jax_in_float64():
-    jax = pytest.importorskip("jax")
-    before = jax.config.jax_enable_x64
-    jax.config.update("jax_enable_x64", True)
-    try:
-        yield jax
-    finally:
-        jax.config.update("jax_enable_x64", before)
 
 
 def by_jax(x, surface, lit):

@@ -133,7 +133,10 @@ fn states(probe: &Probe, request: &Request<'_>) -> Result<Vec<State>> {
         }
         let next = if last.lights() < start.len() {
             let next = if goal.error.is_some() { held.max(last.lights() + 1) } else { start.len() };
-            Some(started(&problem, next.min(lights)))
+            let next = started(&problem, next.min(lights));
+            Some(next.without_black(&problem).map_or(next, |lit| {
+                search.get_or_insert_with(|| Search::new(problem)).grown_to(lit, next.lights())
+            }))
         } else {
             let search = search.get_or_insert_with(|| Search::new(problem));
             let is_last = goal.error.is_some() || last.lights() + 1 == lights;
@@ -144,7 +147,7 @@ fn states(probe: &Probe, request: &Request<'_>) -> Result<Vec<State>> {
                 (false, _) => search.grown(last),
             }
         };
-        let Some(next) = next else { break };
+        let Some(next) = next.filter(|next| next.lights() > last.lights()) else { break };
         states.push(next);
     }
     Ok(states)

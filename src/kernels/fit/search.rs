@@ -51,6 +51,15 @@ impl<'a> Search<'a> {
         self.more(last).filter(|grown| grown.cost < last.cost)
     }
 
+    /// `state` with as many as `lights`, as long as more help, at the bottom of its valley.
+    pub fn grown_to(&self, mut state: State, lights: usize) -> State {
+        while state.lights() < lights {
+            let Some(next) = self.grown(&state) else { break };
+            state = next;
+        }
+        state.descend(&self.problem, FINE)
+    }
+
     /// The best lights, one more than `last` has, where that helps.
     pub fn best(&self, last: &State) -> Result<Option<State>> {
         let Some(grown) = self.more(last) else { return Ok(None) };

@@ -105,6 +105,15 @@ impl State {
         (0..x.len()).filter(|&i| i < probe.free() || x[i] > 0.0).collect()
     }
 
+    /// Without the lights that no channel uses, if there are such beyond those that are held: nothing
+    /// pulls at a light of radiance 0, so it would stay where it started.
+    pub fn without_black(&self, problem: &Problem<'_>) -> Option<Self> {
+        let is_lit = |&light: &usize| light < problem.held || self.irradiance().row(light).amax() > 0.0;
+        let kept: Vec<usize> = (0..self.lights()).filter(is_lit).collect();
+        let moments = self.moments.with(problem.probe, &kept, &[]);
+        (kept.len() < self.lights()).then(|| Self::at(problem.probe, moments, self.steps))
+    }
+
     /// All three channels of the lights.
     pub fn rig(&self, probe: &Probe) -> Rig {
         let rgb = |row: usize| {

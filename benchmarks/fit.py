@@ -1,0 +1,46 @@
+"""The fit beside scipy's and jaxopt's, in one run: how good, how fast, how steady.
+
+Usage: python benchmarks/fit.py [starts] [search] [speed] [stability]
+           [--peer scipy] [--starts N] [--every N]
+
+With `ENVLIGHTS_MAPS` set to a folder of maps, on those as well. `--every 1 --peer scipy` is the
+whole comparison with scipy's best of 100 random starts on all maps, and takes half an hour.
+"""
+
+import argparse
+import os
+import sys
+from pathlib import Path
+
+# Before numpy is imported: the peers' matrices are too small to share among threads.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+import fit_search
+import fit_speed
+import fit_stability
+import fit_starts
+
+PARTS = {
+    "starts": lambda options: fit_starts.table(options.every),
+    "search": lambda options: fit_search.table(options.every, options.peer, options.starts),
+    "speed": lambda options: fit_speed.tables(),
+    "stability": lambda options: fit_stability.table(),
+}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("parts", nargs="*", metavar="part", help=f"of {', '.join(PARTS)}")
+    parser.add_argument("--every", type=int, default=3, help="take each n-th map; 1 is all")
+    parser.add_argument("--peer", choices=fit_search.PEERS, default="ours")
+    parser.add_argument("--starts", type=int, help="random starts of the peer")
+    options = parser.parse_args()
+    threads = os.environ.get("RAYON_NUM_THREADS", os.cpu_count())
+    print(f"{threads} threads for the fit, {os.environ['OPENBLAS_NUM_THREADS']} for BLAS")
+    for part in options.parts or PARTS:
+        PARTS[part](options)
+
+
+if __name__ == "__main__":
+    main()

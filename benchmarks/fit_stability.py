@@ -1,0 +1,58 @@
+"""The worst cases of a fit beside a usual one: time, and what another scale changes.
+
+`scaled` is the most that scales of 1e-6 and 1e9 change: the irradiance of the rig, over the
+brightest, the directions, and the lights' irradiance over that of the brightest light.
+"""
+
+import numpy as np
+import stopwatch
+from tests import worst_cases
+from tests.worst_cases import NORMALS, SOLID_ANGLES
+
+import envlights as el
+
+SCALES = (1e-6, 1e9)
+
+
+def table():
+    cases = {"a usual map": worst_cases.hall(), **worst_cases.cases()}
+    for lights in (4, 8):
+        print(f"\nworst cases, {lights} lights; time over that of the usual map")
+        print(f"{'':<32}{'lights':>7}{'error':>9}{'time':>9}   scaled: probe, directions, lights")
+        work = {
+            name: lambda e=irradiance, m=lights: fitted(e, m) for name, irradiance in cases.items()
+        }
+        seconds = stopwatch.least_seconds(work)
+        usual = seconds["a usual map"]
+        for name, irradiance in cases.items():
+            rig = fitted(irradiance, lights)
+            assert np.isfinite(rig.lights.direction).all(), name
+            assert (rig.lights.irradiance >= 0).all(), name
+            changes = "".join(f"{change:>10.0e}" for change in scaled(irradiance, lights))
+            time = f"{seconds[name] / usual:>7.2f} x"
+            print(f"{name:<32}{len(rig.lights):>7}{rig.error:>9.0e}{time}  {changes}", flush=True)
+
+
+def fitted(irradiance, lights):
+    return el.fit_probe(NORMALS, irradiance, lights, weights=SOLID_ANGLES)
+
+
+def scaled(irradiance, lights):
+    """The most that a change of scale changes; infinite where it changes the number of lights."""
+    one, changes = fitted(irradiance, lights), []
+    for scale in SCALES:
+        other = fitted(scale * irradiance, lights)
+        if len(other.lights) != len(one.lights):
+            return (np.inf,) * 3
+        changes.append(
+            (
+                change(other.probe(NORMALS) / scale, one.probe(NORMALS)),
+                np.abs(other.lights.direction - one.lights.direction).max(initial=0),
+                change(other.lights.irradiance / scale, one.lights.irradiance),
+            )
+        )
+    return np.max(changes, axis=0)
+
+
+def change(other, one):
+    return np.abs(other - one).max(initial=0) / (np.abs(one).max(initial=0) or 1)

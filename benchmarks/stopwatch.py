@@ -1,0 +1,28 @@
+"""Times that can be compared: work takes turns, and the least of many rounds counts."""
+
+import time
+
+import numpy as np
+
+
+def least_seconds(work, rounds=25, patience=10.0):
+    """Of each named piece of `work`; fewer rounds where they take longer than `patience`."""
+    least = dict.fromkeys(work, np.inf)
+    begun = time.perf_counter()
+    for done in range(rounds):
+        if done >= 3 and time.perf_counter() - begun > patience:
+            break
+        for name, piece in work.items():
+            start = time.perf_counter()
+            piece()
+            least[name] = min(least[name], time.perf_counter() - start)
+    return least
+
+
+def compare(title, work, base=None, rounds=25):
+    """Print the least time of each piece of work, and its ratio to `base`, or to the first."""
+    print(f"\n{title}")
+    least = least_seconds(work, rounds)
+    for name, seconds in least.items():
+        ratio = seconds / least[base or next(iter(work))]
+        print(f"  {name:<52}{1e3 * seconds:>9.2f} ms{ratio:>9.2f} x", flush=True)
