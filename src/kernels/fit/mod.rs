@@ -29,6 +29,8 @@ pub use ambient::Ambient;
 pub use probe::{Judge, Probe};
 pub use uncertainty::{Uncertainty, uncertainty};
 
+use std::cell::LazyCell;
+
 use glam::DVec3;
 use ndarray::{Array2, ArrayView1, ArrayView2, Zip};
 use rayon::prelude::*;
@@ -125,20 +127,18 @@ fn states(probe: &Probe, request: &Request<'_>) -> Result<Vec<State>> {
     let problem = Problem { probe, start, held, max_steps };
     let mut states = vec![started(&problem, 0)];
     let mut progress = Progress::new(goal, held);
-    // Made once, and only for lights that have no start.
-    let mut search = None;
+    // Made only for lights that have no start.
+    let search = LazyCell::new(|| Search::new(problem));
     while let Some(last) = states.last().filter(|last| last.lights() < lights) {
         if progress.is_enough(probe, last) {
             break;
         }
         let next = if last.lights() < start.len() {
-            let next = if goal.error.is_some() { held.max(last.lights() + 1) } else { start.len() };
-            let next = started(&problem, next.min(lights));
-            Some(next.without_black(&problem).map_or(next, |lit| {
-                search.get_or_insert_with(|| Search::new(problem)).grown_to(lit, next.lights())
-            }))
+            let count = if goal.error.is_some() { held.max(last.lights() + 1) } else { start.len() };
+            let next = started(&problem, count.min(lights));
+            let lit = next.without_black(&problem);
+            Some(lit.map_or_else(|| next.clone(), |lit| search.grown_to(lit, next.lights())))
         } else {
-            let search = search.get_or_insert_with(|| Search::new(problem));
             let is_last = goal.error.is_some() || last.lights() + 1 == lights;
             // Lights that were given a start stay near it.
             match (is_last, start.len() > held) {
