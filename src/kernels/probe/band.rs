@@ -9,8 +9,7 @@
 //!
 //! so one small table of cos o and sin o serves all blocks. A block is summed and turned by `phi_b` in
 //! f32, as the samples are; the sums over blocks are f64. Sums are kept for whole blocks; a look-up adds
-//! or takes off the few columns to the nearest. Where look-ups outnumber pixels, sums are kept for every
-//! column. Rows of a band are weighted one by one, so that its vector flux is exact; only its horizon is not.
+//! or takes off the few columns to the nearest. Rows of a band are weighted one by one, so that its vector flux is exact; only its horizon is not.
 
 use glam::{DVec3, Vec3, Vec4};
 
@@ -34,16 +33,12 @@ pub struct Columns<'a> {
     integrals: Vec<DVec3>,
     /// cos o and sin o of the pixels of a block of even width.
     offsets: [[FourPixels; 2]; BLOCK / 4],
-    /// Columns between two sums that are kept: [`BLOCK`], or 1.
-    block: usize,
     /// For each block the integrals over the column in its middle, if all its columns are as wide.
     middles: Vec<Option<[f32; 3]>>,
 }
 
 impl<'a> Columns<'a> {
-    /// For bands that are looked up more often than they have columns, if `is_fine`.
-    pub fn new(grid: &'a Grid, is_fine: bool) -> Self {
-        let block = if is_fine { 1 } else { BLOCK };
+    pub fn new(grid: &'a Grid) -> Self {
         let phi = &grid.phi_edges;
         let edges: Vec<[f64; 2]> = phi.iter().map(|phi| [phi.cos(), phi.sin()]).collect();
         let integrals = phi.windows(2).zip(edges.windows(2)).map(|(phi, edge)| {
@@ -62,11 +57,10 @@ impl<'a> Columns<'a> {
             edges,
             offsets: std::array::from_fn(|i| [four(4 * i, f64::cos), four(4 * i, f64::sin)]),
             middles: phi[..phi.len() - 1]
-                .chunks(block)
+                .chunks(BLOCK)
                 .enumerate()
-                .map(|(number, _)| if is_fine { None } else { middle(phi, number, width) })
+                .map(|(block, _)| middle(phi, block, width))
                 .collect(),
-            block,
             grid,
         }
     }
@@ -136,11 +130,10 @@ impl<'a> Band<'a> {
     }
 
     fn uneven_block(&self, block: usize) -> Flux {
-        let first = self.columns.block * block;
-        let last = (first + self.columns.block).min(self.columns.integrals.len());
+        let last = (BLOCK * (block + 1)).min(self.columns.integrals.len());
         let mut flux = [DVec3::ZERO; 3];
         for (row, &weights) in self.rows.iter().zip(&self.weights) {
-            for column in first..last {
+            for column in BLOCK * block..last {
                 let pixel = Vec3::from_array(row[column]).as_dvec3();
                 let [cos, sin, one] = (weights * self.columns.integrals[column]).to_array();
                 flux = [flux[0] + pixel * cos, flux[1] + pixel * sin, flux[2] + pixel * one];
@@ -160,8 +153,8 @@ impl<'a> Band<'a> {
         let column = columns.of_azimuth(phi);
         let [cos_edge, sin_edge] = columns.edges[column];
         let part = DVec3::new(sin_phi - sin_edge, cos_edge - cos_phi, phi - columns.grid.phi_edges[column]);
-        let nearest = if columns.block == 1 { column } else { (column + BLOCK / 2) / BLOCK };
-        let start = (columns.block * nearest).min(columns.integrals.len());
+        let nearest = (column + BLOCK / 2) / BLOCK;
+        let start = (BLOCK * nearest).min(columns.integrals.len());
         let between = start.min(column)..start.max(column);
         let sign = if start <= column { 1.0 } else { -1.0 };
         let mut sum = weigh(&self.prefix[nearest], pull);

@@ -44,7 +44,7 @@ impl Steps {
 /// A normal, and where its horizon cuts a row.
 pub struct Normal {
     vector: DVec3,
-    azimuth: f64,
+    pub azimuth: f64,
     cos_azimuth: f64,
     sin_azimuth: f64,
     /// `-n_y / n_e`: times cot theta it is the cosine of the half-width of the visible interval.
@@ -57,6 +57,19 @@ impl Normal {
         let (_, azimuth) = angles(vector);
         let (sin_azimuth, cos_azimuth) = azimuth.sin_cos();
         Self { vector, azimuth, cos_azimuth, sin_azimuth, slope: -vector.y / equatorial }
+    }
+
+    /// Cosine of the half-width of what it sees of `slice`; all or nothing beyond -1 .. 1.
+    #[inline]
+    pub fn cosine(&self, slice: &Slice) -> f64 {
+        self.slope * slice.cot_theta
+    }
+
+    /// How much the integrals of L cos phi, L sin phi and L over the slice count.
+    #[inline]
+    pub fn pull(&self, slice: &Slice) -> DVec3 {
+        let n = self.vector;
+        DVec3::new(-slice.equatorial * n.z, slice.equatorial * n.x, slice.polar * n.y)
     }
 
     /// `pull . flux` of the interval of half-width `acos(c)` around the normal's azimuth.
@@ -143,9 +156,7 @@ impl Slice {
     /// Irradiance at `normal` from what it sees of this slice.
     #[inline]
     pub fn seen_by(&self, normal: &Normal, band: &Band<'_>) -> DVec3 {
-        let c = normal.slope * self.cot_theta;
-        let n = normal.vector;
-        let pull = DVec3::new(-self.equatorial * n.z, self.equatorial * n.x, self.polar * n.y);
+        let (c, pull) = (normal.cosine(self), normal.pull(self));
         if c >= 1.0 {
             DVec3::ZERO
         } else if c <= -1.0 {

@@ -23,10 +23,12 @@
 //! | which normals need a sum of their own   | `opposite.rs` |
 //! | flux of a band of rows up to an azimuth | `band.rs`     |
 //! | what a normal sees of a band            | `horizon.rs`  |
+//! | the same for many normals, few cells    | `table.rs`    |
 
 mod band;
 mod horizon;
 mod opposite;
+mod table;
 
 use glam::DVec3;
 use ndarray::{Array2, Array3, ArrayView1, ArrayView2, ArrayView3, Axis};
@@ -78,8 +80,7 @@ pub fn irradiance(
 /// [`Error::WrongColumns`], [`Error::NotFinite`], [`Error::NotUnit`].
 pub fn working_irradiance(map: &WorkingMap, normals: ArrayView2<'_, f64>) -> Result<Array2<f64>> {
     let normals = unit_vectors("normal", normals)?;
-    let cells = under_cells(map.radiance.view(), &map.grid, Steps::ONE_NODE, &normals);
-    Ok(cells + under_sources(&map.sources, &normals))
+    Ok(table::under_cells(map, &normals) + under_sources(&map.sources, &normals))
 }
 
 /// Irradiance of point sources, (n, 3 axes, 3 channels): `E(n) = sum of max(0, n.F)`, for each channel its
@@ -141,16 +142,13 @@ pub fn sum_over_sources(
     Ok(out)
 }
 
-/// So many normals for each column make a table of every column worth its time.
-const FINE: usize = 2;
-
 /// Sum of the cells of `radiance`, batch of normals by batch.
 fn under_cells(radiance: ArrayView3<'_, f32>, grid: &Grid, steps: Steps, normals: &[DVec3]) -> Array2<f64> {
     let samples = radiance.as_standard_layout();
     let pixels = samples.as_slice().expect("standard layout").as_chunks::<3>().0;
     let rows: Vec<&[[f32; 3]]> = pixels.chunks(radiance.dim().1).collect();
     let pairs = opposite::pairs(normals);
-    let columns = Columns::new(grid, pairs.kept.len() > FINE * radiance.dim().1);
+    let columns = Columns::new(grid);
     let mut seen = Vec::with_capacity(pairs.kept.len());
     let mut whole = [DVec3::ZERO; 3];
     for normals in pairs.kept.chunks(NORMALS_AT_ONCE) {

@@ -1,0 +1,175 @@
+//! Irradiance under a working map: few cells, many normals.
+//!
+//! The sums of `band.rs` kept for every column, as single precision and straight lines between them:
+//! what a cell of `d` radians is cut into is off by d/8 of it at most, and no cell of a working map
+//! holds much light. Look-ups cost two thirds of those of `band.rs`, where they outnumber the cells.
+
+use std::f64::consts::TAU;
+
+use glam::{DVec3, Vec4};
+use ndarray::{Array2, Axis};
+use rayon::prelude::*;
+
+use super::horizon::{Normal, Slice, Steps, cut};
+use crate::kernels::image::{Grid, WorkingMap};
+use crate::kernels::sphere;
+
+/// Rows of the map that one task sums.
+const ROWS_OF_A_RUN: usize = 8;
+
+/// Integrals of L cos phi, L sin phi and L from the seam, for three channels.
+type Flux = [Vec4; 3];
+
+/// The flux of a row up to each edge of its columns.
+struct Table<'a> {
+    map: &'a WorkingMap,
+    columns: &'a Columns,
+    prefix: Vec<Flux>,
+}
+
+/// What all rows have in common.
+struct Columns {
+    /// cos and sin of each edge.
+    edges: Vec<[f64; 2]>,
+    /// Left edge of each column, and one over its width.
+    places: Vec<[f32; 2]>,
+    /// Place of an azimuth: so many columns per radian, and the place of the seam.
+    per_radian: f32,
+    first: f32,
+}
+
+impl Columns {
+    fn new(grid: &Grid) -> Self {
+        let phi = &grid.phi_edges;
+        let place = |edge: &[f64]| [edge[0] as f32, (1.0 / (edge[1] - edge[0])) as f32];
+        Self {
+            edges: phi.iter().map(|phi| [phi.cos(), phi.sin()]).collect(),
+            places: phi.windows(2).map(place).collect(),
+            per_radian: grid.columns_per_radian as f32,
+            first: grid.first_column as f32,
+        }
+    }
+}
+
+/// Irradiance at `normals` of the cells of `map`, without its sources.
+pub fn under_cells(map: &WorkingMap, normals: &[DVec3]) -> Array2<f64> {
+    let normals: Vec<Normal> = normals.iter().map(|&n| Normal::new(n)).collect();
+    let columns = Columns::new(&map.grid);
+    let rows: Vec<usize> = (0..map.radiance.dim().0).collect();
+    let sums: Vec<Vec<DVec3>> = rows
+        .par_chunks(ROWS_OF_A_RUN)
+        .map(|rows| {
+            let mut table = Table { map, columns: &columns, prefix: Vec::new() };
+            let mut sums = vec![DVec3::ZERO; normals.len()];
+            for &row in rows {
+                table.add_row(row, &normals, &mut sums);
+            }
+            sums
+        })
+        .collect();
+    let sum = |i: usize| sums.iter().fold(DVec3::ZERO, |sum, part| sum + part[i]).max(DVec3::ZERO);
+    sphere::from_vectors((0..normals.len()).map(sum))
+}
+
+impl Table<'_> {
+    fn add_row(&mut self, row: usize, normals: &[Normal], sums: &mut [DVec3]) {
+        if self.map.radiance.index_axis(Axis(0), row).iter().all(|&sample| sample == 0.0) {
+            return;
+        }
+        self.fill(row);
+        let (_, slices) = cut(&self.map.grid.theta_edges[row..=row + 1], Steps::ONE_NODE.nodes);
+        for slice in &slices {
+            for (sum, normal) in sums.iter_mut().zip(normals) {
+                *sum += self.seen_by(normal, slice);
+            }
+        }
+    }
+    /// Sums in f64, for they grow; kept in f32.
+    fn fill(&mut self, row: usize) {
+        let phi = &self.map.grid.phi_edges;
+        let mut sum = [DVec3::ZERO; 3];
+        self.prefix.clear();
+        self.prefix.push(sum.map(single));
+        for (column, pixel) in self.map.radiance.index_axis(Axis(0), row).outer_iter().enumerate() {
+            let pixel = DVec3::new(f64::from(pixel[0]), f64::from(pixel[1]), f64::from(pixel[2]));
+            let ([cos_left, sin_left], [cos_right, sin_right]) =
+                (self.columns.edges[column], self.columns.edges[column + 1]);
+            sum[0] += pixel * (sin_right - sin_left);
+            sum[1] += pixel * (cos_left - cos_right);
+            sum[2] += pixel * (phi[column + 1] - phi[column]);
+            self.prefix.push(sum.map(single));
+        }
+    }
+
+    /// Irradiance at `normal` from what it sees of the row.
+    #[inline]
+    fn seen_by(&self, normal: &Normal, slice: &Slice) -> DVec3 {
+        let c = normal.cosine(slice);
+        let flux = if c >= 1.0 {
+            return DVec3::ZERO;
+        } else if c <= -1.0 {
+            self.prefix[self.prefix.len() - 1]
+        } else {
+            self.around(normal.azimuth as f32, (c as f32).acos())
+        };
+        let [x, y, one] = normal.pull(slice).as_vec3().to_array();
+        (flux[0] * x + flux[1] * y + flux[2] * one).truncate().as_dvec3()
+    }
+
+    /// Flux of the interval of `half_width` around `azimuth`.
+    #[inline]
+    fn around(&self, azimuth: f32, half_width: f32) -> Flux {
+        let turn = TAU as f32;
+        let (start, end) = (azimuth - half_width, azimuth + half_width);
+        let first = self.up_to(if start < 0.0 { start + turn } else { start });
+        let last = self.up_to(if end >= turn { end - turn } else { end });
+        let between = [last[0] - first[0], last[1] - first[1], last[2] - first[2]];
+        if start >= 0.0 && end < turn {
+            return between;
+        }
+        let [cos, sin, one] = self.prefix[self.prefix.len() - 1];
+        [between[0] + cos, between[1] + sin, between[2] + one]
+    }
+
+    /// Flux between the seam and the azimuth `phi`.
+    #[inline]
+    fn up_to(&self, phi: f32) -> Flux {
+        let Columns { places, per_radian, first, .. } = self.columns;
+        let column = ((phi * per_radian + first) as usize).min(places.len() - 1);
+        let [left, per_width] = places[column];
+        let share = ((phi - left) * per_width).clamp(0.0, 1.0);
+        let (before, after) = (&self.prefix[column], &self.prefix[column + 1]);
+        [0, 1, 2].map(|i| before[i] + (after[i] - before[i]) * share)
+    }
+}
+
+fn single(flux: DVec3) -> Vec4 {
+    flux.as_vec3().extend(0.0)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::kernels::probe::irradiance;
+    use crate::kernels::sampling;
+    use crate::kernels::sphere::Registration;
+    use crate::kernels::{fit, image};
+    use ndarray::Array3;
+
+    #[test]
+    fn straight_lines_between_columns_are_near_the_exact_sum() {
+        let wave = |y: usize, x: usize| ((0.1 * x as f64).sin() + (0.2 * y as f64).cos() + 2.0) as f32;
+        let map = Array3::from_shape_fn((128, 256, 3), |(y, x, c)| wave(y, x) * (c + 1) as f32);
+        let (normals, weights) = sampling::icosphere(1280).unwrap();
+        for registration in [Registration::CellCentred, Registration::BorderSampled] {
+            // Of as many columns, and without sources: only the look-ups differ.
+            let working = image::reduce(map.view(), registration, 256, 1.0).unwrap();
+            let directions: Vec<DVec3> = normals.outer_iter().map(|n| DVec3::new(n[0], n[1], n[2])).collect();
+            let near = under_cells(&working, &directions);
+            let exact = irradiance(map.view(), registration, normals.view()).unwrap();
+            let error = fit::relative_rms(near.view(), exact.view(), weights.view()).unwrap();
+            assert!(error < 1e-4, "{registration:?}: {error:e}");
+        }
+    }
+}
