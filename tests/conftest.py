@@ -3,6 +3,9 @@
 import os
 from pathlib import Path
 
+# Before NumPy is imported: threads of BLAS fight over the small matrices of the peers.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import hypothesis
 import pytest
 
