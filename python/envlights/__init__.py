@@ -19,6 +19,7 @@ from envlights.fit import fit, fit_probe
 from envlights.paper import PaperFit, fit_paper
 from envlights.report import FitReport, StopReason
 from envlights.rig import Lights, Rig
+from envlights.transfer import TransferModel, TransferReport
 from envlights.tree import detect_tree
 
 __all__ = [
@@ -31,6 +32,8 @@ __all__ = [
     "PaperFit",
     "Rig",
     "StopReason",
+    "TransferModel",
+    "TransferReport",
     "detect",
     "detect_article",
     "detect_tree",

@@ -1,0 +1,23 @@
+"""Transfer: indirect light from a small image of the direct light.
+
+Learnt from pairs of images of one scene under many lights. `TransferModel.fit` is the story:
+
+| step                                                   | file          |
+|--------------------------------------------------------|---------------|
+| what is asked of the images; pairs brought to one scale| `pairs.py`    |
+| the inner products of all indirect images, in blocks   | `gram.py`     |
+| the directions that hold most of them                  | `basis.py`    |
+| from direct light to coefficients; the ridge           | `ridge.py`    |
+| errors on lights that were not seen                    | `unseen.py`   |
+| images from coefficients, and back                     | `expand.py`   |
+| what a model keeps of its pairs                        | `learnt.py`   |
+| more pairs, without starting over                      | `grow.py`     |
+| what was found, and how far it can be trusted          | `report.py`   |
+| the model                                              | `model.py`    |
+| one file for a model                                   | `store.py`    |
+"""
+
+from envlights.transfer.model import TransferModel
+from envlights.transfer.report import TransferReport
+
+__all__ = ["TransferModel", "TransferReport"]

@@ -1,0 +1,101 @@
+"""More pairs, without starting over.
+
+The basis `B` and the coefficients `A` stand for the pairs that were learnt. New rows `Z` have the
+coefficients `C = Z B^T` in it and leave `E = Z - C B`, whose inner products are
+``Z Z^T - C C^T = U D^2 U^T``: so ``Q = D^-1 U^T E`` is orthonormal and at right angles to `B`. All
+rows together are
+
+    [A  0  ] [B]
+    [C  U D] [Q]
+
+and the directions of the small matrix on the left turn [B; Q] into the new basis (sequential
+Karhunen-Loeve; Levy and Lindenbaum 2000).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights.transfer.basis import Directions, Wanted, directions, only
+from envlights.transfer.gram import blocks, gram
+from envlights.transfer.learnt import Learnt
+from envlights.transfer.pairs import Pairs
+
+
+def grown(
+    basis: NDArray[Any], lit: NDArray[np.bool_], learnt: Learnt, pairs: Pairs, wanted: Wanted
+) -> tuple[NDArray[Any], NDArray[np.bool_], Learnt]:
+    """Basis, lit texels and learnt pairs, with the new `pairs`."""
+    seen = gram(pairs, centred=False)
+    inside = _inside(basis, lit, pairs)
+    left = directions(seen.products - inside @ inside.T, pairs.dtype, np.trace(seen.products))
+    old = learnt.coefficients.reshape(-1, len(basis))
+    rows = np.block(
+        [
+            [old, np.zeros((len(old), len(left.values)))],
+            [inside, left.vectors * np.sqrt(left.values)],
+        ]
+    )
+    values, turn = np.linalg.eigh(rows.T @ rows)
+    values, turn = values[::-1], turn[:, ::-1]
+    rank = wanted.count(values[values > values[0] * np.finfo(pairs.dtype).eps])
+    coefficients = (rows @ turn[:, :rank]).reshape(-1, 3, rank)
+    together = replace(
+        learnt,
+        direct=np.concatenate([learnt.direct, pairs.direct]),
+        coefficients=coefficients,
+        outside=_outside(learnt, rows, coefficients),
+        energy=np.concatenate([learnt.energy, seen.energy]),
+    )
+    union = lit | seen.lit
+    return _turned(basis, lit, union, pairs, (inside, left, turn[:, :rank])), union, together
+
+
+def _inside(basis: NDArray[Any], lit: NDArray[np.bool_], pairs: Pairs) -> NDArray[np.float64]:
+    """Coefficients of the new rows in the old basis, (3 n, rank)."""
+    inside = np.zeros((3 * len(pairs.scale), len(basis)))
+    end = 0
+    for where, block in blocks(pairs):
+        block = only(block, lit[where])
+        begin, end = end, end + block.shape[1]
+        inside += block @ basis[:, begin:end].T
+    return inside
+
+
+def _outside(
+    learnt: Learnt, rows: NDArray[np.float64], coefficients: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """What the new basis leaves of each image: what the old one left, and what the turn leaves."""
+    rows = rows.reshape(len(coefficients), 3, -1)
+    outside: NDArray[np.float64] = rows @ rows.swapaxes(1, 2)
+    outside -= coefficients @ coefficients.swapaxes(1, 2)
+    outside[: len(learnt.outside)] += learnt.outside
+    return outside
+
+
+def _turned(
+    basis: NDArray[Any],
+    lit: NDArray[np.bool_],
+    union: NDArray[np.bool_],
+    pairs: Pairs,
+    parts: tuple[NDArray[np.float64], Directions, NDArray[np.float64]],
+) -> NDArray[Any]:
+    """The new basis over the lit texels of old and new images."""
+    inside, left, turn = parts
+    from_new = turn[len(basis) :].T @ (left.vectors / np.sqrt(left.values)).T
+    from_old = (turn[: len(basis)].T - from_new @ inside).astype(basis.dtype)
+    from_new = from_new.astype(basis.dtype)
+    out = np.empty((len(from_old), np.count_nonzero(union)), basis.dtype)
+    end = old_end = 0
+    for where, block in blocks(pairs):
+        ours = union[where]
+        block = from_new @ only(block, ours).astype(basis.dtype, copy=False)
+        old_begin, old_end = old_end, old_end + int(np.count_nonzero(lit[where]))
+        block[:, lit[where][ours]] += from_old @ basis[:, old_begin:old_end]
+        begin, end = end, end + block.shape[1]
+        out[:, begin:end] = block
+    return out
