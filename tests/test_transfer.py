@@ -1,13 +1,17 @@
 """Indirect light from direct light: twins, laws of light, odd databases, files."""
 
 import json
+import os
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import envlights as el
+from envlights import io
+from envlights.cli import main
 from tests.twins import transfer as twins
 
 ROOM = el.synthetic.room(80, width=32)
@@ -384,3 +388,120 @@ def test_other_files_are_refused(model, tmp_path):
             el.TransferModel.load(tmp_path / name)
     with pytest.raises(el.EnvLightsError, match=r"the suffix must be \.npz"):
         model.save(tmp_path / "model.pkl")
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Six pairs as files; the names are not in the order of the numbers."""
+    for name, direct, indirect in zip("fbcade", *SCENE, strict=False):
+        io.write_exr(tmp_path / f"direct_{name}.exr", direct)
+        io.write_exr(tmp_path / f"lightmap_{name}.exr", indirect)
+    (tmp_path / "albedo.exr").write_bytes((tmp_path / "direct_a.exr").read_bytes())
+    return tmp_path
+
+
+def test_a_folder_gives_the_model_of_its_arrays(folder):
+    pairs = el.read_pairs(folder)
+    order = np.argsort(list("fbcade"))
+    np.testing.assert_array_equal(pairs.direct, SCENE[0][order])
+    np.testing.assert_array_equal(pairs.indirect, SCENE[1][order])
+    assert isinstance(pairs.indirect, np.memmap)
+    model = el.TransferModel.fit(pairs.direct, pairs.indirect)
+    other = el.TransferModel.fit(SCENE[0][order], SCENE[1][order])
+    np.testing.assert_array_equal(model.predict(SCENE[0]), other.predict(SCENE[0]))
+
+
+def test_paths_are_taken_in_their_order_and_notes_once(folder, capsys):
+    opaque = np.ones((32, 32, 4), np.float32)
+    io.write_exr(folder / "lightmap_a.exr", opaque)
+    io.write_exr(folder / "lightmap_b.exr", opaque)
+    paths = [(folder / f"direct_{name}.exr", folder / f"lightmap_{name}.exr") for name in "ab"]
+    pairs = el.read_pairs(paths, progress=True)
+    np.testing.assert_array_equal(pairs.direct, SCENE[0][[3, 1]])
+    assert pairs.notes == ("alpha was ignored in the lightmap images",)
+    assert "2/2" in capsys.readouterr().err
+
+
+def test_broken_folders_are_refused_by_the_name_of_the_file(folder):
+    whole = (folder / "lightmap_c.exr").read_bytes()
+    nan = SCENE[1][0].copy()
+    nan[5, 7, 0] = np.nan
+    for name, change, message in [
+        ("lightmap_c.exr", lambda path: path.write_bytes(whole[: len(whole) // 2]), "cannot read"),
+        ("lightmap_c.exr", lambda path: io.write_exr(path, nan), "holds nan at row 5, column 7"),
+        ("lightmap_c.exr", lambda path: io.write_exr(path, nan[:8]), "32x8 pixels, .* 32x32"),
+        ("direct_c.exr", lambda path: io.write_exr(path, nan), "32x32 pixels, .* 16x16"),
+        ("direct_c.exr", lambda path: path.unlink(), "lightmap_c.exr has no partner"),
+    ]:
+        change(folder / name)
+        with pytest.raises(el.EnvLightsError, match=message) as refusal:
+            el.read_pairs(folder)
+        assert str(folder / name) in str(refusal.value)
+        assert "\n" not in str(refusal.value)
+
+
+def test_what_is_no_database_is_refused(tmp_path, monkeypatch, folder):
+    (tmp_path / "empty").mkdir()
+    for pairs, message in [
+        (tmp_path / "none", "there is no such folder"),
+        (tmp_path / "empty", "holds no pairs; give files"),
+        ([], "pairs is empty"),
+        (["a.exr"], "pairs must hold two paths each; number 0 is 'a.exr'"),
+    ]:
+        with pytest.raises(el.EnvLightsError, match=message):
+            el.read_pairs(pairs)
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("tempfile.TemporaryFile", full)
+    with pytest.raises(el.EnvLightsError, match="No space left on device; set TMPDIR"):
+        el.read_pairs(folder)
+
+
+def run(*arguments):
+    return CliRunner().invoke(main, ["transfer", *map(str, arguments)])
+
+
+def test_the_command_line_learns_and_predicts(folder, tmp_path):
+    model, out = tmp_path / "model.npz", tmp_path / "out.exr"
+    result = run("fit", folder, "-o", model, "--rank", 4, "--ridge", "loo")
+    assert result.exit_code == 0, result.output
+    assert "rank 4 from 6 pairs" in result.stdout
+    result = run("apply", model, folder / "direct_f.exr", "-o", out)
+    assert result.exit_code == 0, result.output
+    predicted = el.TransferModel.load(model).predict(SCENE[0][0])
+    np.testing.assert_array_equal(io.read_image(out).pixels, predicted)
+
+
+def test_the_command_line_refuses_in_a_sentence(folder):
+    direct = folder / "direct_f.exr"
+    for arguments, message in {
+        ("fit", folder / "none", "-o", folder / "m.npz"): "there is no such folder",
+        ("fit", folder, "-o", folder / "m.json"): "the suffix must be .npz",
+        ("fit", folder, "-o", folder / "m.npz", "--ridge", "x"): "ridge must be 'loo'; got 'x'",
+        ("apply", folder / "m.npz", direct, "-o", folder / "o.exr"): "cannot read",
+        ("apply", folder / "m.npz", direct, "-o", folder / "o.png"): "the suffix must be .exr",
+        ("apply", folder / "m.npz", direct, "-o", direct): "it is the direct light",
+    }.items():
+        result = run(*arguments)
+        assert result.exit_code == 2, arguments
+        assert message in result.stderr
+        assert result.stdout == ""
+    assert not (folder / "m.npz").exists()
+
+
+def test_path_traced_pairs_are_predicted_better_than_by_the_notebook():
+    database = os.environ.get("ENVLIGHTS_TRANSFER_DB")
+    if not database:
+        pytest.skip("set ENVLIGHTS_TRANSFER_DB to a folder of pairs to try them as well")
+    pairs = el.read_pairs(database)
+    errors = []
+    for notebook in (False, True):
+        model = el.TransferModel.fit(pairs.direct[:48], pairs.indirect[:48], 32, notebook=notebook)
+        unseen = relative(model.predict(pairs.direct[48:]), pairs.indirect[48:])
+        errors.append(np.median(unseen))
+        if not notebook:
+            assert model.report.error == pytest.approx(errors[0], rel=0.25)
+    assert errors[0] < 0.22
+    assert errors[0] < 2 / 3 * errors[1]

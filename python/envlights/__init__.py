@@ -19,7 +19,7 @@ from envlights.fit import fit, fit_probe
 from envlights.paper import PaperFit, fit_paper
 from envlights.report import FitReport, StopReason
 from envlights.rig import Lights, Rig
-from envlights.transfer import TransferModel, TransferReport
+from envlights.transfer import FilePairs, TransferModel, TransferReport, read_pairs
 from envlights.tree import detect_tree
 
 __all__ = [
@@ -27,6 +27,7 @@ __all__ = [
     "DetectionReport",
     "EnvLightsError",
     "EnvMap",
+    "FilePairs",
     "FitReport",
     "Lights",
     "PaperFit",
@@ -41,6 +42,7 @@ __all__ = [
     "fit_paper",
     "fit_probe",
     "kernels",
+    "read_pairs",
     "synthetic",
 ]
 

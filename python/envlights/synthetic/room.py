@@ -79,7 +79,7 @@ def room(pairs: int = 128, width: int = 64, seed: int = 0) -> Room:
     indirect = np.einsum("tp,kpc->ktc", gathered, radiosity, optimize=True)
     return Room(
         _means(light, _DIRECT).reshape(pairs, _DIRECT, _DIRECT, 3).astype(np.float32),
-        indirect.reshape(pairs, width, width, 3).astype(np.float32),
+        indirect.reshape(pairs, width, width, 3).astype(np.float32, order="C"),
     )
 
 

@@ -4,7 +4,7 @@ Learnt from pairs of images of one scene under many lights. `TransferModel.fit` 
 
 | step                                                   | file          |
 |--------------------------------------------------------|---------------|
-| what is asked of the images; pairs brought to one scale| `pairs.py`    |
+| what is asked of the images; pairs at one scale        | `pairs.py`    |
 | the inner products of all indirect images, in blocks   | `gram.py`     |
 | the directions that hold most of them                  | `basis.py`    |
 | from direct light to coefficients; the ridge           | `ridge.py`    |
@@ -15,9 +15,11 @@ Learnt from pairs of images of one scene under many lights. `TransferModel.fit` 
 | what was found, and how far it can be trusted          | `report.py`   |
 | the model                                              | `model.py`    |
 | one file for a model                                   | `store.py`    |
+| pairs on disk                                          | `database.py` |
 """
 
+from envlights.transfer.database import FilePairs, read_pairs
 from envlights.transfer.model import TransferModel
 from envlights.transfer.report import TransferReport
 
-__all__ = ["TransferModel", "TransferReport"]
+__all__ = ["FilePairs", "TransferModel", "TransferReport", "read_pairs"]
