@@ -26,6 +26,7 @@ types:
 .PHONY: bench  ## Run time against error, peers in the same run
 bench:
 	$(PYTHON) benchmarks/probe_and_fit.py
+	$(PYTHON) benchmarks/transfer.py
 
 .PHONY: check  ## What CI runs
 check:

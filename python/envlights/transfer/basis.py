@@ -1,8 +1,8 @@
 """The directions that hold most of the indirect light.
 
-With the eigensystem of G = Y Y^T = V S^2 V^T, the rows of
+With the eigensystem of G = Y Y^T = V S^2 V^T, the columns of
 
-    B = S^-1 V^T Y
+    B = Y^T V S^-1
 
 are orthonormal already, and the coefficients of the images in them are V S: no QR, and no second
 look at the images.
@@ -90,10 +90,13 @@ def outside(
 
 
 def basis(pairs: Pairs, seen: Gram, first: Directions, centred: bool) -> tuple[Any, Any]:
-    """Orthonormal rows over the lit texels, (rank, lit texels), and the mean of all rows there."""
-    weights = (first.vectors / np.sqrt(first.values)).T.astype(pairs.dtype)
-    rows = np.empty((len(weights), np.count_nonzero(seen.lit)), pairs.dtype)
-    mean = np.zeros(rows.shape[1] if centred else 0, pairs.dtype)
+    """Orthonormal columns over the lit texels, (lit texels, rank), and the mean of all rows there.
+
+    What one texel needs stands together: a frame reads it twice as fast as it would row by row.
+    """
+    weights = (first.vectors / np.sqrt(first.values)).astype(pairs.dtype)
+    columns = np.empty((np.count_nonzero(seen.lit), weights.shape[1]), pairs.dtype)
+    mean = np.zeros(len(columns) if centred else 0, pairs.dtype)
     end = 0
     for where, block in blocks(pairs):
         block = only(block, seen.lit[where])
@@ -101,8 +104,8 @@ def basis(pairs: Pairs, seen: Gram, first: Directions, centred: bool) -> tuple[A
         if centred:
             mean[begin:end] = block.mean(axis=0)
             block -= mean[begin:end]
-        np.matmul(weights, block, out=rows[:, begin:end])
-    return rows, mean
+        np.matmul(block.T, weights, out=columns[begin:end])
+    return columns, mean
 
 
 def only(block: NDArray[Any], lit: NDArray[np.bool_]) -> NDArray[Any]:

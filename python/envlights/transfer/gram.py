@@ -19,11 +19,12 @@ from numpy.typing import NDArray
 from envlights._native import EnvLightsError
 from envlights.transfer.pairs import Pairs, check_finite
 
-#: Texels of a block, rounded to rows of the image: enough for the BLAS, few for the memory.
-_BLOCK = 8192
-#: Texels whose products are summed in the type of the images; their sums are added in float64. In
-#: float32 that is wrong by 1e-8 of the largest eigenvalue, at a twentieth more time.
-_SUM = 512
+#: Texels of a block, rounded to rows of the image. Products of a block are summed in the type of
+#: the images and blocks in float64: in float32 that is wrong by 2e-8 of the largest eigenvalue.
+#: A few hundred images of that many texels stay in the cache.
+_BLOCK = 1024
+#: Over fewer texels than this rounding does not average out, and float64 costs little.
+_FEW = 2**16
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,12 +52,13 @@ def gram(pairs: Pairs, centred: bool) -> Gram:
         for where, block in blocks(pairs):
             is_lit = (block.min(axis=0) != 0) | (block.max(axis=0) != 0)
             lit[where] = is_lit.reshape(lit[where].shape)
-            energy += np.einsum("ij,ij->i", block, block)
             if centred:
+                energy += np.einsum("ij,ij->i", block, block)
                 block -= block.mean(axis=0)
-            for first in range(0, block.shape[1], _SUM):
-                part = block[:, first : first + _SUM]
-                products += part @ part.T
+            wide = block.astype(np.float64, copy=False) if lit.size < _FEW else block
+            products += wide @ wide.T
+    if not centred:
+        energy = np.diagonal(products)
     if not np.isfinite(energy).all():
         _refuse(pairs)
     return Gram(products, energy.reshape(-1, 3).sum(axis=1), lit)

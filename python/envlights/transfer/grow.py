@@ -1,14 +1,14 @@
 """More pairs, without starting over.
 
 The basis `B` and the coefficients `A` stand for the pairs that were learnt. New rows `Z` have the
-coefficients `C = Z B^T` in it and leave `E = Z - C B`, whose inner products are
-``Z Z^T - C C^T = U D^2 U^T``: so ``Q = D^-1 U^T E`` is orthonormal and at right angles to `B`. All
+coefficients `C = Z B` in it and leave `E = Z - C B^T`, whose inner products are
+``Z Z^T - C C^T = U D^2 U^T``: so ``Q = E^T U D^-1`` is orthonormal and at right angles to `B`. All
 rows together are
 
-    [A  0  ] [B]
-    [C  U D] [Q]
+    [A  0  ]
+    [C  U D] [B Q]^T
 
-and the directions of the small matrix on the left turn [B; Q] into the new basis (sequential
+and the directions of the small matrix on the left turn [B Q] into the new basis (sequential
 Karhunen-Loeve; Levy and Lindenbaum 2000).
 """
 
@@ -33,7 +33,7 @@ def grown(
     seen = gram(pairs, centred=False)
     inside = _inside(basis, lit, pairs)
     left = directions(seen.products - inside @ inside.T, pairs.dtype, np.trace(seen.products))
-    old = learnt.coefficients.reshape(-1, len(basis))
+    old = learnt.coefficients.reshape(-1, basis.shape[1])
     rows = np.block(
         [
             [old, np.zeros((len(old), len(left.values)))],
@@ -57,12 +57,12 @@ def grown(
 
 def _inside(basis: NDArray[Any], lit: NDArray[np.bool_], pairs: Pairs) -> NDArray[np.float64]:
     """Coefficients of the new rows in the old basis, (3 n, rank)."""
-    inside = np.zeros((3 * len(pairs.scale), len(basis)))
+    inside = np.zeros((3 * len(pairs.scale), basis.shape[1]))
     end = 0
     for where, block in blocks(pairs):
         block = only(block, lit[where])
         begin, end = end, end + block.shape[1]
-        inside += block @ basis[:, begin:end].T
+        inside += block @ basis[begin:end]
     return inside
 
 
@@ -86,16 +86,17 @@ def _turned(
 ) -> NDArray[Any]:
     """The new basis over the lit texels of old and new images."""
     inside, left, turn = parts
-    from_new = turn[len(basis) :].T @ (left.vectors / np.sqrt(left.values)).T
-    from_old = (turn[: len(basis)].T - from_new @ inside).astype(basis.dtype)
+    rank = basis.shape[1]
+    from_new = left.vectors / np.sqrt(left.values) @ turn[rank:]
+    from_old = (turn[:rank] - inside.T @ from_new).astype(basis.dtype)
     from_new = from_new.astype(basis.dtype)
-    out = np.empty((len(from_old), np.count_nonzero(union)), basis.dtype)
+    out = np.empty((np.count_nonzero(union), from_old.shape[1]), basis.dtype)
     end = old_end = 0
     for where, block in blocks(pairs):
         ours = union[where]
-        block = from_new @ only(block, ours).astype(basis.dtype, copy=False)
+        block = only(block, ours).T.astype(basis.dtype, copy=False) @ from_new
         old_begin, old_end = old_end, old_end + int(np.count_nonzero(lit[where]))
-        block[:, lit[where][ours]] += from_old @ basis[:, old_begin:old_end]
-        begin, end = end, end + block.shape[1]
-        out[:, begin:end] = block
+        block[lit[where][ours]] += basis[old_begin:old_end] @ from_old
+        begin, end = end, end + len(block)
+        out[begin:end] = block
     return out

@@ -44,7 +44,7 @@ class TransferModel:
     """
 
     basis: NDArray[Any]
-    """Orthonormal rows over the texels that are not black in every image, (rank, lit texels)."""
+    """Orthonormal columns over the texels that are not black in every image, (lit texels, rank)."""
 
     lit: NDArray[np.bool_]
     """Those texels, (H, W). The others are predicted black."""
@@ -118,8 +118,8 @@ class TransferModel:
         With the rows :math:`x_c` of the direct and :math:`y_c` of the indirect image in the channel
         :math:`c`, the orthonormal basis :math:`B` and the ridge :math:`\lambda`,
 
-        .. math:: \hat y_c = B^T T_c^T x_c, \quad
-            T_c = X_c^T (X_c X_c^T + \lambda I)^{-1} Y_c B^T .
+        .. math:: \hat y_c = B T_c^T x_c, \quad
+            T_c = X_c^T (X_c X_c^T + \lambda I)^{-1} Y_c B .
 
         Examples
         --------
@@ -141,13 +141,13 @@ class TransferModel:
             what = "the same in every image" if notebook else "black in every image"
             raise EnvLightsError(f"indirect is {what}; there is nothing to learn")
         rank = wanted.count(found.values)
-        rows, mean = basis(pairs, seen, found.first(rank), centred=notebook)
+        columns, mean = basis(pairs, seen, found.first(rank), centred=notebook)
         coefficients = found.first(rank).coefficients
         left = outside(seen.products, coefficients)
         learnt = Learnt(pairs.direct, coefficients, left, seen.energy)
         size = np.shape(direct)[1:3]
         notes = (*pairs.notes, *_missed(wanted, found.values, rank))
-        model = _solved(rows, seen.lit, mean, (size[0], size[1]), parameters, learnt, notes)
+        model = _solved(columns, seen.lit, mean, (size[0], size[1]), parameters, learnt, notes)
         seconds = {"fit": perf_counter() - start}
         return replace(model, report=replace(model.report, seconds=seconds))
 
@@ -221,9 +221,9 @@ class TransferModel:
         frames("indirect", np.asarray(indirect)[:1], (self.lit.shape[0], self.lit.shape[1]))
         pairs = pairs_of(direct, indirect)
         wanted = _wanted(**self.parameters)
-        rows, lit, learnt = grow.grown(self.basis, self.lit, self.learnt, pairs, wanted)
+        columns, lit, learnt = grow.grown(self.basis, self.lit, self.learnt, pairs, wanted)
         notes = (*self.report.notes, *pairs.notes)
-        model = _solved(rows, lit, self.mean, self.size, self.parameters, learnt, notes)
+        model = _solved(columns, lit, self.mean, self.size, self.parameters, learnt, notes)
         seconds = {**self.report.seconds, "add": perf_counter() - start}
         return replace(model, report=replace(model.report, seconds=seconds))
 
@@ -279,7 +279,7 @@ def _missed(wanted: Wanted, values: NDArray[np.float64], rank: int) -> tuple[str
 
 
 def _solved(
-    rows: NDArray[Any],
+    columns: NDArray[Any],
     lit: NDArray[np.bool_],
     mean: NDArray[Any],
     size: tuple[int, int],
@@ -294,7 +294,7 @@ def _solved(
         ridge = min(RIDGES, key=lambda each: float(np.mean(_unseen(solver, each, learnt))))
     transfer = solver.transfer(ridge, learnt.coefficients)
     report = _report(solver, float(ridge), learnt, notes)
-    return TransferModel(rows, lit, transfer, mean, size, parameters, learnt, report)
+    return TransferModel(columns, lit, transfer, mean, size, parameters, learnt, report)
 
 
 def _report(

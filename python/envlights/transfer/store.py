@@ -100,7 +100,7 @@ def _model(data: Mapping[str, Any]) -> TransferModel:
 
 def _check_shapes(data: Mapping[str, Any]) -> None:
     """Refuse arrays that do not fit together."""
-    rank, lit = data["basis"].shape
+    lit, rank = data["basis"].shape
     texels = int(np.prod(data["size"]))
     pairs = len(data["direct"])
     seen_by_each = 3 * texels if len(data["mean"]) else texels
