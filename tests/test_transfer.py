@@ -327,6 +327,13 @@ def test_pairs_that_do_not_fit_a_model_are_not_added(model):
         el.TransferModel.fit(*SCENE, notebook=True).add(*SCENE)
 
 
+def test_parameters_may_be_numpys_own(tmp_path):
+    model = el.TransferModel.fit(*SCENE, rank=np.int64(8), ridge=np.float32(0.01))
+    model.save(tmp_path / "model.npz")
+    assert el.TransferModel.load(tmp_path / "model.npz").parameters["rank"] == 8
+    assert el.TransferModel.fit(*SCENE, rank=np.float32(0.9)).report.energy >= 0.9
+
+
 @pytest.mark.parametrize("notebook", [False, True])
 def test_saved_models_come_back_to_the_bit(tmp_path, notebook):
     model = el.TransferModel.fit(*SCENE, ridge="loo", notebook=notebook)
@@ -364,6 +371,7 @@ def test_a_full_disk_leaves_the_old_model(model, tmp_path, monkeypatch):
         ({"transfer": np.full((3, 256, 32), np.nan)}, "transfer is not finite"),
         ({"lit": np.zeros((16, 16), bool)}, "basis has 1014 texels, lit"),
         ({"report": np.array(json.dumps({"pairs": -1}))}, "holds no possible model"),
+        ({"parameters": np.array("{}")}, "parameters are"),
         ({"energy": None}, "holds no possible model: 'energy'"),
     ],
 )

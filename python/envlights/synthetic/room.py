@@ -44,8 +44,8 @@ class Room:
 def room(pairs: int = 128, width: int = 64, seed: int = 0) -> Room:
     """A closed room with two boxes, under one to three random lamps in each pair of images.
 
-    Lamps are points or spots, of any colour, anywhere in the free air. Shadows of the lamps and
-    between the walls are cast; five bounces or fifty, all are in the radiosity.
+    Lamps are points or spots, of any colour, anywhere in the free air. All shadows are cast and all
+    bounces counted.
 
     Parameters
     ----------

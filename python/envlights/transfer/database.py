@@ -29,8 +29,8 @@ PathPair = tuple[str | os.PathLike[str], str | os.PathLike[str]]
 class FilePairs:
     """Pairs that were read from files.
 
-    `indirect` is mapped from a file without a name, which is gone with the array: a database that
-    is larger than memory fits.
+    `indirect` is mapped from a file without a name in the folder for temporary files, ``TMPDIR``,
+    which is gone with the array: a database that is larger than memory fits.
     """
 
     direct: NDArray[np.float32]

@@ -131,8 +131,10 @@ class TransferModel:
         >>> model.report.rank, model.report.error < 1e-6
         (1, True)
         """
-        parameters = {"rank": rank, "ridge": ridge, "error": error}
-        wanted = _wanted(**parameters)
+        wanted = _wanted(rank, ridge, error)
+        # Plain numbers, whatever they came as: they are saved.
+        held = ridge if isinstance(ridge, str) else float(ridge)
+        parameters = {"rank": wanted.rank, "ridge": held, "error": wanted.error}
         start = perf_counter()
         pairs = pairs_of(direct, indirect)
         seen = gram(pairs, centred=notebook)
@@ -259,9 +261,9 @@ def _wanted(rank: object, ridge: object, error: object) -> Wanted:
     else:
         amount("ridge", ridge)
     bound = None if error is None else amount("error", error)
-    if not isinstance(rank, float):
+    if not isinstance(rank, float | np.floating):
         return Wanted(count("rank", rank, least=1), bound)
-    share = amount("rank as a share of the energy", rank, most=1.0)
+    share = amount("rank as a share of the energy", float(rank), most=1.0)
     if share == 0:
         raise EnvLightsError("rank as a share of the energy must be more than 0; got 0.0")
     return Wanted(share, bound)

@@ -84,6 +84,9 @@ def _model(data: Mapping[str, Any]) -> TransferModel:
     from envlights.transfer.model import TransferModel
 
     _check_shapes(data)
+    parameters = json.loads(str(data["parameters"]))
+    if set(parameters) != {"rank", "ridge", "error"}:
+        raise ValueError(f"parameters are {parameters}")
     height, width = (int(side) for side in data["size"])
     learnt = Learnt(data["direct"], data["coefficients"], data["outside"], data["energy"])
     return TransferModel(
@@ -92,7 +95,7 @@ def _model(data: Mapping[str, Any]) -> TransferModel:
         transfer=data["transfer"],
         mean=data["mean"],
         size=(height, width),
-        parameters=json.loads(str(data["parameters"])),
+        parameters=parameters,
         learnt=learnt,
         report=TransferReport.from_dict(json.loads(str(data["report"]))),
     )
