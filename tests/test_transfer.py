@@ -65,6 +65,14 @@ def test_projection_is_the_dense_projection(model):
     np.testing.assert_array_less(relative(model.project(ROOM.indirect[NEW]), truth), 1e-4)
 
 
+@pytest.mark.parametrize("notebook", [False, True])
+def test_the_basis_holds_what_it_was_made_of(notebook):
+    direct, indirect = oblong()
+    model = el.TransferModel.fit(direct, indirect, notebook=notebook)
+    learnt = indirect / np.linalg.norm(direct.reshape(12, -1), axis=1)[:, None, None, None]
+    np.testing.assert_array_less(relative(model.project(learnt), learnt), 1e-9)
+
+
 def test_the_basis_is_orthonormal(model):
     np.testing.assert_allclose(model.basis.T @ model.basis, np.eye(32), atol=1e-4)
 
@@ -99,16 +107,17 @@ def test_new_lights_are_predicted_better_than_by_the_notebook(model):
     assert error < theirs / 2
 
 
-def test_leave_one_out_errors_are_those_of_fits_without_each_image():
-    model = el.TransferModel.fit(*SCENE, rank=24)
+@pytest.mark.parametrize("rank", [8, 24, 48])
+def test_leave_one_out_errors_are_those_of_fits_without_each_image(rank):
+    model = el.TransferModel.fit(*SCENE, rank=rank)
     truth = []
     for k in range(64):
         others = [np.delete(images, k, axis=0) for images in SCENE]
-        without = el.TransferModel.fit(*others, rank=24)
+        without = el.TransferModel.fit(*others, rank=rank)
         truth.append(relative(without.predict(SCENE[0][k])[None], SCENE[1][k : k + 1])[0])
     told = np.array(model.report.unseen_errors)
-    assert np.median(told) == pytest.approx(np.median(truth), rel=0.1)
-    assert np.median(np.abs(told / truth - 1)) < 0.15
+    assert np.median(told) == pytest.approx(np.median(truth), rel=0.05)
+    assert np.median(np.abs(told / truth - 1)) < 0.02
 
 
 def test_training_errors_are_those_of_the_predictions(model):
@@ -318,6 +327,16 @@ def test_adding_loses_nothing_where_the_rank_holds_everything():
     whole = el.TransferModel.fit(direct, indirect)
     np.testing.assert_array_less(relative(grown.predict(direct), whole.predict(direct)), 1e-9)
     np.testing.assert_allclose(grown.report.unseen_errors, whole.report.unseen_errors, rtol=1e-6)
+
+
+def test_training_errors_are_known_after_adding_too():
+    first = el.TransferModel.fit(*(images[:40] for images in SCENE), rank=12)
+    grown = first.add(*(images[40:] for images in SCENE))
+    truth = relative(grown.predict(SCENE[0]), SCENE[1])
+    told = np.array(grown.report.training_errors)
+    np.testing.assert_allclose(told[40:], truth[40:], rtol=0.01)
+    # What was left of the earlier images is known by its size alone, and the new basis sees some.
+    assert np.median(told[:40]) == pytest.approx(np.median(truth[:40]), rel=0.1)
 
 
 def test_pairs_that_do_not_fit_a_model_are_not_added(model):

@@ -201,8 +201,9 @@ class TransferModel:
     def add(self, direct: ArrayLike, indirect: ArrayLike) -> TransferModel:
         """A model of these pairs as well; only they are read.
 
-        What the basis of this model left out of its own pairs is lost, so the basis is a little
-        less good than that of a fit to all pairs at once.
+        What the basis of this model left out of its own pairs is lost but for its size, so the
+        basis is a little less good than that of a fit to all pairs at once, and the errors told of
+        the earlier pairs are estimates.
 
         Parameters
         ----------
