@@ -29,6 +29,7 @@ bench:
 	$(PYTHON) benchmarks/fit.py
 	$(PYTHON) benchmarks/detection_speed.py
 	$(PYTHON) benchmarks/detection.py
+	$(PYTHON) benchmarks/transfer.py
 
 .PHONY: check  ## What CI runs
 check:

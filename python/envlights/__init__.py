@@ -19,6 +19,7 @@ from envlights.fit import fit, fit_probe
 from envlights.paper import PaperFit, fit_paper
 from envlights.report import FitReport, StopReason
 from envlights.rig import Lights, Rig
+from envlights.transfer import FilePairs, TransferModel, TransferReport, read_pairs
 from envlights.tree import detect_tree
 
 __all__ = [
@@ -26,11 +27,14 @@ __all__ = [
     "DetectionReport",
     "EnvLightsError",
     "EnvMap",
+    "FilePairs",
     "FitReport",
     "Lights",
     "PaperFit",
     "Rig",
     "StopReason",
+    "TransferModel",
+    "TransferReport",
     "detect",
     "detect_article",
     "detect_tree",
@@ -38,6 +42,7 @@ __all__ = [
     "fit_paper",
     "fit_probe",
     "kernels",
+    "read_pairs",
     "synthetic",
 ]
 

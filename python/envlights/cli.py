@@ -11,7 +11,9 @@ import click
 
 import envlights
 from envlights.files import check_writable, write_atomically
+from envlights.io import read_image, write_exr
 from envlights.rig import Rig
+from envlights.transfer.store import check_suffix
 
 
 class _Refusing(click.Group):
@@ -119,6 +121,59 @@ def demo(folder: str, as_json: bool) -> None:
     _print(run(folder), as_json)
     for suffix in ("exr", "json", "png"):
         click.echo(f"wrote {Path(folder) / 'hall'}.{suffix}", err=True)
+
+
+@main.group()
+def transfer() -> None:
+    """Learn indirect light from pairs of images, and predict it."""
+
+
+@transfer.command("fit")
+@click.argument("folder", metavar="FOLDER")
+@click.option("-o", "--output", required=True, metavar="MODEL", help="Where the model goes: .npz.")
+@click.option("--rank", type=int, default=64, show_default=True, help="Directions, at most.")
+@click.option("--ridge", default="1e-3", show_default=True, help="A number, or loo: the best one.")
+@click.option("--error", type=float, help="Use the fewest directions with at most this error.")
+@click.option("--json", "as_json", is_flag=True, help="Print the report as JSON.")
+def transfer_fit(
+    folder: str, output: str, rank: int, ridge: str, error: float | None, as_json: bool
+) -> None:
+    """Learn from FOLDER: direct_NAME.exr and lightmap_NAME.exr, one pair for each NAME."""
+    check_suffix(output)
+    check_writable(output)
+    pairs = envlights.read_pairs(folder, progress=True)
+    for note in pairs.notes:
+        click.echo(f"note: {note}", err=True)
+    model = envlights.TransferModel.fit(
+        pairs.direct, pairs.indirect, rank, _ridge(ridge), error=error
+    )
+    click.echo(json.dumps(model.report.to_dict(), indent=2) if as_json else str(model))
+    model.save(output)
+    click.echo(f"wrote {output}", err=True)
+
+
+@transfer.command("apply")
+@click.argument("model_path", metavar="MODEL")
+@click.argument("direct_path", metavar="DIRECT")
+@click.option("-o", "--output", required=True, metavar="OUT", help="Where the image goes: .exr.")
+def transfer_apply(model_path: str, direct_path: str, output: str) -> None:
+    """Predict the indirect light under the direct light of DIRECT (.exr)."""
+    if Path(output).suffix.lower() != ".exr":
+        raise envlights.EnvLightsError(f"cannot write {output}: the suffix must be .exr")
+    target = check_writable(output)
+    if _is_same(target, Path(direct_path)):
+        raise envlights.EnvLightsError(f"cannot write {output}: it is the direct light")
+    model = envlights.TransferModel.load(model_path)
+    predicted = model.predict(read_image(direct_path).pixels)
+    write_exr(output, predicted.astype("float32", copy=False))
+    click.echo(f"wrote {output}", err=True)
+
+
+def _ridge(text: str) -> float | str:
+    try:
+        return float(text)
+    except ValueError:
+        return text
 
 
 def _print(rig: Rig, as_json: bool) -> None:

@@ -11,9 +11,11 @@ Frame and units are those of `EnvMap`; pixels are cell-centred.
 | lights of random kind, size and place           | `lamps.py`     |
 | two families of random maps, to judge detectors | `suite.py`     |
 | what a detector found against what is there     | `score.py`     |
+| a closed room under many lamps, in pairs        | `room.py`      |
 """
 
 from envlights.synthetic.hall import hall
+from envlights.synthetic.room import Room, room
 from envlights.synthetic.scene import SyntheticMap, scene
 from envlights.synthetic.score import Score, judge, match
 from envlights.synthetic.shapes import Disc, PixelSun, Rectangle, Shape
@@ -25,6 +27,7 @@ __all__ = [
     "Disc",
     "PixelSun",
     "Rectangle",
+    "Room",
     "Score",
     "Shape",
     "SyntheticMap",
@@ -33,5 +36,6 @@ __all__ = [
     "judge",
     "match",
     "plain",
+    "room",
     "scene",
 ]

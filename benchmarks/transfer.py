@@ -1,0 +1,151 @@
+"""Fit and predict against the notebook's mathematics and scikit-learn, in one run.
+
+Times and memory on images without meaning, K = 128, 16x16 -> 512x512, rank 64; each fit runs in a
+process of its own, so that its memory can be seen. Then errors on lights that were not seen.
+Usage: OPENBLAS_NUM_THREADS=1 python benchmarks/transfer.py [FOLDER of pairs]
+"""
+
+import multiprocessing
+import os
+import resource
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+import envlights as el
+
+PAIRS, SIZE, RANK = 128, 512, 64
+
+
+def images():
+    """Pairs whose energy falls with the rank as that of real ones."""
+    rng = np.random.default_rng(0)
+    direct = rng.random((PAIRS, 16, 16, 3), np.float32)
+    indirect = np.zeros((PAIRS, SIZE, SIZE, 3), np.float32)
+    shares = rng.random((PAIRS, 3, 96)) / np.sqrt(np.arange(1, 97))
+    for row in range(SIZE):
+        texels = rng.random((96, SIZE), np.float32)
+        indirect[:, row] = np.moveaxis(shares.astype(np.float32) @ texels, 1, -1)
+    return direct, indirect
+
+
+def ours(direct, indirect):
+    return el.TransferModel.fit(direct, indirect, RANK).predict
+
+
+def notebook(direct, indirect):
+    """The notebook's steps with its types and sizes, and `eigh`."""
+    x = direct.reshape(PAIRS, -1).astype(np.float64)
+    norm = np.linalg.norm(x, axis=1, keepdims=True)
+    x /= norm
+    y = indirect.astype(np.float64).transpose(0, 3, 1, 2).reshape(PAIRS, 3, -1)
+    y /= norm[..., None]
+    rows = y.reshape(3 * PAIRS, -1)
+    mean = rows.mean(axis=0, keepdims=True)
+    centred = rows - mean
+    vectors = np.linalg.eigh(centred @ centred.T / (PAIRS - 1))[1][:, ::-1]
+    B = np.linalg.qr((vectors[:, :RANK].T @ centred).T, mode="reduced")[0].T
+    coefficients = (y - mean) @ B.T
+    inverse = np.linalg.pinv(x.T @ x + 1e-3 * np.eye(x.shape[1]))
+    T = np.einsum("ij,jkc->kic", inverse, np.einsum("ji,ikl->jkl", x.T, coefficients))
+
+    def predict(image):
+        length = np.linalg.norm(image)
+        p = image.ravel() / length
+        z = B.T @ np.stack([p @ T[channel] for channel in range(3)]).T + mean.T
+        return length * z.reshape(SIZE, SIZE, 3)
+
+    return predict
+
+
+def scikit(direct, indirect):
+    """PCA and ridge, in float32."""
+    from sklearn.decomposition import PCA
+    from sklearn.linear_model import Ridge
+
+    norm = np.linalg.norm(direct.reshape(PAIRS, -1), axis=1, keepdims=True)
+    x = direct.reshape(PAIRS, -1) / norm
+    rows = np.moveaxis(indirect, -1, 1).reshape(3 * PAIRS, -1) / np.repeat(norm, 3, axis=0)
+    pca = PCA(RANK, svd_solver="randomized", random_state=0)
+    coefficients = pca.fit_transform(rows).reshape(PAIRS, -1)
+    ridge = Ridge(1e-3).fit(x, coefficients)
+
+    def predict(image):
+        length = np.linalg.norm(image)
+        found = ridge.predict(image.reshape(1, -1) / length).reshape(3, RANK)
+        return length * np.moveaxis(pca.inverse_transform(found).reshape(3, SIZE, SIZE), 0, -1)
+
+    return predict
+
+
+def measure(fit, answers):
+    """Seconds of a fit, seconds of a frame, megabytes beside the images."""
+    direct, indirect = images()
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    start = time.perf_counter()
+    predict = fit(direct, indirect)
+    fitted = time.perf_counter() - start
+    grown = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024
+    frames = []
+    for k in range(8):
+        start = time.perf_counter()
+        predict(direct[k])
+        frames.append(time.perf_counter() - start)
+    answers.put((fitted, min(frames), grown, indirect.nbytes / 2**20))
+
+
+def alone(fit, repeats=3):
+    """The least of several runs, each in a fresh process."""
+    context = multiprocessing.get_context("spawn")
+    found = []
+    for _ in range(repeats):
+        answers = context.SimpleQueue()
+        process = context.Process(target=measure, args=(fit, answers))
+        process.start()
+        process.join()
+        found.append(answers.get())
+    return np.min(found, axis=0)
+
+
+def speed():
+    threads = os.environ.get("OPENBLAS_NUM_THREADS", os.cpu_count())
+    print(f"K = {PAIRS}, 16x16 -> {SIZE}x{SIZE}, rank {RANK}, {threads} threads")
+    base = alone(notebook)
+    for name, fit in (("notebook", notebook), ("scikit-learn", scikit), ("TransferModel", ours)):
+        fitted, frame, grown, whole = base if fit is notebook else alone(fit)
+        print(
+            f"{name:<14} fit{fitted:>7.2f} s{base[0] / fitted:>6.1f} x"
+            f"   frame{1e3 * frame:>7.2f} ms{base[1] / frame:>6.1f} x"
+            f"   {grown:>5.0f} MB, {100 * grown / whole:.0f} % of the images"
+        )
+
+
+def errors(name, direct, indirect, learnt, rank):
+    """Relative errors of the pairs after the first `learnt`, and what the report says of them."""
+    print(f"\n{name}: {learnt} pairs, rank {rank}, {len(direct) - learnt} unseen")
+    new = slice(learnt, None)
+    truth = np.linalg.norm(indirect[new].reshape(len(direct) - learnt, -1), axis=1)
+    for is_notebook in (True, False):
+        for ridge in (1e-3, "loo"):
+            model = el.TransferModel.fit(
+                direct[:learnt], indirect[:learnt], rank, ridge, notebook=is_notebook
+            )
+            wrong = (model.predict(direct[new]) - indirect[new]).reshape(len(truth), -1)
+            median, high = 100 * np.percentile(np.linalg.norm(wrong, axis=1) / truth, [50, 90])
+            print(
+                f"{'notebook' if is_notebook else 'default':<9} ridge {ridge!s:<6}"
+                f" median{median:>6.1f} %  90th{high:>6.1f} %"
+                f"   leave-one-out{100 * model.report.error:>6.1f} %"
+            )
+
+
+if __name__ == "__main__":
+    speed()
+    room = el.synthetic.room(512, width=64)
+    errors("noise-free room", room.direct, room.indirect, 128, 64)
+    folder = sys.argv[1] if sys.argv[1:] else os.environ.get("ENVLIGHTS_TRANSFER_DB")
+    if folder:
+        pairs = el.read_pairs(Path(folder))
+        errors(folder, pairs.direct, pairs.indirect, 48, 32)

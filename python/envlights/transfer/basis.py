@@ -1,0 +1,113 @@
+"""The directions that hold most of the indirect light.
+
+With the eigensystem of G = Y Y^T = V S^2 V^T, the columns of
+
+    B = Y^T V S^-1
+
+are orthonormal already, and the coefficients of the images in them are V S: no QR, and no second
+look at the images.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights.transfer.gram import Gram, blocks
+from envlights.transfer.pairs import Pairs
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """How many directions a user asked for."""
+
+    rank: int | float
+    """At most so many, or the share of the energy that they hold together."""
+
+    error: float | None
+    """Relative RMS error of the images in the basis that is good enough."""
+
+    def count(self, values: NDArray[np.float64]) -> int:
+        """The fewest directions that do, given the energy in each, most first."""
+        energy = np.cumsum(values)
+        most = len(values)
+        if isinstance(self.rank, float):
+            # Sums of one thing in two orders differ by rounding: 1.0 means all of it.
+            enough = self.rank * energy[-1] * (1 - 1e-12)
+            return min(int(np.searchsorted(energy, enough)) + 1, most)
+        most = min(most, self.rank)
+        if self.error is not None:
+            left = np.sqrt(np.maximum(1 - energy / energy[-1], 0))
+            reached = np.flatnonzero(left[:most] <= self.error)
+            most = int(reached[0]) + 1 if len(reached) else most
+        return most
+
+
+@dataclass(frozen=True, eq=False)
+class Directions:
+    """Eigenvectors of the inner products, most energy first."""
+
+    values: NDArray[np.float64]
+    """Energy in each direction, (n,)."""
+
+    vectors: NDArray[np.float64]
+    """The share of each row in each direction, (3 k, n)."""
+
+    @property
+    def coefficients(self) -> NDArray[np.float64]:
+        """Of the images in the directions, (k, 3, n)."""
+        return (self.vectors * np.sqrt(self.values)).reshape(-1, 3, len(self.values))
+
+    def first(self, rank: int) -> Directions:
+        """The first of them."""
+        return Directions(self.values[:rank], self.vectors[:, :rank])
+
+
+def directions(
+    products: NDArray[np.float64], dtype: np.dtype[Any], most: float | None = None
+) -> Directions:
+    """All directions that are more than the rounding of `dtype`, for an energy of `most`.
+
+    Left out, `most` is the energy of the first direction.
+    """
+    values, vectors = np.linalg.eigh(products)
+    values, vectors = values[::-1], vectors[:, ::-1]
+    rounding = 8 * np.finfo(dtype).eps
+    kept = values > max(values[0] if most is None else most, 0.0) * rounding
+    return Directions(values[kept], vectors[:, kept])
+
+
+def outside(
+    products: NDArray[np.float64], coefficients: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Inner products of what a basis leaves of the three rows of each image, (k, 3, 3)."""
+    k = np.arange(len(coefficients))
+    own: NDArray[np.float64] = products.reshape(len(k), 3, len(k), 3)[k, :, k]
+    return own - coefficients @ coefficients.swapaxes(1, 2)
+
+
+def basis(pairs: Pairs, seen: Gram, first: Directions, centred: bool) -> tuple[Any, Any]:
+    """Orthonormal columns over the lit texels, (lit texels, rank), and the mean of all rows there.
+
+    What one texel needs stands together: a frame reads it twice as fast as it would row by row.
+    """
+    weights = (first.vectors / np.sqrt(first.values)).astype(pairs.dtype)
+    columns = np.empty((np.count_nonzero(seen.lit), weights.shape[1]), pairs.dtype)
+    mean = np.zeros(len(columns) if centred else 0, pairs.dtype)
+    end = 0
+    for where, block in blocks(pairs):
+        block = only(block, seen.lit[where])
+        begin, end = end, end + block.shape[1]
+        if centred:
+            mean[begin:end] = block.mean(axis=0)
+            block -= mean[begin:end]
+        np.matmul(block.T, weights, out=columns[begin:end])
+    return columns, mean
+
+
+def only(block: NDArray[Any], lit: NDArray[np.bool_]) -> NDArray[Any]:
+    """The columns of a block that are lit; itself where all are."""
+    return block if lit.all() else block[:, lit.ravel()]

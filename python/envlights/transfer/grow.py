@@ -1,0 +1,102 @@
+"""More pairs, without starting over.
+
+The basis `B` and the coefficients `A` stand for the pairs that were learnt. New rows `Z` have the
+coefficients `C = Z B` in it and leave `E = Z - C B^T`, whose inner products are
+``Z Z^T - C C^T = U D^2 U^T``: so ``Q = E^T U D^-1`` is orthonormal and at right angles to `B`. All
+rows together are
+
+    [A  0  ]
+    [C  U D] [B Q]^T
+
+and the directions of the small matrix on the left turn [B Q] into the new basis (sequential
+Karhunen-Loeve; Levy and Lindenbaum 2000).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights.transfer.basis import Directions, Wanted, directions, only
+from envlights.transfer.gram import blocks, gram
+from envlights.transfer.learnt import Learnt
+from envlights.transfer.pairs import Pairs
+
+
+def grown(
+    basis: NDArray[Any], lit: NDArray[np.bool_], learnt: Learnt, pairs: Pairs, wanted: Wanted
+) -> tuple[NDArray[Any], NDArray[np.bool_], Learnt]:
+    """Basis, lit texels and learnt pairs, with the new `pairs`."""
+    seen = gram(pairs, centred=False)
+    inside = _inside(basis, lit, pairs)
+    left = directions(seen.products - inside @ inside.T, pairs.dtype, np.trace(seen.products))
+    old = learnt.coefficients.reshape(-1, basis.shape[1])
+    rows = np.block(
+        [
+            [old, np.zeros((len(old), len(left.values)))],
+            [inside, left.vectors * np.sqrt(left.values)],
+        ]
+    )
+    values, turn = np.linalg.eigh(rows.T @ rows)
+    values, turn = values[::-1], turn[:, ::-1]
+    rank = wanted.count(values[values > values[0] * np.finfo(pairs.dtype).eps])
+    coefficients = (rows @ turn[:, :rank]).reshape(-1, 3, rank)
+    together = replace(
+        learnt,
+        direct=np.concatenate([learnt.direct, pairs.direct]),
+        coefficients=coefficients,
+        outside=_outside(learnt, rows, coefficients),
+        energy=np.concatenate([learnt.energy, seen.energy]),
+    )
+    union = lit | seen.lit
+    return _turned(basis, lit, union, pairs, (inside, left, turn[:, :rank])), union, together
+
+
+def _inside(basis: NDArray[Any], lit: NDArray[np.bool_], pairs: Pairs) -> NDArray[np.float64]:
+    """Coefficients of the new rows in the old basis, (3 n, rank)."""
+    inside = np.zeros((3 * len(pairs.scale), basis.shape[1]))
+    end = 0
+    for where, block in blocks(pairs):
+        block = only(block, lit[where])
+        begin, end = end, end + block.shape[1]
+        inside += block @ basis[begin:end]
+    return inside
+
+
+def _outside(
+    learnt: Learnt, rows: NDArray[np.float64], coefficients: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """What the new basis leaves of each image: what the old one left, and what the turn leaves."""
+    rows = rows.reshape(len(coefficients), 3, -1)
+    outside: NDArray[np.float64] = rows @ rows.swapaxes(1, 2)
+    outside -= coefficients @ coefficients.swapaxes(1, 2)
+    outside[: len(learnt.outside)] += learnt.outside
+    return outside
+
+
+def _turned(
+    basis: NDArray[Any],
+    lit: NDArray[np.bool_],
+    union: NDArray[np.bool_],
+    pairs: Pairs,
+    parts: tuple[NDArray[np.float64], Directions, NDArray[np.float64]],
+) -> NDArray[Any]:
+    """The new basis over the lit texels of old and new images."""
+    inside, left, turn = parts
+    rank = basis.shape[1]
+    from_new = left.vectors / np.sqrt(left.values) @ turn[rank:]
+    from_old = (turn[:rank] - inside.T @ from_new).astype(basis.dtype)
+    from_new = from_new.astype(basis.dtype)
+    out = np.empty((np.count_nonzero(union), from_old.shape[1]), basis.dtype)
+    end = old_end = 0
+    for where, block in blocks(pairs):
+        ours = union[where]
+        block = only(block, ours).T.astype(basis.dtype, copy=False) @ from_new
+        old_begin, old_end = old_end, old_end + int(np.count_nonzero(lit[where]))
+        block[lit[where][ours]] += basis[old_begin:old_end] @ from_old
+        begin, end = end, end + len(block)
+        out[begin:end] = block
+    return out

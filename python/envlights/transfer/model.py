@@ -1,0 +1,331 @@
+"""The model: from direct light to indirect light."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from envlights._check import amount, check_choice, count
+from envlights._native import EnvLightsError
+from envlights.transfer import grow, store, unseen
+from envlights.transfer.basis import Wanted, basis, directions, outside
+from envlights.transfer.expand import expand, gather
+from envlights.transfer.gram import gram
+from envlights.transfer.learnt import Learnt
+from envlights.transfer.pairs import frames, pairs_of
+from envlights.transfer.report import TransferReport
+from envlights.transfer.ridge import RIDGES, Regression, regression
+
+
+@dataclass(frozen=True, eq=False)
+class TransferModel:
+    """A linear map from small images of direct light to images of indirect light.
+
+    Light is linear: twice the light gives twice the image, and the image of two lights is the sum
+    of theirs. So does the model, for any brightness; nothing is clipped and no gamma applied.
+
+    Examples
+    --------
+    A small room that the package makes itself, 24 lightings to learn from and 8 that are new:
+
+    >>> import envlights as el
+    >>> room = el.synthetic.room(32, width=16)
+    >>> model = el.TransferModel.fit(room.direct[:24], room.indirect[:24], rank=16)
+    >>> model.predict(room.direct[24:]).shape
+    (8, 16, 16, 3)
+    >>> print(model)  # doctest: +ELLIPSIS
+    rank 16 from 24 pairs, ...
+    """
+
+    basis: NDArray[Any]
+    """Orthonormal columns over the texels that are not black in every image, (lit texels, rank)."""
+
+    lit: NDArray[np.bool_]
+    """Those texels, (H, W). The others are predicted black."""
+
+    transfer: NDArray[np.float64]
+    """What takes direct light to coefficients, (3, h * w, rank): one matrix for each channel. With
+    ``notebook=True`` each sees all channels, (3, 3 * h * w, rank)."""
+
+    mean: NDArray[Any]
+    """Mean of all images in the lit texels, with ``notebook=True``; else empty."""
+
+    size: tuple[int, int]
+    """Height and width of the direct images."""
+
+    parameters: Mapping[str, Any]
+    """`rank`, `ridge` and `error` as they were asked for."""
+
+    learnt: Learnt
+    """What is kept of the pairs."""
+
+    report: TransferReport
+    """How the model was found, with its errors on lights that it has not seen."""
+
+    @classmethod
+    def fit(
+        cls,
+        direct: ArrayLike,
+        indirect: ArrayLike,
+        rank: int | float = 64,
+        ridge: float | str = 1e-3,
+        *,
+        error: float | None = None,
+        notebook: bool = False,
+    ) -> TransferModel:
+        r"""Learn from pairs of images of one scene under many lights.
+
+        Parameters
+        ----------
+        direct : array_like, shape (k, h, w, 3 or 4)
+            Linear RGB of the direct light, as irradiance at a few places of the scene. Alpha is
+            dropped and noted.
+        indirect : array_like, shape (k, H, W, 3 or 4)
+            Linear RGB of the indirect light. It is read in blocks: a mapped file does as well. With
+            float64 the basis is float64, for ranks beyond about 200; else float32.
+        rank : int or float
+            Directions of the basis at most, as an int; or the share of the energy of the images
+            that they hold, as a float up to 1.0.
+        ridge : float or "loo"
+            Ridge of the regression, for direct images of norm 1; "loo": the one whose leave-one-out
+            errors are least, which are lower for clean images than for noisy ones.
+        error : float, optional
+            Relative RMS error of the learnt images in the basis that is good enough: the fewest
+            directions that reach it, and at most `rank`.
+        notebook : bool
+            The model of the notebook of Belcour, Deliot, Barbier and Soler instead, for comparison:
+            around the mean image, every channel from all channels, in directions of norm 1.
+
+        Returns
+        -------
+        TransferModel
+            With leave-one-out errors in its `report`.
+
+        Raises
+        ------
+        EnvLightsError
+            If the images do not fit together, hold NaN or infinities, or are all black; if a
+            parameter is none of the above.
+
+        Notes
+        -----
+        With the rows :math:`x_c` of the direct and :math:`y_c` of the indirect image in the channel
+        :math:`c`, the orthonormal basis :math:`B` and the ridge :math:`\lambda`,
+
+        .. math:: \hat y_c = B T_c^T x_c, \quad
+            T_c = X_c^T (X_c X_c^T + \lambda I)^{-1} Y_c B .
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> rng = np.random.default_rng(0)
+        >>> direct = rng.random((40, 2, 2, 3))
+        >>> indirect = np.repeat(direct.mean(axis=(1, 2), keepdims=True), 8, axis=1)
+        >>> model = TransferModel.fit(direct, indirect, ridge=0.0)
+        >>> model.report.rank, model.report.error < 1e-6
+        (1, True)
+        """
+        wanted = _wanted(rank, ridge, error)
+        # Plain numbers, whatever they came as: they are saved.
+        held = ridge if isinstance(ridge, str) else float(ridge)
+        parameters = {"rank": wanted.rank, "ridge": held, "error": wanted.error}
+        start = perf_counter()
+        pairs = pairs_of(direct, indirect)
+        seen = gram(pairs, centred=notebook)
+        found = directions(seen.products, pairs.dtype)
+        if not len(found.values):
+            what = "the same in every image" if notebook else "black in every image"
+            raise EnvLightsError(f"indirect is {what}; there is nothing to learn")
+        rank = wanted.count(found.values)
+        columns, mean = basis(pairs, seen, found.first(rank), centred=notebook)
+        coefficients = found.first(rank).coefficients
+        left = outside(seen.products, coefficients)
+        learnt = Learnt(pairs.direct, coefficients, left, seen.energy)
+        size = np.shape(direct)[1:3]
+        notes = (*pairs.notes, *_missed(wanted, found.values, rank))
+        model = _solved(columns, seen.lit, mean, (size[0], size[1]), parameters, learnt, notes)
+        seconds = {"fit": perf_counter() - start}
+        return replace(model, report=replace(model.report, seconds=seconds))
+
+    @property
+    def is_notebook(self) -> bool:
+        """Whether this is the notebook's model."""
+        return len(self.mean) > 0
+
+    def predict(self, direct: ArrayLike) -> NDArray[Any]:
+        """Indirect light under new direct light.
+
+        Parameters
+        ----------
+        direct : array_like, shape (h, w, 3 or 4) or (n, h, w, 3 or 4)
+            One image or several, of the size and the units that were learnt.
+
+        Returns
+        -------
+        ndarray, shape (H, W, 3) or (n, H, W, 3)
+            Linear RGB. Where the truth is black it may be slightly negative.
+        """
+        stack, is_one = frames("direct", direct, self.size)
+        rows = np.moveaxis(stack, -1, 1).reshape(len(stack), 3, -1).astype(np.float64)
+        norm = np.linalg.norm(rows, axis=(1, 2)) if self.is_notebook else np.zeros(len(rows))
+        # The notebook's model is linear for a given norm: its mean is multiplied by it.
+        features = rows.reshape(len(rows), 1, -1) if self.is_notebook else rows
+        coefficients = np.swapaxes(features.swapaxes(0, 1) @ self.transfer, 0, 1)
+        predicted = expand(coefficients, self.basis, self.lit, self.mean, norm)
+        return predicted[0] if is_one else predicted
+
+    def project(self, indirect: ArrayLike) -> NDArray[Any]:
+        """The nearest image that the basis holds: the best that `predict` could do.
+
+        Parameters
+        ----------
+        indirect : array_like, shape (H, W, 3 or 4) or (n, H, W, 3 or 4)
+            Images of indirect light.
+
+        Returns
+        -------
+        ndarray, shape (H, W, 3) or (n, H, W, 3)
+            Linear RGB.
+        """
+        stack, is_one = frames("indirect", indirect, (self.lit.shape[0], self.lit.shape[1]))
+        coefficients = gather(stack, self.basis, self.lit, self.mean)
+        held = expand(coefficients, self.basis, self.lit, self.mean, np.ones(len(stack)))
+        return held[0] if is_one else held
+
+    def add(self, direct: ArrayLike, indirect: ArrayLike) -> TransferModel:
+        """A model of these pairs as well; only they are read.
+
+        What the basis of this model left out of its own pairs is lost but for its size, so the
+        basis is a little less good than that of a fit to all pairs at once, and the errors told of
+        the earlier pairs are estimates.
+
+        Parameters
+        ----------
+        direct : array_like, shape (n, h, w, 3 or 4)
+            Direct light of the new pairs.
+        indirect : array_like, shape (n, H, W, 3 or 4)
+            Indirect light of the new pairs.
+
+        Returns
+        -------
+        TransferModel
+            With the same parameters.
+        """
+        if self.is_notebook:
+            raise EnvLightsError("a model with notebook=True takes no more pairs; fit all again")
+        start = perf_counter()
+        frames("direct", np.asarray(direct)[:1], self.size)
+        frames("indirect", np.asarray(indirect)[:1], (self.lit.shape[0], self.lit.shape[1]))
+        pairs = pairs_of(direct, indirect)
+        wanted = _wanted(**self.parameters)
+        columns, lit, learnt = grow.grown(self.basis, self.lit, self.learnt, pairs, wanted)
+        notes = (*self.report.notes, *pairs.notes)
+        model = _solved(columns, lit, self.mean, self.size, self.parameters, learnt, notes)
+        seconds = {**self.report.seconds, "add": perf_counter() - start}
+        return replace(model, report=replace(model.report, seconds=seconds))
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the model as one .npz file, versioned, whole or not at all.
+
+        Parameters
+        ----------
+        path : path-like
+            A file with the suffix ``.npz``; ``numpy.load(path, allow_pickle=False)`` opens it.
+        """
+        store.save(path, self)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> TransferModel:
+        """Read a model that `save` wrote.
+
+        Raises
+        ------
+        EnvLightsError
+            If the file is missing, damaged, or of another kind or version.
+        """
+        return store.load(path)
+
+    def __str__(self) -> str:
+        return str(self.report)
+
+
+def _wanted(rank: object, ridge: object, error: object) -> Wanted:
+    """The parameters of `fit`, or a refusal."""
+    if isinstance(ridge, str):
+        check_choice("ridge", ridge, ("loo",))
+    else:
+        amount("ridge", ridge)
+    bound = None if error is None else amount("error", error)
+    if not isinstance(rank, float | np.floating):
+        return Wanted(count("rank", rank, least=1), bound)
+    share = amount("rank as a share of the energy", float(rank), most=1.0)
+    if share == 0:
+        raise EnvLightsError("rank as a share of the energy must be more than 0; got 0.0")
+    return Wanted(share, bound)
+
+
+def _missed(wanted: Wanted, values: NDArray[np.float64], rank: int) -> tuple[str, ...]:
+    """Why there are fewer directions than were asked for, or a larger error."""
+    notes = []
+    if isinstance(wanted.rank, int) and len(values) < wanted.rank:
+        notes.append(f"the images have no more than {len(values)} directions above rounding")
+    left = np.sqrt(max(1 - values[:rank].sum() / values.sum(), 0.0))
+    if wanted.error is not None and left > wanted.error:
+        notes.append(f"the error {wanted.error:g} was not reached; allow a higher rank")
+    return tuple(notes)
+
+
+def _solved(
+    columns: NDArray[Any],
+    lit: NDArray[np.bool_],
+    mean: NDArray[Any],
+    size: tuple[int, int],
+    parameters: Mapping[str, Any],
+    learnt: Learnt,
+    notes: tuple[str, ...],
+) -> TransferModel:
+    """The model of a basis: its transfer matrix and its errors."""
+    solver = regression(learnt.direct, channelwise=not len(mean))
+    ridge = parameters["ridge"]
+    if ridge == "loo":
+        ridge = min(RIDGES, key=lambda each: float(np.mean(_unseen(solver, each, learnt))))
+    transfer = solver.transfer(ridge, learnt.coefficients)
+    report = _report(solver, float(ridge), learnt, notes)
+    return TransferModel(columns, lit, transfer, mean, size, parameters, learnt, report)
+
+
+def _report(
+    solver: Regression, ridge: float, learnt: Learnt, notes: tuple[str, ...]
+) -> TransferReport:
+    left = np.trace(learnt.outside, axis1=1, axis2=2)
+    missed = solver.residual(ridge, learnt.coefficients)
+    inside = np.sum(learnt.coefficients**2)
+    return TransferReport(
+        pairs=len(learnt.direct),
+        rank=learnt.coefficients.shape[2],
+        energy=float(inside / (inside + left.sum())),
+        ridge=ridge,
+        unseen_errors=tuple(_unseen(solver, ridge, learnt).tolist()),
+        training_errors=tuple(
+            _relative(np.sum(missed**2, axis=(1, 2)) + left, learnt.energy).tolist()
+        ),
+        notes=notes,
+    )
+
+
+def _unseen(solver: Regression, ridge: float, learnt: Learnt) -> NDArray[np.float64]:
+    """Leave-one-out error of each image that is not black."""
+    missed = solver.left_out(ridge, learnt.coefficients)
+    return _relative(unseen.squares(learnt.coefficients, learnt.outside, missed), learnt.energy)
+
+
+def _relative(squares: NDArray[np.float64], energy: NDArray[np.float64]) -> NDArray[np.float64]:
+    is_lit = energy > 0
+    errors: NDArray[np.float64] = np.sqrt(np.maximum(squares[is_lit], 0) / energy[is_lit])
+    return errors

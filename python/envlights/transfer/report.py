@@ -1,0 +1,84 @@
+"""What a transfer model is made of, and how far it can be trusted."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+import numpy as np
+
+from envlights._check import amount, count
+
+
+@dataclass(frozen=True)
+class TransferReport:
+    """What a transfer model is made of, and how far it can be trusted.
+
+    Errors are relative: the norm of the difference over the norm of the image, over all texels and
+    channels, nothing clipped. Images that are black have none.
+    """
+
+    pairs: int
+    """Pairs that were learnt from."""
+
+    rank: int
+    """Directions of the basis."""
+
+    energy: float
+    """Share of the energy of the images that the basis holds."""
+
+    ridge: float
+    """The ridge, for direct images of norm 1."""
+
+    unseen_errors: tuple[float, ...]
+    """Of each pair when it is left out: what to expect of new lights of the same kind."""
+
+    training_errors: tuple[float, ...]
+    """Of each pair in the model that has seen it; says little about new lights."""
+
+    notes: tuple[str, ...] = ()
+    """What was dropped, left out or could not be reached."""
+
+    seconds: Mapping[str, float] = field(default_factory=dict)
+    """Wall time of each stage."""
+
+    @property
+    def error(self) -> float:
+        """Median of `unseen_errors`; infinite where there are none."""
+        return float(np.median(self.unseen_errors)) if self.unseen_errors else np.inf
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything as plain numbers, lists and strings."""
+        return asdict(self)
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> TransferReport:
+        """The report that `to_dict` wrote."""
+        return cls(
+            pairs=count("pairs", data["pairs"]),
+            rank=count("rank", data["rank"]),
+            energy=amount("energy", data["energy"]),
+            ridge=amount("ridge", data["ridge"]),
+            unseen_errors=tuple(amount("unseen_errors", e) for e in data["unseen_errors"]),
+            training_errors=tuple(amount("training_errors", e) for e in data["training_errors"]),
+            notes=tuple(str(note) for note in data["notes"]),
+            seconds={str(stage): amount("seconds", s) for stage, s in data["seconds"].items()},
+        )
+
+    def __str__(self) -> str:
+        lines = [
+            f"rank {self.rank} from {self.pairs} pairs, {100 * self.energy:.4g} % of the energy;"
+            f" ridge {self.ridge:.3g}",
+            f"unseen lights, leave-one-out: {_spread(self.unseen_errors)}",
+            f"training images:              {_spread(self.training_errors)}",
+            *(f"note: {note}" for note in self.notes),
+        ]
+        return "\n".join(lines)
+
+
+def _spread(errors: tuple[float, ...]) -> str:
+    if not errors:
+        return "no image that is not black"
+    median, high = 100 * np.percentile(errors, [50, 90])
+    return f"median {median:.3g} %, 90th percentile {high:.3g} %, worst {100 * max(errors):.3g} %"

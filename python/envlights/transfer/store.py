@@ -1,0 +1,124 @@
+"""One file for a model: .npz, versioned, without pickle."""
+
+from __future__ import annotations
+
+import json
+import os
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from envlights._native import EnvLightsError
+from envlights.files import write_atomically
+from envlights.transfer.learnt import Learnt
+from envlights.transfer.report import TransferReport
+
+if TYPE_CHECKING:
+    from envlights.transfer.model import TransferModel
+
+_FORMAT = "envlights transfer model"
+_VERSION = 1
+
+
+def save(path: str | os.PathLike[str], model: TransferModel) -> None:
+    """Write `model` to `path`, whole or not at all."""
+    check_suffix(path)
+    arrays = {
+        "format": np.array(_FORMAT),
+        "version": np.array(_VERSION),
+        "basis": model.basis,
+        "lit": model.lit,
+        "transfer": model.transfer,
+        "mean": model.mean,
+        "size": np.array(model.size),
+        "direct": model.learnt.direct,
+        "coefficients": model.learnt.coefficients,
+        "outside": model.learnt.outside,
+        "energy": model.learnt.energy,
+        "parameters": np.array(json.dumps(dict(model.parameters))),
+        "report": np.array(json.dumps(model.report.to_dict())),
+    }
+    write_atomically(path, lambda beside: _savez(beside, arrays))
+
+
+def _savez(path: Path, arrays: Mapping[str, Any]) -> None:
+    # An open file keeps its name: numpy would add a suffix to one in capitals.
+    with path.open("wb") as file:
+        np.savez(file, **arrays)
+
+
+def check_suffix(path: str | os.PathLike[str]) -> None:
+    """Refuse a name that does not say what the file holds."""
+    if Path(path).suffix.lower() != ".npz":
+        raise EnvLightsError(f"cannot save a model as {path}; the suffix must be .npz")
+
+
+def load(path: str | os.PathLike[str]) -> TransferModel:
+    """Read the model that `save` wrote, or say why it cannot be one."""
+    try:
+        # numpy leaves a file open that it opened and cannot read.
+        with Path(path).open("rb") as file, np.load(file, allow_pickle=False) as arrays:
+            data = {name: arrays[name] for name in arrays.files}
+    except OSError as error:
+        raise EnvLightsError(f"cannot read {path}: {error.strerror or error}") from None
+    except (AttributeError, EOFError, TypeError, ValueError, KeyError, zipfile.BadZipFile) as error:
+        raise EnvLightsError(f"{path} is no whole .npz file: {error}") from None
+    _check_version(path, data)
+    try:
+        return _model(data)
+    except (KeyError, TypeError, ValueError) as error:
+        raise EnvLightsError(f"{path} holds no possible model: {error}") from None
+
+
+def _check_version(path: object, data: Mapping[str, Any]) -> None:
+    if str(data.get("format")) != _FORMAT:
+        raise EnvLightsError(f"{path} is no model: it does not say 'format': '{_FORMAT}'")
+    if (seen := str(data.get("version"))) != str(_VERSION):
+        raise EnvLightsError(f"{path} is a model of version {seen}; this package reads {_VERSION}")
+
+
+def _model(data: Mapping[str, Any]) -> TransferModel:
+    from envlights.transfer.model import TransferModel
+
+    _check_shapes(data)
+    parameters = json.loads(str(data["parameters"]))
+    if set(parameters) != {"rank", "ridge", "error"}:
+        raise ValueError(f"parameters are {parameters}")
+    height, width = (int(side) for side in data["size"])
+    learnt = Learnt(data["direct"], data["coefficients"], data["outside"], data["energy"])
+    return TransferModel(
+        basis=data["basis"],
+        lit=data["lit"],
+        transfer=data["transfer"],
+        mean=data["mean"],
+        size=(height, width),
+        parameters=parameters,
+        learnt=learnt,
+        report=TransferReport.from_dict(json.loads(str(data["report"]))),
+    )
+
+
+def _check_shapes(data: Mapping[str, Any]) -> None:
+    """Refuse arrays that do not fit together."""
+    lit, rank = data["basis"].shape
+    texels = int(np.prod(data["size"]))
+    pairs = len(data["direct"])
+    seen_by_each = 3 * texels if len(data["mean"]) else texels
+    wanted = {
+        "mean": (lit,) if len(data["mean"]) else (0,),
+        "transfer": (3, seen_by_each, rank),
+        "direct": (pairs, 3, texels),
+        "coefficients": (pairs, 3, rank),
+        "outside": (pairs, 3, 3),
+        "energy": (pairs,),
+    }
+    for name, shape in wanted.items():
+        if data[name].shape != shape or data[name].dtype.kind != "f":
+            raise ValueError(f"{name} has the shape {data[name].shape}, not {shape}")
+        if not np.isfinite(data[name]).all():
+            raise ValueError(f"{name} is not finite")
+    if data["lit"].ndim != 2 or data["lit"].dtype != np.bool_ or data["lit"].sum() != lit:
+        raise ValueError(f"basis has {lit} texels, lit another number")
