@@ -79,7 +79,7 @@ def test_the_table_says_where_each_light_is_and_how_wrong_the_rig_is():
     ("change", "message"),
     [
         ({"format": "another"}, "is no rig"),
-        ({"version": 2}, "version 2; this package reads 1"),
+        ({"version": 1}, "version 1; this package reads 2"),
         ({"ambient": [0, 0, -1]}, "ambient must"),
         ({"ambient": [0, 0, float("nan")]}, "ambient must be"),
         ({"lights": {"direction": [[0, 2, 0]], "irradiance": [[1, 1, 1]]}}, "unit vector"),

@@ -21,7 +21,7 @@ from envlights.report import FitReport
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 _FORMAT = "envlights rig"
-_VERSION = 1
+_VERSION = 2
 
 
 @dataclass(frozen=True, eq=False)

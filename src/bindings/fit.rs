@@ -5,7 +5,7 @@ use numpy::ndarray::{ArrayView1, ArrayView2};
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
-use crate::kernels::fit::{self, Ambient, Goal, Judge, Probe, Request, Rig, Solution, StopReason};
+use crate::kernels::fit::{self, Ambient, Goal, Probe, Request, Rig, Solution, StopReason};
 use crate::kernels::sphere::{from_vectors, unit_vectors};
 
 /// The best rig with one number of lights.
@@ -41,11 +41,10 @@ pub fn fit_lights<'py>(
     let (fitted, judging, start) = (views(&fitted), views(judging), start.as_array());
     let (error, held) = (*error, *held);
     let solutions = py.detach(|| {
-        let (normals, weights, irradiance) = fitted;
-        let probe =
-            Probe::new(normals, weights, irradiance, Ambient::with(ambient).unwrap_or(Ambient::None))?;
-        let (normals, weights, irradiance) = judging;
-        let goal = Goal { judge: Judge::new(normals, weights, irradiance)?, error };
+        let ambient = Ambient::with(ambient).unwrap_or(Ambient::None);
+        let samples = |(normals, weights, irradiance)| fit::Samples::new(normals, weights, irradiance);
+        let probe = Probe::new(samples(fitted)?, ambient);
+        let goal = Goal { judge: samples(judging)?, error };
         let start = unit_vectors("start", start)?;
         fit::fit(&probe, &Request { start: &start, held, lights, max_steps, goal: &goal })
     })?;

@@ -222,6 +222,34 @@ pub(crate) fn check_rows(what: &'static str, rows: ArrayView2<'_, f64>, columns:
     Ok(())
 }
 
+/// Refuse arrays that have not as many rows as `other` has, `wanted`.
+pub(crate) fn check_lengths(
+    other: &'static str,
+    wanted: usize,
+    lengths: [(&'static str, usize); 2],
+) -> Result<()> {
+    match lengths.into_iter().find(|&(_, seen)| seen != wanted) {
+        Some((what, seen)) => Err(Error::LengthMismatch { what, other, wanted, seen }),
+        None => Ok(()),
+    }
+}
+
+/// Unit normals with a value and a weight for each, the weights not negative.
+pub(crate) fn check_weighted(
+    normals: ArrayView2<'_, f64>,
+    (what, values): (&'static str, ArrayView2<'_, f64>),
+    weights: ArrayView1<'_, f64>,
+) -> Result<Vec<DVec3>> {
+    let normals = unit_vectors("normal", normals)?;
+    check_rows(what, values, 3)?;
+    check_rows("weights", weights.insert_axis(ndarray::Axis(1)), 1)?;
+    check_lengths("normals", normals.len(), [(what, values.nrows()), ("weights", weights.len())])?;
+    match weights.iter().enumerate().find(|(_, weight)| **weight < 0.0) {
+        Some((index, &value)) => Err(Error::Negative { what: "weights", index, value }),
+        None => Ok(normals),
+    }
+}
+
 pub(crate) fn check_size(height: usize, width: usize) -> Result<()> {
     if height < 2 || width < 2 {
         return Err(Error::NotAMap { shape: vec![height, width, 3] });

@@ -33,7 +33,7 @@ impl Candidates {
         let directions: Vec<DVec3> =
             centroids.rows().into_iter().map(|row| DVec3::new(row[0], row[1], row[2])).collect();
         let plain = columns(probe, &directions);
-        let weights = DVector::from_column_slice(&probe.weights);
+        let weights = DVector::from_column_slice(&probe.samples.weights);
         let mut weighted = plain.transpose();
         for mut row in weighted.row_iter_mut() {
             row.component_mul_assign(&weights.transpose());
@@ -104,8 +104,8 @@ impl Candidates {
 
 /// `max(0, n.l)`: a row for each normal, a column for each of `directions`.
 fn columns(probe: &Probe, directions: &[DVec3]) -> DMatrix<f64> {
-    DMatrix::from_fn(probe.normals.len(), directions.len(), |i, j| {
-        probe.normals[i].dot(directions[j]).max(0.0)
+    DMatrix::from_fn(probe.samples.normals.len(), directions.len(), |i, j| {
+        probe.samples.normals[i].dot(directions[j]).max(0.0)
     })
 }
 
@@ -113,7 +113,7 @@ fn columns(probe: &Probe, directions: &[DVec3]) -> DMatrix<f64> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::kernels::fit::{Ambient, Rig, irradiance};
+    use crate::kernels::fit::{Ambient, Rig, Samples, irradiance};
 
     /// What is promised is what a light there leaves, and at best that: no radiance may be negative.
     #[test]
@@ -125,15 +125,20 @@ mod tests {
             irradiance: vec![DVec3::new(3.0, 2.0, 1.0), DVec3::ONE, DVec3::new(0.5, 1.0, 2.0)],
         };
         let seen = irradiance(&rig, normals.view()).unwrap();
-        let probe = Probe::new(normals.view(), weights.view(), seen.view(), Ambient::Constant).unwrap();
+        let probe =
+            Probe::new(Samples::new(normals.view(), weights.view(), seen.view()).unwrap(), Ambient::Constant);
         let state = State::new(&probe, &rig.directions[..2]);
         let candidates = Candidates::new(&probe);
         let left = candidates.left(&probe, &state, &candidates.products(&probe, &state), None);
         let mut exact = 0;
         for &(promised, direction) in &left {
             let with = State::new(&probe, &[DVec3::Y, DVec3::X, direction]);
-            assert!(with.cost >= promised - 1e-9 * probe.energy, "{direction}: {} {promised}", with.cost);
-            exact += usize::from(with.cost <= promised + 1e-9 * probe.energy);
+            assert!(
+                with.cost >= promised - 1e-9 * probe.samples.energy,
+                "{direction}: {} {promised}",
+                with.cost
+            );
+            exact += usize::from(with.cost <= promised + 1e-9 * probe.samples.energy);
         }
         assert!(exact > 10, "{exact} of {}", left.len());
     }

@@ -4,7 +4,7 @@
 //!
 //! | step                                          | file                       |
 //! |-----------------------------------------------|----------------------------|
-//! | what is to be reproduced                      | `probe.rs`                 |
+//! | what is to be reproduced, and how near it is  | `samples.rs`, `probe.rs`   |
 //! | a rig on the probe, its ambient term          | `model.rs`, `ambient.rs`   |
 //! | all sums over the normals                     | `moments.rs`               |
 //! | best radiances, none negative                 | `radiances.rs`, `nnls.rs`  |
@@ -21,12 +21,14 @@ mod moves;
 mod nnls;
 mod probe;
 mod radiances;
+mod samples;
 mod search;
 mod solver;
 mod uncertainty;
 
 pub use ambient::Ambient;
-pub use probe::{Judge, Probe};
+pub use probe::Probe;
+pub use samples::Samples;
 pub use uncertainty::{Uncertainty, uncertainty};
 
 use std::cell::LazyCell;
@@ -83,7 +85,7 @@ pub struct Solution {
 #[derive(Clone, Debug)]
 pub struct Goal {
     /// Values that are not fitted, or the fitted ones again.
-    pub judge: Judge,
+    pub judge: Samples,
     /// Relative RMS error at which no more lights are added.
     pub error: Option<f64>,
 }
@@ -217,7 +219,7 @@ impl Rig {
 
 fn check_unknowns(probe: &Probe, lights: usize) -> Result<()> {
     let wanted = (3 + 5 * lights).div_ceil(3);
-    let seen = probe.normals.len();
+    let seen = probe.samples.normals.len();
     if seen < wanted {
         return Err(Error::TooFewNormals { seen, wanted, lights });
     }
@@ -268,9 +270,9 @@ mod tests {
     fn found(rig: &Rig, lights: usize) -> Vec<Solution> {
         let (normals, weights) = sampling::icosphere(320).unwrap();
         let seen = irradiance(rig, normals.view()).unwrap();
-        let probe = Probe::new(normals.view(), weights.view(), seen.view(), Ambient::Constant).unwrap();
-        let judge = Judge::new(normals.view(), weights.view(), seen.view()).unwrap();
-        let goal = Goal { judge, error: None };
+        let samples = Samples::new(normals.view(), weights.view(), seen.view()).unwrap();
+        let probe = Probe::new(samples.clone(), Ambient::Constant);
+        let goal = Goal { judge: samples, error: None };
         fit(&probe, &Request { start: &[], held: 0, lights, max_steps: 100, goal: &goal }).unwrap()
     }
 

@@ -4,7 +4,6 @@ use glam::DVec3;
 
 use super::Rig;
 use super::ambient::Ambient;
-use super::probe::Probe;
 
 /// Irradiance of `rig` at `normal`.
 pub fn irradiance(rig: &Rig, normal: DVec3) -> DVec3 {
@@ -12,10 +11,4 @@ pub fn irradiance(rig: &Rig, normal: DVec3) -> DVec3 {
     let ambient = rig.ambient.iter().zip(columns).fold(DVec3::ZERO, |sum, (c, column)| sum + c * column);
     let lights = rig.directions.iter().zip(&rig.irradiance);
     lights.fold(ambient, |sum, (direction, irradiance)| sum + irradiance * normal.dot(*direction).max(0.0))
-}
-
-/// Weighted sum of squares of what `rig` leaves unexplained.
-pub fn cost(probe: &Probe, rig: &Rig) -> f64 {
-    let residuals = probe.normals.iter().zip(&probe.irradiance).map(|(&n, &e)| e - irradiance(rig, n));
-    residuals.zip(&probe.weights).map(|(r, w)| w * r.length_squared()).sum()
 }

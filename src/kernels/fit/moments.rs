@@ -196,13 +196,14 @@ fn pair(j: usize, k: usize) -> usize {
 
 /// How many words hold a bit for each normal.
 fn words(probe: &Probe) -> usize {
-    probe.normals.len().div_ceil(64)
+    probe.samples.normals.len().div_ceil(64)
 }
 
 /// The normals that see a light in `direction`, as bits.
 fn visible(probe: &Probe, direction: DVec3) -> impl Iterator<Item = u64> {
     let bit = move |(i, n): (usize, &DVec3)| u64::from(n.dot(direction) > 0.0) << i;
     probe
+        .samples
         .normals
         .chunks(64)
         .map(move |normals| normals.iter().enumerate().map(bit).fold(0, |word, bit| word | bit))
@@ -249,7 +250,7 @@ fn symmetric([diagonal, mixed]: [DVec3; 2]) -> DMat3 {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::kernels::fit::Ambient;
+    use crate::kernels::fit::{Ambient, Samples};
     use crate::kernels::sampling;
     use crate::kernels::sphere::exponential_map;
     use approx::assert_abs_diff_eq;
@@ -259,7 +260,7 @@ mod tests {
         let (normals, weights) = sampling::icosphere(320).unwrap();
         let colour = |i: usize, c: usize| ((7 * i + 3 * c) % 11) as f64;
         let irradiance = Array2::from_shape_fn((320, 3), |(i, c)| colour(i, c));
-        Probe::new(normals.view(), weights.view(), irradiance.view(), ambient).unwrap()
+        Probe::new(Samples::new(normals.view(), weights.view(), irradiance.view()).unwrap(), ambient)
     }
 
     fn directions() -> Vec<DVec3> {
@@ -269,11 +270,12 @@ mod tests {
     /// Each column at each normal, as the head of this file defines it.
     fn columns(probe: &Probe, moments: &Moments) -> Vec<Vec<f64>> {
         let ambient = |i: usize| {
-            let columns = probe.normals.iter().map(move |&n| probe.ambient.irradiance(n)[i]);
+            let columns = probe.samples.normals.iter().map(move |&n| probe.ambient.irradiance(n)[i]);
             columns.collect::<Vec<f64>>()
         };
         let along = |light: DVec3, axis: DVec3| {
-            let seen = probe.normals.iter().map(|n| if n.dot(light) > 0.0 { n.dot(axis) } else { 0.0 });
+            let seen =
+                probe.samples.normals.iter().map(|n| if n.dot(light) > 0.0 { n.dot(axis) } else { 0.0 });
             seen.collect::<Vec<f64>>()
         };
         let lights = moments.directions.iter().map(|&l| along(l, l));
@@ -285,14 +287,14 @@ mod tests {
     fn assert_sums(probe: &Probe, moments: &Moments) {
         let columns = columns(probe, moments);
         let sum = |a: &[f64], b: &[f64]| -> f64 {
-            a.iter().zip(b).zip(&probe.weights).map(|((a, b), w)| w * a * b).sum()
+            a.iter().zip(b).zip(&probe.samples.weights).map(|((a, b), w)| w * a * b).sum()
         };
         for (i, a) in columns.iter().enumerate() {
             for (j, b) in columns.iter().enumerate() {
                 assert_abs_diff_eq!(moments.gram[(i, j)], sum(a, b), epsilon = 1e-12);
             }
             for channel in 0..3 {
-                let irradiance: Vec<f64> = probe.irradiance.iter().map(|e| e[channel]).collect();
+                let irradiance: Vec<f64> = probe.samples.irradiance.iter().map(|e| e[channel]).collect();
                 assert_abs_diff_eq!(moments.right[(i, channel)], sum(a, &irradiance), epsilon = 1e-11);
             }
         }

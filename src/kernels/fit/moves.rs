@@ -112,7 +112,7 @@ fn apart(mut places: Vec<(f64, DVec3)>, count: usize) -> Vec<(f64, DVec3)> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::kernels::fit::{Ambient, Rig, irradiance};
+    use crate::kernels::fit::{Ambient, Rig, Samples, irradiance};
     use crate::kernels::sampling;
 
     fn probe_of(directions: &[DVec3]) -> Probe {
@@ -123,7 +123,7 @@ mod tests {
             irradiance: vec![DVec3::ONE; directions.len()],
         };
         let seen = irradiance(&rig, normals.view()).unwrap();
-        Probe::new(normals.view(), weights.view(), seen.view(), Ambient::Constant).unwrap()
+        Probe::new(Samples::new(normals.view(), weights.view(), seen.view()).unwrap(), Ambient::Constant)
     }
 
     #[test]

@@ -44,7 +44,7 @@ pub fn solve(probe: &Probe, gram: &View<'_>, right: &View<'_>) -> Radiances {
     if probe.ambient == Ambient::Sh2 {
         for channel in 0..right.ncols() {
             let x = radiances.x.column(channel).into_owned();
-            if shadow(&x) > 0.0 {
+            if shadow(&x).is_some() {
                 let (x, dark) = cut(gram, &right.column(channel).into_owned());
                 radiances.x.set_column(channel, &x);
                 radiances.dark[channel] = dark;
@@ -54,11 +54,10 @@ pub fn solve(probe: &Probe, gram: &View<'_>, right: &View<'_>) -> Radiances {
     radiances
 }
 
-/// How far the ambient term of `x` is below zero where it is darkest, if it is.
-fn shadow(x: &DVector<f64>) -> f64 {
-    let size = x.rows(0, 9).amax();
-    let (_, least) = darkest(&x.as_slice()[..9]);
-    if least < -DARK * size { -least } else { 0.0 }
+/// The normal at which the ambient term of `x` is darkest, where it is below zero there.
+fn shadow(x: &DVector<f64>) -> Option<DVec3> {
+    let (normal, least) = darkest(&x.as_slice()[..9]);
+    (least < -DARK * x.rows(0, 9).amax()).then_some(normal)
 }
 
 /// A condition `row.x >= 0`, and its normal if it is one on the ambient term.
@@ -98,10 +97,7 @@ fn violated(x: &DVector<f64>) -> Vec<Condition> {
     };
     let rounding = -1e-12 * x.amax();
     let lights = (9..x.len()).filter(|&i| x[i] < rounding).map(|i| (row(&[1.0], i), None));
-    let ambient = (shadow(x) > 0.0).then(|| {
-        let (normal, _) = darkest(&x.as_slice()[..9]);
-        (row(&Ambient::Sh2.irradiance(normal), 0), Some(normal))
-    });
+    let ambient = shadow(x).map(|normal| (row(&Ambient::Sh2.irradiance(normal), 0), Some(normal)));
     lights.chain(ambient).collect()
 }
 
@@ -125,6 +121,7 @@ fn with_ridge(gram: &View<'_>) -> DMatrix<f64> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::kernels::fit::Samples;
     use crate::kernels::fit::moments::Moments;
     use crate::kernels::sampling;
     use ndarray::Array2;
@@ -140,7 +137,7 @@ mod tests {
             let (normals, weights) = sampling::icosphere(80).unwrap();
             // Powers make bright spots, which harmonics ring around.
             let seen = Array2::from_shape_fn((80, 3), |(i, _)| values[i].powi(8));
-            let probe = Probe::new(normals.view(), weights.view(), seen.view(), Ambient::Sh2).unwrap();
+            let probe = Probe::new(Samples::new(normals.view(), weights.view(), seen.view()).unwrap(), Ambient::Sh2);
             let moments = Moments::new(&probe, &[DVec3::Y, DVec3::X]);
             let gram = moments.gram.view((0, 0), (11, 11));
             let x = solve(&probe, &gram, &moments.right.rows(0, 11)).x.column(0).into_owned();

@@ -21,7 +21,7 @@ use super::moments::Moments;
 use super::nnls::{self, View};
 use super::probe::Probe;
 use super::radiances::{self, Radiances};
-use super::{Rig, StopReason, model};
+use super::{Rig, StopReason};
 use crate::kernels::sphere::exponential_map;
 
 /// A light never turns by more than this in one step, in radians: the model is linear only nearby.
@@ -80,10 +80,10 @@ impl State {
         let Radiances { x, dark } = radiances::solve(probe, &gram, &right);
         let cost = cost(probe, &gram, &right, &x);
         let mut state = Self { moments, x, dark, cost, damping: FIRST_DAMPING, steps, stop: None };
-        if cost <= SMALL * probe.energy {
-            state.cost = model::cost(probe, &state.rig(probe));
+        if cost <= SMALL * probe.samples.energy {
+            state.cost = probe.samples.cost(&state.rig(probe));
         }
-        if state.cost <= EXACT * probe.energy {
+        if state.cost <= EXACT * probe.samples.energy {
             state.stop = Some(StopReason::Exact);
         }
         state
@@ -110,8 +110,10 @@ impl State {
     pub fn without_black(&self, problem: &Problem<'_>) -> Option<Self> {
         let is_lit = |&light: &usize| light < problem.held || self.irradiance().row(light).amax() > 0.0;
         let kept: Vec<usize> = (0..self.lights()).filter(is_lit).collect();
-        let moments = self.moments.with(problem.probe, &kept, &[]);
-        (kept.len() < self.lights()).then(|| Self::at(problem.probe, moments, self.steps))
+        (kept.len() < self.lights()).then(|| {
+            let moments = self.moments.with(problem.probe, &kept, &[]);
+            Self::at(problem.probe, moments, self.steps)
+        })
     }
 
     /// All three channels of the lights.
@@ -186,7 +188,7 @@ impl State {
 pub fn cost(probe: &Probe, gram: &View<'_>, right: &View<'_>, x: &DMatrix<f64>) -> f64 {
     let used = gram * x;
     let explained = |c: usize| 2.0 * right.column(c).dot(&x.column(c)) - used.column(c).dot(&x.column(c));
-    probe.energy - (0..x.ncols()).map(|c| probe.copies(c) * explained(c)).sum::<f64>()
+    probe.samples.energy - (0..x.ncols()).map(|c| probe.copies(c) * explained(c)).sum::<f64>()
 }
 
 /// `(H + damping diag H) step = -slope` (Levenberg 1944, Marquardt 1963).

@@ -11,9 +11,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::Rig;
 use super::moments::Moments;
 use super::probe::Probe;
-use super::{Rig, model};
 
 /// What the covariance says of a rig.
 #[derive(Clone, Debug, Default)]
@@ -45,8 +45,8 @@ pub fn uncertainty(probe: &Probe, rig: &Rig, held: usize) -> Uncertainty {
     let scaled =
         DMatrix::from_fn(normal.nrows(), normal.ncols(), |i, j| normal[(i, j)] / length[i] / length[j]);
     let condition = condition(&scaled);
-    let freedom = (3 * probe.normals.len()).saturating_sub(unknowns.len()).max(1) as f64;
-    let variance = model::cost(probe, rig) / freedom;
+    let freedom = (3 * probe.samples.normals.len()).saturating_sub(unknowns.len()).max(1) as f64;
+    let variance = probe.samples.cost(rig) / freedom;
     let error = match scaled.cholesky() {
         Some(factor) => factor.inverse().diagonal().map(|value| (value * variance).sqrt()),
         None => DVector::repeat(unknowns.len(), f64::INFINITY),
@@ -122,7 +122,7 @@ fn inner(moments: &Moments, rig: &Rig, a: Unknown, b: Unknown) -> f64 {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::kernels::fit::{Ambient, irradiance};
+    use crate::kernels::fit::{Ambient, Samples, irradiance};
     use crate::kernels::sampling;
     use glam::DVec3;
 
@@ -137,9 +137,9 @@ mod tests {
         };
         let mut seen = irradiance(&rig, normals.view()).unwrap();
         seen.indexed_iter_mut().for_each(|((i, c), value)| *value += 0.01 * ((i * 7 + c) % 5) as f64);
-        let probe =
-            Probe::new(normals.view(), ndarray::Array1::ones(80).view(), seen.view(), Ambient::Constant)
-                .unwrap();
+        let weights = ndarray::Array1::ones(80);
+        let samples = Samples::new(normals.view(), weights.view(), seen.view()).unwrap();
+        let probe = Probe::new(samples, Ambient::Constant);
         let found = uncertainty(&probe, &rig, 0);
         let [s, t] = crate::kernels::sphere::tangents(rig.directions[0]);
         let lit = |n: DVec3, axis: DVec3| if n.dot(rig.directions[0]) > 0.0 { n.dot(axis) } else { 0.0 };
@@ -149,8 +149,9 @@ mod tests {
             3 | 4 => f64::from(u8::from(c == column - 3)) * lit(n, rig.directions[0]),
             _ => rig.irradiance[0][c] * lit(n, if column == 5 { s } else { t }),
         };
-        let jacobian = DMatrix::from_fn(240, 7, |row, column| entry(probe.normals[row / 3], row % 3, column));
-        let variance = model::cost(&probe, &rig) / 233.0;
+        let jacobian =
+            DMatrix::from_fn(240, 7, |row, column| entry(probe.samples.normals[row / 3], row % 3, column));
+        let variance = probe.samples.cost(&rig) / 233.0;
         let covariance = jacobian.tr_mul(&jacobian).try_inverse().unwrap() * variance;
         let direction = (covariance[(5, 5)] + covariance[(6, 6)]).sqrt();
         approx::assert_relative_eq!(found.direction[0], direction, max_relative = 1e-9);

@@ -1,11 +1,11 @@
 //! Equations 7 to 9: what the lights leave unexplained.
 
 use glam::DVec3;
-use ndarray::{Array1, ArrayView1, ArrayView2, Axis};
+use ndarray::{Array1, ArrayView1, ArrayView2};
 
 use super::{Surface, model};
-use crate::error::{Error, Result};
-use crate::kernels::sphere::{check_rows, unit_vectors};
+use crate::error::Result;
+use crate::kernels::sphere::check_weighted;
 
 /// Probe values that the lights should reproduce, and how much each counts.
 #[derive(Clone, Debug)]
@@ -27,26 +27,15 @@ impl<'a> Measured<'a> {
     ///
     /// # Errors
     ///
-    /// [`Error::WrongColumns`], [`Error::LengthMismatch`], [`Error::NotFinite`], [`Error::NotUnit`],
-    /// [`Error::Negative`].
+    /// [`crate::error::Error::WrongColumns`], [`crate::error::Error::LengthMismatch`], [`crate::error::Error::NotFinite`], [`crate::error::Error::NotUnit`],
+    /// [`crate::error::Error::Negative`].
     pub fn new(
         normals: ArrayView2<'a, f64>,
         probe: ArrayView2<'a, f64>,
         weights: ArrayView1<'_, f64>,
     ) -> Result<Self> {
         let rows = normals;
-        let normals = unit_vectors("normal", normals)?;
-        check_rows("probe", probe, 3)?;
-        check_rows("weights", weights.insert_axis(Axis(1)), 1)?;
-        for (what, seen) in [("probe", probe.nrows()), ("weights", weights.len())] {
-            let wanted = normals.len();
-            if seen != wanted {
-                return Err(Error::LengthMismatch { what, other: "normals", wanted, seen });
-            }
-        }
-        if let Some((index, &value)) = weights.iter().enumerate().find(|(_, weight)| **weight < 0.0) {
-            return Err(Error::Negative { what: "weights", index, value });
-        }
+        let normals = check_weighted(normals, ("probe", probe), weights)?;
         Ok(Self { rows, normals, probe, roots: weights.iter().map(|weight| weight.sqrt()).collect() })
     }
 }
@@ -59,7 +48,7 @@ impl<'a> Measured<'a> {
 ///
 /// # Errors
 ///
-/// [`Error::NotParameters`], [`Error::NotFinite`].
+/// [`crate::error::Error::NotParameters`], [`crate::error::Error::NotFinite`].
 pub fn residual(x: ArrayView1<'_, f64>, measured: &Measured<'_>, surface: &Surface) -> Result<Array1<f64>> {
     let mut left = &measured.probe - &model(x, measured.rows, surface)?;
     for (mut row, root) in left.rows_mut().into_iter().zip(&measured.roots) {

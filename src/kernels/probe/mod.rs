@@ -35,8 +35,8 @@ use ndarray::{Array2, Array3, ArrayView1, ArrayView2, ArrayView3, Axis};
 use rayon::prelude::*;
 
 use super::image::{self, Grid, WorkingMap};
-use super::sphere::{self, Registration, check_rows, unit_vectors};
-use crate::error::{Error, Result};
+use super::sphere::{self, Registration, check_lengths, check_rows, unit_vectors};
+use crate::error::Result;
 use band::{Band, Columns};
 use horizon::{Normal, Steps};
 
@@ -61,7 +61,7 @@ const NORMALS_AT_ONCE: usize = 4096;
 ///
 /// # Errors
 ///
-/// [`Error::NotAMap`], [`Error::WrongColumns`], [`Error::NotFinite`], [`Error::NotUnit`].
+/// [`crate::error::Error::NotAMap`], [`crate::error::Error::WrongColumns`], [`crate::error::Error::NotFinite`], [`crate::error::Error::NotUnit`].
 pub fn irradiance(
     radiance: ArrayView3<'_, f32>,
     registration: Registration,
@@ -77,7 +77,7 @@ pub fn irradiance(
 ///
 /// # Errors
 ///
-/// [`Error::WrongColumns`], [`Error::NotFinite`], [`Error::NotUnit`].
+/// [`crate::error::Error::WrongColumns`], [`crate::error::Error::NotFinite`], [`crate::error::Error::NotUnit`].
 pub fn working_irradiance(map: &WorkingMap, normals: ArrayView2<'_, f64>) -> Result<Array2<f64>> {
     let normals = unit_vectors("normal", normals)?;
     Ok(table::under_cells(map, &normals) + under_sources(&map.sources, &normals))
@@ -111,7 +111,7 @@ fn under_sources(sources: &Array3<f64>, normals: &[DVec3]) -> Array2<f64> {
 ///
 /// # Errors
 ///
-/// [`Error::WrongColumns`], [`Error::LengthMismatch`], [`Error::NotFinite`], [`Error::NotUnit`].
+/// [`crate::error::Error::WrongColumns`], [`crate::error::Error::LengthMismatch`], [`crate::error::Error::NotFinite`], [`crate::error::Error::NotUnit`].
 pub fn sum_over_sources(
     normals: ArrayView2<'_, f64>,
     directions: ArrayView2<'_, f64>,
@@ -124,12 +124,8 @@ pub fn sum_over_sources(
     let directions = unit_vectors("direction", directions)?;
     check_rows("radiance", radiance, 3)?;
     check_rows("solid_angles", solid_angles.insert_axis(Axis(1)), 1)?;
-    for (what, seen) in [("radiance", radiance.nrows()), ("solid_angles", solid_angles.len())] {
-        let wanted = directions.len();
-        if seen != wanted {
-            return Err(Error::LengthMismatch { what, other: "directions", wanted, seen });
-        }
-    }
+    let lengths = [("radiance", radiance.nrows()), ("solid_angles", solid_angles.len())];
+    check_lengths("directions", directions.len(), lengths)?;
     let mut out = Array2::zeros((normals.len(), 3));
     out.outer_iter_mut().into_par_iter().zip(&normals).for_each(|(mut row, normal)| {
         for ((direction, source), solid_angle) in directions.iter().zip(radiance.rows()).zip(solid_angles) {

@@ -1,0 +1,57 @@
+//! What was measured: irradiance at normals, and how far a rig is from it.
+
+use glam::DVec3;
+use ndarray::{ArrayView1, ArrayView2};
+
+use super::{Rig, model};
+use crate::error::Result;
+use crate::kernels::sphere::check_weighted;
+
+/// Irradiance at normals, each with a weight.
+#[derive(Clone, Debug)]
+pub struct Samples {
+    pub(super) normals: Vec<DVec3>,
+    pub(super) weights: Vec<f64>,
+    pub(super) irradiance: Vec<DVec3>,
+    /// Weighted sum of squares of the irradiance: the cost of no light at all.
+    pub(super) energy: f64,
+}
+
+impl Samples {
+    /// Check and pair up what was measured.
+    ///
+    /// # Inputs
+    ///
+    /// - `normals`: (n, 3) unit vectors; `weights`: (n,), not negative.
+    /// - `irradiance`: (n, 3) RGB, finite.
+    ///
+    /// # Errors
+    ///
+    /// [`crate::error::Error::WrongColumns`], [`crate::error::Error::LengthMismatch`],
+    /// [`crate::error::Error::NotFinite`], [`crate::error::Error::NotUnit`],
+    /// [`crate::error::Error::Negative`].
+    pub fn new(
+        normals: ArrayView2<'_, f64>,
+        weights: ArrayView1<'_, f64>,
+        irradiance: ArrayView2<'_, f64>,
+    ) -> Result<Self> {
+        let normals = check_weighted(normals, ("irradiance", irradiance), weights)?;
+        let irradiance = irradiance.rows().into_iter().map(|row| DVec3::new(row[0], row[1], row[2]));
+        let irradiance: Vec<DVec3> = irradiance.collect();
+        let energy = irradiance.iter().zip(weights).map(|(e, w)| w * e.length_squared()).sum();
+        Ok(Self { normals, weights: weights.to_vec(), irradiance, energy })
+    }
+
+    /// Weighted sum of squares of what `rig` leaves unexplained.
+    pub fn cost(&self, rig: &Rig) -> f64 {
+        let seen = self.normals.iter().map(|&normal| model::irradiance(rig, normal));
+        let left = seen.zip(&self.irradiance).map(|(seen, &wanted)| wanted - seen);
+        left.zip(&self.weights).map(|(left, weight)| weight * left.length_squared()).sum()
+    }
+
+    /// Relative RMS error of `rig`; absolute where all is black.
+    pub fn error(&self, rig: &Rig) -> f64 {
+        let cost = self.cost(rig);
+        if self.energy > 0.0 { (cost / self.energy).sqrt() } else { cost.sqrt() }
+    }
+}
