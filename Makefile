@@ -25,7 +25,7 @@ types:
 
 .PHONY: bench  ## Run time against error, peers in the same run
 bench:
-	$(PYTHON) benchmarks/probe_and_fit.py
+	$(PYTHON) benchmarks/probe.py
 	$(PYTHON) benchmarks/fit.py
 	$(PYTHON) benchmarks/detection_speed.py
 	$(PYTHON) benchmarks/detection.py
