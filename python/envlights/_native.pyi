@@ -35,6 +35,9 @@ __all__ = [
     "rig_irradiance",
     "sum_over_sources",
     "suppress",
+    "transfer_columns",
+    "transfer_frames",
+    "transfer_gram",
     "uniform_sphere",
     "unpack_lights",
     "unusable",
@@ -151,6 +154,16 @@ def sum_over_sources(
     colour: list[float],
 ) -> _Reals: ...
 def suppress(points: _Reals, distance: float) -> _Indices: ...
+def transfer_columns(
+    images: _Image, scale: _Image, lit: NDArray[np.bool_], weights: _Image
+) -> _Image: ...
+def transfer_frames(
+    values: NDArray[np.int8] | NDArray[np.uint16],
+    scales: _Image,
+    coefficients: _Image,
+    places: _Indices,
+) -> _Image: ...
+def transfer_gram(images: _Image, scale: _Image) -> tuple[_Reals, NDArray[np.bool_]]: ...
 def uniform_sphere(uv: _Reals) -> _Reals: ...
 def unpack_lights(x: _Reals) -> tuple[_Reals, _Reals, _Reals]: ...
 def unusable(radiance: _Image) -> tuple[int, int, int]: ...

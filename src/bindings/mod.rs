@@ -9,6 +9,7 @@ mod paper;
 mod probe;
 mod sampling;
 mod sphere;
+mod transfer;
 
 use pyo3::prelude::*;
 
@@ -37,4 +38,6 @@ mod _native {
     use super::sampling::{halton, hammersley, icosphere, radical_inverse, uniform_sphere};
     #[pymodule_export]
     use super::sphere::{direction_to_uv, pixel_directions, pixel_solid_angles, uv_to_direction};
+    #[pymodule_export]
+    use super::transfer::{transfer_columns, transfer_frames, transfer_gram};
 }

@@ -8,6 +8,7 @@
 //! | exact irradiance of a white probe             | `probe.rs`    |
 //! | ambient + directional lights from the probe   | `fit/`        |
 //! | the same, in the paper's own equations        | `paper/`      |
+//! | indirect light from direct light              | `transfer/`   |
 
 pub mod detect;
 pub mod fit;
@@ -16,3 +17,4 @@ pub mod paper;
 pub mod probe;
 pub mod sampling;
 pub mod sphere;
+pub mod transfer;

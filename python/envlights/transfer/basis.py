@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights.transfer.gram import Gram, blocks
+from envlights import _native
+from envlights.transfer.gram import Gram, parts, texel_rows
 from envlights.transfer.pairs import Pairs
 
 
@@ -67,16 +68,12 @@ class Directions:
 
 
 def directions(
-    products: NDArray[np.float64], dtype: np.dtype[Any], most: float | None = None
+    products: NDArray[np.float64], dtype: np.dtype[Any], energy: float
 ) -> Directions:
-    """All directions that are more than the rounding of `dtype`, for an energy of `most`.
-
-    Left out, `most` is the energy of the first direction.
-    """
+    """All directions that are more than the rounding of `dtype` in images of that `energy`."""
     values, vectors = np.linalg.eigh(products)
     values, vectors = values[::-1], vectors[:, ::-1]
-    rounding = 8 * np.finfo(dtype).eps
-    kept = values > max(values[0] if most is None else most, 0.0) * rounding
+    kept = values > 8 * np.finfo(dtype).eps * energy
     return Directions(values[kept], vectors[:, kept])
 
 
@@ -94,20 +91,30 @@ def basis(pairs: Pairs, seen: Gram, first: Directions, centred: bool) -> tuple[A
 
     What one texel needs stands together: a frame reads it twice as fast as it would row by row.
     """
-    weights = (first.vectors / np.sqrt(first.values)).astype(pairs.dtype)
+    weights = first.vectors / np.sqrt(first.values)
+    if centred:
+        # The mean is one more mixture. The others hold none of it: their weights add up to 0.
+        weights = np.column_stack([weights, np.full(len(weights), 1 / len(weights))])
     columns = np.empty((np.count_nonzero(seen.lit), weights.shape[1]), pairs.dtype)
-    mean = np.zeros(len(columns) if centred else 0, pairs.dtype)
     end = 0
-    for where, block in blocks(pairs):
-        block = only(block, seen.lit[where])
-        begin, end = end, end + block.shape[1]
-        if centred:
-            mean[begin:end] = block.mean(axis=0)
-            block -= mean[begin:end]
-        np.matmul(block.T, weights, out=columns[begin:end])
-    return columns, mean
+    for where, part in parts(pairs):
+        mixed = mixtures(part, pairs.scale, seen.lit[where], weights)
+        begin, end = end, end + len(mixed)
+        columns[begin:end] = mixed
+    if centred:
+        return np.ascontiguousarray(columns[:, :-1]), columns[:, -1].copy()
+    return columns, np.zeros(0, pairs.dtype)
 
 
-def only(block: NDArray[Any], lit: NDArray[np.bool_]) -> NDArray[Any]:
-    """The columns of a block that are lit; itself where all are."""
-    return block if lit.all() else block[:, lit.ravel()]
+def mixtures(
+    part: NDArray[Any],
+    scale: NDArray[np.float64],
+    lit: NDArray[np.bool_],
+    weights: NDArray[np.float64],
+) -> NDArray[Any]:
+    """Mixtures of the rows of a part of the images in its lit texels, (lit texels, rank)."""
+    scale, weights = scale.astype(part.dtype), weights.astype(part.dtype)
+    if part.dtype == np.float32:
+        return _native.transfer_columns(part, scale, lit.ravel(), weights)
+    mixed: NDArray[Any] = texel_rows(part[:, lit.ravel()], scale) @ weights
+    return mixed

@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights._native import EnvLightsError
+
 #: Texels of a block: the rows of a few images stay in the cache until they are in place.
 _BLOCK = 4096
 
@@ -17,17 +19,21 @@ def expand(
     lit: NDArray[np.bool_],
     mean: NDArray[Any],
     norm: NDArray[np.float64],
+    wanted: NDArray[np.bool_] | None = None,
 ) -> NDArray[Any]:
-    """Images of `coefficients` (n, 3, rank), black where not `lit`: (n, H, W, 3).
+    """Images of `coefficients` (n, 3, components), black where not `lit`: (n, H, W, 3).
 
-    A `mean` that is not empty is added `norm` times.
+    Of a basis of more components the others are not read. A `mean` that is not empty is added
+    `norm` times. Only what is `wanted` (H, W) is sure to be there.
     """
-    images = len(coefficients)
-    rows = coefficients.reshape(3 * images, -1).astype(basis.dtype)
+    images, _, components = coefficients.shape
+    rows = coefficients.reshape(3 * images, components).astype(basis.dtype)
     shares = np.repeat(norm, 3).astype(basis.dtype)
     out = np.zeros((images, lit.size, 3), basis.dtype)
     for kept, texels in _blocks(lit):
-        block = basis[kept] @ rows.T
+        if wanted is not None and not wanted.ravel()[texels].any():
+            continue
+        block = basis[kept, :components] @ rows.T
         if len(mean):
             block += mean[kept, None] * shares
         out[:, texels] = block.reshape(-1, images, 3).swapaxes(0, 1)
@@ -46,6 +52,33 @@ def gather(
             block -= mean[kept]
         coefficients += block @ basis[kept]
     return coefficients.reshape(len(images), 3, -1)
+
+
+def enough(coefficients: NDArray[np.float64], error: float) -> NDArray[np.float64]:
+    """The first components, as many as the `error` of each frame needs; 0 where it needs fewer.
+
+    The columns of the basis are orthonormal: leaving components out costs their squares.
+    """
+    energy = np.einsum("ncr,ncr->nr", coefficients, coefficients)
+    left = np.cumsum(energy[:, ::-1], axis=1)[:, ::-1]
+    kept = left > error**2 * left[:, :1]
+    first: NDArray[np.float64] = (coefficients * kept[:, None])[..., : kept.sum(axis=1).max()]
+    return first
+
+
+def inside(region: object, shape: tuple[int, int]) -> NDArray[np.bool_]:
+    """The texels of two slices, (H, W), or a refusal."""
+    wanted = np.zeros(shape, np.bool_)
+    try:
+        rows, columns = region  # type: ignore[misc]
+        for each, side in zip((rows, columns), shape, strict=True):
+            slice.indices(each, side)
+        wanted[rows, columns] = True
+    except (TypeError, ValueError):
+        raise EnvLightsError(
+            f"region must be two slices, of rows and of columns; got {region!r}"
+        ) from None
+    return wanted
 
 
 def _blocks(lit: NDArray[np.bool_]) -> list[tuple[slice, Any]]:

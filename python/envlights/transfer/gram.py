@@ -16,14 +16,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights import _native
 from envlights._native import EnvLightsError
 from envlights.transfer.pairs import Pairs, check_finite
 
-#: Texels of a block, rounded to rows of the image. Products of a block are summed in the type of
-#: the images and blocks in float64: in float32 that is wrong by 2e-8 of the largest eigenvalue.
-#: A few hundred images of that many texels stay in the cache.
-_BLOCK = 1024
-#: Over fewer texels than this rounding does not average out, and float64 costs little.
+#: Texels of a part, rounded to rows of the image: enough for several threads.
+_PART = 8192
+#: Over fewer texels than this the rounding of float32 does not average out, and float64 costs little.
 _FEW = 2**16
 
 
@@ -45,36 +44,48 @@ def gram(pairs: Pairs, centred: bool) -> Gram:
     """Inner products of the scaled indirect images; `centred`: less the mean of all rows."""
     rows = 3 * len(pairs.scale)
     products = np.zeros((rows, rows))
-    energy = np.zeros(rows)
     lit = np.empty(pairs.indirect.shape[1:3], np.bool_)
+    is_single = pairs.dtype == np.float32 and lit.size >= _FEW
+    inner = _native.transfer_gram if is_single else _double
+    scale = pairs.scale.astype(np.float32 if is_single else np.float64)
     # What overflows, or is NaN, is refused below by its place.
     with np.errstate(over="ignore", invalid="ignore"):
-        for where, block in blocks(pairs):
-            is_lit = (block.min(axis=0) != 0) | (block.max(axis=0) != 0)
+        for where, part in parts(pairs):
+            found, is_lit = inner(part, scale)
+            products += found
             lit[where] = is_lit.reshape(lit[where].shape)
-            if centred:
-                energy += np.einsum("ij,ij->i", block, block)
-                block -= block.mean(axis=0)
-            wide = block.astype(np.float64, copy=False) if lit.size < _FEW else block
-            products += wide @ wide.T
-    if not centred:
-        energy = np.diagonal(products)
+    energy = np.diagonal(products).copy()
     if not np.isfinite(energy).all():
         _refuse(pairs)
+    products = np.tril(products) + np.tril(products, -1).T
+    if centred:
+        mean = products.mean(axis=0)
+        products += mean.mean() - mean - mean[:, None]
     return Gram(products, energy.reshape(-1, 3).sum(axis=1), lit)
 
 
-def blocks(pairs: Pairs) -> Iterator[tuple[slice, NDArray[Any]]]:
-    """Rows of the image, and what is in them: (3 k, texels), scaled. Each may be written to."""
+def _double(
+    part: NDArray[Any], scale: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """What the kernel gives, in float64."""
+    block = texel_rows(part, scale)
+    return block.T @ block, block.any(axis=1)
+
+
+def parts(pairs: Pairs) -> Iterator[tuple[slice, NDArray[Any]]]:
+    """Rows of the image, and what is in them: (k, texels, 3), not scaled."""
     images, height, width, _ = pairs.indirect.shape
-    step = max(1, _BLOCK // width)
-    scale = pairs.scale.astype(pairs.dtype)[:, None, None, None]
+    step = max(1, _PART // width)
     for first in range(0, height, step):
         where = slice(first, min(first + step, height))
-        part = np.moveaxis(pairs.indirect[:, where], -1, 1)
-        block = np.empty(part.shape, pairs.dtype)
-        np.multiply(part, scale, out=block, casting="same_kind")
-        yield where, block.reshape(3 * images, -1)
+        part = pairs.indirect[:, where].astype(pairs.dtype, copy=False)
+        yield where, part.reshape(images, -1, 3)
+
+
+def texel_rows(part: NDArray[Any], scale: NDArray[Any]) -> NDArray[Any]:
+    """The scaled values of all images in each texel, (texels, 3 k)."""
+    scaled: NDArray[Any] = part.swapaxes(0, 1) * scale[:, None]
+    return scaled.reshape(len(scaled), -1)
 
 
 def _refuse(pairs: Pairs) -> None:

@@ -20,8 +20,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights.transfer.basis import Directions, Wanted, directions, only
-from envlights.transfer.gram import blocks, gram
+from envlights.transfer.basis import Directions, Wanted, directions, mixtures
+from envlights.transfer.gram import gram, parts, texel_rows
 from envlights.transfer.learnt import Learnt
 from envlights.transfer.pairs import Pairs
 
@@ -32,7 +32,7 @@ def grown(
     """Basis, lit texels and learnt pairs, with the new `pairs`."""
     seen = gram(pairs, centred=False)
     inside = _inside(basis, lit, pairs)
-    left = directions(seen.products - inside @ inside.T, pairs.dtype, np.trace(seen.products))
+    left = directions(seen.products - inside @ inside.T, pairs.dtype, seen.energy.sum())
     old = learnt.coefficients.reshape(-1, basis.shape[1])
     rows = np.block(
         [
@@ -59,10 +59,11 @@ def _inside(basis: NDArray[Any], lit: NDArray[np.bool_], pairs: Pairs) -> NDArra
     """Coefficients of the new rows in the old basis, (3 n, rank)."""
     inside = np.zeros((3 * len(pairs.scale), basis.shape[1]))
     end = 0
-    for where, block in blocks(pairs):
-        block = only(block, lit[where])
-        begin, end = end, end + block.shape[1]
-        inside += block @ basis[begin:end]
+    scale = pairs.scale.astype(pairs.dtype)
+    for where, part in parts(pairs):
+        block = texel_rows(part[:, lit[where].ravel()], scale)
+        begin, end = end, end + len(block)
+        inside += block.T @ basis[begin:end]
     return inside
 
 
@@ -82,19 +83,18 @@ def _turned(
     lit: NDArray[np.bool_],
     union: NDArray[np.bool_],
     pairs: Pairs,
-    parts: tuple[NDArray[np.float64], Directions, NDArray[np.float64]],
+    turned: tuple[NDArray[np.float64], Directions, NDArray[np.float64]],
 ) -> NDArray[Any]:
     """The new basis over the lit texels of old and new images."""
-    inside, left, turn = parts
+    inside, left, turn = turned
     rank = basis.shape[1]
     from_new = left.vectors / np.sqrt(left.values) @ turn[rank:]
     from_old = (turn[:rank] - inside.T @ from_new).astype(basis.dtype)
-    from_new = from_new.astype(basis.dtype)
     out = np.empty((np.count_nonzero(union), from_old.shape[1]), basis.dtype)
     end = old_end = 0
-    for where, block in blocks(pairs):
+    for where, part in parts(pairs):
         ours = union[where]
-        block = only(block, ours).T.astype(basis.dtype, copy=False) @ from_new
+        block = mixtures(part, pairs.scale, ours, from_new).astype(basis.dtype, copy=False)
         old_begin, old_end = old_end, old_end + int(np.count_nonzero(lit[where]))
         block[lit[where][ours]] += basis[old_begin:old_end] @ from_old
         begin, end = end, end + len(block)

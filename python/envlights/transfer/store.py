@@ -10,9 +10,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from envlights._native import EnvLightsError
 from envlights.files import write_atomically
+from envlights.transfer.compact import LARGEST, SHARE, TILE, CompactBasis, places_of
 from envlights.transfer.learnt import Learnt
 from envlights.transfer.report import TransferReport
 
@@ -29,7 +31,7 @@ def save(path: str | os.PathLike[str], model: TransferModel) -> None:
     arrays = {
         "format": np.array(_FORMAT),
         "version": np.array(_VERSION),
-        "basis": model.basis,
+        **_basis_arrays(model.basis),
         "lit": model.lit,
         "transfer": model.transfer,
         "mean": model.mean,
@@ -42,6 +44,12 @@ def save(path: str | os.PathLike[str], model: TransferModel) -> None:
         "report": np.array(json.dumps(model.report.to_dict())),
     }
     write_atomically(path, lambda beside: _savez(beside, arrays))
+
+
+def _basis_arrays(basis: NDArray[Any] | CompactBasis) -> dict[str, Any]:
+    if not isinstance(basis, CompactBasis):
+        return {"basis": basis}
+    return {"basis": basis.values, "scales": basis.scales}
 
 
 def _savez(path: Path, arrays: Mapping[str, Any]) -> None:
@@ -90,7 +98,7 @@ def _model(data: Mapping[str, Any]) -> TransferModel:
     height, width = (int(side) for side in data["size"])
     learnt = Learnt(data["direct"], data["coefficients"], data["outside"], data["energy"])
     return TransferModel(
-        basis=data["basis"],
+        basis=_basis(data),
         lit=data["lit"],
         transfer=data["transfer"],
         mean=data["mean"],
@@ -101,9 +109,18 @@ def _model(data: Mapping[str, Any]) -> TransferModel:
     )
 
 
+def _basis(data: Mapping[str, Any]) -> NDArray[Any] | CompactBasis:
+    if "scales" not in data:
+        return data["basis"]  # type: ignore[no-any-return]
+    return CompactBasis(data["basis"], data["scales"], places_of(data["lit"]))
+
+
 def _check_shapes(data: Mapping[str, Any]) -> None:
     """Refuse arrays that do not fit together."""
-    lit, rank = data["basis"].shape
+    if data["lit"].ndim != 2 or data["lit"].dtype != np.bool_:
+        raise ValueError("lit is no mask of texels")
+    rank = _check_tiles(data) if "scales" in data else _check_columns(data)
+    lit = int(np.count_nonzero(data["lit"]))
     texels = int(np.prod(data["size"]))
     pairs = len(data["direct"])
     seen_by_each = 3 * texels if len(data["mean"]) else texels
@@ -120,5 +137,27 @@ def _check_shapes(data: Mapping[str, Any]) -> None:
             raise ValueError(f"{name} has the shape {data[name].shape}, not {shape}")
         if not np.isfinite(data[name]).all():
             raise ValueError(f"{name} is not finite")
-    if data["lit"].ndim != 2 or data["lit"].dtype != np.bool_ or data["lit"].sum() != lit:
+
+
+def _check_columns(data: Mapping[str, Any]) -> int:
+    """The rank of a basis in full, or a refusal."""
+    lit, rank = data["basis"].shape
+    if np.count_nonzero(data["lit"]) != lit:
         raise ValueError(f"basis has {lit} texels, lit another number")
+    return int(rank)
+
+
+def _check_tiles(data: Mapping[str, Any]) -> int:
+    """The rank of a compact basis, or a refusal."""
+    tiles, rank, lanes = data["basis"].shape
+    if lanes != TILE or data["basis"].dtype.name not in LARGEST:
+        raise ValueError(f"basis has tiles of {lanes} texels in {data['basis'].dtype}")
+    shape = (tiles, rank, TILE // SHARE)
+    if data["scales"].shape != shape or data["scales"].dtype != np.float32:
+        raise ValueError(f"scales has the shape {data['scales'].shape}, not {shape}")
+    if not np.isfinite(data["scales"]).all() or not np.isfinite(data["basis"]).all():
+        raise ValueError("basis is not finite")
+    places = places_of(data["lit"])
+    if places.max() + 1 != tiles:
+        raise ValueError(f"basis has {tiles} tiles, lit another number")
+    return int(rank)

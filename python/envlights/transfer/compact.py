@@ -1,0 +1,114 @@
+"""A basis in bytes or halves: a frame costs what it takes to read the basis.
+
+16 texels of a component share a scale, so that dark corners keep their digits. With `D`, what the
+rounding changes, a frame of the coefficients `a` is B a + D a. The columns of B are orthonormal, so
+
+    |D a| / |B a| <= |D|_2,
+
+the largest singular value of D, for each frame there can be. It is found from ``D^T D``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import DTypeLike, NDArray
+
+from envlights import _native
+
+#: Texels that stand together, and those of them that share a scale, as in the kernel.
+TILE, SHARE = 32, 16
+#: The largest value at its scale, for each type in which a basis is kept, the most compact first.
+LARGEST: dict[str, float] = {"int8": 127.0, "float16": 1.0}
+#: Texels that are rounded at a time.
+_BLOCK = 8192
+
+
+@dataclass(frozen=True, eq=False)
+class CompactBasis:
+    """Orthonormal columns, rounded, over tiles of 32 texels of the image."""
+
+    values: NDArray[Any]
+    """int8 or float16, (tiles, rank, 32)."""
+
+    scales: NDArray[np.float32]
+    """What the values of each half of a tile are multiplied with, (tiles, rank, 2)."""
+
+    places: NDArray[np.int64]
+    """For each tile of the image the place of its values, or -1 where it is black."""
+
+    def expand(
+        self,
+        coefficients: NDArray[np.float64],
+        shape: tuple[int, int],
+        wanted: NDArray[np.bool_] | None,
+    ) -> NDArray[np.float32]:
+        """Images of `coefficients` (n, 3, components), at least where `wanted`: (n, H, W, 3)."""
+        places = self.places
+        if wanted is not None:
+            places = np.where(in_tiles(wanted.ravel()).any(axis=1), places, -1)
+        bits = self.values.view(np.uint16) if self.values.dtype == np.float16 else self.values
+        rows = np.ascontiguousarray(coefficients.swapaxes(1, 2), np.float32)
+        out = _native.transfer_frames(bits, self.scales, rows, places)
+        return out[:, : shape[0] * shape[1]].reshape(len(out), *shape, 3)
+
+    def dense(self, lit: NDArray[np.bool_]) -> NDArray[np.float32]:
+        """The columns over the lit texels, (lit texels, rank)."""
+        tiles = self.values * np.repeat(self.scales, SHARE, axis=2)
+        rows: NDArray[np.float32] = tiles.swapaxes(1, 2)[in_tiles(lit.ravel())[self.places >= 0]]
+        return rows
+
+
+def rounded(
+    basis: NDArray[Any], lit: NDArray[np.bool_], dtype: str
+) -> tuple[CompactBasis, NDArray[np.float64]]:
+    """The basis (lit texels, rank) in `dtype`, and ``D^T D`` of what that changes."""
+    places = places_of(lit)
+    rank = basis.shape[1]
+    values = np.empty((places.max() + 1, rank, TILE), dtype)
+    scales = np.empty((*values.shape[:2], TILE // SHARE), np.float32)
+    wrong = np.zeros((rank, rank))
+    end = 0
+    for tiles in _tiles(basis, lit):
+        begin, end = end, end + len(tiles)
+        values[begin:end], scales[begin:end] = _scaled(tiles, dtype)
+        change = values[begin:end] * np.repeat(scales[begin:end], SHARE, axis=2) - tiles
+        rows = change.swapaxes(0, 1).reshape(rank, -1).astype(np.float64)
+        wrong += rows @ rows.T
+    return CompactBasis(values, scales, places), wrong
+
+
+def _scaled(tiles: NDArray[Any], dtype: DTypeLike) -> tuple[NDArray[Any], NDArray[np.float32]]:
+    """Tiles (n, rank, 32) as values of `dtype`, and the scales."""
+    largest = np.abs(tiles).reshape(*tiles.shape[:2], -1, SHARE).max(axis=3)
+    scales = (largest / LARGEST[np.dtype(dtype).name]).astype(np.float32)
+    inverse = np.divide(1.0, scales, out=np.zeros(scales.shape), where=scales > 0)
+    values = tiles * np.repeat(inverse, SHARE, axis=2)
+    return (np.rint(values) if np.dtype(dtype).kind == "i" else values).astype(dtype), scales
+
+
+def _tiles(basis: NDArray[Any], lit: NDArray[np.bool_]) -> Iterator[NDArray[Any]]:
+    """The tiles that are lit, some at a time, (n, rank, 32); 0 where a texel is black."""
+    flat = lit.ravel()
+    end = 0
+    for first in range(0, flat.size, _BLOCK):
+        here = flat[first : first + _BLOCK]
+        block = np.zeros((-(-len(here) // TILE) * TILE, basis.shape[1]), basis.dtype)
+        begin, end = end, end + int(np.count_nonzero(here))
+        block[: len(here)][here] = basis[begin:end]
+        tiles = block.reshape(-1, TILE, basis.shape[1]).swapaxes(1, 2)
+        yield tiles[in_tiles(here).any(axis=1)]
+
+
+def places_of(lit: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """For each tile of the image its place among those that are lit, or -1."""
+    lit_tiles = in_tiles(lit.ravel()).any(axis=1)
+    return np.where(lit_tiles, np.cumsum(lit_tiles) - 1, -1)
+
+
+def in_tiles(texels: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """A mask of texels by tile, (tiles, 32); the last is filled up."""
+    return np.pad(texels, (0, -len(texels) % TILE)).reshape(-1, TILE)

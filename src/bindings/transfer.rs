@@ -1,0 +1,67 @@
+//! `kernels::transfer` for Python.
+
+use numpy::{
+    IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
+};
+use pyo3::prelude::*;
+
+use crate::kernels::transfer;
+
+/// Inner products, and which texels are lit.
+type Gram<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<bool>>);
+
+/// Values of a basis: bytes, or the bits of halves.
+#[derive(FromPyObject)]
+pub enum Values<'py> {
+    Bytes(PyReadonlyArray3<'py, i8>),
+    Halves(PyReadonlyArray3<'py, u16>),
+}
+
+/// See `envlights.transfer.gram`.
+#[pyfunction]
+pub fn transfer_gram<'py>(
+    py: Python<'py>,
+    images: PyReadonlyArray3<'py, f32>,
+    scale: PyReadonlyArray1<'py, f32>,
+) -> PyResult<Gram<'py>> {
+    let (images, scale) = (images.as_array(), scale.as_slice()?);
+    let (products, lit) = py.detach(|| transfer::gram(images, scale));
+    Ok((products.into_pyarray(py), lit.into_pyarray(py)))
+}
+
+/// See `envlights.transfer.basis`.
+#[pyfunction]
+pub fn transfer_columns<'py>(
+    py: Python<'py>,
+    images: PyReadonlyArray3<'py, f32>,
+    scale: PyReadonlyArray1<'py, f32>,
+    lit: PyReadonlyArray1<'py, bool>,
+    weights: PyReadonlyArray2<'py, f32>,
+) -> PyResult<Bound<'py, PyArray2<f32>>> {
+    let (images, scale, lit, weights) =
+        (images.as_array(), scale.as_slice()?, lit.as_slice()?, weights.as_array());
+    Ok(py.detach(|| transfer::columns(images, scale, lit, weights)).into_pyarray(py))
+}
+
+/// See `envlights.transfer.compact`.
+#[pyfunction]
+pub fn transfer_frames<'py>(
+    py: Python<'py>,
+    values: Values<'py>,
+    scales: PyReadonlyArray3<'py, f32>,
+    coefficients: PyReadonlyArray3<'py, f32>,
+    places: PyReadonlyArray1<'py, i64>,
+) -> PyResult<Bound<'py, PyArray3<f32>>> {
+    let (scales, coefficients, places) = (scales.as_array(), coefficients.as_array(), places.as_slice()?);
+    let out = match &values {
+        Values::Bytes(values) => {
+            let values = values.as_array();
+            py.detach(|| transfer::frames(values, scales, coefficients, places))
+        }
+        Values::Halves(values) => {
+            let values = values.as_array();
+            py.detach(|| transfer::frames(values, scales, coefficients, places))
+        }
+    }?;
+    Ok(out.into_pyarray(py))
+}

@@ -1,0 +1,98 @@
+//! The basis: mixtures of the images, over a part of their texels.
+
+use faer::linalg::matmul::matmul;
+use faer::{Accum, MatMut, MatRef, Par};
+use ndarray::{Array2, ArrayView2, ArrayView3};
+use rayon::prelude::*;
+
+use super::rows;
+
+/// Texels of a task: their rows stay in the second-level cache for some hundred images.
+const SPAN: usize = 512;
+
+/// Mixtures of the rows of `images` in the texels that are `lit`:
+///
+/// ```text
+///   B[t, r] = sum over i and c of  scale[i] images[i, t, c] weights[3 i + c, r]
+/// ```
+///
+/// # Inputs
+///
+/// - `images`: (k, texels, 3).
+/// - `scale`: (k,).
+/// - `lit`: (texels,).
+/// - `weights`: (3 k, rank).
+///
+/// # Returns
+///
+/// (lit texels, rank).
+pub fn columns(
+    images: ArrayView3<'_, f32>,
+    scale: &[f32],
+    lit: &[bool],
+    weights: ArrayView2<'_, f32>,
+) -> Array2<f32> {
+    let (width, rank) = weights.dim();
+    let weights = weights.as_standard_layout();
+    let weights = MatRef::from_row_major_slice(weights.as_slice().unwrap_or_default(), width, rank);
+    let counts = lit.chunks(SPAN).map(|lit| lit.iter().filter(|&&lit| lit).count());
+    let mut out = Array2::zeros((counts.clone().sum(), rank));
+    let mut parts = Vec::new();
+    let mut rest = out.as_slice_mut().unwrap_or_default();
+    for count in counts {
+        let (part, others) = rest.split_at_mut(rank * count);
+        parts.push(part);
+        rest = others;
+    }
+    parts.into_par_iter().zip(lit.par_chunks(SPAN)).enumerate().for_each_init(
+        || vec![0.0; width * SPAN],
+        |block, (span, (out, lit))| {
+            rows::fill(&mut block[..width * lit.len()], images, scale, SPAN * span);
+            let count = out.len() / rank;
+            keep(block, width, lit);
+            matmul(
+                MatMut::from_column_major_slice_mut(out, rank, count),
+                Accum::Replace,
+                weights.transpose(),
+                MatRef::from_column_major_slice(&block[..width * count], width, count),
+                1.0,
+                Par::Seq,
+            );
+        },
+    );
+    out
+}
+
+/// Move the rows that are lit to the front.
+fn keep(block: &mut [f32], width: usize, lit: &[bool]) {
+    for (to, from) in (0..lit.len()).filter(|&from| lit[from]).enumerate() {
+        if to < from {
+            block.copy_within(width * from..width * (from + 1), width * to);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use ndarray::{Array3, arr2, s};
+
+    use super::*;
+
+    /// A weight of 1 takes one row; dark texels are left out, and so is every other pixel of a view.
+    #[test]
+    fn one_weight_takes_one_row() {
+        let whole = Array3::from_shape_fn((5, 2 * SPAN + 6, 4), |(k, t, c)| (100 * t + 10 * k + c) as f32);
+        let images = whole.slice(s![.., ..;2, ..3]);
+        let lit: Vec<bool> = (0..SPAN + 3).map(|t| t % 3 != 1).collect();
+        let scale = [1.0, 2.0, 1.0, 1.0, 0.5];
+        let mut weights = Array2::zeros((15, 2));
+        weights[[3 + 2, 0]] = 1.0;
+        weights[[12, 1]] = 1.0;
+        let found = columns(images, &scale, &lit, weights.view());
+        let wanted = (0..lit.len()).filter(|&t| lit[t]);
+        assert_eq!(found.nrows(), wanted.clone().count());
+        for (row, t) in found.outer_iter().zip(wanted) {
+            assert_eq!(row, arr2(&[[2.0 * images[[1, t, 2]], 0.5 * images[[4, t, 0]]]]).row(0));
+        }
+    }
+}

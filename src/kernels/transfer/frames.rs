@@ -1,0 +1,268 @@
+//! Frames from a basis of one or two bytes a value.
+//!
+//! A frame costs what it takes to read the basis, so a basis of a quarter of the bytes is worth its
+//! rounding. Its values stand in tiles of 32 texels, (tiles, rank, 32), each half of a tile with a scale
+//! of its own for each component:
+//!
+//! ```text
+//!   image[t, c] = sum over r of  coefficients[r, c] scales[tile, r, lane / 16] values[tile, r, lane],
+//!   t = 32 tile + lane
+//! ```
+//!
+//! so the sums of a tile stay in registers side by side, and a frame that needs the first components
+//! alone reads no other.
+
+use ndarray::parallel::prelude::*;
+use ndarray::{Array3, ArrayView3, Axis};
+use pulp::{Arch, Simd, WithSimd};
+use rayon::slice::ParallelSlice;
+
+use crate::error::{Error, Result};
+
+/// Texels of a tile: with more the sums leave the registers.
+const TILE: usize = 32;
+/// Texels that share a scale: with fewer the scales weigh more, with more they fit less well.
+const SHARE: usize = 16;
+/// The scales of a component of a tile.
+type Scales = [f32; TILE / SHARE];
+/// Tiles of a task.
+const SPAN: usize = 128;
+/// Vectors of a tile whose sums run side by side: with three channels, of eight floats, they fill the
+/// registers.
+const GROUP: usize = 4;
+
+/// A value of the basis as it is kept.
+pub trait Kept: Copy + Sync {
+    /// As it is used, before its scale.
+    fn widen(self) -> f32;
+}
+
+impl Kept for i8 {
+    #[inline(always)]
+    fn widen(self) -> f32 {
+        f32::from(self)
+    }
+}
+
+/// The bits of an IEEE half that is finite.
+impl Kept for u16 {
+    /// They are those of a float that is 2^112 times smaller, also where they are subnormal.
+    #[inline(always)]
+    fn widen(self) -> f32 {
+        const UP: f32 = f32::from_bits((127 + 112) << 23);
+        let magnitude = f32::from_bits(u32::from(self & 0x7fff) << 13) * UP;
+        f32::from_bits(magnitude.to_bits() | u32::from(self & 0x8000) << 16)
+    }
+}
+
+/// Images of `coefficients`, in tiles.
+///
+/// # Inputs
+///
+/// - `values`: (tiles, rank, 32), bytes or the bits of halves, in C order.
+/// - `scales`: (tiles, rank, 2), in C order.
+/// - `coefficients`: (n, rank, 3), in C order, of the first components; the others are not read.
+/// - `places`: for each tile of an image where it is in `values`; below 0 it is black.
+///
+/// # Returns
+///
+/// (n, 32 `places.len()`, 3).
+///
+/// # Errors
+///
+/// [`Error::WrongColumns`] for tiles of another size, [`Error::LengthMismatch`] for more coefficients
+/// than components, [`Error::OutOfRange`] for a place that is not in `values`.
+pub fn frames<T: Kept>(
+    values: ArrayView3<'_, T>,
+    scales: ArrayView3<'_, f32>,
+    coefficients: ArrayView3<'_, f32>,
+    places: &[i64],
+) -> Result<Array3<f32>> {
+    let basis = Basis::new(&values, &scales)?;
+    basis.check(coefficients.dim().1, places)?;
+    let images: Vec<Vec<[f32; 3]>> = coefficients
+        .outer_iter()
+        .map(|rows| rows.rows().into_iter().map(|rgb| [rgb[0], rgb[1], rgb[2]]).collect())
+        .collect();
+    let mut out = Array3::zeros((images.len(), TILE * places.len(), 3));
+    let arch = Arch::new();
+    out.axis_chunks_iter_mut(Axis(1), TILE * SPAN).into_par_iter().zip(places.par_chunks(SPAN)).for_each(
+        |(mut out, places)| {
+            let mut out: Vec<_> = out
+                .outer_iter_mut()
+                .map(|image| image.into_slice().unwrap_or_default().as_chunks_mut::<3>().0)
+                .collect();
+            arch.dispatch(Span { basis: &basis, out: &mut out, images: &images, places });
+        },
+    );
+    Ok(out)
+}
+
+/// What is kept of a basis.
+struct Basis<'a, T> {
+    values: &'a [[T; TILE]],
+    scales: &'a [Scales],
+    rank: usize,
+}
+
+impl<'a, T: Kept> Basis<'a, T> {
+    fn new(values: &'a ArrayView3<'_, T>, scales: &'a ArrayView3<'_, f32>) -> Result<Self> {
+        let (tiles, rank, lanes) = values.dim();
+        if lanes != TILE {
+            return Err(Error::WrongColumns {
+                what: "values",
+                columns: TILE,
+                shape: values.shape().to_vec(),
+            });
+        }
+        if scales.dim() != (tiles, rank, TILE / SHARE) {
+            return Err(Error::WrongColumns {
+                what: "scales",
+                columns: rank,
+                shape: scales.shape().to_vec(),
+            });
+        }
+        let (values, _) = values.as_slice().unwrap_or_default().as_chunks();
+        Ok(Self { values, scales: scales.as_slice().unwrap_or_default().as_chunks().0, rank })
+    }
+
+    fn check(&self, components: usize, places: &[i64]) -> Result<()> {
+        if components > self.rank {
+            let (what, other) = ("coefficients", "values");
+            return Err(Error::LengthMismatch { what, other, wanted: self.rank, seen: components });
+        }
+        let tiles = if self.rank == 0 { 0 } else { self.values.len() / self.rank };
+        match places.iter().find(|&&place| place >= tiles as i64) {
+            None => Ok(()),
+            Some(&place) => Err(Error::OutOfRange {
+                what: "places",
+                value: place as f64,
+                least: -1.0,
+                most: tiles as f64 - 1.0,
+            }),
+        }
+    }
+}
+
+/// Some tiles of all images, for the widest vectors there are.
+struct Span<'a, T> {
+    basis: &'a Basis<'a, T>,
+    out: &'a mut [&'a mut [[f32; 3]]],
+    images: &'a [Vec<[f32; 3]>],
+    places: &'a [i64],
+}
+
+impl<T: Kept> WithSimd for Span<'_, T> {
+    type Output = ();
+
+    /// A tile is widened once for all images.
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let components = self.images.first().map_or(0, Vec::len);
+        let mut wide = vec![[0.0; TILE]; components];
+        for (tile, &place) in self.places.iter().enumerate() {
+            let Ok(place) = usize::try_from(place) else { continue };
+            let first = self.basis.rank * place;
+            let kept = &self.basis.values[first..first + components];
+            let scales = &self.basis.scales[first..first + components];
+            // One long loop: the compiler makes vectors of it, and none of many short ones.
+            for (wide, kept) in wide.as_flattened_mut().iter_mut().zip(kept.as_flattened()) {
+                *wide = kept.widen();
+            }
+            for (wide, scales) in wide.iter_mut().zip(scales) {
+                for (wide, scale) in wide.as_chunks_mut::<SHARE>().0.iter_mut().zip(scales) {
+                    wide.iter_mut().for_each(|value| *value *= scale);
+                }
+            }
+            for (out, coefficients) in self.out.iter_mut().zip(self.images) {
+                let [red, green, blue] = mixed(simd, &wide, coefficients);
+                for (lane, texel) in out[TILE * tile..TILE * (tile + 1)].iter_mut().enumerate() {
+                    *texel = [red[lane], green[lane], blue[lane]];
+                }
+            }
+        }
+    }
+}
+
+/// The three channels of a tile.
+#[inline(always)]
+fn mixed<S: Simd>(simd: S, components: &[[f32; TILE]], coefficients: &[[f32; 3]]) -> [[f32; TILE]; 3] {
+    const { assert!((TILE / S::F32_LANES).is_multiple_of(GROUP), "a tile must be whole groups of vectors") };
+    let mut sums = [[0.0; TILE]; 3];
+    for group in 0..TILE / S::F32_LANES / GROUP {
+        let vectors = GROUP * group..GROUP * (group + 1);
+        let mut channels = [[simd.splat_f32s(0.0); GROUP]; 3];
+        for (component, rgb) in components.iter().zip(coefficients) {
+            let component = &S::as_simd_f32s(component).0[vectors.clone()];
+            for (sums, &coefficient) in channels.iter_mut().zip(rgb) {
+                let coefficient = simd.splat_f32s(coefficient);
+                for (sum, &value) in sums.iter_mut().zip(component) {
+                    *sum = simd.mul_add_e_f32s(coefficient, value, *sum);
+                }
+            }
+        }
+        for (sums, channel) in sums.iter_mut().zip(channels) {
+            S::as_mut_simd_f32s(sums).0[vectors.clone()].copy_from_slice(&channel);
+        }
+    }
+    sums
+}
+
+#[cfg(test)]
+mod tests {
+    use ndarray::s;
+
+    use super::*;
+
+    /// 1, the least and the largest normal, subnormal ones, both zeros.
+    #[test]
+    fn halves_are_widened_exactly() {
+        let bits = [0x3c00, 0xc000, 0x0400, 0x7bff, 0x0001, 0x83ff, 0x0000, 0x8000_u16];
+        let wanted =
+            [1.0, -2.0, 2f32.powi(-14), 65504.0, 2f32.powi(-24), -1023.0 * 2f32.powi(-24), 0.0, -0.0];
+        for (bits, wanted) in bits.into_iter().zip(wanted) {
+            assert_eq!(bits.widen().to_bits(), f32::to_bits(wanted), "{bits:#06x}");
+        }
+    }
+
+    /// Small whole numbers: the sums are exact. One tile is black, one image stops at two components.
+    #[test]
+    fn frames_are_the_sums_over_the_components() {
+        let (tiles, rank) = (SPAN + 3, 5);
+        let values = Array3::from_shape_fn((tiles, rank, TILE), |(i, r, l)| (i + 3 * r + 7 * l) as i8 % 13);
+        let scales = Array3::from_shape_fn((tiles, rank, 2), |(i, r, h)| 2f32.powi((i + r + h) as i32 % 3));
+        let coefficients = Array3::from_shape_fn((2, rank, 3), |(n, r, c)| (n + 2 * r + c) as f32 - 4.0);
+        let mut places: Vec<i64> = (0..tiles as i64).rev().collect();
+        places[7] = -1;
+        for components in [rank, 2, 0] {
+            let coefficients = coefficients.slice(s![.., ..components, ..]);
+            let found = frames(values.view(), scales.view(), coefficients, &places).unwrap();
+            for ((n, t, c), &found) in found.indexed_iter() {
+                let wanted = usize::try_from(places[t / TILE]).map_or(0.0, |tile| {
+                    let term = |r| {
+                        coefficients[[n, r, c]]
+                            * scales[[tile, r, t % TILE / SHARE]]
+                            * f32::from(values[[tile, r, t % TILE]])
+                    };
+                    (0..components).map(term).sum()
+                });
+                assert_eq!(found, wanted, "image {n}, texel {t}, channel {c}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_does_not_fit_is_refused() {
+        let values = Array3::<i8>::zeros((2, 1, TILE));
+        let scales = Array3::ones((2, 1, 2));
+        let call = |values: &Array3<i8>, components, places: &[i64]| {
+            let coefficients = Array3::zeros((1, components, 3));
+            frames(values.view(), scales.view(), coefficients.view(), places)
+                .map_err(|error| error.to_string())
+        };
+        assert!(call(&values, 2, &[0]).unwrap_err().starts_with("coefficients must have as many rows"));
+        assert_eq!(call(&values, 1, &[2]).unwrap_err(), "places must be from -1 to 1; got 2");
+        assert!(call(&Array3::zeros((2, 1, 16)), 1, &[0]).unwrap_err().contains("(n, 32)"));
+        assert!(call(&Array3::zeros((2, 2, TILE)), 1, &[0]).unwrap_err().starts_with("scales"));
+    }
+}
