@@ -1,8 +1,9 @@
 """Fit and predict against the notebook's mathematics and scikit-learn, in one run.
 
-Times and memory on images without meaning, K = 128, 16x16 -> 512x512, rank 64; each fit runs in a
-process of its own, so that its memory can be seen. Then errors on lights that were not seen.
-Usage: OPENBLAS_NUM_THREADS=1 python benchmarks/transfer.py [FOLDER of pairs]
+Times and memory on images without meaning, K = 128, 16x16 -> 512x512, rank 64, with one thread and
+with two; each fit runs in a process of its own, so that its memory can be seen, and the three take
+turns. Then frames of compressed models, and errors on lights that were not seen.
+Usage: python benchmarks/transfer.py [FOLDER of pairs]
 """
 
 import multiprocessing
@@ -96,30 +97,72 @@ def measure(fit, answers):
     answers.put((fitted, min(frames), grown, indirect.nbytes / 2**20))
 
 
-def alone(fit, repeats=3):
-    """The least of several runs, each in a fresh process."""
+def alone(measured, *arguments):
+    """What a function answers in a fresh process."""
     context = multiprocessing.get_context("spawn")
-    found = []
+    answers = context.SimpleQueue()
+    process = context.Process(target=measured, args=(*arguments, answers))
+    process.start()
+    process.join()
+    return answers.get()
+
+
+def speed(threads, repeats=3):
+    """The least of several runs."""
+    print(f"\nK = {PAIRS}, 16x16 -> {SIZE}x{SIZE}, rank {RANK}, threads: {threads}")
+    fits = {"notebook": notebook, "scikit-learn": scikit, "TransferModel": ours}
+    found = {name: [] for name in fits}
     for _ in range(repeats):
-        answers = context.SimpleQueue()
-        process = context.Process(target=measure, args=(fit, answers))
-        process.start()
-        process.join()
-        found.append(answers.get())
-    return np.min(found, axis=0)
-
-
-def speed():
-    threads = os.environ.get("OPENBLAS_NUM_THREADS", os.cpu_count())
-    print(f"K = {PAIRS}, 16x16 -> {SIZE}x{SIZE}, rank {RANK}, {threads} threads")
-    base = alone(notebook)
-    for name, fit in (("notebook", notebook), ("scikit-learn", scikit), ("TransferModel", ours)):
-        fitted, frame, grown, whole = base if fit is notebook else alone(fit)
+        for name, fit in fits.items():
+            found[name].append(alone(measure, fit))
+    least = {name: np.min(runs, axis=0) for name, runs in found.items()}
+    for name, (fitted, frame, grown, whole) in least.items():
+        theirs = [least[peer][0] / fitted for peer in ("notebook", "scikit-learn")]
         print(
-            f"{name:<14} fit{fitted:>7.2f} s{base[0] / fitted:>6.1f} x"
-            f"   frame{1e3 * frame:>7.2f} ms{base[1] / frame:>6.1f} x"
+            f"{name:<14} fit{fitted:>7.2f} s, {theirs[0]:>4.1f} x notebook, {theirs[1]:>4.1f} x"
+            f" scikit-learn   frame{1e3 * frame:>7.2f} ms, {least['notebook'][1] / frame:>4.1f} x"
             f"   {grown:>5.0f} MB, {100 * grown / whole:.0f} % of the images"
         )
+
+
+def frames(answers):
+    """Milliseconds of frames, by what the model keeps of its basis and what is asked of it."""
+    direct, indirect = images()
+    model = el.TransferModel.fit(direct, indirect, RANK)
+    models = {"float32": model, "float16": model.compressed(0.001), "int8": model.compressed(0.005)}
+    asked = {
+        "one": lambda each: each.predict(direct[0]),
+        "error 5 %": lambda each: each.predict(direct[0], error=0.05),
+        "region 128x128": lambda each: each.predict(direct[0], region=(slice(99, 227),) * 2),
+        "of a batch of 8": lambda each: each.predict(direct[:8]),
+        "of a batch of 32": lambda each: each.predict(direct[:32]),
+    }
+    counts = {"of a batch of 8": 8, "of a batch of 32": 32}
+    found = {
+        (name, what): min(timed(lambda f=f, each=each: f(each)) for _ in range(12))
+        / counts.get(what, 1)
+        for what, f in asked.items()
+        for name, each in models.items()
+    }
+    notes = {name: each.report.notes[-1:] for name, each in models.items()}
+    answers.put((found, tuple(asked), notes))
+
+
+def timed(call):
+    start = time.perf_counter()
+    call()
+    return 1e3 * (time.perf_counter() - start)
+
+
+def compressed(threads):
+    found, asked, notes = alone(frames)
+    print(f"\nmilliseconds of a frame, threads: {threads}")
+    for what in asked:
+        times = {name: found[name, what] for name in notes}
+        row = "".join(f"   {name}{each:>7.2f}" for name, each in times.items())
+        print(f"{what:<16}{row}   float32 / int8 {times['float32'] / times['int8']:.1f} x")
+    for name, (note,) in ((name, note) for name, note in notes.items() if note):
+        print(f"{name}: {note}")
 
 
 def errors(name, direct, indirect, learnt, rank):
@@ -142,7 +185,10 @@ def errors(name, direct, indirect, learnt, rank):
 
 
 if __name__ == "__main__":
-    speed()
+    for threads in ("1", "2"):
+        os.environ |= {"OPENBLAS_NUM_THREADS": threads, "RAYON_NUM_THREADS": threads}
+        speed(threads)
+        compressed(threads)
     room = el.synthetic.room(512, width=64)
     errors("noise-free room", room.direct, room.indirect, 128, 64)
     folder = sys.argv[1] if sys.argv[1:] else os.environ.get("ENVLIGHTS_TRANSFER_DB")

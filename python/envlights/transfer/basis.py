@@ -67,9 +67,7 @@ class Directions:
         return Directions(self.values[:rank], self.vectors[:, :rank])
 
 
-def directions(
-    products: NDArray[np.float64], dtype: np.dtype[Any], energy: float
-) -> Directions:
+def directions(products: NDArray[np.float64], dtype: np.dtype[Any], energy: float) -> Directions:
     """All directions that are more than the rounding of `dtype` in images of that `energy`."""
     values, vectors = np.linalg.eigh(products)
     values, vectors = values[::-1], vectors[:, ::-1]
@@ -113,8 +111,8 @@ def mixtures(
     weights: NDArray[np.float64],
 ) -> NDArray[Any]:
     """Mixtures of the rows of a part of the images in its lit texels, (lit texels, rank)."""
-    scale, weights = scale.astype(part.dtype), weights.astype(part.dtype)
+    factors, shares = scale.astype(part.dtype), weights.astype(part.dtype)
     if part.dtype == np.float32:
-        return _native.transfer_columns(part, scale, lit.ravel(), weights)
-    mixed: NDArray[Any] = texel_rows(part[:, lit.ravel()], scale) @ weights
+        return _native.transfer_columns(part, factors, lit.ravel(), shares)
+    mixed: NDArray[Any] = texel_rows(part[:, lit.ravel()], factors) @ shares
     return mixed

@@ -66,11 +66,11 @@ def enough(coefficients: NDArray[np.float64], error: float) -> NDArray[np.float6
     return first
 
 
-def inside(region: object, shape: tuple[int, int]) -> NDArray[np.bool_]:
+def inside(region: Any, shape: tuple[int, int]) -> NDArray[np.bool_]:
     """The texels of two slices, (H, W), or a refusal."""
     wanted = np.zeros(shape, np.bool_)
     try:
-        rows, columns = region  # type: ignore[misc]
+        rows, columns = region
         for each, side in zip((rows, columns), shape, strict=True):
             slice.indices(each, side)
         wanted[rows, columns] = True

@@ -22,7 +22,7 @@ from envlights.transfer.pairs import Pairs, check_finite
 
 #: Texels of a part, rounded to rows of the image: enough for several threads.
 _PART = 8192
-#: Over fewer texels than this the rounding of float32 does not average out, and float64 costs little.
+#: Over fewer texels than this the rounding of float32 does not average out; float64 costs little.
 _FEW = 2**16
 
 
@@ -46,12 +46,11 @@ def gram(pairs: Pairs, centred: bool) -> Gram:
     products = np.zeros((rows, rows))
     lit = np.empty(pairs.indirect.shape[1:3], np.bool_)
     is_single = pairs.dtype == np.float32 and lit.size >= _FEW
-    inner = _native.transfer_gram if is_single else _double
-    scale = pairs.scale.astype(np.float32 if is_single else np.float64)
+    inner = _single if is_single else _double
     # What overflows, or is NaN, is refused below by its place.
     with np.errstate(over="ignore", invalid="ignore"):
         for where, part in parts(pairs):
-            found, is_lit = inner(part, scale)
+            found, is_lit = inner(part, pairs.scale)
             products += found
             lit[where] = is_lit.reshape(lit[where].shape)
     energy = np.diagonal(products).copy()
@@ -64,12 +63,16 @@ def gram(pairs: Pairs, centred: bool) -> Gram:
     return Gram(products, energy.reshape(-1, 3).sum(axis=1), lit)
 
 
-def _double(
-    part: NDArray[Any], scale: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """What the kernel gives, in float64."""
+def _single(part: NDArray[Any], scale: NDArray[np.float64]) -> tuple[Any, NDArray[np.bool_]]:
+    """The lower half of the inner products, and which texels are lit."""
+    return _native.transfer_gram(part, scale.astype(np.float32))
+
+
+def _double(part: NDArray[Any], scale: NDArray[np.float64]) -> tuple[Any, NDArray[np.bool_]]:
+    """The same in float64, by a BLAS."""
     block = texel_rows(part, scale)
-    return block.T @ block, block.any(axis=1)
+    lit: NDArray[np.bool_] = np.any(block, axis=1)
+    return block.T @ block, lit
 
 
 def parts(pairs: Pairs) -> Iterator[tuple[slice, NDArray[Any]]]:

@@ -11,6 +11,7 @@
 //!
 //! so the sums of a tile stay in registers side by side, and a frame that needs the first components
 //! alone reads no other.
+#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
 use ndarray::parallel::prelude::*;
 use ndarray::{Array3, ArrayView3, Axis};
@@ -131,7 +132,7 @@ impl<'a, T: Kept> Basis<'a, T> {
             let (what, other) = ("coefficients", "values");
             return Err(Error::LengthMismatch { what, other, wanted: self.rank, seen: components });
         }
-        let tiles = if self.rank == 0 { 0 } else { self.values.len() / self.rank };
+        let tiles = self.values.len().checked_div(self.rank).unwrap_or(0);
         match places.iter().find(|&&place| place >= tiles as i64) {
             None => Ok(()),
             Some(&place) => Err(Error::OutOfRange {
@@ -171,7 +172,9 @@ impl<T: Kept> WithSimd for Span<'_, T> {
             }
             for (wide, scales) in wide.iter_mut().zip(scales) {
                 for (wide, scale) in wide.as_chunks_mut::<SHARE>().0.iter_mut().zip(scales) {
-                    wide.iter_mut().for_each(|value| *value *= scale);
+                    for value in wide {
+                        *value *= scale;
+                    }
                 }
             }
             for (out, coefficients) in self.out.iter_mut().zip(self.images) {
@@ -190,19 +193,23 @@ fn mixed<S: Simd>(simd: S, components: &[[f32; TILE]], coefficients: &[[f32; 3]]
     const { assert!((TILE / S::F32_LANES).is_multiple_of(GROUP), "a tile must be whole groups of vectors") };
     let mut sums = [[0.0; TILE]; 3];
     for group in 0..TILE / S::F32_LANES / GROUP {
-        let vectors = GROUP * group..GROUP * (group + 1);
-        let mut channels = [[simd.splat_f32s(0.0); GROUP]; 3];
+        let mut vectors = [[simd.splat_f32s(0.0); 3]; GROUP];
         for (component, rgb) in components.iter().zip(coefficients) {
-            let component = &S::as_simd_f32s(component).0[vectors.clone()];
-            for (sums, &coefficient) in channels.iter_mut().zip(rgb) {
-                let coefficient = simd.splat_f32s(coefficient);
-                for (sum, &value) in sums.iter_mut().zip(component) {
-                    *sum = simd.mul_add_e_f32s(coefficient, value, *sum);
+            let (component, _) = S::as_simd_f32s(component);
+            let rgb = rgb.map(|value| simd.splat_f32s(value));
+            // By index, so that the compiler keeps each sum in one register: half again as fast.
+            for i in 0..GROUP {
+                for channel in 0..3 {
+                    let value = component[GROUP * group + i];
+                    vectors[i][channel] = simd.mul_add_e_f32s(rgb[channel], value, vectors[i][channel]);
                 }
             }
         }
-        for (sums, channel) in sums.iter_mut().zip(channels) {
-            S::as_mut_simd_f32s(sums).0[vectors.clone()].copy_from_slice(&channel);
+        for (channel, sums) in sums.iter_mut().enumerate() {
+            let (sums, _) = S::as_mut_simd_f32s(sums);
+            for i in 0..GROUP {
+                sums[GROUP * group + i] = vectors[i][channel];
+            }
         }
     }
     sums
@@ -236,7 +243,7 @@ mod tests {
         places[7] = -1;
         for components in [rank, 2, 0] {
             let coefficients = coefficients.slice(s![.., ..components, ..]);
-            let found = frames(values.view(), scales.view(), coefficients, &places).unwrap();
+            let found = frames(values.view(), scales.view(), coefficients, &places).expect("they fit");
             for ((n, t, c), &found) in found.indexed_iter() {
                 let wanted = usize::try_from(places[t / TILE]).map_or(0.0, |tile| {
                     let term = |r| {
