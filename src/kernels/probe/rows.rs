@@ -154,13 +154,16 @@ mod tests {
     use proptest::prelude::*;
 
     const COLUMNS: usize = 8;
+    /// Some roundings of single precision of 8 columns of 10, which S counts up to 9 times.
+    const ROUNDING: f64 = 5e-7 * 8.0 * 10.0 * 9.0;
 
     fn row() -> impl Strategy<Value = Vec<[f32; 3]>> {
         prop::collection::vec(prop::array::uniform3(0.0_f32..10.0), COLUMNS)
     }
 
+    /// At a pole the second row of a band counts seven times as much as the first.
     fn weight() -> impl Strategy<Value = Weight> {
-        (0.1..2.0, -2.0..2.0).prop_map(|(equatorial, polar)| Weight { equatorial, polar })
+        (0.25..2.0, -1.0..1.0).prop_map(|(equatorial, polar)| Weight { equatorial, polar })
     }
 
     proptest! {
@@ -187,9 +190,9 @@ mod tests {
             let found = rows.sums::<COLUMNS>(0, &offsets).map(|sum| sum.truncate().as_dvec3());
             let found_pull = rows.pulled::<COLUMNS>(0, &pull, &offsets, &counted).truncate().as_dvec3();
             for (found, sum) in found.into_iter().chain([found_pull]).zip(sums.into_iter().chain([pulled])) {
-                assert_relative_eq!(found.x, sum.x, epsilon = 1e-4);
-                assert_relative_eq!(found.y, sum.y, epsilon = 1e-4);
-                assert_relative_eq!(found.z, sum.z, epsilon = 1e-4);
+                assert_relative_eq!(found.x, sum.x, epsilon = ROUNDING);
+                assert_relative_eq!(found.y, sum.y, epsilon = ROUNDING);
+                assert_relative_eq!(found.z, sum.z, epsilon = ROUNDING);
             }
         }
     }
