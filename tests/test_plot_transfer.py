@@ -47,7 +47,8 @@ def test_images_have_one_exposure_and_the_difference_is_signed(model):
     predicted = model.predict(FRAME[0])
     white = np.percentile(FRAME[1], 99)
     for drawn, truth in zip(images, (FRAME[1], predicted, model.project(FRAME[1])), strict=False):
-        np.testing.assert_allclose(drawn, display(truth / white), atol=1e-6)
+        # sRGB is 13 times as steep as linear light near black: 13 times the rounding of float32.
+        np.testing.assert_allclose(drawn, display(truth / white), atol=1e-5)
     wanted, found = (image @ [0.2126, 0.7152, 0.0722] for image in (FRAME[1], predicted))
     percent = 100 * (found - wanted) / wanted[model.lit].mean()
     np.testing.assert_allclose(images[3][model.lit], percent[model.lit], atol=1e-3)

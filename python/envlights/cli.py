@@ -161,7 +161,7 @@ def transfer() -> None:
 @click.option(
     "--rank",
     type=_rank,
-    default=64,
+    default="64",
     show_default=True,
     metavar="RANK",
     help="Directions, at most; or the share of the energy that they hold: 0.99.",
