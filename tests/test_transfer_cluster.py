@@ -70,6 +70,21 @@ def test_pairs_are_added_and_images_projected_as_well():
     np.testing.assert_array_equal(whole.project(lazy), whole.project(indirect))
 
 
+def test_images_are_read_from_files_by_the_workers(tmp_path):
+    paths = [tmp_path / f"{k}.exr" for k in range(40)]
+    for path, image in zip(paths, ROOM.indirect, strict=True):
+        el.io.write_exr(path, image)
+    read = dask.delayed(lambda path: el.io.read_image(path).pixels)
+    lazy = da.stack([da.from_delayed(read(path), (32, 32, 3), np.float32) for path in paths])
+    model = el.TransferModel.fit(ROOM.direct, lazy)
+    local = el.TransferModel.fit(ROOM.direct, ROOM.indirect)
+    errors = relative(model.predict(ROOM.direct), local.predict(ROOM.direct))
+    np.testing.assert_array_less(errors, 1e-6)
+    paths[30].write_bytes(paths[30].read_bytes()[:900])
+    with pytest.raises(el.EnvLightsError, match=r"30\.exr"):
+        el.TransferModel.fit(ROOM.direct, lazy)
+
+
 def nan_at_row_17(indirect):
     indirect = indirect.copy()
     indirect[3, 17, 2, 0] = np.nan

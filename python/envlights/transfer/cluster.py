@@ -5,7 +5,14 @@ to its workers. Each worker does what one machine does, `gram.py` and `basis.py`
 
     G = sum over blocks of G_b,    B = the rows of all B_b, one below the other.
 
-What travels is a matrix of (3 k, 3 k) for each block, summed on the way, and the basis.
+What travels is a matrix of (3 k, 3 k) for each block, summed on the way, and the basis. Images of
+which each stands in a file of its own become such an array by
+
+    read = dask.delayed(lambda path: el.io.read_image(path).pixels)
+    indirect = da.stack([da.from_delayed(read(path), (H, W, 3), np.float32) for path in paths])
+
+and must then fit into the memories of all workers together, or be spilled: a block needs a little
+of every image. Images that are stored in rows, as of Zarr, need not.
 """
 
 from __future__ import annotations
