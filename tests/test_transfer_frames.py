@@ -98,6 +98,18 @@ def test_values_are_rounded_by_half_a_step_at_most(basis, dtype):
     np.testing.assert_allclose(wrong, exact, atol=1e-6)
 
 
+def test_large_bases_are_rounded_as_small_ones():
+    """Of several blocks, the last in part, and with holes."""
+    rng = np.random.default_rng(0)
+    lit = rng.random((150, 131)) < 0.9
+    lit[40:45] = False
+    basis = rng.normal(size=(np.count_nonzero(lit), 3)).astype(np.float32)
+    kept, wrong = compact.rounded(basis, lit, "int8")
+    change = kept.dense(lit).astype(float) - basis
+    np.testing.assert_allclose(wrong, change.T @ change, rtol=1e-5, atol=1e-5 * wrong.max())
+    assert np.abs(change).max() <= np.abs(basis).max() / 254 * (1 + 1e-4)
+
+
 @pytest.mark.parametrize("dtype", list(compact.LARGEST))
 def test_what_needs_no_rounding_comes_back(dtype):
     steps = np.random.default_rng(0).integers(-127, 128, (70, 3))
@@ -134,6 +146,11 @@ def test_frames_are_the_sums_over_the_rounded_basis(model, both):
 def test_the_most_compact_type_that_keeps_the_bound_is_taken(model):
     assert model.compressed(0.02).basis.values.dtype == np.int8
     assert model.compressed(0.001).basis.values.dtype == np.float16
+    _, wrong = compact.rounded(model.basis, model.lit, "int8")
+    most = np.sqrt(np.linalg.eigvalsh(wrong)[-1])
+    assert model.compressed(most * 1.0001).basis.values.dtype == np.int8
+    assert model.compressed(most * 0.9999).basis.values.dtype == np.float16
+    assert f"more than {100 * most:.2g} % of" in model.compressed(0.02).report.notes[-1]
     as_it_is = model.compressed(1e-6)
     assert as_it_is.basis is model.basis
     assert as_it_is.report.notes[-1] == "neither int8 nor float16 keeps the error 1e-06"

@@ -10,12 +10,14 @@ Learnt from pairs of images of one scene under many lights. `TransferModel.fit` 
 | from direct light to coefficients; the ridge           | `ridge.py`    |
 | errors on lights that were not seen                    | `unseen.py`   |
 | images from coefficients, and back                     | `expand.py`   |
+| the basis in bytes or halves, for faster frames        | `compact.py`  |
 | what a model keeps of its pairs                        | `learnt.py`   |
 | more pairs, without starting over                      | `grow.py`     |
 | what was found, and how far it can be trusted          | `report.py`   |
 | the model                                              | `model.py`    |
 | one file for a model                                   | `store.py`    |
 | pairs on disk                                          | `database.py` |
+| the looks at all images, for more than one machine     | `cluster.py`  |
 """
 
 from envlights.transfer.database import FilePairs, read_pairs

@@ -20,8 +20,9 @@ from envlights import _native
 from envlights._native import EnvLightsError
 from envlights.transfer.pairs import Pairs, check_finite
 
-#: Texels of a part, rounded to rows of the image: enough for several threads.
-_PART = 8192
+#: Texels of a part, rounded to rows of the image: for the kernels, enough for several threads; for
+#: NumPy, which needs them in float64 and sorted, as many as stay in the cache.
+_PART, _SMALL_PART = 8192, 1024
 #: Over fewer texels than this the rounding of float32 does not average out; float64 costs little.
 _FEW = 2**16
 
@@ -45,8 +46,7 @@ def gram(pairs: Pairs, centred: bool) -> Gram:
     rows = 3 * len(pairs.scale)
     products = np.zeros((rows, rows))
     lit = np.empty(pairs.indirect.shape[1:3], np.bool_)
-    is_single = pairs.dtype == np.float32 and lit.size >= _FEW
-    inner = _single if is_single else _double
+    inner = _single if _is_for_kernels(pairs) else _double
     # What overflows, or is NaN, is refused below by its place.
     with np.errstate(over="ignore", invalid="ignore"):
         for where, part in parts(pairs):
@@ -61,6 +61,11 @@ def gram(pairs: Pairs, centred: bool) -> Gram:
         mean = products.mean(axis=0)
         products += mean.mean() - mean - mean[:, None]
     return Gram(products, energy.reshape(-1, 3).sum(axis=1), lit)
+
+
+def _is_for_kernels(pairs: Pairs) -> bool:
+    _, height, width, _ = pairs.indirect.shape
+    return bool(pairs.dtype == np.float32 and height * width >= _FEW)
 
 
 def _single(part: NDArray[Any], scale: NDArray[np.float64]) -> tuple[Any, NDArray[np.bool_]]:
@@ -78,7 +83,7 @@ def _double(part: NDArray[Any], scale: NDArray[np.float64]) -> tuple[Any, NDArra
 def parts(pairs: Pairs) -> Iterator[tuple[slice, NDArray[Any]]]:
     """Rows of the image, and what is in them: (k, texels, 3), not scaled."""
     images, height, width, _ = pairs.indirect.shape
-    step = max(1, _PART // width)
+    step = max(1, (_PART if _is_for_kernels(pairs) else _SMALL_PART) // width)
     for first in range(0, height, step):
         where = slice(first, min(first + step, height))
         part = pairs.indirect[:, where].astype(pairs.dtype, copy=False)

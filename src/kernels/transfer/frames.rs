@@ -253,7 +253,10 @@ mod tests {
                     };
                     (0..components).map(term).sum()
                 });
-                assert_eq!(found, wanted, "image {n}, texel {t}, channel {c}");
+                assert!(
+                    (found - wanted).abs() < 1e-9,
+                    "image {n}, texel {t}, channel {c}: {found}, {wanted}"
+                );
             }
         }
     }
@@ -265,11 +268,11 @@ mod tests {
         let call = |values: &Array3<i8>, components, places: &[i64]| {
             let coefficients = Array3::zeros((1, components, 3));
             frames(values.view(), scales.view(), coefficients.view(), places)
-                .map_err(|error| error.to_string())
+                .map_or_else(|error| error.to_string(), |_| String::new())
         };
-        assert!(call(&values, 2, &[0]).unwrap_err().starts_with("coefficients must have as many rows"));
-        assert_eq!(call(&values, 1, &[2]).unwrap_err(), "places must be from -1 to 1; got 2");
-        assert!(call(&Array3::zeros((2, 1, 16)), 1, &[0]).unwrap_err().contains("(n, 32)"));
-        assert!(call(&Array3::zeros((2, 2, TILE)), 1, &[0]).unwrap_err().starts_with("scales"));
+        assert!(call(&values, 2, &[0]).starts_with("coefficients must have as many rows"));
+        assert_eq!(call(&values, 1, &[2]), "places must be from -1 to 1; got 2");
+        assert!(call(&Array3::zeros((2, 1, 16)), 1, &[0]).contains("(n, 32)"));
+        assert!(call(&Array3::zeros((2, 2, TILE)), 1, &[0]).starts_with("scales"));
     }
 }
