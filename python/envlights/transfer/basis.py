@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
-from envlights.transfer.gram import Gram, parts, texel_rows
+from envlights.transfer.gram import Gram, is_for_kernels, parts, texel_rows
 from envlights.transfer.pairs import Pairs
 
 
@@ -96,7 +96,7 @@ def basis(pairs: Pairs, seen: Gram, first: Directions, centred: bool) -> tuple[A
     columns = np.empty((np.count_nonzero(seen.lit), weights.shape[1]), pairs.dtype)
     end = 0
     for where, part in parts(pairs):
-        mixed = mixtures(part, pairs.scale, seen.lit[where], weights)
+        mixed = mixtures(pairs, part, seen.lit[where], weights)
         begin, end = end, end + len(mixed)
         columns[begin:end] = mixed
     if centred:
@@ -105,14 +105,11 @@ def basis(pairs: Pairs, seen: Gram, first: Directions, centred: bool) -> tuple[A
 
 
 def mixtures(
-    part: NDArray[Any],
-    scale: NDArray[np.float64],
-    lit: NDArray[np.bool_],
-    weights: NDArray[np.float64],
+    pairs: Pairs, part: NDArray[Any], lit: NDArray[np.bool_], weights: NDArray[np.float64]
 ) -> NDArray[Any]:
     """Mixtures of the rows of a part of the images in its lit texels, (lit texels, rank)."""
-    factors, shares = scale.astype(part.dtype), weights.astype(part.dtype)
-    if part.dtype == np.float32:
-        return _native.transfer_columns(part, factors, lit.ravel(), shares)
-    mixed: NDArray[Any] = texel_rows(part[:, lit.ravel()], factors) @ shares
+    scale, shares = pairs.scale.astype(part.dtype), weights.astype(part.dtype)
+    if is_for_kernels(pairs):
+        return _native.transfer_columns(part, scale, lit.ravel(), shares)
+    mixed: NDArray[Any] = texel_rows(part[:, lit.ravel()], scale) @ shares
     return mixed

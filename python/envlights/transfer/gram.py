@@ -46,7 +46,7 @@ def gram(pairs: Pairs, centred: bool) -> Gram:
     rows = 3 * len(pairs.scale)
     products = np.zeros((rows, rows))
     lit = np.empty(pairs.indirect.shape[1:3], np.bool_)
-    inner = _single if _is_for_kernels(pairs) else _double
+    inner = _single if is_for_kernels(pairs) else _double
     # What overflows, or is NaN, is refused below by its place.
     with np.errstate(over="ignore", invalid="ignore"):
         for where, part in parts(pairs):
@@ -63,7 +63,8 @@ def gram(pairs: Pairs, centred: bool) -> Gram:
     return Gram(products, energy.reshape(-1, 3).sum(axis=1), lit)
 
 
-def _is_for_kernels(pairs: Pairs) -> bool:
+def is_for_kernels(pairs: Pairs) -> bool:
+    """Whether the images are large, in float32: small ones are not worth the buffers of kernels."""
     _, height, width, _ = pairs.indirect.shape
     return bool(pairs.dtype == np.float32 and height * width >= _FEW)
 
@@ -83,7 +84,7 @@ def _double(part: NDArray[Any], scale: NDArray[np.float64]) -> tuple[Any, NDArra
 def parts(pairs: Pairs) -> Iterator[tuple[slice, NDArray[Any]]]:
     """Rows of the image, and what is in them: (k, texels, 3), not scaled."""
     images, height, width, _ = pairs.indirect.shape
-    step = max(1, (_PART if _is_for_kernels(pairs) else _SMALL_PART) // width)
+    step = max(1, (_PART if is_for_kernels(pairs) else _SMALL_PART) // width)
     for first in range(0, height, step):
         where = slice(first, min(first + step, height))
         part = pairs.indirect[:, where].astype(pairs.dtype, copy=False)

@@ -94,7 +94,7 @@ def _turned(
     end = old_end = 0
     for where, part in parts(pairs):
         ours = union[where]
-        block = mixtures(part, pairs.scale, ours, from_new).astype(basis.dtype, copy=False)
+        block = mixtures(pairs, part, ours, from_new).astype(basis.dtype, copy=False)
         old_begin, old_end = old_end, old_end + int(np.count_nonzero(lit[where]))
         block[lit[where][ours]] += basis[old_begin:old_end] @ from_old
         begin, end = end, end + len(block)
