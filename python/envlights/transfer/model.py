@@ -234,7 +234,8 @@ class TransferModel:
 
         The basis is kept in int8 or float16, with a scale for 16 texels of each direction, or else
         as it is: in the most compact form that keeps the bound. The notes of the report say which
-        one, and what it changes.
+        one, and what it changes. Single frames, frames that stop early and small batches gain most;
+        in batches of 32 or more there is less to gain, for the full basis is then read once for all.
 
         Parameters
         ----------
