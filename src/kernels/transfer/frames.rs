@@ -171,9 +171,10 @@ impl<T: Kept> WithSimd for Span<'_, T> {
                 *wide = kept.widen();
             }
             for (wide, scales) in wide.iter_mut().zip(scales) {
-                for (wide, scale) in wide.as_chunks_mut::<SHARE>().0.iter_mut().zip(scales) {
-                    for value in wide {
-                        *value *= scale;
+                for (wide, &scale) in wide.as_chunks_mut::<SHARE>().0.iter_mut().zip(scales) {
+                    let scale = simd.splat_f32s(scale);
+                    for value in S::as_mut_simd_f32s(wide).0 {
+                        *value = simd.mul_f32s(*value, scale);
                     }
                 }
             }
