@@ -8,9 +8,9 @@
 //! | frames from a basis of one or two bytes a value       | `frames.rs`  |
 //!
 //! Images are read as they lie, in RGB: a BLAS would want a copy without colours in between. Products of
-//! 384 rows run at 105 GFlop/s on one thread of an AMD EPYC of 2022 (OpenBLAS: 83 to 93), mixtures of them
-//! at 115 (OpenBLAS: 100), on as many threads as there are and with the same bits. Frames of a basis in
-//! f32, and all in f64, are left to BLAS.
+//! 384 rows run at 105 billion operations a second on one thread of an AMD EPYC of 2022 (a BLAS: 83 to
+//! 93), mixtures of them at 115 (a BLAS: 100), on as many threads as there are and with the same bits.
+//! Frames of a basis in f32, and all in f64, are left to the BLAS.
 
 mod columns;
 mod frames;
