@@ -230,12 +230,12 @@ class TransferModel:
             raise EnvLightsError(f"a model with notebook=True cannot {what}; fit without it")
 
     def compressed(self, error: float = 0.005) -> TransferModel:
-        """A model whose frames are faster: its basis takes a quarter or half of the bytes.
+        """A model whose frames are faster: its basis takes a third or half of the bytes.
 
         The basis is kept in int8 or float16, with a scale for 16 texels of each direction, or else
         as it is: in the most compact form that keeps the bound. The notes of the report say which
-        one, and what it changes. Single frames, frames that stop early and small batches gain most;
-        in batches of 32 or more there is less to gain, for the full basis is then read once for all.
+        one, and what it changes. Single frames and frames that stop early gain most, and batches of
+        32 or more least: there the full basis is read once for all.
 
         Parameters
         ----------
