@@ -1,0 +1,285 @@
+"""A courtyard under rigs: Mitsuba's own numbers, pairs, and the way from a rig to a lightmap."""
+
+import numpy as np
+import pytest
+
+import envlights as el
+from envlights import kernels
+from envlights.scene.renderer import mitsuba
+from envlights.scene.sky import harmonics
+
+mi = pytest.importorskip("mitsuba")
+
+NO_LIGHTS = el.Lights(np.zeros((0, 3)), np.zeros((0, 3)))
+LIT = el.synthetic.rigs(48)
+NEW = el.synthetic.rigs(6, seed=1)
+
+
+@pytest.fixture(scope="module")
+def yard():
+    return el.MitsubaScene(el.synthetic.courtyard(), lightmap=32)
+
+
+@pytest.fixture(scope="module")
+def pairs(yard):
+    return el.bake(yard, LIT, samples=200)
+
+
+def relative(image, truth):
+    return np.linalg.norm(image - truth) / np.linalg.norm(truth)
+
+
+def film(width):
+    box = {"type": "box"}
+    return {"type": "hdrfilm", "width": width, "height": 1, "pixel_format": "rgb", "rfilter": box}
+
+
+def sky(coefficients, height=128):
+    """A map of Mitsuba's; its first and last row lie on the poles."""
+    phi = 2 * np.pi * (np.arange(2 * height) + 0.5) / (2 * height)
+    theta = np.pi * np.arange(height)[:, None] / (height - 1)
+    x, z = np.sin(phi) * np.sin(theta), -np.cos(phi) * np.sin(theta)
+    y = np.broadcast_to(np.cos(theta), x.shape)
+    radiance = harmonics(np.stack([x, y, z], axis=-1).reshape(-1, 3)) @ coefficients
+    return mi.Bitmap(radiance.reshape(height, 2 * height, 3).astype(np.float32))
+
+
+def rgb(values):
+    return {"type": "rgb", "value": list(values)}
+
+
+def each_emitter(rig):
+    """Mitsuba draws one emitter for each sample; each for itself leaves no noise of that draw."""
+    if rig.ambient.ndim == 2:
+        yield {"type": "envmap", "bitmap": sky(rig.ambient)}, 64
+    else:
+        yield {"type": "constant", "radiance": rgb(rig.ambient)}, 64
+    for direction, irradiance in zip(rig.lights.direction, rig.lights.irradiance, strict=True):
+        light = {"type": "directional", "direction": list(-direction)}
+        yield {**light, "irradiance": rgb(irradiance)}, 1
+
+
+def looked_at(surface, rig, depth, effort=1, seeds=(1, 2)):
+    """What Mitsuba sees of each texel from a centimetre above it: an image for each seed."""
+    points, normals = surface.position[surface.covered], surface.normal[surface.covered]
+    images = np.zeros((len(seeds), *surface.albedo.shape))
+    with mitsuba():
+        small = mi.load_dict(film(1))
+        eyes = {
+            f"eye_{k:06}": {
+                "type": "radiancemeter",
+                "origin": list(point + 0.01 * normal),
+                "direction": list(-normal),
+                "film": small,
+            }
+            for k, (point, normal) in enumerate(zip(points, normals, strict=True))
+        }
+        sampler = {"type": "independent"}
+        row = mi.load_dict({"type": "batch", "film": film(len(eyes)), "sampler": sampler, **eyes})
+        path = mi.load_dict({"type": "path", "max_depth": depth})
+        for emitter, samples in each_emitter(rig):
+            scene = mi.load_dict({**el.synthetic.courtyard(), "emitter": emitter})
+            for image, seed in zip(images, seeds, strict=True):
+                seen = mi.render(
+                    scene, sensor=row, integrator=path, spp=effort * samples, seed=seed
+                )
+                image[surface.covered] += np.array(seen)[0]
+    return images
+
+
+def noise_of(one, two):
+    """Of their mean, relative to it."""
+    return np.linalg.norm(one - two) / np.linalg.norm(one + two)
+
+
+def test_the_charts_are_the_faces_in_the_order_of_their_names(yard):
+    """Five faces of each box, the canopy, the floor, four walls: 4 by 4 charts of 8 by 8."""
+    charts = [
+        chart.reshape(4, 8, 4, 8, 3).swapaxes(1, 2).reshape(16, 64, 3)
+        for chart in (yard.lightmap.position, yard.lightmap.normal)
+    ]
+    names = sorted(name for name in el.synthetic.courtyard() if name != "type")
+    towards = {
+        "east": [1, 0, 0],
+        "west": [-1, 0, 0],
+        "north": [0, 0, 1],
+        "south": [0, 0, -1],
+        "top": [0, 1, 0],
+        "floor": [0, 1, 0],
+        "canopy": [0, -1, 0],
+    }
+    for name, position, normal in zip(names, *charts, strict=True):
+        # The walls are seen from inside, the boxes from outside.
+        side = -1 if name.startswith("wall") else 1
+        wanted = side * np.array(towards[name.split("_")[-1]])
+        np.testing.assert_allclose(normal, np.tile(wanted, (64, 1)), atol=1e-6)
+        assert np.ptp(position @ wanted) < 1e-5, "flat"
+    floor = charts[0][names.index("floor")]
+    np.testing.assert_allclose(floor.min(axis=0), [-3.5, 0, -3.5], atol=1e-5)
+    np.testing.assert_allclose(floor.max(axis=0), [3.5, 0, 3.5], atol=1e-5)
+    albedo = yard.lightmap.albedo[16 + 4, 16 - 4]
+    np.testing.assert_allclose(albedo, [0.5, 0.46, 0.4], atol=1e-6)
+
+
+def test_what_blocks_a_ray_is_what_stands_there(yard):
+    rays = [
+        ([-2, 0.1, -2], [0, 1, 0], True),  # the canopy
+        ([2, 0.1, 2], [0, 1, 0], False),  # the open sky
+        ([0, 0.5, 1.4], [-1, 0, 0], True),  # the low box
+        ([0, 1.5, 1.4], [-0.6, 0.8, 0], False),  # above it, and above the wall behind
+        ([0, 1.5, 1.4], [-1, 0, 0], True),  # the wall
+    ]
+    origins, directions, wanted = (np.array(each) for each in zip(*rays, strict=True))
+    np.testing.assert_array_equal(yard.blocked(origins, directions), wanted)
+
+
+def test_direct_light_of_unseen_rigs_is_mitsubas(yard):
+    """Within 5 %; the points are the same, so that shadows are sampled alike."""
+    constant = el.Rig([0.3, 0.4, 0.6], NEW[0].lights, error=0.0)
+    for rig in (*NEW[:2], constant):
+        seen = [yard.points.means(image, 16) for image in looked_at(yard.points, rig, depth=2)]
+        noise, difference = noise_of(*seen), relative(yard.direct(rig), sum(seen) / 2)
+        assert noise < 0.02
+        assert difference < 0.05, f"difference {difference:.3f}, noise {noise:.3f}"
+
+
+def test_a_light_alone_is_mitsubas_to_rounding(yard):
+    """A light that has no size leaves no noise, and no shadow is missed."""
+    for light in (NEW[0].lights, NEW[1].lights):
+        rig = el.Rig(np.zeros(3), light[:1], error=0.0)
+        ((seen,),) = [looked_at(yard.points, rig, depth=2, seeds=(1,))]
+        assert relative(yard.direct(rig), yard.points.means(seen, 16)) < 1e-3
+
+
+def test_direct_and_indirect_light_are_what_mitsuba_sees(yard):
+    """Two ways to all light: sensors on the texels and direct light, or eyes above them."""
+    rig = NEW[2]
+    seen = looked_at(yard.lightmap, rig, depth=-1, effort=16)
+    direct = el.DirectLight.of(yard.lightmap, yard.blocked, 512).image(rig)
+    indirect = yard.indirect(rig, samples=2048)
+    truth = sum(seen) / 2
+    difference = relative(direct + indirect.image, truth)
+    noise = noise_of(*seen) + indirect.noise * np.linalg.norm(indirect.image) / np.linalg.norm(truth)
+    assert noise < 0.05
+    assert difference < noise, f"difference {difference:.3f}, noise {noise:.3f}"
+
+
+def test_the_noise_of_a_render_is_what_it_says(yard):
+    truth = yard.indirect(NEW[0], samples=8192)
+    for samples in (32, 128):
+        rendered = yard.indirect(NEW[0], samples, seed=1)
+        assert relative(rendered.image, truth.image) == pytest.approx(rendered.noise, rel=0.2)
+
+
+def test_an_ambient_term_may_take_light_away(yard):
+    """Harmonics that are negative somewhere are no map for a renderer; light is linear."""
+    dome, lobe = (each.ambient for each in NEW[:2])
+    parts = [el.Rig(ambient, NO_LIGHTS, 0.0) for ambient in (dome, 0.5 * lobe, dome - 0.5 * lobe)]
+    assert (harmonics(kernels.icosphere(1280)[0]) @ parts[2].ambient).min() < -0.01
+    one, two, both = (yard.indirect(rig, samples=1024) for rig in parts)
+    noise = sum(each.noise * np.linalg.norm(each.image) for each in (one, two, both))
+    assert np.linalg.norm(one.image - two.image - both.image) < noise
+    direct = [yard.direct(rig) for rig in parts]
+    np.testing.assert_allclose(direct[0] - direct[1], direct[2], atol=1e-6)
+
+
+def test_a_seed_gives_the_same_bits(yard):
+    once, again = (yard.indirect(NEW[0], samples=8, seed=3) for _ in range(2))
+    np.testing.assert_array_equal(once.image, again.image)
+    assert not np.array_equal(once.image, yard.indirect(NEW[0], samples=8, seed=4).image)
+
+
+def test_a_rig_becomes_a_lightmap_within_the_error_that_the_model_states(yard, pairs):
+    """The whole bridge: rigs, pairs, a model, a new rig, its direct and its indirect light."""
+    model = el.TransferModel.fit(pairs.direct, pairs.indirect, rank=32, ridge="loo")
+    errors, noise = [], []
+    for rig in NEW:
+        truth = yard.indirect(rig, samples=800, seed=1000)
+        errors.append(relative(model.predict(yard.direct(rig)), truth.image))
+        noise.append(truth.noise)
+    stated, error, noisy = model.report.error, np.median(errors), np.median(noise)
+    assert noisy < 0.1
+    assert error < stated + noisy, f"error {error:.3f}, stated {stated:.3f}, noise {noisy:.3f}"
+    assert max(errors) < max(model.report.unseen_errors)
+
+
+def test_more_paths_are_not_in_the_direct_light(yard, pairs):
+    again = el.bake(yard, LIT[:2], samples=8)
+    np.testing.assert_array_equal(again.direct, pairs.direct[:2])
+    assert (again.noise > pairs.noise[:2]).all()
+
+
+def test_lights_alone_are_rigs_without_an_ambient_term(yard):
+    dark = el.Rig(np.zeros(3), NEW[0].lights, error=0.0)
+    one, other = (el.bake(yard, [each], samples=8) for each in (NEW[0].lights, dark))
+    np.testing.assert_array_equal(one.direct, other.direct)
+    np.testing.assert_array_equal(one.indirect, other.indirect)
+
+
+def test_no_light_gives_a_black_pair(yard):
+    dark = el.bake(yard, [el.Rig(np.zeros(3), NO_LIGHTS, error=0.0)], samples=8)
+    assert not dark.direct.any()
+    assert not dark.indirect.any()
+    assert dark.noise == 0
+
+
+def test_pairs_on_disk_are_those_in_memory(pairs, tmp_path):
+    pairs.save(tmp_path)
+    read = el.read_pairs(tmp_path)
+    np.testing.assert_array_equal(read.direct, pairs.direct)
+    np.testing.assert_array_equal(read.indirect, pairs.indirect)
+
+
+def test_a_lightmap_of_your_own_is_taken(yard):
+    own = el.MitsubaScene(el.synthetic.courtyard(), yard.lightmap)
+    one, other = (each.indirect(NEW[0], samples=8).image for each in (own, yard))
+    np.testing.assert_array_equal(one, other)
+    assert own.points.covered.shape == (32, 32)
+    # Each texel of it is the mean of 2 by 2 points, not of 8 by 8.
+    assert relative(own.direct(NEW[0]), yard.direct(NEW[0])) < 0.3
+
+
+def test_the_variant_of_the_user_is_left_alone():
+    before = mi.variant()
+    mi.set_variant("scalar_spectral")
+    try:
+        el.MitsubaScene(el.synthetic.courtyard(), lightmap=4)
+        with pytest.raises(el.EnvLightsError):
+            el.MitsubaScene({"type": "nothing"})
+        assert mi.variant() == "scalar_spectral"
+    finally:
+        mi.set_variant(before or "scalar_rgb")
+
+
+def lamp():
+    return {**el.synthetic.courtyard(), "lamp": {"type": "sphere", "emitter": {"type": "area"}}}
+
+
+@pytest.mark.parametrize(
+    ("scene", "lightmap", "message"),
+    [
+        (lamp, 16, "the shape 'lamp' is an area light; take it off"),
+        (lambda: {"type": "scene"}, 16, "the scene has no shapes"),
+        (lambda: {"type": "scene", "a": {"type": "cubus"}}, 16, "cannot load the scene: .*cubus"),
+        (lambda: "nowhere.xml", 16, "cannot load the scene: .*nowhere.xml"),
+        (lambda: {"type": "cube"}, 16, "cannot load the scene"),
+        (el.synthetic.courtyard, 3, "16 shapes need a lightmap 4 wide; got 3"),
+        (el.synthetic.courtyard, 0, "lightmap must be a whole number, 1 or more; got 0"),
+    ],
+)
+def test_scenes_that_no_rig_can_light_are_refused(scene, lightmap, message):
+    with pytest.raises(el.EnvLightsError, match=message) as refusal:
+        el.MitsubaScene(scene(), lightmap)
+    assert "\n" not in str(refusal.value)
+
+
+def test_what_is_no_light_is_refused(yard):
+    with pytest.raises(el.EnvLightsError, match="rigs is empty"):
+        el.bake(yard, [])
+    with pytest.raises(el.EnvLightsError, match="rigs or lights; number 1 is 'sun'"):
+        el.bake(yard, [NEW[0], "sun"])
+    with pytest.raises(el.EnvLightsError, match="samples must be a whole number, 1 or more"):
+        el.bake(yard, NEW[:1], samples=0)
+    odd = el.Surface(*np.ones((3, 20, 16, 3)) * [0, 1, 0])
+    with pytest.raises(el.EnvLightsError, match="multiple of 16 rows and columns; got 20x16"):
+        el.MitsubaScene(el.synthetic.courtyard(), odd)
