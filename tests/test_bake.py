@@ -17,7 +17,7 @@ NEW = el.synthetic.rigs(6, seed=1)
 
 @pytest.fixture(scope="module")
 def yard():
-    return el.MitsubaScene(el.synthetic.courtyard(), lightmap=32)
+    return el.MitsubaScene(el.synthetic.courtyard(), lightmap=16)
 
 
 @pytest.fixture(scope="module")
@@ -51,40 +51,45 @@ def rgb(values):
 def each_emitter(rig):
     """Mitsuba draws one emitter for each sample; each for itself leaves no noise of that draw."""
     if rig.ambient.ndim == 2:
-        yield {"type": "envmap", "bitmap": sky(rig.ambient)}, 64
+        yield {"type": "envmap", "bitmap": sky(rig.ambient)}, 16
     else:
-        yield {"type": "constant", "radiance": rgb(rig.ambient)}, 64
+        yield {"type": "constant", "radiance": rgb(rig.ambient)}, 16
     for direction, irradiance in zip(rig.lights.direction, rig.lights.irradiance, strict=True):
         light = {"type": "directional", "direction": list(-direction)}
         yield {**light, "irradiance": rgb(irradiance)}, 1
 
 
-def looked_at(surface, rig, depth, effort=1, seeds=(1, 2)):
-    """What Mitsuba sees of each texel from a centimetre above it: an image for each seed."""
+def eyes_above(surface):
+    """A sensor a centimetre above each texel that looks at it."""
     points, normals = surface.position[surface.covered], surface.normal[surface.covered]
-    images = np.zeros((len(seeds), *surface.albedo.shape))
-    with mitsuba():
-        small = mi.load_dict(film(1))
-        eyes = {
-            f"eye_{k:06}": {
-                "type": "radiancemeter",
-                "origin": list(point + 0.01 * normal),
-                "direction": list(-normal),
-                "film": small,
-            }
-            for k, (point, normal) in enumerate(zip(points, normals, strict=True))
+    small = mi.load_dict(film(1))
+    eyes = {
+        f"eye_{k:06}": {
+            "type": "radiancemeter",
+            "origin": list(point + 0.01 * normal),
+            "direction": list(-normal),
+            "film": small,
         }
-        sampler = {"type": "independent"}
-        row = mi.load_dict({"type": "batch", "film": film(len(eyes)), "sampler": sampler, **eyes})
+        for k, (point, normal) in enumerate(zip(points, normals, strict=True))
+    }
+    sampler = {"type": "independent"}
+    return mi.load_dict({"type": "batch", "film": film(len(eyes)), "sampler": sampler, **eyes})
+
+
+def looked_at(surface, rigs, depth, effort=1, seeds=(1, 2)):
+    """What Mitsuba sees of each texel under each of the rigs: (seeds, H, W, 3)."""
+    with mitsuba():
+        eyes = eyes_above(surface)
         path = mi.load_dict({"type": "path", "max_depth": depth})
-        for emitter, samples in each_emitter(rig):
-            scene = mi.load_dict({**el.synthetic.courtyard(), "emitter": emitter})
-            for image, seed in zip(images, seeds, strict=True):
-                seen = mi.render(
-                    scene, sensor=row, integrator=path, spp=effort * samples, seed=seed
-                )
-                image[surface.covered] += np.array(seen)[0]
-    return images
+        for rig in rigs:
+            images = np.zeros((len(seeds), *surface.albedo.shape))
+            for emitter, samples in each_emitter(rig):
+                scene = mi.load_dict({**el.synthetic.courtyard(), "emitter": emitter})
+                spp = effort * samples
+                for image, seed in zip(images, seeds, strict=True):
+                    seen = mi.render(scene, sensor=eyes, integrator=path, spp=spp, seed=seed)
+                    image[surface.covered] += np.array(seen)[0]
+            yield images
 
 
 def noise_of(one, two):
@@ -93,10 +98,10 @@ def noise_of(one, two):
 
 
 def test_the_charts_are_the_faces_in_the_order_of_their_names(yard):
-    """Five faces of each box, the canopy, the floor, four walls: 4 by 4 charts of 8 by 8."""
+    """Five faces of each box, the canopy, the floor, four walls: 4 by 4 charts of 4 by 4."""
     charts = [
-        chart.reshape(4, 8, 4, 8, 3).swapaxes(1, 2).reshape(16, 64, 3)
-        for chart in (yard.lightmap.position, yard.lightmap.normal)
+        chart.reshape(4, 4, 4, 4, 3).swapaxes(1, 2).reshape(16, 16, 3)
+        for chart in (yard.lightmap.position, yard.lightmap.normal, yard.lightmap.albedo)
     ]
     names = sorted(name for name in el.synthetic.courtyard() if name != "type")
     towards = {
@@ -108,17 +113,16 @@ def test_the_charts_are_the_faces_in_the_order_of_their_names(yard):
         "floor": [0, 1, 0],
         "canopy": [0, -1, 0],
     }
-    for name, position, normal in zip(names, *charts, strict=True):
+    for name, position, normal in zip(names, *charts[:2], strict=True):
         # The walls are seen from inside, the boxes from outside.
         side = -1 if name.startswith("wall") else 1
         wanted = side * np.array(towards[name.split("_")[-1]])
-        np.testing.assert_allclose(normal, np.tile(wanted, (64, 1)), atol=1e-6)
+        np.testing.assert_allclose(normal, np.tile(wanted, (16, 1)), atol=1e-6)
         assert np.ptp(position @ wanted) < 1e-5, "flat"
-    floor = charts[0][names.index("floor")]
-    np.testing.assert_allclose(floor.min(axis=0), [-3.5, 0, -3.5], atol=1e-5)
-    np.testing.assert_allclose(floor.max(axis=0), [3.5, 0, 3.5], atol=1e-5)
-    albedo = yard.lightmap.albedo[16 + 4, 16 - 4]
-    np.testing.assert_allclose(albedo, [0.5, 0.46, 0.4], atol=1e-6)
+    position, _, albedo = (chart[names.index("floor")] for chart in charts)
+    np.testing.assert_allclose(position.min(axis=0), [-3, 0, -3], atol=1e-5)
+    np.testing.assert_allclose(position.max(axis=0), [3, 0, 3], atol=1e-5)
+    np.testing.assert_allclose(albedo, np.tile([0.5, 0.46, 0.4], (16, 1)), atol=1e-6)
 
 
 def test_what_blocks_a_ray_is_what_stands_there(yard):
@@ -134,10 +138,11 @@ def test_what_blocks_a_ray_is_what_stands_there(yard):
 
 
 def test_direct_light_of_unseen_rigs_is_mitsubas(yard):
-    """Within 5 %; the points are the same, so that shadows are sampled alike."""
+    """Within 5 %; at the same points, so that the outlines of shadows are sampled alike."""
     constant = el.Rig([0.3, 0.4, 0.6], NEW[0].lights, error=0.0)
-    for rig in (*NEW[:2], constant):
-        seen = [yard.points.means(image, 16) for image in looked_at(yard.points, rig, depth=2)]
+    rigs = [*NEW[:2], constant]
+    for rig, images in zip(rigs, looked_at(yard.points, rigs, depth=2), strict=True):
+        seen = [yard.points.means(image, 16) for image in images]
         noise, difference = noise_of(*seen), relative(yard.direct(rig), sum(seen) / 2)
         assert noise < 0.02
         assert difference < 0.05, f"difference {difference:.3f}, noise {noise:.3f}"
@@ -145,27 +150,29 @@ def test_direct_light_of_unseen_rigs_is_mitsubas(yard):
 
 def test_a_light_alone_is_mitsubas_to_rounding(yard):
     """A light that has no size leaves no noise, and no shadow is missed."""
-    for light in (NEW[0].lights, NEW[1].lights):
-        rig = el.Rig(np.zeros(3), light[:1], error=0.0)
-        ((seen,),) = [looked_at(yard.points, rig, depth=2, seeds=(1,))]
-        assert relative(yard.direct(rig), yard.points.means(seen, 16)) < 1e-3
+    some = yard.points.thinned(2, 2)
+    light = el.DirectLight.of(some, yard.blocked, 1)
+    rigs = [el.Rig(np.zeros(3), each.lights[:1], error=0.0) for each in NEW]
+    for rig, (seen,) in zip(rigs, looked_at(some, rigs, depth=2, seeds=(1,)), strict=True):
+        # A light that grazes an edge may fall on the other side of it.
+        assert relative(light.image(rig), seen) < 0.01
 
 
 def test_direct_and_indirect_light_are_what_mitsuba_sees(yard):
     """Two ways to all light: sensors on the texels and direct light, or eyes above them."""
-    rig = NEW[2]
-    seen = looked_at(yard.lightmap, rig, depth=-1, effort=16)
-    direct = el.DirectLight.of(yard.lightmap, yard.blocked, 512).image(rig)
-    indirect = yard.indirect(rig, samples=2048)
-    truth = sum(seen) / 2
+    ((one, two),) = looked_at(yard.lightmap, NEW[2:3], depth=-1, effort=64)
+    direct = el.DirectLight.of(yard.lightmap, yard.blocked, 512).image(NEW[2])
+    indirect = yard.indirect(NEW[2], samples=4096)
+    truth = (one + two) / 2
+    noise = noise_of(one, two)
+    noise += indirect.noise * np.linalg.norm(indirect.image) / np.linalg.norm(truth)
     difference = relative(direct + indirect.image, truth)
-    noise = noise_of(*seen) + indirect.noise * np.linalg.norm(indirect.image) / np.linalg.norm(truth)
     assert noise < 0.05
     assert difference < noise, f"difference {difference:.3f}, noise {noise:.3f}"
 
 
 def test_the_noise_of_a_render_is_what_it_says(yard):
-    truth = yard.indirect(NEW[0], samples=8192)
+    truth = yard.indirect(NEW[0], samples=4096)
     for samples in (32, 128):
         rendered = yard.indirect(NEW[0], samples, seed=1)
         assert relative(rendered.image, truth.image) == pytest.approx(rendered.noise, rel=0.2)
@@ -176,7 +183,7 @@ def test_an_ambient_term_may_take_light_away(yard):
     dome, lobe = (each.ambient for each in NEW[:2])
     parts = [el.Rig(ambient, NO_LIGHTS, 0.0) for ambient in (dome, 0.5 * lobe, dome - 0.5 * lobe)]
     assert (harmonics(kernels.icosphere(1280)[0]) @ parts[2].ambient).min() < -0.01
-    one, two, both = (yard.indirect(rig, samples=1024) for rig in parts)
+    one, two, both = (yard.indirect(rig, samples=512) for rig in parts)
     noise = sum(each.noise * np.linalg.norm(each.image) for each in (one, two, both))
     assert np.linalg.norm(one.image - two.image - both.image) < noise
     direct = [yard.direct(rig) for rig in parts]
@@ -234,9 +241,9 @@ def test_a_lightmap_of_your_own_is_taken(yard):
     own = el.MitsubaScene(el.synthetic.courtyard(), yard.lightmap)
     one, other = (each.indirect(NEW[0], samples=8).image for each in (own, yard))
     np.testing.assert_array_equal(one, other)
-    assert own.points.covered.shape == (32, 32)
-    # Each texel of it is the mean of 2 by 2 points, not of 8 by 8.
-    assert relative(own.direct(NEW[0]), yard.direct(NEW[0])) < 0.3
+    assert own.points.covered.shape == (16, 16)
+    # One point for each texel of the direct image, not 8 by 8: what shadows cut is all or nothing.
+    assert relative(own.direct(NEW[0]), yard.direct(NEW[0])) < 0.5
 
 
 def test_the_variant_of_the_user_is_left_alone():

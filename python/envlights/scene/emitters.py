@@ -13,6 +13,8 @@ from envlights.scene.sky import harmonics
 
 #: Rows of the map for an ambient term of harmonics, whose changes are slow.
 _ROWS = 64
+#: A sky that is black somewhere is negative there by no more than this share of its brightest.
+_ROUNDING = 1e-6
 
 
 def emitters(mi: Any, rig: Rig) -> list[tuple[float, dict[str, Any]]]:
@@ -25,9 +27,10 @@ def emitters(mi: Any, rig: Rig) -> list[tuple[float, dict[str, Any]]]:
     if rig.ambient.ndim == 1:
         return [(1.0, {**lights, "ambient": _constant(rig.ambient)})]
     radiance = _radiance(rig.ambient)
-    sets = [(1.0, {**lights, "ambient": _map(mi, np.maximum(radiance, 0))})]
-    if (radiance < 0).any():
-        sets.append((-1.0, {"ambient": _map(mi, np.maximum(-radiance, 0))}))
+    added, taken = np.maximum(radiance, 0), np.maximum(-radiance, 0)
+    sets = [(1.0, {**lights, "ambient": _map(mi, added)})]
+    if taken.max() > _ROUNDING * added.max():
+        sets.append((-1.0, {"ambient": _map(mi, taken)}))
     return sets
 
 
