@@ -246,6 +246,25 @@ def test_a_lightmap_of_your_own_is_taken(yard):
     assert relative(own.direct(NEW[0]), yard.direct(NEW[0])) < 0.5
 
 
+XML = """<scene version="3.0.0">
+  <emitter type="constant"/>
+  <sensor type="perspective"/>
+  <shape type="rectangle" id="floor">
+    <transform name="to_world"><rotate x="1" angle="-90"/></transform>
+    <bsdf type="diffuse"><rgb name="reflectance" value="0.2, 0.4, 0.8"/></bsdf>
+  </shape>
+</scene>"""
+
+
+def test_a_file_is_taken_and_its_own_light_left_out(tmp_path):
+    (tmp_path / "floor.xml").write_text(XML)
+    floor = el.MitsubaScene(tmp_path / "floor.xml", lightmap=4)
+    up = el.Rig([1, 1, 1], el.Lights([[0, 1, 0]], [[np.pi] * 3]), error=0.0)
+    wanted = np.tile([0.4, 0.8, 1.6], (16, 16, 1))
+    np.testing.assert_allclose(floor.direct(up), wanted, rtol=1e-6)
+    assert not floor.indirect(up, samples=8).image.any(), "nothing is there to bounce from"
+
+
 def test_the_variant_of_the_user_is_left_alone():
     before = mi.variant()
     mi.set_variant("scalar_spectral")
@@ -256,6 +275,16 @@ def test_the_variant_of_the_user_is_left_alone():
         assert mi.variant() == "scalar_spectral"
     finally:
         mi.set_variant(before or "scalar_rgb")
+
+
+def triangle():
+    """A mesh without UV coordinates."""
+    mesh = mi.Mesh("bare", 3, 1)
+    corners = mi.traverse(mesh)
+    corners["vertex_positions"] = [0.0, 0, 0, 0, 0, 1, 1, 0, 0]
+    corners["faces"] = [0, 1, 2]
+    corners.update()
+    return {"type": "scene", "bare": mesh}
 
 
 def lamp():
@@ -270,6 +299,7 @@ def lamp():
         (lambda: {"type": "scene", "a": {"type": "cubus"}}, 16, "cannot load the scene: .*cubus"),
         (lambda: "nowhere.xml", 16, "cannot load the scene: .*nowhere.xml"),
         (lambda: {"type": "cube"}, 16, "cannot load the scene"),
+        (triangle, 16, "the shape 'bare' has no chart: .*UV.*; give a lightmap of your own"),
         (el.synthetic.courtyard, 3, "16 shapes need a lightmap 4 wide; got 3"),
         (el.synthetic.courtyard, 0, "lightmap must be a whole number, 1 or more; got 0"),
     ],

@@ -105,7 +105,8 @@ def test_what_a_texel_sees_of_the_sky_is_a_map_with_the_wall_painted_black():
     normals = np.array([UP, [0.6, 0.8, 0], [-1, 0, 0], [0.48, 0.6, -0.64]])
     here = el.DirectLight.of(surface(DARK, normals, np.pi), wall(2.0), 4096)
     for each in el.synthetic.rigs(3):
-        sky = np.where(behind[..., None], 0, (harmonics(flat) @ each.ambient).reshape(height, -1, 3))
+        radiance = (harmonics(flat) @ each.ambient).reshape(height, -1, 3)
+        sky = np.where(behind[..., None], 0, np.maximum(radiance, 0))
         seen = here.image(rig(each.ambient))[0]
         truth = el.EnvMap(sky.astype(np.float32)).probe(normals)
         # A pixel is 0.7 degrees wide, and the outline of the wall crosses some hundred of them.
@@ -152,7 +153,8 @@ def test_frames_are_right_handed_and_unit(seed):
     normal[:3] = [[0, 0, 1], [0, 0, -1], [0, -0.0, -1]]
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     found = frames(normal)
-    np.testing.assert_allclose(found @ found.swapaxes(1, 2), np.tile(np.eye(3), (9, 1, 1)), atol=1e-12)
+    identity = np.tile(np.eye(3), (9, 1, 1))
+    np.testing.assert_allclose(found @ found.swapaxes(1, 2), identity, atol=1e-12)
     np.testing.assert_allclose(np.linalg.det(found), 1)
     np.testing.assert_array_equal(found[:, 2], normal)
 

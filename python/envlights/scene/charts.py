@@ -34,7 +34,13 @@ def charts(mi: Any, shapes: Sequence[Any], width: int) -> Surface:
 
 def _texel(mi: Any, shape: Any, uv: tuple[float, float]) -> NDArray[np.float64]:
     """Position, normal and albedo of a shape at `uv`; zeros where it is not."""
-    at = shape.eval_parameterization(mi.Point2f(*uv), int(mi.RayFlags.All))
+    try:
+        at = shape.eval_parameterization(mi.Point2f(*uv), int(mi.RayFlags.All))
+    except RuntimeError as error:
+        reason = " ".join(str(error).split())
+        raise EnvLightsError(
+            f"the shape {shape.id()!r} has no chart: {reason}; give a lightmap of your own"
+        ) from None
     if not at.is_valid():
         return np.zeros((3, 3))
     albedo = shape.bsdf().eval_diffuse_reflectance(at)

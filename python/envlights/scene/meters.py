@@ -48,7 +48,8 @@ def read(mi: Any, meters: Meters, scene: Any, samples: int, seed: int) -> NDArra
     """Indirect irradiance of each texel, (n, 3): all bounces, without emitters that are seen."""
     paths = mi.load_dict({"type": "path", "hide_emitters": True})
     film = mi.render(scene, sensor=meters.sensor, integrator=paths, spp=samples, seed=seed)
-    return np.array(film, np.float64)[0]
+    (row,) = np.array(film, np.float64)
+    return np.asarray(row)
 
 
 def _film(width: int) -> dict[str, Any]:

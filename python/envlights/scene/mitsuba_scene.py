@@ -40,6 +40,9 @@ class Rendered(NamedTuple):
 class MitsubaScene:
     """The shapes and materials of a Mitsuba scene, under the light of rigs.
 
+    Images hold the radiance that the diffuse part of a material reflects, albedo / pi times
+    irradiance: direct and indirect light add up to what is seen of a diffuse scene.
+
     Mitsuba runs in its variant ``scalar_rgb``; a variant that you have set is set again afterwards.
 
     Parameters
@@ -79,12 +82,12 @@ class MitsubaScene:
     ) -> None:
         with mitsuba() as mi:
             self._shapes = _shapes(mi, scene)
-            self._scene = self._under(mi, {})
             if isinstance(lightmap, Surface):
                 self.lightmap, self.points = lightmap, _thinned(lightmap)
             else:
                 self.lightmap = charts(mi, self._shapes, count("lightmap", lightmap, least=1))
                 self.points = charts(mi, self._shapes, _DIRECT * _POINTS)
+            self._scene = self._under(mi, {})
 
     def blocked(
         self, origins: NDArray[np.float64], directions: NDArray[np.float64]
@@ -189,7 +192,7 @@ def _thinned(lightmap: Surface) -> Surface:
 
 def _step(texels: int) -> int:
     """The largest step through so many texels that meets their end and leaves enough of them."""
-    return max(step for step in range(1, texels + 1) if texels % step == 0 and step * _POINTS <= texels or step == 1)
+    return max((s for s in range(1, texels // _POINTS + 1) if texels % s == 0), default=1)
 
 
 def _shapes(mi: Any, scene: dict[str, Any] | str | os.PathLike[str]) -> list[Any]:

@@ -61,7 +61,8 @@ def sky_transfer(surface: Surface, blocked: Blocked, directions: int) -> NDArray
 
 def harmonics(directions: NDArray[np.float64]) -> NDArray[np.float64]:
     """The nine real spherical harmonics of `kernels.rig_irradiance`, (n, 9)."""
-    return _open_sky(directions) / _LAMBERT
+    radiance: NDArray[np.float64] = _open_sky(directions) / _LAMBERT
+    return radiance
 
 
 def _open_sky(normals: NDArray[np.float64]) -> NDArray[np.float64]:

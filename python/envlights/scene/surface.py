@@ -58,8 +58,7 @@ class Surface:
     @property
     def covered(self) -> NDArray[np.bool_]:
         """Which texels show a surface, (H, W)."""
-        is_there: NDArray[np.bool_] = self.normal.any(axis=-1)
-        return is_there
+        return np.asarray(np.any(self.normal != 0, axis=-1), np.bool_)
 
     @property
     def lift(self) -> float:
@@ -91,7 +90,10 @@ class Surface:
         blocks = (size, rows // size, size, columns // size)
         count = self.covered.reshape(blocks).sum(axis=(1, 3))[..., None]
         total = (image * self.covered[..., None]).reshape(*blocks, 3).sum(axis=(1, 3))
-        return np.divide(total, count, out=np.zeros_like(total), where=count > 0)
+        mean: NDArray[np.float64] = np.divide(
+            total, count, out=np.zeros_like(total), where=count > 0
+        )
+        return mean
 
 
 def frames(normal: NDArray[np.float64]) -> NDArray[np.float64]:

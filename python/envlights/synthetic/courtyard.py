@@ -32,6 +32,10 @@ _ALBEDO = {
 }
 
 
+#: The centre of a rectangle, and half of each of two sides: their cross product is its normal.
+_Face = tuple[ArrayLike, NDArray[np.float64], NDArray[np.float64]]
+
+
 def courtyard() -> dict[str, Any]:
     """A yard of 8 by 8 metres: a floor, four walls, two boxes and a canopy over one corner.
 
@@ -49,7 +53,7 @@ def courtyard() -> dict[str, Any]:
     """
     w, h = _HALF, _WALL
     x, y, z = np.eye(3)
-    faces = {
+    faces: dict[str, _Face] = {
         "floor": ((0, 0, 0), w * z, w * x),
         "wall_east": ((w, h / 2, 0), w * z, h / 2 * y),
         "wall_north": ((0, h / 2, w), -w * x, h / 2 * y),
@@ -60,10 +64,10 @@ def courtyard() -> dict[str, Any]:
     scene: dict[str, Any] = {"type": "scene"}
     with mitsuba() as mi:
         for name, face in faces.items():
-            scene[name] = _rectangle(mi, *face, _ALBEDO[name])
+            scene[name] = _rectangle(mi, face, _ALBEDO[name])
         for box, corners in _BOXES.items():
             for side, face in _box(*np.array(corners)).items():
-                scene[f"box_{box}_{side}"] = _rectangle(mi, *face, _ALBEDO[box])
+                scene[f"box_{box}_{side}"] = _rectangle(mi, face, _ALBEDO[box])
     return scene
 
 
@@ -106,13 +110,11 @@ def _smooth_sky(rng: np.random.Generator) -> NDArray[np.float64]:
     axes = kernels.uniform_sphere(rng.random((3, 2)))
     radiance = (1 + at @ axes.T) ** 2 @ rng.gamma(1.0, 0.1, (3, 3))
     # Such lobes are polynomials of the second degree: nine harmonics hold them exactly.
-    return np.linalg.lstsq(harmonics(at), radiance, rcond=None)[0]
+    return np.asarray(np.linalg.lstsq(harmonics(at), radiance, rcond=None)[0], np.float64)
 
 
-def _box(
-    least: NDArray[np.float64], most: NDArray[np.float64]
-) -> dict[str, tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]]:
-    """The five faces that are seen: centre and half of each of two sides."""
+def _box(least: NDArray[np.float64], most: NDArray[np.float64]) -> dict[str, _Face]:
+    """The five faces that are seen from outside."""
     centre, half = (least + most) / 2, np.diag((most - least) / 2)
     x, y, z = half
     return {
@@ -124,14 +126,9 @@ def _box(
     }
 
 
-def _rectangle(
-    mi: Any,
-    centre: ArrayLike,
-    right: NDArray[np.float64],
-    up: NDArray[np.float64],
-    albedo: tuple[float, float, float],
-) -> dict[str, Any]:
-    """A rectangle that is seen from the side to which ``right x up`` points."""
+def _rectangle(mi: Any, face: _Face, albedo: tuple[float, float, float]) -> dict[str, Any]:
+    """A rectangle of both sides alike."""
+    centre, right, up = face
     normal = np.cross(right, up)
     placed = np.eye(4)
     placed[:3] = np.stack([right, up, normal / np.linalg.norm(normal), centre], axis=1)
