@@ -6,7 +6,6 @@ that were not learnt, and on rigs fitted to maps. Some minutes.
 Usage: python benchmarks/bridge.py [FOLDER of maps]
 """
 
-import os
 import sys
 import time
 from pathlib import Path

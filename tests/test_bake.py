@@ -145,6 +145,12 @@ def test_more_paths_are_not_in_the_direct_light(yard, pairs):
     assert (again.noise > pairs.noise[:2]).all()
 
 
+def test_noise_is_of_its_own_for_each_rig(yard):
+    twice = el.bake(yard, [LIT[0], LIT[0]], samples=8)
+    np.testing.assert_array_equal(*twice.direct)
+    assert not np.array_equal(*twice.indirect)
+
+
 def test_lights_alone_are_rigs_without_an_ambient_term(yard):
     dark = el.Rig(np.zeros(3), NEW[0].lights, error=0.0)
     one, other = (el.bake(yard, [each], samples=8) for each in (NEW[0].lights, dark))
