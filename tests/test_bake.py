@@ -158,6 +158,14 @@ def test_lights_alone_are_rigs_without_an_ambient_term(yard):
     np.testing.assert_array_equal(one.indirect, other.indirect)
 
 
+def test_detected_lights_are_lights(yard):
+    found = el.detect(el.synthetic.hall(64).radiance)
+    lights = el.Lights(found.direction, found.irradiance)
+    one, other = (el.bake(yard, [each], samples=8) for each in (found, lights))
+    np.testing.assert_array_equal(one.direct, other.direct)
+    assert one.direct.any()
+
+
 def test_no_light_gives_a_black_pair(yard):
     dark = el.bake(yard, [el.Rig(np.zeros(3), NO_LIGHTS, error=0.0)], samples=8)
     assert not dark.direct.any()
@@ -230,6 +238,7 @@ def lamp():
     ("scene", "lightmap", "message"),
     [
         (lamp, 16, "the shape 'lamp' is an area light; take it off"),
+        (lambda: 3, 16, "scene must be a dict or the path of an XML file; got 3"),
         (lambda: {"type": "scene"}, 16, "the scene has no shapes"),
         (lambda: {"type": "scene", "a": {"type": "cubus"}}, 16, "cannot load the scene: .*cubus"),
         (lambda: "nowhere.xml", 16, "cannot load the scene: .*nowhere.xml"),

@@ -126,7 +126,8 @@ class MitsubaScene:
         -------
         ndarray, shape (16, 16, 3)
             Radiance that the surfaces reflect of it, linear RGB: the mean over each part of the
-            lightmap.
+            lightmap. On the lightmap itself, ``DirectLight.of(scene.lightmap, scene.blocked)`` has
+            it.
         """
         image = self._direct_light.image(rig)
         return self.points.means(image, _DIRECT).astype(np.float32)
@@ -197,6 +198,8 @@ def _step(texels: int) -> int:
 
 def _shapes(mi: Any, scene: dict[str, Any] | str | os.PathLike[str]) -> list[Any]:
     """The shapes of a scene in the order of their names, or a refusal."""
+    if not isinstance(scene, dict | str | os.PathLike):
+        raise EnvLightsError(f"scene must be a dict or the path of an XML file; got {scene!r:.40}")
     try:
         # Optimised scenes have one shape for all that are of one material.
         if isinstance(scene, dict):

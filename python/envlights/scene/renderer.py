@@ -18,9 +18,9 @@ def mitsuba() -> Iterator[Any]:
     """Mitsuba in its scalar variant; the user's own variant is set again afterwards."""
     try:
         renderer: Any = importlib.import_module("mitsuba")
-    except ImportError:
+    except ImportError as error:
         raise EnvLightsError(
-            "Mitsuba is not installed; pip install 'envlights[bake]' brings it"
+            f"Mitsuba cannot be imported: {error}; pip install 'envlights[bake]' brings it"
         ) from None
     before = renderer.variant()
     renderer.set_variant(_VARIANT)
