@@ -9,30 +9,33 @@
 //!
 //! so one small table of cos o and sin o serves all blocks. A block is summed and turned by `phi_b` in
 //! f32, as the samples are; the sums over blocks are f64. Sums are kept for whole blocks; a look-up adds
-//! or takes off the few columns to the nearest. Rows of a band are weighted one by one, so that its vector flux is exact; only its horizon is not.
+//! the columns from the start of its block, or takes off those to its end, whichever half it falls
+//! into. The pull of a normal is turned into the block as the sums are turned out of it. Rows of a band are weighted one by one, so that its vector flux is exact; only its horizon is not.
 
 use glam::{DVec3, Vec3, Vec4};
 
+use super::rows::{FourPixels, Pull, Rows, Weight, four};
 use crate::kernels::image::Grid;
 
 /// Columns of a block: with more the pass over the pixels is faster, the look-up is slower. Of 4, 8,
 /// 16 and 32, 16 is fastest for 320 normals and 4096 columns.
 const BLOCK: usize = 16;
-/// Four pixels are twelve samples, three vectors of four, whatever the channels within them.
-type FourPixels = [Vec4; 3];
-
+const HALF: usize = BLOCK / 2;
 /// Integrals of L cos phi, L sin phi and L over some azimuths, each for three channels.
 pub type Flux = [DVec3; 3];
 
 /// What every look-up in a row needs to know of its columns.
 pub struct Columns<'a> {
     grid: &'a Grid,
-    /// cos and sin of the azimuth of each edge.
-    edges: Vec<[f64; 2]>,
+    /// For each edge the antiderivatives of cos phi, sin phi and 1.
+    edges: Vec<DVec3>,
     /// Integrals of cos phi, sin phi and 1 over each column.
     integrals: Vec<DVec3>,
     /// cos o and sin o of the pixels of a block of even width.
     offsets: [[FourPixels; 2]; BLOCK / 4],
+    /// For a look-up in each column of a block: 1 for the pixels of its half that it adds, -1 for those
+    /// that it takes off, 0 for the others.
+    counted: [[FourPixels; HALF / 4]; BLOCK],
     /// For each block the integrals over the column in its middle, if all its columns are as wide.
     middles: Vec<Option<[f32; 3]>>,
 }
@@ -40,33 +43,41 @@ pub struct Columns<'a> {
 impl<'a> Columns<'a> {
     pub fn new(grid: &'a Grid) -> Self {
         let phi = &grid.phi_edges;
-        let edges: Vec<[f64; 2]> = phi.iter().map(|phi| [phi.cos(), phi.sin()]).collect();
-        let integrals = phi.windows(2).zip(edges.windows(2)).map(|(phi, edge)| {
-            let ([cos_left, sin_left], [cos_right, sin_right]) = (edge[0], edge[1]);
-            DVec3::new(sin_right - sin_left, cos_left - cos_right, phi[1] - phi[0])
-        });
+        let edges: Vec<DVec3> = phi.iter().map(|&phi| DVec3::new(phi.sin(), -phi.cos(), phi)).collect();
+        let integrals = edges.windows(2).map(|edge| edge[1] - edge[0]);
         // Any column but the outer ones, which the seam may cut.
         let width = phi[phi.len() / 2] - phi[phi.len() / 2 - 1];
         let offset = |i: usize| (i as f64 - 0.5 * (BLOCK - 1) as f64) * width;
-        let four = |first: usize, f: fn(f64) -> f64| -> FourPixels {
-            let sample = |i: usize| f(offset(first + i / 3)) as f32;
-            [0, 4, 8].map(|i| Vec4::new(sample(i), sample(i + 1), sample(i + 2), sample(i + 3)))
-        };
+        let offsets = |i: usize| [f64::cos, f64::sin].map(|f| four(|pixel| f(offset(4 * i + pixel)) as f32));
         Self {
             integrals: integrals.collect(),
-            edges,
-            offsets: std::array::from_fn(|i| [four(4 * i, f64::cos), four(4 * i, f64::sin)]),
+            offsets: std::array::from_fn(offsets),
+            counted: std::array::from_fn(|within| {
+                std::array::from_fn(|i| four(|pixel| counts(within / HALF * HALF + 4 * i + pixel, within)))
+            }),
             middles: phi[..phi.len() - 1]
                 .chunks(BLOCK)
                 .enumerate()
                 .map(|(block, _)| middle(phi, block, width))
                 .collect(),
+            edges,
             grid,
         }
     }
 
+    /// Through u32, which takes two instructions; usize takes ten.
     fn of_azimuth(&self, phi: f64) -> usize {
-        ((phi * self.grid.columns_per_radian + self.grid.first_column) as usize).min(self.integrals.len() - 1)
+        ((phi * self.grid.columns_per_radian + self.grid.first_column) as u32 as usize)
+            .min(self.integrals.len() - 1)
+    }
+}
+
+/// How often a look-up `within` a block counts a pixel of the same half.
+fn counts(pixel: usize, within: usize) -> f32 {
+    match (within < HALF, pixel < within) {
+        (true, true) => 1.0,
+        (false, false) => -1.0,
+        _ => 0.0,
     }
 }
 
@@ -83,9 +94,9 @@ fn middle(phi_edges: &[f64], block: usize, width: f64) -> Option<[f32; 3]> {
 /// Rows that share one horizon, and the prefix sums over their columns.
 pub struct Band<'a> {
     columns: &'a Columns<'a>,
-    rows: Vec<&'a [[f32; 3]]>,
-    /// For each row, how much its cos, its sin and its 1 count.
-    weights: Vec<DVec3>,
+    pairs: Vec<Rows<'a, 2>>,
+    /// The row that is left of an odd number.
+    last: Option<Rows<'a, 1>>,
     /// Flux between the seam and the start of each block, and of the whole.
     prefix: Vec<Flux>,
 }
@@ -93,11 +104,14 @@ pub struct Band<'a> {
 impl<'a> Band<'a> {
     /// A band of no rows; [`Self::set`] fills it, over and over.
     pub fn new(columns: &'a Columns<'a>) -> Self {
-        Self { columns, rows: Vec::new(), weights: Vec::new(), prefix: Vec::new() }
+        Self { columns, pairs: Vec::new(), last: None, prefix: Vec::new() }
     }
 
-    pub fn set(&mut self, rows: Vec<&'a [[f32; 3]]>, weights: Vec<DVec3>) {
-        (self.rows, self.weights) = (rows, weights);
+    pub fn set(&mut self, rows: &[&'a [[f32; 3]]], weights: &[Weight]) {
+        let ((pairs, last), (pair_weights, last_weights)) = (rows.as_chunks(), weights.as_chunks());
+        self.pairs.clear();
+        self.pairs.extend(pairs.iter().zip(pair_weights).map(|(&rows, &weights)| Rows::new(rows, weights)));
+        self.last = last.iter().zip(last_weights).map(|(&row, &weight)| Rows::new([row], [weight])).next();
         self.prefix.clear();
         let mut sum = [DVec3::ZERO; 3];
         for block in 0..self.columns.middles.len() {
@@ -111,20 +125,14 @@ impl<'a> Band<'a> {
         self.prefix.push(sum);
     }
 
-    /// Two rows at a time.
     #[inline]
     fn even_block(&self, block: usize, [chord_cos, chord_sin, width]: [f32; 3]) -> Flux {
-        let first = BLOCK * block;
-        let mut sums = [[Vec4::ZERO; 3]; 3];
-        let (pairs, last) = self.rows.as_chunks::<2>();
-        let (weights_of_pairs, weights_of_last) = self.weights.as_chunks::<2>();
-        for (rows, &weights) in pairs.iter().zip(weights_of_pairs) {
-            add_sums(&mut sums, rows.map(|row| &row[first..]), weights, &self.columns.offsets);
-        }
-        for (row, &weights) in last.iter().zip(weights_of_last) {
-            add_sums(&mut sums, [&row[first..]], [weights], &self.columns.offsets);
-        }
-        let [cos, sin, one] = sums.map(by_channel);
+        let (first, offsets) = (BLOCK * block, &self.columns.offsets);
+        let mut sums = [Vec4::ZERO; 3];
+        let mut add = |terms: [Vec4; 3]| sums = [sums[0] + terms[0], sums[1] + terms[1], sums[2] + terms[2]];
+        self.pairs.iter().for_each(|rows| add(rows.sums::<BLOCK>(first, offsets)));
+        self.last.iter().for_each(|row| add(row.sums::<BLOCK>(first, offsets)));
+        let [cos, sin, one] = sums;
         let turned = [cos * chord_cos - sin * chord_sin, cos * chord_sin + sin * chord_cos, one * width];
         turned.map(|flux| flux.truncate().as_dvec3())
     }
@@ -132,14 +140,22 @@ impl<'a> Band<'a> {
     fn uneven_block(&self, block: usize) -> Flux {
         let last = (BLOCK * (block + 1)).min(self.columns.integrals.len());
         let mut flux = [DVec3::ZERO; 3];
-        for (row, &weights) in self.rows.iter().zip(&self.weights) {
-            for column in BLOCK * block..last {
-                let pixel = Vec3::from_array(row[column]).as_dvec3();
-                let [cos, sin, one] = (weights * self.columns.integrals[column]).to_array();
-                flux = [flux[0] + pixel * cos, flux[1] + pixel * sin, flux[2] + pixel * one];
-            }
+        for column in BLOCK * block..last {
+            let [cos, sin, one] = self.columns.integrals[column].to_array();
+            flux[0] += self.pixel(column, cos, 0.0);
+            flux[1] += self.pixel(column, sin, 0.0);
+            flux[2] += self.pixel(column, 0.0, one);
         }
         flux
+    }
+
+    /// One column of all rows.
+    #[inline]
+    fn pixel(&self, column: usize, equatorial: f64, polar: f64) -> DVec3 {
+        let mut sum = DVec3::ZERO;
+        self.pairs.iter().for_each(|rows| sum += rows.pixel(column, equatorial, polar));
+        self.last.iter().for_each(|row| sum += row.pixel(column, equatorial, polar));
+        sum
     }
 
     pub fn total(&self) -> &Flux {
@@ -151,61 +167,45 @@ impl<'a> Band<'a> {
     pub fn up_to(&self, pull: DVec3, phi: f64, cos_phi: f64, sin_phi: f64) -> DVec3 {
         let columns = self.columns;
         let column = columns.of_azimuth(phi);
-        let [cos_edge, sin_edge] = columns.edges[column];
-        let part = DVec3::new(sin_phi - sin_edge, cos_edge - cos_phi, phi - columns.grid.phi_edges[column]);
-        let nearest = (column + BLOCK / 2) / BLOCK;
-        let start = (BLOCK * nearest).min(columns.integrals.len());
-        let between = start.min(column)..start.max(column);
+        let part = DVec3::new(sin_phi, -cos_phi, phi) - columns.edges[column];
+        let nearest = (column + HALF) / BLOCK;
+        let cut = self.pixel(column, pull.x * part.x + pull.y * part.y, pull.z * part.z);
+        let whole = match columns.middles[column / BLOCK] {
+            Some(middle) => self.even_columns(column, middle, pull.as_vec3()),
+            None => self.uneven_columns(column, (BLOCK * nearest).min(columns.integrals.len()), pull),
+        };
+        weigh(&self.prefix[nearest], pull) + whole + cut
+    }
+
+    /// `pull . flux` of the columns from the start of the block to `column`, or, in its second half, less
+    /// those from `column` to its end.
+    #[inline]
+    fn even_columns(&self, column: usize, [chord_cos, chord_sin, width]: [f32; 3], pull: Vec3) -> DVec3 {
+        let pull = Pull {
+            cos: pull.x * chord_cos + pull.y * chord_sin,
+            sin: pull.y * chord_cos - pull.x * chord_sin,
+            one: pull.z * width,
+        };
+        let (half, within) = (column / HALF, column % BLOCK);
+        let offsets = &self.columns.offsets[half % 2 * (HALF / 4)..][..HALF / 4];
+        let counted = &self.columns.counted[within];
+        let mut sum = Vec4::ZERO;
+        let first = half * HALF;
+        self.pairs.iter().for_each(|rows| sum += rows.pulled::<HALF>(first, &pull, offsets, counted));
+        self.last.iter().for_each(|row| sum += row.pulled::<HALF>(first, &pull, offsets, counted));
+        sum.truncate().as_dvec3()
+    }
+
+    /// The same from `start`, where columns differ in width.
+    fn uneven_columns(&self, column: usize, start: usize, pull: DVec3) -> DVec3 {
+        let columns = start.min(column)..start.max(column);
         let sign = if start <= column { 1.0 } else { -1.0 };
-        let mut sum = weigh(&self.prefix[nearest], pull);
-        for (row, &weights) in self.rows.iter().zip(&self.weights) {
-            let pull = pull * weights;
-            let cut = Vec3::from_array(row[column]).as_dvec3() * pull.dot(part);
-            let mut whole = DVec3::ZERO;
-            for (&pixel, &integral) in row[between.clone()].iter().zip(&columns.integrals[between.clone()]) {
-                whole += Vec3::from_array(pixel).as_dvec3() * pull.dot(integral);
-            }
-            sum += cut + whole * sign;
-        }
-        sum
+        let sum = columns.fold(DVec3::ZERO, |sum, column| {
+            let integral = self.columns.integrals[column];
+            sum + self.pixel(column, pull.x * integral.x + pull.y * integral.y, pull.z * integral.z)
+        });
+        sum * sign
     }
-}
-
-/// Add the sums of L cos o, L sin o and L over a block of some rows, still in the lanes where the samples
-/// lie. The cos and the sin of a row have one weight: the rows are added up before they meet the offsets.
-#[inline]
-fn add_sums<const ROWS: usize>(
-    sums: &mut [FourPixels; 3],
-    rows: [&[[f32; 3]]; ROWS],
-    weights: [DVec3; ROWS],
-    offsets: &[[FourPixels; 2]],
-) {
-    let equatorials = weights.map(|weight| Vec4::splat(weight.x as f32));
-    let polars = weights.map(|weight| Vec4::splat(weight.z as f32));
-    let rows = rows.map(|row| row[..BLOCK].as_flattened().as_chunks::<12>().0);
-    for (i, [cos, sin]) in offsets.iter().enumerate() {
-        for part in 0..3 {
-            let fours = rows.map(|row| Vec4::from_slice(&row[i][4 * part..]));
-            let mut equatorial = fours[0] * equatorials[0];
-            for row in 1..ROWS {
-                equatorial += fours[row] * equatorials[row];
-            }
-            sums[0][part] += equatorial * cos[part];
-            sums[1][part] += equatorial * sin[part];
-            for row in 0..ROWS {
-                sums[2][part] += fours[row] * polars[row];
-            }
-        }
-    }
-}
-
-/// Sum of four pixels: `rgbr gbrg brgb` by channel.
-#[inline]
-fn by_channel([a, b, c]: FourPixels) -> Vec4 {
-    let second = Vec4::new(a.w, b.x, b.y, 0.0);
-    let third = Vec4::new(b.z, b.w, c.x, 0.0);
-    let fourth = Vec4::new(c.y, c.z, c.w, 0.0);
-    (a + second) + (third + fourth)
 }
 
 /// `pull . flux`, for each channel.

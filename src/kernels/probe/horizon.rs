@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 
 use super::band::{Band, weigh};
+use super::rows::Weight;
 use crate::kernels::sphere::angles;
 
 /// Gauss-Legendre nodes and weights on -1 .. 1.
@@ -65,6 +66,12 @@ impl Normal {
         self.slope * slice.cot_theta
     }
 
+    /// Half the width of what it sees of `slice`.
+    #[inline]
+    pub fn half_width(&self, slice: &Slice) -> f64 {
+        self.cosine(slice).clamp(-1.0, 1.0).acos()
+    }
+
     /// How much the integrals of L cos phi, L sin phi and L over the slice count.
     #[inline]
     pub fn pull(&self, slice: &Slice) -> DVec3 {
@@ -72,10 +79,10 @@ impl Normal {
         DVec3::new(-slice.equatorial * n.z, slice.equatorial * n.x, slice.polar * n.y)
     }
 
-    /// `pull . flux` of the interval of half-width `acos(c)` around the normal's azimuth.
+    /// `pull . flux` of the interval of `half_width`, `acos(c)`, around the normal's azimuth.
     #[inline]
-    fn between(&self, c: f64, pull: DVec3, band: &Band<'_>) -> DVec3 {
-        let (half_width, s) = (c.acos(), (1.0 - c * c).sqrt());
+    fn between(&self, c: f64, half_width: f64, pull: DVec3, band: &Band<'_>) -> DVec3 {
+        let s = (1.0 - c * c).sqrt();
         let (cos_n, sin_n) = (self.cos_azimuth, self.sin_azimuth);
         let (start, end) = (self.azimuth - half_width, self.azimuth + half_width);
         let [first, last] = [(start, s), (end, -s)]
@@ -138,31 +145,31 @@ fn slices(top: f64, bottom: f64, nodes: Nodes) -> Vec<Slice> {
 /// Weights of the rows of a band, equatorial and polar, and the slices of the horizon through it.
 ///
 /// A row by itself leaves its weight to its slices; several rows bring theirs to one horizon.
-pub fn cut(theta_edges: &[f64], nodes: Nodes) -> (Vec<DVec3>, Vec<Slice>) {
+pub fn cut(theta_edges: &[f64], nodes: Nodes) -> (Vec<Weight>, Vec<Slice>) {
     let (top, bottom) = (theta_edges[0], theta_edges[theta_edges.len() - 1]);
     if theta_edges.len() == 2 {
-        return (vec![DVec3::ONE], slices(top, bottom, nodes));
+        return (vec![Weight { equatorial: 1.0, polar: 1.0 }], slices(top, bottom, nodes));
     }
     let of_row = |edge: &[f64]| slices(edge[0], edge[1], ONE_NODE).remove(0);
     let rows = theta_edges
         .windows(2)
         .map(of_row)
-        .map(|slice| DVec3::new(slice.equatorial, slice.equatorial, slice.polar));
+        .map(|slice| Weight { equatorial: slice.equatorial, polar: slice.polar });
     let middle = 0.5 * (top + bottom);
     (rows.collect(), vec![Slice { cot_theta: middle.cos() / middle.sin(), equatorial: 1.0, polar: 1.0 }])
 }
 
 impl Slice {
-    /// Irradiance at `normal` from what it sees of this slice.
+    /// Irradiance at `normal` from what it sees of this slice, `half_width` to both sides.
     #[inline]
-    pub fn seen_by(&self, normal: &Normal, band: &Band<'_>) -> DVec3 {
+    pub fn seen_by(&self, normal: &Normal, half_width: f64, band: &Band<'_>) -> DVec3 {
         let (c, pull) = (normal.cosine(self), normal.pull(self));
         if c >= 1.0 {
             DVec3::ZERO
         } else if c <= -1.0 {
             weigh(band.total(), pull)
         } else {
-            normal.between(c, pull, band)
+            normal.between(c, half_width, pull, band)
         }
     }
 

@@ -21,6 +21,7 @@
 //! | step                                    | file          |
 //! |-----------------------------------------|---------------|
 //! | which normals need a sum of their own   | `opposite.rs` |
+//! | sums over a few columns of a row or two | `rows.rs`     |
 //! | flux of a band of rows up to an azimuth | `band.rs`     |
 //! | what a normal sees of a band            | `horizon.rs`  |
 //! | the same for many normals, few cells    | `table.rs`    |
@@ -28,6 +29,7 @@
 mod band;
 mod horizon;
 mod opposite;
+mod rows;
 mod table;
 
 use glam::DVec3;
@@ -207,16 +209,20 @@ fn sum_run<'a>(
     normals: &[Normal],
 ) -> Sums {
     let mut sums = Sums::new(normals.len());
+    let mut half_widths = Vec::with_capacity(normals.len());
     for (i, rows) in rows.chunks(steps.rows).enumerate() {
         if rows.iter().all(|row| row.as_flattened().iter().all(|&sample| sample == 0.0)) {
             continue;
         }
         let (weights, slices) = horizon::cut(&theta_edges[i * steps.rows..][..=rows.len()], steps.nodes);
-        band.set(rows.to_vec(), weights);
+        band.set(rows, &weights);
         for slice in slices {
             slice.add_whole(band, &mut sums.whole);
-            for (sum, normal) in sums.seen.iter_mut().zip(normals) {
-                *sum += slice.seen_by(normal, band);
+            // All before the first look-up, which then need not wait for its own.
+            half_widths.clear();
+            half_widths.extend(normals.iter().map(|normal| normal.half_width(&slice)));
+            for ((sum, normal), &half_width) in sums.seen.iter_mut().zip(normals).zip(&half_widths) {
+                *sum += slice.seen_by(normal, half_width, band);
             }
         }
     }

@@ -1,0 +1,199 @@
+//! One row of a band, or two, summed over columns while the samples lie in the lanes of vectors.
+//!
+//! L cos phi and L sin phi of a row count e times, its L counts p times. For two rows, with
+//! `S = L_0 + L_1 e_1 / e_0`,
+//!
+//! ```text
+//!   e_0 L_0 + e_1 L_1 = e_0 S
+//!   p_0 L_0 + p_1 L_1 = p_0 S + q L_1,   q = p_1 - p_0 e_1 / e_0
+//! ```
+//!
+//! so that only S meets cos and sin, and `L_1` is summed as it is.
+
+use glam::{DVec3, Vec3, Vec4};
+
+/// Four pixels are twelve samples, three vectors of four, whatever the channels within them.
+pub type FourPixels = [Vec4; 3];
+
+/// A number for each of four pixels, beside each of their samples.
+pub fn four(number: impl Fn(usize) -> f32) -> FourPixels {
+    [0, 4, 8].map(|first| Vec4::from_array(std::array::from_fn(|lane| number((first + lane) / 3))))
+}
+
+/// Sum of four pixels: `rgbr gbrg brgb` by channel.
+#[inline]
+fn by_channel([a, b, c]: FourPixels) -> Vec4 {
+    let second = Vec4::new(a.w, b.x, b.y, 0.0);
+    let third = Vec4::new(b.z, b.w, c.x, 0.0);
+    let fourth = Vec4::new(c.y, c.z, c.w, 0.0);
+    (a + second) + (third + fourth)
+}
+
+/// How much a row counts in its band.
+#[derive(Debug, Clone, Copy)]
+pub struct Weight {
+    /// L cos phi and L sin phi.
+    pub equatorial: f64,
+    /// L.
+    pub polar: f64,
+}
+
+/// `N` rows, at most two.
+pub struct Rows<'a, const N: usize> {
+    samples: [&'a [[f32; 3]]; N],
+    weights: [Weight; N],
+    /// What each row counts in S: 1 and `e_1 / e_0`.
+    shares: [f32; N],
+    /// `e_0`.
+    equatorial: f32,
+    /// `p_0` and q.
+    polar: [f32; N],
+}
+
+/// What a normal makes of L cos o, L sin o and L of a column, o being its offset in the block.
+pub struct Pull {
+    pub cos: f32,
+    pub sin: f32,
+    pub one: f32,
+}
+
+impl<'a, const N: usize> Rows<'a, N> {
+    pub fn new(samples: [&'a [[f32; 3]]; N], weights: [Weight; N]) -> Self {
+        let first = weights[0];
+        let shares = weights.map(|weight| weight.equatorial / first.equatorial);
+        let mut polar = std::array::from_fn(|row| (weights[row].polar - first.polar * shares[row]) as f32);
+        polar[0] = first.polar as f32;
+        Self {
+            samples,
+            weights,
+            shares: shares.map(|x| x as f32),
+            equatorial: first.equatorial as f32,
+            polar,
+        }
+    }
+
+    /// The rows from column `first` on, in fours.
+    #[inline]
+    fn fours<const PIXELS: usize>(&self, first: usize) -> [&'a [[f32; 12]]; N] {
+        self.samples.map(|row| row[first..first + PIXELS].as_flattened().as_chunks().0)
+    }
+
+    /// Four samples of S, and of each row.
+    #[inline]
+    fn lanes(&self, rows: [&[f32; 12]; N], part: usize) -> (Vec4, [Vec4; N]) {
+        let samples = rows.map(|row| Vec4::from_slice(&row[4 * part..]));
+        let further = samples.iter().zip(self.shares).skip(1);
+        (further.fold(samples[0], |sum, (&samples, share)| sum + samples * share), samples)
+    }
+
+    /// Sums of L cos o, L sin o and L by channel over a block of `PIXELS` columns, `offsets` being cos o
+    /// and sin o.
+    #[inline]
+    pub fn sums<const PIXELS: usize>(&self, first: usize, offsets: &[[FourPixels; 2]]) -> [Vec4; 3] {
+        let rows = self.fours::<PIXELS>(first);
+        let [mut cosines, mut sines] = [[Vec4::ZERO; 3]; 2];
+        // Of S, then of each further row.
+        let mut ones = [[Vec4::ZERO; 3]; N];
+        for (i, [cos, sin]) in offsets.iter().enumerate() {
+            for part in 0..3 {
+                let (sum, samples) = self.lanes(rows.map(|row| &row[i]), part);
+                cosines[part] += sum * cos[part];
+                sines[part] += sum * sin[part];
+                ones[0][part] += sum;
+                for (ones, &samples) in ones.iter_mut().zip(&samples).skip(1) {
+                    ones[part] += samples;
+                }
+            }
+        }
+        let one = ones.into_iter().zip(self.polar).map(|(one, polar)| by_channel(one) * polar).sum();
+        [by_channel(cosines) * self.equatorial, by_channel(sines) * self.equatorial, one]
+    }
+
+    /// What `pull` makes of the `counted` ones of `PIXELS` columns, by channel.
+    #[inline]
+    pub fn pulled<const PIXELS: usize>(
+        &self,
+        first: usize,
+        pull: &Pull,
+        offsets: &[[FourPixels; 2]],
+        counted: &[FourPixels],
+    ) -> Vec4 {
+        let rows = self.fours::<PIXELS>(first);
+        let (along, across) = (pull.cos * self.equatorial, pull.sin * self.equatorial);
+        let polar = self.polar.map(|polar| polar * pull.one);
+        let mut sums = [Vec4::ZERO; 3];
+        for (i, ([cos, sin], counted)) in offsets.iter().zip(counted).enumerate() {
+            for part in 0..3 {
+                let (sum, samples) = self.lanes(rows.map(|row| &row[i]), part);
+                let mut pulled = sum * (cos[part] * along + sin[part] * across + polar[0]);
+                for (&samples, polar) in samples.iter().zip(polar).skip(1) {
+                    pulled += samples * polar;
+                }
+                sums[part] += pulled * counted[part];
+            }
+        }
+        by_channel(sums)
+    }
+
+    /// One column, `equatorial` being the pull on cos and sin there and `polar` that on 1.
+    #[inline]
+    pub fn pixel(&self, column: usize, equatorial: f64, polar: f64) -> DVec3 {
+        let mut sum = DVec3::ZERO;
+        for (row, weight) in self.samples.iter().zip(self.weights) {
+            let pull = equatorial * weight.equatorial + polar * weight.polar;
+            sum += Vec3::from_array(row[column]).as_dvec3() * pull;
+        }
+        sum
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+    use proptest::prelude::*;
+
+    const COLUMNS: usize = 8;
+    /// Some roundings of single precision of 8 columns of 10, which S counts up to 9 times.
+    const ROUNDING: f64 = 5e-7 * 8.0 * 10.0 * 9.0;
+
+    fn row() -> impl Strategy<Value = Vec<[f32; 3]>> {
+        prop::collection::vec(prop::array::uniform3(0.0_f32..10.0), COLUMNS)
+    }
+
+    /// At a pole the second row of a band counts seven times as much as the first.
+    fn weight() -> impl Strategy<Value = Weight> {
+        (0.25..2.0, -1.0..1.0).prop_map(|(equatorial, polar)| Weight { equatorial, polar })
+    }
+
+    proptest! {
+        /// The same sums column by column, in f64 and with a weight for each row.
+        #[test]
+        fn lanes_hold_the_sums_of_the_columns(
+            rows in [row(), row()], weights in [weight(), weight()], counts in prop::array::uniform8(-1_i8..=1)
+        ) {
+            let rows = Rows::new([rows[0].as_slice(), &rows[1]], weights);
+            let offset = |column: usize| 0.1 * (column as f64 - 3.5);
+            let offsets = [0, 4].map(|first| {
+                [f64::cos, f64::sin].map(|f| four(|pixel| f(offset(first + pixel)) as f32))
+            });
+            let counted = [0, 4].map(|first| four(|pixel| f32::from(counts[first + pixel])));
+            let pull = Pull { cos: 0.3, sin: -0.7, one: 0.4 };
+            let (mut sums, mut pulled) = ([DVec3::ZERO; 3], DVec3::ZERO);
+            for (column, &count) in counts.iter().enumerate() {
+                let (sin, cos) = offset(column).sin_cos();
+                sums[0] += rows.pixel(column, cos, 0.0);
+                sums[1] += rows.pixel(column, sin, 0.0);
+                sums[2] += rows.pixel(column, 0.0, 1.0);
+                pulled += rows.pixel(column, 0.3 * cos - 0.7 * sin, 0.4) * f64::from(count);
+            }
+            let found = rows.sums::<COLUMNS>(0, &offsets).map(|sum| sum.truncate().as_dvec3());
+            let found_pull = rows.pulled::<COLUMNS>(0, &pull, &offsets, &counted).truncate().as_dvec3();
+            for (found, sum) in found.into_iter().chain([found_pull]).zip(sums.into_iter().chain([pulled])) {
+                assert_relative_eq!(found.x, sum.x, epsilon = ROUNDING);
+                assert_relative_eq!(found.y, sum.y, epsilon = ROUNDING);
+                assert_relative_eq!(found.z, sum.z, epsilon = ROUNDING);
+            }
+        }
+    }
+}
