@@ -199,6 +199,15 @@ XML = """<scene version="3.0.0">
 </scene>"""
 
 
+def test_a_large_lightmap_is_measured_at_enough_of_its_texels(yard):
+    own = yard.lightmap
+    large = [maps.repeat(2, axis=0).repeat(30, axis=1) for maps in (own.position, own.normal)]
+    scene = el.MitsubaScene(el.synthetic.courtyard(), el.Surface(*large, np.ones((32, 480, 3))))
+    # 2 by 30 texels for each of the direct image; of 30, each third: 8 are enough, and 3 divides it.
+    assert scene.points.covered.shape == (32, 160)
+    np.testing.assert_array_equal(scene.points.position[::2, ::10], own.position)
+
+
 def test_a_file_is_taken_and_its_own_light_left_out(tmp_path):
     (tmp_path / "floor.xml").write_text(XML)
     floor = el.MitsubaScene(tmp_path / "floor.xml", lightmap=4)
