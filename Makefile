@@ -30,6 +30,7 @@ bench:
 	$(PYTHON) benchmarks/detection_speed.py
 	$(PYTHON) benchmarks/detection.py
 	$(PYTHON) benchmarks/transfer.py
+	$(PYTHON) benchmarks/transfer_memory.py
 	$(PYTHON) benchmarks/bridge.py
 
 .PHONY: check  ## What CI runs

@@ -470,7 +470,7 @@ def test_broken_folders_are_refused_by_the_name_of_the_file(folder):
 def test_what_is_no_database_is_refused(tmp_path, monkeypatch, folder):
     (tmp_path / "empty").mkdir()
     for pairs, message in [
-        (tmp_path / "none", "there is no such folder"),
+        (tmp_path / "none", "No such file or directory; give a folder"),
         (tmp_path / "empty", "holds no pairs; give files"),
         ([], "pairs is empty"),
         (["a.exr"], "pairs must hold two paths each; number 0 is 'a.exr'"),
@@ -504,7 +504,12 @@ def test_the_command_line_learns_and_predicts(folder, tmp_path):
 def test_the_command_line_refuses_in_a_sentence(folder):
     direct = folder / "direct_f.exr"
     for arguments, message in {
-        ("fit", folder / "none", "-o", folder / "m.npz"): "there is no such folder",
+        (
+            "fit",
+            folder / "none",
+            "-o",
+            folder / "m.npz",
+        ): "No such file or directory; give a folder",
         ("fit", folder, "-o", folder / "m.json"): "the suffix must be .npz",
         ("fit", folder, "-o", folder / "m.npz", "--ridge", "x"): "ridge must be 'loo'; got 'x'",
         ("apply", folder / "m.npz", direct, "-o", folder / "o.exr"): "cannot read",

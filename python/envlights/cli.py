@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,9 @@ from envlights.files import check_writable, write_atomically
 from envlights.io import read_image, write_exr
 from envlights.rig import Rig
 from envlights.transfer.store import check_suffix
+
+#: What pictures can be written as; `plot.SUFFIXES`, which takes a second to import.
+_PICTURES = (".png", ".pdf", ".svg")
 
 
 class _Refusing(click.Group):
@@ -68,7 +71,7 @@ def fit(
 ) -> None:
     """Fit ambient and directional lights to MAP (.hdr, .exr, .png, .jpg, .tif)."""
     for output in outputs:
-        _check_output(output, map_path)
+        _check_output(output, (".json", *_PICTURES), {"the map": map_path})
     env = envlights.EnvMap.open(map_path)
     rig = envlights.fit(env, lights, error=error, ambient=ambient, normals=normals)
     _print(rig, as_json)
@@ -94,7 +97,7 @@ def detect(
 ) -> None:
     """Find the bright places of MAP (.hdr, .exr, .png, .jpg, .tif)."""
     for output in outputs:
-        _check_output(output, map_path)
+        _check_output(output, (".json", *_PICTURES), {"the map": map_path})
     env = envlights.EnvMap.open(map_path)
     lights = envlights.detect(env, method, max_lights=max_lights)
     click.echo(json.dumps(lights.to_dict(), indent=2) if as_json else str(lights))
@@ -123,22 +126,57 @@ def demo(folder: str, as_json: bool) -> None:
         click.echo(f"wrote {Path(folder) / 'hall'}.{suffix}", err=True)
 
 
+def _rank(text: str) -> int | float:
+    try:
+        return float(text) if "." in text else int(text)
+    except ValueError:
+        raise click.BadParameter(
+            f"give a whole number, or a share such as 0.99; got {text}"
+        ) from None
+
+
 @main.group()
 def transfer() -> None:
-    """Learn indirect light from pairs of images, and predict it."""
+    """Learn indirect light from pairs of images, and predict it.
+
+    A pair shows one scene under one light: a small image of the direct light, direct_NAME.exr, and
+    its lightmap of indirect light, lightmap_NAME.exr. A model is learnt from a folder of pairs, and
+    says which errors to expect on lights that it has not seen. It then makes lightmaps for new
+    direct light:
+
+    \b
+      envlights transfer fit ROOM -o room.npz --ridge loo
+      envlights transfer apply room.npz direct.exr -o lightmap.exr
+
+    To see how good one is, beside the true lightmap and the best that the model could do:
+
+    \b
+      envlights transfer figure room.npz direct.exr lightmap.exr -o frame.png
+    """  # noqa: D301, click reads the backspace as: keep these lines
 
 
 @transfer.command("fit")
 @click.argument("folder", metavar="FOLDER")
 @click.option("-o", "--output", required=True, metavar="MODEL", help="Where the model goes: .npz.")
-@click.option("--rank", type=int, default=64, show_default=True, help="Directions, at most.")
+@click.option(
+    "--rank",
+    type=_rank,
+    default="64",
+    show_default=True,
+    metavar="RANK",
+    help="Directions, at most; or the share of the energy that they hold: 0.99.",
+)
 @click.option("--ridge", default="1e-3", show_default=True, help="A number, or loo: the best one.")
 @click.option("--error", type=float, help="Use the fewest directions with at most this error.")
 @click.option("--json", "as_json", is_flag=True, help="Print the report as JSON.")
 def transfer_fit(
-    folder: str, output: str, rank: int, ridge: str, error: float | None, as_json: bool
+    folder: str, output: str, rank: int | float, ridge: str, error: float | None, as_json: bool
 ) -> None:
-    """Learn from FOLDER: direct_NAME.exr and lightmap_NAME.exr, one pair for each NAME."""
+    """Learn a model from the pairs in FOLDER.
+
+    They are called direct_NAME.exr and lightmap_NAME.exr, one pair for each NAME. The images go
+    through a file in TMPDIR: a database may be larger than memory.
+    """
     check_suffix(output)
     check_writable(output)
     pairs = envlights.read_pairs(folder, progress=True)
@@ -157,15 +195,35 @@ def transfer_fit(
 @click.argument("direct_path", metavar="DIRECT")
 @click.option("-o", "--output", required=True, metavar="OUT", help="Where the image goes: .exr.")
 def transfer_apply(model_path: str, direct_path: str, output: str) -> None:
-    """Predict the indirect light under the direct light of DIRECT (.exr)."""
-    if Path(output).suffix.lower() != ".exr":
-        raise envlights.EnvLightsError(f"cannot write {output}: the suffix must be .exr")
-    target = check_writable(output)
-    if _is_same(target, Path(direct_path)):
-        raise envlights.EnvLightsError(f"cannot write {output}: it is the direct light")
+    """Predict the indirect light for DIRECT (.exr)."""
+    _check_output(output, (".exr",), {"the direct light": direct_path})
     model = envlights.TransferModel.load(model_path)
     predicted = model.predict(read_image(direct_path).pixels)
     write_exr(output, predicted.astype("float32", copy=False))
+    click.echo(f"wrote {output}", err=True)
+
+
+@transfer.command("figure")
+@click.argument("model_path", metavar="MODEL")
+@click.argument("direct_path", metavar="DIRECT")
+@click.argument("indirect_path", metavar="INDIRECT")
+@click.option(
+    "-o", "--output", required=True, metavar="PICTURE", help="Where it goes: .png, .pdf or .svg."
+)
+def transfer_figure(model_path: str, direct_path: str, indirect_path: str, output: str) -> None:
+    """Draw a predicted frame beside the truth.
+
+    Four images: INDIRECT, which is the truth; what MODEL predicts for DIRECT; the projection of
+    INDIRECT, which is the best that MODEL could do; and what the prediction misses. The titles hold
+    relative errors.
+    """
+    inputs = {"the direct light": direct_path, "the indirect light": indirect_path}
+    _check_output(output, _PICTURES, inputs)
+    model = envlights.TransferModel.load(model_path)
+    direct, indirect = (read_image(path).pixels for path in (direct_path, indirect_path))
+    from envlights import plot, plot_transfer
+
+    plot.save(plot_transfer.transfer_picture(model, direct, indirect), output)
     click.echo(f"wrote {output}", err=True)
 
 
@@ -180,15 +238,17 @@ def _print(rig: Rig, as_json: bool) -> None:
     click.echo(json.dumps(rig.to_dict(), indent=2) if as_json else f"{rig}\n\n{rig.report}")
 
 
-def _check_output(output: str, map_path: str) -> None:
-    known = (".json", ".png", ".pdf", ".svg")
-    if Path(output).suffix.lower() not in known:
-        raise envlights.EnvLightsError(
-            f"cannot write {output}: the suffix must be one of {', '.join(known)}"
-        )
+def _check_output(output: str, suffixes: tuple[str, ...], inputs: Mapping[str, str]) -> None:
+    """Refuse an output of another kind, or one that is an input."""
+    if Path(output).suffix.lower() not in suffixes:
+        wanted = f"one of {', '.join(suffixes)}" if suffixes[1:] else suffixes[0]
+        raise envlights.EnvLightsError(f"cannot write {output}: the suffix must be {wanted}")
     target = check_writable(output)
-    if _is_same(target, Path(map_path)):
-        raise envlights.EnvLightsError(f"cannot write {output}: it is the map; give another name")
+    for what, path in inputs.items():
+        if _is_same(target, Path(path)):
+            raise envlights.EnvLightsError(
+                f"cannot write {output}: it is {what}; give another name"
+            )
 
 
 def _is_same(target: Path, source: Path) -> bool:

@@ -276,6 +276,16 @@ def write_exr(path: str | os.PathLike[str], radiance: NDArray[np.float32]) -> No
         file = oiio.ImageOutput.create(str(beside))
         done = file and file.open(str(beside), spec) and file.write_image(radiance) and file.close()
         if not done:
-            raise OSError(_one_line(file.geterror() if file else oiio.geterror()))
+            reason = _one_line(file.geterror() if file else oiio.geterror())
+            raise OSError(reason.replace(str(beside), str(path)))
+        _check_whole(beside)
 
     write_atomically(path, write)
+
+
+def _check_whole(path: Path) -> None:
+    """Read what was written: OpenImageIO does not see that a disk was full for the last bytes."""
+    try:
+        read_image(path)
+    except EnvLightsError:
+        raise OSError("not all of it could be written; is the disk full?") from None

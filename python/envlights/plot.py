@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 from pathlib import Path
 
@@ -63,7 +64,7 @@ def picture(env: EnvMap, rig: Rig) -> Figure:
         [("under the map", under_map), ("under the rig", under_rig)]
     ):
         axes = figure.add_subplot(grid[1, column])
-        axes.imshow(_image(inside, _display(seen / white), background=1.0))
+        axes.imshow(_image(inside, display(seen / white), background=1.0))
         axes.set_title(f"white probe {title}")
         axes.axis("off")
     _draw_difference(figure, figure.add_subplot(grid[1, 2]), inside, under_map, under_rig)
@@ -124,7 +125,18 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
     """Write a picture as PNG, PDF or SVG, whole or not at all."""
     if Path(path).suffix.lower() not in SUFFIXES:
         raise EnvLightsError(f"cannot draw {path}; the suffix must be {', '.join(SUFFIXES)}")
-    write_atomically(path, lambda beside: figure.savefig(beside, dpi=100, bbox_inches="tight"))
+    # Drawn in memory: on a full disk, matplotlib breaks while it closes a PDF.
+    drawn = io.BytesIO()
+    figure.savefig(drawn, format=Path(path).suffix.lower()[1:], dpi=100, bbox_inches="tight")
+    write_atomically(path, lambda beside: beside.write_bytes(drawn.getvalue()))
+
+
+def display(linear: NDArray[np.floating]) -> NDArray[np.floating]:
+    """Linear values as sRGB codes in 0 .. 1, clipped."""
+    linear = np.clip(linear, 0, 1)
+    coded = 1.055 * linear ** (1 / 2.4) - 0.055
+    clipped: NDArray[np.floating] = np.where(linear <= 0.0031308, 12.92 * linear, coded).clip(0, 1)
+    return clipped
 
 
 def _draw_members(axes: Axes, lights: DetectedLights) -> None:
@@ -173,7 +185,7 @@ def _draw_exposed(axes: Axes, env: EnvMap) -> None:
     luminance = radiance @ LUMINANCE
     lit = luminance[luminance > 0]
     exposure = 0.35 / np.median(lit) if lit.size else 1.0
-    axes.imshow(_display(radiance * exposure), extent=(0, 360, -90, 90))
+    axes.imshow(display(radiance * exposure), extent=(0, 360, -90, 90))
     axes.set(xlabel="azimuth (degrees)", ylabel="elevation (degrees)")
     axes.set(xticks=range(0, 361, 45), yticks=range(-90, 91, 45))
 
@@ -225,11 +237,3 @@ def _image(
     image = np.full((*inside.shape, 3), background)
     image[inside] = colours
     return image
-
-
-def _display(linear: NDArray[np.floating]) -> NDArray[np.floating]:
-    """Linear values as sRGB codes in 0 .. 1, clipped."""
-    linear = np.clip(linear, 0, 1)
-    coded = 1.055 * linear ** (1 / 2.4) - 0.055
-    clipped: NDArray[np.floating] = np.where(linear <= 0.0031308, 12.92 * linear, coded).clip(0, 1)
-    return clipped

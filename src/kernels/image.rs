@@ -157,8 +157,8 @@ pub fn reduce(
     })
 }
 
-/// Pixels that are summed at once: few enough to stay in the first cache.
-pub(crate) const PIXELS_AT_ONCE: usize = 128;
+/// Pixels of a row that are summed at once: few enough to stay near, many enough to be read in a stream.
+const PIXELS_AT_ONCE: usize = 512;
 
 /// Integral of the radiance over each block, (rows, columns, 3).
 fn block_flux(radiance: ArrayView3<'_, f32>, pixels: &Grid, block: usize) -> Result<Array3<f64>> {
@@ -224,14 +224,17 @@ pub(crate) fn weighted_mean(
     mean: &mut [f32],
 ) -> bool {
     let mut bits = 0;
-    mean.fill(0.0);
     let (fours, rest) = rows.as_chunks::<4>();
-    for (rows, weights) in fours.iter().zip(weights.as_chunks::<4>().0) {
-        let [a, b, c, d] = rows.map(|row| &row[columns.clone()]);
-        for ((((mean, a), b), c), d) in mean.iter_mut().zip(a).zip(b).zip(c).zip(d) {
-            *mean += (weights[0] * a + weights[1] * b) + (weights[2] * c + weights[3] * d);
-            bits |= (a.to_bits() | b.to_bits()) | (c.to_bits() | d.to_bits());
-        }
+    for (i, (rows, weights)) in fours.iter().zip(weights.as_chunks::<4>().0).enumerate() {
+        let rows = rows.map(|row| &row[columns.clone()]);
+        bits |= if i == 0 {
+            add_four::<true>(rows, weights, mean)
+        } else {
+            add_four::<false>(rows, weights, mean)
+        };
+    }
+    if fours.is_empty() {
+        mean.fill(0.0);
     }
     for (row, weight) in rest.iter().zip(&weights[4 * fours.len()..]) {
         for (mean, sample) in mean.iter_mut().zip(&row[columns.clone()]) {
@@ -240,6 +243,18 @@ pub(crate) fn weighted_mean(
         }
     }
     bits >> 31 == 1
+}
+
+/// Add four weighted rows to `mean`, or set it to their sum if they are the `FIRST`; the bits of all samples.
+#[inline]
+fn add_four<const FIRST: bool>([a, b, c, d]: [&[f32]; 4], weights: &[f32; 4], mean: &mut [f32]) -> u32 {
+    let mut bits = 0;
+    for ((((mean, a), b), c), d) in mean.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+        let before = if FIRST { 0.0 } else { *mean };
+        *mean = before + ((weights[0] * a + weights[1] * b) + (weights[2] * c + weights[3] * d));
+        bits |= (a.to_bits() | b.to_bits()) | (c.to_bits() | d.to_bits());
+    }
+    bits
 }
 
 /// Refuse a sample below zero. A minus sign may be that of -0, which is as good as 0.

@@ -16,6 +16,7 @@ Learnt from pairs of images of one scene under many lights. `TransferModel.fit` 
 | the model                                              | `model.py`    |
 | one file for a model                                   | `store.py`    |
 | pairs on disk                                          | `database.py` |
+| the looks at all images, for more than one machine     | `cluster.py`  |
 """
 
 from envlights.transfer.database import FilePairs, read_pairs

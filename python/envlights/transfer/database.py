@@ -30,7 +30,8 @@ class FilePairs:
     """Pairs that were read from files.
 
     `indirect` is mapped from a file without a name in the folder for temporary files, ``TMPDIR``,
-    which is gone with the array: a database that is larger than memory fits.
+    which is gone with the array: a database that is larger than memory fits. That folder should be
+    on a disk; some systems keep ``/tmp`` in memory.
     """
 
     direct: NDArray[np.float32]
@@ -88,17 +89,20 @@ def read_pairs(
             return _read(paths, spool, progress)
     except OSError as error:
         raise EnvLightsError(
-            f"cannot keep the images in {tempfile.gettempdir()}: {error.strerror or error};"
+            f"cannot keep the images in a temporary file: {error.strerror or error};"
             " set TMPDIR to a folder with room for all of them"
         ) from error
 
 
 def _in_folder(folder: Path) -> list[PathPair]:
     """The pairs of a folder by name, or a refusal that names the file without a partner."""
-    if not folder.is_dir():
-        raise EnvLightsError(f"cannot read pairs from {folder}: there is no such folder")
+    try:
+        files = sorted(folder.iterdir())
+    except (OSError, ValueError) as error:  # a name that is too long, or holds a NUL
+        reason = getattr(error, "strerror", None) or str(error)
+        raise EnvLightsError(f"cannot read pairs from {folder}: {reason}; give a folder") from None
     found: dict[str, dict[str, Path]] = {}
-    for path in sorted(folder.iterdir()):
+    for path in files:
         if match := _NAME.fullmatch(path.name):
             found.setdefault(match[2], {})[match[1]] = path
     if not found:

@@ -13,12 +13,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights._check import amount, check_choice, count
 from envlights._native import EnvLightsError
-from envlights.transfer import grow, store, unseen
+from envlights.transfer import cluster, grow, store, unseen
 from envlights.transfer.basis import Wanted, basis, directions, outside
 from envlights.transfer.expand import expand, gather
 from envlights.transfer.gram import gram
 from envlights.transfer.learnt import Learnt
-from envlights.transfer.pairs import frames, pairs_of
+from envlights.transfer.pairs import as_array, frames, pairs_of
 from envlights.transfer.report import TransferReport
 from envlights.transfer.ridge import RIDGES, Regression, regression
 
@@ -87,8 +87,9 @@ class TransferModel:
             Linear RGB of the direct light, as irradiance at a few places of the scene. Alpha is
             dropped and noted.
         indirect : array_like, shape (k, H, W, 3 or 4)
-            Linear RGB of the indirect light. It is read in blocks: a mapped file does as well. With
-            float64 the basis is float64, for ranks beyond about 200; else float32.
+            Linear RGB of the indirect light. It is read in blocks: a mapped file does as well, and
+            so does an array of Dask, on whose workers the blocks are then read. With float64 the
+            basis is float64, for ranks beyond about 200; else float32.
         rank : int or float
             Directions of the basis at most, as an int; or the share of the energy of the images
             that they hold, as a float up to 1.0.
@@ -137,13 +138,14 @@ class TransferModel:
         parameters = {"rank": wanted.rank, "ridge": held, "error": wanted.error}
         start = perf_counter()
         pairs = pairs_of(direct, indirect)
-        seen = gram(pairs, centred=notebook)
+        gram_of, basis_of = (cluster.gram, cluster.basis) if pairs.is_lazy else (gram, basis)
+        seen = gram_of(pairs, centred=notebook)
         found = directions(seen.products, pairs.dtype)
         if not len(found.values):
             what = "the same in every image" if notebook else "black in every image"
             raise EnvLightsError(f"indirect is {what}; there is nothing to learn")
         rank = wanted.count(found.values)
-        columns, mean = basis(pairs, seen, found.first(rank), centred=notebook)
+        columns, mean = basis_of(pairs, seen, found.first(rank), centred=notebook)
         coefficients = found.first(rank).coefficients
         left = outside(seen.products, coefficients)
         learnt = Learnt(pairs.direct, coefficients, left, seen.energy)
@@ -210,7 +212,7 @@ class TransferModel:
         direct : array_like, shape (n, h, w, 3 or 4)
             Direct light of the new pairs.
         indirect : array_like, shape (n, H, W, 3 or 4)
-            Indirect light of the new pairs.
+            Indirect light of the new pairs. An array of Dask is computed first.
 
         Returns
         -------
@@ -220,8 +222,9 @@ class TransferModel:
         if self.is_notebook:
             raise EnvLightsError("a model with notebook=True takes no more pairs; fit all again")
         start = perf_counter()
-        frames("direct", np.asarray(direct)[:1], self.size)
-        frames("indirect", np.asarray(indirect)[:1], (self.lit.shape[0], self.lit.shape[1]))
+        direct, indirect = as_array("direct", direct), as_array("indirect", indirect)
+        frames("direct", direct[:1], self.size)
+        frames("indirect", indirect[:1], (self.lit.shape[0], self.lit.shape[1]))
         pairs = pairs_of(direct, indirect)
         wanted = _wanted(**self.parameters)
         columns, lit, learnt = grow.grown(self.basis, self.lit, self.learnt, pairs, wanted)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,8 +19,8 @@ class Pairs:
     direct: NDArray[np.float64]
     """Direct light, (k, 3, h * w), each image at norm 1; a black one stays black."""
 
-    indirect: NDArray[Any]
-    """Indirect light as it was given, without alpha: (k, H, W, 3)."""
+    indirect: Any
+    """Indirect light as it was given, without alpha: (k, H, W, 3), of NumPy or of Dask."""
 
     scale: NDArray[np.float64]
     """What each pair is multiplied with, (k,): one over the norm of its direct image, or 0.
@@ -36,6 +37,11 @@ class Pairs:
         """The type of the large arrays: float64 where the indirect images have it, or float32."""
         return np.dtype(np.float64 if self.indirect.dtype.itemsize >= 8 else np.float32)
 
+    @property
+    def is_lazy(self) -> bool:
+        """Whether the indirect images are an array of Dask, which has yet to be computed."""
+        return _is_lazy(self.indirect)
+
 
 def pairs_of(direct: ArrayLike, indirect: ArrayLike) -> Pairs:
     """The pairs of two stacks of images, or a refusal that names what does not fit."""
@@ -45,6 +51,7 @@ def pairs_of(direct: ArrayLike, indirect: ArrayLike) -> Pairs:
         raise EnvLightsError(
             f"direct and indirect must hold as many images; got {len(small)} and {len(large)}"
         )
+    small = np.asarray(small)
     check_finite("direct", small)
     rows = np.moveaxis(small, -1, 1).reshape(len(small), 3, -1).astype(np.float64)
     norm = np.linalg.norm(rows, axis=(1, 2))
@@ -55,17 +62,19 @@ def pairs_of(direct: ArrayLike, indirect: ArrayLike) -> Pairs:
     return Pairs(rows * scale[:, None, None], large, scale, notes)
 
 
-def images(name: str, values: ArrayLike) -> tuple[NDArray[Any], tuple[str, ...]]:
-    """A stack of RGB images, (k, height, width, 3), as a view, and what was dropped of it."""
-    try:
-        array = np.asarray(values)
-    except ValueError as error:
-        raise EnvLightsError(f"{name} must be an array of images of one size; {error}") from None
+def images(name: str, values: Any) -> tuple[Any, tuple[str, ...]]:
+    """A stack of RGB images, (k, height, width, 3), as a view, and what was dropped of it.
+
+    An array of Dask stays one.
+    """
+    array = values if _is_lazy(values) else as_array(name, values)
     if array.dtype.kind != "f":
         raise EnvLightsError(
             f"{name} must hold linear light as floating point; got the dtype {array.dtype}"
         )
-    if array.ndim != 4 or array.shape[3] not in (3, 4) or 0 in array.shape:
+    # Dask calls a side that it does not know NaN.
+    is_whole = all(side > 0 for side in array.shape)
+    if array.ndim != 4 or array.shape[3] not in (3, 4) or not is_whole:
         raise EnvLightsError(
             f"{name} must have the shape (k, height, width, 3 or 4); got {array.shape}"
         )
@@ -73,9 +82,23 @@ def images(name: str, values: ArrayLike) -> tuple[NDArray[Any], tuple[str, ...]]
     return array[..., :3], dropped
 
 
+def as_array(name: str, values: ArrayLike) -> NDArray[Any]:
+    """`values` as an array in memory, or a refusal where they are of several sizes."""
+    try:
+        return np.asarray(values)
+    except ValueError as error:
+        raise EnvLightsError(f"{name} must be an array of images of one size; {error}") from None
+
+
+def _is_lazy(values: object) -> bool:
+    # Nobody has an array of Dask before `dask.array` is imported.
+    dask_array = sys.modules.get("dask.array")
+    return dask_array is not None and isinstance(values, dask_array.Array)
+
+
 def frames(name: str, values: ArrayLike, size: tuple[int, int]) -> tuple[NDArray[Any], bool]:
     """One image or a stack of the model's `size` as a stack, and whether it was one."""
-    array = np.asarray(values)
+    array = as_array(name, values)
     is_one = array.ndim == 3
     stack, _ = images(name, array[None] if is_one else array)
     if stack.shape[1:3] != size:
@@ -85,15 +108,18 @@ def frames(name: str, values: ArrayLike, size: tuple[int, int]) -> tuple[NDArray
     return stack, is_one
 
 
-def check_finite(name: str, stack: NDArray[Any]) -> None:
-    """Refuse the first texel that is NaN or infinite; image by image, to copy none of them."""
+def check_finite(name: str, stack: NDArray[Any], first_row: int = 0) -> None:
+    """Refuse the first texel that is NaN or infinite; image by image, to copy none of them.
+
+    `first_row` is where the rows of `stack` begin in the whole images.
+    """
     for k, image in enumerate(stack):
         bad = np.argwhere(~np.isfinite(image))
         if len(bad):
             row, column, _ = bad[0]
             raise EnvLightsError(
                 f"{name} must be finite; image {k} holds {image[tuple(bad[0])]}"
-                f" at row {row}, column {column}"
+                f" at row {first_row + row}, column {column}"
             )
 
 

@@ -32,6 +32,8 @@ struct Table<'a> {
     map: &'a WorkingMap,
     columns: &'a Columns,
     prefix: Vec<Flux>,
+    /// Of what each normal sees of the row.
+    half_widths: Vec<f32>,
 }
 
 /// What all rows have in common.
@@ -66,7 +68,7 @@ pub fn under_cells(map: &WorkingMap, normals: &[DVec3]) -> Array2<f64> {
     let sums: Vec<Vec<DVec3>> = rows
         .par_chunks(ROWS_OF_A_RUN)
         .map(|rows| {
-            let mut table = Table { map, columns: &columns, prefix: Vec::new() };
+            let mut table = Table { map, columns: &columns, prefix: Vec::new(), half_widths: Vec::new() };
             let mut sums = vec![DVec3::ZERO; normals.len()];
             for &row in rows {
                 table.add_row(row, &normals, &mut sums);
@@ -86,11 +88,15 @@ impl Table<'_> {
         self.fill(row);
         let (_, slices) = cut(&self.map.grid.theta_edges[row..=row + 1], Steps::ONE_NODE.nodes);
         for slice in &slices {
-            for (sum, normal) in sums.iter_mut().zip(normals) {
-                *sum += self.seen_by(normal, slice);
+            // All before the first look-up, which then need not wait for its own.
+            self.half_widths.clear();
+            self.half_widths.extend(normals.iter().map(|n| (n.cosine(slice) as f32).clamp(-1.0, 1.0).acos()));
+            for ((sum, normal), &half_width) in sums.iter_mut().zip(normals).zip(&self.half_widths) {
+                *sum += self.seen_by(normal, half_width, slice);
             }
         }
     }
+
     /// Sums in f64, for they grow; kept in f32.
     fn fill(&mut self, row: usize) {
         let phi = &self.map.grid.phi_edges;
@@ -108,16 +114,16 @@ impl Table<'_> {
         }
     }
 
-    /// Irradiance at `normal` from what it sees of the row.
+    /// Irradiance at `normal` from what it sees of the row, `half_width` to both sides.
     #[inline]
-    fn seen_by(&self, normal: &Normal, slice: &Slice) -> DVec3 {
+    fn seen_by(&self, normal: &Normal, half_width: f32, slice: &Slice) -> DVec3 {
         let c = normal.cosine(slice);
         let (flux, bend) = if c >= 1.0 {
             return DVec3::ZERO;
         } else if c <= -1.0 {
             (self.prefix[self.prefix.len() - 1], Vec4::ZERO)
         } else {
-            self.around(normal.azimuth as f32, (c as f32).acos())
+            self.around(normal.azimuth as f32, half_width)
         };
         let [x, y, one] = normal.pull(slice).as_vec3().to_array();
         let slope = ((x * x + y * y) * (1.0 - c * c).max(0.0) as f32).sqrt();
@@ -144,7 +150,7 @@ impl Table<'_> {
     #[inline]
     fn up_to(&self, phi: f32) -> (Flux, Vec4) {
         let Columns { places, per_radian, first, .. } = self.columns;
-        let column = ((phi * per_radian + first) as usize).min(places.len() - 1);
+        let column = ((phi * per_radian + first) as u32 as usize).min(places.len() - 1);
         let [left, per_width] = places[column];
         let share = ((phi - left) * per_width).clamp(0.0, 1.0);
         let (before, after) = (&self.prefix[column], &self.prefix[column + 1]);

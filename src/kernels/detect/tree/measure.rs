@@ -171,15 +171,11 @@ impl<'a> Map<'a> {
         let phi = registration.phi_edges(width);
         let rows = theta.windows(2).map(middle).zip(band_heights(&theta));
         let columns = phi.windows(2).map(|edge| (middle(edge), edge[1] - edge[0]));
-        Self {
-            pixels,
-            height,
-            width,
-            block: summary.block,
-            working_columns: summary.size.1,
-            rows: rows.map(|((sin, cos), band)| [sin, cos, band]).collect(),
-            columns: columns.map(|((sin, cos), width)| [width, sin, cos]).collect(),
-        }
+        let (rows, columns) = rayon::join(
+            || rows.map(|((sin, cos), band)| [sin, cos, band]).collect(),
+            || columns.map(|((sin, cos), width)| [width, sin, cos]).collect(),
+        );
+        Self { pixels, height, width, block: summary.block, working_columns: summary.size.1, rows, columns }
     }
 
     /// Part by part: large lights keep all threads busy, and any number of threads adds in one order.

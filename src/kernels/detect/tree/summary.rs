@@ -7,8 +7,11 @@ use ndarray::{Array2, ArrayView3, s};
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
-use crate::kernels::image::{self, Grid, PIXELS_AT_ONCE, check_not_negative, weighted_mean};
+use crate::kernels::image::{self, Grid, check_not_negative, weighted_mean};
 use crate::kernels::sphere::{Registration, band_heights};
+
+/// Pixels of a row that are summed at once: few enough to stay in the first cache.
+const PIXELS_AT_ONCE: usize = 128;
 
 /// Sides of a tile, in pixels of the working image.
 pub const TILE: usize = 16;
