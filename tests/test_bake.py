@@ -284,10 +284,15 @@ def test_scenes_that_no_rig_can_light_are_refused(scene, lightmap, message):
 def test_what_is_no_light_is_refused(yard):
     with pytest.raises(el.EnvLightsError, match="rigs is empty"):
         el.bake(yard, [])
-    with pytest.raises(el.EnvLightsError, match="rigs or lights; number 1 is 'sun'"):
-        el.bake(yard, [NEW[0], "sun"])
+    for work in (lambda sun: el.bake(yard, [NEW[0], sun]), yard.direct, yard.indirect):
+        with pytest.raises(el.EnvLightsError, match="Rig, Lights or DetectedLights; got 'sun'"):
+            work("sun")
+    with pytest.raises(el.EnvLightsError, match=r"must be a MitsubaScene; got \{'type'"):
+        el.bake({"type": "scene"}, NEW)
     with pytest.raises(el.EnvLightsError, match="samples must be a whole number, 1 or more"):
         el.bake(yard, NEW[:1], samples=0)
+    with pytest.raises(el.EnvLightsError, match="seed must be a whole number, 0 or more"):
+        el.bake(yard, NEW[:1], seed=-1)
     odd = el.Surface(*np.ones((3, 20, 16, 3)) * [0, 1, 0])
     with pytest.raises(el.EnvLightsError, match="multiple of 16 rows and columns; got 20x16"):
         el.MitsubaScene(el.synthetic.courtyard(), odd)

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 from tqdm import tqdm
 
+from envlights._check import count
 from envlights._native import EnvLightsError
-from envlights.detected import DetectedLights
 from envlights.io import write_exr
-from envlights.rig import Lights, Rig
+from envlights.scene.direct import AnyLights, as_rig
 from envlights.scene.mitsuba_scene import MitsubaScene
 
 
@@ -49,7 +49,7 @@ class BakedPairs:
 
 def bake(
     scene: MitsubaScene,
-    rigs: Iterable[Rig | Lights | DetectedLights],
+    rigs: Iterable[AnyLights],
     samples: int = 256,
     *,
     seed: int = 0,
@@ -84,21 +84,18 @@ def bake(
     >>> model.predict(yard.direct(new)).shape
     (16, 16, 3)
     """
-    lights = [_rig(k, each) for k, each in enumerate(rigs)]
+    if not isinstance(scene, MitsubaScene):
+        raise EnvLightsError(f"scene must be a MitsubaScene; got {scene!r:.40}")
+    lights = [as_rig(each) for each in rigs]
     if not lights:
         raise EnvLightsError("rigs is empty; give at least one rig")
-    direct, indirect, noise = [], [], []
+    seed = count("seed", seed)
+    direct, noise = [], []
+    # In its place from the start: the lightmaps may fill most of the memory.
+    indirect = np.empty((len(lights), *scene.lightmap.albedo.shape), np.float32)
     for k, rig in enumerate(tqdm(lights, desc="baking", unit="rig", disable=not progress)):
         direct.append(scene.direct(rig))
         rendered = scene.indirect(rig, samples, seed + k)
-        indirect.append(rendered.image)
+        indirect[k] = rendered.image
         noise.append(rendered.noise)
-    return BakedPairs(np.stack(direct), np.stack(indirect), np.array(noise))
-
-
-def _rig(k: int, lights: object) -> Rig:
-    if isinstance(lights, Rig):
-        return lights
-    if not isinstance(lights, Lights | DetectedLights):
-        raise EnvLightsError(f"rigs must hold rigs or lights; number {k} is {lights!r}")
-    return Rig(np.zeros(3), Lights(lights.direction, lights.irradiance), error=0.0)
+    return BakedPairs(np.stack(direct), indirect, np.array(noise))

@@ -8,9 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._check import count
-from envlights.rig import Rig
+from envlights._native import EnvLightsError
+from envlights.detected import DetectedLights
+from envlights.rig import Lights, Rig
 from envlights.scene.sky import Blocked, sky_transfer
 from envlights.scene.surface import Surface
+
+#: A rig, or lights that stand for one without an ambient term.
+AnyLights = Rig | Lights | DetectedLights
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,13 +66,13 @@ class DirectLight:
         directions = count("directions", directions, least=1)
         return cls(surface, blocked, sky_transfer(surface, blocked, directions))
 
-    def image(self, rig: Rig) -> NDArray[np.float64]:
+    def image(self, rig: AnyLights) -> NDArray[np.float64]:
         r"""Radiance that the surface reflects of the direct light.
 
         Parameters
         ----------
-        rig : Rig
-            In the frame of the scene.
+        rig : Rig, Lights or DetectedLights
+            In the frame of the scene; lights alone have no ambient term.
 
         Returns
         -------
@@ -75,6 +80,7 @@ class DirectLight:
             :math:`\frac{albedo}{\pi} (E_a + \sum_j V_j E_j \max(0, n \cdot l_j))` with the
             visibility V of each light and the irradiance of the ambient term that is seen.
         """
+        rig = as_rig(rig)
         irradiance = self.sky @ _harmonic(rig.ambient)
         origins, normals = self.surface.lifted()
         for direction, strength in zip(rig.lights.direction, rig.lights.irradiance, strict=True):
@@ -84,6 +90,15 @@ class DirectLight:
             cosine[faces[self.blocked(origins[faces], towards)]] = 0
             irradiance += cosine[:, None] * strength
         return self.surface.reflected(irradiance)
+
+
+def as_rig(lights: AnyLights) -> Rig:
+    """A rig as it is, lights as one without an ambient term, or a refusal."""
+    if isinstance(lights, Rig):
+        return lights
+    if not isinstance(lights, Lights | DetectedLights):
+        raise EnvLightsError(f"a rig must be a Rig, Lights or DetectedLights; got {lights!r:.40}")
+    return Rig(np.zeros(3), Lights(lights.direction, lights.irradiance), error=0.0)
 
 
 def _harmonic(ambient: NDArray[np.float64]) -> NDArray[np.float64]:

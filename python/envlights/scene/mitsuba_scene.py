@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 
 from envlights._check import count
 from envlights._native import EnvLightsError
-from envlights.rig import Rig
 from envlights.scene.charts import charts
-from envlights.scene.direct import DirectLight
+from envlights.scene.direct import AnyLights, DirectLight, as_rig
 from envlights.scene.emitters import emitters
 from envlights.scene.meters import Meters, meters, read
 from envlights.scene.renderer import mitsuba
@@ -113,7 +112,7 @@ class MitsubaScene:
             hits = (self._scene.ray_test(mi.Ray3f(*each)) for each in ends)
             return np.fromiter(hits, np.bool_, len(origins))
 
-    def direct(self, rig: Rig) -> NDArray[np.float32]:
+    def direct(self, rig: AnyLights) -> NDArray[np.float32]:
         """Direct light in a small image: what a `TransferModel` predicts from.
 
         The first call traces what each texel sees of the sky; then each light takes one test for
@@ -121,8 +120,8 @@ class MitsubaScene:
 
         Parameters
         ----------
-        rig : Rig
-            Any ambient term, any number of lights.
+        rig : Rig, Lights or DetectedLights
+            Lights alone have no ambient term.
 
         Returns
         -------
@@ -134,12 +133,13 @@ class MitsubaScene:
         image = self._direct_light.image(rig)
         return self.points.means(image, _DIRECT).astype(np.float32)
 
-    def indirect(self, rig: Rig, samples: int = 256, seed: int = 0) -> Rendered:
+    def indirect(self, rig: AnyLights, samples: int = 256, seed: int = 0) -> Rendered:
         """Indirect light, path-traced: all bounces.
 
         Parameters
         ----------
-        rig : Rig
+        rig : Rig, Lights or DetectedLights
+            Lights alone have no ambient term.
         samples : int
             Paths of each texel, rounded up to twice a square number.
         seed : int
@@ -168,11 +168,11 @@ class MitsubaScene:
         with mitsuba() as mi:
             return meters(mi, self.lightmap)
 
-    def _traced(self, rig: Rig, samples: int, seed: int) -> NDArray[np.float64]:
+    def _traced(self, rig: AnyLights, samples: int, seed: int) -> NDArray[np.float64]:
         """Radiance that the lightmap reflects of the indirect light."""
         irradiance = np.zeros((np.count_nonzero(self.lightmap.covered), 3))
         with mitsuba() as mi:
-            for weight, lights in emitters(mi, rig):
+            for weight, lights in emitters(mi, as_rig(rig)):
                 scene = self._under(mi, lights)
                 irradiance += weight * read(mi, self._meters, scene, samples, seed)
         return self.lightmap.reflected(irradiance)
