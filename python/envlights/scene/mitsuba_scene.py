@@ -74,7 +74,8 @@ class MitsubaScene:
     """What each texel of the images of indirect light shows."""
 
     points: Surface
-    """Where direct light is measured: up to 8 by 8 points for each texel of its image."""
+    """Where direct light is measured: 8 by 8 points for each texel of its image, or as near to that
+    as a lightmap of your own allows."""
 
     def __init__(
         self, scene: dict[str, Any] | str | os.PathLike[str], lightmap: int | Surface = 128
