@@ -42,6 +42,13 @@ pub enum Error {
         seen: usize,
     },
 
+    /// No ambient term has so many coefficients.
+    #[error("the ambient term must have 0, 1 or 9 coefficients in each channel; got {seen}")]
+    NotAmbient {
+        /// Coefficients that were given.
+        seen: usize,
+    },
+
     /// A vector that should be a direction has another length than 1.
     #[error("{what} {index} has length {length}; it must be a unit vector")]
     NotUnit {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -10,7 +11,9 @@ from typing import Any
 import click
 
 import envlights
+from envlights.detect import METHODS
 from envlights.files import check_writable, write_atomically
+from envlights.fit import AMBIENTS, NORMALS
 from envlights.io import read_image, write_exr
 from envlights.rig import Rig
 from envlights.transfer.store import check_suffix
@@ -30,6 +33,11 @@ class _Refusing(click.Group):
             context.exit(2)
 
 
+def _default(function: Callable[..., Any], parameter: str) -> Any:
+    """What Python takes when the parameter is left out."""
+    return inspect.signature(function).parameters[parameter].default
+
+
 def _outputs(help_text: str) -> Callable[[Any], Any]:
     return click.option("-o", "--output", "outputs", multiple=True, metavar="OUT", help=help_text)
 
@@ -46,15 +54,15 @@ def main() -> None:
 @click.option("--error", type=float, help="Use the fewest lights with at most this error: 0.01.")
 @click.option(
     "--ambient",
-    type=click.Choice(["constant", "none", "sh2"]),
-    default="constant",
+    type=click.Choice(list(AMBIENTS)),
+    default=_default(envlights.fit, "ambient"),
     show_default=True,
     help="The environment beside the lights; sh2: nine spherical harmonics.",
 )
 @click.option(
     "--normals",
-    type=click.Choice(["sphere", "upper"]),
-    default="sphere",
+    type=click.Choice(NORMALS),
+    default=_default(envlights.fit, "normals"),
     show_default=True,
     help="Surfaces that count; upper: those that face up, for things on a floor.",
 )
@@ -85,8 +93,8 @@ def fit(
 @click.option("-n", "--max-lights", type=int, help="Merge neighbours until there are no more.")
 @click.option(
     "--method",
-    type=click.Choice(["tree", "article"]),
-    default="tree",
+    type=click.Choice(list(METHODS)),
+    default=_default(envlights.detect, "method"),
     show_default=True,
     help="How bright places are found.",
 )
@@ -161,12 +169,17 @@ def transfer() -> None:
 @click.option(
     "--rank",
     type=_rank,
-    default="64",
+    default=str(_default(envlights.TransferModel.fit, "rank")),
     show_default=True,
     metavar="RANK",
     help="Directions, at most; or the share of the energy that they hold: 0.99.",
 )
-@click.option("--ridge", default="1e-3", show_default=True, help="A number, or loo: the best one.")
+@click.option(
+    "--ridge",
+    default=str(_default(envlights.TransferModel.fit, "ridge")),
+    show_default=True,
+    help="A number, or loo: the best one.",
+)
 @click.option("--error", type=float, help="Use the fewest directions with at most this error.")
 @click.option("--json", "as_json", is_flag=True, help="Print the report as JSON.")
 def transfer_fit(

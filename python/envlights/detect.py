@@ -13,7 +13,8 @@ from envlights.detected import DetectedLights
 from envlights.envmap import EnvMap
 from envlights.tree import detect_tree
 
-_METHODS: dict[str, Callable[..., DetectedLights]] = {
+#: How bright places are found.
+METHODS: dict[str, Callable[..., DetectedLights]] = {
     "tree": detect_tree,
     "article": detect_article,
 }
@@ -52,5 +53,5 @@ def detect(env: EnvMap | ArrayLike, method: str = "tree", **options: Any) -> Det
     >>> len(lights), round(float(lights.angular_radius[0]) * 57.3, 1)
     (1, 5.1)
     """
-    check_choice("method", method, tuple(_METHODS))
-    return _METHODS[method](env, **options)
+    check_choice("method", method, tuple(METHODS))
+    return METHODS[method](env, **options)

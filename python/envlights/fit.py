@@ -129,16 +129,9 @@ def fit(
     clock.lap("fit")
     rig = rig_of(found, judging, len(held) + len(first))
     clock.lap("report")
-    tried = max(rig.report.errors)
-    skipped = (*_working_map(world, sources), *_channels(fitted), *_counts(rig, tried, most, error))
-    report = replace(
-        rig.report,
-        seconds=clock.laps,
-        measured_on=f"{len(judging.normals)} normals that were not fitted",
-        skipped=skipped,
-        stop_reason=stop_reason(rig, error),
-    )
-    return replace(rig, report=report, notes=world.notes)
+    measured_on = f"{len(judging.normals)} normals that were not fitted"
+    skipped = (*_working_map(world, sources), *_channels(fitted))
+    return replace(_reported(rig, most, error, clock, measured_on, skipped), notes=world.notes)
 
 
 def fit_probe(
@@ -209,15 +202,8 @@ def fit_probe(
     clock.lap("fit")
     rig = rig_of(found, samples, len(held) + len(first))
     clock.lap("report")
-    tried = max(rig.report.errors)
-    report = replace(
-        rig.report,
-        seconds=clock.laps,
-        measured_on=f"the {len(normals)} fitted normals",
-        skipped=(*_channels(samples), *_counts(rig, tried, most, None)),
-        stop_reason=stop_reason(rig, None),
-    )
-    return replace(rig, report=report)
+    measured_on = f"the {len(normals)} fitted normals"
+    return _reported(rig, most, None, clock, measured_on, _channels(samples))
 
 
 class _Clock:
@@ -232,6 +218,25 @@ class _Clock:
         now = perf_counter()
         self.laps[stage] = now - self._last
         self._last = now
+
+
+def _reported(
+    rig: Rig,
+    most: int,
+    error: float | None,
+    clock: _Clock,
+    measured_on: str,
+    skipped: tuple[str, ...],
+) -> Rig:
+    """`rig` with what was asked for and spared in its report."""
+    report = replace(
+        rig.report,
+        seconds=clock.laps,
+        measured_on=measured_on,
+        skipped=(*skipped, *_counts(rig, most, error)),
+        stop_reason=stop_reason(rig, error),
+    )
+    return replace(rig, report=report)
 
 
 def _fixed(fixed: ArrayLike | None) -> NDArray[np.float64]:
@@ -292,9 +297,9 @@ def _channels(samples: Samples) -> tuple[str, ...]:
     return () if fitted == 3 else (f"{3 - fitted} of 3 channels: black, or the same as another",)
 
 
-def _counts(rig: Rig, tried: int, most: int, error: float | None) -> tuple[str, ...]:
+def _counts(rig: Rig, most: int, error: float | None) -> tuple[str, ...]:
     """Why there are fewer lights than there may be."""
-    used = len(rig.lights)
+    used, tried = len(rig.lights), max(rig.report.errors)
     if used >= most:
         return ()
     reached = error is not None and rig.error <= error and used == tried

@@ -5,6 +5,7 @@ use numpy::ndarray::{ArrayView1, ArrayView2};
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
+use crate::error::Error;
 use crate::kernels::fit::{self, Ambient, Goal, Probe, Request, Rig, Solution, StopReason};
 use crate::kernels::sphere::{from_vectors, unit_vectors};
 
@@ -41,7 +42,7 @@ pub fn fit_lights<'py>(
     let (fitted, judging, start) = (views(&fitted), views(judging), start.as_array());
     let (error, held) = (*error, *held);
     let solutions = py.detach(|| {
-        let ambient = Ambient::with(ambient).unwrap_or(Ambient::None);
+        let ambient = Ambient::with(ambient).ok_or(Error::NotAmbient { seen: ambient })?;
         let samples = |(normals, weights, irradiance)| fit::Samples::new(normals, weights, irradiance);
         let probe = Probe::new(samples(fitted)?, ambient);
         let goal = Goal { judge: samples(judging)?, error };
