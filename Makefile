@@ -31,6 +31,7 @@ bench:
 	$(PYTHON) benchmarks/detection.py
 	$(PYTHON) benchmarks/transfer.py
 	$(PYTHON) benchmarks/transfer_memory.py
+	$(PYTHON) benchmarks/bridge.py
 
 .PHONY: check  ## What CI runs
 check:

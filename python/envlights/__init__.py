@@ -19,22 +19,28 @@ from envlights.fit import fit, fit_probe
 from envlights.paper import PaperFit, fit_paper
 from envlights.report import FitReport, StopReason
 from envlights.rig import Lights, Rig
+from envlights.scene import BakedPairs, DirectLight, MitsubaScene, Surface, bake
 from envlights.transfer import FilePairs, TransferModel, TransferReport, read_pairs
 from envlights.tree import detect_tree
 
 __all__ = [
+    "BakedPairs",
     "DetectedLights",
     "DetectionReport",
+    "DirectLight",
     "EnvLightsError",
     "EnvMap",
     "FilePairs",
     "FitReport",
     "Lights",
+    "MitsubaScene",
     "PaperFit",
     "Rig",
     "StopReason",
+    "Surface",
     "TransferModel",
     "TransferReport",
+    "bake",
     "detect",
     "detect_article",
     "detect_tree",

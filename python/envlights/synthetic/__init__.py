@@ -12,8 +12,10 @@ Frame and units are those of `EnvMap`; pixels are cell-centred.
 | two families of random maps, to judge detectors | `suite.py`     |
 | what a detector found against what is there     | `score.py`     |
 | a closed room under many lamps, in pairs        | `room.py`      |
+| an open courtyard for Mitsuba, and rigs for it  | `courtyard.py` |
 """
 
+from envlights.synthetic.courtyard import courtyard, rigs
 from envlights.synthetic.hall import hall
 from envlights.synthetic.room import Room, room
 from envlights.synthetic.scene import SyntheticMap, scene
@@ -31,11 +33,13 @@ __all__ = [
     "Score",
     "Shape",
     "SyntheticMap",
+    "courtyard",
     "hall",
     "hard",
     "judge",
     "match",
     "plain",
+    "rigs",
     "room",
     "scene",
 ]

@@ -1,0 +1,101 @@
+"""Pairs of direct and indirect light to learn from."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from tqdm import tqdm
+
+from envlights._check import count
+from envlights._native import EnvLightsError
+from envlights.io import write_exr
+from envlights.scene.direct import AnyLights, as_rig
+from envlights.scene.mitsuba_scene import MitsubaScene
+
+
+@dataclass(frozen=True, eq=False)
+class BakedPairs:
+    """Direct and indirect light of one scene under many rigs.
+
+    Linear RGB radiance that the surfaces reflect of it.
+    """
+
+    direct: NDArray[np.float32]
+    """Direct light, (k, 16, 16, 3), as `MitsubaScene.direct` gives it."""
+
+    indirect: NDArray[np.float32]
+    """Indirect light on the lightmap, (k, H, W, 3), path-traced."""
+
+    noise: NDArray[np.float64]
+    """Noise of each image of indirect light, relative to it, (k,)."""
+
+    def save(self, folder: str | os.PathLike[str]) -> None:
+        """Write ``direct_0000.exr``, ``lightmap_0000.exr`` and so on: `read_pairs` reads them.
+
+        Parameters
+        ----------
+        folder : path-like
+            An existing folder.
+        """
+        for k, (direct, indirect) in enumerate(zip(self.direct, self.indirect, strict=True)):
+            write_exr(Path(folder, f"direct_{k:04}.exr"), direct)
+            write_exr(Path(folder, f"lightmap_{k:04}.exr"), indirect)
+
+
+def bake(
+    scene: MitsubaScene,
+    rigs: Iterable[AnyLights],
+    samples: int = 256,
+    *,
+    seed: int = 0,
+    progress: bool = False,
+) -> BakedPairs:
+    """Light a scene with each of many rigs, for `TransferModel.fit` to learn from.
+
+    Parameters
+    ----------
+    scene : MitsubaScene
+    rigs : iterable of Rig, Lights or DetectedLights
+        The lights; lights without a rig have no ambient term. Rigs like those that will be asked
+        for: lights from everywhere, several in each.
+    samples : int
+        Paths of each texel of the lightmap. A model averages over rigs, and with them over noise.
+    seed : int
+        Of the paths, which are others for each rig.
+    progress : bool
+        Show a progress bar on stderr.
+
+    Returns
+    -------
+    BakedPairs
+
+    Examples
+    --------
+    >>> import envlights as el
+    >>> yard = el.MitsubaScene(el.synthetic.courtyard(), lightmap=16)
+    >>> pairs = bake(yard, el.synthetic.rigs(8), samples=16)
+    >>> model = el.TransferModel.fit(pairs.direct, pairs.indirect, ridge="loo")
+    >>> (new,) = el.synthetic.rigs(1, seed=1)
+    >>> model.predict(yard.direct(new)).shape
+    (16, 16, 3)
+    """
+    if not isinstance(scene, MitsubaScene):
+        raise EnvLightsError(f"scene must be a MitsubaScene; got {scene!r:.40}")
+    lights = [as_rig(each) for each in rigs]
+    if not lights:
+        raise EnvLightsError("rigs is empty; give at least one rig")
+    seed = count("seed", seed)
+    direct, noise = [], []
+    # In its place from the start: the lightmaps may fill most of the memory.
+    indirect = np.empty((len(lights), *scene.lightmap.albedo.shape), np.float32)
+    for k, rig in enumerate(tqdm(lights, desc="baking", unit="rig", disable=not progress)):
+        direct.append(scene.direct(rig))
+        rendered = scene.indirect(rig, samples, seed + k)
+        indirect[k] = rendered.image
+        noise.append(rendered.noise)
+    return BakedPairs(np.stack(direct), indirect, np.array(noise))

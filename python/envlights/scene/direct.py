@@ -1,0 +1,110 @@
+"""Direct light of any rig on a surface."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights._check import count
+from envlights._native import EnvLightsError
+from envlights.detected import DetectedLights
+from envlights.rig import Lights, Rig
+from envlights.scene.sky import Blocked, sky_transfer
+from envlights.scene.surface import Surface
+
+#: A rig, or lights that stand for one without an ambient term.
+AnyLights = Rig | Lights | DetectedLights
+
+
+@dataclass(frozen=True, eq=False)
+class DirectLight:
+    """Direct light of any rig on a surface: one test for shadow for each light and texel.
+
+    The ambient term is taken through what each texel sees of the sky, which is traced once.
+
+    Examples
+    --------
+    A white floor under a light that stands 60 degrees from its normal, and nothing in the way:
+
+    >>> import numpy as np
+    >>> from envlights import Lights, Rig
+    >>> floor = Surface([[[0, 0, 0]]], [[[0, 1, 0]]], [[[np.pi] * 3]])
+    >>> light = DirectLight.of(floor, lambda origins, directions: np.zeros(len(origins), bool))
+    >>> rig = Rig([0, 0, 0], Lights([[np.sqrt(0.75), 0.5, 0]], [[2, 4, 6]]), error=0.0)
+    >>> light.image(rig).round(6)
+    array([[[1., 2., 3.]]])
+    """
+
+    surface: Surface
+    """Where the light falls."""
+
+    blocked: Blocked
+    """Whether something stands in the way of each ray: origins and unit directions, (n, 3) each,
+    to (n,). Any ray tracer."""
+
+    sky: NDArray[np.float64]
+    """Irradiance of each covered texel under each spherical harmonic, (n, 9)."""
+
+    @classmethod
+    def of(cls, surface: Surface, blocked: Blocked, directions: int = 64) -> DirectLight:
+        """Trace what the surface sees of the sky.
+
+        Parameters
+        ----------
+        surface : Surface
+        blocked : callable
+            As the attribute.
+        directions : int
+            Rays of each texel; the mean over several texels is as good as that of all their rays.
+
+        Returns
+        -------
+        DirectLight
+        """
+        directions = count("directions", directions, least=1)
+        return cls(surface, blocked, sky_transfer(surface, blocked, directions))
+
+    def image(self, rig: AnyLights) -> NDArray[np.float64]:
+        r"""Radiance that the surface reflects of the direct light.
+
+        Parameters
+        ----------
+        rig : Rig, Lights or DetectedLights
+            In the frame of the scene; lights alone have no ambient term.
+
+        Returns
+        -------
+        ndarray, shape (H, W, 3)
+            :math:`\frac{albedo}{\pi} (E_a + \sum_j V_j E_j \max(0, n \cdot l_j))` with the
+            visibility V of each light and the irradiance of the ambient term that is seen.
+        """
+        rig = as_rig(rig)
+        irradiance = self.sky @ _harmonic(rig.ambient)
+        origins, normals = self.surface.lifted()
+        for direction, strength in zip(rig.lights.direction, rig.lights.irradiance, strict=True):
+            cosine = np.maximum(normals @ direction, 0)
+            faces = np.flatnonzero(cosine)
+            towards = np.broadcast_to(direction, (len(faces), 3))
+            cosine[faces[self.blocked(origins[faces], towards)]] = 0
+            irradiance += cosine[:, None] * strength
+        return self.surface.reflected(irradiance)
+
+
+def as_rig(lights: AnyLights) -> Rig:
+    """A rig as it is, lights as one without an ambient term, or a refusal."""
+    if isinstance(lights, Rig):
+        return lights
+    if not isinstance(lights, Lights | DetectedLights):
+        raise EnvLightsError(f"a rig must be a Rig, Lights or DetectedLights; got {lights!r:.40}")
+    return Rig(np.zeros(3), Lights(lights.direction, lights.irradiance), error=0.0)
+
+
+def _harmonic(ambient: NDArray[np.float64]) -> NDArray[np.float64]:
+    """An ambient term as nine harmonics, (9, 3)."""
+    if ambient.ndim == 2:
+        return ambient
+    constant = np.zeros((9, 3))
+    constant[0] = np.sqrt(4 * np.pi) * ambient  # the first harmonic is 1 / sqrt(4 pi) all around
+    return constant

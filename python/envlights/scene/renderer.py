@@ -1,0 +1,31 @@
+"""Mitsuba, if it is installed, in the variant that works on every machine."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from envlights._native import EnvLightsError
+
+#: The vectorised variants need an LLVM that is new enough, and end the process where it is not.
+_VARIANT = "scalar_rgb"
+
+
+@contextmanager
+def mitsuba() -> Iterator[Any]:
+    """Mitsuba in its scalar variant; the user's own variant is set again afterwards."""
+    try:
+        renderer: Any = importlib.import_module("mitsuba")
+    except ImportError as error:
+        raise EnvLightsError(
+            f"Mitsuba cannot be imported: {error}; pip install 'envlights[bake]' brings it"
+        ) from None
+    before = renderer.variant()
+    renderer.set_variant(_VARIANT)
+    try:
+        yield renderer
+    finally:
+        if before is not None:
+            renderer.set_variant(before)

@@ -1,0 +1,127 @@
+"""The surfaces of a scene as a lightmap: what lies where, and what it reflects."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from envlights._check import reals
+from envlights._native import EnvLightsError
+from envlights.rig import frozen
+
+#: Rays start this share of the scene's extent above a surface, or it would block itself.
+_LIFT = 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """Diffuse surfaces, texel by texel: as bakers of any tool write them.
+
+    Examples
+    --------
+    Two texels of a white floor, and one that shows nothing:
+
+    >>> floor = Surface([[[0, 0, 0], [1, 0, 0], [0, 0, 0]]], [[[0, 1, 0], [0, 1, 0], [0, 0, 0]]],
+    ...                 [[[0.8, 0.8, 0.8]] * 3])
+    >>> floor.covered
+    array([[ True,  True, False]])
+    """
+
+    position: NDArray[np.float64]
+    """Points in the units of the scene, (H, W, 3): right-handed, +y up."""
+
+    normal: NDArray[np.float64]
+    """Unit normals on the side that is seen, (H, W, 3); zero where a texel shows no surface."""
+
+    albedo: NDArray[np.float64]
+    """Reflectance of a Lambertian surface, linear RGB, (H, W, 3)."""
+
+    def __post_init__(self) -> None:
+        for name in ("position", "normal", "albedo"):
+            object.__setattr__(self, name, frozen(_map(name, getattr(self, name))))
+            _check_size(name, getattr(self, name).shape, self.position.shape)
+        length = np.linalg.norm(self.normal, axis=-1)
+        bad = np.argwhere((length > 0) & (np.abs(length - 1) > 1e-3))
+        if len(bad):
+            row, column = bad[0]
+            raise EnvLightsError(
+                f"normal must have the length 1, or 0 where nothing is; that at row {row},"
+                f" column {column} has {length[row, column]:.6g}"
+            )
+        if not length.any():
+            raise EnvLightsError("normal is zero in every texel; the surface is empty")
+        if (self.albedo < 0).any():
+            raise EnvLightsError(f"albedo must not be negative; got {self.albedo.min():g}")
+
+    @property
+    def covered(self) -> NDArray[np.bool_]:
+        """Which texels show a surface, (H, W)."""
+        return np.asarray(np.any(self.normal != 0, axis=-1), np.bool_)
+
+    @property
+    def lift(self) -> float:
+        """How far above the surface a ray starts, in the units of the scene."""
+        points = self.position[self.covered]
+        return _LIFT * float(np.linalg.norm(np.ptp(points, axis=0))) or _LIFT
+
+    def lifted(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Where rays start, and the unit normals there: (n, 3) each, of the covered texels."""
+        normal = self.normal[self.covered]
+        normal = normal / np.linalg.norm(normal, axis=1, keepdims=True)
+        return self.position[self.covered] + self.lift * normal, normal
+
+    def thinned(self, rows: int, columns: int) -> Surface:
+        """One texel of each block of so many rows and columns, from its middle."""
+        some = slice(rows // 2, None, rows), slice(columns // 2, None, columns)
+        return Surface(self.position[some], self.normal[some], self.albedo[some])
+
+    def reflected(self, irradiance: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Radiance of the surface, (H, W, 3), for `irradiance` of its covered texels, (n, 3)."""
+        image = np.zeros(self.albedo.shape)
+        image[self.covered] = irradiance
+        image *= self.albedo / np.pi
+        return image
+
+    def means(self, image: NDArray[np.float64], size: int) -> NDArray[np.float64]:
+        """An image of the surface as means over `size` by `size` blocks of covered texels."""
+        rows, columns, _ = image.shape
+        blocks = (size, rows // size, size, columns // size)
+        count = self.covered.reshape(blocks).sum(axis=(1, 3))[..., None]
+        total = (image * self.covered[..., None]).reshape(*blocks, 3).sum(axis=(1, 3))
+        mean: NDArray[np.float64] = np.divide(
+            total, count, out=np.zeros_like(total), where=count > 0
+        )
+        return mean
+
+
+def frames(normal: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Two tangents and the normal as rows of right-handed frames, (n, 3, 3).
+
+    Duff et al. (2017), "Building an orthonormal basis, revisited".
+    """
+    x, y, z = normal.T
+    sign = np.copysign(1.0, z)
+    a = -1.0 / (sign + z)
+    b = x * y * a
+    first = np.stack([1 + sign * x * x * a, sign * b, -sign * x], axis=-1)
+    second = np.stack([b, sign + y * y * a, -y], axis=-1)
+    return np.stack([first, second, normal], axis=1)
+
+
+def _map(name: str, values: ArrayLike) -> NDArray[np.float64]:
+    array = reals(name, values, 3)
+    if array.shape[2] != 3 or 0 in array.shape:
+        raise EnvLightsError(f"{name} must have the shape (height, width, 3); got {array.shape}")
+    bad = np.argwhere(~np.isfinite(array))
+    if len(bad):
+        row, column, _ = bad[0]
+        value = array[tuple(bad[0])]
+        raise EnvLightsError(f"{name} must be finite; row {row}, column {column} holds {value}")
+    return array
+
+
+def _check_size(name: str, seen: tuple[int, ...], wanted: tuple[int, ...]) -> None:
+    if seen != wanted:
+        raise EnvLightsError(f"{name} must have the shape of position, {wanted}; got {seen}")
