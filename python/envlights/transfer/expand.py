@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from envlights._native import EnvLightsError
 
 #: Texels of a block: the rows of a few images stay in the cache until they are in place.
-_BLOCK = 4096
+_BLOCK = 8192
 
 
 def expand(
