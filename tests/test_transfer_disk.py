@@ -257,3 +257,24 @@ def test_a_database_is_learnt_in_a_quarter_of_its_size(tmp_path):
     assert done.returncode == 0, done.stderr
     assert "rank 8 from 64 pairs" in done.stdout
     assert "the images themselves do not fit" in done.stdout
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_model_with_damaged_bytes_is_read_or_refused(tmp_path, seed):
+    room = el.synthetic.room(4, width=16)
+    model = el.TransferModel.fit(room.direct, room.indirect, rank=2)
+    model.save(tmp_path / "model.npz")
+    whole = (tmp_path / "model.npz").read_bytes()
+    rng = np.random.default_rng(seed)
+    # Where zipfile looks: the headers of the first arrays, and the table at the end.
+    places = np.concatenate([rng.integers(0, 400, 150), rng.integers(-1500, 0, 150) + len(whole)])
+    refused = 0
+    for place in places:
+        damaged = bytearray(whole)
+        damaged[place] ^= 1 << rng.integers(8)
+        (tmp_path / "damaged.npz").write_bytes(damaged)
+        try:
+            el.TransferModel.load(tmp_path / "damaged.npz")
+        except el.EnvLightsError:
+            refused += 1
+    assert refused > 100

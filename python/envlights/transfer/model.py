@@ -86,8 +86,8 @@ class TransferModel:
         Parameters
         ----------
         direct : array_like, shape (k, h, w, 3 or 4)
-            Linear RGB of the direct light, as irradiance at a few places of the scene. Alpha is
-            dropped and noted.
+            Linear RGB of the direct light at a few places of the scene, as irradiance or as the
+            radiance that is reflected. Alpha is dropped and noted.
         indirect : array_like, shape (k, H, W, 3 or 4)
             Linear RGB of the indirect light. It is read in blocks: a mapped file does as well, and
             so does an array of Dask, on whose workers the blocks are then read. With float64 the

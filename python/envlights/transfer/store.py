@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import zipfile
+import zlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,6 +21,18 @@ from envlights.transfer.report import TransferReport
 
 if TYPE_CHECKING:
     from envlights.transfer.model import TransferModel
+
+#: What numpy and zipfile raise at damaged bytes, which may ask for a password or a compression.
+_DAMAGE = (
+    AttributeError,
+    EOFError,
+    KeyError,
+    RuntimeError,
+    TypeError,
+    ValueError,
+    zipfile.BadZipFile,
+    zlib.error,
+)
 
 _FORMAT = "envlights transfer model"
 _VERSION = 1
@@ -72,7 +85,7 @@ def load(path: str | os.PathLike[str]) -> TransferModel:
             data = {name: arrays[name] for name in arrays.files}
     except OSError as error:
         raise EnvLightsError(f"cannot read {path}: {error.strerror or error}") from None
-    except (AttributeError, EOFError, TypeError, ValueError, KeyError, zipfile.BadZipFile) as error:
+    except _DAMAGE as error:
         raise EnvLightsError(f"{path} is no whole .npz file: {error}") from None
     _check_version(path, data)
     try:

@@ -1,8 +1,7 @@
 //! The basis: mixtures of the images, over a part of their texels.
 
-use faer::linalg::matmul::matmul;
-use faer::{Accum, MatMut, MatRef, Par};
-use ndarray::{Array2, ArrayView2, ArrayView3};
+use ndarray::linalg::general_mat_mul;
+use ndarray::{Array2, ArrayView2, ArrayView3, Axis, s};
 use rayon::prelude::*;
 
 use super::rows;
@@ -33,31 +32,22 @@ pub fn columns(
     weights: ArrayView2<'_, f32>,
 ) -> Array2<f32> {
     let (width, rank) = weights.dim();
-    let weights = weights.as_standard_layout();
-    let weights = MatRef::from_row_major_slice(weights.as_slice().unwrap_or_default(), width, rank);
     let counts = lit.chunks(SPAN).map(|lit| lit.iter().filter(|&&lit| lit).count());
     let mut out = Array2::zeros((counts.clone().sum(), rank));
     let mut parts = Vec::new();
-    let mut rest = out.as_slice_mut().unwrap_or_default();
+    let mut rest = out.view_mut();
     for count in counts {
-        let (part, others) = rest.split_at_mut(rank * count);
+        let (part, others) = rest.split_at(Axis(0), count);
         parts.push(part);
         rest = others;
     }
     parts.into_par_iter().zip(lit.par_chunks(SPAN)).enumerate().for_each_init(
-        || vec![0.0; width * SPAN],
-        |block, (span, (out, lit))| {
-            rows::fill(&mut block[..width * lit.len()], images, scale, SPAN * span);
-            let count = out.len() / rank;
-            keep(block, width, lit);
-            matmul(
-                MatMut::from_column_major_slice_mut(out, rank, count),
-                Accum::Replace,
-                weights.transpose(),
-                MatRef::from_column_major_slice(&block[..width * count], width, count),
-                1.0,
-                Par::Seq,
-            );
+        || Array2::zeros((SPAN, width)),
+        |block, (span, (mut out, lit))| {
+            let rows = &mut block.as_slice_mut().unwrap_or_default()[..width * lit.len()];
+            rows::fill(rows, images, scale, SPAN * span);
+            keep(rows, width, lit);
+            general_mat_mul(1.0, &block.slice(s![..out.nrows(), ..]), &weights, 0.0, &mut out);
         },
     );
     out
@@ -74,7 +64,7 @@ fn keep(block: &mut [f32], width: usize, lit: &[bool]) {
 
 #[cfg(test)]
 mod tests {
-    use ndarray::{Array3, arr2, s};
+    use ndarray::{Array3, arr2};
 
     use super::*;
 

@@ -1,9 +1,8 @@
 //! Inner products of the images, over a part of their texels.
 
-use faer::linalg::matmul::matmul;
-use faer::{Accum, MatMut, MatRef, Par};
+use ndarray::linalg::general_mat_mul;
 use ndarray::parallel::prelude::*;
-use ndarray::{Array1, Array2, ArrayView3, Axis};
+use ndarray::{Array1, Array2, ArrayView2, ArrayView3, Axis, Zip, s};
 use rayon::slice::ParallelSliceMut;
 
 use super::rows;
@@ -36,47 +35,42 @@ pub fn gram(images: ArrayView3<'_, f32>, scale: &[f32]) -> (Array2<f64>, Array1<
     let texels = images.dim().1;
     let mut products = Array2::zeros((width, width));
     let mut lit = Vec::with_capacity(texels);
-    let mut block = vec![0.0; width * BLOCK.min(texels)];
+    let mut block = Array2::zeros((BLOCK.min(texels), width));
     for first in (0..texels).step_by(BLOCK) {
         let count = BLOCK.min(texels - first);
-        let block = &mut block[..width * count];
+        let rows = &mut block.as_slice_mut().unwrap_or_default()[..width * count];
         let step = count.div_ceil(rayon::current_num_threads());
-        block
-            .par_chunks_mut(width * step)
+        rows.par_chunks_mut(width * step)
             .enumerate()
             .for_each(|(i, rows)| rows::fill(rows, images, scale, first + i * step));
-        lit.extend(block.chunks_exact(width).map(|row| row.iter().any(|&value| value != 0.0)));
-        add_products(&mut products, block);
+        lit.extend(rows.chunks_exact(width).map(|row| row.iter().any(|&value| value != 0.0)));
+        add_products(&mut products, block.slice(s![..count, ..]));
     }
     (products, lit.into())
 }
 
 /// Add the inner products of the columns of `block` (texels, width).
-fn add_products(products: &mut Array2<f64>, block: &[f32]) {
+fn add_products(products: &mut Array2<f64>, block: ArrayView2<'_, f32>) {
     let width = products.ncols();
-    let block = MatRef::from_column_major_slice(block, width, block.len() / width);
     // The longest panels first: else the last one keeps a single thread busy.
     let panels: Vec<_> = products.axis_chunks_iter_mut(Axis(0), PANEL).enumerate().collect();
-    panels.into_par_iter().rev().with_max_len(1).for_each_init(Vec::new, |sums, (i, mut panel)| {
-        let (height, filled) = (panel.nrows(), i * PANEL + panel.nrows());
-        sums.resize(height * filled, 0.0_f32);
-        matmul(
-            MatMut::from_row_major_slice_mut(sums, height, filled),
-            Accum::Replace,
-            block.subrows(i * PANEL, height),
-            block.subrows(0, filled).transpose(),
-            1.0,
-            Par::Seq,
-        );
-        for (mut row, sums) in panel.rows_mut().into_iter().zip(sums.chunks_exact(filled)) {
-            row.iter_mut().zip(sums).for_each(|(total, &sum)| *total += f64::from(sum));
-        }
-    });
+    panels.into_par_iter().rev().with_max_len(1).for_each_init(
+        || Array2::zeros((PANEL, width)),
+        |sums, (i, mut panel)| {
+            let (first, last) = (i * PANEL, i * PANEL + panel.nrows());
+            let mut sums = sums.slice_mut(s![..last - first, ..last]);
+            let (ours, all) = (block.slice(s![.., first..last]), block.slice(s![.., ..last]));
+            general_mat_mul(1.0, &ours.t(), &all, 0.0, &mut sums);
+            Zip::from(panel.slice_mut(s![.., ..last]))
+                .and(&sums)
+                .for_each(|total, &sum| *total += f64::from(sum));
+        },
+    );
 }
 
 #[cfg(test)]
 mod tests {
-    use ndarray::{Array3, s};
+    use ndarray::Array3;
 
     use super::*;
 
