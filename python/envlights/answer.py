@@ -102,9 +102,10 @@ def rig_of(found: list[Answer], judging: Samples, started: int) -> Rig:
 def _report(best: Answer, errors: Mapping[int, float], judging: Samples) -> FitReport:
     """What the numbers say of the answer."""
     difference = best.probe(judging.normals) - judging.irradiance
-    weights = judging.weights[:, None]
-    left = np.sum(weights * difference**2, axis=0)
-    whole = np.sum(weights * judging.irradiance**2, axis=0)
+    left, whole = (
+        np.einsum("n,nc,nc->c", judging.weights, values, values)
+        for values in (difference, judging.irradiance)
+    )
     rms = np.sqrt(whole.sum() / judging.weights.sum() / 3) or 1.0
     return FitReport(
         errors=errors,

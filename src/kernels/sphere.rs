@@ -258,12 +258,9 @@ pub(crate) fn check_size(height: usize, width: usize) -> Result<()> {
 }
 
 /// Vectors as the rows of an array.
-pub(crate) fn from_vectors(vectors: impl ExactSizeIterator<Item = DVec3>) -> Array2<f64> {
-    let mut out = Array2::zeros((vectors.len(), 3));
-    for (mut row, vector) in out.rows_mut().into_iter().zip(vectors) {
-        row.assign(&ndarray::aview1(&vector.to_array()));
-    }
-    out
+pub(crate) fn from_vectors(vectors: impl Iterator<Item = DVec3>) -> Array2<f64> {
+    let rows: Vec<[f64; 3]> = vectors.map(|vector| vector.to_array()).collect();
+    Array2::from(rows)
 }
 
 #[cfg(test)]
