@@ -9,6 +9,7 @@ Learnt from pairs of images of one scene under many lights. `TransferModel.fit` 
 | the directions that hold most of them                  | `basis.py`    |
 | from direct light to coefficients; the ridge           | `ridge.py`    |
 | errors on lights that were not seen                    | `unseen.py`   |
+| the matrix of a basis, with its errors                 | `solved.py`   |
 | images from coefficients, and back                     | `expand.py`   |
 | the basis in bytes or halves, for faster frames        | `compact.py`  |
 | what a model keeps of its pairs                        | `learnt.py`   |

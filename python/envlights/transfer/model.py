@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights._check import amount, check_choice, count
 from envlights._native import EnvLightsError
-from envlights.transfer import cluster, grow, store, unseen
+from envlights.transfer import cluster, grow, store
 from envlights.transfer.basis import Wanted, basis, directions, outside
 from envlights.transfer.compact import LARGEST, CompactBasis, rounded
 from envlights.transfer.expand import enough, expand, gather, inside
@@ -21,7 +21,7 @@ from envlights.transfer.gram import gram
 from envlights.transfer.learnt import Learnt
 from envlights.transfer.pairs import as_array, frames, pairs_of
 from envlights.transfer.report import TransferReport
-from envlights.transfer.ridge import RIDGES, Regression, regression
+from envlights.transfer.solved import solved
 
 
 @dataclass(frozen=True, eq=False)
@@ -395,41 +395,5 @@ def _solved(
     notes: tuple[str, ...],
 ) -> TransferModel:
     """The model of a basis: its transfer matrix and its errors."""
-    solver = regression(learnt.direct, channelwise=not len(mean))
-    ridge = parameters["ridge"]
-    if ridge == "loo":
-        ridge = min(RIDGES, key=lambda each: float(np.mean(_unseen(solver, each, learnt))))
-    transfer = solver.transfer(ridge, learnt.coefficients)
-    report = _report(solver, float(ridge), learnt, notes)
+    transfer, report = solved(learnt, parameters["ridge"], channelwise=not len(mean), notes=notes)
     return TransferModel(columns, lit, transfer, mean, size, parameters, learnt, report)
-
-
-def _report(
-    solver: Regression, ridge: float, learnt: Learnt, notes: tuple[str, ...]
-) -> TransferReport:
-    left = np.trace(learnt.outside, axis1=1, axis2=2)
-    missed = solver.residual(ridge, learnt.coefficients)
-    inside = np.sum(learnt.coefficients**2)
-    return TransferReport(
-        pairs=len(learnt.direct),
-        rank=learnt.coefficients.shape[2],
-        energy=float(inside / (inside + left.sum())),
-        ridge=ridge,
-        unseen_errors=tuple(_unseen(solver, ridge, learnt).tolist()),
-        training_errors=tuple(
-            _relative(np.sum(missed**2, axis=(1, 2)) + left, learnt.energy).tolist()
-        ),
-        notes=notes,
-    )
-
-
-def _unseen(solver: Regression, ridge: float, learnt: Learnt) -> NDArray[np.float64]:
-    """Leave-one-out error of each image that is not black."""
-    missed = solver.left_out(ridge, learnt.coefficients)
-    return _relative(unseen.squares(learnt.coefficients, learnt.outside, missed), learnt.energy)
-
-
-def _relative(squares: NDArray[np.float64], energy: NDArray[np.float64]) -> NDArray[np.float64]:
-    is_lit = energy > 0
-    errors: NDArray[np.float64] = np.sqrt(np.maximum(squares[is_lit], 0) / energy[is_lit])
-    return errors
