@@ -8,7 +8,7 @@
 //!
 //! which is what the merger adds to the flux-weighted sum of squared distances.
 
-use super::measure::Light;
+use super::light::Light;
 
 /// Lights beyond this many are merged into the nearest brighter one: pairs are quadratic.
 const MOST_IN_PAIRS: usize = 2048;

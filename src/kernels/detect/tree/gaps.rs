@@ -32,7 +32,11 @@ pub fn bridge(summary: &Summary, sheet: &Sheet, regions: Regions, prominence: f6
     };
     let reach = Reach::new(summary, gap);
     let mut parent: Vec<u32> = (0..regions.pixels.len() as u32).collect();
-    for pixel in regions.pixels.iter().flatten().map(|&pixel| pixel as usize) {
+    // Of two regions one that looks is enough: the largest need not.
+    let size = |&region: &usize| regions.pixels[region].len();
+    let largest = (0..regions.pixels.len()).max_by_key(size);
+    let looking = (0..regions.pixels.len()).filter(|&region| Some(region) != largest);
+    for pixel in looking.flat_map(|region| &regions.pixels[region]).map(|&pixel| pixel as usize) {
         let own = solid_label(pixel);
         if own == 0 || sheet.sides(pixel).into_iter().all(|side| solid_label(side) == own) {
             continue; // dark, or nearer to its own kind than to any other

@@ -2,21 +2,25 @@
 //!
 //! [`detect`] is the whole story; each line of it is a room of its own:
 //!
-//! | step                                      | file            |
-//! |-------------------------------------------|-----------------|
-//! | the map in fewer pixels, in one pass      | `summary.rs`    |
-//! | how bright is bright                      | `threshold.rs`  |
-//! | which pixels hang together, and how well  | `components.rs` |
-//! | which lights only a bar divides           | `gaps.rs`       |
-//! | what is behind each light                 | `surroundings.rs` |
-//! | what each light sends                     | `measure.rs`    |
-//! | how many lights there may be              | `budget.rs`     |
+//! | step                                     | file              |
+//! |------------------------------------------|-------------------|
+//! | the map in fewer pixels, in one pass     | `summary.rs`      |
+//! | how bright is bright                     | `threshold.rs`    |
+//! | which pixels hang together, and how well | `components.rs`   |
+//! | which lights only a bar divides          | `gaps.rs`         |
+//! | what is behind each light                | `surroundings.rs` |
+//! | what each light sends                    | `measure.rs`      |
+//! | - of each pixel                          | `covered.rs`      |
+//! | - in all                                 | `light.rs`        |
+//! | how many lights there may be             | `budget.rs`       |
 
 mod budget;
 mod components;
+mod covered;
 #[cfg(test)]
 mod drawn;
 mod gaps;
+mod light;
 mod measure;
 mod outline;
 mod summary;
@@ -28,7 +32,7 @@ use ndarray::ArrayView3;
 
 use budget::Choice;
 use components::{BrightPixels, Regions};
-pub use measure::Light;
+pub use light::Light;
 pub use summary::{Summary, summarise};
 pub use threshold::{Reason, Threshold};
 use touch::Sheet;

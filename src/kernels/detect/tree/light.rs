@@ -1,0 +1,235 @@
+//! What a light sends: sums over its pixels, and what follows from them.
+//!
+//! Everything that is said of a light follows from a few sums over its pixels, with the luminance Y,
+//! the direction d and the solid angle dw of each:
+//!
+//! ```text
+//!   flux         F = sum Y dw             direction    v / |v|,   v = sum Y d dw
+//!   irradiance       sum L dw  (RGB)      solid angle  F^2 / sum Y^2 dw
+//!   second moments   S = sum Y d d^T dw   elongation   from the eigenvalues of S across the direction
+//! ```
+//!
+//! A pixel adds its own width to the second moments, dw / 12 in every direction, so that a light of one
+//! pixel is round.
+//!
+//! The solid angle is that of a light of one radiance which has the same `F` and the same `sum Y^2 dw`:
+//! no outline needs to be drawn. Sums of lights add up, so lights can be merged without the map.
+
+use glam::DVec3;
+
+use super::covered::{Columns, Covered};
+use crate::kernels::sphere::tangents;
+
+/// Pixels this close to a light's peak are its top.
+const TOP: f64 = 0.99;
+
+/// The sums over one light.
+#[derive(Clone, Debug, Default)]
+pub struct Light {
+    /// Integral of the luminance.
+    pub flux: f64,
+    /// Integral of the radiance: RGB irradiance at normal incidence.
+    pub irradiance: [f64; 3],
+    /// Largest luminance of a pixel.
+    pub peak: f64,
+    /// Pixels at the peak.
+    pub top_pixels: usize,
+    flux_vector: DVec3,
+    /// Second moments: the diagonal, and the entries xy, yz, zx.
+    second: [DVec3; 2],
+    /// Second moments of the pixels' own widths.
+    width_squared: f64,
+    luminance_squared: f64,
+    top: DVec3,
+}
+
+impl Light {
+    /// Nothing summed yet.
+    pub fn of_peak(luminance: f32) -> Self {
+        Self { peak: f64::from(luminance), ..Self::default() }
+    }
+
+    /// Flux centroid, a unit vector.
+    pub fn direction(&self) -> DVec3 {
+        self.flux_vector.normalize_or(self.top.normalize_or(DVec3::Y))
+    }
+
+    /// Unit vector towards the middle of the pixels at the peak.
+    pub fn peak_direction(&self) -> DVec3 {
+        self.top.normalize_or(self.direction())
+    }
+
+    /// In steradians.
+    pub fn solid_angle(&self) -> f64 {
+        self.flux * self.flux / self.luminance_squared
+    }
+
+    /// Length over breadth, and the unit vector along the light.
+    ///
+    /// The eigenvalues of the symmetric 2 x 2 matrix `(a b; b c)` of the second moments across the
+    /// direction are `m +- r`, with `m = (a + c) / 2` and `r = hypot((a - c) / 2, b)`; the
+    /// larger one's eigenvector has the angle `atan2(b, (a - c) / 2) / 2`.
+    pub fn elongation(&self) -> (f64, DVec3) {
+        let [right, up] = tangents(self.direction());
+        let a = self.second_moment(right, right) + self.width_squared;
+        let b = self.second_moment(right, up);
+        let c = self.second_moment(up, up) + self.width_squared;
+        let (middle, radius) = (0.5 * (a + c), (0.5 * (a - c)).hypot(b));
+        let angle = 0.5 * b.atan2(0.5 * (a - c));
+        let along = right * angle.cos() + up * angle.sin();
+        (((middle + radius) / (middle - radius).max(1e-6 * middle)).sqrt(), along)
+    }
+
+    /// `v^T S w`.
+    fn second_moment(&self, v: DVec3, w: DVec3) -> f64 {
+        let [diagonal, off] = self.second;
+        let crossed = v * DVec3::new(w.y, w.z, w.x) + w * DVec3::new(v.y, v.z, v.x);
+        diagonal.dot(v * w) + off.dot(crossed)
+    }
+
+    /// Two lights as one.
+    #[must_use]
+    pub fn and(&self, other: &Self) -> Self {
+        let sum = |i: usize| self.irradiance[i] + other.irradiance[i];
+        let (brighter, dimmer) = if self.peak >= other.peak { (self, other) } else { (other, self) };
+        let shares_top = dimmer.peak >= TOP * brighter.peak;
+        let (more, top) = if shares_top { (dimmer.top_pixels, dimmer.top) } else { (0, DVec3::ZERO) };
+        Self {
+            flux: self.flux + other.flux,
+            irradiance: [sum(0), sum(1), sum(2)],
+            peak: brighter.peak,
+            top_pixels: brighter.top_pixels + more,
+            flux_vector: self.flux_vector + other.flux_vector,
+            second: [self.second[0] + other.second[0], self.second[1] + other.second[1]],
+            width_squared: self.width_squared + other.width_squared,
+            luminance_squared: self.luminance_squared + other.luminance_squared,
+            top: brighter.top + top,
+        }
+    }
+
+    /// Add what the light covers of the pixels of a row, at a polar angle of this sine and cosine.
+    ///
+    /// With `d = (sin phi sin theta, cos theta, -cos phi sin theta)` each sum is one over the azimuths,
+    /// times what the row has in common.
+    pub fn add(&mut self, row: &Covered, columns: &Columns<&[f64]>, [sin, cos]: [f64; 2]) {
+        let flux = dot(&row.luminance, &row.solid_angle);
+        let [flux_sin, flux_cos] = [columns.sin, columns.cos].map(|of| sin * dot(of, &row.flux));
+        let [sin_sin, sin_cos] = [columns.sin_sin, columns.sin_cos].map(|of| sin * sin * dot(of, &row.flux));
+        self.flux += flux;
+        for (sum, values) in self.irradiance.iter_mut().zip(&row.rgb) {
+            *sum += dot(values, &row.solid_angle);
+        }
+        self.flux_vector += DVec3::new(flux_sin, flux * cos, -flux_cos);
+        self.second[0] += DVec3::new(sin_sin, flux * cos * cos, flux * sin * sin - sin_sin);
+        self.second[1] += DVec3::new(flux_sin * cos, -flux_cos * cos, -sin_cos);
+        self.width_squared += dot(&row.flux, &row.solid_angle) / 12.0;
+        self.luminance_squared += dot(&row.luminance, &row.flux);
+        self.add_top(row, columns, [sin, cos]);
+    }
+
+    fn add_top(&mut self, row: &Covered, columns: &Columns<&[f64]>, [sin, cos]: [f64; 2]) {
+        let top = TOP * self.peak;
+        let is_top = row.luminance.iter().map(|&y| f64::from(y) >= top);
+        let pixels = is_top.clone().map(usize::from).sum::<usize>();
+        if pixels > 0 {
+            let top: Vec<f64> = is_top
+                .zip(&row.solid_angle)
+                .map(|(is_top, &angle)| if is_top { angle } else { 0.0 })
+                .collect();
+            let [top_sin, top_cos] = [columns.sin, columns.cos].map(|of| sin * dot(of, &top));
+            self.top += DVec3::new(top_sin, cos * top.iter().sum::<f64>(), -top_cos);
+            self.top_pixels += pixels;
+        }
+    }
+}
+
+/// Sum of products, in lanes that do not wait for one another.
+fn dot<T: Copy + Into<f64>>(values: &[T], weights: &[f64]) -> f64 {
+    let ((values, last_values), (weights, last_weights)) =
+        (values.as_chunks::<4>(), weights.as_chunks::<4>());
+    let mut lanes = [0.0_f64; 4];
+    for (values, weights) in values.iter().zip(weights) {
+        for (lane, (&value, weight)) in lanes.iter_mut().zip(values.iter().zip(weights)) {
+            *lane += value.into() * weight;
+        }
+    }
+    let last: f64 = last_values.iter().zip(last_weights).map(|(&value, weight)| value.into() * weight).sum();
+    lanes.iter().sum::<f64>() + last
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+    use proptest::prelude::*;
+
+    /// The light of a row of pixels: in lists, and one after the other by the formulas above.
+    fn both_ways(pixels: &[[f32; 3]], theta: f64) -> [Light; 2] {
+        const BAND: f64 = 0.02;
+        let (peak, background) = (10.0_f32, 1.0_f32);
+        let edges: Vec<f64> = (0..=pixels.len()).map(|i| 0.03 * i as f64 + 2.0).collect();
+        let mut columns = Columns::default();
+        edges.windows(2).for_each(|edge| columns.push(edge, true));
+        let (mut row, mut light) = (Covered::default(), Light::of_peak(peak));
+        row.refill(pixels, &columns.width, BAND, peak, background);
+        light.add(&row, &columns.at(0..pixels.len()), theta.sin_cos().into());
+        let mut plain = Light::of_peak(peak);
+        for (pixel, edge) in pixels.iter().zip(edges.windows(2)) {
+            let y = crate::kernels::image::luminance(pixel.map(f64::from));
+            let coverage = ((y - 1.0) / 9.0).min(1.0);
+            if coverage >= 0.05 {
+                let solid_angle = BAND * 0.03 * (y - (1.0 - coverage)) / y;
+                let towards = crate::kernels::sphere::direction(theta, 0.5 * (edge[0] + edge[1]));
+                plain.add_pixel(pixel.map(f64::from), y, towards, solid_angle);
+            }
+        }
+        [light, plain]
+    }
+
+    impl Light {
+        fn add_pixel(&mut self, rgb: [f64; 3], y: f64, d: DVec3, solid_angle: f64) {
+            let flux = y * solid_angle;
+            self.flux += flux;
+            self.irradiance.iter_mut().zip(rgb).for_each(|(sum, value)| *sum += value * solid_angle);
+            self.flux_vector += flux * d;
+            self.second[0] += flux * d * d;
+            self.second[1] += flux * DVec3::new(d.x * d.y, d.y * d.z, d.z * d.x);
+            self.width_squared += flux * solid_angle / 12.0;
+            self.luminance_squared += flux * y;
+            if y >= 0.99 * self.peak {
+                self.top += solid_angle * d;
+                self.top_pixels += 1;
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn a_row_adds_up_to_what_its_pixels_do(
+            levels in prop::collection::vec(prop_oneof![0.0..9.0_f32, Just(9.9999)], 1..40),
+            theta in 0.1..3.0,
+        ) {
+            let pixels: Vec<[f32; 3]> = levels.iter().map(|&level| [level, level, 1.001 * level]).collect();
+            let [light, plain] = both_ways(&pixels, theta);
+            prop_assert_eq!(light.top_pixels, plain.top_pixels);
+            let near = |one: f64, other: f64| (one - other).abs() <= 1e-6 * (plain.flux + plain.luminance_squared) + 1e-12;
+            let numbers = |light: &Light| {
+                let mut all = vec![light.flux, light.width_squared, light.luminance_squared];
+                all.extend(light.irradiance);
+                let vectors = [light.flux_vector, light.second[0], light.second[1], light.top];
+                all.extend(vectors.iter().flat_map(DVec3::to_array));
+                all
+            };
+            for (seen, wanted) in numbers(&light).into_iter().zip(numbers(&plain)) {
+                prop_assert!(near(seen, wanted), "{seen} {wanted}");
+            }
+        }
+    }
+
+    #[test]
+    fn products_are_summed_to_the_last() {
+        let values: Vec<f32> = (0..11).map(|i| i as f32).collect();
+        let weights: Vec<f64> = (0..11).map(f64::from).collect();
+        assert_relative_eq!(dot(&values, &weights), 385.0);
+    }
+}
