@@ -53,6 +53,7 @@ def whole_way(radiance):
             "el.detect(array)": lambda: el.detect(radiance),
             "array.max()": lambda: radiance.max(),
         },
+        rounds=100,  # two threads that nothing disturbs are rarer than one
     )
 
 

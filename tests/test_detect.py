@@ -195,6 +195,14 @@ def test_the_sun_is_at_the_centre_of_its_brightest_blob(path):
     assert angle_deg(lights.direction[0], centre / np.linalg.norm(centre)) < 0.15
 
 
+@real_maps("exr/pmndrs_park_512.exr")
+def test_a_sun_in_four_broken_pixels_is_where_twice_the_resolution_has_it(path):
+    """Two of its four pixels reach half of the maximum, and their centre is 0.2 degrees off."""
+    whole = el.detect(el.EnvMap.open(path.parent.parent / "hdr" / "rooitou_park_1k.hdr"))
+    broken = el.detect(el.EnvMap.open(path))
+    assert angle_deg(broken.direction[0], whole.direction[0]) < 0.02
+
+
 @real_maps("hdr/studio_small_03_1k.hdr")
 def test_a_studio_shows_its_lamp_and_its_umbrella_first(path):
     lights = el.detect(el.EnvMap.open(path))

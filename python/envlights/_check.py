@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._native import EnvLightsError
 
 #: No count is larger: what has more parts than this fits into no memory.
-_MOST = 2**32 - 1
+LARGEST_COUNT = 2**32 - 1
 
 
 def reals(name: str, values: ArrayLike, ndim: int) -> NDArray[np.float64]:
@@ -32,8 +32,8 @@ def count(name: str, value: object, least: int = 0) -> int:
     is_whole = isinstance(value, numbers.Integral) and not isinstance(value, bool | np.bool_)
     if not is_whole or int(value) < least:  # type: ignore[call-overload]
         raise EnvLightsError(f"{name} must be a whole number, {least} or more; got {value!r}")
-    if int(value) > _MOST:  # type: ignore[call-overload]
-        raise EnvLightsError(f"{name} must be a whole number up to {_MOST}; got {value!r}")
+    if int(value) > LARGEST_COUNT:  # type: ignore[call-overload]
+        raise EnvLightsError(f"{name} must be a whole number up to {LARGEST_COUNT}; got {value!r}")
     return int(value)  # type: ignore[call-overload, no-any-return]
 
 

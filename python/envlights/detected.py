@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 
 from envlights import kernels
 from envlights._native import EnvLightsError
-from envlights.rig import LUMINANCE, Lights, check_slice, frozen
+from envlights.rig import LUMINANCE, Lights, check_slice, sealed
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,14 +109,13 @@ class DetectedLights(Lights):
         order = np.argsort(-(np.asarray(self.irradiance) @ LUMINANCE), kind="stable")
         for name in self._per_light():
             array = np.asarray(getattr(self, name))
-            if len(array) != len(self.irradiance):
+            if len(array) != len(order):
                 raise EnvLightsError(
-                    f"{name} must have a row for each light ({len(self.irradiance)});"
-                    f" got {len(array)}"
+                    f"{name} must have a row for each light ({len(order)}); got {len(array)}"
                 )
-            object.__setattr__(self, name, frozen(array[order]))
+            object.__setattr__(self, name, sealed(array[order]))
         rank = np.argsort(order)
-        members = Members(self.members.pixel, frozen(rank[self.members.light]))
+        members = Members(self.members.pixel, sealed(rank[self.members.light]))
         object.__setattr__(self, "members", members)
 
     def __getitem__(self, which: slice) -> DetectedLights:
@@ -160,5 +160,6 @@ class DetectedLights(Lights):
         return "\n".join(lines)
 
     @classmethod
+    @cache
     def _per_light(cls) -> list[str]:
         return [each.name for each in fields(cls) if each.name not in ("members", "report")]

@@ -235,7 +235,11 @@ def check_slice(which: object) -> None:
 
 def frozen(array: NDArray[Any]) -> NDArray[Any]:
     """A copy of `array` that cannot be written to."""
-    array = array.copy()
+    return sealed(array.copy())
+
+
+def sealed(array: NDArray[Any]) -> NDArray[Any]:
+    """`array` itself, which nobody else has: from now on it cannot be written to."""
     array.flags.writeable = False
     return array
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from envlights import _native
-from envlights._check import amount, count
+from envlights._check import LARGEST_COUNT, amount, count
 from envlights.detected import DetectedLights, DetectionReport, Members
 from envlights.envmap import EnvMap, seen_through
 
@@ -76,7 +76,7 @@ def detect_tree(
            [ 0.  ,  0.  , -1.  ]])
     """
     start = time.perf_counter()
-    most = np.iinfo(np.uint32).max if max_lights is None else count("max_lights", max_lights, 1)
+    most = LARGEST_COUNT if max_lights is None else count("max_lights", max_lights, 1)
     detect = partial(
         _native.detect_tree,
         working_columns=count("working_width", working_width, least=16),

@@ -6,6 +6,7 @@
 //! ```text
 //!   y = B + c (P - B),      of which      y - (1 - c) B      is the light's
 //! ```
+#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
 use std::ops::Range;
 
@@ -56,6 +57,7 @@ pub struct Covered {
 
 impl Covered {
     /// The same lists for other pixels, in a row of the height `band`.
+    #[inline(always)]
     pub fn refill(&mut self, pixels: &[[f32; 3]], widths: &[f64], band: f64, peak: f32, background: f32) {
         for (channel, values) in self.rgb.iter_mut().enumerate() {
             refill(values, pixels.iter().map(|pixel| pixel[channel]));
@@ -70,6 +72,7 @@ impl Covered {
 }
 
 /// The light's share of a pixel, by the pixel's luminance.
+#[inline(always)]
 fn share(peak: f32, background: f32) -> impl Fn(f32) -> f32 {
     let per_cover = 1.0 / (peak - background);
     move |y| {
@@ -79,11 +82,13 @@ fn share(peak: f32, background: f32) -> impl Fn(f32) -> f32 {
     }
 }
 
+#[inline(always)]
 fn refill<T>(values: &mut Vec<T>, new: impl Iterator<Item = T>) {
     values.clear();
     values.extend(new);
 }
 
+#[inline(always)]
 pub fn luminance([red, green, blue]: [f32; 3]) -> f32 {
     let weights = LUMINANCE.map(|weight| weight as f32);
     weights[0] * red + weights[1] * green + weights[2] * blue

@@ -14,6 +14,7 @@
 //!
 //! The solid angle is that of a light of one radiance which has the same `F` and the same `sum Y^2 dw`:
 //! no outline needs to be drawn. Sums of lights add up, so lights can be merged without the map.
+#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
 use glam::DVec3;
 
@@ -111,6 +112,7 @@ impl Light {
     ///
     /// With `d = (sin phi sin theta, cos theta, -cos phi sin theta)` each sum is one over the azimuths,
     /// times what the row has in common.
+    #[inline(always)]
     pub fn add(&mut self, row: &Covered, columns: &Columns<&[f64]>, [sin, cos]: [f64; 2]) {
         let flux = dot(&row.luminance, &row.solid_angle);
         let [flux_sin, flux_cos] = [columns.sin, columns.cos].map(|of| sin * dot(of, &row.flux));
@@ -127,6 +129,7 @@ impl Light {
         self.add_top(row, columns, [sin, cos]);
     }
 
+    #[inline(always)]
     fn add_top(&mut self, row: &Covered, columns: &Columns<&[f64]>, [sin, cos]: [f64; 2]) {
         let top = TOP * self.peak;
         let is_top = row.luminance.iter().map(|&y| f64::from(y) >= top);
@@ -144,6 +147,7 @@ impl Light {
 }
 
 /// Sum of products, in lanes that do not wait for one another.
+#[inline(always)]
 fn dot<T: Copy + Into<f64>>(values: &[T], weights: &[f64]) -> f64 {
     let ((values, last_values), (weights, last_weights)) =
         (values.as_chunks::<4>(), weights.as_chunks::<4>());

@@ -1,8 +1,10 @@
 //! The sums over each light, in the pixels of the map itself.
+#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
 use std::ops::Range;
 
 use ndarray::ArrayView3;
+use pulp::Arch;
 use rayon::prelude::*;
 
 use super::components::Regions;
@@ -54,6 +56,8 @@ struct Map<'a> {
     /// Sine and cosine of the polar angle, and `cos theta_top - cos theta_bottom`, of each row.
     rows: Vec<[f64; 3]>,
     columns: Columns<Vec<f64>>,
+    /// Vectors as wide as this processor has.
+    widest: Arch,
 }
 
 impl<'a> Map<'a> {
@@ -83,14 +87,21 @@ impl<'a> Map<'a> {
         for (edges, is_covered) in registration.phi_edges(width).windows(2).zip(is_column_covered) {
             columns.push(edges, is_covered);
         }
-        Self { pixels, width, block, rows, columns }
+        Self { pixels, width, block, rows, columns, widest: Arch::new() }
     }
 
     /// Part by part: large lights keep all threads busy, and any number of threads adds in one order.
     fn measure(&self, runs: &[Run], background: f64) -> Light {
         let parts = runs.par_chunks(RUNS_OF_A_PART);
         let peak = parts.clone().map(|part| self.peak(part)).reduce(|| 0.0, f32::max);
-        let lights: Vec<Light> = parts.map(|part| self.sum(part, peak, background as f32)).collect();
+        let background = background as f32;
+        let sum = |part| {
+            self.widest.dispatch(
+                #[inline(always)]
+                || self.sum(part, peak, background),
+            )
+        };
+        let lights: Vec<Light> = parts.map(sum).collect();
         lights.iter().fold(Light::of_peak(peak), |sum, part| sum.and(part))
     }
 
@@ -99,6 +110,7 @@ impl<'a> Map<'a> {
         pixels.fold(0.0, |peak, &pixel| peak.max(luminance(pixel)))
     }
 
+    #[inline(always)]
     fn sum(&self, part: &[Run], peak: f32, background: f32) -> Light {
         let mut light = Light::of_peak(peak);
         let mut covered = Covered::default();
