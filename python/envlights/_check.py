@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import numbers
 
 import numpy as np
@@ -37,14 +38,14 @@ def count(name: str, value: object, least: int = 0) -> int:
     return int(value)  # type: ignore[call-overload, no-any-return]
 
 
-def amount(name: str, value: object, least: float = 0.0, most: float = np.inf) -> float:
+def amount(name: str, value: object, least: float = 0.0, most: float = math.inf) -> float:
     """`value` as a finite float from `least` to `most`, or a refusal that names it."""
-    number = np.nan
+    number = math.nan
     if isinstance(value, numbers.Real) and not isinstance(value, bool):
         with contextlib.suppress(OverflowError):  # an int beyond every float
             number = float(value)
-    if not (least <= number <= most and np.isfinite(number)):
-        limits = f"from {least:g} to {most:g}" if np.isfinite(most) else f"{least:g} or more"
+    if not (least <= number <= most and math.isfinite(number)):
+        limits = f"from {least:g} to {most:g}" if math.isfinite(most) else f"{least:g} or more"
         raise EnvLightsError(f"{name} must be a finite number, {limits}; got {value!r}")
     return number
 

@@ -62,7 +62,7 @@ class TreeDetection:
     elongation: _Reals
     peak_luminance: _Reals
     flux: _Reals
-    top_pixels: _Indices
+    is_clipped: NDArray[np.bool_]
     pixel: _Indices
     light_of_pixel: _Indices
     threshold: float

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
+import math
 import time
 from functools import partial
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from envlights import _native
 from envlights._check import LARGEST_COUNT, amount, count
 from envlights.detected import DetectedLights, DetectionReport, Members
 from envlights.envmap import EnvMap, seen_through
-
-#: Pixels at a light's peak from which on a flat top at the map's maximum looks clipped.
-_CLIPPED_PIXELS = 4
 
 
 def detect_tree(
@@ -82,7 +79,7 @@ def detect_tree(
         working_columns=count("working_width", working_width, least=16),
         prominence=amount("prominence", prominence, least=1.0),
         extent=amount("extent", extent, most=1.0),
-        gap=np.deg2rad(amount("gap_deg", gap_deg, most=90.0)),
+        gap=math.radians(amount("gap_deg", gap_deg, most=90.0)),
         min_flux_share=amount("min_flux_share", min_flux_share, most=1.0),
         max_lights=most,
     )
@@ -97,8 +94,6 @@ def detect_tree(
 def _wrapped(
     found: _native.TreeDetection, notes: tuple[str, ...], seconds: float
 ) -> DetectedLights:
-    peak = found.peak_luminance
-    is_brightest = peak >= 0.99 * peak.max(initial=0.0)
     report = DetectionReport(
         method="tree",
         threshold=found.threshold,
@@ -115,9 +110,9 @@ def _wrapped(
         solid_angle=found.solid_angle,
         elongation=found.elongation,
         orientation=found.orientation,
-        peak_luminance=peak,
+        peak_luminance=found.peak_luminance,
         flux_share=found.flux / (found.map_flux or 1.0),
-        is_clipped=is_brightest & (found.top_pixels >= _CLIPPED_PIXELS),
+        is_clipped=found.is_clipped,
         members=Members(found.pixel, found.light_of_pixel),
         report=report,
     )

@@ -23,6 +23,8 @@ use crate::kernels::sphere::tangents;
 
 /// Pixels this close to a light's peak are its top.
 const TOP: f64 = 0.99;
+/// Pixels at the peak from which on a top is flat.
+const CLIPPED_PIXELS: usize = 4;
 
 /// The sums over one light.
 #[derive(Clone, Debug, Default)]
@@ -34,7 +36,7 @@ pub struct Light {
     /// Largest luminance of a pixel.
     pub peak: f64,
     /// Pixels at the peak.
-    pub top_pixels: usize,
+    top_pixels: usize,
     flux_vector: DVec3,
     /// Second moments: the diagonal, and the entries xy, yz, zx.
     second: [DVec3; 2],
@@ -58,6 +60,11 @@ impl Light {
     /// Unit vector towards the middle of the pixels at the peak.
     pub fn peak_direction(&self) -> DVec3 {
         self.top.normalize_or(self.direction())
+    }
+
+    /// Whether it is a flat top at the level of the `brightest` light.
+    pub fn is_clipped(&self, brightest: f64) -> bool {
+        self.peak >= TOP * brightest && self.top_pixels >= CLIPPED_PIXELS
     }
 
     /// In steradians.

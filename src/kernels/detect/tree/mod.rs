@@ -142,6 +142,12 @@ impl Seen {
 }
 
 impl Detection {
+    /// Of each light, whether it is a flat top at the level of the brightest, as where a camera saturates.
+    pub fn are_clipped(&self) -> impl Iterator<Item = bool> {
+        let brightest = self.lights.iter().map(|light| light.peak).fold(0.0, f64::max);
+        self.lights.iter().map(move |light| light.is_clipped(brightest))
+    }
+
     fn new(regions: &Regions, choice: Choice, seen: Seen) -> Self {
         let columns = seen.working_size.1;
         let (mut pixels, mut light_of_pixel) = (Vec::new(), Vec::new());
