@@ -39,11 +39,13 @@ def test_scale_changes_the_units_and_nothing_else(case, scale):
     brightest = max(CASES[case].max(), 1e-300)
     difference = scaled.probe(NORMALS) / scale - one.probe(NORMALS)
     assert np.abs(difference).max() < 1e-12 * brightest
-    # Two opposite pairs can be traded for one another: there rounding decides.
-    loose = 1e-3 if case == "opposite lights" else 1e-7
-    np.testing.assert_allclose(scaled.lights.direction, one.lights.direction, atol=loose)
+    if case == "opposite lights":
+        # One pair may lean towards a light of the other, which gives way: any lean looks alike.
+        assert one.report.condition == scaled.report.condition == np.inf
+        return
+    np.testing.assert_allclose(scaled.lights.direction, one.lights.direction, atol=1e-7)
     difference = scaled.lights.irradiance / scale - one.lights.irradiance
-    assert np.abs(difference).max(initial=0) < loose * brightest
+    assert np.abs(difference).max(initial=0) < 1e-7 * brightest
 
 
 @pytest.mark.parametrize("scale", [1e-6, 1e9])

@@ -48,8 +48,15 @@ impl Candidates {
         let ambient = probe.ambient.coefficients();
         let mut products = DMatrix::zeros(TRIED, state.x.nrows());
         products.columns_mut(0, ambient).copy_from(&self.sides.columns(0, ambient));
-        let lights = &self.weighted * columns(probe, &state.moments.directions);
-        products.columns_range_mut(ambient..).copy_from(&lights);
+        let lit = columns(probe, &state.moments.directions);
+        for (mut products, lit) in
+            products.columns_range_mut(ambient..).column_iter_mut().zip(lit.column_iter())
+        {
+            // Half of the normals do not see the light.
+            for (weighted, &lit) in self.weighted.column_iter().zip(&lit).filter(|(_, lit)| **lit > 0.0) {
+                products.axpy(lit, &weighted, 1.0);
+            }
+        }
         products
     }
 
@@ -80,7 +87,7 @@ impl Candidates {
         let Radiances { x, .. } = radiances::solve(probe, &gram, &right);
         let before = cost(probe, &gram, &right, &x);
         let residual = self.sides.columns_range(ambient..) - &products * x;
-        let outside = self.outside(&gram, &products);
+        let outside = self.outside(&gram, products);
         let after = |i: usize| {
             let along = |c: usize| probe.copies(c) * residual[(i, c)].max(0.0).powi(2);
             before - (0..residual.ncols()).map(along).sum::<f64>() / outside[i]
@@ -93,12 +100,15 @@ impl Candidates {
     }
 
     /// `|a - P a|^2` of every direction: what its column adds to those with this Gram matrix.
-    fn outside(&self, gram: &View<'_>, products: &DMatrix<f64>) -> DVector<f64> {
+    fn outside(&self, gram: &View<'_>, products: DMatrix<f64>) -> DVector<f64> {
         let all: Vec<usize> = (0..gram.nrows()).collect();
-        let Some(factor) = nnls::factor(gram, &all) else { return self.square.clone() };
-        let mut inside = products.transpose();
-        factor.l_dirty().solve_lower_triangular_mut(&mut inside);
-        DVector::from_fn(TRIED, |i, _| self.square[i] - inside.column(i).norm_squared())
+        let mut outside = self.square.clone();
+        if let Some(factor) = nnls::factor(gram, &all) {
+            for inside in nnls::orthonormal(&factor, products).column_iter() {
+                outside.zip_apply(&inside, |outside, inside| *outside -= inside * inside);
+            }
+        }
+        outside
     }
 }
 

@@ -50,10 +50,10 @@ struct Sums {
     directions: Vec<DVec3>,
     /// The normals that see each light, as bits: so many words for each.
     visible: Vec<u64>,
-    /// `sum w v_j y`: for each light, each side.
-    lit: Vec<DVec3>,
+    /// `sum w v_j y`: for each light, as [`Probe::lit`].
+    lit: Vec<f64>,
     /// `sum w v_j v_k^T` for k <= j, as [`Probe::outer`].
-    pairs: Vec<[DVec3; 2]>,
+    pairs: Vec<[f64; 6]>,
 }
 
 impl Moments {
@@ -114,9 +114,10 @@ impl Moments {
 
     fn set_sides(&mut self, probe: &Probe, light: usize, frame: &DMat3) {
         let places = self.places(light);
-        let sides = &self.sums.lit[light * probe.sides()..(light + 1) * probe.sides()];
+        let sides = self.sums.lit.as_chunks::<3>().0;
+        let sides = &sides[light * probe.sides()..(light + 1) * probe.sides()];
         for (side, &sum) in sides.iter().enumerate() {
-            let products = (frame.transpose() * sum).to_array();
+            let products = (frame.transpose() * DVec3::from_array(sum)).to_array();
             for (row, product) in places.into_iter().zip(products) {
                 if let Some(channel) = side.checked_sub(probe.ambient.coefficients()) {
                     self.right[(row, channel)] = product;
@@ -142,7 +143,7 @@ impl Moments {
 impl Sums {
     /// Those of the lights `kept` alone.
     fn only(&self, probe: &Probe, kept: &[usize]) -> Self {
-        let (words, sides) = (words(probe), probe.sides());
+        let (words, sides) = (words(probe), 3 * probe.sides());
         let mut sums = Self::default();
         for (row, &j) in kept.iter().enumerate() {
             sums.directions.push(self.directions[j]);
@@ -156,14 +157,14 @@ impl Sums {
     /// With further lights, so far seen by no normal.
     fn resized(mut self, probe: &Probe, lights: usize) -> Self {
         self.visible.resize(lights * words(probe), 0);
-        self.lit.resize(lights * probe.sides(), DVec3::ZERO);
-        self.pairs.resize(pair(lights, 0), [DVec3::ZERO; 2]);
+        self.lit.resize(3 * lights * probe.sides(), 0.0);
+        self.pairs.resize(pair(lights, 0), [0.0; 6]);
         self
     }
 
     /// Add and subtract the normals that see a light from `directions` and did not, or no longer do.
     fn turn(&mut self, probe: &Probe, directions: &[DVec3]) {
-        let words = words(probe);
+        let (words, sides) = (words(probe), 3 * probe.sides());
         let mut seen = Vec::with_capacity(directions.len() * words);
         for (j, &direction) in directions.iter().enumerate() {
             if self.directions.get(j) == Some(&direction) {
@@ -173,7 +174,7 @@ impl Sums {
             }
         }
         for j in 0..directions.len() {
-            let lit = &mut self.lit[j * probe.sides()..(j + 1) * probe.sides()];
+            let lit = &mut self.lit[j * sides..(j + 1) * sides];
             for word in 0..words {
                 let (old, new) = (self.visible[j * words + word], seen[j * words + word]);
                 change_lit(probe, changes(old, new, word), lit);
@@ -199,14 +200,29 @@ fn words(probe: &Probe) -> usize {
     probe.samples.normals.len().div_ceil(64)
 }
 
+/// One bit each: to take them from a table is faster than to shift by another number in each lane.
+const BITS: [u64; 64] = {
+    let mut bits = [1; 64];
+    let mut i = 1;
+    while i < 64 {
+        bits[i] = bits[i - 1] << 1;
+        i += 1;
+    }
+    bits
+};
+
+/// A normal this close to a right angle with a light does not see it: where normals stand on a terminator,
+/// as those of an icosphere do, rounding must not decide to which side of it they belong.
+const TERMINATOR: f64 = 1e-12;
+
 /// The normals that see a light in `direction`, as bits.
 fn visible(probe: &Probe, direction: DVec3) -> impl Iterator<Item = u64> {
-    let bit = move |(i, n): (usize, &DVec3)| u64::from(n.dot(direction) > 0.0) << i;
-    probe
-        .samples
-        .normals
-        .chunks(64)
-        .map(move |normals| normals.iter().enumerate().map(bit).fold(0, |word, bit| word | bit))
+    let [x, y, z] = [0, 1, 2].map(|axis| probe.axes[axis].chunks(64));
+    x.zip(y).zip(z).map(move |((x, y), z)| {
+        let along = x.iter().zip(y).zip(z);
+        let along = along.map(|((x, y), z)| x * direction.x + y * direction.y + z * direction.z);
+        along.zip(BITS).fold(0, |word, (along, bit)| word | if along > TERMINATOR { bit } else { 0 })
+    })
 }
 
 /// The normals in which two sets differ: +1 for those that came, -1 for those that went.
@@ -221,29 +237,25 @@ fn changes(old: u64, new: u64, word: usize) -> impl Iterator<Item = (usize, f64)
     })
 }
 
-fn change_lit(probe: &Probe, changes: impl Iterator<Item = (usize, f64)>, lit: &mut [DVec3]) {
+fn change_lit(probe: &Probe, changes: impl Iterator<Item = (usize, f64)>, lit: &mut [f64]) {
     for (normal, sign) in changes {
-        for (sum, term) in lit.iter_mut().zip(&probe.lit[normal * probe.sides()..]) {
+        for (sum, term) in lit.iter_mut().zip(&probe.lit[normal * 3 * probe.sides()..]) {
             *sum += term * sign;
         }
     }
 }
 
-fn change_pair(probe: &Probe, changes: impl Iterator<Item = (usize, f64)>, pair: &mut [DVec3; 2]) {
+fn change_pair(probe: &Probe, changes: impl Iterator<Item = (usize, f64)>, pair: &mut [f64; 6]) {
     for (normal, sign) in changes {
-        let [squares, products] = probe.outer[normal];
-        pair[0] += squares * sign;
-        pair[1] += products * sign;
+        for (sum, term) in pair.iter_mut().zip(probe.outer[normal]) {
+            *sum += term * sign;
+        }
     }
 }
 
 /// The matrix with this diagonal and these entries xy, yz, zx.
-fn symmetric([diagonal, mixed]: [DVec3; 2]) -> DMat3 {
-    DMat3::from_cols(
-        DVec3::new(diagonal.x, mixed.x, mixed.z),
-        DVec3::new(mixed.x, diagonal.y, mixed.y),
-        DVec3::new(mixed.z, mixed.y, diagonal.z),
-    )
+fn symmetric([xx, yy, zz, xy, yz, zx]: [f64; 6]) -> DMat3 {
+    DMat3::from_cols(DVec3::new(xx, xy, zx), DVec3::new(xy, yy, yz), DVec3::new(zx, yz, zz))
 }
 
 #[cfg(test)]
@@ -274,8 +286,11 @@ mod tests {
             columns.collect::<Vec<f64>>()
         };
         let along = |light: DVec3, axis: DVec3| {
-            let seen =
-                probe.samples.normals.iter().map(|n| if n.dot(light) > 0.0 { n.dot(axis) } else { 0.0 });
+            let seen = probe
+                .samples
+                .normals
+                .iter()
+                .map(|n| if n.dot(light) > TERMINATOR { n.dot(axis) } else { 0.0 });
             seen.collect::<Vec<f64>>()
         };
         let lights = moments.directions.iter().map(|&l| along(l, l));

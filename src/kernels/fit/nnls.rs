@@ -16,10 +16,29 @@ pub fn solve(gram: &View<'_>, right: &View<'_>, free: usize) -> DMatrix<f64> {
     let x = solution.get_or_insert_with(|| DMatrix::repeat(gram.nrows(), right.ncols(), f64::NAN));
     for (mut x, right) in x.column_iter_mut().zip(right.column_iter()) {
         if !x.iter().skip(free).all(|&value| value >= 0.0) {
-            x.copy_from(&active_set(gram, &right.into_owned(), free));
+            let right = right.into_owned();
+            let guess = without_negative(gram, &right, x.clone_owned(), free);
+            x.copy_from(&guess.unwrap_or_else(|| active_set(gram, &right, free)));
         }
     }
     solution.unwrap_or_default()
+}
+
+/// What is left when all that wants to be negative goes at once, again and again, if that is the
+/// minimum: if nothing that went would lower the cost by coming back.
+fn without_negative(
+    gram: &View<'_>,
+    right: &DVector<f64>,
+    mut x: DVector<f64>,
+    free: usize,
+) -> Option<DVector<f64>> {
+    let mut active: Vec<usize> = (0..x.len()).collect();
+    let is_kept = |x: &DVector<f64>, column: usize| column < free || x[column] > 0.0;
+    while !active.iter().all(|&column| is_kept(&x, column)) {
+        active.retain(|&column| is_kept(&x, column));
+        x = on(gram, right, &active)?;
+    }
+    steepest(gram, right, &x, &active, &[]).is_none().then_some(x)
 }
 
 fn active_set(gram: &View<'_>, right: &DVector<f64>, free: usize) -> DVector<f64> {
@@ -111,6 +130,23 @@ pub fn factor(gram: &View<'_>, columns: &[usize]) -> Option<Cholesky<f64, Dyn>> 
     let lower = factor.l_dirty();
     let independent = |i: usize| lower[(i, i)] * lower[(i, i)] > DEPENDENT * gram[(columns[i], columns[i])];
     (0..size).all(independent).then_some(factor)
+}
+
+/// `rows L^-T` with the factor `L` of a Gram matrix `A^T A`: inner products with the columns of A become
+/// those with the orthonormal columns `A L^-T` that span the same.
+///
+/// All rows at once, column by column: each column is long, the triangle is small.
+pub fn orthonormal(factor: &Cholesky<f64, Dyn>, mut rows: DMatrix<f64>) -> DMatrix<f64> {
+    let lower = factor.l_dirty();
+    for i in 0..lower.nrows() {
+        let (done, mut rest) = rows.columns_range_pair_mut(..i, i..);
+        let mut column = rest.column_mut(0);
+        for (k, done) in done.column_iter().enumerate() {
+            column.axpy(-lower[(i, k)], &done, 1.0);
+        }
+        column /= lower[(i, i)];
+    }
+    rows
 }
 
 #[cfg(test)]

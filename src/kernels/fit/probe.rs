@@ -15,10 +15,12 @@ pub struct Probe {
     pub(super) channels: Vec<usize>,
     /// For each of red, green, blue its place in `channels`; none where it is black.
     pub(super) like: [Option<usize>; 3],
+    /// x, y and z of the normals, side by side.
+    pub(super) axes: [Vec<f64>; 3],
     /// `w n n^T` of each normal: its diagonal, and its entries xy, yz, zx.
-    pub(super) outer: Vec<[DVec3; 2]>,
-    /// `w n y` of each normal, for each [`Self::sides`] y.
-    pub(super) lit: Vec<DVec3>,
+    pub(super) outer: Vec<[f64; 6]>,
+    /// `w n y` of each normal, x, y, z for each [`Self::sides`] y.
+    pub(super) lit: Vec<f64>,
     /// Weighted inner products of the ambient columns with each of [`Self::sides`].
     pub(super) ambient_gram: DMatrix<f64>,
 }
@@ -27,11 +29,12 @@ impl Probe {
     /// `samples` that lights and an `ambient` term may explain.
     pub fn new(samples: Samples, ambient: Ambient) -> Self {
         let weighted = samples.normals.iter().zip(&samples.weights);
-        let outer = weighted.map(|(&n, &w)| [n * n * w, n * DVec3::new(n.y, n.z, n.x) * w]).collect();
+        let outer = weighted.map(|(&n, &w)| outer(n, w)).collect();
+        let axes = [0, 1, 2].map(|axis| samples.normals.iter().map(|n| n[axis]).collect());
         let (channels, like) = distinct(&samples.irradiance);
         let columns = ambient.coefficients();
         let ambient_gram = DMatrix::zeros(columns, columns + channels.len());
-        let mut probe = Self { samples, ambient, channels, like, outer, lit: Vec::new(), ambient_gram };
+        let mut probe = Self { samples, ambient, channels, like, axes, outer, lit: Vec::new(), ambient_gram };
         probe.sum_sides();
         probe
     }
@@ -71,7 +74,7 @@ impl Probe {
             let channels = self.channels.iter().map(|&channel| self.samples.irradiance[i][channel]);
             let sides: Vec<f64> = columns[..ambient].iter().copied().chain(channels).collect();
             let weight = self.samples.weights[i];
-            self.lit.extend(sides.iter().map(|y| normal * (weight * y)));
+            self.lit.extend(sides.iter().flat_map(|y| (normal * (weight * y)).to_array()));
             for (a, column) in columns[..ambient].iter().enumerate() {
                 for (b, y) in sides.iter().enumerate() {
                     self.ambient_gram[(a, b)] += weight * column * y;
@@ -79,6 +82,10 @@ impl Probe {
             }
         }
     }
+}
+
+fn outer(n: DVec3, weight: f64) -> [f64; 6] {
+    [n.x * n.x, n.y * n.y, n.z * n.z, n.x * n.y, n.y * n.z, n.z * n.x].map(|product| weight * product)
 }
 
 /// The channels that have to be fitted, and for each of the three the one that it is like.

@@ -223,12 +223,14 @@ fn normal_equations(problem: &Problem<'_>, state: &State) -> (DMatrix<f64>, DVec
         let Some((_, outside)) = &outside else { continue };
         let copies = problem.probe.copies(channel);
         let irradiance = state.irradiance();
-        let of = |i: usize| irradiance[(problem.held + i / 2, channel)];
+        let of = DVector::from_fn(size, |i, _| irradiance[(problem.held + i / 2, channel)]);
+        let (right, explained) = (right.column(channel), explained.column(channel));
         for a in 0..size {
-            slope[a] -= copies * of(a) * (right[(first + a, channel)] - explained[(a, channel)]);
-            for b in 0..size {
-                curvature[(b, a)] += copies * of(a) * of(b) * outside[(b, a)];
-            }
+            slope[a] -= copies * of[a] * (right[first + a] - explained[a]);
+            let mut curvature = curvature.column_mut(a);
+            curvature.zip_zip_apply(&of, &outside.column(a), |sum, of_b, outside| {
+                *sum += copies * of[a] * of_b * outside;
+            });
         }
     }
     (curvature, slope)
@@ -236,23 +238,22 @@ fn normal_equations(problem: &Problem<'_>, state: &State) -> (DMatrix<f64>, DVec
 
 /// Inner products of the derivatives from column `first` on, outside the span of the `used` columns.
 ///
-/// With the factor L of the used columns' Gram matrix, `V = L^-1 A^T D` holds what is inside. Where
+/// With the factor L of the used columns' Gram matrix, `V = D^T A L^-T` holds what is inside. Where
 /// the ambient term is held at zero for the normals `dark`, with rows C, the used columns may not
-/// follow along `U = L^-1 C^T`: that part of V is outside again.
+/// follow along `U = C L^-T`: that part of V is outside again.
 fn project(gram: &DMatrix<f64>, first: usize, used: &[usize], dark: &[DVec3]) -> Option<DMatrix<f64>> {
     let factor = nnls::factor(&gram.as_view(), used)?;
     let size = gram.nrows() - first;
-    let lower = factor.l_dirty();
-    let mut inside = DMatrix::from_fn(used.len(), size, |i, j| gram[(used[i], first + j)]);
-    lower.solve_lower_triangular_mut(&mut inside);
-    let mut outside = gram.view((first, first), (size, size)) - inside.tr_mul(&inside);
+    let derivatives = DMatrix::from_fn(size, used.len(), |i, j| gram[(first + i, used[j])]);
+    let inside = nnls::orthonormal(&factor, derivatives);
+    let mut outside = gram.view((first, first), (size, size)).into_owned();
+    outside.gemm(-1.0, &inside, &inside.transpose(), 1.0);
     if !dark.is_empty() {
         let columns: Vec<[f64; 9]> = dark.iter().map(|&n| Ambient::Sh2.irradiance(n)).collect();
-        let mut held = DMatrix::from_fn(used.len(), dark.len(), |i, j| *columns[j].get(i).unwrap_or(&0.0));
-        lower.solve_lower_triangular_mut(&mut held);
-        let basis = held.col_piv_qr().q();
-        let back = basis.tr_mul(&inside);
-        outside += back.tr_mul(&back);
+        let held = DMatrix::from_fn(dark.len(), used.len(), |i, j| *columns[i].get(j).unwrap_or(&0.0));
+        let basis = nnls::orthonormal(&factor, held).transpose().col_piv_qr().q();
+        let back = inside * basis;
+        outside += &back * back.transpose();
     }
     Some(outside)
 }

@@ -84,7 +84,8 @@ fn condition(gram: &DMatrix<f64>) -> f64 {
         return 1.0;
     }
     let values = gram.symmetric_eigenvalues();
-    (values.max() / values.min().max(0.0)).sqrt()
+    let rounding = gram.nrows() as f64 * f64::EPSILON * values.max();
+    if values.min() <= rounding { f64::INFINITY } else { (values.max() / values.min()).sqrt() }
 }
 
 fn unknowns(probe: &Probe, moments: &Moments, rig: &Rig, held: usize) -> Vec<Unknown> {
