@@ -8,7 +8,7 @@
 //! | a rig on the probe, its ambient term          | `model.rs`, `ambient.rs`   |
 //! | all sums over the normals                     | `moments.rs`               |
 //! | best radiances, none negative                 | `radiances.rs`, `nnls.rs`  |
-//! | best directions near given ones               | `solver.rs`                |
+//! | best directions near given ones               | `solver.rs`, `quadratic.rs`|
 //! | best set of lights                            | `search.rs`, `moves.rs`    |
 //! | what one more light would explain             | `candidates.rs`            |
 //! | how well the probe determines them            | `uncertainty.rs`           |
@@ -20,6 +20,7 @@ mod moments;
 mod moves;
 mod nnls;
 mod probe;
+mod quadratic;
 mod radiances;
 mod samples;
 mod search;

@@ -73,6 +73,16 @@ impl Moments {
         Self::of(probe, self.sums.clone(), directions)
     }
 
+    /// Lights, each with a normal whose horizon it crosses on the way to `other` directions.
+    pub fn crossed(&self, probe: &Probe, other: &Self) -> Vec<(usize, DVec3)> {
+        let words = words(probe);
+        let both = self.sums.visible.iter().zip(&other.sums.visible).enumerate();
+        both.flat_map(|(i, (&here, &there))| {
+            changes(here, there, i % words).map(move |(normal, _)| (i / words, probe.samples.normals[normal]))
+        })
+        .collect()
+    }
+
     /// From `sums` of as many lights elsewhere.
     fn of(probe: &Probe, mut sums: Sums, directions: Vec<DVec3>) -> Self {
         sums.turn(probe, &directions);

@@ -1,25 +1,20 @@
 //! The best directions near given ones: variable projection with damped Gauss-Newton steps.
 //!
-//! For fixed directions the best radiances `x` are a small linear problem (`nnls.rs`), so only the
-//! 2M tangent coordinates `t` of the directions are left (Golub and Pereyra 1973). With Kaufman's
-//! approximation of the Jacobian, and `P_c` the projection on the columns that channel c uses,
+//! For fixed directions the best radiances are a small linear problem (`radiances.rs`), so only the 2M
+//! tangent coordinates of the directions are left (Golub and Pereyra 1973). The tangent plane has no
+//! pole, where the paper's angles theta and phi lose a rank.
 //!
-//! ```text
-//!   J_c = -(1 - P_c) D_c        D_c[:, jk] = x_jc da_j/dt_k
-//!   J^T J [jk, j'k'] = sum_c x_jc x_j'c ( da_jk.da_j'k' - (A_c^T da_jk)^T G_c^-1 (A_c^T da_j'k') )
-//!   J^T r [jk]       = -sum_c x_jc da_jk.r_c
-//! ```
-//!
-//! all of them inner products that [`Moments`] already holds. The tangent plane has no pole, where
-//! the paper's angles theta and phi lose a rank.
+//! The cost bends where a light crosses the horizon of a normal. A minimum often lies in such a crease:
+//! from either side the slope leads into it, and no step across leads down. From there the way goes on
+//! along the crease.
 
 use glam::DVec3;
 use nalgebra::{DMatrix, DVector};
 
-use super::ambient::Ambient;
 use super::moments::Moments;
-use super::nnls::{self, View};
+use super::nnls::View;
 use super::probe::Probe;
+use super::quadratic::{Crease, Quadratic};
 use super::radiances::{self, Radiances};
 use super::{Rig, StopReason};
 use crate::kernels::sphere::exponential_map;
@@ -30,6 +25,8 @@ const LONGEST_STEP: f64 = 0.5;
 const FIRST_DAMPING: f64 = 1e-3;
 /// Damping at which a step no longer moves anything.
 const STIFFEST: f64 = 1e8;
+/// A step that crosses more horizons than this for each light failed for its length.
+const MOST_CREASES: usize = 2;
 /// Relative cost of rounding alone.
 const EXACT: f64 = 1e-26;
 /// Relative cost below which it is summed from the residuals: from the moments it would be a
@@ -56,7 +53,7 @@ pub struct State {
     /// Coefficients of the ambient term, then irradiance of the lights; a column for each channel.
     pub x: DMatrix<f64>,
     /// For each channel, the normals at which the ambient term is kept from turning negative.
-    dark: Vec<Vec<DVec3>>,
+    pub dark: Vec<Vec<DVec3>>,
     /// Weighted sum of squares of what is left unexplained.
     pub cost: f64,
     damping: f64,
@@ -100,7 +97,7 @@ impl State {
     }
 
     /// The columns that a channel uses.
-    fn used(&self, probe: &Probe, channel: usize) -> Vec<usize> {
+    pub fn used(&self, probe: &Probe, channel: usize) -> Vec<usize> {
         let x = self.x.column(channel);
         (0..x.len()).filter(|&i| i < probe.free() || x[i] > 0.0).collect()
     }
@@ -149,27 +146,53 @@ impl State {
         if self.stop.is_some() {
             return self;
         }
-        let (curvature, slope) = normal_equations(problem, &self);
-        while self.damping < STIFFEST {
-            let Some(step) = damped_step(&curvature, &slope, self.damping) else { break };
-            // What the linear model promises: less than that is not worth the try.
-            let promised = -(2.0 * slope.dot(&step) + step.dot(&(&curvature * &step)));
-            if promised <= 0.1 * still * self.cost {
+        let near = Quadratic::around(problem, &self);
+        let Some(mut next) = self.lower(problem, &near, still, &[]) else {
+            self.stop = Some(StopReason::Converged);
+            return self;
+        };
+        if self.cost - next.cost <= still * self.cost {
+            next.stop = next.stop.or(Some(StopReason::Converged));
+        }
+        next
+    }
+
+    /// The first step that lowers the cost, with more and more damping, on `creases` if there are any.
+    fn lower(&self, problem: &Problem<'_>, near: &Quadratic, still: f64, creases: &[Crease]) -> Option<Self> {
+        let mut damping = self.damping;
+        while damping < STIFFEST {
+            let step = near.step(damping, creases)?;
+            // Less than that is not worth the try.
+            if near.fall(&step) <= 0.1 * still * self.cost {
                 break;
             }
             let moments = self.moments.turned(problem.probe, self.turned(problem, &step));
-            let mut next = Self::at(problem.probe, moments, self.steps + 1);
+            let next = Self::at(problem.probe, moments, self.steps + 1);
             if next.cost < self.cost {
-                next.damping = (self.damping * 0.1).max(1e-12);
-                if self.cost - next.cost <= still * self.cost {
-                    next.stop = next.stop.or(Some(StopReason::Converged));
-                }
-                return next;
+                return Some(Self { damping: (damping * 0.1).max(1e-12), ..next });
             }
-            self.damping *= 10.0;
+            if creases.is_empty()
+                && let Some(creases) = self.creases_before(problem, &next)
+                && let Some(next) = self.lower(problem, near, still, &creases)
+            {
+                return Some(next);
+            }
+            damping *= 10.0;
         }
-        self.stop = Some(StopReason::Converged);
-        self
+        None
+    }
+
+    /// What bends the cost on the way to `next`, unless that is too far to say.
+    fn creases_before(&self, problem: &Problem<'_>, next: &Self) -> Option<Vec<Crease>> {
+        let crossed = self.moments.crossed(problem.probe, &next.moments);
+        let crease = |(light, normal): (usize, DVec3)| Crease {
+            first: 2 * (light - problem.held),
+            across: self.moments.tangents[light].map(|tangent| normal.dot(tangent)),
+            ahead: -normal.dot(self.moments.directions[light]),
+        };
+        (1..=MOST_CREASES * self.lights())
+            .contains(&crossed.len())
+            .then(|| crossed.into_iter().map(crease).collect())
     }
 
     /// Every direction turned by its part of `step`.
@@ -189,71 +212,4 @@ pub fn cost(probe: &Probe, gram: &View<'_>, right: &View<'_>, x: &DMatrix<f64>) 
     let used = gram * x;
     let explained = |c: usize| 2.0 * right.column(c).dot(&x.column(c)) - used.column(c).dot(&x.column(c));
     probe.samples.energy - (0..x.ncols()).map(|c| probe.copies(c) * explained(c)).sum::<f64>()
-}
-
-/// `(H + damping diag H) step = -slope` (Levenberg 1944, Marquardt 1963).
-fn damped_step(curvature: &DMatrix<f64>, slope: &DVector<f64>, damping: f64) -> Option<DVector<f64>> {
-    if slope.is_empty() {
-        return None;
-    }
-    let mut damped = curvature.clone();
-    // A light that no channel uses has no slope and no curvature: it stays where it is.
-    let floor = 1e-14 * curvature.diagonal().max();
-    for i in 0..slope.len() {
-        damped[(i, i)] += damping * curvature[(i, i)] + floor;
-    }
-    (floor > 0.0).then(|| damped.cholesky().map(|factor| factor.solve(&-slope))).flatten()
-}
-
-/// `J^T J` and `J^T r` of the head of this file, for the lights that may move.
-fn normal_equations(problem: &Problem<'_>, state: &State) -> (DMatrix<f64>, DVector<f64>) {
-    let Moments { gram, right, .. } = &state.moments;
-    let first = state.moments.columns() + 2 * problem.held;
-    let size = gram.nrows() - first;
-    let derivatives = gram.view((first, 0), (size, gram.ncols()));
-    let explained = derivatives.columns(0, state.x.nrows()) * &state.x;
-    let (mut curvature, mut slope) = (DMatrix::zeros(size, size), DVector::zeros(size));
-    let mut outside: Option<(Vec<usize>, DMatrix<f64>)> = None;
-    for channel in 0..state.x.ncols() {
-        let (used, dark) = (state.used(problem.probe, channel), &state.dark[channel]);
-        // Channels that use the same lights share the projection.
-        if !dark.is_empty() || outside.as_ref().is_none_or(|(last, _)| *last != used) {
-            outside = project(gram, first, &used, dark).map(|outside| (used, outside));
-        }
-        let Some((_, outside)) = &outside else { continue };
-        let copies = problem.probe.copies(channel);
-        let irradiance = state.irradiance();
-        let of = DVector::from_fn(size, |i, _| irradiance[(problem.held + i / 2, channel)]);
-        let (right, explained) = (right.column(channel), explained.column(channel));
-        for a in 0..size {
-            slope[a] -= copies * of[a] * (right[first + a] - explained[a]);
-            let mut curvature = curvature.column_mut(a);
-            curvature.zip_zip_apply(&of, &outside.column(a), |sum, of_b, outside| {
-                *sum += copies * of[a] * of_b * outside;
-            });
-        }
-    }
-    (curvature, slope)
-}
-
-/// Inner products of the derivatives from column `first` on, outside the span of the `used` columns.
-///
-/// With the factor L of the used columns' Gram matrix, `V = D^T A L^-T` holds what is inside. Where
-/// the ambient term is held at zero for the normals `dark`, with rows C, the used columns may not
-/// follow along `U = C L^-T`: that part of V is outside again.
-fn project(gram: &DMatrix<f64>, first: usize, used: &[usize], dark: &[DVec3]) -> Option<DMatrix<f64>> {
-    let factor = nnls::factor(&gram.as_view(), used)?;
-    let size = gram.nrows() - first;
-    let derivatives = DMatrix::from_fn(size, used.len(), |i, j| gram[(first + i, used[j])]);
-    let inside = nnls::orthonormal(&factor, derivatives);
-    let mut outside = gram.view((first, first), (size, size)).into_owned();
-    outside.gemm(-1.0, &inside, &inside.transpose(), 1.0);
-    if !dark.is_empty() {
-        let columns: Vec<[f64; 9]> = dark.iter().map(|&n| Ambient::Sh2.irradiance(n)).collect();
-        let held = DMatrix::from_fn(dark.len(), used.len(), |i, j| *columns[i].get(j).unwrap_or(&0.0));
-        let basis = nnls::orthonormal(&factor, held).transpose().col_piv_qr().q();
-        let back = inside * basis;
-        outside += &back * back.transpose();
-    }
-    Some(outside)
 }

@@ -1,0 +1,121 @@
+//! The cost around a state, to second order in the tangent coordinates `t` of its lights.
+//!
+//! With the best radiances `x` for every t, Kaufman's approximation of the Jacobian (1975), and `P_c` the
+//! projection on the columns that channel c uses,
+//!
+//! ```text
+//!   J_c = -(1 - P_c) D_c        D_c[:, jk] = x_jc da_j/dt_k
+//!   J^T J [jk, j'k'] = sum_c x_jc x_j'c ( da_jk.da_j'k' - (A_c^T da_jk)^T G_c^-1 (A_c^T da_j'k') )
+//!   J^T r [jk]       = -sum_c x_jc da_jk.r_c
+//! ```
+//!
+//! all of them inner products that [`Moments`] already holds.
+
+use glam::DVec3;
+use nalgebra::{DMatrix, DVector};
+
+use super::ambient::Ambient;
+use super::moments::Moments;
+use super::nnls;
+use super::solver::{Problem, State};
+
+/// `cost + 2 slope.t + t^T H t`.
+#[derive(Debug)]
+pub struct Quadratic {
+    curvature: DMatrix<f64>,
+    slope: DVector<f64>,
+}
+
+/// Where a light stands on the horizon of a normal: `n.l = 0`, to first order `across.t = ahead` for its
+/// two coordinates from `first` on.
+#[derive(Clone, Copy, Debug)]
+pub struct Crease {
+    pub first: usize,
+    pub across: [f64; 2],
+    pub ahead: f64,
+}
+
+impl Quadratic {
+    /// For the lights that may move.
+    pub fn around(problem: &Problem<'_>, state: &State) -> Self {
+        let Moments { gram, right, .. } = &state.moments;
+        let first = state.moments.columns() + 2 * problem.held;
+        let size = gram.nrows() - first;
+        let derivatives = gram.view((first, 0), (size, gram.ncols()));
+        let explained = derivatives.columns(0, state.x.nrows()) * &state.x;
+        let left = right.rows(first, size) - explained;
+        let mut sum = Self { curvature: DMatrix::zeros(size, size), slope: DVector::zeros(size) };
+        let mut outside: Option<(Vec<usize>, DMatrix<f64>)> = None;
+        for channel in 0..state.x.ncols() {
+            let (used, dark) = (state.used(problem.probe, channel), &state.dark[channel]);
+            // Channels that use the same lights share the projection.
+            if !dark.is_empty() || outside.as_ref().is_none_or(|(last, _)| *last != used) {
+                outside = project(gram, first, &used, dark).map(|outside| (used, outside));
+            }
+            let Some((_, outside)) = &outside else { continue };
+            let irradiance = state.irradiance();
+            let of = DVector::from_fn(size, |i, _| irradiance[(problem.held + i / 2, channel)]);
+            sum.add(problem.probe.copies(channel), &of, outside, &left.column(channel).into_owned());
+        }
+        sum
+    }
+
+    /// Add so many `copies` of a channel with this irradiance `of` each coordinate's light.
+    fn add(&mut self, copies: f64, of: &DVector<f64>, outside: &DMatrix<f64>, left: &DVector<f64>) {
+        self.slope.zip_zip_apply(of, left, |slope, of, left| *slope -= copies * of * left);
+        for (a, mut curvature) in self.curvature.column_iter_mut().enumerate() {
+            curvature.zip_zip_apply(of, &outside.column(a), |curvature, of_b, outside| {
+                *curvature += copies * of[a] * of_b * outside;
+            });
+        }
+    }
+
+    /// What the cost falls by with `step`.
+    pub fn fall(&self, step: &DVector<f64>) -> f64 {
+        -(2.0 * self.slope.dot(step) + step.dot(&(&self.curvature * step)))
+    }
+
+    /// `(H + damping diag H) step = -slope` (Levenberg 1944, Marquardt 1963), onto the `creases`: on
+    /// either side of them stands a wall, `wall (across.step - ahead)^2`.
+    pub fn step(&self, damping: f64, creases: &[Crease]) -> Option<DVector<f64>> {
+        const STEEP: f64 = 1e8;
+        let highest = self.curvature.diagonal().iter().copied().fold(0.0, f64::max);
+        if highest <= 0.0 {
+            return None;
+        }
+        let (mut damped, mut slope) = (self.curvature.clone(), self.slope.clone());
+        for i in 0..slope.len() {
+            // A light that no channel uses has no slope and no curvature: it stays where it is.
+            damped[(i, i)] += damping * self.curvature[(i, i)] + 1e-14 * highest;
+        }
+        for &Crease { first, across, ahead } in creases {
+            let across = DVector::from_column_slice(&across);
+            let mut own = damped.view_mut((first, first), (2, 2));
+            own.ger(STEEP * highest, &across, &across, 1.0);
+            slope.rows_mut(first, 2).axpy(-STEEP * highest * ahead, &across, 1.0);
+        }
+        damped.cholesky().map(|factor| factor.solve(&-slope))
+    }
+}
+
+/// Inner products of the derivatives from column `first` on, outside the span of the `used` columns.
+///
+/// With the factor L of the used columns' Gram matrix, `V = D^T A L^-T` holds what is inside. Where
+/// the ambient term is held at zero for the normals `dark`, with rows C, the used columns may not
+/// follow along `U = C L^-T`: that part of V is outside again.
+fn project(gram: &DMatrix<f64>, first: usize, used: &[usize], dark: &[DVec3]) -> Option<DMatrix<f64>> {
+    let factor = nnls::factor(&gram.as_view(), used)?;
+    let size = gram.nrows() - first;
+    let derivatives = DMatrix::from_fn(size, used.len(), |i, j| gram[(first + i, used[j])]);
+    let inside = nnls::orthonormal(&factor, derivatives);
+    let mut outside = gram.view((first, first), (size, size)).into_owned();
+    outside.gemm(-1.0, &inside, &inside.transpose(), 1.0);
+    if !dark.is_empty() {
+        let columns: Vec<[f64; 9]> = dark.iter().map(|&n| Ambient::Sh2.irradiance(n)).collect();
+        let held = DMatrix::from_fn(dark.len(), used.len(), |i, j| *columns[i].get(j).unwrap_or(&0.0));
+        let basis = nnls::orthonormal(&factor, held).transpose().col_piv_qr().q();
+        let back = inside * basis;
+        outside += &back * back.transpose();
+    }
+    Some(outside)
+}
