@@ -74,9 +74,8 @@ impl Covered {
 /// The light's share of a pixel, by the pixel's luminance.
 #[inline(always)]
 fn share(peak: f32, background: f32) -> impl Fn(f32) -> f32 {
-    let per_cover = 1.0 / (peak - background);
     move |y| {
-        let coverage = ((y - background) * per_cover).min(1.0);
+        let coverage = ((y - background) / (peak - background)).min(1.0);
         let share = 1.0 - (1.0 - coverage) * background / y;
         if coverage >= LEAST_COVERAGE { share } else { 0.0 }
     }
