@@ -161,5 +161,6 @@ class DetectedLights(Lights):
 
     @classmethod
     @cache
-    def _per_light(cls) -> list[str]:
-        return [each.name for each in fields(cls) if each.name not in ("members", "report")]
+    def _per_light(cls) -> tuple[str, ...]:
+        names = (each.name for each in fields(cls))
+        return tuple(name for name in names if name not in ("members", "report"))
