@@ -75,7 +75,9 @@ impl TreeDetection {
             Array2::from(rows).into_pyarray(py).unbind()
         };
         let indices = |values: Array1<i64>| values.into_pyarray(py).unbind();
-        let pixels: Vec<[i64; 2]> = found.pixels.iter().map(|pixel| pixel.map(|i| i as i64)).collect();
+        let columns = found.seen.working_size.1 as u32;
+        let place = |&index: &u32| [index / columns, index % columns].map(i64::from);
+        let pixels: Vec<[i64; 2]> = found.pixels.iter().map(place).collect();
         Self {
             direction: vectors(|light| light.direction().to_array()),
             irradiance: vectors(|light| light.irradiance),
@@ -87,7 +89,7 @@ impl TreeDetection {
             flux: numbers(|light| light.flux),
             is_clipped: found.are_clipped().collect::<Array1<bool>>().into_pyarray(py).unbind(),
             pixel: Array2::from(pixels).into_pyarray(py).unbind(),
-            light_of_pixel: indices(found.light_of_pixel.iter().map(|&light| light as i64).collect()),
+            light_of_pixel: indices(found.light_of_pixel.iter().map(|&light| i64::from(light)).collect()),
             threshold: found.seen.threshold.luminance,
             background_is_light: found.seen.threshold.reason == Reason::BelowCut,
             map_flux: found.seen.flux,

@@ -41,19 +41,17 @@ pub fn bright_pixels(summary: &Summary, threshold: f64) -> BrightPixels {
     let threshold = threshold as f32;
     let (height, width) = summary.size;
     let luminance = &summary.luminance;
-    let (mut indices, mut opened_tiles) = (Vec::new(), 0);
-    for ((tile_row, tile_column), &maximum) in summary.tile_maxima.indexed_iter() {
-        if maximum <= threshold {
-            continue;
-        }
-        opened_tiles += 1;
-        for row in tile_row * TILE..((tile_row + 1) * TILE).min(height) {
-            let columns = tile_column * TILE..((tile_column + 1) * TILE).min(width);
-            let pixels = row * width + columns.start..row * width + columns.end;
-            indices.extend(pixels.filter(|&index| luminance[index] > threshold).map(|index| index as u32));
-        }
-    }
-    BrightPixels { indices, opened_tiles }
+    let is_open = |&((_, _), &maximum): &((usize, usize), &f32)| maximum > threshold;
+    let tiles: Vec<(usize, usize)> =
+        summary.tile_maxima.indexed_iter().filter(is_open).map(|(tile, _)| tile).collect();
+    let bright_in = |&(tile_row, tile_column): &(usize, usize)| {
+        let columns = tile_column * TILE..((tile_column + 1) * TILE).min(width);
+        let rows = tile_row * TILE..((tile_row + 1) * TILE).min(height);
+        let pixels = rows.flat_map(move |row| row * width + columns.start..row * width + columns.end);
+        pixels.filter(|&index| luminance[index] > threshold).map(|index| index as u32)
+    };
+    let indices = tiles.par_iter().with_min_len(16).flat_map_iter(bright_in).collect();
+    BrightPixels { indices, opened_tiles: tiles.len() }
 }
 
 /// The pixels of each light, before anything is measured.

@@ -63,10 +63,10 @@ pub struct Options {
 pub struct Detection {
     /// Most flux first.
     pub lights: Vec<Light>,
-    /// Row and column in the working image of each pixel within the edge of a light.
-    pub pixels: Vec<[usize; 2]>,
+    /// Flat indices into the working image, of the pixels within the edge of a light.
+    pub pixels: Vec<u32>,
     /// The light of each of `pixels`.
-    pub light_of_pixel: Vec<usize>,
+    pub light_of_pixel: Vec<u32>,
     /// What was looked at, and what was not.
     pub seen: Seen,
 }
@@ -149,13 +149,11 @@ impl Detection {
     }
 
     fn new(regions: &Regions, choice: Choice, seen: Seen) -> Self {
-        let columns = seen.working_size.1;
         let (mut pixels, mut light_of_pixel) = (Vec::new(), Vec::new());
         for (region, light) in regions.pixels.iter().zip(&choice.part_of) {
             let Some(light) = light else { continue };
-            let within = region.iter().map(|&i| i as usize).filter(|&i| regions.label[i] != 0);
-            pixels.extend(within.map(|i| [i / columns, i % columns]));
-            light_of_pixel.resize(pixels.len(), *light);
+            pixels.extend(region.iter().filter(|&&index| regions.label[index as usize] != 0));
+            light_of_pixel.resize(pixels.len(), *light as u32);
         }
         Self { lights: choice.lights, pixels, light_of_pixel, seen }
     }
