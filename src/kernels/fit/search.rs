@@ -63,8 +63,8 @@ impl<'a> Search<'a> {
     /// The best lights, one more than `last` has, where that helps.
     pub fn best(&self, last: &State) -> Result<Option<State>> {
         let Some(grown) = self.more(last) else { return Ok(None) };
-        let (tries, grown) =
-            rayon::join(|| self.even_tries(grown.lights()), || self.exchanged(grown.clone()));
+        let lights = grown.lights();
+        let (tries, grown) = rayon::join(|| self.even_tries(lights), || self.exchanged(grown));
         let best = tries?.into_iter().chain([grown]).min_by(by_cost);
         let best = best.map(|best| self.overshot(best).descend(&self.problem, FINE));
         Ok(best.filter(|best| best.cost < last.cost))

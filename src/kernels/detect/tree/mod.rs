@@ -20,6 +20,7 @@ mod covered;
 #[cfg(test)]
 mod drawn;
 mod gaps;
+mod lanes;
 mod light;
 mod measure;
 mod outline;

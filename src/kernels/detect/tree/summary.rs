@@ -6,6 +6,8 @@
 use ndarray::{Array2, ArrayView3, s};
 use rayon::prelude::*;
 
+use super::covered;
+use super::lanes::dot;
 use crate::error::{Error, Result};
 use crate::kernels::image::{self, Grid, check_not_negative, weighted_mean};
 use crate::kernels::sphere::{Registration, band_heights};
@@ -69,7 +71,7 @@ pub fn summarise(
             let mut largest = vec![0.0; size.1];
             for (i, (row, sum)) in rows.chunks_mut(size.1).zip(sums).enumerate() {
                 *signs |= reduction.fill_row(tile_row * TILE + i, row);
-                *sum = weighted_sum(row, &widths);
+                *sum = dot(row, &widths);
                 raise(&mut largest, row);
             }
             for (maximum, columns) in maxima.iter_mut().zip(largest.chunks(TILE)) {
@@ -99,19 +101,6 @@ fn flux(row_sums: &[f64], bands: &[f64]) -> Result<f64> {
         flux += value;
     }
     Ok(flux)
-}
-
-/// Eight sums side by side: one would wait for each addition in turn.
-fn weighted_sum(row: &[f32], widths: &[f64]) -> f64 {
-    let ((values, last_values), (widths, last_widths)) = (row.as_chunks::<8>(), widths.as_chunks::<8>());
-    let mut lanes = [0.0_f64; 8];
-    for (values, widths) in values.iter().zip(widths) {
-        for i in 0..8 {
-            lanes[i] += f64::from(values[i]) * widths[i];
-        }
-    }
-    let last: f64 = last_values.iter().zip(last_widths).map(|(&value, width)| f64::from(value) * width).sum();
-    lanes.iter().sum::<f64>() + last
 }
 
 /// How the map's pixels make the pixels of the working image.
@@ -200,11 +189,10 @@ fn luminance_of_sum(samples: &[f32]) -> f32 {
 
 /// Luminance of each pixel; whether a sample has a minus sign. (NaN and infinity show in the flux.)
 fn fill_luminance(samples: &[f32], out: &mut [f32]) -> bool {
-    let [red, green, blue] = image::LUMINANCE.map(|weight| weight as f32);
     let mut bits = 0;
-    for (out, [r, g, b]) in out.iter_mut().zip(samples.as_chunks::<3>().0) {
-        *out = red * r + green * g + blue * b;
-        bits |= r.to_bits() | g.to_bits() | b.to_bits();
+    for (out, &pixel) in out.iter_mut().zip(samples.as_chunks::<3>().0) {
+        *out = covered::luminance(pixel);
+        bits |= pixel.iter().fold(0, |bits, sample| bits | sample.to_bits());
     }
     bits >> 31 == 1
 }
