@@ -13,9 +13,11 @@
 //! The tree needs no pixel in order of luminance. Each pixel flows uphill, to its brightest neighbour,
 //! to one peak: its basin. Islands meet only between basins, so only those pairs of pixels are sorted.
 
+use ndarray::ArrayView1;
 use rayon::prelude::*;
 
 use super::Options;
+use super::run::{Run, runs};
 use super::summary::{Summary, TILE};
 use super::threshold::Threshold;
 use super::touch::Sheet;
@@ -24,13 +26,15 @@ use super::touch::Sheet;
 const HYSTERESIS: f32 = 2.5;
 /// A light that is clipped rises this far, at least.
 const CLIPPED_HYSTERESIS: f32 = 1.2;
+/// Runs that are looked at together.
+const RUNS_AT_ONCE: usize = 64;
 /// As many pixels as this, so much alike, at the map's maximum are a ceiling where a camera saturates.
 const CEILING_PIXELS: usize = 3;
 const CEILING: f32 = 1.0 - 1e-5;
 
 /// Pixels above the threshold, as flat indices into the working image.
 pub struct BrightPixels {
-    /// Tile by tile.
+    /// In ascending order.
     pub indices: Vec<u32>,
     /// Tiles that were opened to find them.
     pub opened_tiles: usize,
@@ -40,18 +44,25 @@ pub struct BrightPixels {
 pub fn bright_pixels(summary: &Summary, threshold: f64) -> BrightPixels {
     let threshold = threshold as f32;
     let (height, width) = summary.size;
-    let luminance = &summary.luminance;
-    let is_open = |&((_, _), &maximum): &((usize, usize), &f32)| maximum > threshold;
-    let tiles: Vec<(usize, usize)> =
-        summary.tile_maxima.indexed_iter().filter(is_open).map(|(tile, _)| tile).collect();
-    let bright_in = |&(tile_row, tile_column): &(usize, usize)| {
-        let columns = tile_column * TILE..((tile_column + 1) * TILE).min(width);
-        let rows = tile_row * TILE..((tile_row + 1) * TILE).min(height);
-        let pixels = rows.flat_map(move |row| row * width + columns.start..row * width + columns.end);
-        pixels.filter(|&index| luminance[index] > threshold).map(|index| index as u32)
+    let is_open = |&&maximum: &&f32| maximum > threshold;
+    let bright_in = |(tile_row, maxima): (usize, ArrayView1<'_, f32>)| {
+        let open = maxima.iter().enumerate().filter(|(_, maximum)| is_open(maximum));
+        let open: Vec<_> = open.map(|(tile, _)| tile * TILE..((tile + 1) * TILE).min(width)).collect();
+        let mut bright = Vec::new();
+        for row in tile_row * TILE..((tile_row + 1) * TILE).min(height) {
+            for columns in &open {
+                let pixels = row * width + columns.start..row * width + columns.end;
+                let pixels = pixels.filter(|&index| summary.luminance[index] > threshold);
+                bright.extend(pixels.map(|index| index as u32));
+            }
+        }
+        bright
     };
-    let indices = tiles.par_iter().with_min_len(16).flat_map_iter(bright_in).collect();
-    BrightPixels { indices, opened_tiles: tiles.len() }
+    let tile_rows = summary.tile_maxima.outer_iter().into_par_iter().enumerate();
+    BrightPixels {
+        indices: tile_rows.map(bright_in).collect::<Vec<_>>().concat(),
+        opened_tiles: summary.tile_maxima.iter().filter(is_open).count(),
+    }
 }
 
 /// The pixels of each light, before anything is measured.
@@ -74,29 +85,39 @@ pub fn regions(
 ) -> Regions {
     let luminance = &summary.luminance;
     let level: Vec<f32> = bright.indices.iter().map(|&index| luminance[index as usize]).collect();
-    let (basin, image) = basins(sheet, luminance, bright);
-    let border = border(sheet, luminance, bright, &image);
-    let mut light = absorb(sheet, luminance, &border, &image, &level, options.prominence as f32);
-    let lowest_peak = lowest_peak(&level, threshold.luminance as f32);
-    let mut regions = Regions { pixels: Vec::new(), peaks: Vec::new(), label: image };
-    let mut edges = Vec::new();
-    let mut label_of_peak = vec![0; level.len()];
-    for ((&index, &peak), &level_here) in bright.indices.iter().zip(&basin).zip(&level) {
-        let peak = root(&mut light, peak) as usize;
-        if label_of_peak[peak] == 0 && level[peak] >= lowest_peak {
-            regions.pixels.push(Vec::new());
-            regions.peaks.push(level[peak]);
-            edges.push(threshold.edge(f64::from(level[peak]), options.extent) as f32);
-            label_of_peak[peak] = edges.len() as u32;
-        }
-        let label = label_of_peak[peak];
-        let is_within = label > 0 && level_here >= edges[label as usize - 1];
+    let runs = runs(&bright.indices, summary.size.1);
+    let (basin, image) = basins(sheet, luminance, bright, &runs);
+    let border = border(sheet, luminance, &runs, &image);
+    let light = absorb(sheet, luminance, &border, &image, &level, options.prominence as f32);
+    let (label_of_basin, peaks) = labels(light, &level, &basin, threshold);
+    let edges: Vec<f32> =
+        peaks.iter().map(|&peak| threshold.edge(f64::from(peak), options.extent) as f32).collect();
+    let mut regions = Regions { pixels: vec![Vec::new(); peaks.len()], peaks, label: image };
+    for ((&index, &basin), &level) in bright.indices.iter().zip(&basin).zip(&level) {
+        let label = label_of_basin[basin as usize];
+        let is_within = label > 0 && level >= edges[label as usize - 1];
         regions.label[index as usize] = if is_within { label } else { 0 };
         if label > 0 {
             regions.pixels[label as usize - 1].push(index);
         }
     }
     regions
+}
+
+/// For each peak the label of its light, 0 where that does not rise high enough; and the peaks of the
+/// lights.
+fn labels(mut light: Vec<u32>, level: &[f32], basin: &[u32], threshold: &Threshold) -> (Vec<u32>, Vec<f32>) {
+    let lowest_peak = lowest_peak(level, threshold.luminance as f32);
+    let (mut labels, mut peaks) = (vec![0; level.len()], Vec::new());
+    for peak in (0..level.len()).filter(|&place| basin[place] as usize == place) {
+        let highest = root(&mut light, peak as u32) as usize;
+        if labels[highest] == 0 && level[highest] >= lowest_peak {
+            peaks.push(level[highest]);
+            labels[highest] = peaks.len() as u32;
+        }
+        labels[peak] = labels[highest];
+    }
+    (labels, peaks)
 }
 
 /// The luminance that a light must reach, among the levels of the bright pixels.
@@ -117,17 +138,20 @@ fn height(luminance: &[f32], index: usize) -> u64 {
 
 /// The peak that each bright pixel flows to, as a place among the bright pixels; and the same plus 1 as
 /// an image, 0 where it is dark.
-fn basins(sheet: &Sheet, luminance: &[f32], bright: &BrightPixels) -> (Vec<u32>, Vec<u32>) {
+fn basins(sheet: &Sheet, luminance: &[f32], bright: &BrightPixels, runs: &[Run]) -> (Vec<u32>, Vec<u32>) {
     let mut image = vec![0; luminance.len()];
     for (place, &index) in (0..).zip(&bright.indices) {
         image[index as usize] = place;
     }
-    let uphill = |&index: &u32| {
-        let around = sheet.around(index as usize).map(|index| height(luminance, index));
-        let highest = around.into_iter().fold(height(luminance, index as usize), u64::max);
-        image[!(highest as u32) as usize]
+    let uphill = |runs: &[Run]| {
+        let (mut uphill, mut columns) = (Vec::new(), Vec::new());
+        for run in runs {
+            let highest = sheet.around_each(run, &mut columns, |index| height(luminance, index), u64::max);
+            uphill.extend(highest.map(|highest| image[!(highest as u32) as usize]));
+        }
+        uphill
     };
-    let mut basin: Vec<u32> = bright.indices.par_iter().map(uphill).collect();
+    let mut basin = runs.par_chunks(RUNS_AT_ONCE).map(uphill).collect::<Vec<_>>().concat();
     for place in 0..basin.len() {
         basin[place] = root(&mut basin, place as u32);
         image[bright.indices[place] as usize] = basin[place] + 1;
@@ -136,13 +160,21 @@ fn basins(sheet: &Sheet, luminance: &[f32], bright: &BrightPixels) -> (Vec<u32>,
 }
 
 /// Heights of the pixels that touch another basin than their own, highest first.
-fn border(sheet: &Sheet, luminance: &[f32], bright: &BrightPixels, basin: &[u32]) -> Vec<u64> {
-    let touches_another = |&&index: &&u32| {
-        let mine = basin[index as usize];
-        sheet.around(index as usize).into_iter().any(|other| basin[other] != 0 && basin[other] != mine)
+fn border(sheet: &Sheet, luminance: &[f32], runs: &[Run], basin: &[u32]) -> Vec<u64> {
+    // The first and the last of the basins around: of the dark, 0, the last is below all others, and the
+    // first wraps to above them.
+    let ends = |index: usize| (basin[index].wrapping_sub(1), basin[index]);
+    let wider = |a: (u32, u32), b: (u32, u32)| (a.0.min(b.0), a.1.max(b.1));
+    let on_border = |runs: &[Run]| {
+        let (mut border, mut columns) = (Vec::new(), Vec::new());
+        for run in runs {
+            let around = sheet.around_each(run, &mut columns, ends, wider);
+            let touching = sheet.pixels(run).zip(around).filter(|(_, (first, last))| first + 1 != *last);
+            border.extend(touching.map(|(index, _)| !height(luminance, index)));
+        }
+        border
     };
-    let border = bright.indices.par_iter().filter(touches_another);
-    let mut border: Vec<u64> = border.map(|&index| !height(luminance, index as usize)).collect();
+    let mut border = runs.par_chunks(RUNS_AT_ONCE).map(on_border).collect::<Vec<_>>().concat();
     border.par_sort_unstable();
     border
 }

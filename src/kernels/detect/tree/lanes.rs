@@ -1,19 +1,43 @@
-//! Sums of products, side by side.
+//! Sums in lanes that do not wait for one another.
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
-/// Sum of products, in lanes that do not wait for one another.
+/// Sum of products.
 #[inline(always)]
 pub fn dot<T: Copy + Into<f64>>(values: &[T], weights: &[f64]) -> f64 {
-    let ((values, last_values), (weights, last_weights)) =
-        (values.as_chunks::<4>(), weights.as_chunks::<4>());
-    let mut lanes = [0.0_f64; 4];
+    let (most, values, weights) = in_lanes::<16, T>(values, weights);
+    let (rest, values, weights) = in_lanes::<4, T>(values, weights);
+    let last: f64 = values.iter().zip(weights).map(|(&value, weight)| value.into() * weight).sum();
+    most + rest + last
+}
+
+/// Sum of products in so many lanes, and what is left of both.
+#[inline(always)]
+fn in_lanes<'a, const LANES: usize, T: Copy + Into<f64>>(
+    values: &'a [T],
+    weights: &'a [f64],
+) -> (f64, &'a [T], &'a [f64]) {
+    let (values, last_values) = values.as_chunks::<LANES>();
+    let (weights, last_weights) = weights.as_chunks::<LANES>();
+    let mut lanes = [0.0_f64; LANES];
     for (values, weights) in values.iter().zip(weights) {
         for (lane, (&value, weight)) in lanes.iter_mut().zip(values.iter().zip(weights)) {
             *lane += value.into() * weight;
         }
     }
-    let last: f64 = last_values.iter().zip(last_weights).map(|(&value, weight)| value.into() * weight).sum();
-    lanes.iter().sum::<f64>() + last
+    (total(lanes), last_values, last_weights)
+}
+
+/// One half onto the other, again and again.
+#[inline(always)]
+fn total<const LANES: usize>(mut lanes: [f64; LANES]) -> f64 {
+    let mut half = LANES / 2;
+    while half > 0 {
+        for i in 0..half {
+            lanes[i] += lanes[i + half];
+        }
+        half /= 2;
+    }
+    lanes[0]
 }
 
 #[cfg(test)]
@@ -22,9 +46,9 @@ mod tests {
     use approx::assert_relative_eq;
 
     #[test]
-    fn products_are_summed_to_the_last() {
-        let values: Vec<f32> = (0..11).map(|i| i as f32).collect();
-        let weights: Vec<f64> = (0..11).map(f64::from).collect();
-        assert_relative_eq!(dot(&values, &weights), 385.0);
+    fn all_are_summed_to_the_last() {
+        let values: Vec<f32> = (0..39).map(|i| i as f32).collect();
+        let weights: Vec<f64> = (0..39).map(f64::from).collect();
+        assert_relative_eq!(dot(&values, &weights), 19019.0);
     }
 }

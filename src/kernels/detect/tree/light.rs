@@ -143,12 +143,11 @@ impl Light {
         let is_top = row.luminance.iter().map(|&y| f64::from(y) >= top);
         let pixels = is_top.clone().map(usize::from).sum::<usize>();
         if pixels > 0 {
-            let top: Vec<f64> = is_top
-                .zip(&row.solid_angle)
-                .map(|(is_top, &angle)| if is_top { angle } else { 0.0 })
-                .collect();
+            let flags: Vec<f32> = is_top.map(|is_top| if is_top { 1.0 } else { 0.0 }).collect();
+            let top: Vec<f64> =
+                flags.iter().zip(&row.solid_angle).map(|(&flag, angle)| f64::from(flag) * angle).collect();
             let [top_sin, top_cos] = [columns.sin, columns.cos].map(|of| sin * dot(of, &top));
-            self.top += DVec3::new(top_sin, cos * top.iter().sum::<f64>(), -top_cos);
+            self.top += DVec3::new(top_sin, cos * dot(&flags, &row.solid_angle), -top_cos);
             self.top_pixels += pixels;
         }
     }

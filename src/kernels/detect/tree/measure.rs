@@ -4,12 +4,13 @@
 use std::ops::Range;
 
 use ndarray::ArrayView3;
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 use super::components::Regions;
 use super::covered::{Columns, Covered, luminance};
 use super::light::Light;
+use super::run::{Run, runs};
 use super::summary::Summary;
 use crate::kernels::sphere::{Registration, band_heights};
 
@@ -30,22 +31,6 @@ pub fn measure(
     let map = Map::new(pixels, radiance.dim(), registration, summary.block, &runs);
     let lights = runs.par_iter().zip(backgrounds);
     lights.map(|(runs, &background)| map.measure(runs, background)).collect()
-}
-
-/// Working pixels side by side in one row.
-#[derive(Debug, PartialEq)]
-struct Run {
-    row: usize,
-    columns: Range<usize>,
-}
-
-fn runs(region: &[u32], columns: usize) -> Vec<Run> {
-    let goes_on = |&one: &u32, &other: &u32| other == one + 1 && !(other as usize).is_multiple_of(columns);
-    let run = |run: &[u32]| {
-        let (row, first) = (run[0] as usize / columns, run[0] as usize % columns);
-        Run { row, columns: first..first + run.len() }
-    };
-    region.chunk_by(goes_on).map(run).collect()
 }
 
 /// The map's pixels behind the working image's.
@@ -95,12 +80,7 @@ impl<'a> Map<'a> {
         let parts = runs.par_chunks(RUNS_OF_A_PART);
         let peak = parts.clone().map(|part| self.peak(part)).reduce(|| 0.0, f32::max);
         let background = background as f32;
-        let sum = |part| {
-            self.widest.dispatch(
-                #[inline(always)]
-                || self.sum(part, peak, background),
-            )
-        };
+        let sum = |part| self.widest.dispatch(Sum { map: self, part, peak, background });
         let lights: Vec<Light> = parts.map(sum).collect();
         lights.iter().fold(Light::of_peak(peak), |sum, part| sum.and(part))
     }
@@ -110,24 +90,37 @@ impl<'a> Map<'a> {
         pixels.fold(0.0, |peak, &pixel| peak.max(luminance(pixel)))
     }
 
-    #[inline(always)]
-    fn sum(&self, part: &[Run], peak: f32, background: f32) -> Light {
-        let mut light = Light::of_peak(peak);
-        let mut covered = Covered::default();
-        for (row, columns, pixels) in part.iter().flat_map(|run| self.rows_of(run)) {
-            let [sin, cos, band] = self.rows[row];
-            let columns = self.columns.at(columns);
-            covered.refill(pixels, columns.width, band, peak, background);
-            light.add(&covered, &columns, [sin, cos]);
-        }
-        light
-    }
-
     /// Rows of the map's pixels behind a run, each with its number and its columns.
     fn rows_of(&self, run: &Run) -> impl Iterator<Item = (usize, Range<usize>, &[[f32; 3]])> {
         let columns = within(run.columns.clone(), self.block, self.width);
         let rows = within(run.row..run.row + 1, self.block, self.rows.len());
         rows.map(move |row| (row, columns.clone(), &self.pixels[row * self.width..][columns.clone()]))
+    }
+}
+
+/// The sums over `part` of a light.
+struct Sum<'a> {
+    map: &'a Map<'a>,
+    part: &'a [Run],
+    peak: f32,
+    background: f32,
+}
+
+impl WithSimd for Sum<'_> {
+    type Output = Light;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Light {
+        let Self { map, part, peak, background } = self;
+        let mut light = Light::of_peak(peak);
+        let mut covered = Covered::default();
+        for (row, columns, pixels) in part.iter().flat_map(|run| map.rows_of(run)) {
+            let [sin, cos, band] = map.rows[row];
+            let columns = map.columns.at(columns);
+            covered.refill(pixels, columns.width, band, peak, background);
+            light.add(&covered, &columns, [sin, cos]);
+        }
+        light
     }
 }
 
@@ -139,14 +132,6 @@ fn within(working: Range<usize>, block: usize, size: usize) -> Range<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_run_ends_at_a_gap_and_with_its_row() {
-        let run = |row, columns| Run { row, columns };
-        let seen = runs(&[3, 4, 5, 7, 14, 15, 16, 40, 39], 16);
-        let wanted = [run(0, 3..6), run(0, 7..8), run(0, 14..16), run(1, 0..1), run(2, 8..9), run(2, 7..8)];
-        assert_eq!(seen, wanted);
-    }
 
     #[test]
     fn behind_the_last_working_pixel_there_may_be_fewer_of_the_map() {

@@ -24,6 +24,7 @@ mod lanes;
 mod light;
 mod measure;
 mod outline;
+mod run;
 mod summary;
 mod surroundings;
 mod threshold;

@@ -1,5 +1,9 @@
 //! How the pixels of an equirectangular image touch on the sphere.
 
+use std::iter::once;
+use std::ops::Range;
+
+use super::run::Run;
 use super::summary::Summary;
 
 /// Eight neighbours, columns that meet again behind the seam, and rows at the poles whose pixels all
@@ -31,6 +35,12 @@ impl Sheet {
         (row, index - row * self.width)
     }
 
+    /// The pixels of a run.
+    pub fn pixels(&self, run: &Run) -> Range<usize> {
+        let first = run.row * self.width;
+        first + run.columns.start..first + run.columns.end
+    }
+
     /// The pixels that touch one; itself where there is none.
     pub fn around(&self, index: usize) -> [usize; 9] {
         let (row, column) = self.place(index);
@@ -48,6 +58,28 @@ impl Sheet {
             down + right,
             hub,
         ]
+    }
+
+    /// What `value` gives for each pixel of a `run` and for all that touch it, joined: first down each of
+    /// the `columns`, a place to work in, then across three of them.
+    pub fn around_each<'a, T: Copy>(
+        &self,
+        run: &Run,
+        columns: &'a mut Vec<T>,
+        value: impl Fn(usize) -> T,
+        join: impl Fn(T, T) -> T + 'a,
+    ) -> impl Iterator<Item = T> + 'a {
+        let (up, row, down) = self.rows(run.row);
+        let [left, ..] = self.columns(run.columns.start);
+        let [.., right] = self.columns(run.columns.end - 1);
+        let in_column = |column| join(value(row + column), join(value(up + column), value(down + column)));
+        columns.clear();
+        columns.extend(once(left).chain(run.columns.clone()).chain(once(right)).map(in_column));
+        let hub = (up == row || down == row).then(|| value(self.hub(row, run.row)));
+        columns.windows(3).map(move |three| {
+            let joined = join(three[1], join(three[0], three[2]));
+            hub.map_or(joined, |hub| join(joined, hub))
+        })
     }
 
     /// The pixels on the left, on the right, above and below; itself beyond the first and last row.
@@ -109,6 +141,22 @@ mod tests {
             let (sheet, pixel) = (sheet(), row * 16 + column);
             for other in sheet.around(pixel).into_iter().filter(|other| (16..112).contains(other)) {
                 prop_assert!(sheet.around(other).contains(&pixel), "{pixel} {other}");
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn around_each_are_those_around_and_itself(row in 0_usize..8, start in 0_usize..16, length in 1_usize..=16) {
+            let sheet = sheet();
+            let run = Run { row, columns: start..(start + length).min(16) };
+            let pixels = run.columns.clone().map(|column| row * 16 + column);
+            let bit = |pixel: usize| 1_u128 << pixel;
+            let mut columns = Vec::new();
+            let seen = sheet.around_each(&run, &mut columns, bit, |a, b| a | b);
+            for (pixel, seen) in pixels.zip(seen) {
+                let wanted = sheet.around(pixel).into_iter().fold(bit(pixel), |all, other| all | bit(other));
+                prop_assert_eq!(seen, wanted);
             }
         }
     }
