@@ -9,7 +9,8 @@
 //! | all sums over the normals                     | `moments.rs`               |
 //! | best radiances, none negative                 | `radiances.rs`, `nnls.rs`  |
 //! | best directions near given ones               | `solver.rs`, `quadratic.rs`|
-//! | best set of lights                            | `search.rs`, `moves.rs`    |
+//! | best set of lights                            | `search.rs`, `moves.rs`,   |
+//! |                                               | `spread.rs`                |
 //! | what one more light would explain             | `candidates.rs`            |
 //! | how well the probe determines them            | `uncertainty.rs`           |
 
@@ -25,6 +26,7 @@ mod radiances;
 mod samples;
 mod search;
 mod solver;
+mod spread;
 mod uncertainty;
 
 pub use ambient::Ambient;

@@ -1,8 +1,10 @@
 //! The search for the best set of lights, among the many that no small step improves.
 //!
 //! [`Search::best`] is the whole story. From one light less, and from lights spread evenly, several
-//! tries each exchange lights until no exchange pays; the best of them is then tried with one light
-//! more, of which it gives up another one, until that does not pay either.
+//! tries each exchange lights until no exchange pays; the lights of the best are then nudged to the
+//! lowest of the small valleys around them.
+
+use std::ops::RangeInclusive;
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -10,28 +12,33 @@ use rayon::prelude::*;
 use super::candidates::Candidates;
 use super::moves::{self, Move};
 use super::solver::{Problem, State};
+use super::{StopReason, spread};
 use crate::error::Result;
-use crate::kernels::sampling;
 
 // The numbers below were chosen on 30 random maps with 1 to 8 lights, with and without an ambient
 // term, against the best of 100 random starts that go downhill in the same steps.
 
 /// Relative fall of the cost in one step at which a try has shown what it is worth.
 const ROUGH: f64 = 1e-2;
+/// The same of a nudge: the small valleys differ by little.
+const CLOSE: f64 = 1e-3;
 /// Relative fall of the cost in one step at which an answer is final.
 pub const FINE: f64 = 1e-9;
-/// Relative fall of the cost for which lights are moved.
-const WORTHWHILE: f64 = 2e-3;
+/// Relative fall of the cost for which lights are exchanged, and nudged once more.
+const WORTH_AN_EXCHANGE: f64 = 2e-3;
+const WORTH_A_NUDGE: f64 = 1e-7;
 /// Places where a further light starts, and exchanges that are tried together.
 const ADDED: usize = 2;
 const EXCHANGED: usize = 8;
 /// Moves that are still in the race after a look at their cost.
 const RACING: usize = 12;
-/// Even starts that race for one try.
-const EVEN: usize = 2;
+/// Lights that a try from an even start has to spare.
+const SPARE: usize = 1;
 /// Tries from even starts at most, and how many lights they have together at most.
-const MOST_TRIES: usize = 12;
+const MOST_TRIES: usize = 6;
 const MOST_TRIED_LIGHTS: usize = 96;
+/// Nudges that are tried together, at least and at most.
+const NUDGES: RangeInclusive<usize> = 8..=16;
 
 /// The search for the best lights for one probe.
 #[derive(Debug)]
@@ -64,25 +71,24 @@ impl<'a> Search<'a> {
     pub fn best(&self, last: &State) -> Result<Option<State>> {
         let Some(grown) = self.more(last) else { return Ok(None) };
         let lights = grown.lights();
-        let (tries, grown) = rayon::join(|| self.even_tries(lights), || self.exchanged(grown));
-        let best = tries?.into_iter().chain([grown]).min_by(by_cost);
-        let best = best.map(|best| self.overshot(best).descend(&self.problem, FINE));
+        let starts = spread::even(tries(lights - self.problem.held), lights + SPARE - self.problem.held)?;
+        let tries = || starts.par_iter().filter_map(|start| self.tried(start)).collect::<Vec<_>>();
+        let (tries, grown) = rayon::join(tries, || self.exchanged(grown));
+        let best = tries.into_iter().chain([grown]).min_by(by_cost);
+        let best = best.map(|best| self.nudged(best.descend(&self.problem, FINE))).transpose()?;
         Ok(best.filter(|best| best.cost < last.cost))
     }
 
-    /// Tries that begin with lights spread evenly, each try elsewhere.
-    fn even_tries(&self, lights: usize) -> Result<Vec<State>> {
-        let Problem { probe, start, held, .. } = self.problem;
-        let free = lights - held;
-        let points = sampling::halton(tries(free) * EVEN * free, &[2, 3])?;
-        let points = sampling::uniform_sphere(points.view())?;
-        let points: Vec<DVec3> = points.rows().into_iter().map(|p| DVec3::new(p[0], p[1], p[2])).collect();
-        let start = |points: &[DVec3]| State::new(probe, &[&start[..held], points].concat());
-        let tries = points.par_chunks(EVEN * free).filter_map(|points| {
-            let field = points.chunks(free).map(start).collect();
-            Some(self.exchanged(self.race(field, 3)?))
-        });
-        Ok(tries.collect())
+    /// What a start with lights to spare leads to without those that are needed least.
+    fn tried(&self, start: &[DVec3]) -> Option<State> {
+        let Problem { probe, start: given, held, .. } = self.problem;
+        let lights = held + start.len() - SPARE;
+        let mut state = State::new(probe, &[&given[..held], start].concat());
+        state = state.descend(&self.problem, ROUGH).resumed();
+        while state.lights() > lights {
+            state = self.best_move(&state, &moves::reduced(&state, held))?;
+        }
+        Some(self.exchanged(state))
     }
 
     /// Lights taken out and put elsewhere, while that pays.
@@ -97,18 +103,29 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// One light more and then one less, while that pays.
-    fn overshot(&self, mut best: State) -> State {
-        loop {
-            let less = self.more(&best).and_then(|more| {
-                let moves = moves::reduced(&more, self.problem.held);
-                self.best_move(&more, &moves)
-            });
-            match less {
-                Some(next) if is_better(&next, &best) => best = self.exchanged(next),
-                _ => return best,
+    /// All lights turned a little and downhill again, while that pays.
+    fn nudged(&self, mut best: State) -> Result<State> {
+        for round in 0.. {
+            match self.nudge(&best, round)? {
+                Some(next) if next.cost < best.cost * (1.0 - WORTH_A_NUDGE) => best = next,
+                _ => break,
             }
         }
+        Ok(best)
+    }
+
+    /// The lowest place that a nudge of all lights leads to, unless nothing is left to explain.
+    fn nudge(&self, best: &State, round: usize) -> Result<Option<State>> {
+        if best.stop == Some(StopReason::Exact) {
+            return Ok(None);
+        }
+        let Problem { probe, held, .. } = self.problem;
+        let count = (2 * (best.lights() - held)).clamp(*NUDGES.start(), *NUDGES.end());
+        let settled = spread::nudges(best, held, count, round)?
+            .into_par_iter()
+            .map(|directions| best.turned_to(probe, directions).descend(&self.problem, CLOSE).resumed());
+        let lowest = settled.collect::<Vec<_>>().into_iter().min_by(by_cost);
+        Ok(lowest.map(|lowest| lowest.descend(&self.problem, FINE)))
     }
 
     /// One light more, where it helps most: added, or by splitting one.
@@ -123,15 +140,13 @@ impl<'a> Search<'a> {
         let mut field: Vec<State> = moves.par_iter().map(|one| one.from(self.problem.probe, from)).collect();
         field.sort_by(by_cost);
         field.truncate(RACING);
-        self.race(field, 1)
+        self.race(field)
     }
 
-    /// The best of a `field` that goes downhill side by side: after so many `steps` each, the worse
-    /// half is out.
-    fn race(&self, mut field: Vec<State>, steps: usize) -> Option<State> {
-        let run = |state: State| (0..steps).fold(state, |state, _| state.step(&self.problem, ROUGH));
+    /// The best of a `field` that goes downhill side by side: after each step the worse half is out.
+    fn race(&self, mut field: Vec<State>) -> Option<State> {
         while field.len() > 1 {
-            field = field.into_par_iter().map(run).collect();
+            field = field.into_par_iter().map(|state| state.step(&self.problem, ROUGH)).collect();
             field.sort_by(by_cost);
             field.truncate(field.len().div_ceil(2));
         }
@@ -139,13 +154,13 @@ impl<'a> Search<'a> {
     }
 }
 
-/// How many even starts so many free lights are worth: two are found by exchanges alone.
+/// How many even starts so many free lights are worth.
 fn tries(lights: usize) -> usize {
-    if lights < 3 { 0 } else { (4 * ((lights - 1) / 2)).min(MOST_TRIES).min(MOST_TRIED_LIGHTS / lights) }
+    lights.min(MOST_TRIES).min(MOST_TRIED_LIGHTS / lights).max(1)
 }
 
 fn is_better(next: &State, best: &State) -> bool {
-    next.cost < best.cost * (1.0 - WORTHWHILE)
+    next.cost < best.cost * (1.0 - WORTH_AN_EXCHANGE)
 }
 
 fn by_cost(a: &State, b: &State) -> std::cmp::Ordering {

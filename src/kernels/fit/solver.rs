@@ -86,6 +86,11 @@ impl State {
         state
     }
 
+    /// The lights of `state` in other `directions`.
+    pub fn turned_to(&self, probe: &Probe, directions: Vec<DVec3>) -> Self {
+        Self::at(probe, self.moments.turned(probe, directions), self.steps)
+    }
+
     /// How many lights there are.
     pub fn lights(&self) -> usize {
         self.moments.directions.len()
