@@ -133,6 +133,21 @@ def test_from_a_degree_beside_the_answer_no_peer_ends_lower(peer):
     assert max(ratios) <= 1.001
 
 
+def test_from_even_starts_no_peer_ends_lower_than_the_search():
+    """Many small valleys lie around the best: the search must not stop in any of them."""
+    ratios = {}
+    for name, irradiance in some_probes().items():
+        for problem in problems(irradiance, range(1, 7)):
+            even = kernels.hammersley(problem.lights) + np.array([0.5 / problem.lights, 0])
+            start = ours(problem, fixed=kernels.uniform_sphere(even))
+            theirs = PEERS["bounded"](problem, problem.unknowns(start))
+            case = f"{name}, {problem.lights} lights, ambient {problem.ambient}"
+            ratios[case] = ratio(ours(problem).error ** 2, problem.share(theirs))
+    worst = max(ratios, key=ratios.get)
+    assert ratios[worst] <= 1.02, f"{worst}: {ratios[worst]}"
+    assert np.mean(np.array(list(ratios.values())) <= 1 + 1e-6) >= 0.99, ratios
+
+
 def test_the_search_ends_where_the_best_of_random_starts_does():
     ratios = {}
     for name, irradiance in some_probes().items():
