@@ -21,9 +21,11 @@
 //!
 //! turned into the frames (l, s, t). A light that turns by a small step gains and loses few normals:
 //! only these are added and subtracted.
+#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
 use glam::{DMat3, DVec3};
 use nalgebra::DMatrix;
+use pulp::{Simd, WithSimd};
 
 use super::probe::Probe;
 use crate::kernels::sphere::tangents;
@@ -175,12 +177,10 @@ impl Sums {
     /// Add and subtract the normals that see a light from `directions` and did not, or no longer do.
     fn turn(&mut self, probe: &Probe, directions: &[DVec3]) {
         let (words, sides) = (words(probe), 3 * probe.sides());
-        let mut seen = Vec::with_capacity(directions.len() * words);
-        for (j, &direction) in directions.iter().enumerate() {
-            if self.directions.get(j) == Some(&direction) {
-                seen.extend_from_slice(&self.visible[j * words..(j + 1) * words]);
-            } else {
-                seen.extend(visible(probe, direction));
+        let mut seen = self.visible.clone();
+        for (j, (&direction, seen)) in directions.iter().zip(seen.chunks_mut(words)).enumerate() {
+            if self.directions.get(j) != Some(&direction) {
+                probe.widest.dispatch(Visible { probe, direction, seen });
             }
         }
         for j in 0..directions.len() {
@@ -225,14 +225,28 @@ const BITS: [u64; 64] = {
 /// as those of an icosphere do, rounding must not decide to which side of it they belong.
 const TERMINATOR: f64 = 1e-12;
 
-/// The normals that see a light in `direction`, as bits.
-fn visible(probe: &Probe, direction: DVec3) -> impl Iterator<Item = u64> {
-    let [x, y, z] = [0, 1, 2].map(|axis| probe.axes[axis].chunks(64));
-    x.zip(y).zip(z).map(move |((x, y), z)| {
-        let along = x.iter().zip(y).zip(z);
-        let along = along.map(|((x, y), z)| x * direction.x + y * direction.y + z * direction.z);
-        along.zip(BITS).fold(0, |word, (along, bit)| word | if along > TERMINATOR { bit } else { 0 })
-    })
+/// Sets the bits of `seen` to the normals that see a light in `direction`.
+struct Visible<'a> {
+    probe: &'a Probe,
+    direction: DVec3,
+    seen: &'a mut [u64],
+}
+
+impl WithSimd for Visible<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { probe, direction, seen } = self;
+        let [x, y, z] = [0, 1, 2].map(|axis| probe.axes[axis].chunks(64));
+        for (word, ((x, y), z)) in seen.iter_mut().zip(x.zip(y).zip(z)) {
+            *word = 0;
+            for (((x, y), z), bit) in x.iter().zip(y).zip(z).zip(BITS) {
+                let along = x * direction.x + y * direction.y + z * direction.z;
+                *word |= if along > TERMINATOR { bit } else { 0 };
+            }
+        }
+    }
 }
 
 /// The normals in which two sets differ: +1 for those that came, -1 for those that went.

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use nalgebra::DMatrix;
+use pulp::Arch;
 
 use super::Samples;
 use super::ambient::Ambient;
@@ -23,6 +24,8 @@ pub struct Probe {
     pub(super) lit: Vec<f64>,
     /// Weighted inner products of the ambient columns with each of [`Self::sides`].
     pub(super) ambient_gram: DMatrix<f64>,
+    /// Vectors as wide as this processor has.
+    pub(super) widest: Arch,
 }
 
 impl Probe {
@@ -34,7 +37,8 @@ impl Probe {
         let (channels, like) = distinct(&samples.irradiance);
         let columns = ambient.coefficients();
         let ambient_gram = DMatrix::zeros(columns, columns + channels.len());
-        let mut probe = Self { samples, ambient, channels, like, axes, outer, lit: Vec::new(), ambient_gram };
+        let (lit, widest) = (Vec::new(), Arch::new());
+        let mut probe = Self { samples, ambient, channels, like, axes, outer, lit, ambient_gram, widest };
         probe.sum_sides();
         probe
     }
