@@ -45,8 +45,8 @@ def fit(
 
     A white Lambertian probe is rendered under the map at 320 normals. Variable projection with
     non-negative radiances then finds the lights: downhill from where each explains most of what is
-    left, from even starts, and again with lights exchanged while that pays. The error is measured
-    at 5120 other normals.
+    left, from even starts, again with lights exchanged while that pays, and at last from places a
+    little aside. The error is measured at 5120 other normals.
 
     Parameters
     ----------
