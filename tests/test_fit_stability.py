@@ -5,6 +5,7 @@ import pytest
 
 import envlights as el
 from tests import worst_cases
+from tests.conftest import real_maps
 from tests.worst_cases import NORMALS, SOLID_ANGLES
 
 CASES = worst_cases.cases()
@@ -54,6 +55,17 @@ def test_a_map_of_any_scale_has_the_same_lights(scale):
     # The samples are float32, so they are rounded anew: 6e-8 of each.
     np.testing.assert_allclose(scaled.lights.direction, one.lights.direction, atol=1e-5)
     np.testing.assert_allclose(scaled.lights.irradiance / scale, one.lights.irradiance, rtol=1e-5)
+
+
+@real_maps("hdr/*.hdr")
+def test_a_probe_of_any_scale_has_the_same_eight_lights(path):
+    """What ties or nearly ties on the way must not be left to rounding."""
+    irradiance = el.EnvMap.open(path).probe(NORMALS)
+    one = el.fit_probe(NORMALS, irradiance, 8, weights=SOLID_ANGLES)
+    for scale in (1e-6, 1e9):
+        scaled = el.fit_probe(NORMALS, irradiance * scale, 8, weights=SOLID_ANGLES)
+        np.testing.assert_allclose(scaled.lights.direction, one.lights.direction, atol=1e-7)
+        np.testing.assert_allclose(scaled.error, one.error, rtol=1e-9)
 
 
 def test_22_stops_apart_each_light_comes_back():

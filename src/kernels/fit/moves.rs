@@ -88,7 +88,9 @@ pub fn reduced(state: &State, held: usize) -> Vec<Move> {
     for j in held..directions.len() {
         for k in held..j {
             let middle = directions[j] * power(j) + directions[k] * power(k);
-            if directions[j].dot(directions[k]) > NEAR && middle.length() > 0.0 {
+            // To merge a black light would be to take it out, in another order.
+            let are_lit = power(j) > 0.0 && power(k) > 0.0;
+            if are_lit && directions[j].dot(directions[k]) > NEAR {
                 moves.push(Move::new([k, j], [middle.normalize()]));
             }
         }

@@ -26,7 +26,7 @@ const CLOSE: f64 = 1e-3;
 pub const FINE: f64 = 1e-9;
 /// Relative fall of the cost for which lights are exchanged, and nudged once more.
 const WORTH_AN_EXCHANGE: f64 = 2e-3;
-const WORTH_A_NUDGE: f64 = 1e-7;
+const WORTH_A_NUDGE: f64 = 1e-6;
 /// Places where a further light starts, and exchanges that are tried together.
 const ADDED: usize = 2;
 const EXCHANGED: usize = 8;
