@@ -26,8 +26,7 @@ def tables():
 def beside_peers(irradiance, lights):
     """Even starts with the best radiances for them; each peer stops where it does by default."""
     problem = peers.Problem(probes.NORMALS, probes.SOLID_ANGLES, irradiance, lights)
-    at = (kernels.hammersley(lights) + np.array([0.5 / lights, 0])) % 1
-    directions = kernels.uniform_sphere(at)
+    directions = peers.even(lights)
     start = problem.unknowns(peers.ours(problem, fixed=directions))
     with peers.jax_in_float64():
         jaxopt = peers.compiled_jaxopt(problem, start, tolerance=1e-8)

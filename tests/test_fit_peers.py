@@ -9,7 +9,7 @@ import envlights as el
 from envlights import kernels
 from tests.conftest import EQUIRECTANGULAR, paths_of_real_maps, real_maps
 from tests.twins import closed_form
-from tests.twins.peers import PEERS, Problem, ours, ours_from
+from tests.twins.peers import PEERS, Problem, even, ours, ours_from
 
 NORMALS, SOLID_ANGLES = kernels.icosphere(320)
 AMBIENTS = ("constant", "none")
@@ -138,8 +138,7 @@ def test_from_even_starts_no_peer_ends_lower_than_the_search():
     ratios = {}
     for name, irradiance in some_probes().items():
         for problem in problems(irradiance, range(1, 7)):
-            even = kernels.hammersley(problem.lights) + np.array([0.5 / problem.lights, 0])
-            start = ours(problem, fixed=kernels.uniform_sphere(even))
+            start = ours(problem, fixed=even(problem.lights))
             theirs = PEERS["bounded"](problem, problem.unknowns(start))
             case = f"{name}, {problem.lights} lights, ambient {problem.ambient}"
             ratios[case] = ratio(ours(problem).error ** 2, problem.share(theirs))

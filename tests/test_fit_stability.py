@@ -42,6 +42,7 @@ def test_scale_changes_the_units_and_nothing_else(case, scale):
     assert np.abs(difference).max() < 1e-12 * brightest
     if case == "opposite lights":
         # One pair may lean towards a light of the other, which gives way: any lean looks alike.
+        assert one.report.condition == scaled.report.condition == np.inf
         return
     np.testing.assert_allclose(scaled.lights.direction, one.lights.direction, atol=1e-7)
     difference = scaled.lights.irradiance / scale - one.lights.irradiance
@@ -86,15 +87,10 @@ def test_lights_closer_than_the_probe_can_tell_are_one(lights):
 
 
 def test_opposite_lights_are_explained():
-    """Not uniquely: one pair may lean towards a light of the other, which gives way.
-
-    It may lean until a light comes to the horizon of a normal, which does not see it there: to the
-    derivatives a lean that far is the only one.
-    """
+    """Not uniquely: opposite pairs and the ambient term make up for one another."""
     rig = fitted(CASES["opposite lights"])
     assert rig.error < 1e-8
-    at_a_horizon = np.abs(NORMALS @ rig.lights.direction[-2:].T) < 1e-9
-    assert rig.report.condition == np.inf or at_a_horizon.any()
+    assert rig.report.condition == np.inf
 
 
 def test_lights_at_the_poles_come_back():

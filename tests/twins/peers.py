@@ -134,6 +134,11 @@ PEERS = {
 }
 
 
+def even(lights):
+    """The paper's start: directions spread evenly, none of them a pole."""
+    return kernels.uniform_sphere(kernels.hammersley(lights) + np.array([0.5 / lights, 0]))
+
+
 def ours(problem, **options):
     """Our own answer."""
     given = problem.normals, problem.irradiance, problem.lights

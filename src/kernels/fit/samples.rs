@@ -38,8 +38,22 @@ impl Samples {
         let normals = check_weighted(normals, ("irradiance", irradiance), weights)?;
         let irradiance = irradiance.rows().into_iter().map(|row| DVec3::new(row[0], row[1], row[2]));
         let irradiance: Vec<DVec3> = irradiance.collect();
-        let energy = irradiance.iter().zip(weights).map(|(e, w)| w * e.length_squared()).sum();
-        Ok(Self { normals, weights: weights.to_vec(), irradiance, energy })
+        Ok(Self::of(normals, weights.to_vec(), irradiance))
+    }
+
+    fn of(normals: Vec<DVec3>, weights: Vec<f64>, irradiance: Vec<DVec3>) -> Self {
+        let energy = irradiance.iter().zip(&weights).map(|(e, w)| w * e.length_squared()).sum();
+        Self { normals, weights, irradiance, energy }
+    }
+
+    /// Those at the normals that `are_kept`; none where all are.
+    pub fn only(&self, are_kept: impl Fn(DVec3) -> bool) -> Option<Self> {
+        let kept: Vec<usize> = (0..self.normals.len()).filter(|&i| are_kept(self.normals[i])).collect();
+        (kept.len() < self.normals.len()).then(|| {
+            let normals = kept.iter().map(|&i| self.normals[i]).collect();
+            let weights = kept.iter().map(|&i| self.weights[i]).collect();
+            Self::of(normals, weights, kept.iter().map(|&i| self.irradiance[i]).collect())
+        })
     }
 
     /// Weighted sum of squares of what `rig` leaves unexplained.

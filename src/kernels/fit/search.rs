@@ -72,8 +72,8 @@ impl<'a> Search<'a> {
     /// The best lights, one more than `last` has, where that helps.
     pub fn best(&self, last: &State) -> Result<Option<State>> {
         let Some(grown) = self.more(last) else { return Ok(None) };
-        let lights = grown.lights();
-        let starts = spread::even(tries(lights - self.problem.held), lights + SPARE - self.problem.held)?;
+        let free = grown.lights() - self.problem.held;
+        let starts = spread::even(tries(free), free + SPARE)?;
         let tries = || starts.par_iter().filter_map(|start| self.tried(start)).collect::<Vec<_>>();
         let (tries, grown) = rayon::join(tries, || self.exchanged(grown));
         let best = tries.into_iter().chain([grown]).min_by(by_cost);

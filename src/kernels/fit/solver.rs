@@ -86,7 +86,7 @@ impl State {
         state
     }
 
-    /// The lights of `state` in other `directions`.
+    /// The same lights in other `directions`, with the best radiances for these.
     pub fn turned_to(&self, probe: &Probe, directions: Vec<DVec3>) -> Self {
         Self::at(probe, self.moments.turned(probe, directions), self.steps)
     }
@@ -171,10 +171,9 @@ impl State {
             if near.fall(&step) <= 0.1 * still * self.cost {
                 break;
             }
-            let moments = self.moments.turned(problem.probe, self.turned(problem, &step));
-            let next = Self::at(problem.probe, moments, self.steps + 1);
+            let next = self.turned_to(problem.probe, self.directions_after(problem, &step));
             if next.cost < self.cost {
-                return Some(Self { damping: (damping * 0.1).max(1e-12), ..next });
+                return Some(Self { damping: (damping * 0.1).max(1e-12), steps: self.steps + 1, ..next });
             }
             if creases.is_empty()
                 && let Some(creases) = self.creases_before(problem, &next)
@@ -201,7 +200,7 @@ impl State {
     }
 
     /// Every direction turned by its part of `step`.
-    fn turned(&self, problem: &Problem<'_>, step: &DVector<f64>) -> Vec<DVec3> {
+    fn directions_after(&self, problem: &Problem<'_>, step: &DVector<f64>) -> Vec<DVec3> {
         let mut directions = self.moments.directions.clone();
         for (i, light) in (problem.held..directions.len()).enumerate() {
             let [s, t] = self.moments.tangents[light];

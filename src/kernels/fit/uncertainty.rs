@@ -7,8 +7,10 @@
 //!   covariance = (J^T W J)^-1 r^T W r / (n - unknowns)
 //! ```
 //!
-//! A value held at zero is no unknown.
+//! A value held at zero is no unknown. A normal on the horizon of a light is no evidence: its derivatives
+//! differ from side to side, and what is left of J is the same from both.
 
+use glam::DVec3;
 use nalgebra::{DMatrix, DVector};
 
 use super::Rig;
@@ -36,6 +38,17 @@ struct Unknown {
 
 /// Of the lights of `rig`, of which the first `held` keep their directions.
 pub fn uncertainty(probe: &Probe, rig: &Rig, held: usize) -> Uncertainty {
+    /// Cosine of the angle between a light and a normal on its horizon, at most: a light that follows a
+    /// crease stands within rounding of it.
+    const HORIZON: f64 = 1e-9;
+    let is_evidence = |normal: DVec3| rig.directions.iter().all(|l| l.dot(normal).abs() > HORIZON);
+    match probe.samples.only(is_evidence) {
+        Some(clear) => of_evidence(&Probe::new(clear, probe.ambient), rig, held),
+        None => of_evidence(probe, rig, held),
+    }
+}
+
+fn of_evidence(probe: &Probe, rig: &Rig, held: usize) -> Uncertainty {
     let moments = Moments::new(probe, &rig.directions);
     let unknowns = unknowns(probe, &moments, rig, held);
     let normal = DMatrix::from_fn(unknowns.len(), unknowns.len(), |i, j| {

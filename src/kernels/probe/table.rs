@@ -12,12 +12,13 @@
 //! Look-ups cost less than two thirds of those of `band.rs`, where they outnumber the cells.
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use glam::{DVec3, Vec4};
 use ndarray::{Array2, Axis};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
+use wide::f32x8;
 
 use super::horizon::{Normal, Slice, Steps, cut};
 use crate::kernels::image::{Grid, WorkingMap};
@@ -25,6 +26,8 @@ use crate::kernels::sphere;
 
 /// Rows of the map that one task sums.
 const ROWS_OF_A_RUN: usize = 8;
+/// Normals whose half-widths are taken side by side.
+const LANES: usize = 8;
 
 /// Integrals of L cos phi, L sin phi and L from the seam, for three channels.
 type Flux = [Vec4; 3];
@@ -172,38 +175,17 @@ impl WithSimd for LookUps<'_, '_> {
         let Self { table, slice, normals, sums } = self;
         // All before the first look-up, which then need not wait for its own.
         table.half_widths.resize(normals.len(), 0.0);
-        for (half_width, normal) in table.half_widths.iter_mut().zip(normals) {
-            *half_width = acos((normal.cosine(&slice) as f32).clamp(-1.0, 1.0));
+        for (half_widths, normals) in table.half_widths.chunks_mut(LANES).zip(normals.chunks(LANES)) {
+            let mut cosines = [0.0; LANES];
+            for (cosine, normal) in cosines.iter_mut().zip(normals) {
+                *cosine = (normal.cosine(&slice) as f32).clamp(-1.0, 1.0);
+            }
+            half_widths.copy_from_slice(&f32x8::from(cosines).acos().as_array()[..normals.len()]);
         }
         for ((sum, normal), &half_width) in sums.iter_mut().zip(normals).zip(&table.half_widths) {
             *sum += table.seen_by(normal, half_width, &slice);
         }
     }
-}
-
-/// Arc cosine to 2e-8 (Abramowitz and Stegun 1964, equation 4.4.46), which the library's is, but not in
-/// lanes:
-///
-/// ```text
-///   acos x = sqrt(1 - x) (a_0 + a_1 x + .. + a_7 x^7)      acos(-x) = pi - acos x      0 <= x <= 1
-/// ```
-#[inline(always)]
-fn acos(x: f32) -> f32 {
-    #[allow(clippy::excessive_precision, reason = "as printed")]
-    const A: [f32; 8] = [
-        1.570_796_305,
-        -0.214_598_801_6,
-        0.088_978_987_4,
-        -0.050_174_304_6,
-        0.030_891_881,
-        -0.017_088_125_6,
-        0.006_670_090_1,
-        -0.001_262_491_1,
-    ];
-    let side = x.abs();
-    let sum = A.iter().rev().fold(0.0, |sum, a| sum * side + a);
-    let angle = (1.0 - side).sqrt() * sum;
-    if x < 0.0 { PI as f32 - angle } else { angle }
 }
 
 fn single(flux: DVec3) -> Vec4 {
@@ -218,14 +200,6 @@ mod tests {
     use crate::kernels::sphere::Registration;
     use crate::kernels::{fit, image};
     use ndarray::Array3;
-
-    #[test]
-    fn the_arc_cosine_is_the_library_s() {
-        for i in -1000..=1000 {
-            let x = i as f32 / 1000.0;
-            assert!((f64::from(acos(x)) - f64::from(x).acos()).abs() < 5e-7, "{x}");
-        }
-    }
 
     /// Against the exact look-ups on the same cells.
     #[test]
