@@ -78,15 +78,16 @@ class TreeDetection:
 @final
 class FitAnswer:
     lights: int
-    ambient: _Reals
-    directions: _Reals
-    irradiance: _Reals
-    condition: float
-    direction_errors: list[float]
-    irradiance_errors: list[list[float]]
     error: float
     steps: int
     stop: str
+    @property
+    def ambient(self) -> _Reals: ...
+    @property
+    def directions(self) -> _Reals: ...
+    @property
+    def irradiance(self) -> _Reals: ...
+    def uncertainty(self) -> tuple[float, list[float], list[list[float]]]: ...
 
 def blur(image: _Image, sigma: float) -> _Image: ...
 def bresenham_line(start: list[int], end: list[int]) -> _Indices: ...

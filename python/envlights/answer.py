@@ -24,30 +24,28 @@ NO_GAIN = 1e-3
 class Answer(NamedTuple):
     """An answer of the kernel in the units of the probe, its lights brightest first."""
 
-    lights: int
     ambient: NDArray[np.float64]
     direction: NDArray[np.float64]
     irradiance: NDArray[np.float64]
     condition: float
     direction_errors: NDArray[np.float64]
     irradiance_errors: NDArray[np.float64]
-    error: float
     steps: int
     stop: str
 
     @classmethod
     def of(cls, raw: FitAnswer, scale: float) -> Answer:
         """`raw`, which was found on irradiance divided by `scale`."""
-        order = np.argsort(-(raw.irradiance @ LUMINANCE), kind="stable")  # as `Lights` has it
+        direction, irradiance = raw.directions, raw.irradiance
+        order = np.argsort(-(irradiance @ LUMINANCE), kind="stable")  # as `Lights` has it
+        condition, direction_errors, irradiance_errors = raw.uncertainty()
         return cls(
-            raw.lights,
             raw.ambient * scale,
-            raw.directions[order],
-            raw.irradiance[order] * scale,
-            raw.condition,
-            np.array(raw.direction_errors)[order],
-            np.reshape(raw.irradiance_errors, (-1, 3))[order] * scale,
-            raw.error,
+            direction[order],
+            irradiance[order] * scale,
+            condition,
+            np.array(direction_errors)[order],
+            np.reshape(irradiance_errors, (-1, 3))[order] * scale,
             raw.steps,
             raw.stop,
         )
@@ -55,6 +53,13 @@ class Answer(NamedTuple):
     def probe(self, normals: NDArray[np.float64]) -> NDArray[np.float64]:
         """Irradiance under the lights."""
         return _native.rig_irradiance(normals, self.ambient, self.direction, self.irradiance)
+
+
+class Answers(NamedTuple):
+    """What the kernel found on irradiance divided by `scale`, with more and more lights."""
+
+    found: list[FitAnswer]
+    scale: float
 
 
 def answers(
@@ -65,7 +70,7 @@ def answers(
     ambient: int,
     held: NDArray[np.float64],
     first: NDArray[np.float64],
-) -> list[Answer]:
+) -> Answers:
     """Answers of the kernel with more and more lights, on irradiance brought to about 1.
 
     The sums are of fourth powers: a map in candela per square metre of the sun would overflow them.
@@ -80,20 +85,21 @@ def answers(
         lights,
         MAX_STEPS,
     )
-    return [Answer.of(answer, scale) for answer in found]
+    return Answers(found, scale)
 
 
-def rig_of(found: list[Answer], judging: Samples, started: int) -> Rig:
+def rig_of(answers: Answers, judging: Samples, started: int) -> Rig:
     """The rig of the answer that is worth its lights.
 
     It is the last, unless one with fewer lights, but no fewer than had a start, does as well.
     """
-    errors = {answer.lights: answer.error for answer in found}
-    last = found[-1].lights
+    errors = {answer.lights: answer.error for answer in answers.found}
+    last = answers.found[-1].lights
     enough = min(errors.values()) * (1 + NO_GAIN)
     worth = [n for n, error in errors.items() if error <= enough and n >= min(started, last)]
     used = min(worth, default=last)
-    best = next(answer for answer in found if answer.lights == used)
+    raw = next(answer for answer in answers.found if answer.lights == used)
+    best = Answer.of(raw, answers.scale)
     ambient = best.ambient if len(best.ambient) > 1 else best.ambient.sum(axis=0)
     lights = Lights(best.direction, best.irradiance)
     return Rig(ambient, lights, errors[used], _report(best, errors, judging))

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use nalgebra::{DMatrix, DVector};
 
-use super::nnls::{self, View};
+use super::nnls::Support;
 use super::probe::Probe;
 use super::radiances::{self, Radiances};
 use super::solver::{State, cost};
@@ -33,12 +33,13 @@ impl Candidates {
         let directions: Vec<DVec3> =
             centroids.rows().into_iter().map(|row| DVec3::new(row[0], row[1], row[2])).collect();
         let plain = columns(probe, &directions);
-        let weights = DVector::from_column_slice(&probe.samples.weights);
+        let weights = &probe.samples.weights;
         let mut weighted = plain.transpose();
-        for mut row in weighted.row_iter_mut() {
-            row.component_mul_assign(&weights.transpose());
+        for (mut column, weight) in weighted.column_iter_mut().zip(weights) {
+            column *= *weight;
         }
-        let square = DVector::from_fn(TRIED, |i, _| weighted.row(i).transpose().dot(&plain.column(i)));
+        let square = plain.column_iter().map(|a| a.iter().zip(weights).map(|(a, w)| w * a * a).sum());
+        let square = DVector::from_iterator(TRIED, square);
         let sides = &weighted * probe.side_columns();
         Self { directions, weighted, sides, square }
     }
@@ -46,8 +47,7 @@ impl Candidates {
     /// Inner products of every direction's column with the columns of the model of `state`.
     pub fn products(&self, probe: &Probe, state: &State) -> DMatrix<f64> {
         let ambient = probe.ambient.coefficients();
-        let mut products = DMatrix::zeros(TRIED, state.x.nrows());
-        products.columns_mut(0, ambient).copy_from(&self.sides.columns(0, ambient));
+        let mut products = self.sides.columns(0, ambient).resize_horizontally(state.x.nrows(), 0.0);
         let lit = columns(probe, &state.moments.directions);
         for (mut products, lit) in
             products.columns_range_mut(ambient..).column_iter_mut().zip(lit.column_iter())
@@ -82,9 +82,8 @@ impl Candidates {
         let kept: Vec<usize> = (0..state.x.nrows()).filter(|&column| Some(column) != gone).collect();
         let (gram, right) = (&state.moments.gram, state.moments.right.select_rows(&kept));
         let gram = DMatrix::from_fn(kept.len(), kept.len(), |i, j| gram[(kept[i], kept[j])]);
-        let (gram, right) = (gram.as_view(), right.as_view());
         let products = products.select_columns(&kept);
-        let Radiances { x, .. } = radiances::solve(probe, &gram, &right);
+        let Radiances { x, .. } = radiances::solve(probe, &gram, &right, &[]);
         let before = cost(probe, &gram, &right, &x);
         let residual = self.sides.columns_range(ambient..) - &products * x;
         let outside = self.outside(&gram, products);
@@ -100,11 +99,10 @@ impl Candidates {
     }
 
     /// `|a - P a|^2` of every direction: what its column adds to those with this Gram matrix.
-    fn outside(&self, gram: &View<'_>, products: DMatrix<f64>) -> DVector<f64> {
-        let all: Vec<usize> = (0..gram.nrows()).collect();
+    fn outside(&self, gram: &DMatrix<f64>, products: DMatrix<f64>) -> DVector<f64> {
         let mut outside = self.square.clone();
-        if let Some(factor) = nnls::factor(gram, &all) {
-            for inside in nnls::orthonormal(&factor, products).column_iter() {
+        if let Some(support) = Support::new(gram, (0..gram.nrows()).collect()) {
+            for inside in support.orthonormal(products).column_iter() {
                 outside.zip_apply(&inside, |outside, inside| *outside -= inside * inside);
             }
         }

@@ -6,15 +6,18 @@
 //! |-----------------------------------------------|----------------------------|
 //! | what is to be reproduced, and how near it is  | `samples.rs`, `probe.rs`   |
 //! | a rig on the probe, its ambient term          | `model.rs`, `ambient.rs`   |
-//! | all sums over the normals                     | `moments.rs`               |
+//! | what runs over all normals                    | `blocks.rs`, `sums.rs`     |
+//! | inner products of the model and derivatives   | `moments.rs`               |
 //! | best radiances, none negative                 | `radiances.rs`, `nnls.rs`  |
 //! | best directions near given ones               | `solver.rs`, `quadratic.rs`|
-//! | best set of lights                            | `search.rs`, `moves.rs`,   |
+//! | more and more lights, while they help         | `way.rs`                   |
+//! | best set of so many lights                    | `search.rs`, `moves.rs`,   |
 //! |                                               | `spread.rs`                |
 //! | what one more light would explain             | `candidates.rs`            |
 //! | how well the probe determines them            | `uncertainty.rs`           |
 
 mod ambient;
+mod blocks;
 mod candidates;
 mod model;
 mod moments;
@@ -27,21 +30,20 @@ mod samples;
 mod search;
 mod solver;
 mod spread;
+mod sums;
 mod uncertainty;
+mod way;
 
 pub use ambient::Ambient;
 pub use probe::Probe;
 pub use samples::Samples;
 pub use uncertainty::{Uncertainty, uncertainty};
 
-use std::cell::LazyCell;
-
 use glam::DVec3;
 use ndarray::{Array2, ArrayView1, ArrayView2, Zip};
 use rayon::prelude::*;
 
-use self::search::Search;
-use self::solver::{Problem, State};
+use self::solver::State;
 use super::sphere::unit_vectors;
 use crate::error::{Error, Result};
 
@@ -74,8 +76,6 @@ pub struct Solution {
     pub lights: usize,
     /// The lights.
     pub rig: Rig,
-    /// How well they are determined.
-    pub uncertainty: Uncertainty,
     /// Relative RMS error on the values that judge.
     pub error: f64,
     /// Steps of the solver on the way there.
@@ -111,8 +111,8 @@ pub struct Request<'a> {
 /// The best rig with as many lights as `request` allows, after those with fewer on the way there.
 ///
 /// Fewer lights come where these explain the probe or reach the goal, or where more lower no error.
-/// Without a goal, those on the
-/// way are only as good as the way needs, and the given starts are taken in one step.
+/// Without a goal, those on the way are only as good as the way needs, and the given starts are taken in
+/// one step.
 ///
 /// # Errors
 ///
@@ -121,88 +121,15 @@ pub fn fit(probe: &Probe, request: &Request<'_>) -> Result<Vec<Solution>> {
     check_unknowns(probe, request.lights)?;
     // In the thread pool as a whole: from outside, each of the parallel loops would wake it anew.
     rayon::scope(|_| {
-        let states = states(probe, request)?;
+        let states = way::states(probe, request)?;
         Ok(states.par_iter().map(|state| solution(probe, request, state)).collect())
     })
 }
 
-/// The places that the search stops at, with more and more lights.
-fn states(probe: &Probe, request: &Request<'_>) -> Result<Vec<State>> {
-    let &Request { start, held, lights, max_steps, goal } = request;
-    let problem = Problem { probe, start, held, max_steps };
-    let mut states = vec![started(&problem, 0)];
-    let mut progress = Progress::new(goal, held);
-    // Made only for lights that have no start.
-    let search = LazyCell::new(|| Search::new(problem));
-    while let Some(last) = states.last().filter(|last| last.lights() < lights) {
-        if progress.is_enough(probe, last) {
-            break;
-        }
-        let next = if last.lights() < start.len() {
-            let count = if goal.error.is_some() { held.max(last.lights() + 1) } else { start.len() };
-            let next = started(&problem, count.min(lights));
-            let lit = next.without_black(&problem);
-            Some(lit.map_or_else(|| next.clone(), |lit| search.grown_to(lit, next.lights())))
-        } else {
-            let is_last = goal.error.is_some() || last.lights() + 1 == lights;
-            // Lights that were given a start stay near it.
-            match (is_last, start.len() > held) {
-                (true, false) => search.best(last)?,
-                (true, true) => search.grown(last).map(|grown| grown.descend(&problem, search::FINE)),
-                (false, _) => search.grown(last),
-            }
-        };
-        let Some(next) = next.filter(|next| next.lights() > last.lights()) else { break };
-        states.push(next);
-    }
-    Ok(states)
-}
-
-/// Whether more lights are worth a try.
-struct Progress<'a> {
-    goal: &'a Goal,
-    held: usize,
-    /// Least error so far, and the lights that reached it.
-    best: (f64, usize),
-}
-
-impl<'a> Progress<'a> {
-    fn new(goal: &'a Goal, held: usize) -> Self {
-        Self { goal, held, best: (f64::INFINITY, 0) }
-    }
-
-    /// Nothing is left to explain, the error asked for is reached, or several more lights in a row have
-    /// not lowered the error: what they explain is the pattern of the normals.
-    fn is_enough(&mut self, probe: &Probe, last: &State) -> bool {
-        /// Lights that may fail to lower the error before no more are tried.
-        const PATIENCE: usize = 3;
-        /// Share of the error that counts as lower.
-        const LOWER: f64 = 1e-3;
-        if last.lights() < self.held {
-            return false;
-        }
-        let error = self.goal.judge.error(&last.rig(probe));
-        if error < self.best.0 * (1.0 - LOWER) {
-            self.best = (error, last.lights());
-        }
-        last.stop == Some(StopReason::Exact)
-            || self.goal.error.is_some_and(|wanted| error <= wanted)
-            || last.lights() >= self.best.1.max(self.held) + PATIENCE
-    }
-}
-
-/// The best lights near the first `count` starts.
-fn started(problem: &Problem<'_>, count: usize) -> State {
-    let problem = Problem { held: problem.held.min(count), ..*problem };
-    State::new(problem.probe, &problem.start[..count]).descend(&problem, search::FINE)
-}
-
 fn solution(probe: &Probe, request: &Request<'_>, state: &State) -> Solution {
     let rig = state.rig(probe).lit(request.held);
-    let held = request.held.min(rig.directions.len());
     Solution {
         lights: state.lights(),
-        uncertainty: uncertainty(probe, &rig, held),
         error: request.goal.judge.error(&rig),
         rig,
         steps: state.steps,

@@ -34,7 +34,7 @@ impl Move {
     /// The state it leads to from `state`.
     pub fn from(&self, probe: &Probe, state: &State) -> State {
         let kept = (0..state.moments.directions.len()).filter(|light| !self.gone.contains(light));
-        State::at(probe, state.moments.with(probe, &kept.collect::<Vec<_>>(), &self.new), state.steps)
+        State::at(probe, state.moments.with(probe, &kept.collect::<Vec<_>>(), &self.new), state.steps, &[])
     }
 }
 

@@ -3,105 +3,188 @@
 //! Minimise `x^T G x - 2 b^T x`, of which all but the first few values may not be negative. No renderer
 //! takes a negative lamp, and an unconstrained fit of a real map asks for one from the second light on.
 
-use nalgebra::{Cholesky, DMatrix, DMatrixView, DVector, Dyn, U1};
+use std::sync::Arc;
 
-/// Part of a matrix, or all of it.
-pub type View<'a> = DMatrixView<'a, f64, U1, Dyn>;
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-/// The minimiser for each column of `right`; the first `free` values of it may have any sign.
-pub fn solve(gram: &View<'_>, right: &View<'_>, free: usize) -> DMatrix<f64> {
-    let all: Vec<usize> = (0..gram.nrows()).collect();
-    // Most often nothing wants to be negative, and one factorisation is all it takes.
-    let mut solution = factor(gram, &all).map(|factor| factor.solve(right));
-    let x = solution.get_or_insert_with(|| DMatrix::repeat(gram.nrows(), right.ncols(), f64::NAN));
-    for (mut x, right) in x.column_iter_mut().zip(right.column_iter()) {
-        if !x.iter().skip(free).all(|&value| value >= 0.0) {
-            let right = right.into_owned();
-            let guess = without_negative(gram, &right, x.clone_owned(), free);
-            x.copy_from(&guess.unwrap_or_else(|| active_set(gram, &right, free)));
+/// Independent columns, and the Cholesky factor of their Gram matrix.
+#[derive(Clone, Debug)]
+pub struct Support {
+    /// Which, in ascending order.
+    pub columns: Vec<usize>,
+    factor: Cholesky<f64, Dyn>,
+}
+
+impl Support {
+    /// `columns`, unless they are not independent.
+    pub fn new(gram: &DMatrix<f64>, columns: Vec<usize>) -> Option<Self> {
+        /// A column this close to the span of the others has lost all its digits.
+        const DEPENDENT: f64 = 1e-12;
+        let part = DMatrix::from_fn(columns.len(), columns.len(), |i, j| gram[(columns[i], columns[j])]);
+        let factor = Cholesky::new(part)?;
+        let lower = factor.l_dirty();
+        let is_independent = |(i, &column): (usize, &usize)| {
+            lower[(i, i)] * lower[(i, i)] > DEPENDENT * gram[(column, column)]
+        };
+        let are_independent = columns.iter().enumerate().all(is_independent);
+        are_independent.then_some(Self { columns, factor })
+    }
+
+    /// The unconstrained minimum over the columns, 0 elsewhere.
+    fn solve(&self, right: &[f64]) -> Vec<f64> {
+        let mut values = DVector::from_iterator(self.columns.len(), self.columns.iter().map(|&i| right[i]));
+        self.factor.solve_mut(&mut values);
+        let mut x = vec![0.0; right.len()];
+        for (&value, &column) in values.iter().zip(&self.columns) {
+            x[column] = value;
+        }
+        x
+    }
+
+    /// `rows L^-T` with the factor `L` of the Gram matrix `A^T A`: inner products with the columns of A
+    /// become those with the orthonormal columns `A L^-T` that span the same.
+    ///
+    /// All rows at once, column by column: each column is long, the triangle is small.
+    pub fn orthonormal(&self, mut rows: DMatrix<f64>) -> DMatrix<f64> {
+        let lower = self.factor.l_dirty();
+        for i in 0..lower.nrows() {
+            let (done, mut rest) = rows.columns_range_pair_mut(..i, i..);
+            let mut column = rest.column_mut(0);
+            for (k, done) in done.column_iter().enumerate() {
+                column.axpy(-lower[(i, k)], &done, 1.0);
+            }
+            column /= lower[(i, i)];
+        }
+        rows
+    }
+}
+
+/// An answer, and the columns it uses.
+type Answer = (Vec<f64>, Arc<Support>);
+
+/// The minimiser for each column of `right`, and the columns it uses; the first `free` values of it may
+/// have any sign. Answers that use the same columns share them.
+///
+/// The search for the columns starts from those in `guess`, if any.
+pub fn solve(
+    gram: &DMatrix<f64>,
+    right: &DMatrix<f64>,
+    free: usize,
+    guess: &[Arc<Support>],
+) -> (DMatrix<f64>, Vec<Arc<Support>>) {
+    let mut x = DMatrix::zeros(right.nrows(), right.ncols());
+    let mut known: Vec<Arc<Support>> = Vec::with_capacity(right.ncols());
+    let mut supports = Vec::with_capacity(right.ncols());
+    for (i, (mut x, right)) in x.column_iter_mut().zip(right.column_iter()).enumerate() {
+        let right = right.as_slice();
+        let guess = guess.get(i).map_or_else(|| (0..right.len()).collect(), |guess| guess.columns.clone());
+        let (values, support) =
+            pivoted(gram, right, free, guess, &mut known).unwrap_or_else(|| active_set(gram, right, free));
+        x.copy_from_slice(&values);
+        supports.push(support);
+    }
+    (x, supports)
+}
+
+/// Block principal pivoting (Portugal, Júdice and Vicente 1994): all that is negative goes, all that
+/// would lower the cost comes, until nothing does; none where that takes long, or goes in circles.
+fn pivoted(
+    gram: &DMatrix<f64>,
+    right: &[f64],
+    free: usize,
+    mut columns: Vec<usize>,
+    known: &mut Vec<Arc<Support>>,
+) -> Option<Answer> {
+    const ROUNDS: usize = 5;
+    for _ in 0..ROUNDS {
+        let support = match known.iter().find(|known| known.columns == columns) {
+            Some(known) => known.clone(),
+            None => Arc::new(Support::new(gram, columns)?),
+        };
+        let x = support.solve(right);
+        let is_wanted = |column: usize| {
+            let is_in = || support.columns.binary_search(&column).is_ok();
+            column < free || x[column] > 0.0 || !is_in() && fall(gram, right, &x, column).is_some()
+        };
+        columns = Vec::with_capacity(right.len());
+        columns.extend((0..right.len()).filter(|&column| is_wanted(column)));
+        if columns == support.columns {
+            known.push(support.clone());
+            return Some((x, support));
         }
     }
-    solution.unwrap_or_default()
+    None
 }
 
-/// What is left when all that wants to be negative goes at once, again and again, if that is the
-/// minimum: if nothing that went would lower the cost by coming back.
-fn without_negative(
-    gram: &View<'_>,
-    right: &DVector<f64>,
-    mut x: DVector<f64>,
-    free: usize,
-) -> Option<DVector<f64>> {
-    let mut active: Vec<usize> = (0..x.len()).collect();
-    let is_kept = |x: &DVector<f64>, column: usize| column < free || x[column] > 0.0;
-    while !active.iter().all(|&column| is_kept(&x, column)) {
-        active.retain(|&column| is_kept(&x, column));
-        x = on(gram, right, &active)?;
-    }
-    steepest(gram, right, &x, &active, &[]).is_none().then_some(x)
-}
-
-fn active_set(gram: &View<'_>, right: &DVector<f64>, free: usize) -> DVector<f64> {
-    let mut active: Vec<usize> = (0..free).collect();
-    let mut x = on(gram, right, &active).unwrap_or_else(|| DVector::zeros(right.len()));
+/// Lawson and Hanson's way, which always ends.
+fn active_set(gram: &DMatrix<f64>, right: &[f64], free: usize) -> Answer {
+    let nothing = || Support { columns: Vec::new(), factor: Cholesky::pack_dirty(DMatrix::zeros(0, 0)) };
+    let mut support = Support::new(gram, (0..free).collect()).unwrap_or_else(nothing);
+    let mut x = support.solve(right);
     // Columns that were let in and came out at once: rounding, not descent.
     let mut refused: Vec<usize> = Vec::new();
-    while let Some(next) = steepest(gram, right, &x, &active, &refused) {
-        active.push(next);
-        let Some(moved) = retreat(gram, right, &x, &mut active, free) else {
-            active.retain(|&column| column != next);
+    while let Some(next) = steepest(gram, right, &x, &support.columns, &refused) {
+        let mut active = support.columns.clone();
+        active.insert(active.partition_point(|&column| column < next), next);
+        let Some((moved, smaller)) = retreat(gram, right, &x, active, free) else {
             refused.push(next);
             continue;
         };
-        x = moved;
-        if active.contains(&next) {
+        (x, support) = (moved, smaller);
+        if support.columns.contains(&next) {
             refused.clear();
         } else {
             refused.push(next);
         }
     }
-    x
+    (x, Arc::new(support))
 }
 
 /// The column outside `active` along which the cost falls fastest, if it falls at all.
 fn steepest(
-    gram: &View<'_>,
-    right: &DVector<f64>,
-    x: &DVector<f64>,
+    gram: &DMatrix<f64>,
+    right: &[f64],
+    x: &[f64],
     active: &[usize],
     refused: &[usize],
 ) -> Option<usize> {
+    let candidates = (0..right.len()).filter(|column| !active.contains(column) && !refused.contains(column));
+    let falling = candidates.filter_map(|column| fall(gram, right, x, column).map(|fall| (column, fall)));
+    falling.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(column, _)| column)
+}
+
+/// How fast the cost falls along a column, per length of it, so that its unit does not matter; none
+/// where it does not.
+fn fall(gram: &DMatrix<f64>, right: &[f64], x: &[f64], column: usize) -> Option<f64> {
     const ROUNDING: f64 = 1e-13;
-    let fall = right - gram * x;
-    // Per length of the column, so that the choice does not depend on the unit of a column.
-    let rate = |&column: &usize| fall[column] / gram[(column, column)].sqrt().max(f64::MIN_POSITIVE);
-    let floor = |column: usize| ROUNDING * right[column].abs();
-    (0..right.len())
-        .filter(|column| !active.contains(column) && !refused.contains(column))
-        .filter(|&column| gram[(column, column)] > 0.0 && fall[column] > floor(column))
-        .max_by(|a, b| rate(a).total_cmp(&rate(b)))
+    let own = &gram.as_slice()[column * right.len()..(column + 1) * right.len()];
+    let fall = right[column] - own.iter().zip(x).map(|(g, x)| g * x).sum::<f64>();
+    (own[column] > 0.0 && fall > ROUNDING * right[column].abs()).then(|| fall / own[column].sqrt())
 }
 
 /// From `x` towards the minimum on the active columns, giving up those that reach 0 on the way.
 fn retreat(
-    gram: &View<'_>,
-    right: &DVector<f64>,
-    x: &DVector<f64>,
-    active: &mut Vec<usize>,
+    gram: &DMatrix<f64>,
+    right: &[f64],
+    x: &[f64],
+    mut active: Vec<usize>,
     free: usize,
-) -> Option<DVector<f64>> {
-    let mut x = x.clone();
+) -> Option<(Vec<f64>, Support)> {
+    let mut x = x.to_vec();
     loop {
-        let goal = on(gram, right, active)?;
-        let share = active
+        let support = Support::new(gram, active)?;
+        let goal = support.solve(right);
+        let share = support
+            .columns
             .iter()
             .filter(|&&column| column >= free && goal[column] <= 0.0)
             .map(|&column| x[column] / (x[column] - goal[column]))
             .fold(f64::INFINITY, f64::min);
         if share == f64::INFINITY {
-            return Some(goal);
+            return Some((goal, support));
         }
-        x += (&goal - &x) * share;
+        x.iter_mut().zip(&goal).for_each(|(x, goal)| *x += (goal - *x) * share);
+        active = support.columns;
         active
             .retain(|&column| column < free || goal[column] > 0.0 || x[column] > 1e-15 * goal[column].abs());
         for column in (0..x.len()).filter(|column| !active.contains(column)) {
@@ -110,73 +193,45 @@ fn retreat(
     }
 }
 
-/// The unconstrained minimum over `columns`, 0 elsewhere; none where they are not independent.
-fn on(gram: &View<'_>, right: &DVector<f64>, columns: &[usize]) -> Option<DVector<f64>> {
-    let solved = factor(gram, columns)?.solve(&DVector::from_fn(columns.len(), |i, _| right[columns[i]]));
-    let mut x = DVector::zeros(right.len());
-    for (value, &column) in solved.iter().zip(columns) {
-        x[column] = *value;
-    }
-    Some(x)
-}
-
-/// Cholesky factor of the Gram matrix of `columns`; none where they are not independent.
-pub fn factor(gram: &View<'_>, columns: &[usize]) -> Option<Cholesky<f64, Dyn>> {
-    /// A column this close to the span of the others has lost all its digits.
-    const DEPENDENT: f64 = 1e-12;
-    let size = columns.len();
-    let part = DMatrix::from_fn(size, size, |i, j| gram[(columns[i], columns[j])]);
-    let factor = Cholesky::new(part)?;
-    let lower = factor.l_dirty();
-    let independent = |i: usize| lower[(i, i)] * lower[(i, i)] > DEPENDENT * gram[(columns[i], columns[i])];
-    (0..size).all(independent).then_some(factor)
-}
-
-/// `rows L^-T` with the factor `L` of a Gram matrix `A^T A`: inner products with the columns of A become
-/// those with the orthonormal columns `A L^-T` that span the same.
-///
-/// All rows at once, column by column: each column is long, the triangle is small.
-pub fn orthonormal(factor: &Cholesky<f64, Dyn>, mut rows: DMatrix<f64>) -> DMatrix<f64> {
-    let lower = factor.l_dirty();
-    for i in 0..lower.nrows() {
-        let (done, mut rest) = rows.columns_range_pair_mut(..i, i..);
-        let mut column = rest.column_mut(0);
-        for (k, done) in done.column_iter().enumerate() {
-            column.axpy(-lower[(i, k)], &done, 1.0);
-        }
-        column /= lower[(i, i)];
-    }
-    rows
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    /// Karush-Kuhn-Tucker: no value in use has a slope, no other wants to grow.
+    fn assert_optimal(gram: &DMatrix<f64>, right: &DMatrix<f64>, x: &[f64], support: &Support) {
+        let fall = right - gram * DMatrix::from_column_slice(x.len(), 1, x);
+        for i in 0..x.len() {
+            assert!(x[i] >= 0.0, "{x:?}");
+            assert!(fall[i] < 1e-8, "{fall}");
+            assert!((fall[i] * x[i]).abs() < 1e-7, "{fall} {x:?}");
+            assert_eq!(support.columns.contains(&i), x[i] > 0.0, "{x:?}");
+        }
+    }
+
     proptest! {
-        /// Karush-Kuhn-Tucker: no free value has a slope, no bound one wants to grow.
         #[test]
-        fn the_answer_is_optimal(
+        fn the_answer_is_optimal_from_any_guess(
             columns in proptest::collection::vec(0.0..1.0_f64, 40),
             target in proptest::collection::vec(-1.0..1.0_f64, 8),
+            guess in proptest::collection::vec(proptest::bool::ANY, 5),
         ) {
             let a = DMatrix::from_vec(8, 5, columns);
-            let y = DVector::from_vec(target);
-            let (gram, right) = (a.transpose() * &a, a.transpose() * y);
-            let x = solve(&gram.as_view(), &DMatrix::from_columns(std::slice::from_ref(&right)).as_view(), 0).column(0).into_owned();
-            let fall = &right - &gram * &x;
-            for i in 0..5 {
-                prop_assert!(x[i] >= 0.0, "{x}");
-                prop_assert!(fall[i] < 1e-8, "{fall}");
-                prop_assert!((fall[i] * x[i]).abs() < 1e-7, "{fall} {x}");
+            let (gram, right) = (a.tr_mul(&a), a.tr_mul(&DMatrix::from_vec(8, 1, target)));
+            let guess: Vec<usize> = (0..5).filter(|&i| guess[i]).collect();
+            let guess = Support::new(&gram, guess).map(Arc::new);
+            for guess in [Vec::new(), guess.into_iter().collect()] {
+                let (x, supports) = solve(&gram, &right, 0, &guess);
+                assert_optimal(&gram, &right, x.as_slice(), &supports[0]);
             }
+            let (x, support) = active_set(&gram, right.as_slice(), 0);
+            assert_optimal(&gram, &right, &x, &support);
         }
 
         #[test]
         fn twin_columns_do_no_harm(right in 0.1..2.0_f64) {
             let gram = DMatrix::from_element(2, 2, 1.0);
-            let x = solve(&gram.as_view(), &DMatrix::from_element(2, 1, right).as_view(), 0);
+            let (x, _) = solve(&gram, &DMatrix::from_element(2, 1, right), 0, &[]);
             prop_assert!((x.sum() - right).abs() < 1e-12, "{x}");
         }
     }

@@ -2,7 +2,6 @@
 
 use glam::DVec3;
 use nalgebra::DMatrix;
-use pulp::Arch;
 
 use super::Samples;
 use super::ambient::Ambient;
@@ -16,16 +15,13 @@ pub struct Probe {
     pub(super) channels: Vec<usize>,
     /// For each of red, green, blue its place in `channels`; none where it is black.
     pub(super) like: [Option<usize>; 3],
-    /// x, y and z of the normals, side by side.
-    pub(super) axes: [Vec<f64>; 3],
     /// `w n n^T` of each normal: its diagonal, and its entries xy, yz, zx.
     pub(super) outer: Vec<[f64; 6]>,
-    /// `w n y` of each normal, x, y, z for each [`Self::sides`] y.
-    pub(super) lit: Vec<f64>,
+    /// `w n y` of each normal, x, y, z for each [`Self::sides`] y: a row for each normal, of
+    /// [`Self::lit_length`].
+    pub(super) lit: Vec<[f64; 4]>,
     /// Weighted inner products of the ambient columns with each of [`Self::sides`].
     pub(super) ambient_gram: DMatrix<f64>,
-    /// Vectors as wide as this processor has.
-    pub(super) widest: Arch,
 }
 
 impl Probe {
@@ -33,12 +29,11 @@ impl Probe {
     pub fn new(samples: Samples, ambient: Ambient) -> Self {
         let weighted = samples.normals.iter().zip(&samples.weights);
         let outer = weighted.map(|(&n, &w)| outer(n, w)).collect();
-        let axes = [0, 1, 2].map(|axis| samples.normals.iter().map(|n| n[axis]).collect());
         let (channels, like) = distinct(&samples.irradiance);
         let columns = ambient.coefficients();
         let ambient_gram = DMatrix::zeros(columns, columns + channels.len());
-        let (lit, widest) = (Vec::new(), Arch::new());
-        let mut probe = Self { samples, ambient, channels, like, axes, outer, lit, ambient_gram, widest };
+        let lit = Vec::new();
+        let mut probe = Self { samples, ambient, channels, like, outer, lit, ambient_gram };
         probe.sum_sides();
         probe
     }
@@ -47,6 +42,11 @@ impl Probe {
     /// each channel.
     pub(super) fn sides(&self) -> usize {
         self.ambient.coefficients() + self.channels.len()
+    }
+
+    /// Length of a row of [`Self::lit`], of which the last vector is filled up with zeros.
+    pub(super) fn lit_length(&self) -> usize {
+        (3 * self.sides()).div_ceil(4).max(1)
     }
 
     /// The sides themselves: a row for each normal.
@@ -78,7 +78,9 @@ impl Probe {
             let channels = self.channels.iter().map(|&channel| self.samples.irradiance[i][channel]);
             let sides: Vec<f64> = columns[..ambient].iter().copied().chain(channels).collect();
             let weight = self.samples.weights[i];
-            self.lit.extend(sides.iter().flat_map(|y| (normal * (weight * y)).to_array()));
+            let mut row: Vec<f64> = sides.iter().flat_map(|y| (normal * (weight * y)).to_array()).collect();
+            row.resize(4 * self.lit_length(), 0.0);
+            self.lit.extend_from_slice(row.as_chunks().0);
             for (a, column) in columns[..ambient].iter().enumerate() {
                 for (b, y) in sides.iter().enumerate() {
                     self.ambient_gram[(a, b)] += weight * column * y;

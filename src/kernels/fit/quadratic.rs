@@ -9,14 +9,16 @@
 //!   J^T r [jk]       = -sum_c x_jc da_jk.r_c
 //! ```
 //!
-//! all of them inner products that [`Moments`] already holds.
+//! all of them inner products that [`Derivatives`] holds.
+
+use std::sync::Arc;
 
 use glam::DVec3;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, DVectorView};
 
 use super::ambient::Ambient;
-use super::moments::Moments;
-use super::nnls;
+use super::moments::Derivatives;
+use super::nnls::Support;
 use super::solver::{Problem, State};
 
 /// `cost + 2 slope.t + t^T H t`.
@@ -38,30 +40,26 @@ pub struct Crease {
 impl Quadratic {
     /// For the lights that may move.
     pub fn around(problem: &Problem<'_>, state: &State) -> Self {
-        let Moments { gram, right, .. } = &state.moments;
-        let first = state.moments.columns() + 2 * problem.held;
-        let size = gram.nrows() - first;
-        let derivatives = gram.view((first, 0), (size, gram.ncols()));
-        let explained = derivatives.columns(0, state.x.nrows()) * &state.x;
-        let left = right.rows(first, size) - explained;
+        let derivatives = state.moments.derivatives(problem.probe, problem.held);
+        let size = derivatives.gram.nrows();
+        let left = &derivatives.right - &derivatives.model * &state.x;
         let mut sum = Self { curvature: DMatrix::zeros(size, size), slope: DVector::zeros(size) };
-        let mut outside: Option<(Vec<usize>, DMatrix<f64>)> = None;
-        for channel in 0..state.x.ncols() {
-            let (used, dark) = (state.used(problem.probe, channel), &state.dark[channel]);
+        let mut shared: Option<(&Arc<Support>, DMatrix<f64>)> = None;
+        for (channel, (support, dark)) in state.supports.iter().zip(&state.dark).enumerate() {
             // Channels that use the same lights share the projection.
-            if !dark.is_empty() || outside.as_ref().is_none_or(|(last, _)| *last != used) {
-                outside = project(gram, first, &used, dark).map(|outside| (used, outside));
+            if !dark.is_empty() || shared.as_ref().is_none_or(|(last, _)| !Arc::ptr_eq(last, support)) {
+                shared = Some((support, outside(&derivatives, support, dark)));
             }
-            let Some((_, outside)) = &outside else { continue };
+            let Some((_, outside)) = &shared else { continue };
             let irradiance = state.irradiance();
             let of = DVector::from_fn(size, |i, _| irradiance[(problem.held + i / 2, channel)]);
-            sum.add(problem.probe.copies(channel), &of, outside, &left.column(channel).into_owned());
+            sum.add(problem.probe.copies(channel), &of, outside, &left.column(channel));
         }
         sum
     }
 
     /// Add so many `copies` of a channel with this irradiance `of` each coordinate's light.
-    fn add(&mut self, copies: f64, of: &DVector<f64>, outside: &DMatrix<f64>, left: &DVector<f64>) {
+    fn add(&mut self, copies: f64, of: &DVector<f64>, outside: &DMatrix<f64>, left: &DVectorView<'_, f64>) {
         self.slope.zip_zip_apply(of, left, |slope, of, left| *slope -= copies * of * left);
         for (a, mut curvature) in self.curvature.column_iter_mut().enumerate() {
             curvature.zip_zip_apply(of, &outside.column(a), |curvature, of_b, outside| {
@@ -98,24 +96,21 @@ impl Quadratic {
     }
 }
 
-/// Inner products of the derivatives from column `first` on, outside the span of the `used` columns.
+/// Inner products of the derivatives outside the span of the columns in use.
 ///
 /// With the factor L of the used columns' Gram matrix, `V = D^T A L^-T` holds what is inside. Where
 /// the ambient term is held at zero for the normals `dark`, with rows C, the used columns may not
 /// follow along `U = C L^-T`: that part of V is outside again.
-fn project(gram: &DMatrix<f64>, first: usize, used: &[usize], dark: &[DVec3]) -> Option<DMatrix<f64>> {
-    let factor = nnls::factor(&gram.as_view(), used)?;
-    let size = gram.nrows() - first;
-    let derivatives = DMatrix::from_fn(size, used.len(), |i, j| gram[(first + i, used[j])]);
-    let inside = nnls::orthonormal(&factor, derivatives);
-    let mut outside = gram.view((first, first), (size, size)).into_owned();
+fn outside(derivatives: &Derivatives, support: &Support, dark: &[DVec3]) -> DMatrix<f64> {
+    let inside = support.orthonormal(derivatives.model.select_columns(&support.columns));
+    let mut outside = derivatives.gram.clone();
     outside.gemm(-1.0, &inside, &inside.transpose(), 1.0);
     if !dark.is_empty() {
-        let columns: Vec<[f64; 9]> = dark.iter().map(|&n| Ambient::Sh2.irradiance(n)).collect();
-        let held = DMatrix::from_fn(dark.len(), used.len(), |i, j| *columns[i].get(j).unwrap_or(&0.0));
-        let basis = nnls::orthonormal(&factor, held).transpose().col_piv_qr().q();
-        let back = inside * basis;
+        let rows: Vec<[f64; 9]> = dark.iter().map(|&n| Ambient::Sh2.irradiance(n)).collect();
+        let at = |i: usize, j: usize| *rows[i].get(support.columns[j]).unwrap_or(&0.0);
+        let held = DMatrix::from_fn(dark.len(), support.columns.len(), at);
+        let back = inside * support.orthonormal(held).transpose().col_piv_qr().q();
         outside += &back * back.transpose();
     }
-    Some(outside)
+    outside
 }

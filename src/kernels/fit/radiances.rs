@@ -16,11 +16,13 @@
 //!   x = G^-1 (b + C^T u)      least  u^T C G^-1 C^T u + 2 u^T C G^-1 b,  u >= 0
 //! ```
 
+use std::sync::Arc;
+
 use glam::DVec3;
 use nalgebra::{DMatrix, DVector};
 
 use super::ambient::{Ambient, darkest};
-use super::nnls::{self, View};
+use super::nnls::{self, Support};
 use super::probe::Probe;
 
 /// Share of the brightest ambient irradiance that counts as none.
@@ -33,25 +35,38 @@ const CUTS: usize = 40;
 pub struct Radiances {
     /// Coefficients of the ambient term, then irradiance of the lights; a column for each channel.
     pub x: DMatrix<f64>,
+    /// For each channel, the columns that it uses.
+    pub supports: Vec<Arc<Support>>,
     /// For each channel, the normals at which the ambient term is kept from turning negative.
     pub dark: Vec<Vec<DVec3>>,
 }
 
-/// The best values.
-pub fn solve(probe: &Probe, gram: &View<'_>, right: &View<'_>) -> Radiances {
-    let x = nnls::solve(gram, right, probe.free());
-    let mut radiances = Radiances { x, dark: vec![Vec::new(); right.ncols()] };
+/// The best values; those that are not 0 are searched from those of `guess`, if any.
+pub fn solve(probe: &Probe, gram: &DMatrix<f64>, right: &DMatrix<f64>, guess: &[Arc<Support>]) -> Radiances {
+    let (x, supports) = nnls::solve(gram, right, probe.free(), guess);
+    let mut radiances = Radiances { x, supports, dark: vec![Vec::new(); right.ncols()] };
     if probe.ambient == Ambient::Sh2 {
         for channel in 0..right.ncols() {
-            let x = radiances.x.column(channel).into_owned();
-            if shadow(&x).is_some() {
-                let (x, dark) = cut(gram, &right.column(channel).into_owned());
-                radiances.x.set_column(channel, &x);
-                radiances.dark[channel] = dark;
-            }
+            radiances.lighten(gram, right, channel);
         }
     }
     radiances
+}
+
+impl Radiances {
+    /// Keep the ambient term of a channel from turning negative.
+    fn lighten(&mut self, gram: &DMatrix<f64>, right: &DMatrix<f64>, channel: usize) {
+        if shadow(&self.x.column(channel).into_owned()).is_none() {
+            return;
+        }
+        let (x, dark) = cut(gram, &right.column(channel).into_owned());
+        let used = (0..x.len()).filter(|&i| i < 9 || x[i] > 0.0).collect();
+        if let Some(support) = Support::new(gram, used) {
+            self.supports[channel] = Arc::new(support);
+        }
+        self.x.set_column(channel, &x);
+        self.dark[channel] = dark;
+    }
 }
 
 /// The normal at which the ambient term of `x` is darkest, where it is below zero there.
@@ -64,7 +79,7 @@ fn shadow(x: &DVector<f64>) -> Option<DVec3> {
 type Condition = (DVector<f64>, Option<DVec3>);
 
 /// The best values of one channel with harmonics, and the normals of the conditions that hold it.
-fn cut(gram: &View<'_>, right: &DVector<f64>) -> (DVector<f64>, Vec<DVec3>) {
+fn cut(gram: &DMatrix<f64>, right: &DVector<f64>) -> (DVector<f64>, Vec<DVec3>) {
     let Some(factor) = with_ridge(gram).cholesky() else { return (right * 0.0, Vec::new()) };
     let plain = factor.solve(right);
     let mut x = plain.clone();
@@ -79,7 +94,7 @@ fn cut(gram: &View<'_>, right: &DVector<f64>) -> (DVector<f64>, Vec<DVec3>) {
         let rows = DMatrix::from_columns(&rows);
         let along = factor.solve(&rows);
         let (dual, fall) = (rows.tr_mul(&along), -rows.tr_mul(&plain));
-        let multipliers = nnls::solve(&dual.as_view(), &DMatrix::from_columns(&[fall]).as_view(), 0);
+        let (multipliers, _) = nnls::solve(&dual, &DMatrix::from_columns(&[fall]), 0, &[]);
         x = &plain + &along * multipliers.column(0);
         let mut holds = multipliers.iter().map(|&multiplier| multiplier > 0.0);
         conditions.retain(|_| holds.next() == Some(true));
@@ -109,8 +124,8 @@ fn lift(x: &mut DVector<f64>) {
 }
 
 /// `gram`, with a little more on its diagonal, so that columns may depend on each other.
-fn with_ridge(gram: &View<'_>) -> DMatrix<f64> {
-    let mut gram = gram.into_owned();
+fn with_ridge(gram: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut gram = gram.clone();
     for i in 0..gram.nrows() {
         gram[(i, i)] *= 1.0 + 1e-12;
     }
@@ -139,9 +154,9 @@ mod tests {
             let seen = Array2::from_shape_fn((80, 3), |(i, _)| values[i].powi(8));
             let probe = Probe::new(Samples::new(normals.view(), weights.view(), seen.view()).unwrap(), Ambient::Sh2);
             let moments = Moments::new(&probe, &[DVec3::Y, DVec3::X]);
-            let gram = moments.gram.view((0, 0), (11, 11));
-            let x = solve(&probe, &gram, &moments.right.rows(0, 11)).x.column(0).into_owned();
-            let cost = |x: &DVector<f64>| (gram * x).dot(x) - 2.0 * moments.right.rows(0, 11).column(0).dot(x);
+            let (gram, right) = (&moments.gram, &moments.right);
+            let x = solve(&probe, gram, right, &[]).x.column(0).into_owned();
+            let cost = |x: &DVector<f64>| (gram * x).dot(x) - 2.0 * right.column(0).dot(x);
             prop_assert!(x.rows_range(9..).min() >= 0.0);
             prop_assert!(darkest(&x.as_slice()[..9]).1 >= -1e-12);
             let mut other = &x + DVector::from_vec(along) * 0.01;

@@ -3,7 +3,8 @@
 use glam::DVec3;
 use ndarray::{ArrayView1, ArrayView2};
 
-use super::{Rig, model};
+use super::Rig;
+use super::blocks::Blocks;
 use crate::error::Result;
 use crate::kernels::sphere::check_weighted;
 
@@ -13,6 +14,8 @@ pub struct Samples {
     pub(super) normals: Vec<DVec3>,
     pub(super) weights: Vec<f64>,
     pub(super) irradiance: Vec<DVec3>,
+    /// The same, side by side.
+    pub(super) blocks: Blocks,
     /// Weighted sum of squares of the irradiance: the cost of no light at all.
     pub(super) energy: f64,
 }
@@ -42,8 +45,9 @@ impl Samples {
     }
 
     fn of(normals: Vec<DVec3>, weights: Vec<f64>, irradiance: Vec<DVec3>) -> Self {
-        let energy = irradiance.iter().zip(&weights).map(|(e, w)| w * e.length_squared()).sum();
-        Self { normals, weights, irradiance, energy }
+        let blocks = Blocks::new(&normals, &weights, &irradiance);
+        let energy = blocks.cost(&Rig::default());
+        Self { normals, weights, irradiance, blocks, energy }
     }
 
     /// Those at the normals that `are_kept`; none where all are.
@@ -58,9 +62,7 @@ impl Samples {
 
     /// Weighted sum of squares of what `rig` leaves unexplained.
     pub fn cost(&self, rig: &Rig) -> f64 {
-        let seen = self.normals.iter().map(|&normal| model::irradiance(rig, normal));
-        let left = seen.zip(&self.irradiance).map(|(seen, &wanted)| wanted - seen);
-        left.zip(&self.weights).map(|(left, weight)| weight * left.length_squared()).sum()
+        self.blocks.cost(rig)
     }
 
     /// Relative RMS error of `rig`; absolute where all is black.

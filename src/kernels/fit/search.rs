@@ -5,6 +5,7 @@
 //! lowest of the small valleys around them.
 
 use std::ops::RangeInclusive;
+use std::sync::OnceLock;
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -45,14 +46,19 @@ const NUDGES: RangeInclusive<usize> = 8..=16;
 /// The search for the best lights for one probe.
 #[derive(Debug)]
 pub struct Search<'a> {
-    problem: Problem<'a>,
-    candidates: Candidates,
+    pub problem: Problem<'a>,
+    /// Made only when a light has no start.
+    candidates: OnceLock<Candidates>,
 }
 
 impl<'a> Search<'a> {
-    /// Prepares what all numbers of lights have in common.
+    /// For any number of lights.
     pub fn new(problem: Problem<'a>) -> Self {
-        Self { problem, candidates: Candidates::new(problem.probe) }
+        Self { problem, candidates: OnceLock::new() }
+    }
+
+    fn candidates(&self) -> &Candidates {
+        self.candidates.get_or_init(|| Candidates::new(self.problem.probe))
     }
 
     /// One light more than `last` has, where that helps, without a second look.
@@ -71,12 +77,25 @@ impl<'a> Search<'a> {
 
     /// The best lights, one more than `last` has, where that helps.
     pub fn best(&self, last: &State) -> Result<Option<State>> {
-        let Some(grown) = self.more(last) else { return Ok(None) };
-        let free = grown.lights() - self.problem.held;
+        let (grown, tries) = rayon::join(|| self.exchanged_one_more(last), || self.tries(last.lights() + 1));
+        self.lowest(last, grown, tries?)
+    }
+
+    /// One light more than `last` has, and lights exchanged while that pays.
+    pub fn exchanged_one_more(&self, last: &State) -> Option<State> {
+        self.more(last).map(|grown| self.exchanged(grown))
+    }
+
+    /// Where even starts of so many lights lead to, unless the search is over before.
+    pub fn tries(&self, lights: usize) -> Result<Vec<State>> {
+        let free = lights - self.problem.held;
         let starts = spread::even(tries(free), free + SPARE)?;
-        let tries = || starts.par_iter().filter_map(|start| self.tried(start)).collect::<Vec<_>>();
-        let (tries, grown) = rayon::join(tries, || self.exchanged(grown));
-        let best = tries.into_iter().chain([grown]).min_by(by_cost);
+        Ok(starts.par_iter().filter_map(|start| self.tried(start)).collect())
+    }
+
+    /// The lowest place around the best of `grown` and `tries`, where it is lower than `last`.
+    pub fn lowest(&self, last: &State, grown: Option<State>, tries: Vec<State>) -> Result<Option<State>> {
+        let best = tries.into_iter().chain(grown).min_by(by_cost);
         let best = best.map(|best| self.nudged(best.descend(&self.problem, FINE))).transpose()?;
         Ok(best.filter(|best| best.cost < last.cost))
     }
@@ -85,6 +104,9 @@ impl<'a> Search<'a> {
     fn tried(&self, start: &[DVec3]) -> Option<State> {
         let Problem { probe, start: given, held, .. } = self.problem;
         let lights = held + start.len() - SPARE;
+        if self.problem.is_over() {
+            return None;
+        }
         let mut state = State::new(probe, &[&given[..held], start].concat());
         state = state.descend(&self.problem, ROUGH).resumed();
         while state.lights() > lights {
@@ -97,7 +119,7 @@ impl<'a> Search<'a> {
     fn exchanged(&self, mut best: State) -> State {
         loop {
             let Problem { probe, held, .. } = self.problem;
-            let moves = moves::exchanged(&self.candidates, probe, &best, held, EXCHANGED);
+            let moves = moves::exchanged(self.candidates(), probe, &best, held, EXCHANGED);
             match self.best_move(&best, &moves) {
                 Some(next) if is_better(&next, &best) => best = next,
                 _ => return best,
@@ -132,7 +154,7 @@ impl<'a> Search<'a> {
 
     /// One light more, where it helps most: added, or by splitting one.
     fn more(&self, last: &State) -> Option<State> {
-        let mut moves = moves::added(&self.candidates, self.problem.probe, last, ADDED);
+        let mut moves = moves::added(self.candidates(), self.problem.probe, last, ADDED);
         moves.extend(moves::split(last, self.problem.held));
         self.best_move(last, &moves)
     }
@@ -148,6 +170,9 @@ impl<'a> Search<'a> {
     /// The best of a `field` that goes downhill side by side: after each step the worse half is out.
     fn race(&self, mut field: Vec<State>) -> Option<State> {
         while field.len() > 1 {
+            if self.problem.is_over() {
+                return None;
+            }
             field = field.into_par_iter().map(|state| state.step(&self.problem, ROUGH)).collect();
             field.sort_by(by_cost);
             field.truncate(field.len().div_ceil(2));

@@ -8,16 +8,19 @@
 //! from either side the slope leads into it, and no step across leads down. From there the way goes on
 //! along the crease.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use glam::DVec3;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DMatrixView, DVector, Dyn, U1};
 
 use super::moments::Moments;
-use super::nnls::View;
+use super::nnls::Support;
 use super::probe::Probe;
 use super::quadratic::{Crease, Quadratic};
 use super::radiances::{self, Radiances};
 use super::{Rig, StopReason};
-use crate::kernels::sphere::exponential_map;
+use crate::kernels::sphere::{exponential_map, tangents};
 
 /// A light never turns by more than this in one step, in radians: the model is linear only nearby.
 const LONGEST_STEP: f64 = 0.5;
@@ -44,6 +47,15 @@ pub struct Problem<'a> {
     pub held: usize,
     /// Steps after which the solver gives up.
     pub max_steps: usize,
+    /// Set once no answer is wanted any more.
+    pub is_over: &'a AtomicBool,
+}
+
+impl Problem<'_> {
+    /// Whether to leave everything as it is.
+    pub fn is_over(&self) -> bool {
+        self.is_over.load(Ordering::Relaxed)
+    }
 }
 
 /// One place of the search: directions, their best radiances, and what that costs.
@@ -52,6 +64,8 @@ pub struct State {
     pub moments: Moments,
     /// Coefficients of the ambient term, then irradiance of the lights; a column for each channel.
     pub x: DMatrix<f64>,
+    /// For each channel, the columns that it uses.
+    pub supports: Vec<Arc<Support>>,
     /// For each channel, the normals at which the ambient term is kept from turning negative.
     pub dark: Vec<Vec<DVec3>>,
     /// Weighted sum of squares of what is left unexplained.
@@ -66,17 +80,16 @@ pub struct State {
 impl State {
     /// The best radiances of lights in `directions`.
     pub fn new(probe: &Probe, directions: &[DVec3]) -> Self {
-        Self::at(probe, Moments::new(probe, directions), 0)
+        Self::at(probe, Moments::new(probe, directions), 0, &[])
     }
 
-    /// The best radiances of the lights of `moments`, after so many `steps`.
-    pub fn at(probe: &Probe, moments: Moments, steps: usize) -> Self {
-        let columns = moments.columns();
-        let gram = moments.gram.view((0, 0), (columns, columns));
-        let right = moments.right.rows(0, columns);
-        let Radiances { x, dark } = radiances::solve(probe, &gram, &right);
-        let cost = cost(probe, &gram, &right, &x);
-        let mut state = Self { moments, x, dark, cost, damping: FIRST_DAMPING, steps, stop: None };
+    /// The best radiances of the lights of `moments`, after so many `steps`; those that are not 0 may be
+    /// those of `guess`.
+    pub fn at(probe: &Probe, moments: Moments, steps: usize, guess: &[Arc<Support>]) -> Self {
+        let Radiances { x, supports, dark } = radiances::solve(probe, &moments.gram, &moments.right, guess);
+        let cost = cost(probe, &moments.gram, &moments.right, &x);
+        let damping = FIRST_DAMPING;
+        let mut state = Self { moments, x, supports, dark, cost, damping, steps, stop: None };
         if cost <= SMALL * probe.samples.energy {
             state.cost = probe.samples.cost(&state.rig(probe));
         }
@@ -88,7 +101,7 @@ impl State {
 
     /// The same lights in other `directions`, with the best radiances for these.
     pub fn turned_to(&self, probe: &Probe, directions: Vec<DVec3>) -> Self {
-        Self::at(probe, self.moments.turned(probe, directions), self.steps)
+        Self::at(probe, self.moments.turned(probe, directions), self.steps, &self.supports)
     }
 
     /// How many lights there are.
@@ -97,14 +110,8 @@ impl State {
     }
 
     /// Irradiance of the lights: a row for each, a column for each channel.
-    pub fn irradiance(&self) -> View<'_> {
+    pub fn irradiance(&self) -> DMatrixView<'_, f64, U1, Dyn> {
         self.x.rows(self.x.nrows() - self.lights(), self.lights())
-    }
-
-    /// The columns that a channel uses.
-    pub fn used(&self, probe: &Probe, channel: usize) -> Vec<usize> {
-        let x = self.x.column(channel);
-        (0..x.len()).filter(|&i| i < probe.free() || x[i] > 0.0).collect()
     }
 
     /// Without the lights that no channel uses, if there are such beyond those that are held: nothing
@@ -114,7 +121,7 @@ impl State {
         let kept: Vec<usize> = (0..self.lights()).filter(is_lit).collect();
         (kept.len() < self.lights()).then(|| {
             let moments = self.moments.with(problem.probe, &kept, &[]);
-            Self::at(problem.probe, moments, self.steps)
+            Self::at(problem.probe, moments, self.steps, &[])
         })
     }
 
@@ -134,6 +141,9 @@ impl State {
     /// Downhill until a step lowers the cost by less than the share `still` of it.
     pub fn descend(mut self, problem: &Problem<'_>, still: f64) -> Self {
         for _ in 0..problem.max_steps {
+            if self.stop.is_some() || problem.is_over() {
+                break;
+            }
             self = self.step(problem, still);
         }
         self.stop = self.stop.or(Some(StopReason::OutOfSteps));
@@ -191,7 +201,7 @@ impl State {
         let crossed = self.moments.crossed(problem.probe, &next.moments);
         let crease = |(light, normal): (usize, DVec3)| Crease {
             first: 2 * (light - problem.held),
-            across: self.moments.tangents[light].map(|tangent| normal.dot(tangent)),
+            across: tangents(self.moments.directions[light]).map(|tangent| normal.dot(tangent)),
             ahead: -normal.dot(self.moments.directions[light]),
         };
         (1..=MOST_CREASES * self.lights())
@@ -203,7 +213,7 @@ impl State {
     fn directions_after(&self, problem: &Problem<'_>, step: &DVector<f64>) -> Vec<DVec3> {
         let mut directions = self.moments.directions.clone();
         for (i, light) in (problem.held..directions.len()).enumerate() {
-            let [s, t] = self.moments.tangents[light];
+            let [s, t] = tangents(directions[light]);
             let along = s * step[2 * i] + t * step[2 * i + 1];
             directions[light] = exponential_map(directions[light], along.clamp_length_max(LONGEST_STEP));
         }
@@ -212,7 +222,7 @@ impl State {
 }
 
 /// What the values `x` leave unexplained, from inner products: good to about 1e-15 of the energy.
-pub fn cost(probe: &Probe, gram: &View<'_>, right: &View<'_>, x: &DMatrix<f64>) -> f64 {
+pub fn cost(probe: &Probe, gram: &DMatrix<f64>, right: &DMatrix<f64>, x: &DMatrix<f64>) -> f64 {
     let used = gram * x;
     let explained = |c: usize| 2.0 * right.column(c).dot(&x.column(c)) - used.column(c).dot(&x.column(c));
     probe.samples.energy - (0..x.ncols()).map(|c| probe.copies(c) * explained(c)).sum::<f64>()

@@ -7,7 +7,7 @@ use glam::{DQuat, DVec3};
 use super::solver::State;
 use crate::error::Result;
 use crate::kernels::sampling;
-use crate::kernels::sphere::exponential_map;
+use crate::kernels::sphere::{exponential_map, tangents};
 
 /// The longest nudge, in radians: to the next small valley, not to the next light.
 const FARTHEST: f64 = 0.3;
@@ -53,7 +53,7 @@ pub fn nudges(state: &State, held: usize, count: usize, round: usize) -> Result<
             }
             let place = places.row((round * count + nudge) * lights + light);
             let ((sin, cos), distance) = ((TAU * place[0]).sin_cos(), farthest * place[1].sqrt());
-            let [s, t] = state.moments.tangents[light];
+            let [s, t] = tangents(direction);
             exponential_map(direction, (s * cos + t * sin) * distance)
         };
         state.moments.directions.iter().enumerate().map(turn).collect()

@@ -29,11 +29,32 @@ pub struct Uncertainty {
     pub irradiance: Vec<[f64; 3]>,
 }
 
-/// One unknown: a column of [`Moments`], in one channel or, for a direction, in all.
+/// One unknown: a column of [`Columns`], in one channel or, for a direction, in all.
 #[derive(Clone, Copy)]
 struct Unknown {
     column: usize,
     channel: Option<usize>,
+}
+
+/// The columns of the model, then their derivatives when a light turns.
+struct Columns {
+    /// How many belong to the model.
+    model: usize,
+    /// Inner products of all.
+    gram: DMatrix<f64>,
+}
+
+impl Columns {
+    fn new(probe: &Probe, directions: &[DVec3]) -> Self {
+        let moments = Moments::new(probe, directions);
+        let derivatives = moments.derivatives(probe, 0);
+        let (model, turned) = (moments.gram.nrows(), derivatives.model.nrows());
+        let mut gram = moments.gram.resize(model + turned, model + turned, 0.0);
+        gram.view_mut((model, 0), (turned, model)).copy_from(&derivatives.model);
+        gram.view_mut((model, model), (turned, turned)).copy_from(&derivatives.gram);
+        gram.fill_upper_triangle_with_lower_triangle();
+        Self { model, gram }
+    }
 }
 
 /// Of the lights of `rig`, of which the first `held` keep their directions.
@@ -49,10 +70,10 @@ pub fn uncertainty(probe: &Probe, rig: &Rig, held: usize) -> Uncertainty {
 }
 
 fn of_evidence(probe: &Probe, rig: &Rig, held: usize) -> Uncertainty {
-    let moments = Moments::new(probe, &rig.directions);
-    let unknowns = unknowns(probe, &moments, rig, held);
+    let columns = Columns::new(probe, &rig.directions);
+    let unknowns = unknowns(probe, &columns, rig, held);
     let normal = DMatrix::from_fn(unknowns.len(), unknowns.len(), |i, j| {
-        inner(&moments, rig, unknowns[i], unknowns[j])
+        inner(&columns, rig, unknowns[i], unknowns[j])
     });
     let length = normal.diagonal().map(|square| square.sqrt().max(f64::MIN_POSITIVE));
     let scaled =
@@ -70,17 +91,17 @@ fn of_evidence(probe: &Probe, rig: &Rig, held: usize) -> Uncertainty {
         irradiance: vec![[0.0; 3]; rig.directions.len()],
     };
     for (i, unknown) in unknowns.iter().enumerate() {
-        out.set(&moments, probe, *unknown, error[i] / length[i]);
+        out.set(&columns, probe, *unknown, error[i] / length[i]);
     }
     out
 }
 
 impl Uncertainty {
-    fn set(&mut self, moments: &Moments, probe: &Probe, unknown: Unknown, error: f64) {
+    fn set(&mut self, columns: &Columns, probe: &Probe, unknown: Unknown, error: f64) {
         let Unknown { column, channel } = unknown;
         match channel {
             None => {
-                let direction = &mut self.direction[(column - moments.columns()) / 2];
+                let direction = &mut self.direction[(column - columns.model) / 2];
                 *direction = direction.hypot(error);
             }
             Some(channel) if column >= probe.ambient.coefficients() => {
@@ -101,15 +122,15 @@ fn condition(gram: &DMatrix<f64>) -> f64 {
     if values.min() <= rounding { f64::INFINITY } else { (values.max() / values.min()).sqrt() }
 }
 
-fn unknowns(probe: &Probe, moments: &Moments, rig: &Rig, held: usize) -> Vec<Unknown> {
+fn unknowns(probe: &Probe, columns: &Columns, rig: &Rig, held: usize) -> Vec<Unknown> {
     let is_free = move |channel: usize, column: usize| {
         column < probe.free() || value(probe, rig, channel, column) > 0.0
     };
     let radiances = (0..3).flat_map(|channel| {
-        let free = (0..moments.columns()).filter(move |&column| is_free(channel, column));
+        let free = (0..columns.model).filter(move |&column| is_free(channel, column));
         free.map(move |column| Unknown { column, channel: Some(channel) })
     });
-    let directions = moments.columns() + 2 * held..moments.gram.nrows();
+    let directions = columns.model + 2 * held..columns.gram.nrows();
     let directions = directions.map(|column| Unknown { column, channel: None });
     radiances.chain(directions).collect()
 }
@@ -123,13 +144,13 @@ fn value(probe: &Probe, rig: &Rig, channel: usize, column: usize) -> f64 {
 }
 
 /// Inner product of two columns of the Jacobian.
-fn inner(moments: &Moments, rig: &Rig, a: Unknown, b: Unknown) -> f64 {
+fn inner(columns: &Columns, rig: &Rig, a: Unknown, b: Unknown) -> f64 {
     let scale = |unknown: Unknown, channel: usize| match unknown.channel {
         Some(own) => f64::from(u8::from(own == channel)),
-        None => rig.irradiance[(unknown.column - moments.columns()) / 2][channel],
+        None => rig.irradiance[(unknown.column - columns.model) / 2][channel],
     };
     let channels: f64 = (0..3).map(|channel| scale(a, channel) * scale(b, channel)).sum();
-    channels * moments.gram[(a.column, b.column)]
+    channels * columns.gram[(a.column, b.column)]
 }
 
 #[cfg(test)]
