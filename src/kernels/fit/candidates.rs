@@ -32,14 +32,17 @@ impl Candidates {
         let (centroids, _) = sampling::icosphere(TRIED).expect("a number of faces that exists");
         let directions: Vec<DVec3> =
             centroids.rows().into_iter().map(|row| DVec3::new(row[0], row[1], row[2])).collect();
-        let plain = columns(probe, &directions);
-        let weights = &probe.samples.weights;
-        let mut weighted = plain.transpose();
-        for (mut column, weight) in weighted.column_iter_mut().zip(weights) {
-            column *= *weight;
+        let mut weighted = DMatrix::zeros(TRIED, probe.samples.normals.len());
+        let mut square = DVector::zeros(TRIED);
+        let normals = probe.samples.normals.iter().zip(&probe.samples.weights);
+        for (column, (normal, weight)) in weighted.as_mut_slice().chunks_exact_mut(TRIED).zip(normals) {
+            for ((value, square), direction) in column.iter_mut().zip(square.as_mut_slice()).zip(&directions)
+            {
+                let lit = normal.dot(*direction).max(0.0);
+                *value = weight * lit;
+                *square += weight * lit * lit;
+            }
         }
-        let square = plain.column_iter().map(|a| a.iter().zip(weights).map(|(a, w)| w * a * a).sum());
-        let square = DVector::from_iterator(TRIED, square);
         let sides = &weighted * probe.side_columns();
         Self { directions, weighted, sides, square }
     }
