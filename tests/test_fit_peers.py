@@ -147,6 +147,14 @@ def test_from_even_starts_no_peer_ends_lower_than_the_search():
     assert np.mean(np.array(list(ratios.values())) <= 1 + 1e-6) >= 0.99, ratios
 
 
+def test_the_search_never_ends_higher_than_the_even_start_of_the_paper():
+    for name, irradiance in some_probes().items():
+        for problem in problems(irradiance, range(1, 9)):
+            searched, started = ours(problem).error, ours(problem, start="even").error
+            case = f"{name}, {problem.lights} lights, ambient {problem.ambient}"
+            assert ratio(searched**2, started**2) <= 1 + 1e-6, case
+
+
 def test_the_search_ends_where_the_best_of_random_starts_does():
     ratios = {}
     for name, irradiance in some_probes().items():

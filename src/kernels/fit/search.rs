@@ -35,7 +35,7 @@ const ADDED: usize = 2;
 const EXCHANGED: usize = 8;
 /// Moves that are still in the race after a look at their cost.
 const RACING: usize = 12;
-/// Lights that a try from an even start has to spare.
+/// Lights that a try from an even start has to spare, but for the first.
 const SPARE: usize = 1;
 /// Tries from even starts at most, and how many lights they have together at most.
 const MOST_TRIES: usize = 6;
@@ -89,26 +89,34 @@ impl<'a> Search<'a> {
     /// Where even starts of so many lights lead to, unless the search is over before.
     pub fn tries(&self, lights: usize) -> Result<Vec<State>> {
         let free = lights - self.problem.held;
-        let starts = spread::even(tries(free), free + SPARE)?;
-        Ok(starts.par_iter().filter_map(|start| self.tried(start)).collect())
+        let starts = spread::starts(tries(free), free, SPARE)?;
+        Ok(starts.par_iter().filter_map(|start| self.tried(start, lights)).collect())
     }
 
     /// The lowest place around the best of `grown` and `tries`, where it is lower than `last`.
     pub fn lowest(&self, last: &State, grown: Option<State>, tries: Vec<State>) -> Result<Option<State>> {
-        let best = tries.into_iter().chain(grown).min_by(by_cost);
-        let best = best.map(|best| self.nudged(best.descend(&self.problem, FINE))).transpose()?;
+        let mut field: Vec<State> = tries.into_iter().chain(grown).collect();
+        let least = field.iter().map(|state| state.cost).fold(f64::INFINITY, f64::min);
+        // At the bottom of their valleys the best may change places.
+        field.retain(|state| state.cost <= least * (1.0 + ROUGH));
+        let settled = field.into_par_iter().map(|state| state.descend(&self.problem, FINE));
+        // Of those in the same place the first, whatever rounding says of the others.
+        let lower = |best: State, next: State| if is_lower(&next, &best) { next } else { best };
+        let best = settled.collect::<Vec<_>>().into_iter().reduce(lower);
+        let best = best.map(|best| self.nudged(best)).transpose()?;
         Ok(best.filter(|best| best.cost < last.cost))
     }
 
-    /// What a start with lights to spare leads to without those that are needed least.
-    fn tried(&self, start: &[DVec3]) -> Option<State> {
+    /// What an even start leads to, without the lights to spare that are needed least.
+    fn tried(&self, start: &[DVec3], lights: usize) -> Option<State> {
         let Problem { probe, start: given, held, .. } = self.problem;
-        let lights = held + start.len() - SPARE;
         if self.problem.is_over() {
             return None;
         }
         let mut state = State::new(probe, &[&given[..held], start].concat());
-        state = state.descend(&self.problem, ROUGH).resumed();
+        // Without any to spare it must not be left for what only seems lower.
+        let still = if state.lights() > lights { ROUGH } else { FINE };
+        state = state.descend(&self.problem, still).resumed();
         while state.lights() > lights {
             state = self.best_move(&state, &moves::reduced(&state, held))?;
         }
@@ -131,7 +139,7 @@ impl<'a> Search<'a> {
     fn nudged(&self, mut best: State) -> Result<State> {
         for round in 0.. {
             match self.nudge(&best, round)? {
-                Some(next) if next.cost < best.cost * (1.0 - WORTH_A_NUDGE) => best = next,
+                Some(next) if is_lower(&next, &best) => best = next,
                 _ => break,
             }
         }
@@ -188,6 +196,10 @@ fn tries(lights: usize) -> usize {
 
 fn is_better(next: &State, best: &State) -> bool {
     next.cost < best.cost * (1.0 - WORTH_AN_EXCHANGE)
+}
+
+fn is_lower(next: &State, best: &State) -> bool {
+    next.cost < best.cost * (1.0 - WORTH_A_NUDGE)
 }
 
 fn by_cost(a: &State, b: &State) -> std::cmp::Ordering {

@@ -12,20 +12,27 @@ use crate::kernels::sphere::{exponential_map, tangents};
 /// The longest nudge, in radians: to the next small valley, not to the next light.
 const FARTHEST: f64 = 0.3;
 
-/// So many starts, each of so many `lights` spread evenly, each turned elsewhere.
+/// So many starts of lights spread evenly: the first as they are (Madsen et al. 2003, section 3.2), the
+/// others of `spare` more, each turned elsewhere.
 ///
 /// # Errors
 ///
 /// As [`sampling::halton`].
-pub fn even(starts: usize, lights: usize) -> Result<Vec<Vec<DVec3>>> {
+pub fn starts(count: usize, lights: usize, spare: usize) -> Result<Vec<Vec<DVec3>>> {
+    let (first, others) = (even(lights)?, even(lights + spare)?);
+    let turns = sampling::halton(count, &[2, 3, 5])?;
+    let turns = turns.rows().into_iter().skip(1).map(|at| rotation([at[0], at[1], at[2]]));
+    let others = turns.map(|turn| others.iter().map(|&direction| turn * direction).collect());
+    Ok(std::iter::once(first).chain(others).collect())
+}
+
+/// So many `lights` spread evenly.
+fn even(lights: usize) -> Result<Vec<DVec3>> {
     let mut places = sampling::hammersley(lights);
     // In the middle between the poles, not on one of them.
     places.column_mut(0).mapv_inplace(|place| place + 0.5 / lights as f64);
     let directions = sampling::uniform_sphere(places.view())?;
-    let turns = sampling::halton(starts, &[2, 3, 5])?;
-    let turned =
-        |turn: DQuat| directions.rows().into_iter().map(move |d| turn * DVec3::new(d[0], d[1], d[2]));
-    Ok(turns.rows().into_iter().map(|at| turned(rotation([at[0], at[1], at[2]])).collect()).collect())
+    Ok(directions.rows().into_iter().map(|d| DVec3::new(d[0], d[1], d[2])).collect())
 }
 
 /// Evenly distributed rotations from evenly distributed points of the unit cube (Shoemake 1992).
@@ -69,7 +76,8 @@ mod tests {
 
     #[test]
     fn even_starts_are_spread_and_differ() {
-        let starts = even(12, 8).unwrap();
+        let starts = starts(12, 8, 1).unwrap();
+        assert_eq!(starts.iter().map(Vec::len).collect::<Vec<_>>(), [[8].as_slice(), &[9; 11]].concat());
         for start in &starts {
             let sum: DVec3 = start.iter().sum();
             assert!(sum.length() < 1.5, "{sum}");
