@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.stats import qmc
 
 import envlights as el
-from envlights import kernels
+from envlights import _native, kernels
 
 
 def test_radical_inverse_of_base_2_and_3_is_scipys_van_der_corput():
@@ -33,6 +33,14 @@ def test_hammersley_on_the_sphere_covers_caps_in_proportion():
             # A tilted cap's edge crosses the rows of points: log2(4096) = 12 of them may be off,
             # 3e-3 of all. At the worst of these caps 9 are.
             assert share == pytest.approx((1 - cosine) / 2, abs=4e-3)
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 9, 64])
+def test_even_directions_are_hammersley_points_half_a_step_in(count):
+    points = kernels.hammersley(count) + np.array([0.5 / max(count, 1), 0.0])
+    even = _native.even_sphere(count)
+    np.testing.assert_allclose(even, kernels.uniform_sphere(points), atol=1e-15)
+    assert (np.abs(even[:, 1]) < 1).all()  # none on a pole
 
 
 @pytest.mark.parametrize("border_sampled", [False, True])

@@ -13,6 +13,7 @@ __all__ = [
     "bresenham_line",
     "detect_tree",
     "direction_to_uv",
+    "even_sphere",
     "face_radiance",
     "fit_lights",
     "halton",
@@ -102,6 +103,7 @@ def detect_tree(
     max_lights: int,
 ) -> TreeDetection: ...
 def direction_to_uv(direction: _Reals) -> _Reals: ...
+def even_sphere(count: int) -> _Reals: ...
 def face_radiance(radiance: _Image, faces: int, border_sampled: bool) -> _Reals: ...
 def fit_lights(
     fitted: tuple[_Reals, _Reals, _Reals],

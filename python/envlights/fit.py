@@ -8,7 +8,7 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights import kernels
+from envlights import _native, kernels
 from envlights._check import amount, check_choice, count, reals
 from envlights._native import EnvLightsError
 from envlights.answer import answers, rig_of, stop_reason
@@ -181,7 +181,7 @@ def fit_probe(
 
     Examples
     --------
-    >>> from envlights import kernels
+    >>> from envlights import _native, kernels
     >>> normals, solid_angles = kernels.icosphere(320)
     >>> probe = kernels.rig_irradiance(normals, [0.1, 0.1, 0.1], [[0, 0.6, 0.8]], [[3, 2, 1]])
     >>> rig = fit_probe(normals, probe, lights=1)
@@ -274,8 +274,7 @@ def _first_directions(start: str | Rig, lights: int, env: EnvMap | None) -> NDAr
     if start == "greedy" or lights == 0:
         return _NOWHERE
     if start == "even":
-        # Half a step in, so that none stands on a pole.
-        return kernels.uniform_sphere(kernels.hammersley(lights) + np.array([0.5 / lights, 0.0]))
+        return _native.even_sphere(lights)
     assert env is not None
     return detect(env, max_lights=lights).direction
 

@@ -35,7 +35,7 @@ mod _native {
     #[pymodule_export]
     use super::probe::{irradiance, sum_over_sources, working_irradiance};
     #[pymodule_export]
-    use super::sampling::{halton, hammersley, icosphere, radical_inverse, uniform_sphere};
+    use super::sampling::{even_sphere, halton, hammersley, icosphere, radical_inverse, uniform_sphere};
     #[pymodule_export]
     use super::sphere::{direction_to_uv, pixel_directions, pixel_solid_angles, uv_to_direction};
     #[pymodule_export]

@@ -35,6 +35,12 @@ pub fn uniform_sphere<'py>(
     Ok(out.into_pyarray(py))
 }
 
+/// See `envlights.fit`: where lights start evenly.
+#[pyfunction]
+pub fn even_sphere(py: Python<'_>, count: usize) -> Bound<'_, PyArray2<f64>> {
+    sampling::even_sphere(count).into_pyarray(py)
+}
+
 type Faces<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>);
 
 /// See `envlights.kernels.icosphere`.

@@ -76,6 +76,15 @@ pub fn uniform_sphere(uv: ArrayView2<'_, f64>) -> Result<Array2<f64>> {
     })))
 }
 
+/// So many directions spread evenly, (count, 3): Hammersley points half a step in, so that none stands on
+/// a pole.
+pub fn even_sphere(count: usize) -> Array2<f64> {
+    from_vectors((0..count).map(|i| {
+        let height = (i as f64 + 0.5) / count as f64;
+        direction(2.0 * height.sqrt().asin(), TAU * mirrored_digits(i as u64, 2))
+    }))
+}
+
 /// Centroids, (faces, 3), and solid angles, (faces,), of the faces of a subdivided icosahedron.
 ///
 /// Each subdivision cuts every triangle into four at the midpoints of its edges, pushed out to

@@ -19,20 +19,16 @@ const FARTHEST: f64 = 0.3;
 ///
 /// As [`sampling::halton`].
 pub fn starts(count: usize, lights: usize, spare: usize) -> Result<Vec<Vec<DVec3>>> {
-    let (first, others) = (even(lights)?, even(lights + spare)?);
+    let (first, others) = (even(lights), even(lights + spare));
     let turns = sampling::halton(count, &[2, 3, 5])?;
     let turns = turns.rows().into_iter().skip(1).map(|at| rotation([at[0], at[1], at[2]]));
     let others = turns.map(|turn| others.iter().map(|&direction| turn * direction).collect());
     Ok(std::iter::once(first).chain(others).collect())
 }
 
-/// So many `lights` spread evenly.
-fn even(lights: usize) -> Result<Vec<DVec3>> {
-    let mut places = sampling::hammersley(lights);
-    // In the middle between the poles, not on one of them.
-    places.column_mut(0).mapv_inplace(|place| place + 0.5 / lights as f64);
-    let directions = sampling::uniform_sphere(places.view())?;
-    Ok(directions.rows().into_iter().map(|d| DVec3::new(d[0], d[1], d[2])).collect())
+fn even(lights: usize) -> Vec<DVec3> {
+    let directions = sampling::even_sphere(lights);
+    directions.rows().into_iter().map(|d| DVec3::new(d[0], d[1], d[2])).collect()
 }
 
 /// Evenly distributed rotations from evenly distributed points of the unit cube (Shoemake 1992).
