@@ -128,6 +128,11 @@ normals, _ = el.kernels.icosphere(320)
 rig = el.fit(radiance, lights=3)
 errors = np.array(list(rig.report.errors.values()))
 found = [rig.ambient, rig.lights.direction, rig.lights.irradiance, errors]
+# Of eight lights that are tried at once, two are needed: the tries are given up.
+two = el.kernels.rig_irradiance(normals, [0, 0, 0], np.eye(3)[:2], [[3, 2, 1], [1, 2, 3]])
+lights = el.fit_probe(normals, two, lights=8).lights
+assert len(lights) == 2
+found += [lights.direction, lights.irradiance]
 for array in [el.EnvMap(radiance).probe(normals), *found]:
     print(array.tobytes().hex())
 """
