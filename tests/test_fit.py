@@ -368,6 +368,20 @@ def test_fixed_lights_stay_and_get_their_radiances():
     assert (away.lights.direction == [0.6, -0.8, 0.0]).all(axis=1).any()
 
 
+@pytest.mark.parametrize("ambient", ["constant", "sh2"])
+def test_a_normal_on_the_horizon_of_a_fixed_light_tells_how_bright_it_is(ambient):
+    """Each of these normals is on the horizon of one of three lights along the axes."""
+    angle = np.linspace(0.1, 6.2, 12)
+    ring = np.column_stack([np.zeros(12), np.cos(angle), np.sin(angle)])
+    normals = np.concatenate([ring, np.roll(ring, 1, axis=1), np.roll(ring, 2, axis=1)])
+    strength = np.array([[3, 2, 1], [1, 2, 3], [1, 1, 1]])
+    seen = kernels.rig_irradiance(normals, [0.1, 0.1, 0.1], np.eye(3), strength)
+    found = el.fit_probe(normals, seen, fixed=np.eye(3), ambient=ambient)
+    np.testing.assert_allclose(found.lights.irradiance, strength, rtol=1e-12)
+    assert found.report.condition < 100
+    assert np.max(found.report.irradiance_errors) < 1e-12
+
+
 def test_a_fixed_light_that_is_not_needed_comes_back_black():
     one = known_rig().lights[:1]
     rig = el.Rig([0, 0, 0], one, 0)

@@ -92,17 +92,13 @@ impl Sums {
         };
         for (j, lit) in self.lit.chunks_exact_mut(length).enumerate() {
             for (part, sum) in lit.iter_mut().enumerate() {
-                *sum = changed(
-                    *sum,
-                    &probe.lit[part..],
-                    length,
-                    changes(j).map(|(&before, &now)| [before, now]),
-                );
+                let own = changes(j).map(|(&before, &now)| [before, now]);
+                *sum = changed(*sum, own, |normal| &probe.lit[normal * length + part]);
             }
             for k in 0..=j {
                 let both = changes(j).zip(changes(k)).map(|((b, n), (before, now))| [b & before, n & now]);
                 let sum = &mut self.pairs[pair(j, k)];
-                *sum = changed(*sum, &probe.outer, 1, both);
+                *sum = changed(*sum, both, |normal| &probe.outer[normal]);
             }
         }
         self.visible = visible;
@@ -114,18 +110,17 @@ fn pair(j: usize, k: usize) -> usize {
     j * (j + 1) / 2 + k
 }
 
-/// `sum` with the terms of the normals that see a light now and did not before, by their bits, and without
-/// those of the normals that did. Each `stride`-th of `terms` belongs to a normal.
-fn changed<const N: usize>(
+/// `sum` with the terms of the normals that see a light now and did not before, by the bits of each word,
+/// and without those of the normals that did.
+fn changed<'a, const N: usize>(
     mut sum: [f64; N],
-    terms: &[[f64; N]],
-    stride: usize,
     changes: impl Iterator<Item = [u64; 2]>,
+    term: impl Fn(usize) -> &'a [f64; N],
 ) -> [f64; N] {
     for (word, [before, now]) in changes.enumerate() {
         for normal in members(before ^ now, word) {
             let sign = if now >> (normal % 64) & 1 == 1 { 1.0 } else { -1.0 };
-            let term = &terms[normal * stride];
+            let term = term(normal);
             (0..N).for_each(|i| sum[i] += sign * term[i]);
         }
     }

@@ -7,8 +7,8 @@
 //!   covariance = (J^T W J)^-1 r^T W r / (n - unknowns)
 //! ```
 //!
-//! A value held at zero is no unknown. A normal on the horizon of a light is no evidence: its derivatives
-//! differ from side to side, and what is left of J is the same from both.
+//! A value held at zero is no unknown. A normal on the horizon of a light that may turn is no evidence: its
+//! derivatives differ from side to side, and what is left of J is the same from both.
 
 use glam::DVec3;
 use nalgebra::{DMatrix, DVector};
@@ -62,7 +62,7 @@ pub fn uncertainty(probe: &Probe, rig: &Rig, held: usize) -> Uncertainty {
     /// Cosine of the angle between a light and a normal on its horizon, at most: a light that follows a
     /// crease stands within rounding of it.
     const HORIZON: f64 = 1e-9;
-    let is_evidence = |normal: DVec3| rig.directions.iter().all(|l| l.dot(normal).abs() > HORIZON);
+    let is_evidence = |normal: DVec3| rig.directions[held..].iter().all(|l| l.dot(normal).abs() > HORIZON);
     match probe.samples.only(is_evidence) {
         Some(clear) => of_evidence(&Probe::new(clear, probe.ambient), rig, held),
         None => of_evidence(probe, rig, held),
@@ -192,5 +192,29 @@ mod tests {
         approx::assert_relative_eq!(found.direction[0], direction, max_relative = 1e-9);
         approx::assert_relative_eq!(found.irradiance[0][1], covariance[(4, 4)].sqrt(), max_relative = 1e-9);
         assert!(found.irradiance[0][2].abs() < f64::MIN_POSITIVE);
+    }
+
+    /// Three lights along the axes, and normals each of which is on the horizon of one.
+    #[test]
+    fn horizons_are_no_evidence_of_where_a_light_is_but_of_how_bright() {
+        let planes = |i: usize| {
+            let (sin, cos) = (i as f64).sin_cos();
+            [DVec3::new(0.0, sin, cos), DVec3::new(sin, 0.0, cos), DVec3::new(sin, cos, 0.0)]
+        };
+        let normals = crate::kernels::sphere::from_vectors((0..12).flat_map(planes));
+        let rig = Rig {
+            ambient: vec![DVec3::splat(0.1); 9],
+            directions: DVec3::AXES.to_vec(),
+            irradiance: vec![DVec3::ONE; 3],
+        };
+        let seen = irradiance(&rig, normals.view()).unwrap() + 0.01;
+        let weights = ndarray::Array1::ones(36);
+        let samples = Samples::new(normals.view(), weights.view(), seen.view()).unwrap();
+        let probe = Probe::new(samples, Ambient::Sh2);
+        let free = uncertainty(&probe, &rig, 0);
+        assert!(free.condition.is_infinite() && free.direction.iter().all(|error| error.is_infinite()));
+        let held = uncertainty(&probe, &rig, 3);
+        assert!(held.condition.is_finite() && held.direction == [0.0; 3], "{held:?}");
+        assert!(held.irradiance.as_flattened().iter().all(|error| (0.0..1.0).contains(error)), "{held:?}");
     }
 }
