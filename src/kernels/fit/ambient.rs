@@ -87,19 +87,30 @@ pub fn darkest(coefficients: &[f64]) -> (DVec3, f64) {
 
 /// The unit vector n at which `sum_i q_i n_i^2 + 2 b_i n_i` is least.
 fn least_on_sphere(q: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    /// Where Newton's steps lead astray, halving alone is done with as many.
+    const STEPS: usize = 60;
     let first = (0..3).min_by(|&i, &j| q[i].total_cmp(&q[j])).unwrap_or(0);
     let length = |b: [f64; 3]| b.iter().map(|b| b * b).sum::<f64>().sqrt();
-    // |n(m)| grows with m, from at most 1 at the low end to at least 1 at the high end.
+    // |n(m)| grows with m, from at most 1 at the low end to at least 1 at the high end; 1 / |n(m)| is almost
+    // a straight line, on which Newton's steps arrive soon.
     let (mut low, mut high) = (q[first] - length(b), q[first] - b[first].abs());
     let at = |m: f64| [0, 1, 2].map(|i| if b[i] == 0.0 { 0.0 } else { -b[i] / (q[i] - m) });
-    for _ in 0..100 {
-        let middle = 0.5 * (low + high);
-        if middle <= low || middle >= high {
+    let (mut m, mut n) = (low, at(low));
+    for _ in 0..STEPS {
+        n = at(m);
+        let size = length(n);
+        if size < 1.0 {
+            low = m;
+        } else {
+            high = m;
+        }
+        let slope: f64 = (0..3).filter(|&i| b[i] != 0.0).map(|i| n[i] * n[i] / (q[i] - m)).sum();
+        let newton = m + size * size * (1.0 - size) / slope;
+        m = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+        if m <= low || m >= high || (1.0 - size).abs() < 1e-15 {
             break;
         }
-        if length(at(middle)) < 1.0 { low = middle } else { high = middle }
     }
-    let mut n = at(low);
     // Where b has no part along the least eigenvector, that part of n closes the gap.
     let rest = 1.0 - length(n).powi(2) + n[first] * n[first];
     n[first] = rest.max(0.0).sqrt().copysign(-b[first]);
@@ -126,6 +137,13 @@ mod tests {
                 coefficients.iter().zip(columns).map(|(c, column)| c * column).sum::<f64>()
             }).fold(f64::INFINITY, f64::min);
             prop_assert!(least <= seen + 1e-9 && seen < least + 0.01, "{least} {seen}");
+            // Nor is it close by, in any direction.
+            let [s, t] = crate::kernels::sphere::tangents(normal);
+            for step in [s, -s, t, -t] {
+                let columns = Ambient::Sh2.irradiance(crate::kernels::sphere::exponential_map(normal, step * 1e-3));
+                let near = coefficients.iter().zip(columns).map(|(c, column)| c * column).sum::<f64>();
+                prop_assert!(least <= near + 1e-12, "{least} {near}");
+            }
         }
     }
 }

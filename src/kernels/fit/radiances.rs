@@ -75,8 +75,14 @@ fn shadow(x: &DVector<f64>) -> Option<DVec3> {
     (least < -DARK * x.rows(0, 9).amax()).then_some(normal)
 }
 
-/// A condition `row.x >= 0`, and its normal if it is one on the ambient term.
-type Condition = (DVector<f64>, Option<DVec3>);
+/// A condition `row.x >= 0`.
+struct Condition {
+    row: DVector<f64>,
+    /// `G^-1 row`: where its multiplier pushes.
+    push: DVector<f64>,
+    /// Its normal, if it is one on the ambient term.
+    normal: Option<DVec3>,
+}
 
 /// The best values of one channel with harmonics, and the normals of the conditions that hold it.
 fn cut(gram: &DMatrix<f64>, right: &DVector<f64>) -> (DVector<f64>, Vec<DVec3>) {
@@ -89,22 +95,26 @@ fn cut(gram: &DMatrix<f64>, right: &DVector<f64>) -> (DVector<f64>, Vec<DVec3>) 
         if violated.is_empty() {
             break;
         }
-        conditions.extend(violated);
-        let rows: Vec<DVector<f64>> = conditions.iter().map(|(row, _)| row.clone()).collect();
-        let rows = DMatrix::from_columns(&rows);
-        let along = factor.solve(&rows);
-        let (dual, fall) = (rows.tr_mul(&along), -rows.tr_mul(&plain));
-        let (multipliers, _) = nnls::solve(&dual, &DMatrix::from_columns(&[fall]), 0, &[]);
-        x = &plain + &along * multipliers.column(0);
+        let condition = |(row, normal)| Condition { push: factor.solve(&row), row, normal };
+        conditions.extend(violated.into_iter().map(condition));
+        let size = conditions.len();
+        let dual = DMatrix::from_fn(size, size, |i, j| conditions[i].row.dot(&conditions[j].push));
+        let fall = DMatrix::from_fn(size, 1, |i, _| -conditions[i].row.dot(&plain));
+        let (multipliers, _) = nnls::solve(&dual, &fall, 0, &[]);
+        x.copy_from(&plain);
+        for (condition, &multiplier) in conditions.iter().zip(&multipliers) {
+            x.axpy(multiplier, &condition.push, 1.0);
+        }
         let mut holds = multipliers.iter().map(|&multiplier| multiplier > 0.0);
         conditions.retain(|_| holds.next() == Some(true));
     }
     lift(&mut x);
-    (x, conditions.into_iter().filter_map(|(_, normal)| normal).collect())
+    (x, conditions.into_iter().filter_map(|condition| condition.normal).collect())
 }
 
-/// The conditions that `x` breaks: each light, and the ambient term where it is darkest.
-fn violated(x: &DVector<f64>) -> Vec<Condition> {
+/// The conditions that `x` breaks, each with its normal: each light, and the ambient term where it is
+/// darkest.
+fn violated(x: &DVector<f64>) -> Vec<(DVector<f64>, Option<DVec3>)> {
     let row = |columns: &[f64], first: usize| {
         let mut row = DVector::zeros(x.len());
         row.rows_mut(first, columns.len()).copy_from_slice(columns);
