@@ -8,7 +8,7 @@ use super::Rig;
 use super::ambient::Ambient;
 
 /// Samples of one block: as many as a word has bits.
-const SAMPLES: usize = u64::BITS as usize;
+pub const SAMPLES: usize = u64::BITS as usize;
 /// Samples whose residuals stay in registers from light to light.
 const LANES: usize = 8;
 

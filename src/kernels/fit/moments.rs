@@ -75,11 +75,6 @@ impl Moments {
         self.sums.crossed(probe, &other.sums)
     }
 
-    /// Number of columns of the model.
-    pub fn columns(&self) -> usize {
-        self.gram.nrows()
-    }
-
     fn of(probe: &Probe, sums: Sums, directions: Vec<DVec3>) -> Self {
         let ambient = probe.ambient.coefficients();
         let size = ambient + directions.len();
@@ -108,7 +103,7 @@ impl Moments {
         let ambient = probe.ambient.coefficients();
         let frames: Vec<[DVec3; 2]> = self.directions[held..].iter().map(|&l| tangents(l)).collect();
         let size = 2 * frames.len();
-        let mut model = DMatrix::zeros(size, self.columns());
+        let mut model = DMatrix::zeros(size, self.gram.nrows());
         let mut right = DMatrix::zeros(size, probe.channels.len());
         for (j, frame) in frames.iter().enumerate() {
             for (side, sum) in self.sums.lit(probe, held + j).enumerate() {
@@ -191,7 +186,7 @@ mod tests {
 
     fn assert_sums(probe: &Probe, moments: &Moments) {
         let columns = columns(probe, moments);
-        let (model, turned) = columns.split_at(moments.columns());
+        let (model, turned) = columns.split_at(moments.gram.nrows());
         let irradiance: Vec<Vec<f64>> =
             (0..3).map(|c| probe.samples.irradiance.iter().map(|e| e[c]).collect()).collect();
         let derivatives = moments.derivatives(probe, 0);

@@ -87,7 +87,8 @@ pub fn solve(
 }
 
 /// Block principal pivoting (Portugal, Júdice and Vicente 1994): all that is negative goes, all that
-/// would lower the cost comes, until nothing does; none where that takes long, or goes in circles.
+/// would lower the cost comes, until nothing does; none where that takes long, or goes in circles. What is
+/// factored on the way is `known` to the channels that come after.
 fn pivoted(
     gram: &DMatrix<f64>,
     right: &[f64],
@@ -97,9 +98,11 @@ fn pivoted(
 ) -> Option<Answer> {
     const ROUNDS: usize = 5;
     for _ in 0..ROUNDS {
-        let support = match known.iter().find(|known| known.columns == columns) {
-            Some(known) => known.clone(),
-            None => Arc::new(Support::new(gram, columns)?),
+        let support = if let Some(support) = known.iter().find(|support| support.columns == columns) {
+            support.clone()
+        } else {
+            known.push(Arc::new(Support::new(gram, columns)?));
+            known[known.len() - 1].clone()
         };
         let x = support.solve(right);
         let is_wanted = |column: usize| {
@@ -109,7 +112,6 @@ fn pivoted(
         columns = Vec::with_capacity(right.len());
         columns.extend((0..right.len()).filter(|&column| is_wanted(column)));
         if columns == support.columns {
-            known.push(support.clone());
             return Some((x, support));
         }
     }

@@ -101,7 +101,8 @@ impl<'a> Search<'a> {
         field.retain(|state| state.cost <= least * (1.0 + ROUGH));
         let settled = field.into_par_iter().map(|state| state.descend(&self.problem, FINE));
         // Of those in the same place the first, whatever rounding says of the others.
-        let lower = |best: State, next: State| if is_lower(&next, &best) { next } else { best };
+        let lower =
+            |best: State, next: State| if is_lower(&next, &best, WORTH_A_NUDGE) { next } else { best };
         let best = settled.collect::<Vec<_>>().into_iter().reduce(lower);
         let best = best.map(|best| self.nudged(best)).transpose()?;
         Ok(best.filter(|best| best.cost < last.cost))
@@ -129,7 +130,7 @@ impl<'a> Search<'a> {
             let Problem { probe, held, .. } = self.problem;
             let moves = moves::exchanged(self.candidates(), probe, &best, held, EXCHANGED);
             match self.best_move(&best, &moves) {
-                Some(next) if is_better(&next, &best) => best = next,
+                Some(next) if is_lower(&next, &best, WORTH_AN_EXCHANGE) => best = next,
                 _ => return best,
             }
         }
@@ -139,7 +140,7 @@ impl<'a> Search<'a> {
     fn nudged(&self, mut best: State) -> Result<State> {
         for round in 0.. {
             match self.nudge(&best, round)? {
-                Some(next) if is_lower(&next, &best) => best = next,
+                Some(next) if is_lower(&next, &best, WORTH_A_NUDGE) => best = next,
                 _ => break,
             }
         }
@@ -194,12 +195,9 @@ fn tries(lights: usize) -> usize {
     lights.min(MOST_TRIES).min(MOST_TRIED_LIGHTS / lights).max(1)
 }
 
-fn is_better(next: &State, best: &State) -> bool {
-    next.cost < best.cost * (1.0 - WORTH_AN_EXCHANGE)
-}
-
-fn is_lower(next: &State, best: &State) -> bool {
-    next.cost < best.cost * (1.0 - WORTH_A_NUDGE)
+/// Whether the cost of `next` is lower by more than the share `worth`.
+fn is_lower(next: &State, best: &State, worth: f64) -> bool {
+    next.cost < best.cost * (1.0 - worth)
 }
 
 fn by_cost(a: &State, b: &State) -> std::cmp::Ordering {

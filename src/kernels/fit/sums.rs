@@ -10,6 +10,7 @@
 
 use glam::{DMat3, DVec3};
 
+use super::blocks::SAMPLES;
 use super::probe::Probe;
 
 /// The sums of some lights, in the frame of the world.
@@ -119,7 +120,7 @@ fn changed<'a, const N: usize>(
 ) -> [f64; N] {
     for (word, [before, now]) in changes.enumerate() {
         for normal in members(before ^ now, word) {
-            let sign = if now >> (normal % 64) & 1 == 1 { 1.0 } else { -1.0 };
+            let sign = if now >> (normal % SAMPLES) & 1 == 1 { 1.0 } else { -1.0 };
             let term = term(normal);
             (0..N).for_each(|i| sum[i] += sign * term[i]);
         }
@@ -133,7 +134,7 @@ fn members(mut bits: u64, word: usize) -> impl Iterator<Item = usize> {
         (bits != 0).then(|| {
             let bit = bits.trailing_zeros() as usize;
             bits &= bits - 1;
-            64 * word + bit
+            SAMPLES * word + bit
         })
     })
 }
