@@ -1,6 +1,8 @@
 """The command line: one subcommand, one public function, one sentence for a refusal."""
 
 import json
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -21,6 +23,12 @@ def hall(tmp_path_factory):
     path = tmp_path_factory.mktemp("maps") / "hall.exr"
     io.write_exr(path, el.synthetic.hall(64).radiance)
     return path
+
+
+def test_python_runs_the_package_as_the_command_line(hall):
+    command = [sys.executable, "-m", "envlights", "fit", hall, "-n", "1"]
+    result = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert "relative RMS error" in result.stdout
 
 
 def test_fit_prints_a_table_and_writes_rig_and_picture(hall, tmp_path):

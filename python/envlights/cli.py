@@ -12,14 +12,11 @@ import click
 
 import envlights
 from envlights.detect import METHODS
-from envlights.files import check_writable, write_atomically
+from envlights.files import PICTURES, check_writable, write_atomically
 from envlights.fit import AMBIENTS, NORMALS
 from envlights.io import read_image, write_exr
 from envlights.rig import Rig
 from envlights.transfer.store import check_suffix
-
-#: What pictures can be written as; `plot.SUFFIXES`, which takes a second to import.
-_PICTURES = (".png", ".pdf", ".svg")
 
 
 class _Refusing(click.Group):
@@ -79,7 +76,7 @@ def fit(
 ) -> None:
     """Fit ambient and directional lights to MAP (.hdr, .exr, .png, .jpg, .tif)."""
     for output in outputs:
-        _check_output(output, (".json", *_PICTURES), {"the map": map_path})
+        _check_output(output, (".json", *PICTURES), {"the map": map_path})
     env = envlights.EnvMap.open(map_path)
     rig = envlights.fit(env, lights, error=error, ambient=ambient, normals=normals)
     _print(rig, as_json)
@@ -105,7 +102,7 @@ def detect(
 ) -> None:
     """Find the bright places of MAP (.hdr, .exr, .png, .jpg, .tif)."""
     for output in outputs:
-        _check_output(output, (".json", *_PICTURES), {"the map": map_path})
+        _check_output(output, (".json", *PICTURES), {"the map": map_path})
     env = envlights.EnvMap.open(map_path)
     lights = envlights.detect(env, method, max_lights=max_lights)
     click.echo(json.dumps(lights.to_dict(), indent=2) if as_json else str(lights))
@@ -231,7 +228,7 @@ def transfer_figure(model_path: str, direct_path: str, indirect_path: str, outpu
     relative errors.
     """
     inputs = {"the direct light": direct_path, "the indirect light": indirect_path}
-    _check_output(output, _PICTURES, inputs)
+    _check_output(output, PICTURES, inputs)
     model = envlights.TransferModel.load(model_path)
     direct, indirect = (read_image(path).pixels for path in (direct_path, indirect_path))
     from envlights import plot, plot_transfer

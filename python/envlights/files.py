@@ -12,6 +12,9 @@ from pathlib import Path
 
 from envlights._native import EnvLightsError
 
+#: What pictures are drawn as; here, where the command line finds it without loading Matplotlib.
+PICTURES = (".png", ".pdf", ".svg")
+
 
 def check_writable(path: str | os.PathLike[str]) -> Path:
     """Refuse a place where no file can be written, before the work that would be lost.

@@ -17,10 +17,8 @@ from envlights import kernels
 from envlights._native import EnvLightsError
 from envlights.detected import DetectedLights
 from envlights.envmap import EnvMap
-from envlights.files import write_atomically
+from envlights.files import PICTURES, write_atomically
 from envlights.rig import LUMINANCE, Rig
-
-SUFFIXES = (".png", ".pdf", ".svg")
 
 #: Pixels across the probe.
 _PROBE_SIZE = 160
@@ -123,8 +121,8 @@ def detection_picture(env: EnvMap, lights: DetectedLights) -> Figure:
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:
     """Write a picture as PNG, PDF or SVG, whole or not at all."""
-    if Path(path).suffix.lower() not in SUFFIXES:
-        raise EnvLightsError(f"cannot draw {path}; the suffix must be {', '.join(SUFFIXES)}")
+    if Path(path).suffix.lower() not in PICTURES:
+        raise EnvLightsError(f"cannot draw {path}; the suffix must be {', '.join(PICTURES)}")
     # Drawn in memory: on a full disk, matplotlib breaks while it closes a PDF.
     drawn = io.BytesIO()
     figure.savefig(drawn, format=Path(path).suffix.lower()[1:], dpi=100, bbox_inches="tight")
