@@ -200,6 +200,7 @@ def test_an_error_out_of_reach_is_said():
     assert len(rig.lights) == 1
     assert rig.report.stop_reason is el.StopReason.ERROR_NOT_REACHED
     assert not rig.report.stop_reason.is_success
+    assert "note: the error asked for was not reached" in str(rig)
 
 
 # Ambient and starts
@@ -382,6 +383,26 @@ def test_a_normal_on_the_horizon_of_a_fixed_light_tells_how_bright_it_is(ambient
     assert np.max(found.report.irradiance_errors) < 1e-12
 
 
+def test_the_report_says_which_lights_were_fixed():
+    """Given with the weakest first, and with one that is found between them."""
+    rig = known_rig()
+    given = rig.lights.direction[[2, 0]]
+    found = el.fit_probe(NORMALS, rig.probe(NORMALS), lights=3, fixed=given)
+    rows = list(found.report.fixed)
+    assert rows == [2, 0]
+    np.testing.assert_array_equal(found.lights.direction[rows], given)
+    assert el.fit_probe(NORMALS, rig.probe(NORMALS), lights=3).report.fixed == ()
+
+
+def test_lights_are_taken_where_directions_are():
+    rig = known_rig()
+    seen = rig.probe(NORMALS)
+    held = el.fit_probe(NORMALS, seen, fixed=rig.lights)
+    np.testing.assert_array_equal(held.lights.direction, rig.lights.direction)
+    started = el.fit_probe(NORMALS, seen, start=rig.lights)
+    assert started.to_dict()["lights"] == el.fit_probe(NORMALS, seen, start=rig).to_dict()["lights"]
+
+
 def test_a_fixed_light_that_is_not_needed_comes_back_black():
     one = known_rig().lights[:1]
     rig = el.Rig([0, 0, 0], one, 0)
@@ -416,7 +437,7 @@ def test_upper_normals_forget_the_light_from_below():
     env = el.synthetic.scene(128, background=[0.1] * 3, shapes=lamps).radiance
     rig = el.fit(env, lights=1, normals="upper")
     assert rig.lights.direction[0, 1] > 0.5
-    assert "normals that were not fitted" in rig.report.measured_on
+    assert rig.report.measured_on == "5120 upward normals that were not fitted"
     normals, solid_angles = kernels.icosphere(20480)
     up = normals[:, 1] > 0
     exact = el.EnvMap(env).probe(normals[up])

@@ -164,3 +164,15 @@ def test_no_normals_give_no_irradiance():
 def test_bad_normals_are_refused(normals, message):
     with pytest.raises(el.EnvLightsError, match=message):
         el.EnvMap(np.ones((4, 8, 3))).probe(normals)
+
+
+@pytest.mark.parametrize("given", [np.ndarray.tolist, lambda map: map.astype(">f4"), np.float64])
+def test_kernels_take_maps_of_any_floats(given):
+    map = np.random.default_rng(4).gamma(0.3, size=(8, 16, 3)).astype(np.float32)
+    up = [[0, 1, 0]]
+    for kernel in (
+        lambda radiance: kernels.irradiance(radiance, up),
+        lambda radiance: kernels.working_irradiance(radiance, up)[0],
+        lambda radiance: kernels.reduced_luminance(radiance, 8),
+    ):
+        np.testing.assert_array_equal(kernel(given(map)), kernel(map))

@@ -1,6 +1,8 @@
 """Rigs: round trips, order, words."""
 
+import copy
 import json
+import pickle
 
 import numpy as np
 import pytest
@@ -18,6 +20,7 @@ def a_rig():
     report = el.FitReport(
         errors={0: 0.5, 1: 0.25},
         steps=7,
+        stop_reason=el.StopReason.CONVERGED,
         seconds={"fit": 0.5},
         measured_on="5 normals",
         channel_errors=(0.2, 0.25, 0.3),
@@ -25,6 +28,7 @@ def a_rig():
         condition=np.inf,
         direction_errors=(0.01, 0.0),
         irradiance_errors=((0.1, 0.2, np.inf), (0.0, 0.0, 0.0)),
+        fixed=(1,),
         skipped=("a",),
     )
     lights = el.Lights([[0, 1, 0], [1, 0, 0]], [[1, 1, 1], [5, 4, 3]])
@@ -59,6 +63,28 @@ def test_lights_are_sorted_and_sliced():
     assert lights[1:].to_dict() == {"direction": [[0, 1, 0]], "irradiance": [[1, 1, 1]]}
     with pytest.raises(ValueError, match="read-only"):
         lights.direction[0] = 0
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda one: pickle.loads(pickle.dumps(one))])
+def test_copies_are_whole_and_as_closed_as_the_first(copied):
+    again = copied(a_rig())
+    assert again.to_dict() == a_rig().to_dict()
+    for array in (again.ambient, again.lights.direction, again.lights.irradiance):
+        assert not array.flags.writeable
+
+
+def test_a_rig_is_a_line_in_a_list_and_a_table_in_a_notebook():
+    formatters = pytest.importorskip("IPython.core.formatters")
+    assert repr(a_rig()) == "<Rig: ambient + 2 lights, error 25 %>"
+    assert repr(a_rig().lights[:1]) == "<Lights: 1 light>"
+    for result in (a_rig(), a_rig().lights):
+        assert formatters.PlainTextFormatter()(result) == str(result)
+
+
+def test_what_nobody_measured_is_not_claimed():
+    rig = el.Rig([0, 0, 0], a_rig().lights, error=0.0)
+    assert "relative RMS error 0 %, as given" in str(rig)
+    assert str(rig.report) == "not fitted"
 
 
 def test_the_table_says_where_each_light_is_and_how_wrong_the_rig_is():

@@ -30,12 +30,13 @@ class Answer(NamedTuple):
     condition: float
     direction_errors: NDArray[np.float64]
     irradiance_errors: NDArray[np.float64]
+    fixed: tuple[int, ...]
     steps: int
     stop: str
 
     @classmethod
-    def of(cls, raw: FitAnswer, scale: float) -> Answer:
-        """`raw`, which was found on irradiance divided by `scale`."""
+    def of(cls, raw: FitAnswer, scale: float, held: int) -> Answer:
+        """`raw`, found on irradiance divided by `scale`; its first `held` lights were fixed."""
         direction, irradiance = raw.directions, raw.irradiance
         order = np.argsort(-(irradiance @ LUMINANCE), kind="stable")  # as `Lights` has it
         condition, direction_errors, irradiance_errors = raw.uncertainty()
@@ -46,6 +47,7 @@ class Answer(NamedTuple):
             condition,
             np.array(direction_errors)[order],
             np.reshape(irradiance_errors, (-1, 3))[order] * scale,
+            tuple(np.argsort(order)[:held].tolist()),
             raw.steps,
             raw.stop,
         )
@@ -88,18 +90,19 @@ def answers(
     return Answers(found, scale)
 
 
-def rig_of(answers: Answers, judging: Samples, started: int) -> Rig:
+def rig_of(answers: Answers, judging: Samples, held: int, first: int) -> Rig:
     """The rig of the answer that is worth its lights.
 
-    It is the last, unless one with fewer lights, but no fewer than had a start, does as well.
+    It is the last, unless one with fewer lights does as well, but no fewer than were `held` or
+    came `first`.
     """
     errors = {answer.lights: answer.error for answer in answers.found}
     last = answers.found[-1].lights
     enough = min(errors.values()) * (1 + NO_GAIN)
-    worth = [n for n, error in errors.items() if error <= enough and n >= min(started, last)]
+    worth = [n for n, error in errors.items() if error <= enough and n >= min(held + first, last)]
     used = min(worth, default=last)
     raw = next(answer for answer in answers.found if answer.lights == used)
-    best = Answer.of(raw, answers.scale)
+    best = Answer.of(raw, answers.scale, held)
     ambient = best.ambient if len(best.ambient) > 1 else best.ambient.sum(axis=0)
     lights = Lights(best.direction, best.irradiance)
     return Rig(ambient, lights, errors[used], _report(best, errors, judging))
@@ -122,6 +125,7 @@ def _report(best: Answer, errors: Mapping[int, float], judging: Samples) -> FitR
         condition=best.condition,
         direction_errors=tuple(best.direction_errors.tolist()),
         irradiance_errors=tuple(map(tuple, best.irradiance_errors.tolist())),
+        fixed=best.fixed,
     )
 
 

@@ -62,7 +62,7 @@ class Members:
     """Index of the light that each belongs to, shape (k,)."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class DetectedLights(Lights):
     """Lights of a map, most flux first, and what was seen of each.
 

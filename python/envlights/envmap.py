@@ -166,8 +166,12 @@ class EnvMap:
 
     def __repr__(self) -> str:
         size = f"{self.width}x{self.height}"
-        notes = f", {len(self._notes)} notes" if self._notes else ""
+        notes = f", notes: {'; '.join(self._notes)}" if self._notes else ""
         return f"EnvMap({size} {self._projection}, {self._registration}{notes})"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # A copy is looked through again: only its constructor closes the array to writing.
+        return _copied, (self._radiance, self._projection, self._registration, self._notes)
 
     def _linear(self, array: NDArray[Any]) -> NDArray[np.float32]:
         if array.dtype.kind == "f":
@@ -203,6 +207,12 @@ def _read_only(array: NDArray[np.float32]) -> NDArray[np.float32]:
     return view
 
 
+def _copied(
+    radiance: NDArray[np.float32], projection: str, registration: str, notes: list[str]
+) -> EnvMap:
+    return EnvMap(radiance, projection=projection, registration=registration, notes=notes)
+
+
 def as_envmap(env: EnvMap | ArrayLike) -> EnvMap:
     """`env` itself, or the map that an array stands for."""
     return env if isinstance(env, EnvMap) else EnvMap(env)
@@ -225,6 +235,8 @@ def seen_through(env: EnvMap | ArrayLike, work: Callable[[EnvMap], _T]) -> tuple
 
 def _as_map(radiance: ArrayLike) -> NDArray[Any]:
     """`radiance` as an array of a shape and dtype that a map can have."""
+    if isinstance(radiance, str | os.PathLike):
+        raise EnvLightsError(f"a map must be an array; `EnvMap.open` reads files; got {radiance!r}")
     try:
         array = np.asarray(radiance)
     except ValueError as error:

@@ -14,8 +14,8 @@ from envlights._native import EnvLightsError
 from envlights.answer import answers, rig_of, stop_reason
 from envlights.detect import detect
 from envlights.envmap import EnvMap, seen_through
-from envlights.normals import Samples, fitted_and_judging
-from envlights.rig import Rig
+from envlights.normals import Samples, fitted_and_judging, upper_fitted_and_judging
+from envlights.rig import Lights, Rig
 
 #: Where the lights of `fit` may start.
 STARTS = ("greedy", "detect", "even")
@@ -37,8 +37,8 @@ def fit(
     *,
     error: float | None = None,
     ambient: str = "constant",
-    start: str | Rig = "greedy",
-    fixed: ArrayLike | None = None,
+    start: str | Rig | Lights = "greedy",
+    fixed: ArrayLike | Lights | None = None,
     normals: str = "sphere",
 ) -> Rig:
     """Ambient and a few directional lights that light a white probe as `env` does.
@@ -64,15 +64,18 @@ def fit(
         "constant": beside the lights, an environment of one radiance. "none": lights alone. "sh2":
         an environment of nine spherical harmonics, the form that real-time engines take; its
         irradiance is nowhere negative.
-    start : {"greedy", "detect", "even"} or Rig
+    start : {"greedy", "detect", "even"}, Rig or Lights
         "greedy": wherever the search finds them. The others start the lights at given places, from
         where they go downhill, and add those beyond greedily: "detect" at the bright places that
         `detect` finds, so that each stays with its lamp; "even" at points spread over the sphere
-        (Madsen et al. 2003, section 3.2), which often get stuck; a rig at its own lights, as for
-        the next frame of a video, which takes a fraction of the time.
-    fixed : array_like, shape (k, 3), optional
-        Unit vectors towards lights that stay where they are and get only their radiances; they are
-        the first of `lights`, and come back even where black.
+        (Madsen et al. 2003, section 3.2), which often get stuck; a rig, or lights, at those, as for
+        the next frame of a video, which spares the search. Only directions are taken from it: give
+        `lights` and `ambient` for every frame. Which light is which, its direction says: the
+        brightest of this frame comes first.
+    fixed : array_like, shape (k, 3), or Lights, optional
+        Unit vectors towards lights that stay where they are and get only their radiances. They
+        count among `lights` and come back even where black; `report.fixed` says where they stand
+        among the others, brightest first.
     normals : {"sphere", "upper"}
         Which surfaces count, in the fit and in the error: all, or those that face up, for objects
         that stand on a floor.
@@ -119,17 +122,17 @@ def fit(
     held = _fixed(fixed)
     most = _most_lights(lights, error, start, held)
     clock = _Clock()
-    world, (fitted, judging, sources) = seen_through(env, fitted_and_judging)
-    if normals == "upper":
-        fitted, judging = fitted.upper(), judging.upper()
+    samples = upper_fitted_and_judging if normals == "upper" else fitted_and_judging
+    world, (fitted, judging, sources) = seen_through(env, samples)
     clock.lap("probe")
     first = _first_directions(start, most - len(held), world)
     clock.lap("start")
     found = answers(fitted, judging, error, most, AMBIENTS[ambient], held, first)
     clock.lap("fit")
-    rig = rig_of(found, judging, len(held) + len(first))
+    rig = rig_of(found, judging, len(held), len(first))
     clock.lap("report")
-    measured_on = f"{len(judging.normals)} normals that were not fitted"
+    which = "upward normals" if normals == "upper" else "normals"
+    measured_on = f"{len(judging.normals)} {which} that were not fitted"
     skipped = (*_working_map(world, sources), *_channels(fitted))
     return replace(_reported(rig, most, error, clock, measured_on, skipped), notes=world.notes)
 
@@ -141,8 +144,8 @@ def fit_probe(
     *,
     weights: ArrayLike | None = None,
     ambient: str = "constant",
-    start: str | Rig = "greedy",
-    fixed: ArrayLike | None = None,
+    start: str | Rig | Lights = "greedy",
+    fixed: ArrayLike | Lights | None = None,
 ) -> Rig:
     """Ambient and at most `lights` directional lights from probe values measured elsewhere.
 
@@ -162,9 +165,9 @@ def fit_probe(
         Weight of each normal, such as the solid angle it stands for. All alike when left out.
     ambient : {"constant", "none", "sh2"}
         As for `fit`.
-    start : {"greedy", "even"} or Rig
+    start : {"greedy", "even"}, Rig or Lights
         As for `fit`.
-    fixed : array_like, shape (k, 3), optional
+    fixed : array_like, shape (k, 3), or Lights, optional
         As for `fit`.
 
     Returns
@@ -200,7 +203,7 @@ def fit_probe(
     first = _first_directions(start, most - len(held), None)
     found = answers(samples, samples, None, most, AMBIENTS[ambient], held, first)
     clock.lap("fit")
-    rig = rig_of(found, samples, len(held) + len(first))
+    rig = rig_of(found, samples, len(held), len(first))
     clock.lap("report")
     measured_on = f"the {len(normals)} fitted normals"
     return _reported(rig, most, None, clock, measured_on, _channels(samples))
@@ -239,17 +242,19 @@ def _reported(
     return replace(rig, report=report)
 
 
-def _fixed(fixed: ArrayLike | None) -> NDArray[np.float64]:
+def _fixed(fixed: ArrayLike | Lights | None) -> NDArray[np.float64]:
     """Directions that are held."""
     if fixed is None:
         return _NOWHERE
+    if isinstance(fixed, Lights):
+        return fixed.direction
     directions = reals("fixed", fixed, 2)
     kernels.direction_to_uv(directions)  # refuses what is no unit vector
     return directions
 
 
 def _most_lights(
-    lights: int | None, error: float | None, start: str | Rig, held: NDArray[np.float64]
+    lights: int | None, error: float | None, start: str | Rig | Lights, held: NDArray[np.float64]
 ) -> int:
     """How many lights there may be."""
     if error is not None:
@@ -262,14 +267,24 @@ def _most_lights(
         return lights
     if error is not None:
         return max(MOST_LIGHTS, len(held))
-    started = len(held) + (len(start.lights) if isinstance(start, Rig) else 0)
-    return started or LIGHTS
+    given = _given(start)
+    return len(held) + (0 if given is None else len(given)) or LIGHTS
 
 
-def _first_directions(start: str | Rig, lights: int, env: EnvMap | None) -> NDArray[np.float64]:
-    """Where the first of so many lights start, brightest first."""
+def _given(start: str | Rig | Lights) -> Lights | None:
+    """The lights of a start that is not the name of one."""
     if isinstance(start, Rig):
-        return start.lights.direction[:lights]
+        return start.lights
+    return start if isinstance(start, Lights) else None
+
+
+def _first_directions(
+    start: str | Rig | Lights, lights: int, env: EnvMap | None
+) -> NDArray[np.float64]:
+    """Where the first of so many lights start, brightest first."""
+    given = _given(start)
+    if given is not None:
+        return given.direction[:lights]
     check_choice("start", start, STARTS if env is not None else ("greedy", "even"))
     if start == "greedy" or lights == 0:
         return _NOWHERE
@@ -284,8 +299,8 @@ def _working_map(env: EnvMap, sources: int) -> tuple[str, ...]:
         return ()
     return (
         f"{env.width}x{env.height} pixels were rendered as a working map of at most"
-        f" {kernels.WORKING_COLUMNS} columns and {sources} point sources, which puts a floor of"
-        " about 1e-4 under the error",
+        f" {kernels.WORKING_COLUMNS} columns, its brightest cells ({sources}) as points: this puts"
+        " a floor of about 1e-4 under the error",
     )
 
 

@@ -45,12 +45,18 @@ class Samples(NamedTuple):
         return Samples(self.normals[is_up], self.weights[is_up], self.irradiance[is_up])
 
 
-def fitted_and_judging(env: EnvMap) -> tuple[Samples, Samples, int]:
+def fitted_and_judging(env: EnvMap, judges: int = JUDGING) -> tuple[Samples, Samples, int]:
     """Irradiance of `env` at both sets of normals, and the point sources it was made from."""
-    sets = _fitted(), _judging()
+    sets = _fitted(), _judging(judges)
     seen, sources = _both_sides(env, *sets)
     fitted, judging = (Samples(*normals, part) for normals, part in zip(sets, seen, strict=True))
     return fitted, judging, sources
+
+
+def upper_fitted_and_judging(env: EnvMap) -> tuple[Samples, Samples, int]:
+    """The same for surfaces that face up, of which as many judge."""
+    fitted, judging, sources = fitted_and_judging(env, 2 * JUDGING)
+    return fitted.upper(), judging.upper(), sources
 
 
 @cache
@@ -63,10 +69,10 @@ def _fitted() -> Normals:
 
 
 @cache
-def _judging() -> Normals:
+def _judging(count: int) -> Normals:
     """Even points between the faces."""
-    front = kernels.uniform_sphere(kernels.hammersley(JUDGING // 2) * (0.5, 1.0))
-    return _with_opposites(front, np.full(JUDGING // 2, 4 * np.pi / JUDGING))
+    front = kernels.uniform_sphere(kernels.hammersley(count // 2) * (0.5, 1.0))
+    return _with_opposites(front, np.full(count // 2, 4 * np.pi / count))
 
 
 def _with_opposites(front: NDArray[np.float64], weights: NDArray[np.float64]) -> Normals:

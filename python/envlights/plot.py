@@ -5,26 +5,38 @@ from __future__ import annotations
 import io
 import os
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from envlights import kernels
 from envlights._native import EnvLightsError
 from envlights.detected import DetectedLights
-from envlights.envmap import EnvMap
+from envlights.envmap import EnvMap, as_envmap
 from envlights.files import PICTURES, write_atomically
-from envlights.rig import LUMINANCE, Rig
+from envlights.rig import LUMINANCE, Rig, error_line
 
 #: Pixels across the probe.
 _PROBE_SIZE = 160
 
 
-def picture(env: EnvMap, rig: Rig) -> Figure:
+class Picture(Figure):
+    """A figure that any notebook shows, whether or not it has set Matplotlib up."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(layout="constrained", **options)
+        FigureCanvasAgg(self)
+
+    def _repr_png_(self) -> bytes:
+        return _drawn(self, "png")
+
+
+def picture(env: EnvMap | ArrayLike, rig: Rig) -> Picture:
     """Draw the map with the lights on it, the probe under map and rig, and their difference.
 
     The probe is seen from beside the brightest light, so that its lit and its dark side show. Both
@@ -32,7 +44,7 @@ def picture(env: EnvMap, rig: Rig) -> Figure:
 
     Parameters
     ----------
-    env : EnvMap
+    env : EnvMap or array_like, shape (height, 2 * height, 3)
         The map.
     rig : Rig
         Its lights.
@@ -40,7 +52,7 @@ def picture(env: EnvMap, rig: Rig) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        Shown by Jupyter as it is; `savefig` writes it.
+        Shown by Jupyter as it is; `save` and `savefig` write it.
 
     Examples
     --------
@@ -50,8 +62,8 @@ def picture(env: EnvMap, rig: Rig) -> Figure:
     >>> len(figure.axes)
     5
     """
-    figure = Figure(figsize=(10, 8.2), layout="constrained")
-    FigureCanvasAgg(figure)
+    env = as_envmap(env)
+    figure = Picture(figsize=(10, 8.2))
     grid = figure.add_gridspec(2, 3, height_ratios=(1.55, 1))
     _draw_map(figure.add_subplot(grid[0, :]), env, rig)
     eye = _viewpoint(rig)
@@ -66,17 +78,15 @@ def picture(env: EnvMap, rig: Rig) -> Figure:
         axes.set_title(f"white probe {title}")
         axes.axis("off")
     _draw_difference(figure, figure.add_subplot(grid[1, 2]), inside, under_map, under_rig)
-    count = len(rig.lights)
-    lights = f"{count} light{'' if count == 1 else 's'}"
     ((u, v),) = kernels.direction_to_uv([eye])
     figure.suptitle(
-        f"ambient + {lights}: relative RMS error {100 * rig.error:.2g} %\n"
+        f"ambient + {rig.lights.in_short()}: {error_line(rig)}\n"
         f"probe seen from azimuth {360 * u:.0f}°, elevation {90 - 180 * v:.0f}°"
     )
     return figure
 
 
-def detection_picture(env: EnvMap, lights: DetectedLights) -> Figure:
+def detection_picture(env: EnvMap | ArrayLike, lights: DetectedLights) -> Picture:
     """Draw the map with the lights that were seen in it, as in Loghin (2021).
 
     Red: what each light is made of, the outline of its pixels or its samples with a line to each.
@@ -84,7 +94,7 @@ def detection_picture(env: EnvMap, lights: DetectedLights) -> Figure:
 
     Parameters
     ----------
-    env : EnvMap
+    env : EnvMap or array_like, shape (height, 2 * height, 3)
         The map.
     lights : DetectedLights
         What `detect` saw in it.
@@ -101,8 +111,8 @@ def detection_picture(env: EnvMap, lights: DetectedLights) -> Figure:
     >>> len(figure.axes)
     1
     """
-    figure = Figure(figsize=(12, 6.6), layout="constrained")
-    FigureCanvasAgg(figure)
+    env = as_envmap(env)
+    figure = Picture(figsize=(12, 6.6))
     axes = figure.add_subplot()
     _draw_exposed(axes, env)
     _draw_members(axes, lights)
@@ -113,9 +123,10 @@ def detection_picture(env: EnvMap, lights: DetectedLights) -> Figure:
         axes.annotate(
             str(number), at, (7, 4), textcoords="offset points", color="cyan", annotation_clip=False
         )
-    count = f"{len(lights)} light{'' if len(lights) == 1 else 's'}"
     report = lights.report
-    figure.suptitle(f"{count}: brighter than {report.threshold:.3g}, {report.reason}", wrap=True)
+    figure.suptitle(
+        f"{lights.in_short()}: brighter than {report.threshold:.3g}, {report.reason}", wrap=True
+    )
     return figure
 
 
@@ -124,9 +135,14 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
     if Path(path).suffix.lower() not in PICTURES:
         raise EnvLightsError(f"cannot draw {path}; the suffix must be {', '.join(PICTURES)}")
     # Drawn in memory: on a full disk, matplotlib breaks while it closes a PDF.
+    drawn = _drawn(figure, Path(path).suffix.lower()[1:])
+    write_atomically(path, lambda beside: beside.write_bytes(drawn))
+
+
+def _drawn(figure: Figure, form: str) -> bytes:
     drawn = io.BytesIO()
-    figure.savefig(drawn, format=Path(path).suffix.lower()[1:], dpi=100, bbox_inches="tight")
-    write_atomically(path, lambda beside: beside.write_bytes(drawn.getvalue()))
+    figure.savefig(drawn, format=form, dpi=100, bbox_inches="tight")
+    return drawn.getvalue()
 
 
 def display(linear: NDArray[np.floating]) -> NDArray[np.floating]:

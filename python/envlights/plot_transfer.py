@@ -7,12 +7,11 @@ from typing import Any
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._native import EnvLightsError
-from envlights.plot import display
+from envlights.plot import Picture, display
 from envlights.rig import LUMINANCE
 from envlights.transfer import TransferModel
 from envlights.transfer.pairs import frames
@@ -24,7 +23,7 @@ _WIDTH = 2.9
 _SHARE = 99.0
 
 
-def transfer_picture(model: TransferModel, direct: ArrayLike, indirect: ArrayLike) -> Figure:
+def transfer_picture(model: TransferModel, direct: ArrayLike, indirect: ArrayLike) -> Picture:
     """Draw the indirect light of a frame: reference, transfer, projection and difference.
 
     The projection is the best that the basis of the model could do; what the transfer misses beyond
@@ -68,11 +67,8 @@ def transfer_picture(model: TransferModel, direct: ArrayLike, indirect: ArrayLik
             f"direct and indirect must hold as many images; got {len(lights)} and {len(reference)}"
         )
     rows = zip(reference, model.predict(lights), _projected(model, lights, reference), strict=True)
-    figure = Figure(
-        figsize=(4 * _WIDTH + 1.2, len(reference) * (_WIDTH * height / width + 0.4) + 0.4),
-        layout="constrained",
-    )
-    FigureCanvasAgg(figure)
+    size = (4 * _WIDTH + 1.2, len(reference) * (_WIDTH * height / width + 0.4) + 0.4)
+    figure = Picture(figsize=size)
     grid = figure.subplots(len(reference), 4, squeeze=False)
     for row, (truth, predicted, projected) in zip(grid, rows, strict=True):
         _draw_images(row[:3], truth, predicted, projected)

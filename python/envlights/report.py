@@ -15,10 +15,11 @@ from envlights._check import amount, count
 class StopReason(enum.Enum):
     """Why the solver stopped. The text is what a user reads."""
 
+    NOT_FITTED = "not fitted"
     CONVERGED = "the error stopped falling"
     EXACT = "the lights reproduce the probe"
     OUT_OF_STEPS = "the step limit came first; the lights are usable but may not be the best"
-    ERROR_NOT_REACHED = "the error asked for was not reached; allow more `lights`"
+    ERROR_NOT_REACHED = "the error asked for was not reached with so many lights"
     RAN_AWAY = "a step led to no finite light; the lights are those before it"
     NOTHING_TO_FIT = "the map is black: there is no light to fit"
 
@@ -40,7 +41,7 @@ class FitReport:
     steps: int = 0
     """Steps that the solver took on the way to the answer."""
 
-    stop_reason: StopReason = StopReason.CONVERGED
+    stop_reason: StopReason = StopReason.NOT_FITTED
     """Why it took no more."""
 
     seconds: Mapping[str, float] = field(default_factory=dict)
@@ -66,6 +67,10 @@ class FitReport:
     irradiance_errors: tuple[tuple[float, float, float], ...] = ()
     """Standard error of each light's irradiance, RGB; 0 where it is held at zero."""
 
+    fixed: tuple[int, ...] = ()
+    """Where each of the `fixed` lights stands in `Rig.lights`, which has the brightest first:
+    ``rig.lights.irradiance[list(rig.report.fixed)]`` is theirs as they were given."""
+
     skipped: tuple[str, ...] = ()
     """What was not computed because it was not needed."""
 
@@ -82,6 +87,7 @@ class FitReport:
             "condition": _finite(self.condition),
             "direction_errors": [_finite(error) for error in self.direction_errors],
             "irradiance_errors": [[_finite(e) for e in rgb] for rgb in self.irradiance_errors],
+            "fixed": list(self.fixed),
             "skipped": list(self.skipped),
         }
 
@@ -99,23 +105,32 @@ class FitReport:
             condition=_number(data["condition"]),
             direction_errors=tuple(_number(error) for error in data["direction_errors"]),
             irradiance_errors=tuple(_rgb(rgb) for rgb in data["irradiance_errors"]),
+            fixed=tuple(count("fixed", row) for row in data.get("fixed", ())),
             skipped=tuple(str(note) for note in data["skipped"]),
         )
 
     def __str__(self) -> str:
         curve = "  ".join(f"{lights}: {100 * error:.3g} %" for lights, error in self.errors.items())
-        channels = "  ".join(f"{100 * error:.3g} %" for error in self.channel_errors)
         angles = "  ".join(f"{np.degrees(error):.2g}°" for error in self.direction_errors)
+        steps = f"{self.steps} steps; " if self.steps else ""
         lines = [
-            f"error by number of lights: {curve}",
-            f"measured on {self.measured_on}",
-            f"red, green, blue: {channels}; at most {100 * self.max_error:.3g} % at any normal",
+            f"error by number of lights: {curve}" if curve else "",
+            f"measured on {self.measured_on}" if self.measured_on else "",
+            *self._by_channel(),
             f"standard error of the directions: {angles}" if angles else "",
-            f"condition number {self.condition:.3g}",
-            f"{self.steps} steps; {self.stop_reason.value}",
+            f"{steps}{self.stop_reason.value}",
             *(f"skipped: {note}" for note in self.skipped),
         ]
         return "\n".join(line for line in lines if line)
+
+    def _by_channel(self) -> tuple[str, ...]:
+        if not self.channel_errors:
+            return ()
+        channels = "  ".join(f"{100 * error:.3g} %" for error in self.channel_errors)
+        return (
+            f"red, green, blue: {channels}; at most {100 * self.max_error:.3g} % at any normal",
+            f"condition number {self.condition:.3g}",
+        )
 
 
 def _finite(value: float) -> float | str:

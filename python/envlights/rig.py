@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights import kernels
 from envlights._check import amount, reals
 from envlights._native import EnvLightsError
+from envlights._result import Result
 from envlights.files import write_atomically
 from envlights.report import FitReport
 
@@ -24,8 +25,8 @@ _FORMAT = "envlights rig"
 _VERSION = 2
 
 
-@dataclass(frozen=True, eq=False)
-class Lights:
+@dataclass(frozen=True, eq=False, repr=False)
+class Lights(Result):
     r"""Directional lights, brightest first.
 
     Parameters
@@ -61,13 +62,20 @@ class Lights:
         check_slice(which)
         return Lights(self.direction[which], self.irradiance[which])
 
+    def in_short(self) -> str:
+        """How many there are."""
+        return f"{len(self)} light{'' if len(self) == 1 else 's'}"
+
+    def __str__(self) -> str:
+        return _table(self)
+
     def to_dict(self) -> dict[str, list[list[float]]]:
         """Lists of numbers, for JSON and the like."""
         return {"direction": self.direction.tolist(), "irradiance": self.irradiance.tolist()}
 
 
-@dataclass(frozen=True, eq=False)
-class Rig:
+@dataclass(frozen=True, eq=False, repr=False)
+class Rig(Result):
     """Ambient and directional lights, and how well they stand for the map.
 
     Examples
@@ -168,13 +176,27 @@ class Rig:
             raise EnvLightsError(f"{path} is no whole rig: {error!r}") from None
 
     def __str__(self) -> str:
+        stop = self.report.stop_reason
         lines = [
             _table(self.lights),
             *_ambient_lines(self.ambient),
-            f"relative RMS error {100 * self.error:.3g} % on {self.report.measured_on}",
+            error_line(self),
+            "" if stop.is_success else f"note: {stop.value}",
             *(f"note: {note}" for note in self.notes),
         ]
         return "\n".join(line for line in lines if line)
+
+    def in_short(self) -> str:
+        """What it is made of, and its error."""
+        ambient = "harmonics" if len(self.ambient) == 9 else "ambient"
+        return f"{ambient} + {self.lights.in_short()}, error {100 * self.error:.3g} %"
+
+
+def error_line(rig: Rig) -> str:
+    """The error and the normals that it is of, or that nobody measured it."""
+    measured_on = rig.report.measured_on
+    where = f" on {measured_on}" if measured_on else ", as given"
+    return f"relative RMS error {100 * rig.error:.3g} %{where}"
 
 
 def _ambient(values: ArrayLike) -> NDArray[np.float64]:
@@ -230,7 +252,10 @@ def _light_arrays(
 def check_slice(which: object) -> None:
     """Refuse an index that is no slice: a single light is no `Lights`."""
     if not isinstance(which, slice):
-        raise EnvLightsError(f"lights are taken by slices, such as lights[:4]; got {which!r}")
+        raise EnvLightsError(
+            "lights are taken by slices, such as lights[:4], and one by the arrays, such as"
+            f" lights.direction[0]; got {which!r}"
+        )
 
 
 def frozen(array: NDArray[Any]) -> NDArray[Any]:

@@ -68,7 +68,7 @@ def resize_bilinear(image: ArrayLike, height: int, width: int) -> NDArray[np.flo
 
 
 def reduced_luminance(
-    radiance: NDArray[np.float32], columns: int, *, border_sampled: bool = False
+    radiance: ArrayLike, columns: int, *, border_sampled: bool = False
 ) -> NDArray[np.float32]:
     """Luminance of a map in fewer pixels, each the mean of a block by solid angle.
 
@@ -76,8 +76,8 @@ def reduced_luminance(
 
     Parameters
     ----------
-    radiance : ndarray of float32, shape (height, width, 3)
-        Finite and not negative; read in place.
+    radiance : array_like, shape (height, width, 3)
+        Finite and not negative. A float32 array is read in place.
     columns : int
         At most so many columns are made; blocks have whole pixels, so there may be fewer.
     border_sampled : bool
@@ -97,7 +97,8 @@ def reduced_luminance(
     >>> reduced_luminance(np.ones((64, 128, 3), np.float32), 50).shape
     (22, 43)
     """
-    return _native.reduced_luminance(radiance, count("columns", columns, least=1), border_sampled)
+    image = float_image("radiance", radiance, 3)
+    return _native.reduced_luminance(image, count("columns", columns, least=1), border_sampled)
 
 
 def blur(image: ArrayLike, sigma: float) -> NDArray[np.float32]:

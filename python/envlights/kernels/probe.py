@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
-from envlights._check import count, reals
+from envlights._check import count, float_image, reals
 from envlights._native import EnvLightsError
 
 #: Width of the map that `working_irradiance` makes when it is not told another.
@@ -16,7 +16,7 @@ WORKING_COLUMNS = 256
 
 
 def irradiance(
-    radiance: NDArray[np.float32], normals: ArrayLike, *, border_sampled: bool = False
+    radiance: ArrayLike, normals: ArrayLike, *, border_sampled: bool = False
 ) -> NDArray[np.float64]:
     r"""Exact irradiance of an equirectangular map at `normals`.
 
@@ -24,8 +24,8 @@ def irradiance(
 
     Parameters
     ----------
-    radiance : ndarray of float32, shape (height, width, 3)
-        Finite and not negative; read in place.
+    radiance : array_like, shape (height, width, 3)
+        Finite and not negative. A float32 array is read in place.
     normals : array_like, shape (n, 3)
         Unit vectors.
     border_sampled : bool
@@ -41,11 +41,12 @@ def irradiance(
     >>> irradiance(np.ones((64, 128, 3), np.float32), [[0, 1, 0]]).round(4)
     array([[3.1416, 3.1416, 3.1416]])
     """
-    return _native.irradiance(radiance, reals("normals", normals, 2), border_sampled)
+    image = float_image("radiance", radiance, 3)
+    return _native.irradiance(image, reals("normals", normals, 2), border_sampled)
 
 
 def working_irradiance(
-    radiance: NDArray[np.float32],
+    radiance: ArrayLike,
     normals: ArrayLike,
     *,
     border_sampled: bool = False,
@@ -78,9 +79,10 @@ def working_irradiance(
     >>> working_irradiance(np.ones((64, 128, 3), np.float32), [[0, 1, 0]])[0].round(2)
     array([[3.14, 3.14, 3.14]])
     """
+    image = float_image("radiance", radiance, 3)
     normals = reals("normals", normals, 2)
     columns = count("columns", columns, least=2)
-    return _native.working_irradiance(radiance, normals, border_sampled, columns, source_share)
+    return _native.working_irradiance(image, normals, border_sampled, columns, source_share)
 
 
 def sum_over_sources(

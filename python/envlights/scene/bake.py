@@ -13,13 +13,14 @@ from tqdm import tqdm
 
 from envlights._check import count
 from envlights._native import EnvLightsError
+from envlights._result import Result
 from envlights.io import write_exr
 from envlights.scene.direct import AnyLights, as_rig
 from envlights.scene.mitsuba_scene import MitsubaScene
 
 
-@dataclass(frozen=True, eq=False)
-class BakedPairs:
+@dataclass(frozen=True, eq=False, repr=False)
+class BakedPairs(Result):
     """Direct and indirect light of one scene under many rigs.
 
     Linear RGB radiance that the surfaces reflect of it.
@@ -33,6 +34,10 @@ class BakedPairs:
 
     noise: NDArray[np.float64]
     """Noise of each image of indirect light, relative to it, (k,)."""
+
+    def in_short(self) -> str:
+        """How many images there are, and how large."""
+        return f"direct {self.direct.shape}, indirect {self.indirect.shape}"
 
     def save(self, folder: str | os.PathLike[str]) -> None:
         """Write ``direct_0000.exr``, ``lightmap_0000.exr`` and so on: `read_pairs` reads them.

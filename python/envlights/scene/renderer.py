@@ -20,7 +20,7 @@ def mitsuba() -> Iterator[Any]:
         renderer: Any = importlib.import_module("mitsuba")
     except ImportError as error:
         raise EnvLightsError(
-            f"Mitsuba cannot be imported: {error}; pip install 'envlights[bake]' brings it"
+            f"Mitsuba cannot be imported: {error}; the extra `bake` brings it"
         ) from None
     before = renderer.variant()
     renderer.set_variant(_VARIANT)

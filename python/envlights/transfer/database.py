@@ -16,6 +16,7 @@ from tqdm import tqdm
 
 from envlights import io
 from envlights._native import EnvLightsError
+from envlights._result import Result
 
 #: How the files of a folder are called.
 _DIRECT, _INDIRECT = "direct", "lightmap"
@@ -25,8 +26,8 @@ _NAME = re.compile(rf"({_DIRECT}|{_INDIRECT})_(\w+)\.exr")
 PathPair = tuple[str | os.PathLike[str], str | os.PathLike[str]]
 
 
-@dataclass(frozen=True, eq=False)
-class FilePairs:
+@dataclass(frozen=True, eq=False, repr=False)
+class FilePairs(Result):
     """Pairs that were read from files.
 
     `indirect` is mapped from a file without a name in the folder for temporary files, ``TMPDIR``,
@@ -42,6 +43,10 @@ class FilePairs:
 
     notes: tuple[str, ...]
     """What was left out of the files."""
+
+    def in_short(self) -> str:
+        """How many images there are, and how large."""
+        return f"direct {self.direct.shape}, indirect {self.indirect.shape}"
 
 
 def read_pairs(

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights._check import amount, check_choice, count
 from envlights._native import EnvLightsError
+from envlights._result import Result
 from envlights.transfer import cluster, grow, store
 from envlights.transfer.basis import Wanted, basis, directions, outside
 from envlights.transfer.compact import LARGEST, CompactBasis, rounded
@@ -24,8 +25,8 @@ from envlights.transfer.report import TransferReport
 from envlights.transfer.solved import solved
 
 
-@dataclass(frozen=True, eq=False)
-class TransferModel:
+@dataclass(frozen=True, eq=False, repr=False)
+class TransferModel(Result):
     """A linear map from small images of direct light to images of indirect light.
 
     Light is linear: twice the light gives twice the image, and the image of two lights is the sum
@@ -354,6 +355,12 @@ class TransferModel:
             If the file is missing, damaged, or of another kind or version.
         """
         return store.load(path)
+
+    def in_short(self) -> str:
+        """Its rank, and the sizes of the images."""
+        (rows, columns), (height, width) = self.size, self.lit.shape
+        rank = self.transfer.shape[2]
+        return f"rank {rank}, {columns}x{rows} to {width}x{height} pixels"
 
     def __str__(self) -> str:
         return str(self.report)
