@@ -136,6 +136,17 @@ pub enum Error {
         limit: usize,
     },
 
+    /// A map whose sums are beyond single precision.
+    #[error("radiance is too large to be summed in single precision; divide the map by a scale")]
+    TooBright,
+
+    /// An array for which there is no memory.
+    #[error("there is no memory for an array of the shape {shape:?}")]
+    NoMemory {
+        /// Shape of the array.
+        shape: Vec<usize>,
+    },
+
     /// A number outside of its range.
     #[error("{what} must be from {least} to {most}; got {value}")]
     OutOfRange {

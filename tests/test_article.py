@@ -153,6 +153,15 @@ def test_survivors_are_far_apart_and_cover_the_rest():
     assert np.linalg.norm(points - points[survivor], axis=1).max() < 0.1
 
 
+def test_suppression_of_many_points_within_a_tiny_distance_takes_no_time():
+    """Cells so small that their numbers are beyond whole ones: as one, they took minutes."""
+    points = np.random.default_rng(0).random((50000, 2))
+    points[-1] = points[0]
+    survivor = kernels.suppress(points, 1e-25)
+    assert survivor[-1] == 0
+    np.testing.assert_array_equal(survivor[:-1], np.arange(49999))
+
+
 def test_a_dark_gap_parts_what_a_bright_line_joins():
     image = np.zeros((8, 40), np.float32)
     image[4, 2:18] = image[4, 24:30] = 0.9

@@ -261,7 +261,7 @@ def test_unusable_samples_are_cleaned_and_counted():
         (np.ones((4, 8, 3), bool), r"got the dtype bool"),
         (np.ones((4, 8, 3), np.int32), r"got the dtype int32"),
         ([[1, 2], [3]], r"a map must be an array of numbers"),
-        ("hall.exr", r"got the dtype <U8"),
+        ("hall.exr", r"`EnvMap.open` reads files; got 'hall.exr'"),
         (None, r"got the dtype object"),
         (np.full((4, 8, 3), np.nan), r"no finite sample"),
     ],

@@ -1,5 +1,9 @@
 """The compiled steps against closed forms and independent libraries."""
 
+import os
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -116,8 +120,72 @@ def test_sum_over_sources_is_equations_1_to_3():
             lambda: kernels.sum_over_sources([[0, 1, 0]], [[0, 1, 0]], [[1, 1, 1]], [1, 1]),
             r"solid_angles must have as many rows as directions \(1\); got 2",
         ),
+        (lambda: lit_up(k_d=np.nan), r"k_d must be a finite number, 0 or more; got nan"),
+        (lambda: lit_up(C=(1, 1)), r"C must hold red, green and blue; got 2 numbers"),
+        (lambda: under_rig([[1, 1]]), r"irradiance must have the shape \(n, 3\); got \[1, 2\]"),
+        (lambda: under_rig([[1, 1, 1]] * 2), r"as many rows as directions \(1\); got 2"),
+        (lambda: under_rig([[1, 1, np.nan]]), r"irradiance must be finite; row 0 holds NaN"),
+        (
+            lambda: kernels.relative_rms([[1, 1]], [[1, 1]], [1]),
+            r"wanted must have the shape \(n, 3\)",
+        ),
+        (
+            lambda: kernels.relative_rms(UP, UP, [-1]),
+            r"weights must not be negative; row 0",
+        ),
+        (lambda: kernels.relative_rms(UP, [[0, np.inf, 0]], [1]), r"wanted must be finite; row 0"),
+        (lambda: under_map(np.nan), r"radiance must be finite; row 5 holds NaN"),
+        (lambda: under_map(np.inf), r"radiance must be finite; row 5 holds inf"),
+        (lambda: kernels.irradiance(BRIGHTEST, UP), r"too large to be summed in single precision"),
+        (lambda: kernels.working_irradiance(BRIGHTEST, UP), r"too large to be summed"),
+        (lambda: kernels.reduced_luminance(BRIGHTEST, 8), r"too large to be summed"),
+        (
+            lambda: kernels.working_irradiance(BRIGHTEST, UP, source_share=-1),
+            r"source_share must be",
+        ),
+        (lambda: kernels.pixel_directions(2**28, 2**28), r"no memory for an array of the shape"),
+        (lambda: kernels.pixel_solid_angles(2**28, 2**28), r"no memory for an array of the shape"),
     ],
 )
 def test_bad_input_is_refused_by_name(call, message):
     with pytest.raises(el.EnvLightsError, match=message):
         call()
+
+
+UP = [[0, 1, 0]]
+BRIGHTEST = np.full((16, 32, 3), np.finfo(np.float32).max)
+
+
+def lit_up(**options):
+    return kernels.sum_over_sources(UP, UP, [[1, 1, 1]], [1], **options)
+
+
+def under_rig(irradiance):
+    return kernels.rig_irradiance(UP, [0, 0, 0], UP, irradiance)
+
+
+def under_map(sample):
+    radiance = np.ones((16, 32, 3), np.float32)
+    radiance[5, 7, 1] = sample
+    return kernels.irradiance(radiance, UP)
+
+
+FORKED = """
+import os, signal
+import numpy as np
+import envlights as el
+
+env = el.EnvMap(np.ones((16, 32, 3)))
+before = env.probe([[0, 1, 0]])
+child = os.fork()
+if not child:
+    signal.alarm(20)  # ends it where it waits for threads that it does not have
+    rig, lights = el.fit(env, 1), el.detect(env)
+    os._exit(0 if np.array_equal(env.probe([[0, 1, 0]]), before) else 3)
+assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system does not fork")
+def test_a_forked_process_has_threads_of_its_own():
+    subprocess.run([sys.executable, "-c", FORKED], check=True)

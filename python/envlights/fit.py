@@ -125,7 +125,7 @@ def fit(
     samples = upper_fitted_and_judging if normals == "upper" else fitted_and_judging
     world, (fitted, judging, sources) = seen_through(env, samples)
     clock.lap("probe")
-    first = _first_directions(start, most - len(held), world)
+    first = _first_directions(start, most - len(held), len(fitted.normals), world)
     clock.lap("start")
     found = answers(fitted, judging, error, most, AMBIENTS[ambient], held, first)
     clock.lap("fit")
@@ -180,7 +180,7 @@ def fit_probe(
     EnvLightsError
         If shapes do not fit, a value is not finite, a normal is no unit vector, a weight is
         negative or all are 0, or there are fewer
-        equations than unknowns: 5 a light and 3 or, for "sh2", 27.
+        equations than unknowns: 5 a light, and 3 for "constant" or 27 for "sh2".
 
     Examples
     --------
@@ -200,7 +200,7 @@ def fit_probe(
         raise EnvLightsError("weights must not all be 0")
     samples = Samples(normals, weights, irradiance)
     clock = _Clock()
-    first = _first_directions(start, most - len(held), None)
+    first = _first_directions(start, most - len(held), len(normals), None)
     found = answers(samples, samples, None, most, AMBIENTS[ambient], held, first)
     clock.lap("fit")
     rig = rig_of(found, samples, len(held), len(first))
@@ -279,7 +279,7 @@ def _given(start: str | Rig | Lights) -> Lights | None:
 
 
 def _first_directions(
-    start: str | Rig | Lights, lights: int, env: EnvMap | None
+    start: str | Rig | Lights, lights: int, normals: int, env: EnvMap | None
 ) -> NDArray[np.float64]:
     """Where the first of so many lights start, brightest first."""
     given = _given(start)
@@ -289,7 +289,7 @@ def _first_directions(
     if start == "greedy" or lights == 0:
         return _NOWHERE
     if start == "even":
-        return _native.even_sphere(lights)
+        return _native.even_sphere(min(lights, normals))  # the kernel refuses more lights
     assert env is not None
     return detect(env, max_lights=lights).direction
 

@@ -4,6 +4,7 @@ use numpy::ndarray::{Array1, Array2};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 
+use super::pool::in_pool;
 use crate::kernels::detect::article::bresenham::{self, LineRule};
 use crate::kernels::detect::article::{
     blur as smoothing, luminance as light, merge, neighbours, resize, suppress as suppression,
@@ -16,7 +17,7 @@ pub fn luminance<'py>(
     radiance: PyReadonlyArray3<'py, f32>,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let radiance = radiance.as_array();
-    let out = py.detach(|| light::luminance(radiance))?;
+    let out = in_pool(py, || light::luminance(radiance))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -29,7 +30,7 @@ pub fn resize_bilinear<'py>(
     width: usize,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let view = image.as_array();
-    let out = py.detach(|| resize::resize_bilinear(view, height, width))?;
+    let out = in_pool(py, || resize::resize_bilinear(view, height, width))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -41,7 +42,7 @@ pub fn blur<'py>(
     sigma: f64,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let view = image.as_array();
-    let out = py.detach(|| smoothing::blur(view, sigma))?;
+    let out = in_pool(py, || smoothing::blur(view, sigma))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -58,7 +59,7 @@ pub fn neighbour_maximum<'py>(
     sphere: bool,
 ) -> PyResult<Neighbours<'py>> {
     let (luminance, pixels) = (luminance.as_array(), pixels.as_array());
-    let found = py.detach(|| neighbours::neighbour_maximum(luminance, pixels, reach, sphere))?;
+    let found = in_pool(py, || neighbours::neighbour_maximum(luminance, pixels, reach, sphere))?;
     let values: Array1<f32> = found.iter().map(|(value, _)| *value).collect();
     let places: Vec<[i64; 2]> = found.iter().map(|(_, pixel)| pixel.map(|i| i as i64)).collect();
     Ok((values.into_pyarray(py), Array2::from(places).into_pyarray(py)))

@@ -4,6 +4,7 @@ use numpy::ndarray::{Array1, Array2};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray3};
 use pyo3::prelude::*;
 
+use super::pool::in_pool;
 use super::sphere::registration;
 use crate::kernels::detect::tree::{self, Detection, Light, Options, Reason};
 
@@ -41,7 +42,7 @@ pub fn reduced_luminance<'py>(
     border_sampled: bool,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let radiance = radiance.as_array();
-    let summary = py.detach(|| tree::summarise(radiance, registration(border_sampled), columns))?;
+    let summary = in_pool(py, || tree::summarise(radiance, registration(border_sampled), columns))?;
     summary.luminance.into_pyarray(py).reshape(summary.size)
 }
 
@@ -61,7 +62,7 @@ pub fn detect_tree(
 ) -> PyResult<TreeDetection> {
     let radiance = radiance.as_array();
     let options = Options { working_columns, prominence, extent, gap, min_flux_share, max_lights };
-    let found = py.detach(|| tree::detect(radiance, registration(border_sampled), &options))?;
+    let found = in_pool(py, || tree::detect(radiance, registration(border_sampled), &options))?;
     Ok(TreeDetection::new(py, &found))
 }
 

@@ -7,6 +7,7 @@ use numpy::ndarray::{ArrayView1, ArrayView2};
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
+use super::pool::in_pool;
 use crate::error::Error;
 use crate::kernels::fit::{self, Ambient, Goal, Probe, Request, Rig, Solution, StopReason};
 use crate::kernels::sphere::{from_vectors, unit_vectors};
@@ -75,7 +76,7 @@ pub fn fit_lights(
     let ((judging, error), (start, held)) = (&goal, &start);
     let (fitted, judging, start) = (views(&fitted), views(judging), start.as_array());
     let (error, held) = (*error, *held);
-    py.detach(|| {
+    in_pool(py, || {
         let ambient = Ambient::with(ambient).ok_or(Error::NotAmbient { seen: ambient })?;
         let samples = |(normals, weights, irradiance)| fit::Samples::new(normals, weights, irradiance);
         let probe = Arc::new(Probe::new(samples(fitted)?, ambient));
@@ -116,18 +117,10 @@ pub fn rig_irradiance<'py>(
     let (normals, ambient) = (normals.as_array(), ambient.as_array());
     let (directions, irradiance) = (directions.as_array(), irradiance.as_array());
     let out = py.detach(|| {
-        let rig = Rig {
-            ambient: vectors(ambient),
-            directions: unit_vectors("direction", directions)?,
-            irradiance: vectors(irradiance),
-        };
+        let rig = Rig::new(ambient, directions, irradiance)?;
         fit::irradiance(&rig, normals)
     })?;
     Ok(out.into_pyarray(py))
-}
-
-fn vectors(rows: ArrayView2<'_, f64>) -> Vec<DVec3> {
-    rows.rows().into_iter().map(|row| DVec3::new(row[0], row[1], row[2])).collect()
 }
 
 /// See `envlights.kernels.relative_rms`.

@@ -6,6 +6,7 @@ mod error;
 mod fit;
 mod image;
 mod paper;
+mod pool;
 mod probe;
 mod sampling;
 mod sphere;
@@ -16,6 +17,9 @@ use pyo3::prelude::*;
 /// Native kernels of `envlights`; import the typed functions of the package instead.
 #[pymodule(gil_used = false)]
 mod _native {
+    use numpy::PyArray1;
+    use pyo3::prelude::*;
+
     #[pymodule_export]
     use super::article::{
         blur, bresenham_line, luminance, merge_along_lines, neighbour_maximum, resize_bilinear, suppress,
@@ -40,4 +44,12 @@ mod _native {
     use super::sphere::{direction_to_uv, pixel_directions, pixel_solid_angles, uv_to_direction};
     #[pymodule_export]
     use super::transfer::{transfer_columns, transfer_frames, transfer_gram};
+
+    /// The first array looks for `numpy`: better here than in a kernel, where Ctrl-C would end the search.
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.py().import("numpy")?;
+        PyArray1::<f64>::zeros(module.py(), 0, false);
+        Ok(())
+    }
 }

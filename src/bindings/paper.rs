@@ -3,6 +3,7 @@
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 
+use super::pool::in_pool;
 use super::sphere::registration;
 use crate::kernels::paper::{self, Measured, Parameters, Surface};
 
@@ -22,7 +23,7 @@ pub fn face_radiance<'py>(
     border_sampled: bool,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let radiance = radiance.as_array();
-    let out = py.detach(|| paper::face_radiance(radiance, registration(border_sampled), faces))?;
+    let out = in_pool(py, || paper::face_radiance(radiance, registration(border_sampled), faces))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -94,7 +95,7 @@ pub fn probe_jacobian<'py>(
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let (x, normals, probe, weights) =
         (x.as_array(), normals.as_array(), probe.as_array(), weights.as_array());
-    let out = py.detach(|| {
+    let out = in_pool(py, || {
         let measured = Measured::new(normals, probe, weights)?;
         paper::jacobian(x, &measured, &surface(coefficients))
     })?;

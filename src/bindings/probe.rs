@@ -3,6 +3,7 @@
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 
+use super::pool::in_pool;
 use super::sphere::registration;
 use crate::kernels::{image, probe};
 
@@ -15,7 +16,7 @@ pub fn irradiance<'py>(
     border_sampled: bool,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let (radiance, normals) = (radiance.as_array(), normals.as_array());
-    let out = py.detach(|| probe::irradiance(radiance, registration(border_sampled), normals))?;
+    let out = in_pool(py, || probe::irradiance(radiance, registration(border_sampled), normals))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -30,7 +31,7 @@ pub fn working_irradiance<'py>(
     source_share: f64,
 ) -> PyResult<(Bound<'py, PyArray2<f64>>, usize)> {
     let (radiance, normals) = (radiance.as_array(), normals.as_array());
-    let (out, sources) = py.detach(|| {
+    let (out, sources) = in_pool(py, || {
         let map = image::reduce(radiance, registration(border_sampled), columns, source_share)?;
         probe::working_irradiance(&map, normals).map(|out| (out, map.sources.dim().0))
     })?;
@@ -51,6 +52,6 @@ pub fn sum_over_sources<'py>(
     let (normals, directions) = (normals.as_array(), directions.as_array());
     let (radiance, solid_angles) = (radiance.as_array(), solid_angles.as_array());
     let out =
-        py.detach(|| probe::sum_over_sources(normals, directions, radiance, solid_angles, k_d, colour))?;
+        in_pool(py, || probe::sum_over_sources(normals, directions, radiance, solid_angles, k_d, colour))?;
     Ok(out.into_pyarray(py))
 }

@@ -13,8 +13,9 @@ pub fn radical_inverse(index: u64, base: u64) -> PyResult<f64> {
 
 /// See `envlights.kernels.hammersley`.
 #[pyfunction]
-pub fn hammersley(py: Python<'_>, count: usize) -> Bound<'_, PyArray2<f64>> {
-    py.detach(|| sampling::hammersley(count)).into_pyarray(py)
+pub fn hammersley(py: Python<'_>, count: usize) -> PyResult<Bound<'_, PyArray2<f64>>> {
+    let out = py.detach(|| sampling::hammersley(count))?;
+    Ok(out.into_pyarray(py))
 }
 
 /// See `envlights.kernels.halton`.

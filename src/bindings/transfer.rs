@@ -5,6 +5,7 @@ use numpy::{
 };
 use pyo3::prelude::*;
 
+use super::pool::in_pool;
 use crate::kernels::transfer;
 
 /// Inner products, and which texels are lit.
@@ -25,7 +26,7 @@ pub fn transfer_gram<'py>(
     scale: PyReadonlyArray1<'py, f32>,
 ) -> PyResult<Gram<'py>> {
     let (images, scale) = (images.as_array(), scale.as_slice()?);
-    let (products, lit) = py.detach(|| transfer::gram(images, scale));
+    let (products, lit) = in_pool(py, || transfer::gram(images, scale))?;
     Ok((products.into_pyarray(py), lit.into_pyarray(py)))
 }
 
@@ -40,7 +41,8 @@ pub fn transfer_columns<'py>(
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let (images, scale, lit, weights) =
         (images.as_array(), scale.as_slice()?, lit.as_slice()?, weights.as_array());
-    Ok(py.detach(|| transfer::columns(images, scale, lit, weights)).into_pyarray(py))
+    let out = in_pool(py, || transfer::columns(images, scale, lit, weights))?;
+    Ok(out.into_pyarray(py))
 }
 
 /// See `envlights.transfer.compact`.
@@ -56,11 +58,11 @@ pub fn transfer_frames<'py>(
     let out = match &values {
         Values::Bytes(values) => {
             let values = values.as_array();
-            py.detach(|| transfer::frames(values, scales, coefficients, places))
+            in_pool(py, || transfer::frames(values, scales, coefficients, places))
         }
         Values::Halves(values) => {
             let values = values.as_array();
-            py.detach(|| transfer::frames(values, scales, coefficients, places))
+            in_pool(py, || transfer::frames(values, scales, coefficients, places))
         }
     }?;
     Ok(out.into_pyarray(py))

@@ -131,7 +131,8 @@ pub struct WorkingMap {
 /// # Errors
 ///
 /// [`Error::NotAMap`] when the array is not (height, width, 3) or smaller than 2 x 2;
-/// [`Error::NotFinite`] and [`Error::Negative`] for samples that no light can have: this pass sees them all.
+/// [`Error::NotFinite`] and [`Error::Negative`] for samples that no light can have: this pass sees them all;
+/// [`Error::OutOfRange`] for a share below zero.
 pub fn reduce(
     radiance: ArrayView3<'_, f32>,
     registration: Registration,
@@ -139,6 +140,10 @@ pub fn reduce(
     source_share: f64,
 ) -> Result<WorkingMap> {
     check_rgb(radiance)?;
+    if source_share.is_nan() || source_share < 0.0 {
+        let (what, value) = ("source_share", source_share);
+        return Err(Error::OutOfRange { what, value, least: 0.0, most: f64::INFINITY });
+    }
     let (height, width, _) = radiance.dim();
     let pixels = Grid::of_pixels(height, width, registration);
     let block = width.div_ceil(columns.max(1)).max(1);
@@ -178,10 +183,9 @@ fn block_flux(radiance: ArrayView3<'_, f32>, pixels: &Grid, block: usize) -> Res
             add_rows(cells, &samples.chunks_exact(3 * width).collect::<Vec<_>>(), &bands, &widths, block)
         })
         .collect();
-    if signs.contains(&true) {
-        check_not_negative(radiance)?;
+    if signs.contains(&true) || !flux.iter().all(|value| value.is_finite()) {
+        check_samples(radiance)?;
     }
-    check_finite(&flux)?;
     Ok(flux)
 }
 
@@ -257,20 +261,15 @@ fn add_four<const FIRST: bool>([a, b, c, d]: [&[f32]; 4], weights: &[f32; 4], me
     bits
 }
 
-/// Refuse a sample below zero. A minus sign may be that of -0, which is as good as 0.
-pub(crate) fn check_not_negative(radiance: ArrayView3<'_, f32>) -> Result<()> {
+/// Refuse the first sample that no light can have: a slow look, where a sum or a sign has shown that there
+/// may be one. A minus sign may be that of -0, which is as good as 0.
+pub(crate) fn check_samples(radiance: ArrayView3<'_, f32>) -> Result<()> {
+    let what = "radiance";
     for (index, row) in radiance.outer_iter().enumerate() {
-        if let Some(&value) = row.iter().find(|&&value| value < 0.0) {
-            return Err(Error::Negative { what: "radiance", index, value: f64::from(value) });
-        }
-    }
-    Ok(())
-}
-
-fn check_finite(flux: &Array3<f64>) -> Result<()> {
-    for (index, row) in flux.outer_iter().enumerate() {
-        if let Some(&value) = row.iter().find(|value| !value.is_finite()) {
-            return Err(Error::NotFinite { what: "radiance", index, value });
+        match row.iter().find(|value| !value.is_finite() || **value < 0.0).map(|&value| f64::from(value)) {
+            Some(value) if value.is_finite() => return Err(Error::Negative { what, index, value }),
+            Some(value) => return Err(Error::NotFinite { what, index, value }),
+            None => {}
         }
     }
     Ok(())

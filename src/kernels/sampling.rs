@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 use ndarray::{Array1, Array2, ArrayView2};
 
-use super::sphere::{check_rows, direction, from_vectors};
+use super::sphere::{check_memory, check_rows, direction, from_vectors};
 use crate::error::{Error, Result};
 
 /// Faces of the finest icosphere that is made: 8 subdivisions.
@@ -42,21 +42,27 @@ fn mirrored_digits(mut index: u64, base: u64) -> f64 {
 }
 
 /// The `count` Hammersley points of the unit square, (count, 2): `(i / count, radical inverse of i)`.
-pub fn hammersley(count: usize) -> Array2<f64> {
-    Array2::from_shape_fn((count, 2), |(i, axis)| {
+///
+/// # Errors
+///
+/// [`Error::NoMemory`].
+pub fn hammersley(count: usize) -> Result<Array2<f64>> {
+    check_memory(&[count, 2])?;
+    Ok(Array2::from_shape_fn((count, 2), |(i, axis)| {
         if axis == 0 { i as f64 / count as f64 } else { mirrored_digits(i as u64, 2) }
-    })
+    }))
 }
 
 /// The first `count` Halton points, (count, number of bases): one radical inverse for each base.
 ///
 /// # Errors
 ///
-/// [`Error::BadBase`] for a base below 2.
+/// [`Error::BadBase`] for a base below 2, [`Error::NoMemory`].
 pub fn halton(count: usize, bases: &[u64]) -> Result<Array2<f64>> {
     if let Some(&base) = bases.iter().find(|&&base| base < 2) {
         return Err(Error::BadBase { base });
     }
+    check_memory(&[count, bases.len()])?;
     Ok(Array2::from_shape_fn((count, bases.len()), |(i, axis)| mirrored_digits(i as u64, bases[axis])))
 }
 
@@ -231,7 +237,7 @@ mod tests {
 
     #[test]
     fn hammersley_on_the_sphere_has_no_preferred_direction() {
-        let points = uniform_sphere(hammersley(4096).view()).unwrap();
+        let points = uniform_sphere(hammersley(4096).unwrap().view()).unwrap();
         for axis in points.columns() {
             assert!(axis.mean().unwrap().abs() < 1e-3);
             assert_relative_eq!(axis.mapv(|x| x * x).mean().unwrap(), 1.0 / 3.0, epsilon = 1e-3);

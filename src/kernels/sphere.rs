@@ -125,9 +125,10 @@ pub fn direction_to_uv(directions: ArrayView2<'_, f64>) -> Result<Array2<f64>> {
 ///
 /// # Errors
 ///
-/// [`Error::NotAMap`] for fewer than 2 rows or columns.
+/// [`Error::NotAMap`] for fewer than 2 rows or columns, [`Error::NoMemory`].
 pub fn pixel_directions(height: usize, width: usize, registration: Registration) -> Result<Array3<f64>> {
     check_size(height, width)?;
+    check_memory(&[height, width, 3])?;
     let (thetas, phis) = (registration.thetas(height), registration.phis(width));
     Ok(Array3::from_shape_fn((height, width, 3), |(row, column, axis)| {
         direction(thetas[row], phis[column])[axis]
@@ -147,9 +148,10 @@ pub fn pixel_directions(height: usize, width: usize, registration: Registration)
 ///
 /// # Errors
 ///
-/// [`Error::NotAMap`] for fewer than 2 rows or columns.
+/// [`Error::NotAMap`] for fewer than 2 rows or columns, [`Error::NoMemory`].
 pub fn pixel_solid_angles(height: usize, width: usize, registration: Registration) -> Result<Array2<f64>> {
     check_size(height, width)?;
+    check_memory(&[height, width])?;
     let bands = band_heights(&registration.theta_edges(height));
     let phi = registration.phi_edges(width);
     Ok(Array2::from_shape_fn((height, width), |(row, column)| bands[row] * (phi[column + 1] - phi[column])))
@@ -165,7 +167,7 @@ pub fn band_heights(theta_edges: &[f64]) -> Vec<f64> {
 
 /// Two unit vectors that make a right angle with `axis` and with each other.
 ///
-/// The frame follows the axis' smallest component, so that it exists at the poles as anywhere.
+/// They exist at the poles as anywhere; across the plane z = 0 they jump (Duff et al. 2017).
 pub fn tangents(axis: DVec3) -> [DVec3; 2] {
     let first = axis.any_orthonormal_vector();
     [first, axis.cross(first)]
@@ -188,25 +190,22 @@ pub fn exponential_map(axis: DVec3, step: DVec3) -> DVec3 {
 pub fn unit_vectors(what: &'static str, rows: ArrayView2<'_, f64>) -> Result<Vec<DVec3>> {
     // Vectors that were normalised in f32 pass, vectors that were never normalised do not.
     const TOLERANCE: f64 = 1e-5;
-    check_rows(what, rows, 3)?;
-    rows.rows()
-        .into_iter()
-        .enumerate()
-        .map(|(index, row)| {
-            let vector = vector(row);
-            let length = vector.length();
-            if (length - 1.0).abs() <= TOLERANCE {
-                Ok(vector)
-            } else {
-                Err(Error::NotUnit { what, index, length })
-            }
-        })
-        .collect()
+    let vectors = vectors(what, rows)?;
+    let is_unit = |vector: &DVec3| (vector.length() - 1.0).abs() <= TOLERANCE;
+    match vectors.iter().position(|vector| !is_unit(vector)) {
+        Some(index) => Err(Error::NotUnit { what, index, length: vectors[index].length() }),
+        None => Ok(vectors),
+    }
 }
 
-/// A row of three numbers as a vector.
-fn vector(row: ArrayView1<'_, f64>) -> DVec3 {
-    DVec3::new(row[0], row[1], row[2])
+/// `rows` as vectors.
+///
+/// # Errors
+///
+/// [`Error::WrongColumns`], [`Error::NotFinite`].
+pub fn vectors(what: &'static str, rows: ArrayView2<'_, f64>) -> Result<Vec<DVec3>> {
+    check_rows(what, rows, 3)?;
+    Ok(rows.rows().into_iter().map(|row| DVec3::new(row[0], row[1], row[2])).collect())
 }
 
 /// Refuse an array that is not (n, `columns`) or holds a number that is not finite.
@@ -241,12 +240,23 @@ pub(crate) fn check_weighted(
     weights: ArrayView1<'_, f64>,
 ) -> Result<Vec<DVec3>> {
     let normals = unit_vectors("normal", normals)?;
+    check_values("normals", normals.len(), (what, values), weights)?;
+    Ok(normals)
+}
+
+/// RGB values and weights, as many as `other` has, the weights not negative.
+pub(crate) fn check_values(
+    other: &'static str,
+    wanted: usize,
+    (what, values): (&'static str, ArrayView2<'_, f64>),
+    weights: ArrayView1<'_, f64>,
+) -> Result<()> {
     check_rows(what, values, 3)?;
     check_rows("weights", weights.insert_axis(ndarray::Axis(1)), 1)?;
-    check_lengths("normals", normals.len(), [(what, values.nrows()), ("weights", weights.len())])?;
+    check_lengths(other, wanted, [(what, values.nrows()), ("weights", weights.len())])?;
     match weights.iter().enumerate().find(|(_, weight)| **weight < 0.0) {
         Some((index, &value)) => Err(Error::Negative { what: "weights", index, value }),
-        None => Ok(normals),
+        None => Ok(()),
     }
 }
 
@@ -255,6 +265,13 @@ pub(crate) fn check_size(height: usize, width: usize) -> Result<()> {
         return Err(Error::NotAMap { shape: vec![height, width, 3] });
     }
     Ok(())
+}
+
+/// Refuse an array for which there is no memory: to run out of it ends the process.
+pub(crate) fn check_memory(shape: &[usize]) -> Result<()> {
+    let numbers = shape.iter().fold(1_usize, |product, &side| product.saturating_mul(side));
+    let reserved = Vec::<f64>::new().try_reserve_exact(numbers);
+    reserved.map_err(|_| Error::NoMemory { shape: shape.to_vec() })
 }
 
 /// Vectors as the rows of an array.

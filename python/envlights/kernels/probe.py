@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
-from envlights._check import count, float_image, reals
+from envlights._check import amount, count, float_image, reals
 from envlights._native import EnvLightsError
 
 #: Width of the map that `working_irradiance` makes when it is not told another.
@@ -82,7 +82,8 @@ def working_irradiance(
     image = float_image("radiance", radiance, 3)
     normals = reals("normals", normals, 2)
     columns = count("columns", columns, least=2)
-    return _native.working_irradiance(image, normals, border_sampled, columns, source_share)
+    share = amount("source_share", source_share)
+    return _native.working_irradiance(image, normals, border_sampled, columns, share)
 
 
 def sum_over_sources(
@@ -123,7 +124,10 @@ def sum_over_sources(
     """
     vectors = reals("normals", normals, 2), reals("directions", directions, 2)
     sources = reals("radiance", radiance, 2), reals("solid_angles", solid_angles, 1)
-    return _native.sum_over_sources(*vectors, *sources, float(k_d), [float(c) for c in C])
+    colour = [amount("C", channel) for channel in C]
+    if len(colour) != 3:
+        raise EnvLightsError(f"C must hold red, green and blue; got {len(colour)} numbers")
+    return _native.sum_over_sources(*vectors, *sources, amount("k_d", k_d), colour)
 
 
 def rig_irradiance(

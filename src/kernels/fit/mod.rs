@@ -44,7 +44,7 @@ use ndarray::{Array2, ArrayView1, ArrayView2, Zip};
 use rayon::prelude::*;
 
 use self::solver::State;
-use super::sphere::unit_vectors;
+use super::sphere::{check_rows, check_values, unit_vectors, vectors};
 use crate::error::{Error, Result};
 
 /// Ambient and directional lights.
@@ -138,6 +138,28 @@ fn solution(probe: &Probe, request: &Request<'_>, state: &State) -> Solution {
 }
 
 impl Rig {
+    /// An `ambient` term of (0, 1 or 9, 3), and lights of (m, 3) `directions` and (m, 3) `irradiance`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotAmbient`], [`Error::WrongColumns`], [`Error::NotFinite`], [`Error::NotUnit`],
+    /// [`Error::LengthMismatch`].
+    pub fn new(
+        ambient: ArrayView2<'_, f64>,
+        directions: ArrayView2<'_, f64>,
+        irradiance: ArrayView2<'_, f64>,
+    ) -> Result<Self> {
+        let seen = ambient.nrows();
+        Ambient::with(seen).ok_or(Error::NotAmbient { seen })?;
+        let (ambient, irradiance) = (vectors("ambient", ambient)?, vectors("irradiance", irradiance)?);
+        let directions = unit_vectors("direction", directions)?;
+        if irradiance.len() != directions.len() {
+            let (wanted, seen) = (directions.len(), irradiance.len());
+            return Err(Error::LengthMismatch { what: "irradiance", other: "directions", wanted, seen });
+        }
+        Ok(Self { ambient, directions, irradiance })
+    }
+
     /// Without the lights that no channel uses, but for the first `held`.
     fn lit(self, held: usize) -> Self {
         let lights = self.directions.into_iter().zip(self.irradiance).enumerate();
@@ -147,8 +169,10 @@ impl Rig {
     }
 }
 
+/// Three equations at each normal; in each channel the coefficients of the ambient term and a radiance for
+/// each light, and its two angles.
 fn check_unknowns(probe: &Probe, lights: usize) -> Result<()> {
-    let wanted = (3 + 5 * lights).div_ceil(3);
+    let wanted = (3 * probe.ambient.coefficients() + 5 * lights).div_ceil(3).max(1);
     let seen = probe.samples.normals.len();
     if seen < wanted {
         return Err(Error::TooFewNormals { seen, wanted, lights });
@@ -160,16 +184,15 @@ fn check_unknowns(probe: &Probe, lights: usize) -> Result<()> {
 ///
 /// # Errors
 ///
-/// [`Error::LengthMismatch`] when they differ in length.
+/// [`Error::WrongColumns`], [`Error::LengthMismatch`]; [`Error::NotFinite`] for any number, and
+/// [`Error::Negative`] for a weight.
 pub fn relative_rms(
     seen: ArrayView2<'_, f64>,
     wanted: ArrayView2<'_, f64>,
     weights: ArrayView1<'_, f64>,
 ) -> Result<f64> {
-    if seen.dim() != wanted.dim() || seen.nrows() != weights.len() {
-        let (wanted, seen) = (wanted.nrows(), seen.nrows());
-        return Err(Error::LengthMismatch { what: "probe", other: "reference", wanted, seen });
-    }
+    check_rows("wanted", wanted, 3)?;
+    check_values("wanted", wanted.nrows(), ("seen", seen), weights)?;
     let (mut difference, mut reference) = (0.0, 0.0);
     Zip::from(seen.rows()).and(wanted.rows()).and(weights).for_each(|seen, wanted, &weight| {
         for (a, b) in seen.iter().zip(wanted) {
@@ -196,6 +219,7 @@ mod tests {
     use super::*;
     use crate::kernels::sampling;
     use crate::kernels::sphere::direction;
+    use ndarray::s;
 
     fn found(rig: &Rig, lights: usize) -> Vec<Solution> {
         let (normals, weights) = sampling::icosphere(320).unwrap();
@@ -223,6 +247,23 @@ mod tests {
             assert!((e - irradiance).length() < 1e-8, "{e} {irradiance}");
         }
         assert!((found.ambient[0] - rig.ambient[0]).length() < 1e-9);
+    }
+
+    #[test]
+    fn there_must_be_as_many_equations_as_unknowns() {
+        let (normals, weights) = sampling::icosphere(320).unwrap();
+        let enough = |ambient, count: usize, lights| {
+            let normals = normals.slice(s![..count, ..]);
+            let samples = Samples::new(normals, weights.slice(s![..count]), normals).unwrap();
+            check_unknowns(&Probe::new(samples, ambient), lights).is_ok()
+        };
+        for (ambient, unknowns) in [(Ambient::None, 0), (Ambient::Constant, 3), (Ambient::Sh2, 27)] {
+            for lights in 0..4 {
+                let least = (1..20).find(|&count| enough(ambient, count, lights)).unwrap();
+                assert!(3 * least >= unknowns + 5 * lights && least >= 1);
+                assert!(least == 1 || 3 * (least - 1) < unknowns + 5 * lights);
+            }
+        }
     }
 
     #[test]

@@ -4,7 +4,7 @@ use ndarray::{Array2, ArrayView2, ArrayView3, Axis};
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::kernels::image::check_rgb;
+use crate::kernels::image::{check_rgb, check_samples};
 use crate::kernels::sampling::{self, FaceSearch};
 use crate::kernels::sphere::{Registration, band_heights, direction};
 
@@ -23,7 +23,8 @@ const MOST_RUNS: usize = 16;
 ///
 /// # Errors
 ///
-/// [`crate::error::Error::NotAMap`], [`crate::error::Error::NoSuchIcosphere`].
+/// [`crate::error::Error::NotAMap`], [`crate::error::Error::NotFinite`],
+/// [`crate::error::Error::NoSuchIcosphere`].
 pub fn face_radiance(
     radiance: ArrayView3<'_, f32>,
     registration: Registration,
@@ -45,6 +46,9 @@ pub fn face_radiance(
             flux
         })
         .collect();
+    if !sums.iter().flatten().all(|flux| flux.is_finite()) {
+        check_samples(radiance)?;
+    }
     let mut mean = sums.into_iter().fold(Array2::zeros((faces, 3)), |sum, flux| sum + flux);
     for (mut face, area) in mean.rows_mut().into_iter().zip(&areas) {
         face /= *area;

@@ -38,7 +38,7 @@ use rayon::prelude::*;
 
 use super::image::{self, Grid, WorkingMap};
 use super::sphere::{self, Registration, check_lengths, check_rows, unit_vectors};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use band::{Band, Columns};
 use horizon::{Normal, Steps};
 
@@ -58,12 +58,13 @@ const NORMALS_AT_ONCE: usize = 4096;
 ///
 /// # Inputs
 ///
-/// - `radiance`: (height, width, 3), linear RGB, finite and not negative.
+/// - `radiance`: (height, width, 3), linear RGB, not negative.
 /// - `normals`: (n, 3), unit vectors, in the frame of [`super::sphere`].
 ///
 /// # Errors
 ///
-/// [`crate::error::Error::NotAMap`], [`crate::error::Error::WrongColumns`], [`crate::error::Error::NotFinite`], [`crate::error::Error::NotUnit`].
+/// [`Error::NotAMap`], [`Error::WrongColumns`], [`Error::NotFinite`]
+/// for a sample or a normal, [`Error::NotUnit`], [`Error::TooBright`].
 pub fn irradiance(
     radiance: ArrayView3<'_, f32>,
     registration: Registration,
@@ -72,17 +73,18 @@ pub fn irradiance(
     image::check_rgb(radiance)?;
     let normals = unit_vectors("normal", normals)?;
     let (height, width, _) = radiance.dim();
-    Ok(under_cells(radiance, &Grid::of_pixels(height, width, registration), Steps::of(height), &normals))
+    under_cells(radiance, &Grid::of_pixels(height, width, registration), Steps::of(height), &normals)
 }
 
 /// Irradiance, (n, 3), under a reduced map and the sources taken out of it.
 ///
 /// # Errors
 ///
-/// [`crate::error::Error::WrongColumns`], [`crate::error::Error::NotFinite`], [`crate::error::Error::NotUnit`].
+/// [`Error::WrongColumns`], [`Error::NotFinite`], [`Error::NotUnit`],
+/// [`Error::TooBright`].
 pub fn working_irradiance(map: &WorkingMap, normals: ArrayView2<'_, f64>) -> Result<Array2<f64>> {
     let normals = unit_vectors("normal", normals)?;
-    Ok(table::under_cells(map, &normals) + under_sources(&map.sources, &normals))
+    Ok(table::under_cells(map, &normals)? + under_sources(&map.sources, &normals))
 }
 
 /// Irradiance of point sources, (n, 3 axes, 3 channels): `E(n) = sum of max(0, n.F)`, for each channel its
@@ -113,7 +115,7 @@ fn under_sources(sources: &Array3<f64>, normals: &[DVec3]) -> Array2<f64> {
 ///
 /// # Errors
 ///
-/// [`crate::error::Error::WrongColumns`], [`crate::error::Error::LengthMismatch`], [`crate::error::Error::NotFinite`], [`crate::error::Error::NotUnit`].
+/// [`Error::WrongColumns`], [`Error::LengthMismatch`], [`Error::NotFinite`], [`Error::NotUnit`].
 pub fn sum_over_sources(
     normals: ArrayView2<'_, f64>,
     directions: ArrayView2<'_, f64>,
@@ -141,7 +143,12 @@ pub fn sum_over_sources(
 }
 
 /// Sum of the cells of `radiance`, batch of normals by batch.
-fn under_cells(radiance: ArrayView3<'_, f32>, grid: &Grid, steps: Steps, normals: &[DVec3]) -> Array2<f64> {
+fn under_cells(
+    radiance: ArrayView3<'_, f32>,
+    grid: &Grid,
+    steps: Steps,
+    normals: &[DVec3],
+) -> Result<Array2<f64>> {
     let samples = radiance.as_standard_layout();
     let pixels = samples.as_slice().expect("standard layout").as_chunks::<3>().0;
     let rows: Vec<&[[f32; 3]]> = pixels.chunks(radiance.dim().1).collect();
@@ -155,7 +162,11 @@ fn under_cells(radiance: ArrayView3<'_, f32>, grid: &Grid, steps: Steps, normals
         seen.extend(sums.seen);
         whole = sums.whole;
     }
-    sphere::from_vectors(pairs.restore(&seen, whole).into_iter())
+    if !seen.iter().chain(&whole).all(|sum| sum.is_finite()) {
+        image::check_samples(radiance)?;
+        return Err(Error::TooBright);
+    }
+    Ok(sphere::from_vectors(pairs.restore(&seen, whole).into_iter()))
 }
 
 /// Irradiance at some normals, and the vector flux of all that was summed: for each axis, by channel.

@@ -21,6 +21,7 @@ use rayon::prelude::*;
 use wide::f32x8;
 
 use super::horizon::{Normal, Slice, Steps, cut};
+use crate::error::{Error, Result};
 use crate::kernels::image::{Grid, WorkingMap};
 use crate::kernels::sphere;
 
@@ -66,7 +67,7 @@ impl Columns {
 }
 
 /// Irradiance at `normals` of the cells of `map`, without its sources.
-pub fn under_cells(map: &WorkingMap, normals: &[DVec3]) -> Array2<f64> {
+pub fn under_cells(map: &WorkingMap, normals: &[DVec3]) -> Result<Array2<f64>> {
     let normals: Vec<Normal> = normals.iter().map(|&n| Normal::new(n)).collect();
     let columns = Columns::new(&map.grid);
     let rows: Vec<usize> = (0..map.radiance.dim().0).collect();
@@ -81,8 +82,12 @@ pub fn under_cells(map: &WorkingMap, normals: &[DVec3]) -> Array2<f64> {
             sums
         })
         .collect();
-    let sum = |i: usize| sums.iter().fold(DVec3::ZERO, |sum, part| sum + part[i]).max(DVec3::ZERO);
-    sphere::from_vectors((0..normals.len()).map(sum))
+    let sum = |i: usize| sums.iter().fold(DVec3::ZERO, |sum, part| sum + part[i]);
+    let seen: Vec<DVec3> = (0..normals.len()).map(sum).collect();
+    if !seen.iter().all(|sum| sum.is_finite()) {
+        return Err(Error::TooBright);
+    }
+    Ok(sphere::from_vectors(seen.into_iter().map(|sum| sum.max(DVec3::ZERO))))
 }
 
 impl Table<'_> {
@@ -210,9 +215,10 @@ mod tests {
         let directions: Vec<DVec3> = normals.outer_iter().map(|n| DVec3::new(n[0], n[1], n[2])).collect();
         for registration in [Registration::CellCentred, Registration::BorderSampled] {
             let working = image::reduce(map.view(), registration, 128, 1.0).unwrap();
-            let near = under_cells(&working, &directions);
+            let near = under_cells(&working, &directions).unwrap();
             let cells = working.radiance.view();
-            let exact = super::super::under_cells(cells, &working.grid, Steps::ONE_NODE, &directions);
+            let exact =
+                super::super::under_cells(cells, &working.grid, Steps::ONE_NODE, &directions).unwrap();
             let error = fit::relative_rms(near.view(), exact.view(), weights.view()).unwrap();
             assert!(error < 2e-6, "{registration:?}: {error:e}");
         }

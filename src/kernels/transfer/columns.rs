@@ -5,6 +5,7 @@ use ndarray::{Array2, ArrayView2, ArrayView3, Axis, s};
 use rayon::prelude::*;
 
 use super::rows;
+use crate::error::{Error, Result};
 
 /// Texels of a task: their rows stay in the second-level cache for some hundred images.
 const SPAN: usize = 512;
@@ -25,13 +26,22 @@ const SPAN: usize = 512;
 /// # Returns
 ///
 /// (lit texels, rank).
+///
+/// # Errors
+///
+/// [`Error::WrongColumns`], [`Error::LengthMismatch`].
 pub fn columns(
     images: ArrayView3<'_, f32>,
     scale: &[f32],
     lit: &[bool],
     weights: ArrayView2<'_, f32>,
-) -> Array2<f32> {
+) -> Result<Array2<f32>> {
+    rows::check(images, scale)?;
     let (width, rank) = weights.dim();
+    let sizes = [("lit", lit.len(), images.dim().1), ("weights", width, 3 * scale.len())];
+    if let Some((what, seen, wanted)) = sizes.into_iter().find(|&(_, seen, wanted)| seen != wanted) {
+        return Err(Error::LengthMismatch { what, other: "images", wanted, seen });
+    }
     let counts = lit.chunks(SPAN).map(|lit| lit.iter().filter(|&&lit| lit).count());
     let mut out = Array2::zeros((counts.clone().sum(), rank));
     let mut parts = Vec::new();
@@ -50,7 +60,7 @@ pub fn columns(
             general_mat_mul(1.0, &block.slice(s![..out.nrows(), ..]), &weights, 0.0, &mut out);
         },
     );
-    out
+    Ok(out)
 }
 
 /// Move the rows that are lit to the front.
@@ -78,11 +88,21 @@ mod tests {
         let mut weights = Array2::zeros((15, 2));
         weights[[3 + 2, 0]] = 1.0;
         weights[[12, 1]] = 1.0;
-        let found = columns(images, &scale, &lit, weights.view());
+        let found = columns(images, &scale, &lit, weights.view()).expect("they fit");
         let wanted = (0..lit.len()).filter(|&t| lit[t]);
         assert_eq!(found.nrows(), wanted.clone().count());
         for (row, t) in found.outer_iter().zip(wanted) {
             assert_eq!(row, arr2(&[[2.0 * images[[1, t, 2]], 0.5 * images[[4, t, 0]]]]).row(0));
         }
+    }
+
+    #[test]
+    fn what_does_not_fit_is_refused() {
+        let images = Array3::zeros((1, 2, 3));
+        let weights = Array2::zeros((3, 1));
+        assert!(columns(images.view(), &[1.0], &[true; 2], weights.view()).is_ok());
+        assert!(columns(images.view(), &[1.0], &[true; 3], weights.view()).is_err());
+        assert!(columns(images.view(), &[1.0, 1.0], &[true; 2], weights.view()).is_err());
+        assert!(columns(images.view(), &[1.0], &[true; 2], Array2::zeros((2, 1)).view()).is_err());
     }
 }

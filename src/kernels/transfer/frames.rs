@@ -60,9 +60,9 @@ impl Kept for u16 {
 ///
 /// # Inputs
 ///
-/// - `values`: (tiles, rank, 32), bytes or the bits of halves, in C order.
-/// - `scales`: (tiles, rank, 2), in C order.
-/// - `coefficients`: (n, rank, 3), in C order, of the first components; the others are not read.
+/// - `values`: (tiles, rank, 32), bytes or the bits of halves.
+/// - `scales`: (tiles, rank, 2).
+/// - `coefficients`: (n, rank, 3), of the first components; the others are not read.
 /// - `places`: for each tile of an image where it is in `values`; below 0 it is black.
 ///
 /// # Returns
@@ -71,7 +71,7 @@ impl Kept for u16 {
 ///
 /// # Errors
 ///
-/// [`Error::WrongColumns`] for tiles of another size, [`Error::LengthMismatch`] for more coefficients
+/// [`Error::WrongColumns`] for tiles of another size or coefficients that are no RGB, [`Error::LengthMismatch`] for more coefficients
 /// than components, [`Error::OutOfRange`] for a place that is not in `values`.
 pub fn frames<T: Kept>(
     values: ArrayView3<'_, T>,
@@ -79,8 +79,9 @@ pub fn frames<T: Kept>(
     coefficients: ArrayView3<'_, f32>,
     places: &[i64],
 ) -> Result<Array3<f32>> {
-    let basis = Basis::new(&values, &scales)?;
-    basis.check(coefficients.dim().1, places)?;
+    let (values, scales) = (values.as_standard_layout(), scales.as_standard_layout());
+    let basis = Basis::new(values.view(), scales.view())?;
+    basis.check(coefficients, places)?;
     let images: Vec<Vec<[f32; 3]>> = coefficients
         .outer_iter()
         .map(|rows| rows.rows().into_iter().map(|rgb| [rgb[0], rgb[1], rgb[2]]).collect())
@@ -107,7 +108,8 @@ struct Basis<'a, T> {
 }
 
 impl<'a, T: Kept> Basis<'a, T> {
-    fn new(values: &'a ArrayView3<'_, T>, scales: &'a ArrayView3<'_, f32>) -> Result<Self> {
+    /// Of arrays in the standard layout.
+    fn new(values: ArrayView3<'a, T>, scales: ArrayView3<'a, f32>) -> Result<Self> {
         let (tiles, rank, lanes) = values.dim();
         if lanes != TILE {
             return Err(Error::WrongColumns {
@@ -123,13 +125,17 @@ impl<'a, T: Kept> Basis<'a, T> {
                 shape: scales.shape().to_vec(),
             });
         }
-        let (values, _) = values.as_slice().unwrap_or_default().as_chunks();
-        Ok(Self { values, scales: scales.as_slice().unwrap_or_default().as_chunks().0, rank })
+        let (values, _) = values.to_slice().unwrap_or_default().as_chunks();
+        Ok(Self { values, scales: scales.to_slice().unwrap_or_default().as_chunks().0, rank })
     }
 
-    fn check(&self, components: usize, places: &[i64]) -> Result<()> {
+    fn check(&self, coefficients: ArrayView3<'_, f32>, places: &[i64]) -> Result<()> {
+        let (what, (_, components, channels)) = ("coefficients", coefficients.dim());
+        if channels != 3 {
+            return Err(Error::WrongColumns { what, columns: 3, shape: coefficients.shape().to_vec() });
+        }
         if components > self.rank {
-            let (what, other) = ("coefficients", "values");
+            let other = "values";
             return Err(Error::LengthMismatch { what, other, wanted: self.rank, seen: components });
         }
         let tiles = self.values.len().checked_div(self.rank).unwrap_or(0);
@@ -275,5 +281,22 @@ mod tests {
         assert_eq!(call(&values, 1, &[2]), "places must be from -1 to 1; got 2");
         assert!(call(&Array3::zeros((2, 1, 16)), 1, &[0]).contains("(n, 32)"));
         assert!(call(&Array3::zeros((2, 2, TILE)), 1, &[0]).starts_with("scales"));
+        let two = Array3::zeros((1, 1, 2));
+        let seen = frames(values.view(), scales.view(), two.view(), &[0]);
+        assert!(matches!(seen, Err(Error::WrongColumns { what: "coefficients", columns: 3, .. })));
+    }
+
+    /// As `numpy` saves them where they were transposed before.
+    #[test]
+    fn a_basis_in_another_order_is_the_same() {
+        let values = Array3::from_shape_fn((2, 3, TILE), |(i, r, l)| (i + 3 * r + 7 * l) as i8 % 13);
+        let scales = Array3::from_shape_fn((2, 3, 2), |(i, r, h)| (i + 2 * r + 5 * h) as f32);
+        let coefficients = Array3::from_shape_fn((1, 3, 3), |(_, r, c)| (r + c) as f32);
+        let call = |values: ArrayView3<'_, i8>, scales: ArrayView3<'_, f32>| {
+            frames(values, scales, coefficients.view(), &[1, 0]).expect("they fit")
+        };
+        let reversed = |array: &Array3<f32>| array.t().as_standard_layout().into_owned();
+        let transposed = values.t().as_standard_layout().into_owned();
+        assert_eq!(call(values.view(), scales.view()), call(transposed.t(), reversed(&scales).t()));
     }
 }

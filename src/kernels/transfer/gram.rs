@@ -6,6 +6,7 @@ use ndarray::{Array1, Array2, ArrayView2, ArrayView3, Axis, Zip, s};
 use rayon::slice::ParallelSliceMut;
 
 use super::rows;
+use crate::error::Result;
 
 /// Texels whose products are summed in f32, before they are added to the others in f64: over so few
 /// the sum is wrong by 2e-8 of the largest eigenvalue.
@@ -30,9 +31,17 @@ const PANEL: usize = 32;
 /// # Returns
 ///
 /// (3 k, 3 k), of which only the lower triangle is filled; and (texels,).
-pub fn gram(images: ArrayView3<'_, f32>, scale: &[f32]) -> (Array2<f64>, Array1<bool>) {
+///
+/// # Errors
+///
+/// [`crate::error::Error::WrongColumns`], [`crate::error::Error::LengthMismatch`].
+pub fn gram(images: ArrayView3<'_, f32>, scale: &[f32]) -> Result<(Array2<f64>, Array1<bool>)> {
+    rows::check(images, scale)?;
     let width = 3 * scale.len();
     let texels = images.dim().1;
+    if images.is_empty() {
+        return Ok((Array2::zeros((width, width)), Array1::from_elem(texels, false)));
+    }
     let mut products = Array2::zeros((width, width));
     let mut lit = Vec::with_capacity(texels);
     let mut block = Array2::zeros((BLOCK.min(texels), width));
@@ -46,7 +55,7 @@ pub fn gram(images: ArrayView3<'_, f32>, scale: &[f32]) -> (Array2<f64>, Array1<
         lit.extend(rows.chunks_exact(width).map(|row| row.iter().any(|&value| value != 0.0)));
         add_products(&mut products, block.slice(s![..count, ..]));
     }
-    (products, lit.into())
+    Ok((products, lit.into()))
 }
 
 /// Add the inner products of the columns of `block` (texels, width).
@@ -83,7 +92,7 @@ mod tests {
         images.slice_mut(s![.., BLOCK + 3, ..]).fill(0.0);
         images.slice_mut(s![.., 5, ..]).fill(0.0);
         images[[1, 5, 2]] = 1.0;
-        let (products, lit) = gram(images.view(), &scale);
+        let (products, lit) = gram(images.view(), &scale).expect("they fit");
         for (a, b) in (0..39).flat_map(|a| (0..=a).map(move |b| (a, b))) {
             let [one, two] = [a, b].map(|row| (row / 3, row % 3));
             let sum: f64 = (0..images.dim().1)
@@ -95,5 +104,14 @@ mod tests {
         }
         let black: Vec<usize> = (0..lit.len()).filter(|&t| !lit[t]).collect();
         assert_eq!(black, [5, BLOCK + 3]);
+    }
+
+    #[test]
+    fn what_does_not_fit_is_refused_and_nothing_has_no_products() {
+        let images = Array3::zeros((2, 5, 3));
+        assert!(gram(images.view(), &[1.0; 3]).is_err());
+        assert!(gram(images.slice(s![.., .., ..2]), &[1.0; 2]).is_err());
+        let (products, lit) = gram(images.slice(s![..0, .., ..]), &[]).expect("they fit");
+        assert_eq!((products.dim(), lit.to_vec()), ((0, 0), vec![false; 5]));
     }
 }

@@ -5,8 +5,22 @@ use std::array::from_fn;
 
 use ndarray::{ArrayView3, s};
 
+use crate::error::{Error, Result};
+
 /// Images whose values move together, twelve floats at a time. Of 1, 2, 4 and 8, 4 is fastest.
 const IMAGES: usize = 4;
+
+/// Refuse images (k, texels, 3) that are no RGB, or have not a scale each.
+pub fn check(images: ArrayView3<'_, f32>, scale: &[f32]) -> Result<()> {
+    let (wanted, _, channels) = images.dim();
+    if channels != 3 {
+        return Err(Error::WrongColumns { what: "images", columns: 3, shape: images.shape().to_vec() });
+    }
+    if scale.len() != wanted {
+        return Err(Error::LengthMismatch { what: "scale", other: "images", wanted, seen: scale.len() });
+    }
+    Ok(())
+}
 
 /// Fill `rows` (texels, 3 k), scaled, from the texels of `images` (k, texels, 3) that begin at `first`.
 pub fn fill(rows: &mut [f32], images: ArrayView3<'_, f32>, scale: &[f32], first: usize) {

@@ -41,7 +41,8 @@ pub fn merge(
     while let Some(&start) = open.first() {
         open.retain(|&end| {
             let is_near = points[start].distance_squared(points[end]) <= farthest * farthest;
-            let joined = is_near && is_bright(&image, pixels[start], pixels[end], rule, sphere);
+            let joined =
+                end == start || (is_near && is_bright(&image, pixels[start], pixels[end], rule, sphere));
             if joined {
                 light[end] = start;
             }

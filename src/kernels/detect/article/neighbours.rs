@@ -46,7 +46,7 @@ fn brightest_around(
     sphere: bool,
 ) -> (f32, Pixel) {
     let mut best = (f32::NEG_INFINITY, [row, column]);
-    let rows = row.saturating_sub(reach)..row.saturating_add(reach + 1).min(image.height);
+    let rows = row.saturating_sub(reach)..(row + reach.min(image.height) + 1).min(image.height);
     for (y, &columns) in rows.clone().zip(&columns[rows]) {
         let line = image.row(y);
         for part in window(column, columns, image.width, sphere) {

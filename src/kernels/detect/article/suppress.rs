@@ -23,36 +23,46 @@ pub fn suppress(points: ArrayView2<'_, f64>, distance: f64) -> Result<Vec<usize>
     if distance.is_nan() || distance <= 0.0 {
         return Ok((0..points_in_space.len()).collect());
     }
-    let layers = if points.ncols() == 3 { -1..=1 } else { 0..=0 };
+    let layers: &[f64] = if points.ncols() == 3 { &[-1.0, 0.0, 1.0] } else { &[0.0] };
     let mut cells: HashMap<Cell, Vec<usize>, BuildHasherDefault<CellHasher>> = HashMap::default();
     let mut survivor = Vec::with_capacity(points_in_space.len());
     for (index, point) in points_in_space.iter().enumerate() {
         let is_near = |&other: &usize| point.distance_squared(points_in_space[other]) < distance * distance;
-        let cell = cell_of(*point, distance);
-        let near = layers.clone().flat_map(|layer| around(cell, layer));
+        let cell = (point / distance).floor();
+        let near = layers.iter().flat_map(|&layer| around(cell, layer));
         let near = near.filter_map(|cell| cells.get(&cell)).flatten().copied().filter(is_near);
         let home = near.min().unwrap_or(index);
         if home == index {
-            cells.entry(cell).or_default().push(index);
+            cells.entry(key(cell)).or_default().push(index);
         }
         survivor.push(home);
     }
     Ok(survivor)
 }
 
+/// A cell's place, as the bits of its floats: whole numbers would end where a `distance` is tiny.
 type Cell = (i64, i64, i64);
 
-fn cell_of(point: DVec3, size: f64) -> Cell {
-    let [x, y, z] = (point / size).floor().to_array().map(|at| at as i64);
+fn key(cell: DVec3) -> Cell {
+    // Minus zero becomes zero.
+    let [x, y, z] = (cell + 0.0).to_array().map(|at| at.to_bits().cast_signed());
     (x, y, z)
 }
 
-/// A cell's place and the 8 around it, in the `layer` above, below or its own.
-fn around((x, y, z): Cell, layer: i64) -> impl Iterator<Item = Cell> {
-    const AROUND: [(i64, i64); 9] =
-        [(-1, -1), (-1, 0), (-1, 1), (0, -1), (0, 0), (0, 1), (1, -1), (1, 0), (1, 1)];
-    let z = z.saturating_add(layer);
-    AROUND.into_iter().map(move |(dx, dy)| (x.saturating_add(dx), y.saturating_add(dy), z))
+/// A cell and the 8 around it, in the `layer` above, below or its own.
+fn around(cell: DVec3, layer: f64) -> impl Iterator<Item = Cell> {
+    const AROUND: [(f64, f64); 9] = [
+        (-1.0, -1.0),
+        (-1.0, 0.0),
+        (-1.0, 1.0),
+        (0.0, -1.0),
+        (0.0, 0.0),
+        (0.0, 1.0),
+        (1.0, -1.0),
+        (1.0, 0.0),
+        (1.0, 1.0),
+    ];
+    AROUND.into_iter().map(move |(dx, dy)| key(cell + DVec3::new(dx, dy, layer)))
 }
 
 /// A few instructions for three whole numbers; the standard hash took most of the step's time.

@@ -8,7 +8,8 @@
 //! ```
 //!
 //! so a gap means the same at the equator, on the seam and around the poles, where many pixels of a
-//! row share one place.
+//! row share one place. The middles of the pixels on both sides of a bar are its width and one pixel
+//! apart.
 
 use std::f64::consts::PI;
 
@@ -16,7 +17,7 @@ use super::components::{Regions, root};
 use super::summary::Summary;
 use super::touch::Sheet;
 
-/// Join the regions whose solid pixels come closer than `gap` radians.
+/// Join the regions whose solid pixels are parted by no more than `gap` radians.
 ///
 /// A pixel is solid if its luminance times `prominence` reaches its region's peak. Two lights that
 /// prominence keeps apart are darker than that where they meet: they are joined across a bar,
@@ -30,7 +31,7 @@ pub fn bridge(summary: &Summary, sheet: &Sheet, regions: Regions, prominence: f6
         label if prominence as f32 * summary.luminance[pixel] < regions.peaks[label as usize - 1] => 0,
         label => label,
     };
-    let reach = Reach::new(summary, gap);
+    let reach = Reach::new(summary, gap + summary.pixel());
     let mut parent: Vec<u32> = (0..regions.pixels.len() as u32).collect();
     // Of two regions one that looks is enough: the largest need not.
     let size = |&region: &usize| regions.pixels[region].len();
@@ -74,30 +75,37 @@ fn join(regions: Regions, parent: &mut [u32]) -> Regions {
     joined
 }
 
-/// Which pixels lie within a gap of one.
+/// Which pixels lie within an angle of one, middle to middle.
 struct Reach {
-    gap: f64,
+    /// Square of the chord of the angle.
+    chord_squared: f64,
     height: usize,
     width: usize,
+    /// Rows to look at on either side.
     rows: usize,
     /// Sine and cosine of the polar angle of each row.
     theta: Vec<(f64, f64)>,
 }
 
 impl Reach {
-    fn new(summary: &Summary, gap: f64) -> Self {
+    fn new(summary: &Summary, angle: f64) -> Self {
         let (height, width) = summary.size;
         let theta = summary.grid.theta_edges.windows(2).map(|edge| (0.5 * (edge[0] + edge[1])).sin_cos());
-        Self { gap, height, width, rows: (gap / PI * height as f64) as usize, theta: theta.collect() }
+        // One more than fit, as the last row may be lower than the others.
+        let rows = (angle / PI * height as f64) as usize + 1;
+        // Beyond half a turn there is nothing; and no chord fails for its last digits.
+        let chord_squared = (2.0 * (0.5 * angle.min(PI)).sin()).powi(2) * (1.0 + 1e-12);
+        Self { chord_squared, height, width, rows, theta: theta.collect() }
     }
 
-    /// Call `see` with the flat index of each pixel within the gap.
+    /// Call `see` with the flat index of each pixel within the angle.
     fn visit(&self, pixel: usize, mut see: impl FnMut(usize)) {
         let (row, column) = (pixel / self.width, pixel % self.width);
         for other in row.saturating_sub(self.rows)..(row + self.rows + 1).min(self.height) {
-            // Around a pole a row's pixels lie closer than its height: half a height apart will do.
+            let Some(columns) = self.columns_within(row, other) else { continue };
+            // Around a pole a row's pixels lie closer than its height: a quarter of it apart will do.
             let step = ((0.25 / self.theta[other].0) as usize).max(1);
-            for offset in (0..=self.columns_within(row, other)).step_by(step) {
+            for offset in (0..=columns).step_by(step) {
                 for column in [column + offset, column + self.width - offset] {
                     see(other * self.width + column % self.width);
                 }
@@ -105,12 +113,13 @@ impl Reach {
         }
     }
 
-    /// How many columns a row reaches into another before the chord exceeds the gap.
-    fn columns_within(&self, row: usize, other: usize) -> usize {
+    /// How many columns a row reaches into another before the chord is too long, if any.
+    fn columns_within(&self, row: usize, other: usize) -> Option<usize> {
         let ((sin, cos), (other_sin, other_cos)) = (self.theta[row], self.theta[other]);
         let along = (sin - other_sin).powi(2) + (cos - other_cos).powi(2);
-        let half_sine = ((self.gap * self.gap - along).max(0.0) / (4.0 * sin * other_sin)).sqrt();
-        (half_sine.min(1.0).asin() / PI * self.width as f64) as usize
+        let left = self.chord_squared - along;
+        let half_sine = || (left / (4.0 * sin * other_sin)).sqrt().min(1.0);
+        (left >= 0.0).then(|| (half_sine().asin() / PI * self.width as f64) as usize)
     }
 }
 
@@ -118,8 +127,11 @@ impl Reach {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::super::drawn::{drawn, drawn_from, regions, sizes};
+    use super::super::summary::summarise;
     use super::*;
+    use crate::kernels::sphere::{Registration, direction};
     use proptest::prelude::*;
+    use std::f64::consts::TAU;
 
     /// Pixels of each light of a drawing after gaps of so many pixel heights are bridged.
     fn bridged(summary: &Summary, gap_px: f64) -> Vec<usize> {
@@ -129,21 +141,20 @@ mod tests {
 
     #[test]
     fn a_bar_of_one_pixel_joins_and_one_of_three_does_not() {
-        // Their middles are 2 and 4 pixels apart.
-        assert_eq!(bridged(&drawn_from(4, &["...99.99........"]), 2.2), [4]);
-        assert_eq!(bridged(&drawn_from(4, &["...99...99......"]), 2.2), [2, 2]);
+        assert_eq!(bridged(&drawn_from(4, &["...99.99........"]), 1.2), [4]);
+        assert_eq!(bridged(&drawn_from(4, &["...99...99......"]), 1.2), [2, 2]);
         assert_eq!(
-            bridged(&drawn_from(2, &["....99..........", "................", "....99.........."]), 2.2),
+            bridged(&drawn_from(2, &["....99..........", "................", "....99.........."]), 1.2),
             [4]
         );
     }
 
     #[test]
     fn a_bar_on_the_seam_joins() {
-        assert_eq!(bridged(&drawn_from(4, &["9..............9"]), 2.2), [2]);
-        assert_eq!(bridged(&drawn_from(4, &[".9.............9"]), 2.2), [2]);
-        assert_eq!(bridged(&drawn_from(4, &["9.............9."]), 2.2), [2]);
-        assert_eq!(bridged(&drawn_from(4, &[".9............9."]), 2.2), [1, 1]);
+        assert_eq!(bridged(&drawn_from(4, &["9..............9"]), 1.2), [2]);
+        assert_eq!(bridged(&drawn_from(4, &[".9.............9"]), 1.2), [2]);
+        assert_eq!(bridged(&drawn_from(4, &["9.............9."]), 1.2), [2]);
+        assert_eq!(bridged(&drawn_from(4, &[".9............9."]), 1.2), [1, 1]);
     }
 
     #[test]
@@ -153,12 +164,12 @@ mod tests {
 
     #[test]
     fn a_glow_between_two_lamps_is_no_bridge() {
-        assert_eq!(bridged(&drawn_from(4, &["...921298......."]), 2.2), [3, 3]);
+        assert_eq!(bridged(&drawn_from(4, &["...921298......."]), 1.2), [3, 3]);
         // A third of the peak is solid.
-        assert_eq!(bridged(&drawn_from(4, &["...93.39........"]), 2.2), [4]);
+        assert_eq!(bridged(&drawn_from(4, &["...93.39........"]), 1.2), [4]);
     }
 
-    /// Over the pole, half a turn apart in row 1: 3 heights; in row 7 of 16 nearly a half circle.
+    /// Over the pole, half a turn apart in row 1: 3 heights from middle to middle; in row 7 of 16 nearly a half circle.
     #[test]
     fn around_a_pole_a_gap_is_an_angle() {
         let row = "9...............9...............";
@@ -166,14 +177,14 @@ mod tests {
         for (y, wanted) in [(1, vec![2]), (14, vec![2]), (2, vec![1, 1]), (7, vec![1, 1])] {
             let mut rows = vec![dark.as_str(); 16];
             rows[y] = row;
-            assert_eq!(bridged(&drawn(&rows), 3.2), wanted, "row {y}");
+            assert_eq!(bridged(&drawn(&rows), 2.2), wanted, "row {y}");
         }
     }
 
     #[test]
     fn a_chain_of_panes_is_one_light_with_all_pixels_and_the_highest_peak() {
         let summary = drawn_from(4, &["..5.9.7.6......."]);
-        let gap = 2.2 * PI / 8.0;
+        let gap = 1.2 * PI / 8.0;
         let joined = bridge(&summary, &Sheet::of(&summary), regions(&summary, 0.0), 4.0, gap);
         assert_eq!(sizes(&joined), [4]);
         assert!((joined.peaks[0] - 9.0).abs() < 1e-5);
@@ -184,25 +195,26 @@ mod tests {
     }
 
     proptest! {
-        /// All pixels whose chord is shorter than the gap, and none whose is longer.
+        /// All pixels that lie within an angle, and none that lies farther, also where the last row is
+        /// lower than the others.
         #[test]
-        fn what_is_within_reach_is_seen(row in 0_usize..24, column in 0_usize..48, gap in 0.1..1.0) {
-            let dark = ".".repeat(48);
-            let summary = drawn(&vec![dark.as_str(); 24]);
-            let pixel = row * 48 + column;
-            let mut is_seen = vec![false; 24 * 48];
-            Reach::new(&summary, gap).visit(pixel, |other| is_seen[other] = true);
+        fn what_is_within_reach_is_seen(row in 0_usize..23, column in 0_usize..46, angle in 0.1..3.0) {
+            let map = ndarray::Array3::zeros((45, 92, 3));
+            let summary = summarise(map.view(), Registration::CellCentred, 46).unwrap();
+            let pixel = row * 46 + column;
+            let mut is_seen = vec![false; 23 * 46];
+            Reach::new(&summary, angle).visit(pixel, |other| is_seen[other] = true);
+            let edges = &summary.grid.theta_edges;
             let towards = |pixel: usize| {
-                let (theta, phi) = ((pixel / 48) as f64 + 0.5, (pixel % 48) as f64 + 0.5);
-                crate::kernels::sphere::direction(PI * theta / 24.0, PI * phi / 24.0)
+                let (row, column) = (pixel / 46, pixel % 46);
+                direction(0.5 * (edges[row] + edges[row + 1]), TAU * (column as f64 + 0.5) / 46.0)
             };
             for (other, seen) in is_seen.into_iter().enumerate() {
-                let chord = towards(pixel).distance(towards(other));
-                prop_assert!(!seen || chord <= gap + 1e-9, "{pixel} {other} {chord}");
-                // Rows are counted by their angle, which is longer than the chord by gap^3 / 24;
-                // the rows at the poles are seen in steps.
-                let is_polar = [0, 23].contains(&(other / 48));
-                prop_assert!(seen || is_polar || chord > gap - 0.05, "{pixel} {other} {chord}");
+                let apart = towards(pixel).angle_between(towards(other));
+                prop_assert!(!seen || apart <= angle + 1e-7, "{pixel} {other} {apart}");
+                // The rows at the poles are seen in steps.
+                let is_polar = [0, 22].contains(&(other / 46));
+                prop_assert!(seen || is_polar || apart >= angle - 1e-7, "{pixel} {other} {apart}");
             }
         }
     }

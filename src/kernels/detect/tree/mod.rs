@@ -98,7 +98,8 @@ pub struct Seen {
 ///
 /// # Errors
 ///
-/// [`crate::error::Error::NotAMap`], [`crate::error::Error::NotFinite`].
+/// [`crate::error::Error::NotAMap`], [`crate::error::Error::NotFinite`], [`crate::error::Error::Negative`],
+/// [`crate::error::Error::TooBright`].
 pub fn detect(
     radiance: ArrayView3<'_, f32>,
     registration: Registration,

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::covered;
 use super::lanes::dot;
 use crate::error::{Error, Result};
-use crate::kernels::image::{self, Grid, check_not_negative, weighted_mean};
+use crate::kernels::image::{self, Grid, check_samples, weighted_mean};
 use crate::kernels::sphere::{Registration, band_heights};
 
 /// Pixels of a row that are summed at once: few enough to stay in the first cache.
@@ -42,7 +42,7 @@ pub struct Summary {
 /// # Errors
 ///
 /// [`Error::NotAMap`]; [`Error::NotFinite`] and [`Error::Negative`] for samples that no light can have:
-/// this pass sees them all.
+/// this pass sees them all; [`Error::TooBright`].
 pub fn summarise(
     radiance: ArrayView3<'_, f32>,
     registration: Registration,
@@ -78,29 +78,28 @@ pub fn summarise(
                 *maximum = columns.iter().copied().fold(0.0, f32::max);
             }
         });
-    if signs.contains(&true) {
-        check_not_negative(radiance)?;
+    let flux: f64 = row_sums.iter().zip(&bands).map(|(sum, band)| sum * band).sum();
+    if signs.contains(&true) || !flux.is_finite() {
+        check_samples(radiance)?;
     }
-    let flux = flux(&row_sums, &bands)?;
+    if !flux.is_finite() {
+        return Err(Error::TooBright);
+    }
     Ok(Summary { size, luminance, grid, bands, block, tile_maxima, flux })
+}
+
+impl Summary {
+    /// Height of a row, in radians; the last may be lower.
+    pub fn pixel(&self) -> f64 {
+        let theta = &self.grid.theta_edges;
+        theta[1..].iter().zip(theta).map(|(below, above)| below - above).fold(0.0, f64::max)
+    }
 }
 
 fn raise(largest: &mut [f32], row: &[f32]) {
     for (largest, &value) in largest.iter_mut().zip(row) {
         *largest = if value > *largest { value } else { *largest };
     }
-}
-
-fn flux(row_sums: &[f64], bands: &[f64]) -> Result<f64> {
-    let mut flux = 0.0;
-    for (index, (sum, band)) in row_sums.iter().zip(bands).enumerate() {
-        let value = sum * band;
-        if !value.is_finite() {
-            return Err(Error::NotFinite { what: "luminance", index, value });
-        }
-        flux += value;
-    }
-    Ok(flux)
 }
 
 /// How the map's pixels make the pixels of the working image.
@@ -143,8 +142,8 @@ impl<'a> Reduction<'a> {
         let whole: f64 = bands.iter().sum();
         let weights: Vec<f32> = bands.iter().map(|band| (band / whole) as f32).collect();
         let rows: Vec<&[f32]> = samples.chunks_exact(samples.len() / bands.len()).collect();
-        let mut mean = [0.0; 3 * PIXELS_AT_ONCE];
         let cells = (PIXELS_AT_ONCE / self.block).max(1);
+        let mut mean = vec![0.0; 3 * cells * self.block];
         let parts = out.chunks_mut(cells).zip(self.per_width.chunks(cells));
         for (start, (out, per_width)) in (0..).step_by(3 * cells * self.block).zip(parts) {
             let columns = start..(start + 3 * cells * self.block).min(rows[0].len());
@@ -191,7 +190,8 @@ fn luminance_of_sum(samples: &[f32]) -> f32 {
 fn fill_luminance(samples: &[f32], out: &mut [f32]) -> bool {
     let mut bits = 0;
     for (out, &pixel) in out.iter_mut().zip(samples.as_chunks::<3>().0) {
-        *out = covered::luminance(pixel);
+        // Minus zero becomes zero: floats are compared by their bits.
+        *out = covered::luminance(pixel) + 0.0;
         bits |= pixel.iter().fold(0, |bits, sample| bits | sample.to_bits());
     }
     bits >> 31 == 1
@@ -221,7 +221,9 @@ mod tests {
     #[test]
     fn the_flux_is_that_of_the_map_whatever_the_blocks() {
         for registration in [Registration::CellCentred, Registration::BorderSampled] {
-            for (height, width, columns) in [(30, 60, 60), (30, 60, 16), (37, 74, 10), (9, 18, 1)] {
+            for (height, width, columns) in
+                [(30, 60, 60), (30, 60, 16), (37, 74, 10), (9, 18, 1), (150, 300, 1)]
+            {
                 let map = map(height, width);
                 let summary = summarise(map.view(), registration, columns).unwrap();
                 assert!(summary.size.1 <= columns);
@@ -276,7 +278,12 @@ mod tests {
     fn what_is_no_number_is_refused() {
         let mut map = map(8, 16);
         map[[3, 5, 1]] = f32::NAN;
-        let seen = summarise(map.view(), Registration::CellCentred, 16);
-        assert!(matches!(seen, Err(Error::NotFinite { what: "luminance", index: 3, .. })), "{seen:?}");
+        for columns in [16, 2] {
+            let seen = summarise(map.view(), Registration::CellCentred, columns);
+            assert!(matches!(seen, Err(Error::NotFinite { what: "radiance", index: 3, .. })), "{seen:?}");
+        }
+        // Sums of such samples are beyond f32.
+        let seen = summarise(Array3::from_elem((8, 16, 3), f32::MAX).view(), Registration::CellCentred, 2);
+        assert!(matches!(seen, Err(Error::TooBright)), "{seen:?}");
     }
 }
