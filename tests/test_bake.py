@@ -1,5 +1,7 @@
 """A courtyard under rigs: Mitsuba's own numbers, pairs, and the way from a rig to a lightmap."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
@@ -52,6 +54,13 @@ def test_the_charts_are_the_faces_in_the_order_of_their_names(yard):
     np.testing.assert_allclose(position.min(axis=0), [-3, 0, -3], atol=1e-5)
     np.testing.assert_allclose(position.max(axis=0), [3, 0, 3], atol=1e-5)
     np.testing.assert_allclose(albedo, np.tile([0.5, 0.46, 0.4], (16, 1)), atol=1e-6)
+
+
+def test_threads_do_not_mix_their_images(yard):
+    alone = [yard.indirect(rig, samples=16).image for rig in NEW]
+    with ThreadPoolExecutor(4) as threads:
+        together = list(threads.map(lambda rig: yard.indirect(rig, samples=16).image, NEW))
+    np.testing.assert_array_equal(together, alone)
 
 
 def test_what_blocks_a_ray_is_what_stands_there(yard):

@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -46,6 +47,7 @@ def test_fit_takes_ambient_normals_and_error(hall):
     assert result.exit_code == 0, result.output
     rig = json.loads(result.stdout)
     assert len(rig["ambient"]) == 9
+    assert "upward" in rig["report"]["measured_on"]
     assert rig["error"] <= 0.05
 
 
@@ -63,6 +65,29 @@ def test_demo_writes_map_rig_and_picture(tmp_path):
     assert result.exit_code == 0, result.output
     assert sorted(path.name for path in tmp_path.iterdir()) == ["hall.exr", "hall.json", "hall.png"]
     assert el.Rig.load(tmp_path / "hall.json").error < 0.01
+
+
+@pytest.mark.parametrize("method", ["tree", "article"])
+def test_detect_prints_and_writes_what_the_function_finds(hall, tmp_path, method):
+    outputs = ("-o", tmp_path / "lights.json", "-o", tmp_path / "lights.png")
+    result = run("detect", hall, "-n", 2, "--method", method, *outputs)
+    assert result.exit_code == 0, result.output
+    lights = el.detect(el.EnvMap.open(hall), method, max_lights=2)
+    assert result.stdout.startswith(str(lights).split("\n\n")[0])
+    assert json.loads((tmp_path / "lights.json").read_text()) == lights.to_dict()
+    assert (tmp_path / "lights.png").read_bytes().startswith(b"\x89PNG")
+    as_json = run("detect", hall, "-n", 2, "--method", method, "--json")
+    assert json.loads(as_json.stdout) == lights.to_dict()
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no full device")
+def test_files_are_written_even_where_nothing_can_be_printed(hall, tmp_path):
+    command = [sys.executable, "-m", "envlights", "fit", hall, "-n", "1", "-o", tmp_path / "r.json"]
+    with Path("/dev/full").open("w") as full:
+        result = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True)
+    assert len(el.Rig.load(tmp_path / "r.json").lights) == 1
+    assert "Traceback" not in result.stderr
+    assert "cannot print the answer: No space left on device" in result.stderr
 
 
 def test_a_black_map_is_answered(tmp_path):

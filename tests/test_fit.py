@@ -7,6 +7,7 @@ import envlights as el
 from envlights import kernels
 from tests.conftest import EQUIRECTANGULAR, real_maps
 from tests.twins.madsen import Problem, best_of_random_starts
+from tests.twins.peers import even
 
 NORMALS, SOLID_ANGLES = kernels.icosphere(320)
 
@@ -246,6 +247,25 @@ def test_every_start_gives_lights_none_negative(start):
     assert rig.error < 0.03
 
 
+def test_named_starts_are_those_places():
+    """On a map where they end elsewhere than the search."""
+    env = el.EnvMap(el.synthetic.hall(128).radiance)
+    places = {"even": even(6), "detect": el.detect(env, max_lights=6).direction}
+    searched = el.fit(env, lights=6)
+    for start, directions in places.items():
+        lights = el.Lights(directions, np.linspace(2, 1, len(directions))[:, None] * [1, 1, 1])
+        named, given = el.fit(env, lights=6, start=start), el.fit(env, lights=6, start=lights)
+        assert named.to_dict()["lights"] == given.to_dict()["lights"]
+        assert named.report.steps == given.report.steps
+        assert named.to_dict()["lights"] != searched.to_dict()["lights"]
+
+
+def test_notes_of_the_map_are_those_of_the_rig():
+    radiance = np.array(el.synthetic.hall(64).radiance)
+    radiance[3, 5, 1] = np.nan
+    assert el.fit(radiance, lights=1).notes == ("1 NaN sample set to 0",)
+
+
 def test_an_earlier_rig_is_followed():
     """A frame later the sun has moved by a degree: each light stays the one it was."""
     suns = [(0.6, 0.8, 0.0), (-0.5, 0.6, 0.6)]
@@ -332,6 +352,19 @@ def test_harmonics_and_one_light_do_well_and_are_nowhere_negative(path):
     nothing = np.zeros((0, 3))
     ambient = kernels.rig_irradiance(dense, rig.ambient, nothing, nothing)
     assert ambient.min() >= -1e-12 * ambient.max()
+
+
+@pytest.mark.parametrize("spread", [1e-3, 0.0])
+def test_harmonics_are_never_worse_than_the_constant_that_they_hold(spread):
+    """Of normals that look all the same way: nearly nothing tells harmonics apart."""
+    rng = np.random.default_rng(0)
+    normals = [0, 1, 0] + spread * rng.normal(size=(40, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    seen = 1 + 0.1 * rng.normal(size=(40, 3))
+    constant, harmonics = (
+        el.fit_probe(normals, seen, 0, ambient=ambient) for ambient in ("constant", "sh2")
+    )
+    assert 0.1 < harmonics.error <= constant.error * (1 + 1e-9)
 
 
 def test_harmonics_under_their_bound_are_the_best_there_are():

@@ -49,6 +49,17 @@ def test_scale_changes_the_units_and_nothing_else(case, scale):
     assert np.abs(difference).max(initial=0) < 1e-7 * brightest
 
 
+@pytest.mark.parametrize("scale", [1e-160, 1e160])
+def test_the_report_is_the_same_at_any_scale(scale, tmp_path):
+    """Where squares of the irradiance are beyond the numbers there are."""
+    irradiance = np.random.default_rng(6).random((320, 3))
+    one, scaled = fitted(irradiance, 2).report, fitted(scale * irradiance, 2)
+    scaled.save(tmp_path / "rig.json")
+    scaled = scaled.report
+    assert scaled.channel_errors == pytest.approx(one.channel_errors, rel=1e-9)
+    assert scaled.max_error == pytest.approx(one.max_error, rel=1e-9)
+
+
 @pytest.mark.parametrize("scale", [1e-6, 1e9])
 def test_a_map_of_any_scale_has_the_same_lights(scale):
     radiance = el.synthetic.hall(128).radiance

@@ -303,6 +303,9 @@ def broken_files(folder):
     whole = write(folder / "whole.exr", RADIANCE.repeat(8, 0).repeat(8, 1)).read_bytes()
     (folder / "empty.exr").write_bytes(b"")
     (folder / "text.hdr").write_text("this is no picture\n")
+    header = bytearray(write(folder / "header.exr", RADIANCE).read_bytes())
+    header[header.index(b"chlist")] = 0xFF
+    (folder / "header.exr").write_bytes(header)
     (folder / "truncated.exr").write_bytes(whole[: len(whole) // 2])
     write(folder / "square.exr", RADIANCE[:, :16])
     write(folder / "two.exr", RADIANCE[..., :2], channelnames=("R", "B"))
@@ -321,6 +324,7 @@ def broken_files(folder):
         "": "it is a folder",
         "empty.exr": "the file is empty",
         "text.hdr": "cannot read",
+        "header.exr": "its header is damaged",
         "truncated.exr": "cannot read all pixels",
         "square.exr": "twice as wide as high; got 16x16",
         "two.exr": "R, G, B or one is needed",

@@ -85,6 +85,8 @@ def test_what_nobody_measured_is_not_claimed():
     rig = el.Rig([0, 0, 0], a_rig().lights, error=0.0)
     assert "relative RMS error 0 %, as given" in str(rig)
     assert str(rig.report) == "not fitted"
+    assert not rig.report.stop_reason.is_success
+    assert "note" not in str(rig)
 
 
 def test_the_table_says_where_each_light_is_and_how_wrong_the_rig_is():

@@ -134,6 +134,22 @@ def test_light_adds_up(seed, a, b):
     np.testing.assert_allclose(light.image(both), apart, rtol=1e-9, atol=1e-12)
 
 
+def test_a_ray_tracer_may_answer_with_numbers_and_nothing_else():
+    place = surface([[0, 0, 0], [3, 0, 1]], UP)
+    light = rig(DARK, (UP, [1, 1, 1]))
+
+    def seen(answer):
+        return el.DirectLight.of(place, answer, 8).image(light)
+
+    as_flags = seen(lambda origins, _: origins[:, 0] > 1)
+    as_numbers = seen(lambda origins, _: (origins[:, 0] > 1).astype(np.uint8))
+    np.testing.assert_array_equal(as_numbers, as_flags)
+    np.testing.assert_array_equal(as_flags.any(axis=-1), [[True, False]])
+    for answer in (lambda o, _: 2 * np.ones(len(o), int), lambda o, _: [True], lambda *_: None):
+        with pytest.raises(el.EnvLightsError, match="blocked must answer true or false"):
+            seen(answer)
+
+
 def test_only_what_faces_a_light_is_asked_for_shadows():
     asked = []
 
@@ -210,7 +226,7 @@ def test_rigs_of_the_open_air_come_from_above_and_from_their_seed():
 
 def test_without_mitsuba_the_way_to_it_is_told(monkeypatch):
     monkeypatch.setitem(sys.modules, "mitsuba", None)
-    with pytest.raises(el.EnvLightsError, match=r"pip install 'envlights\[bake\]'"):
+    with pytest.raises(el.EnvLightsError, match="the extra `bake` brings it"):
         el.synthetic.courtyard()
     with pytest.raises(el.EnvLightsError, match=r"Mitsuba cannot be imported: .*mitsuba"):
         el.MitsubaScene({"type": "scene"})

@@ -4,7 +4,7 @@ import importlib
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 import envlights as el
@@ -18,14 +18,16 @@ def flux(radiance):
 
 
 @given(st.floats(0, 1), st.floats(0, 1), st.floats(3, 60))
+@example(1.9073486328125e-06, 0.0, 17.25)
 def test_discs_have_the_solid_angle_of_a_cap_wherever_they_stand(u, v, radius):
     (direction,) = el.kernels.uniform_sphere([[u, v]])
     lamp = synthetic.scene(64, shapes=[Disc(direction, radius, (1, 2, 4))])
     cap = 2 * np.pi * (1 - np.cos(np.deg2rad(radius)))
-    # Coverage is sampled every 180 / 64 / 4 = 0.7 degrees: the rim may be half of that off.
+    # Coverage is sampled every 180 / 64 / 4 = 0.7 degrees: the rim may be half of that off on each
+    # side, and the middle by less than all of it.
     assert lamp.solid_angle[0] == pytest.approx(cap, rel=0.75 / radius)
     np.testing.assert_allclose(lamp.lights.irradiance[0], flux(lamp.radiance), rtol=1e-6)
-    assert np.rad2deg(np.arccos(min(lamp.lights.direction[0] @ direction, 1))) < 0.3
+    assert np.rad2deg(np.arccos(min(lamp.lights.direction[0] @ direction, 1))) < 0.7
 
 
 def test_rectangles_have_the_solid_angle_of_a_pyramid():

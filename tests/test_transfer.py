@@ -342,6 +342,8 @@ def test_training_errors_are_known_after_adding_too():
 def test_pairs_that_do_not_fit_a_model_are_not_added(model):
     with pytest.raises(el.EnvLightsError, match="indirect must be 32x32 pixels"):
         model.add(SCENE[0], SCENE[1][:, :8])
+    with pytest.raises(el.EnvLightsError, match="direct must have the shape"):
+        model.add(1.0, 2.0)
     with pytest.raises(el.EnvLightsError, match="notebook=True takes no more pairs"):
         el.TransferModel.fit(*SCENE, notebook=True).add(*SCENE)
 
@@ -389,6 +391,10 @@ def test_a_full_disk_leaves_the_old_model(model, tmp_path, monkeypatch):
         ({"basis": np.zeros((5, 2), np.float32)}, "holds no possible model"),
         ({"transfer": np.full((3, 256, 32), np.nan)}, "transfer is not finite"),
         ({"lit": np.zeros((16, 16), bool)}, "basis has 1014 texels, lit"),
+        ({"basis": np.full((1014, 32), np.nan, np.float32)}, "basis is not finite"),
+        ({"basis": np.zeros((1014, 32), bool)}, "basis is not finite"),
+        ({"size": np.array([-16, -16])}, "size is"),
+        ({"report": np.array(json.dumps({"pairs": 1, "seconds": None}))}, "holds no possible"),
         ({"report": np.array(json.dumps({"pairs": -1}))}, "holds no possible model"),
         ({"parameters": np.array("{}")}, "parameters are"),
         ({"energy": None}, "holds no possible model: 'energy'"),
@@ -515,6 +521,7 @@ def test_the_command_line_refuses_in_a_sentence(folder):
         ("apply", folder / "m.npz", direct, "-o", folder / "o.exr"): "cannot read",
         ("apply", folder / "m.npz", direct, "-o", folder / "o.png"): "the suffix must be .exr",
         ("apply", folder / "m.npz", direct, "-o", direct): "it is the direct light",
+        ("apply", direct, folder / "direct_e.exr", "-o", direct): "it is the model",
     }.items():
         result = run(*arguments)
         assert result.exit_code == 2, arguments

@@ -167,6 +167,12 @@ def test_a_folder_with_an_exr_that_is_cut_off_is_refused_by_its_name(folder, tmp
         assert not (tmp_path / "model.npz").exists()
 
 
+def test_names_may_hold_anything(folder):
+    for kind in ("direct", "lightmap"):
+        (folder / f"{kind}_0002.exr").rename(folder / f"{kind}_kitchen-02 b.1.exr")
+    assert len(el.read_pairs(folder).direct) == len(list(folder.glob("direct_*.exr")))
+
+
 def test_a_missing_partner_is_named_on_either_side(folder):
     (folder / "lightmap_0002.exr").rename(folder / "lightmap_0009.exr")
     with pytest.raises(

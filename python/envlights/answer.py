@@ -105,15 +105,15 @@ def rig_of(answers: Answers, judging: Samples, held: int, first: int) -> Rig:
     best = Answer.of(raw, answers.scale, held)
     ambient = best.ambient if len(best.ambient) > 1 else best.ambient.sum(axis=0)
     lights = Lights(best.direction, best.irradiance)
-    return Rig(ambient, lights, errors[used], _report(best, errors, judging))
+    return Rig(ambient, lights, errors[used], _report(best, errors, judging, answers.scale))
 
 
-def _report(best: Answer, errors: Mapping[int, float], judging: Samples) -> FitReport:
-    """What the numbers say of the answer."""
-    difference = best.probe(judging.normals) - judging.irradiance
+def _report(best: Answer, errors: Mapping[int, float], judging: Samples, scale: float) -> FitReport:
+    """What the numbers say of the answer; squares in units of `scale`, for any brightness."""
+    wanted = judging.irradiance / scale
+    difference = best.probe(judging.normals) / scale - wanted
     left, whole = (
-        np.einsum("n,nc,nc->c", judging.weights, values, values)
-        for values in (difference, judging.irradiance)
+        np.einsum("n,nc,nc->c", judging.weights, values, values) for values in (difference, wanted)
     )
     rms = np.sqrt(whole.sum() / judging.weights.sum() / 3) or 1.0
     return FitReport(

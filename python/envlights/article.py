@@ -111,15 +111,20 @@ def detect_article(
     """
     env = as_envmap(env)
     start = time.perf_counter()
+    threshold = amount("threshold", threshold)
     unit = _unit_of_luminance(env, threshold) if relative else 1.0
-    level = unit * amount("threshold", threshold)
+    level = unit * threshold
     image = _working_image(env, working_width, reduction, blur_px)
     height, width = image.shape
     reach = int(count("window_px", window_px) * width / 1024) // 2
     samples = _bright_samples(image, samples_per_pixel, reach, level, move_to_maximum, sphere)
     points = _points(samples.pixel, image.shape, sphere)
-    survivor_of = kernels.suppress(points, _distance(suppression_deg, width, sphere))
+    apart = _distance("suppression_deg", suppression_deg, width, sphere)
+    survivor_of = kernels.suppress(points, apart)
     survivors = np.unique(survivor_of)
+    farthest = np.inf
+    if merge_cap_deg is not None:
+        farthest = _distance("merge_cap_deg", merge_cap_deg, width, sphere)
     merged_into = kernels.merge_along_lines(
         image,
         samples.pixel[survivors],
@@ -127,7 +132,7 @@ def detect_article(
         ceiling=unit * amount("ceiling", ceiling),
         bright=unit,
         points=points[survivors],
-        farthest=np.inf if merge_cap_deg is None else _distance(merge_cap_deg, width, sphere),
+        farthest=farthest,
         sphere=sphere,
     )
     means = kernels.weighted_means(points[survivors], samples.luminance[survivors], merged_into)
@@ -143,7 +148,7 @@ def detect_article(
         reason="that of the tree" if relative else "the article's, which is absolute",
         working_size=(height, width),
         skipped=(f"{samples.taken - len(samples.pixel)} of {samples.taken} samples that are dark",),
-        notes=env.notes,
+        notes=(*env.notes, *_registration_notes(env)),
         seconds={"detect": time.perf_counter() - start},
     )
     lights = _lights(env, image, samples, found, report)
@@ -171,6 +176,12 @@ def _working_image(env: EnvMap, width: int, reduction: str, blur_px: float) -> N
         if width < env.width:
             image = kernels.resize_bilinear(image, width // 2, width)
     return kernels.blur(image, blur_px) if amount("blur_px", blur_px) > 0 else image
+
+
+def _registration_notes(env: EnvMap) -> tuple[str, ...]:
+    if env.registration == "cell-centred":
+        return ()
+    return ("the article's steps take each pixel as a cell: lights are up to half a pixel off",)
 
 
 def _unit_of_luminance(env: EnvMap, threshold: float) -> float:
@@ -207,9 +218,9 @@ def _points(pixel: NDArray[np.int64], size: tuple[int, ...], sphere: bool) -> ND
     return kernels.uv_to_direction((pixel[:, ::-1] + 0.5) / (size[1], size[0]))
 
 
-def _distance(angle_deg: float, width: int, sphere: bool) -> float:
+def _distance(name: str, angle_deg: float, width: int, sphere: bool) -> float:
     """The distance between `_points` that an angle stands for."""
-    angle = amount("an angle", angle_deg, most=180.0)
+    angle = amount(name, angle_deg, most=180.0)
     return float(2 * np.sin(np.deg2rad(angle) / 2)) if sphere else angle * width / 360
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import inspect
 import json
 from collections.abc import Callable, Mapping, Sequence
@@ -27,6 +28,11 @@ class _Refusing(click.Group):
             return super().invoke(context)
         except envlights.EnvLightsError as refusal:
             click.echo(f"envlights: {refusal}", err=True)
+            context.exit(2)
+        except OSError as error:
+            if error.errno == errno.EPIPE:
+                raise  # `| head`: click ends quietly
+            click.echo(f"envlights: cannot print the answer: {error.strerror}", err=True)
             context.exit(2)
 
 
@@ -79,10 +85,10 @@ def fit(
         _check_output(output, (".json", *PICTURES), {"the map": map_path})
     env = envlights.EnvMap.open(map_path)
     rig = envlights.fit(env, lights, error=error, ambient=ambient, normals=normals)
-    _print(rig, as_json)
     for output in outputs:
         _write(env, rig, output)
-        click.echo(f"wrote {output}", err=True)
+    _print(rig, as_json)
+    _say_written(outputs)
 
 
 @main.command()
@@ -105,10 +111,10 @@ def detect(
         _check_output(output, (".json", *PICTURES), {"the map": map_path})
     env = envlights.EnvMap.open(map_path)
     lights = envlights.detect(env, method, max_lights=max_lights)
-    click.echo(json.dumps(lights.to_dict(), indent=2) if as_json else str(lights))
     for output in outputs:
         _write_lights(env, lights, output)
-        click.echo(f"wrote {output}", err=True)
+    click.echo(json.dumps(lights.to_dict(), indent=2) if as_json else str(lights))
+    _say_written(outputs)
 
 
 @main.command()
@@ -127,8 +133,7 @@ def demo(folder: str, as_json: bool) -> None:
     from envlights.demo import demo as run
 
     _print(run(folder), as_json)
-    for suffix in ("exr", "json", "png"):
-        click.echo(f"wrote {Path(folder) / 'hall'}.{suffix}", err=True)
+    _say_written([str(Path(folder) / f"hall.{suffix}") for suffix in ("exr", "json", "png")])
 
 
 def _rank(text: str) -> int | float:
@@ -195,9 +200,9 @@ def transfer_fit(
     model = envlights.TransferModel.fit(
         pairs.direct, pairs.indirect, rank, _ridge(ridge), error=error
     )
-    click.echo(json.dumps(model.report.to_dict(), indent=2) if as_json else str(model))
     model.save(output)
-    click.echo(f"wrote {output}", err=True)
+    click.echo(json.dumps(model.report.to_dict(), indent=2) if as_json else str(model))
+    _say_written([output])
 
 
 @transfer.command("apply")
@@ -206,11 +211,12 @@ def transfer_fit(
 @click.option("-o", "--output", required=True, metavar="OUT", help="Where the image goes: .exr.")
 def transfer_apply(model_path: str, direct_path: str, output: str) -> None:
     """Predict the indirect light for DIRECT (.exr)."""
-    _check_output(output, (".exr",), {"the direct light": direct_path})
+    inputs = {"the model": model_path, "the direct light": direct_path}
+    _check_output(output, (".exr",), inputs)
     model = envlights.TransferModel.load(model_path)
     predicted = model.predict(read_image(direct_path).pixels)
     write_exr(output, predicted.astype("float32", copy=False))
-    click.echo(f"wrote {output}", err=True)
+    _say_written([output])
 
 
 @transfer.command("figure")
@@ -227,14 +233,18 @@ def transfer_figure(model_path: str, direct_path: str, indirect_path: str, outpu
     INDIRECT, which is the best that MODEL could do; and what the prediction misses. The titles hold
     relative errors.
     """
-    inputs = {"the direct light": direct_path, "the indirect light": indirect_path}
+    inputs = {
+        "the model": model_path,
+        "the direct light": direct_path,
+        "the indirect light": indirect_path,
+    }
     _check_output(output, PICTURES, inputs)
     model = envlights.TransferModel.load(model_path)
     direct, indirect = (read_image(path).pixels for path in (direct_path, indirect_path))
     from envlights import plot, plot_transfer
 
     plot.save(plot_transfer.transfer_picture(model, direct, indirect), output)
-    click.echo(f"wrote {output}", err=True)
+    _say_written([output])
 
 
 def _ridge(text: str) -> float | str:
@@ -242,6 +252,12 @@ def _ridge(text: str) -> float | str:
         return float(text)
     except ValueError:
         return text
+
+
+def _say_written(paths: Sequence[str]) -> None:
+    """Said last: files are whole before anything is printed, and nobody may be listening."""
+    for path in paths:
+        click.echo(f"wrote {path}", err=True)
 
 
 def _print(rig: Rig, as_json: bool) -> None:

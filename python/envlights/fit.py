@@ -184,7 +184,7 @@ def fit_probe(
 
     Examples
     --------
-    >>> from envlights import _native, kernels
+    >>> from envlights import kernels
     >>> normals, solid_angles = kernels.icosphere(320)
     >>> probe = kernels.rig_irradiance(normals, [0.1, 0.1, 0.1], [[0, 0.6, 0.8]], [[3, 2, 1]])
     >>> rig = fit_probe(normals, probe, lights=1)

@@ -7,6 +7,7 @@ import struct
 import zlib
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813, its own name for itself
@@ -69,7 +70,7 @@ def read_image(path: str | os.PathLike[str]) -> Image:
     config.attribute("oiio:UnassociatedAlpha", 1)
     file = oiio.ImageInput.open(path, config)
     if file is None:
-        reason = _one_line(oiio.geterror())
+        reason = _reason(oiio)
         raise EnvLightsError(f"cannot read {name} as an image: {reason}; {_WANTED}")
     try:
         return _read(name, file)
@@ -136,7 +137,7 @@ def _read(name: str, file: oiio.ImageInput) -> Image:
     first, end = min(channels), max(channels) + 1
     pixels = file.read_image(0, 0, first, end, oiio.FLOAT)
     if pixels is None or file.has_error:
-        reason = _one_line(file.geterror())
+        reason = _reason(file)
         raise EnvLightsError(f"cannot read all pixels of {name}: {reason}; give an undamaged file")
     pixels = np.ascontiguousarray(pixels[..., [channel - first for channel in channels]])
     if is_coded:
@@ -257,7 +258,12 @@ def _note_primaries(spec: oiio.ImageSpec, notes: list[str]) -> None:
         )
 
 
-def _one_line(message: str) -> str:
+def _reason(failed: Any) -> str:
+    """What OpenImageIO, or one of its files, says of its last failure."""
+    try:
+        message = failed.geterror()
+    except UnicodeDecodeError:  # it repeats the bytes of a damaged header
+        return "its header is damaged"
     lines = [_printable(line.strip()) for line in message.splitlines()]
     return "; ".join(filter(None, lines)).rstrip(".?") or "OpenImageIO gives no reason"
 
@@ -276,7 +282,7 @@ def write_exr(path: str | os.PathLike[str], radiance: NDArray[np.float32]) -> No
         file = oiio.ImageOutput.create(str(beside))
         done = file and file.open(str(beside), spec) and file.write_image(radiance) and file.close()
         if not done:
-            reason = _one_line(file.geterror() if file else oiio.geterror())
+            reason = _reason(file or oiio)
             raise OSError(reason.replace(str(beside), str(path)))
         _check_whole(beside)
 

@@ -173,7 +173,8 @@ def _draw_members(axes: Axes, lights: DetectedLights) -> None:
             levels=[0.5],
             colors="red",
             linewidths=0.8,
-            extent=(0, 360, 90, -90),
+            origin="upper",
+            extent=(0, 360, -90, 90),
         )
 
 

@@ -26,8 +26,8 @@ class StopReason(enum.Enum):
     @property
     def is_success(self) -> bool:
         """Whether more steps would change nothing."""
-        failures = (StopReason.OUT_OF_STEPS, StopReason.ERROR_NOT_REACHED, StopReason.RAN_AWAY)
-        return self not in failures
+        successes = (StopReason.CONVERGED, StopReason.EXACT, StopReason.NOTHING_TO_FIT)
+        return self in successes
 
 
 @dataclass(frozen=True)

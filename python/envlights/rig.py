@@ -16,7 +16,7 @@ from envlights._check import amount, reals
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights.files import write_atomically
-from envlights.report import FitReport
+from envlights.report import FitReport, StopReason
 
 #: Rec.709 weights of linear red, green and blue in luminance.
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
@@ -181,7 +181,7 @@ class Rig(Result):
             _table(self.lights),
             *_ambient_lines(self.ambient),
             error_line(self),
-            "" if stop.is_success else f"note: {stop.value}",
+            "" if stop.is_success or stop is StopReason.NOT_FITTED else f"note: {stop.value}",
             *(f"note: {note}" for note in self.notes),
         ]
         return "\n".join(line for line in lines if line)

@@ -11,7 +11,7 @@ from envlights._check import count
 from envlights._native import EnvLightsError
 from envlights.detected import DetectedLights
 from envlights.rig import Lights, Rig
-from envlights.scene.sky import Blocked, sky_transfer
+from envlights.scene.sky import Blocked, are_blocked, sky_transfer
 from envlights.scene.surface import Surface
 
 #: A rig, or lights that stand for one without an ambient term.
@@ -87,7 +87,7 @@ class DirectLight:
             cosine = np.maximum(normals @ direction, 0)
             faces = np.flatnonzero(cosine)
             towards = np.broadcast_to(direction, (len(faces), 3))
-            cosine[faces[self.blocked(origins[faces], towards)]] = 0
+            cosine[faces[are_blocked(self.blocked, origins[faces], towards)]] = 0
             irradiance += cosine[:, None] * strength
         return self.surface.reflected(irradiance)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -12,20 +13,27 @@ from envlights._native import EnvLightsError
 #: The vectorised variants need an LLVM that is new enough, and end the process where it is not.
 _VARIANT = "scalar_rgb"
 
+_LOCK = threading.RLock()
+
 
 @contextmanager
 def mitsuba() -> Iterator[Any]:
-    """Mitsuba in its scalar variant; the user's own variant is set again afterwards."""
+    """Mitsuba in its scalar variant; the user's own variant is set again afterwards.
+
+    For one thread after the other: the variant is the same for all, and so are a sensor's film and
+    sampler.
+    """
     try:
         renderer: Any = importlib.import_module("mitsuba")
     except ImportError as error:
         raise EnvLightsError(
             f"Mitsuba cannot be imported: {error}; the extra `bake` brings it"
         ) from None
-    before = renderer.variant()
-    renderer.set_variant(_VARIANT)
-    try:
-        yield renderer
-    finally:
-        if before is not None:
-            renderer.set_variant(before)
+    with _LOCK:
+        before = renderer.variant()
+        renderer.set_variant(_VARIANT)
+        try:
+            yield renderer
+        finally:
+            if before is not None:
+                renderer.set_variant(before)

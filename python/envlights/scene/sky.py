@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import kernels
+from envlights._native import EnvLightsError
 from envlights.scene.surface import Surface, frames
 
 #: Whether something stands in the way of each ray: origins (n, 3), unit directions (n, 3) -> (n,).
@@ -53,10 +54,24 @@ def sky_transfer(surface: Surface, blocked: Blocked, directions: int) -> NDArray
         some = slice(first, first + _BLOCK)
         rays = _cosine_hemisphere((square + shifts[some, None]) % 1) @ frames(normals[some])
         rows = np.repeat(origins[some], directions, axis=0)
-        hit = blocked(rows, rays.reshape(-1, 3)).reshape(rays.shape[:2])
+        hit = are_blocked(blocked, rows, rays.reshape(-1, 3)).reshape(rays.shape[:2])
         hidden = np.einsum("nd,ndk->nk", hit, harmonics(rays.reshape(-1, 3)).reshape(*hit.shape, 9))
         transfer[some] -= np.pi / directions * hidden
     return transfer
+
+
+def are_blocked(
+    blocked: Blocked, origins: NDArray[np.float64], directions: NDArray[np.float64]
+) -> NDArray[np.bool_]:
+    """What a ray tracer answers, whose numbers may be 0 and 1, or a refusal."""
+    answer = np.asarray(blocked(origins, directions))
+    is_flag = answer.dtype.kind in "biu" and np.isin(answer, (0, 1)).all()
+    if answer.shape != (len(origins),) or not is_flag:
+        raise EnvLightsError(
+            f"blocked must answer true or false for each of {len(origins)} rays;"
+            f" got the dtype {answer.dtype} and the shape {answer.shape}"
+        )
+    return answer.astype(np.bool_)
 
 
 def harmonics(directions: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -20,7 +20,7 @@ from envlights._result import Result
 
 #: How the files of a folder are called.
 _DIRECT, _INDIRECT = "direct", "lightmap"
-_NAME = re.compile(rf"({_DIRECT}|{_INDIRECT})_(\w+)\.exr")
+_NAME = re.compile(rf"({_DIRECT}|{_INDIRECT})_(.+)\.exr")
 
 #: A path to an image of direct light, and one to the indirect light.
 PathPair = tuple[str | os.PathLike[str], str | os.PathLike[str]]

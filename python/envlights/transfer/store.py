@@ -27,6 +27,7 @@ _DAMAGE = (
     AttributeError,
     EOFError,
     KeyError,
+    MemoryError,
     RuntimeError,
     TypeError,
     ValueError,
@@ -90,7 +91,7 @@ def load(path: str | os.PathLike[str]) -> TransferModel:
     _check_version(path, data)
     try:
         return _model(data)
-    except (KeyError, TypeError, ValueError) as error:
+    except _DAMAGE as error:
         raise EnvLightsError(f"{path} holds no possible model: {error}") from None
 
 
@@ -134,6 +135,8 @@ def _check_shapes(data: Mapping[str, Any]) -> None:
         raise ValueError("lit is no mask of texels")
     rank = _check_tiles(data) if "scales" in data else _check_columns(data)
     lit = int(np.count_nonzero(data["lit"]))
+    if data["size"].shape != (2,) or (data["size"] < 1).any():
+        raise ValueError(f"size is {data['size'].tolist()}")
     texels = int(np.prod(data["size"]))
     pairs = len(data["direct"])
     seen_by_each = 3 * texels if len(data["mean"]) else texels
@@ -157,6 +160,8 @@ def _check_columns(data: Mapping[str, Any]) -> int:
     lit, rank = data["basis"].shape
     if np.count_nonzero(data["lit"]) != lit:
         raise ValueError(f"basis has {lit} texels, lit another number")
+    if data["basis"].dtype.kind != "f" or not np.isfinite(data["basis"]).all():
+        raise ValueError("basis is not finite")
     return int(rank)
 
 

@@ -59,7 +59,7 @@ impl Radiances {
         if shadow(&self.x.column(channel).into_owned()).is_none() {
             return;
         }
-        let (x, dark) = cut(gram, &right.column(channel).into_owned());
+        let (x, dark) = lit_up(gram, &right.column(channel).into_owned());
         let used = (0..x.len()).filter(|&i| i < 9 || x[i] > 0.0).collect();
         if let Some(support) = Support::new(gram, used) {
             self.supports[channel] = Arc::new(support);
@@ -84,9 +84,43 @@ struct Condition {
     normal: Option<DVec3>,
 }
 
-/// The best values of one channel with harmonics, and the normals of the conditions that hold it.
-fn cut(gram: &DMatrix<f64>, right: &DVector<f64>) -> (DVector<f64>, Vec<DVec3>) {
-    let Some(factor) = with_ridge(gram).cholesky() else { return (right * 0.0, Vec::new()) };
+/// The best values of one channel with harmonics, and the normals of the conditions that hold it; those
+/// with a constant environment alone where the conditions cannot be met as well.
+fn lit_up(gram: &DMatrix<f64>, right: &DVector<f64>) -> (DVector<f64>, Vec<DVec3>) {
+    let cost = |x: &DVector<f64>| (gram * x).dot(x) - 2.0 * right.dot(x);
+    let Cut { x, dark, lifted } = cut(gram, right);
+    if lifted <= DARK * x.rows(0, 9).amax() {
+        return (x, dark);
+    }
+    let constant = constant(gram, right);
+    if cost(&x) <= cost(&constant) { (x, dark) } else { (constant, Vec::new()) }
+}
+
+/// The best values without the harmonics of order 1 and 2.
+fn constant(gram: &DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
+    let kept: Vec<usize> = (0..right.len()).filter(|&i| i == 0 || i >= 9).collect();
+    let gram = DMatrix::from_fn(kept.len(), kept.len(), |i, j| gram[(kept[i], kept[j])]);
+    let right_of = DMatrix::from_fn(kept.len(), 1, |i, _| right[kept[i]]);
+    let (values, _) = nnls::solve(&gram, &right_of, 0, &[]);
+    let mut x = DVector::zeros(right.len());
+    kept.into_iter().zip(&values).for_each(|(i, &value)| x[i] = value);
+    x
+}
+
+/// The values that cuts lead to.
+struct Cut {
+    x: DVector<f64>,
+    /// Normals of the conditions that hold them.
+    dark: Vec<DVec3>,
+    /// By how much the ambient irradiance had to be raised where the cuts ended too soon.
+    lifted: f64,
+}
+
+/// The best values with harmonics.
+fn cut(gram: &DMatrix<f64>, right: &DVector<f64>) -> Cut {
+    let Some(factor) = with_ridge(gram).cholesky() else {
+        return Cut { x: right * 0.0, dark: Vec::new(), lifted: f64::INFINITY };
+    };
     let plain = factor.solve(right);
     let mut x = plain.clone();
     let mut conditions: Vec<Condition> = Vec::new();
@@ -108,8 +142,8 @@ fn cut(gram: &DMatrix<f64>, right: &DVector<f64>) -> (DVector<f64>, Vec<DVec3>) 
         let mut holds = multipliers.iter().map(|&multiplier| multiplier > 0.0);
         conditions.retain(|_| holds.next() == Some(true));
     }
-    lift(&mut x);
-    (x, conditions.into_iter().filter_map(|condition| condition.normal).collect())
+    let lifted = lift(&mut x);
+    Cut { x, dark: conditions.into_iter().filter_map(|condition| condition.normal).collect(), lifted }
 }
 
 /// The conditions that `x` breaks, each with its normal: each light, and the ambient term where it is
@@ -126,11 +160,13 @@ fn violated(x: &DVector<f64>) -> Vec<(DVector<f64>, Option<DVec3>)> {
     lights.chain(ambient).collect()
 }
 
-/// What rounding has left below zero, raised to it.
-fn lift(x: &mut DVector<f64>) {
+/// What rounding has left below zero, raised to it; the ambient irradiance by how much.
+fn lift(x: &mut DVector<f64>) -> f64 {
     x.rows_range_mut(9..).apply(|value| *value = value.max(0.0));
     let (_, least) = darkest(&x.as_slice()[..9]);
-    x[0] += (-least).max(0.0) / Ambient::Sh2.irradiance(DVec3::Z)[0];
+    let lifted = (-least).max(0.0);
+    x[0] += lifted / Ambient::Sh2.irradiance(DVec3::Z)[0];
+    lifted
 }
 
 /// `gram`, with a little more on its diagonal, so that columns may depend on each other.
