@@ -121,7 +121,7 @@ def test_sum_over_sources_is_equations_1_to_3():
             r"solid_angles must have as many rows as directions \(1\); got 2",
         ),
         (lambda: lit_up(k_d=np.nan), r"k_d must be a finite number, 0 or more; got nan"),
-        (lambda: lit_up(C=(1, 1)), r"C must hold red, green and blue; got 2 numbers"),
+        (lambda: lit_up(C=(1, 1)), r"C must be three numbers; got the shape \(2,\)"),
         (lambda: under_rig([[1, 1]]), r"irradiance must have the shape \(n, 3\); got \[1, 2\]"),
         (lambda: under_rig([[1, 1, 1]] * 2), r"as many rows as directions \(1\); got 2"),
         (lambda: under_rig([[1, 1, np.nan]]), r"irradiance must be finite; row 0 holds NaN"),

@@ -30,7 +30,7 @@ def reals(name: str, values: ArrayLike, ndim: int) -> NDArray[np.float64]:
 
 def count(name: str, value: object, least: int = 0) -> int:
     """`value` as an int of at least `least`, or a refusal that names it."""
-    is_whole = isinstance(value, numbers.Integral) and not isinstance(value, bool | np.bool_)
+    is_whole = isinstance(value, numbers.Integral) and not isinstance(value, bool)
     if not is_whole or int(value) < least:  # type: ignore[call-overload]
         raise EnvLightsError(f"{name} must be a whole number, {least} or more; got {value!r}")
     if int(value) > LARGEST_COUNT:  # type: ignore[call-overload]
@@ -48,6 +48,14 @@ def amount(name: str, value: object, least: float = 0.0, most: float = math.inf)
         limits = f"from {least:g} to {most:g}" if math.isfinite(most) else f"{least:g} or more"
         raise EnvLightsError(f"{name} must be a finite number, {limits}; got {value!r}")
     return number
+
+
+def colour(name: str, values: ArrayLike) -> list[float]:
+    """Red, green and blue of a surface, none negative, or a refusal that names them."""
+    channels = reals(name, values, 1)
+    if channels.shape != (3,):
+        raise EnvLightsError(f"{name} must be three numbers; got the shape {channels.shape}")
+    return [amount(name, float(channel)) for channel in channels]
 
 
 def check_choice(name: str, value: object, choices: tuple[str, ...]) -> None:

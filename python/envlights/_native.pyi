@@ -72,7 +72,6 @@ class TreeDetection:
     working_size: tuple[int, int]
     tiles: int
     opened_tiles: int
-    bright_pixels: int
     dropped: int
     merged: int
 

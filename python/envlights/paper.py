@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import kernels
-from envlights._check import amount, count, reals
+from envlights._check import amount, colour, count, reals
 from envlights._native import EnvLightsError
 from envlights.envmap import EnvMap, as_envmap
 from envlights.report import FitReport, StopReason
@@ -322,11 +322,8 @@ def _sizes(lights: object, max_steps: object) -> tuple[int, int]:
     return wanted, count("max_steps", max_steps)
 
 
-def _surface(k_a: object, k_d: object, colour: ArrayLike) -> _Surface:
-    channels = reals("C", colour, 1)
-    if channels.shape != (3,):
-        raise EnvLightsError(f"C must be three numbers; got the shape {channels.shape}")
-    numbers = [amount("k_d", k_d), *(amount("C", float(c)) for c in channels)]
+def _surface(k_a: object, k_d: object, C: ArrayLike) -> _Surface:  # noqa: N803, the paper's name
+    numbers = [amount("k_d", k_d), *colour("C", C)]
     if min(numbers) == 0:
         raise EnvLightsError("k_d and C must be above 0; a black probe shows no light")
     return _Surface(amount("k_a", k_a), numbers[0], tuple(numbers[1:]))

@@ -28,7 +28,6 @@ pub struct TreeDetection {
     working_size: (usize, usize),
     tiles: usize,
     opened_tiles: usize,
-    bright_pixels: usize,
     dropped: usize,
     merged: usize,
 }
@@ -97,7 +96,6 @@ impl TreeDetection {
             working_size: found.seen.working_size,
             tiles: found.seen.tiles,
             opened_tiles: found.seen.opened_tiles,
-            bright_pixels: found.seen.bright_pixels,
             dropped: found.seen.dropped,
             merged: found.seen.merged,
         }

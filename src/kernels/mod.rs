@@ -5,7 +5,8 @@
 //! | directions, pixels, solid angles              | `sphere.rs`   |
 //! | low-discrepancy points, icospheres            | `sampling.rs` |
 //! | unusable samples, reduction to a working size | `image.rs`    |
-//! | exact irradiance of a white probe             | `probe.rs`    |
+//! | exact irradiance of a white probe             | `probe/`      |
+//! | bright places of a map                        | `detect/`     |
 //! | ambient + directional lights from the probe   | `fit/`        |
 //! | the same, in the paper's own equations        | `paper/`      |
 //! | indirect light from direct light              | `transfer/`   |

@@ -63,13 +63,6 @@ class Problem(madsen.Problem):
         lights = rig.lights
         return kernels.pack_lights(rig.ambient, lights.direction, lights.irradiance)[self.held :]
 
-    def start(self, directions):
-        """Lights in these directions and the ambient term, all of them equally strong."""
-        # A light gives a normal a quarter of its irradiance in the mean, ambient pi times its own.
-        each = self.irradiance.mean(axis=0) / (self.lights + 1)
-        irradiance = np.tile(4 * each, (self.lights, 1))
-        return kernels.pack_lights(each / np.pi, directions, irradiance)[self.held :]
-
     def random_start(self, rng):
         return super().random_start(rng)[self.held :]
 

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
-from envlights._check import amount, count, float_image, reals
-from envlights._native import EnvLightsError
+from envlights._check import amount, colour, count, float_image, reals
 
 _WHITE = (1.0, 1.0, 1.0)
 
@@ -260,9 +259,10 @@ def _measured(
     return normals, probe, weights
 
 
-def _coefficients(k_a: object, k_d: object, colour: object) -> tuple[float, float, list[float]]:
+def _coefficients(
+    k_a: object,
+    k_d: object,
+    C: ArrayLike,  # noqa: N803, the paper's name
+) -> tuple[float, float, list[float]]:
     """The surface of the probe, or a refusal."""
-    channels = reals("C", colour, 1)  # type: ignore[arg-type]
-    if channels.shape != (3,):
-        raise EnvLightsError(f"C must be three numbers; got the shape {channels.shape}")
-    return amount("k_a", k_a), amount("k_d", k_d), [amount("C", float(c)) for c in channels]
+    return amount("k_a", k_a), amount("k_d", k_d), colour("C", C)

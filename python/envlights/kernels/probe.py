@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
-from envlights._check import amount, count, float_image, reals
+from envlights._check import amount, colour, count, float_image, reals
 from envlights._native import EnvLightsError
 
 #: Width of the map that `working_irradiance` makes when it is not told another.
@@ -124,10 +124,7 @@ def sum_over_sources(
     """
     vectors = reals("normals", normals, 2), reals("directions", directions, 2)
     sources = reals("radiance", radiance, 2), reals("solid_angles", solid_angles, 1)
-    colour = [amount("C", channel) for channel in C]
-    if len(colour) != 3:
-        raise EnvLightsError(f"C must hold red, green and blue; got {len(colour)} numbers")
-    return _native.sum_over_sources(*vectors, *sources, amount("k_d", k_d), colour)
+    return _native.sum_over_sources(*vectors, *sources, amount("k_d", k_d), colour("C", C))
 
 
 def rig_irradiance(

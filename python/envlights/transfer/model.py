@@ -384,7 +384,7 @@ def _wanted(rank: object, ridge: object, error: object) -> Wanted:
 def _missed(wanted: Wanted, values: NDArray[np.float64], rank: int) -> tuple[str, ...]:
     """Why there are fewer directions than were asked for, or a larger error."""
     notes = []
-    if isinstance(wanted.rank, int) and len(values) < wanted.rank:
+    if len(values) < wanted.rank:
         notes.append(f"the images have no more than {len(values)} directions above rounding")
     left = np.sqrt(max(1 - values[:rank].sum() / values.sum(), 0.0))
     if wanted.error is not None and left > wanted.error:

@@ -1,4 +1,4 @@
-//! What a rig looks like on a probe: equations 4 to 9 of Madsen et al. 2003, in physical scale.
+//! What a rig looks like on a probe: equations 4 to 6 of Madsen et al. 2003, in physical scale.
 
 use glam::DVec3;
 

@@ -114,3 +114,45 @@ fn outside(derivatives: &Derivatives, support: &Support, dark: &[DVec3]) -> DMat
     }
     outside
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::kernels::sphere::direction;
+    use proptest::prelude::*;
+
+    /// `D^T (1 - P) D`, with the projection P on the columns `A x` that keep `C x = 0`.
+    fn by_projection(a: &DMatrix<f64>, d: &DMatrix<f64>, c: &DMatrix<f64>) -> DMatrix<f64> {
+        let held = c.transpose().qr().q();
+        let free = (a - a * &held * held.transpose()).col_piv_qr();
+        let basis = free.q().columns(0, a.ncols() - c.nrows()).into_owned();
+        let inside = basis.transpose() * d;
+        d.transpose() * d - inside.transpose() * inside
+    }
+
+    proptest! {
+        /// From random columns, of which one is not in use, with and without normals held at zero.
+        #[test]
+        fn what_is_outside_is_what_a_projection_leaves(
+            seed in 0_u64..1 << 20,
+            dark in proptest::collection::vec((0.0..3.1, 0.0..6.2), 0..4),
+        ) {
+            // Scattered numbers that do not shrink: columns must not depend on each other.
+            let scattered = |i: usize, j: usize| (1e4 * ((seed + (18 * i + j) as u64) as f64).sin()).fract();
+            let all = DMatrix::from_fn(40, 18, scattered);
+            let (columns, d) = (all.columns(0, 12).into_owned(), all.columns(12, 6).into_owned());
+            let used: Vec<usize> = (0..12).filter(|&i| i != 10).collect();
+            let dark: Vec<DVec3> = dark.into_iter().map(|(theta, phi)| direction(theta, phi)).collect();
+            let support = Support::new(&(columns.transpose() * &columns), used.clone()).unwrap();
+            let (model, gram) = (d.transpose() * &columns, d.transpose() * &d);
+            let derivatives = Derivatives { model, gram, right: DMatrix::zeros(6, 3) };
+            let seen = outside(&derivatives, &support, &dark);
+            let c = DMatrix::from_fn(dark.len(), used.len(), |i, j| {
+                *Ambient::Sh2.irradiance(dark[i]).get(used[j]).unwrap_or(&0.0)
+            });
+            let wanted = by_projection(&columns.select_columns(&used), &d, &c);
+            prop_assert!((&seen - &wanted).amax() < 1e-9, "{} {seen} {wanted}", (&seen - &wanted).amax());
+        }
+    }
+}

@@ -148,11 +148,22 @@ impl Linkage {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kernels::sphere::direction;
 
+    /// Further along a quarter of a circle for each of its fluxes.
     fn light(flux: f64) -> Light {
-        let mut light = Light::default();
-        light.flux = flux;
-        light
+        Light::towards(direction(1.0 + 0.1 * flux.sqrt(), 2.0), flux)
+    }
+
+    #[test]
+    fn neighbours_are_merged_and_the_dimmer_of_two_pairs_first() {
+        let at = |phi, flux| Light::towards(direction(1.0, phi), flux);
+        let far_and_near = vec![at(0.0, 3.0), at(3.0, 5.0), at(3.1, 2.0), at(0.1, 1.0)];
+        let three = choose(far_and_near.clone(), 0.0, 3);
+        assert_eq!(three.part_of, [Some(1), Some(0), Some(2), Some(1)]);
+        let two = choose(far_and_near, 0.0, 2);
+        assert_eq!(two.part_of, [Some(1), Some(0), Some(0), Some(1)]);
+        assert!((two.lights[0].flux - 7.0).abs() < 1e-12);
     }
 
     #[test]

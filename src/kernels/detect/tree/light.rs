@@ -53,6 +53,12 @@ impl Light {
         Self { peak: f64::from(luminance), ..Self::default() }
     }
 
+    /// One that is a point.
+    #[cfg(test)]
+    pub fn towards(direction: DVec3, flux: f64) -> Self {
+        Self { flux, flux_vector: direction * flux, ..Self::default() }
+    }
+
     /// Flux centroid, a unit vector.
     pub fn direction(&self) -> DVec3 {
         self.flux_vector.normalize_or(self.top.normalize_or(DVec3::Y))

@@ -6,12 +6,15 @@
 //! |------------------------------------------|-------------------|
 //! | the map in fewer pixels, in one pass     | `summary.rs`      |
 //! | how bright is bright                     | `threshold.rs`    |
+//! | which pixels touch, and in which rows    | `touch.rs`, `run.rs` |
 //! | which pixels hang together, and how well | `components.rs`   |
 //! | which lights only a bar divides          | `gaps.rs`         |
+//! | which pixels lie around each light       | `outline.rs`      |
 //! | what is behind each light                | `surroundings.rs` |
 //! | what each light sends                    | `measure.rs`      |
 //! | - of each pixel                          | `covered.rs`      |
 //! | - in all                                 | `light.rs`        |
+//! | - in wide vectors                        | `lanes.rs`        |
 //! | how many lights there may be             | `budget.rs`       |
 
 mod budget;
@@ -86,8 +89,6 @@ pub struct Seen {
     pub tiles: usize,
     /// Tiles that hold a bright pixel.
     pub opened_tiles: usize,
-    /// Pixels of the working image above the threshold.
-    pub bright_pixels: usize,
     /// Lights below `min_flux_share`.
     pub dropped: usize,
     /// Lights that became part of another for `max_lights`.
@@ -137,7 +138,6 @@ impl Seen {
             working_size: summary.size,
             tiles: summary.tile_maxima.len(),
             opened_tiles: bright.opened_tiles,
-            bright_pixels: bright.indices.len(),
             dropped: choice.dropped,
             merged: choice.part_of.len() - choice.dropped - choice.lights.len(),
         }

@@ -163,7 +163,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_place_is_a_quotient_and_a_rest(height in 1_usize..=1 << 14, width in 1_usize..=1 << 15, at in 0.0..1.0_f64) {
+        fn a_place_is_a_quotient_and_a_rest(height in 1_usize..=1 << 15, width in 1_usize..=1 << 16, at in 0.0..1.0_f64) {
             let sheet = Sheet { height, width, per_width: (1 << 48) / width as u64 + 1, hubs: [0; 2] };
             let index = (at * (height * width) as f64) as usize;
             for index in [index, index / width * width, index / width * width + width - 1] {
