@@ -1,6 +1,7 @@
 """Detection by the component tree."""
 
 import hashlib
+import json
 import os
 import subprocess
 import sys
@@ -416,6 +417,8 @@ def test_a_slice_keeps_members_and_order():
     assert (np.diff(flux) <= 0).all()
     assert lights.flux_share.sum() <= 1 + 1e-6
     assert set(lights.to_dict()) >= {"direction", "irradiance", "solid_angle", "is_clipped"}
+    assert lights.to_dict()["report"]["threshold"] == lights.report.threshold
+    assert json.loads(json.dumps(lights.to_dict())) == lights.to_dict()
     with pytest.raises(el.EnvLightsError, match="slices"):
         lights[0]
 

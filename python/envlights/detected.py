@@ -40,6 +40,17 @@ class DetectionReport:
     seconds: Mapping[str, float] = field(default_factory=dict)
     """Wall time of each stage."""
 
+    def to_dict(self) -> dict[str, Any]:
+        """All but the times as plain numbers, lists and strings: the same for the same map."""
+        return {
+            "method": self.method,
+            "threshold": self.threshold,
+            "reason": self.reason,
+            "working_size": list(self.working_size),
+            "skipped": list(self.skipped),
+            "notes": list(self.notes),
+        }
+
     def __str__(self) -> str:
         height, width = self.working_size
         lines = [
@@ -135,9 +146,10 @@ class DetectedLights(Lights):
         radius: NDArray[np.float64] = np.arccos(1 - np.minimum(self.solid_angle / (2 * np.pi), 2))
         return radius
 
-    def to_dict(self) -> dict[str, list[Any]]:
-        """Lists of numbers, for JSON and the like."""
-        return {name: getattr(self, name).tolist() for name in self._per_light()}
+    def to_dict(self) -> dict[str, Any]:
+        """Lists of numbers and the report, for JSON and the like."""
+        arrays = {name: getattr(self, name).tolist() for name in self._per_light()}
+        return {**arrays, "report": self.report.to_dict()}
 
     def __str__(self) -> str:
         together = 100 * self.flux_share.sum()
