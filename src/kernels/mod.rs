@@ -4,7 +4,7 @@
 //! |-----------------------------------------------|---------------|
 //! | directions, pixels, solid angles              | `sphere.rs`   |
 //! | low-discrepancy points, icospheres            | `sampling.rs` |
-//! | unusable samples, reduction to a working size | `image.rs`    |
+//! | unusable samples, reduction to a working size | `image/`      |
 //! | exact irradiance of a white probe             | `probe/`      |
 //! | bright places of a map                        | `detect/`     |
 //! | ambient + directional lights from the probe   | `fit/`        |

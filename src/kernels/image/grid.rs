@@ -1,0 +1,47 @@
+//! How the cells of an image cut the sphere.
+
+use crate::kernels::sphere::Registration;
+
+/// The lines that cut the sphere into the cells of an image.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Grid {
+    /// Polar angles between the rows, from 0 to pi.
+    pub theta_edges: Vec<f64>,
+    /// Azimuths between the columns, from 0 to 2 pi.
+    pub phi_edges: Vec<f64>,
+    /// Column of the azimuth phi: the whole part of `phi * columns_per_radian + first_column`.
+    pub columns_per_radian: f64,
+    /// 0, or half a column where the first column is cut by the seam.
+    pub first_column: f64,
+}
+
+impl Grid {
+    /// Every pixel a cell.
+    pub fn of_pixels(height: usize, width: usize, registration: Registration) -> Self {
+        let (columns, first_column) = match registration {
+            Registration::CellCentred => (width as f64, 0.0),
+            Registration::BorderSampled => ((width - 1) as f64, 0.5),
+        };
+        Self {
+            theta_edges: registration.theta_edges(height),
+            phi_edges: registration.phi_edges(width),
+            columns_per_radian: columns / std::f64::consts::TAU,
+            first_column,
+        }
+    }
+
+    /// Every `block` x `block` pixels a cell; what is left over at the far edges makes smaller ones.
+    pub(crate) fn in_blocks(&self, block: usize) -> Self {
+        let every = |edges: &[f64]| {
+            let mut kept: Vec<f64> = edges[..edges.len() - 1].iter().copied().step_by(block).collect();
+            kept.extend(edges.last());
+            kept
+        };
+        Self {
+            theta_edges: every(&self.theta_edges),
+            phi_edges: every(&self.phi_edges),
+            columns_per_radian: self.columns_per_radian / block as f64,
+            first_column: self.first_column / block as f64,
+        }
+    }
+}

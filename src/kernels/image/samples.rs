@@ -1,0 +1,106 @@
+//! Samples of a map, and those that no light can have.
+
+use ndarray::ArrayView3;
+use rayon::prelude::*;
+
+use crate::error::{Error, Result};
+
+/// Samples that no light can have.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Unusable {
+    /// Not a number.
+    pub nan: usize,
+    /// Positive infinity.
+    pub infinite: usize,
+    /// Below zero, negative infinity among them.
+    pub negative: usize,
+}
+
+/// How many samples of `radiance` are NaN, infinite or negative.
+///
+/// The bits of a finite `f32` that is not negative, read as `i32`, lie in `0 ..= 0x7f7f_ffff`:
+/// one OR over a row tells whether it needs a closer look. (So does -0.0, which then counts as 0.)
+///
+/// # Errors
+///
+/// [`Error::NotAMap`] when the array is not (height, width, 3).
+pub fn unusable(radiance: ArrayView3<'_, f32>) -> Result<Unusable> {
+    check_rgb(radiance)?;
+    let rows: Vec<Unusable> = radiance
+        .outer_iter()
+        .into_par_iter()
+        .map(|row| match row.as_slice() {
+            Some(samples) if all_usable(samples) => Unusable::default(),
+            _ => row.iter().fold(Unusable::default(), |seen, &value| seen.and(value)),
+        })
+        .collect();
+    Ok(rows.into_iter().fold(Unusable::default(), Unusable::plus))
+}
+
+fn all_usable(samples: &[f32]) -> bool {
+    const LARGEST_FINITE: i32 = 0x7f7f_ffff;
+    let sign = samples.iter().fold(0_i32, |seen, sample| {
+        let bits = sample.to_bits().cast_signed();
+        seen | bits | LARGEST_FINITE.wrapping_sub(bits)
+    });
+    sign >= 0
+}
+
+impl Unusable {
+    fn and(mut self, value: f32) -> Self {
+        self.nan += usize::from(value.is_nan());
+        self.infinite += usize::from(value == f32::INFINITY);
+        self.negative += usize::from(value < 0.0);
+        self
+    }
+
+    fn plus(self, other: Self) -> Self {
+        Self {
+            nan: self.nan + other.nan,
+            infinite: self.infinite + other.infinite,
+            negative: self.negative + other.negative,
+        }
+    }
+}
+
+/// Refuse the first sample that no light can have: a slow look, where a sum or a sign has shown that there
+/// may be one. A minus sign may be that of -0, which is as good as 0.
+pub(crate) fn check_samples(radiance: ArrayView3<'_, f32>) -> Result<()> {
+    let what = "radiance";
+    for (index, row) in radiance.outer_iter().enumerate() {
+        match row.iter().find(|value| !value.is_finite() || **value < 0.0).map(|&value| f64::from(value)) {
+            Some(value) if value.is_finite() => return Err(Error::Negative { what, index, value }),
+            Some(value) => return Err(Error::NotFinite { what, index, value }),
+            None => {}
+        }
+    }
+    Ok(())
+}
+
+pub(crate) fn check_rgb(radiance: ArrayView3<'_, f32>) -> Result<()> {
+    let (height, width, channels) = radiance.dim();
+    if height < 2 || width < 2 || channels != 3 {
+        return Err(Error::NotAMap { shape: radiance.shape().to_vec() });
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use ndarray::Array3;
+
+    use super::*;
+
+    #[test]
+    fn each_kind_of_unusable_sample_is_counted() {
+        let mut map = Array3::from_elem((4, 8, 3), 0.5_f32);
+        map[[0, 0, 0]] = f32::NAN;
+        map[[1, 2, 1]] = f32::INFINITY;
+        map[[3, 7, 2]] = -1.0;
+        map[[3, 6, 2]] = f32::NEG_INFINITY;
+        map[[2, 0, 0]] = -0.0;
+        let seen = unusable(map.view()).unwrap();
+        assert_eq!(seen, Unusable { nan: 1, infinite: 1, negative: 2 });
+    }
+}
