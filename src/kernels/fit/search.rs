@@ -4,7 +4,6 @@
 //! tries each exchange lights until no exchange pays; the lights of the best are then nudged to the
 //! lowest of the small valleys around them.
 
-use std::ops::RangeInclusive;
 use std::sync::OnceLock;
 
 use glam::DVec3;
@@ -40,8 +39,10 @@ const SPARE: usize = 1;
 /// Tries from even starts at most, and how many lights they have together at most.
 const MOST_TRIES: usize = 6;
 const MOST_TRIED_LIGHTS: usize = 96;
-/// Nudges that are tried together, at least and at most.
-const NUDGES: RangeInclusive<usize> = 8..=16;
+/// Nudges that are tried together with few lights, and with more, which have more valleys around them.
+const NUDGES: [usize; 2] = [8, 16];
+/// Lights that are few.
+const FEW: usize = 4;
 
 /// The search for the best lights for one probe.
 #[derive(Debug)]
@@ -153,7 +154,7 @@ impl<'a> Search<'a> {
             return Ok(None);
         }
         let Problem { probe, held, .. } = self.problem;
-        let count = (2 * (best.lights() - held)).clamp(*NUDGES.start(), *NUDGES.end());
+        let count = NUDGES[usize::from(best.lights() > held + FEW)];
         let settled = spread::nudges(best, held, count, round)?
             .into_par_iter()
             .map(|directions| best.turned_to(probe, directions).descend(&self.problem, CLOSE).resumed());
