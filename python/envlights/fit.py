@@ -268,7 +268,8 @@ def _most_lights(
     if error is not None:
         return max(MOST_LIGHTS, len(held))
     given = _given(start)
-    return len(held) + (0 if given is None else len(given)) or LIGHTS
+    started = len(held) + (0 if given is None else len(given))
+    return started or LIGHTS
 
 
 def _given(start: str | Rig | Lights) -> Lights | None:

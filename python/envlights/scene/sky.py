@@ -65,13 +65,15 @@ def are_blocked(
 ) -> NDArray[np.bool_]:
     """What a ray tracer answers, whose numbers may be 0 and 1, or a refusal."""
     answer = np.asarray(blocked(origins, directions))
-    is_flag = answer.dtype.kind in "biu" and np.isin(answer, (0, 1)).all()
+    is_flag = answer.dtype == np.bool_
+    if answer.dtype.kind in "iu":
+        is_flag = bool(np.isin(answer, (0, 1)).all())
     if answer.shape != (len(origins),) or not is_flag:
         raise EnvLightsError(
             f"blocked must answer true or false for each of {len(origins)} rays;"
             f" got the dtype {answer.dtype} and the shape {answer.shape}"
         )
-    return answer.astype(np.bool_)
+    return answer.astype(np.bool_, copy=False)
 
 
 def harmonics(directions: NDArray[np.float64]) -> NDArray[np.float64]:

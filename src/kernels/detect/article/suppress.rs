@@ -51,18 +51,8 @@ fn key(cell: DVec3) -> Cell {
 
 /// A cell and the 8 around it, in the `layer` above, below or its own.
 fn around(cell: DVec3, layer: f64) -> impl Iterator<Item = Cell> {
-    const AROUND: [(f64, f64); 9] = [
-        (-1.0, -1.0),
-        (-1.0, 0.0),
-        (-1.0, 1.0),
-        (0.0, -1.0),
-        (0.0, 0.0),
-        (0.0, 1.0),
-        (1.0, -1.0),
-        (1.0, 0.0),
-        (1.0, 1.0),
-    ];
-    AROUND.into_iter().map(move |(dx, dy)| key(cell + DVec3::new(dx, dy, layer)))
+    let step = move |i: u8| DVec3::new(f64::from(i % 3) - 1.0, f64::from(i / 3) - 1.0, layer);
+    (0..9).map(move |i| key(cell + step(i)))
 }
 
 /// A few instructions for three whole numbers; the standard hash took most of the step's time.
