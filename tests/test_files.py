@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import envlights as el
+from envlights import plot
 from envlights.files import check_writable, write_atomically
 
 
@@ -22,6 +23,22 @@ def test_a_write_that_fails_leaves_the_old_file_and_nothing_else(tmp_path):
         write_atomically(target, fail)
     assert target.read_text() == "old"
     assert [path.name for path in tmp_path.iterdir()] == ["rig.json"]
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: el.Rig.load(3),
+        lambda: el.synthetic.rigs(1)[0].save(None),
+        lambda: el.TransferModel.load(None),
+        lambda: el.read_pairs(5),
+        lambda: el.EnvMap.open(None),
+        lambda: plot.save(None, 3.5),
+    ],
+)
+def test_what_is_no_path_is_refused(call):
+    with pytest.raises(el.EnvLightsError, match=r"must be (text|a folder)"):
+        call()
 
 
 def test_links_are_followed(tmp_path):

@@ -16,6 +16,14 @@ from envlights._native import EnvLightsError
 PICTURES = (".png", ".pdf", ".svg")
 
 
+def as_path(path: object) -> Path:
+    """`path`, or a refusal of what is none."""
+    try:
+        return Path(path)  # type: ignore[arg-type]
+    except TypeError:
+        raise EnvLightsError(f"a path must be text; got {type(path).__name__}") from None
+
+
 def check_writable(path: str | os.PathLike[str]) -> Path:
     """Refuse a place where no file can be written, before the work that would be lost.
 

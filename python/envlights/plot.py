@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import os
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,7 +17,7 @@ from envlights import kernels
 from envlights._native import EnvLightsError
 from envlights.detected import DetectedLights
 from envlights.envmap import EnvMap, as_envmap
-from envlights.files import PICTURES, write_atomically
+from envlights.files import PICTURES, as_path, write_atomically
 from envlights.rig import LUMINANCE, Rig, error_line
 
 #: Pixels across the probe.
@@ -132,10 +131,11 @@ def detection_picture(env: EnvMap | ArrayLike, lights: DetectedLights) -> Pictur
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:
     """Write a picture as PNG, PDF or SVG, whole or not at all."""
-    if Path(path).suffix.lower() not in PICTURES:
+    suffix = as_path(path).suffix.lower()
+    if suffix not in PICTURES:
         raise EnvLightsError(f"cannot draw {path}; the suffix must be {', '.join(PICTURES)}")
     # Drawn in memory: on a full disk, matplotlib breaks while it closes a PDF.
-    drawn = _drawn(figure, Path(path).suffix.lower()[1:])
+    drawn = _drawn(figure, suffix[1:])
     write_atomically(path, lambda beside: beside.write_bytes(drawn))
 
 

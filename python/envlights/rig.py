@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,7 @@ from envlights import kernels
 from envlights._check import amount, reals
 from envlights._native import EnvLightsError
 from envlights._result import Result
-from envlights.files import write_atomically
+from envlights.files import as_path, write_atomically
 from envlights.report import FitReport, StopReason
 
 #: Rec.709 weights of linear red, green and blue in luminance.
@@ -147,7 +146,7 @@ class Rig(Result):
         path : path-like
             A file with the suffix ``.json``.
         """
-        if Path(path).suffix.lower() != ".json":
+        if as_path(path).suffix.lower() != ".json":
             raise EnvLightsError(f"cannot save a rig as {path}; the suffix must be .json")
         text = json.dumps(self.to_dict(), indent=2, allow_nan=False) + "\n"
         write_atomically(path, lambda beside: beside.write_text(text, encoding="utf-8"))
@@ -162,7 +161,7 @@ class Rig(Result):
             If the file is missing, of another kind or version, or holds impossible lights.
         """
         try:
-            data = json.loads(Path(path).read_text(encoding="utf-8"))
+            data = json.loads(as_path(path).read_text(encoding="utf-8"))
         except OSError as error:
             raise EnvLightsError(f"cannot read {path}: {error.strerror}") from None
         except (ValueError, RecursionError) as error:

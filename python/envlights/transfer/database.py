@@ -122,6 +122,8 @@ def _in_folder(folder: Path) -> list[PathPair]:
 
 
 def _checked(pairs: Iterable[Any]) -> list[PathPair]:
+    if not isinstance(pairs, Iterable):
+        raise EnvLightsError(f"pairs must be a folder or pairs of paths; got {pairs!r}")
     paths = list(pairs)
     for k, pair in enumerate(paths):
         if isinstance(pair, str | os.PathLike) or not hasattr(pair, "__len__") or len(pair) != 2:

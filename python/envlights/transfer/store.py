@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._native import EnvLightsError
-from envlights.files import write_atomically
+from envlights.files import as_path, write_atomically
 from envlights.transfer.compact import LARGEST, SHARE, TILE, CompactBasis, places_of
 from envlights.transfer.learnt import Learnt
 from envlights.transfer.report import TransferReport
@@ -74,7 +74,7 @@ def _savez(path: Path, arrays: Mapping[str, Any]) -> None:
 
 def check_suffix(path: str | os.PathLike[str]) -> None:
     """Refuse a name that does not say what the file holds."""
-    if Path(path).suffix.lower() != ".npz":
+    if as_path(path).suffix.lower() != ".npz":
         raise EnvLightsError(f"cannot save a model as {path}; the suffix must be .npz")
 
 
@@ -82,7 +82,7 @@ def load(path: str | os.PathLike[str]) -> TransferModel:
     """Read the model that `save` wrote, or say why it cannot be one."""
     try:
         # numpy leaves a file open that it opened and cannot read.
-        with Path(path).open("rb") as file, np.load(file, allow_pickle=False) as arrays:
+        with as_path(path).open("rb") as file, np.load(file, allow_pickle=False) as arrays:
             data = {name: arrays[name] for name in arrays.files}
     except OSError as error:
         raise EnvLightsError(f"cannot read {path}: {error.strerror or error}") from None
