@@ -25,11 +25,10 @@ def paths_of_real_maps(*patterns):
 def real_maps(*patterns):
     """Parametrise over the real maps that match, where `ENVLIGHTS_MAPS` names their folder."""
     found = paths_of_real_maps(*patterns)
-    if not found:
+    if not _FOLDER:
         reason = "set ENVLIGHTS_MAPS to a folder of maps to try them as well"
-        if _FOLDER:
-            reason = f"ENVLIGHTS_MAPS={_FOLDER} holds nothing that matches {', '.join(patterns)}"
         return pytest.mark.parametrize("path", [pytest.param(None, marks=pytest.mark.skip(reason))])
+    assert found, f"ENVLIGHTS_MAPS={_FOLDER} holds nothing that matches {patterns}"
     return pytest.mark.parametrize("path", [pytest.param(path, id=path.name) for path in found])
 
 

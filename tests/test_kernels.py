@@ -180,7 +180,12 @@ before = env.probe([[0, 1, 0]])
 child = os.fork()
 if not child:
     signal.alarm(20)  # ends it where it waits for threads that it does not have
-    rig, lights = el.fit(env, 1), el.detect(env)
+    el.fit(env, 1), el.detect(env), el.detect(env, "article", blur_px=1.0, working_width=16)
+    el.fit_paper(el.synthetic.hall(16).radiance, 1)
+    el.kernels.sum_over_sources(*[[[0, 1, 0]]] * 3, [1])
+    room = el.synthetic.room(4, width=16)
+    model = el.TransferModel.fit(room.direct, room.indirect, rank=2)
+    model.compressed(0.1).predict(room.direct)
     os._exit(0 if np.array_equal(env.probe([[0, 1, 0]]), before) else 3)
 assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
 """

@@ -226,7 +226,7 @@ def test_rigs_of_the_open_air_come_from_above_and_from_their_seed():
 
 def test_without_mitsuba_the_way_to_it_is_told(monkeypatch):
     monkeypatch.setitem(sys.modules, "mitsuba", None)
-    with pytest.raises(el.EnvLightsError, match="the extra `bake` brings it"):
+    with pytest.raises(el.EnvLightsError, match=r"pip install 'envlights\[bake\]'"):
         el.synthetic.courtyard()
     with pytest.raises(el.EnvLightsError, match=r"Mitsuba cannot be imported: .*mitsuba"):
         el.MitsubaScene({"type": "scene"})

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import fields
 from typing import Any
 
 
-class Result:
+class Result(ABC):
     """A dataclass that says what it is in a line, and all of it where Jupyter shows it.
 
     A copy, or what a pickle holds, is made by the constructor: what that checks, and the arrays
     that it closes to writing, hold for it too.
     """
 
+    @abstractmethod
     def in_short(self) -> str:
         """The line, without the name of the class."""
-        raise NotImplementedError
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: {self.in_short()}>"

@@ -1,4 +1,7 @@
 //! The stair between Python and the kernels: borrow, detach, call, wrap. No arithmetic lives here.
+//!
+//! A kernel that uses several threads is called by [`pool::in_pool`], which detaches as well: rayon's own
+//! threads do not live on in a forked process.
 
 mod article;
 mod detect;

@@ -205,7 +205,7 @@ pub fn unit_vectors(what: &'static str, rows: ArrayView2<'_, f64>) -> Result<Vec
 /// [`Error::WrongColumns`], [`Error::NotFinite`].
 pub fn vectors(what: &'static str, rows: ArrayView2<'_, f64>) -> Result<Vec<DVec3>> {
     check_rows(what, rows, 3)?;
-    Ok(rows.rows().into_iter().map(|row| DVec3::new(row[0], row[1], row[2])).collect())
+    Ok(to_vectors(rows))
 }
 
 /// Refuse an array that is not (n, `columns`) or holds a number that is not finite.
@@ -272,6 +272,11 @@ pub(crate) fn check_memory(shape: &[usize]) -> Result<()> {
     let numbers = shape.iter().fold(1_usize, |product, &side| product.saturating_mul(side));
     let reserved = Vec::<f64>::new().try_reserve_exact(numbers);
     reserved.map_err(|_| Error::NoMemory { shape: shape.to_vec() })
+}
+
+/// The rows of an array, (n, 3), as vectors.
+pub(crate) fn to_vectors(rows: ArrayView2<'_, f64>) -> Vec<DVec3> {
+    rows.rows().into_iter().map(|row| DVec3::new(row[0], row[1], row[2])).collect()
 }
 
 /// Vectors as the rows of an array.

@@ -27,7 +27,8 @@ def mitsuba() -> Iterator[Any]:
         renderer: Any = importlib.import_module("mitsuba")
     except ImportError as error:
         raise EnvLightsError(
-            f"Mitsuba cannot be imported: {error}; the extra `bake` brings it"
+            f"Mitsuba cannot be imported: {error}; pip install 'envlights[bake]' brings it,"
+            " or '.[bake]' in a checkout"
         ) from None
     with _LOCK:
         before = renderer.variant()

@@ -17,6 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
+from envlights._check import amount, count
+from envlights._native import EnvLightsError
 from envlights.transfer.gram import Gram, is_for_kernels, parts, texel_rows
 from envlights.transfer.pairs import Pairs
 
@@ -30,6 +32,27 @@ class Wanted:
 
     error: float | None
     """Relative RMS error of the images in the basis that is good enough."""
+
+    @classmethod
+    def checked(cls, rank: object, error: object) -> Wanted:
+        """What a user gave, or a refusal."""
+        bound = None if error is None else amount("error", error)
+        if not isinstance(rank, float | np.floating):
+            return cls(count("rank", rank, least=1), bound)
+        share = amount("rank as a share of the energy", float(rank), most=1.0)
+        if share == 0:
+            raise EnvLightsError("rank as a share of the energy must be more than 0; got 0.0")
+        return cls(share, bound)
+
+    def missed(self, values: NDArray[np.float64], rank: int) -> tuple[str, ...]:
+        """Why there are fewer directions than were asked for, or a larger error."""
+        notes = []
+        if len(values) < self.rank:
+            notes.append(f"the images have no more than {len(values)} directions above rounding")
+        left = np.sqrt(max(1 - values[:rank].sum() / values.sum(), 0.0))
+        if self.error is not None and left > self.error:
+            notes.append(f"the error {self.error:g} was not reached; allow a higher rank")
+        return tuple(notes)
 
     def count(self, values: NDArray[np.float64]) -> int:
         """The fewest directions that do, given the energy in each, most first."""

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._check import amount, check_choice, count
+from envlights._check import amount, check_choice
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights.transfer import cluster, grow, store
@@ -153,7 +153,7 @@ class TransferModel(Result):
         left = outside(seen.products, coefficients)
         learnt = Learnt(pairs.direct, coefficients, left, seen.energy)
         size = np.shape(direct)[1:3]
-        notes = (*pairs.notes, *_missed(wanted, found.values, rank))
+        notes = (*pairs.notes, *wanted.missed(found.values, rank))
         model = _solved(columns, seen.lit, mean, (size[0], size[1]), parameters, learnt, notes)
         seconds = {"fit": perf_counter() - start}
         return replace(model, report=replace(model.report, seconds=seconds))
@@ -325,8 +325,8 @@ class TransferModel(Result):
         basis = self._dense("take more pairs")
         start = perf_counter()
         direct, indirect = as_array("direct", direct), as_array("indirect", indirect)
-        frames("direct", direct[:1] if direct.ndim else direct, self.size)
-        frames("indirect", indirect[:1] if indirect.ndim else indirect, self._shape)
+        frames("direct", direct[:1], self.size)
+        frames("indirect", indirect[:1], self._shape)
         pairs = pairs_of(direct, indirect)
         wanted = _wanted(**self.parameters)
         columns, lit, learnt = grow.grown(basis, self.lit, self.learnt, pairs, wanted)
@@ -372,24 +372,7 @@ def _wanted(rank: object, ridge: object, error: object) -> Wanted:
         check_choice("ridge", ridge, ("loo",))
     else:
         amount("ridge", ridge)
-    bound = None if error is None else amount("error", error)
-    if not isinstance(rank, float | np.floating):
-        return Wanted(count("rank", rank, least=1), bound)
-    share = amount("rank as a share of the energy", float(rank), most=1.0)
-    if share == 0:
-        raise EnvLightsError("rank as a share of the energy must be more than 0; got 0.0")
-    return Wanted(share, bound)
-
-
-def _missed(wanted: Wanted, values: NDArray[np.float64], rank: int) -> tuple[str, ...]:
-    """Why there are fewer directions than were asked for, or a larger error."""
-    notes = []
-    if len(values) < wanted.rank:
-        notes.append(f"the images have no more than {len(values)} directions above rounding")
-    left = np.sqrt(max(1 - values[:rank].sum() / values.sum(), 0.0))
-    if wanted.error is not None and left > wanted.error:
-        notes.append(f"the error {wanted.error:g} was not reached; allow a higher rank")
-    return tuple(notes)
+    return Wanted.checked(rank, error)
 
 
 def _solved(

@@ -85,7 +85,7 @@ def images(name: str, values: Any) -> tuple[Any, tuple[str, ...]]:
 def as_array(name: str, values: ArrayLike) -> NDArray[Any]:
     """`values` as an array in memory, or a refusal where they are of several sizes."""
     try:
-        return np.asarray(values)
+        return np.atleast_1d(np.asarray(values))
     except ValueError as error:
         raise EnvLightsError(f"{name} must be an array of images of one size; {error}") from None
 

@@ -8,6 +8,7 @@ use super::probe::Probe;
 use super::radiances::{self, Radiances};
 use super::solver::{State, cost};
 use crate::kernels::sampling;
+use crate::kernels::sphere::to_vectors;
 
 /// Directions that are tried: faces of an icosphere, about 20 degrees apart.
 const TRIED: usize = 80;
@@ -30,8 +31,7 @@ impl Candidates {
     /// The columns over the normals of `probe`.
     pub fn new(probe: &Probe) -> Self {
         let (centroids, _) = sampling::icosphere(TRIED).expect("a number of faces that exists");
-        let directions: Vec<DVec3> =
-            centroids.rows().into_iter().map(|row| DVec3::new(row[0], row[1], row[2])).collect();
+        let directions = to_vectors(centroids.view());
         let mut weighted = DMatrix::zeros(TRIED, probe.samples.normals.len());
         let mut square = DVector::zeros(TRIED);
         let normals = probe.samples.normals.iter().zip(&probe.samples.weights);

@@ -6,7 +6,7 @@ use ndarray::{ArrayView1, ArrayView2};
 use super::Rig;
 use super::blocks::Blocks;
 use crate::error::Result;
-use crate::kernels::sphere::check_weighted;
+use crate::kernels::sphere::{check_weighted, to_vectors};
 
 /// Irradiance at normals, each with a weight.
 #[derive(Clone, Debug)]
@@ -39,9 +39,7 @@ impl Samples {
         irradiance: ArrayView2<'_, f64>,
     ) -> Result<Self> {
         let normals = check_weighted(normals, ("irradiance", irradiance), weights)?;
-        let irradiance = irradiance.rows().into_iter().map(|row| DVec3::new(row[0], row[1], row[2]));
-        let irradiance: Vec<DVec3> = irradiance.collect();
-        Ok(Self::of(normals, weights.to_vec(), irradiance))
+        Ok(Self::of(normals, weights.to_vec(), to_vectors(irradiance)))
     }
 
     fn of(normals: Vec<DVec3>, weights: Vec<f64>, irradiance: Vec<DVec3>) -> Self {

@@ -7,7 +7,7 @@ use glam::{DQuat, DVec3};
 use super::solver::State;
 use crate::error::Result;
 use crate::kernels::sampling;
-use crate::kernels::sphere::{exponential_map, tangents};
+use crate::kernels::sphere::{exponential_map, tangents, to_vectors};
 
 /// The longest nudge, in radians: to the next small valley, not to the next light.
 const FARTHEST: f64 = 0.3;
@@ -27,8 +27,7 @@ pub fn starts(count: usize, lights: usize, spare: usize) -> Result<Vec<Vec<DVec3
 }
 
 fn even(lights: usize) -> Vec<DVec3> {
-    let directions = sampling::even_sphere(lights);
-    directions.rows().into_iter().map(|d| DVec3::new(d[0], d[1], d[2])).collect()
+    to_vectors(sampling::even_sphere(lights).view())
 }
 
 /// Evenly distributed rotations from evenly distributed points of the unit cube (Shoemake 1992).

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::grid::Grid;
 use super::means::weighted_mean;
 use super::samples::{check_rgb, check_samples};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::kernels::sphere::{Registration, band_heights, direction};
 
 /// A map in fewer cells, for probes that need not be exact.
@@ -30,8 +30,7 @@ pub struct WorkingMap {
 /// # Errors
 ///
 /// [`Error::NotAMap`] when the array is not (height, width, 3) or smaller than 2 x 2;
-/// [`Error::NotFinite`] and [`Error::Negative`] for samples that no light can have: this pass sees them all;
-/// [`Error::OutOfRange`] for a share below zero.
+/// [`Error::NotFinite`] and [`Error::Negative`] for samples that no light can have: this pass sees them all.
 pub fn reduce(
     radiance: ArrayView3<'_, f32>,
     registration: Registration,
@@ -39,10 +38,6 @@ pub fn reduce(
     source_share: f64,
 ) -> Result<WorkingMap> {
     check_rgb(radiance)?;
-    if source_share.is_nan() || source_share < 0.0 {
-        let (what, value) = ("source_share", source_share);
-        return Err(Error::OutOfRange { what, value, least: 0.0, most: f64::INFINITY });
-    }
     let (height, width, _) = radiance.dim();
     let pixels = Grid::of_pixels(height, width, registration);
     let block = width.div_ceil(columns.max(1)).max(1);

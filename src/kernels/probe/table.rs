@@ -212,7 +212,7 @@ mod tests {
         let wave = |y: usize, x: usize| ((0.1 * x as f64).sin() + (0.2 * y as f64).cos() + 2.0) as f32;
         let map = Array3::from_shape_fn((64, 128, 3), |(y, x, c)| wave(y, x) * (c + 1) as f32);
         let (normals, weights) = sampling::icosphere(1280).unwrap();
-        let directions: Vec<DVec3> = normals.outer_iter().map(|n| DVec3::new(n[0], n[1], n[2])).collect();
+        let directions = sphere::to_vectors(normals.view());
         for registration in [Registration::CellCentred, Registration::BorderSampled] {
             let working = image::reduce(map.view(), registration, 128, 1.0).unwrap();
             let near = under_cells(&working, &directions).unwrap();
