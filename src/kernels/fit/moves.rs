@@ -15,7 +15,7 @@ const BACK: f64 = 0.9;
 /// eight even lights.
 const ASIDE: f64 = 0.4;
 /// Lights farther apart than this (cosine) are not merged.
-const NEAR: f64 = 0.3;
+const NEAR: f64 = 0.5;
 
 /// Lights that go, and lights that come in their place.
 #[derive(Clone, Debug)]

@@ -1,9 +1,10 @@
 //! The search for the best set of lights, among the many that no small step improves.
 //!
-//! [`Search::best`] is the whole story. From one light less, and from lights spread evenly, several
-//! tries each exchange lights until no exchange pays; the lights of the best are then nudged to the
-//! lowest of the small valleys around them.
+//! [`Search::best`] is the whole story. From one light less, and from many sets of lights spread evenly,
+//! tries go downhill; the most promising exchange lights until no exchange pays; the lights of the best
+//! are then nudged to the lowest of the small valleys around them.
 
+use std::ops::RangeInclusive;
 use std::sync::OnceLock;
 
 use glam::DVec3;
@@ -15,10 +16,10 @@ use super::solver::{Problem, State};
 use super::{StopReason, spread};
 use crate::error::Result;
 
-// The numbers below were chosen with 1 to 8 lights, with and without an ambient term, on 32 random maps
-// and on those that `benchmarks/fit_search.py` judges by, against the best of 200 random starts that go
-// downhill in the same steps. On 24 random maps that chose nothing, 94 % end within 1.01 of the error of
-// those.
+// The numbers below were chosen with 1 to 8 lights, with and without an ambient term, on 64 random maps
+// and on those that `benchmarks/fit_search.py` judges by, as they are and turned, against the best of
+// 200 random starts that go downhill in the same steps. On 32 random maps that chose nothing, 95 % end
+// within 1.01 of the error of those.
 
 /// Relative fall of the cost in one step at which a try has shown what it is worth.
 const ROUGH: f64 = 1e-2;
@@ -32,17 +33,21 @@ const WORTH_A_NUDGE: f64 = 1e-6;
 /// Places where a further light starts, and exchanges that are tried together.
 const ADDED: usize = 2;
 const EXCHANGED: usize = 8;
-/// Moves that are still in the race after a look at their cost.
+/// Moves that are still in the race after a look at their cost, and those among them that take a light
+/// from a try: most tries are given up a little later.
 const RACING: usize = 12;
+const RACING_WITH_ONE_LESS: usize = 4;
 /// Lights that a try from an even start has to spare, but for the first.
 const SPARE: usize = 1;
-/// Tries from even starts at most, and how many lights they have together at most.
-const MOST_TRIES: usize = 6;
-const MOST_TRIED_LIGHTS: usize = 96;
-/// Nudges that are tried together with few lights, and with more, which have more valleys around them.
-const NUDGES: [usize; 2] = [8, 16];
-/// Lights that are few.
-const FEW: usize = 4;
+/// Tries from even starts for each light, how many in all, and how many lights they have together at most.
+const TRIES_FOR_EACH: usize = 4;
+const TRIES: RangeInclusive<usize> = 12..=24;
+const MOST_TRIED_LIGHTS: usize = 288;
+/// Of so many tries, one is worth that its lights are exchanged.
+const FOR_EACH_PROMISING: usize = 4;
+/// Nudges that are tried together at least, and how many lights they turn at least.
+const NUDGES: usize = 16;
+const NUDGED_LIGHTS: usize = 64;
 
 /// The search for the best lights for one probe.
 #[derive(Debug)]
@@ -91,7 +96,8 @@ impl<'a> Search<'a> {
     pub fn tries(&self, lights: usize) -> Result<Vec<State>> {
         let free = lights - self.problem.held;
         let starts = spread::starts(tries(free), free, SPARE)?;
-        Ok(starts.par_iter().filter_map(|start| self.tried(start, lights)).collect())
+        let tried = starts.par_iter().filter_map(|start| self.tried(start, lights)).collect();
+        Ok(promising(tried).into_par_iter().map(|state| self.exchanged(state)).collect())
     }
 
     /// The lowest place around the best of `grown` and `tries`, where it is lower than `last`.
@@ -120,9 +126,9 @@ impl<'a> Search<'a> {
         let still = if state.lights() > lights { ROUGH } else { FINE };
         state = state.descend(&self.problem, still).resumed();
         while state.lights() > lights {
-            state = self.best_move(&state, &moves::reduced(&state, held))?;
+            state = self.best_move(&state, &moves::reduced(&state, held), RACING_WITH_ONE_LESS)?;
         }
-        Some(self.exchanged(state))
+        Some(state)
     }
 
     /// Lights taken out and put elsewhere, while that pays.
@@ -130,7 +136,7 @@ impl<'a> Search<'a> {
         loop {
             let Problem { probe, held, .. } = self.problem;
             let moves = moves::exchanged(self.candidates(), probe, &best, held, EXCHANGED);
-            match self.best_move(&best, &moves) {
+            match self.best_move(&best, &moves, RACING) {
                 Some(next) if is_lower(&next, &best, WORTH_AN_EXCHANGE) => best = next,
                 _ => return best,
             }
@@ -154,7 +160,7 @@ impl<'a> Search<'a> {
             return Ok(None);
         }
         let Problem { probe, held, .. } = self.problem;
-        let count = NUDGES[usize::from(best.lights() > held + FEW)];
+        let count = NUDGES.max(NUDGED_LIGHTS / best.lights().max(1));
         let settled = spread::nudges(best, held, count, round)?
             .into_par_iter()
             .map(|directions| best.turned_to(probe, directions).descend(&self.problem, CLOSE).resumed());
@@ -166,14 +172,14 @@ impl<'a> Search<'a> {
     fn more(&self, last: &State) -> Option<State> {
         let mut moves = moves::added(self.candidates(), self.problem.probe, last, ADDED);
         moves.extend(moves::split(last, self.problem.held));
-        self.best_move(last, &moves)
+        self.best_move(last, &moves, RACING)
     }
 
-    /// Where the best of `moves` leads.
-    fn best_move(&self, from: &State, moves: &[Move]) -> Option<State> {
+    /// Where the best of `moves` leads, after a race of so many.
+    fn best_move(&self, from: &State, moves: &[Move], racing: usize) -> Option<State> {
         let mut field: Vec<State> = moves.par_iter().map(|one| one.from(self.problem.probe, from)).collect();
         field.sort_by(by_cost);
-        field.truncate(RACING);
+        field.truncate(racing);
         self.race(field)
     }
 
@@ -193,7 +199,18 @@ impl<'a> Search<'a> {
 
 /// How many even starts so many free lights are worth.
 fn tries(lights: usize) -> usize {
-    lights.min(MOST_TRIES).min(MOST_TRIED_LIGHTS / lights).max(1)
+    let (least, most) = TRIES.into_inner();
+    (TRIES_FOR_EACH * lights).clamp(least, most).min(MOST_TRIED_LIGHTS / lights).max(1)
+}
+
+/// The first of the tries, which is the paper's start, and the lowest of the others.
+fn promising(mut tried: Vec<State>) -> Vec<State> {
+    let count = tried.len().div_ceil(FOR_EACH_PROMISING);
+    if let Some(others) = tried.get_mut(1..) {
+        others.sort_by(by_cost);
+    }
+    tried.truncate(count);
+    tried
 }
 
 /// Whether the cost of `next` is lower by more than the share `worth`.
