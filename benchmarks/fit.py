@@ -1,6 +1,6 @@
 """The fit beside scipy's and jaxopt's, in one run: how good, how fast, how steady.
 
-Usage: python benchmarks/fit.py [starts] [search] [speed] [stability]
+Usage: python benchmarks/fit.py [tradeoff] [starts] [search] [speed] [stability]
            [--peer scipy] [--starts N] [--every N]
 
 With `ENVLIGHTS_MAPS` set to a folder of maps, on those as well. `--every 1 --peer scipy` is the
@@ -20,8 +20,10 @@ import fit_search
 import fit_speed
 import fit_stability
 import fit_starts
+import fit_tradeoff
 
 PARTS = {
+    "tradeoff": lambda options: fit_tradeoff.table(options.every),
     "starts": lambda options: fit_starts.table(options.every),
     "search": lambda options: fit_search.table(options.every, options.peer, options.starts),
     "speed": lambda options: fit_speed.tables(),

@@ -1,0 +1,81 @@
+"""Run time against error: what each way of fitting the same probes takes, and how good it is.
+
+An infinite error is that of a radiance below zero.
+"""
+
+import time
+from zlib import crc32
+
+import numpy as np
+import probes
+from fit_search import FLOOR
+from tests.twins import peers
+
+LIGHTS = (4, 8)
+#: Random starts of scipy, of which the best counts.
+STARTS = (1, 10, 100)
+
+
+def table(every):
+    irradiances = dict(list(probes.real_and_generated().items())[::every])
+    for lights in LIGHTS:
+        cases = [measured(name, probe, lights) for name, probe in irradiances.items()]
+        errors = {way: np.array([case[way][0] for case in cases]) for way in cases[0]}
+        seconds = {way: np.median([case[way][1] for case in cases]) for way in cases[0]}
+        print(f"\n{lights} lights and ambient, {len(cases)} maps; errors over the least of all")
+        print(f"{'':<40}{'time':>11}{'<= 1.01':>10}{'median':>8}{'worst':>8}")
+        least = np.maximum(np.min(list(errors.values()), axis=0), FLOOR)
+        for way, error in errors.items():
+            print(row(way, seconds[way], np.maximum(error, FLOOR) / least))
+
+
+def row(way, seconds, ratios):
+    within = f"{100 * np.mean(ratios <= 1.01):>8.0f} %"
+    return f"{way:<40}{1e3 * seconds:>8.1f} ms{within}{np.median(ratios):>8.3f}{ratios.max():>8.2f}"
+
+
+def measured(name, irradiance, lights):
+    """Error and seconds of each way to fit so many lights to a probe."""
+    problem = peers.Problem(probes.NORMALS, probes.SOLID_ANGLES, irradiance, lights)
+    even = problem.unknowns(peers.ours(problem, fixed=peers.even(lights)))
+    rng = np.random.default_rng([crc32(name.encode()), lights])
+    with peers.jax_in_float64():
+        jaxopt = peers.compiled_jaxopt(problem, even, tolerance=1e-8)
+        jaxopt()  # compiles
+        return {
+            "fit_probe": timed(lambda: peers.ours(problem).error),
+            'fit_probe, start="even"': timed(lambda: peers.ours(problem, start="even").error),
+            "jaxopt, even start": timed(lambda: error(problem, np.asarray(jaxopt()))),
+            "scipy, bounded, even start": timed(lambda: by_scipy(problem, even)),
+            **best_of_random(problem, rng),
+        }
+
+
+def timed(solve, rounds=3):
+    """What it finds, and the least seconds."""
+    least = np.inf
+    for _ in range(rounds):
+        begun = time.perf_counter()
+        found = solve()
+        least = min(least, time.perf_counter() - begun)
+    return found, least
+
+
+def error(problem, x):
+    """Infinite where a radiance is negative."""
+    return np.sqrt(problem.share(x)) if problem.is_possible(x) else np.inf
+
+
+def by_scipy(problem, start):
+    return error(problem, peers.by_scipy(problem, start, has_bounds=True, tolerance=1e-8))
+
+
+def best_of_random(problem, rng):
+    """Scipy's from more and more random starts."""
+    starts = [problem.random_start(rng) for _ in range(max(STARTS))]
+    ends = [timed(lambda x=start: by_scipy(problem, x), rounds=1) for start in starts]
+    errors, seconds = np.minimum.accumulate([e for e, _ in ends]), np.cumsum([s for _, s in ends])
+    return {
+        f"scipy, bounded, best of {n} random starts": (errors[n - 1], seconds[n - 1])
+        for n in STARTS
+    }
