@@ -33,9 +33,10 @@ def test_lights_are_finite_and_not_negative(case, lights, ambient):
 
 
 @EVERY_CASE
+@pytest.mark.parametrize("lights", [4, 8])
 @pytest.mark.parametrize("scale", [1e-6, 1e9])
-def test_scale_changes_the_units_and_nothing_else(case, scale):
-    one, scaled = fitted(CASES[case]), fitted(scale * CASES[case])
+def test_scale_changes_the_units_and_nothing_else(case, scale, lights):
+    one, scaled = (fitted(factor * CASES[case], lights) for factor in (1, scale))
     assert len(scaled.lights) == len(one.lights)
     brightest = max(CASES[case].max(), 1e-300)
     difference = scaled.probe(NORMALS) / scale - one.probe(NORMALS)

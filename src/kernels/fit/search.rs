@@ -218,6 +218,8 @@ fn is_lower(next: &State, best: &State, worth: f64) -> bool {
     next.cost < best.cost * (1.0 - worth)
 }
 
+/// In single precision: costs that differ by rounding alone, as those of mirror images do, are equal, and
+/// keep their order whatever the scale of the probe.
 fn by_cost(a: &State, b: &State) -> std::cmp::Ordering {
-    a.cost.total_cmp(&b.cost)
+    (a.cost as f32).total_cmp(&(b.cost as f32))
 }

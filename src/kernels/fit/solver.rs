@@ -26,6 +26,8 @@ use crate::kernels::sphere::{exponential_map, tangents};
 const LONGEST_STEP: f64 = 0.5;
 /// Damping of a first step.
 const FIRST_DAMPING: f64 = 1e-3;
+/// Least damping: with less, rounding would choose the way along what the cost hardly depends on.
+const LEAST_DAMPING: f64 = 1e-5;
 /// Damping at which a step no longer moves anything.
 const STIFFEST: f64 = 1e8;
 /// A step that crosses more horizons than this for each light failed for its length.
@@ -183,7 +185,8 @@ impl State {
             }
             let next = self.turned_to(problem.probe, self.directions_after(problem, &step));
             if next.cost < self.cost {
-                return Some(Self { damping: (damping * 0.1).max(1e-12), steps: self.steps + 1, ..next });
+                let damping = (damping * 0.1).max(LEAST_DAMPING);
+                return Some(Self { damping, steps: self.steps + 1, ..next });
             }
             if creases.is_empty()
                 && let Some(creases) = self.creases_before(problem, &next)
