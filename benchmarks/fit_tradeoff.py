@@ -9,6 +9,7 @@ from zlib import crc32
 import numpy as np
 import probes
 from fit_search import FLOOR
+from stopwatch import least_seconds
 from tests.twins import peers
 
 LIGHTS = (4, 8)
@@ -41,24 +42,15 @@ def measured(name, irradiance, lights):
     rng = np.random.default_rng([crc32(name.encode()), lights])
     with peers.jax_in_float64():
         jaxopt = peers.compiled_jaxopt(problem, even, tolerance=1e-8)
-        jaxopt()  # compiles
-        return {
-            "fit_probe": timed(lambda: peers.ours(problem).error),
-            'fit_probe, start="even"': timed(lambda: peers.ours(problem, start="even").error),
-            "jaxopt, even start": timed(lambda: error(problem, np.asarray(jaxopt()))),
-            "scipy, bounded, even start": timed(lambda: by_scipy(problem, even)),
-            **best_of_random(problem, rng),
+        ways = {
+            "fit_probe": lambda: peers.ours(problem).error,
+            'fit_probe, start="even"': lambda: peers.ours(problem, start="even").error,
+            "jaxopt, even start": lambda: error(problem, np.asarray(jaxopt())),
+            "scipy, bounded, even start": lambda: by_scipy(problem, even),
         }
-
-
-def timed(solve, rounds=3):
-    """What it finds, and the least seconds."""
-    least = np.inf
-    for _ in range(rounds):
-        begun = time.perf_counter()
-        found = solve()
-        least = min(least, time.perf_counter() - begun)
-    return found, least
+        errors = {way: solve() for way, solve in ways.items()}  # jaxopt compiles
+        seconds = least_seconds(ways, rounds=3)
+    return {way: (errors[way], seconds[way]) for way in ways} | best_of_random(problem, rng)
 
 
 def error(problem, x):
@@ -73,8 +65,10 @@ def by_scipy(problem, start):
 def best_of_random(problem, rng):
     """Scipy's from more and more random starts."""
     starts = [problem.random_start(rng) for _ in range(max(STARTS))]
-    ends = [timed(lambda x=start: by_scipy(problem, x), rounds=1) for start in starts]
-    errors, seconds = np.minimum.accumulate([e for e, _ in ends]), np.cumsum([s for _, s in ends])
+    begun = time.perf_counter()
+    ends = [(by_scipy(problem, start), time.perf_counter()) for start in starts]
+    errors, times = np.transpose(ends)
+    errors, seconds = np.minimum.accumulate(errors), times - begun
     return {
         f"scipy, bounded, best of {n} random starts": (errors[n - 1], seconds[n - 1])
         for n in STARTS

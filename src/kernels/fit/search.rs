@@ -45,7 +45,7 @@ const TRIES: RangeInclusive<usize> = 12..=24;
 const MOST_TRIED_LIGHTS: usize = 288;
 /// Of so many tries, one is worth that its lights are exchanged.
 const FOR_EACH_PROMISING: usize = 4;
-/// Nudges that are tried together at least, and how many lights they turn at least.
+/// Nudges that are tried together at least, and how many lights they turn together at least.
 const NUDGES: usize = 16;
 const NUDGED_LIGHTS: usize = 64;
 
@@ -160,7 +160,7 @@ impl<'a> Search<'a> {
             return Ok(None);
         }
         let Problem { probe, held, .. } = self.problem;
-        let count = NUDGES.max(NUDGED_LIGHTS / best.lights().max(1));
+        let count = NUDGES.max(NUDGED_LIGHTS / (best.lights() - held).max(1));
         let settled = spread::nudges(best, held, count, round)?
             .into_par_iter()
             .map(|directions| best.turned_to(probe, directions).descend(&self.problem, CLOSE).resumed());
@@ -218,8 +218,39 @@ fn is_lower(next: &State, best: &State, worth: f64) -> bool {
     next.cost < best.cost * (1.0 - worth)
 }
 
-/// In single precision: costs that differ by rounding alone, as those of mirror images do, are equal, and
-/// keep their order whatever the scale of the probe.
+/// With the digits of single precision, at any scale: costs that differ by rounding alone, as those of
+/// mirror images do, are equal and keep their order.
 fn by_cost(a: &State, b: &State) -> std::cmp::Ordering {
-    (a.cost as f32).total_cmp(&(b.cost as f32))
+    const SPARE_DIGITS: u32 = f64::MANTISSA_DIGITS - f32::MANTISSA_DIGITS;
+    // The bits of numbers that are not negative are in the order of the numbers.
+    let rounded = |state: &State| state.cost.to_bits() >> SPARE_DIGITS;
+    rounded(a).cmp(&rounded(b))
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::kernels::fit::{Ambient, Probe, Samples};
+    use crate::kernels::sampling;
+    use std::cmp::Ordering;
+
+    #[test]
+    fn places_are_ranked_by_their_cost_but_for_rounding_at_any_scale() {
+        let (normals, weights) = sampling::icosphere(20).unwrap();
+        let seen = normals.mapv(f64::abs);
+        let probe =
+            Probe::new(Samples::new(normals.view(), weights.view(), seen.view()).unwrap(), Ambient::None);
+        let costing = |cost: f64| {
+            let mut state = State::new(&probe, &[DVec3::Y]);
+            state.cost = cost;
+            state
+        };
+        for scale in [1.0, 1e-60, 1e60] {
+            let [one, same, more] = [1.5, 1.5 * (1.0 + 1e-12), 1.50001].map(|cost| costing(scale * cost));
+            assert_eq!(by_cost(&one, &same), Ordering::Equal);
+            assert_eq!(by_cost(&one, &more), Ordering::Less);
+        }
+        assert_eq!(by_cost(&costing(0.0), &costing(1e-60)), Ordering::Less);
+    }
 }
