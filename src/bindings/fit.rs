@@ -1,57 +1,77 @@
 //! `kernels::fit` for Python.
 
-use std::sync::Arc;
-
 use glam::DVec3;
-use numpy::ndarray::{ArrayView1, ArrayView2};
-use numpy::{IntoPyArray, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::ndarray::ArrayView2;
+use numpy::{IntoPyArray, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 
 use super::pool::in_pool;
-use crate::error::Error;
-use crate::kernels::fit::{self, Ambient, Goal, Probe, Request, Rig, Solution, StopReason};
+use super::sphere::registration;
+use crate::error::Result;
+use crate::kernels::fit::{self, Ambient, Asked, Fitted, Rig, Samples, StopReason};
+use crate::kernels::image;
 use crate::kernels::sphere::{from_vectors, unit_vectors};
 
-/// The best rig with one number of lights, and the probe it was fitted to.
+/// The best rig, and how it was found; see `envlights.fit`.
 #[pyclass(frozen)]
 pub struct FitAnswer {
+    fitted: Fitted,
+    /// How many cells of the working map were kept as points.
     #[pyo3(get)]
-    lights: usize,
-    #[pyo3(get)]
-    error: f64,
-    #[pyo3(get)]
-    steps: usize,
-    #[pyo3(get)]
-    stop: &'static str,
-    rig: Rig,
-    held: usize,
-    probe: Arc<Probe>,
+    points: usize,
 }
-
-/// Condition number, and the standard errors of directions and irradiance.
-type Uncertainties = (f64, Vec<f64>, Vec<[f64; 3]>);
 
 #[pymethods]
 impl FitAnswer {
     #[getter]
     fn ambient<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
-        rows(py, &self.rig.ambient)
+        rows(py, &self.fitted.rig.ambient)
     }
 
     #[getter]
     fn directions<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
-        rows(py, &self.rig.directions)
+        rows(py, &self.fitted.rig.directions)
     }
 
     #[getter]
     fn irradiance<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
-        rows(py, &self.rig.irradiance)
+        rows(py, &self.fitted.rig.irradiance)
     }
 
-    /// How well the probe determines the lights: worth computing only for the answer that is taken.
-    fn uncertainty(&self, py: Python<'_>) -> Uncertainties {
-        let found = py.detach(|| fit::uncertainty(&self.probe, &self.rig, self.held));
-        (found.condition, found.direction, found.irradiance)
+    /// Relative RMS error by number of lights.
+    #[getter]
+    fn errors(&self) -> Vec<(usize, f64)> {
+        self.fitted.errors.clone()
+    }
+
+    /// That of the rig.
+    #[getter]
+    fn error(&self) -> f64 {
+        self.fitted.judged.error
+    }
+
+    #[getter]
+    fn channel_errors(&self) -> [f64; 3] {
+        self.fitted.judged.channels
+    }
+
+    #[getter]
+    fn max_error(&self) -> f64 {
+        self.fitted.judged.largest
+    }
+
+    #[getter]
+    fn steps(&self) -> usize {
+        self.fitted.steps
+    }
+
+    #[getter]
+    fn stop(&self) -> &'static str {
+        match self.fitted.stop {
+            StopReason::Converged => "CONVERGED",
+            StopReason::Exact => "EXACT",
+            StopReason::OutOfSteps => "OUT_OF_STEPS",
+        }
     }
 }
 
@@ -59,50 +79,70 @@ fn rows<'py>(py: Python<'py>, vectors: &[DVec3]) -> Bound<'py, PyArray2<f64>> {
     from_vectors(vectors.iter().copied()).into_pyarray(py)
 }
 
-/// Normals, weights and irradiance.
-type Samples<'py> = (PyReadonlyArray2<'py, f64>, PyReadonlyArray1<'py, f64>, PyReadonlyArray2<'py, f64>);
-
-/// See `envlights.fit`: the best rig for each number of lights.
-#[pyfunction]
-pub fn fit_lights(
-    py: Python<'_>,
-    fitted: Samples<'_>,
-    goal: (Samples<'_>, Option<f64>),
+fn asked(
     ambient: usize,
-    start: (PyReadonlyArray2<'_, f64>, usize),
+    start: ArrayView2<'_, f64>,
+    fixed: usize,
     lights: usize,
+    error: Option<f64>,
     max_steps: usize,
-) -> PyResult<Vec<FitAnswer>> {
-    let ((judging, error), (start, held)) = (&goal, &start);
-    let (fitted, judging, start) = (views(&fitted), views(judging), start.as_array());
-    let (error, held) = (*error, *held);
+) -> Result<Asked> {
+    let ambient = Ambient::of(ambient)?;
+    Ok(Asked { ambient, start: unit_vectors("start", start)?, fixed, lights, error, max_steps })
+}
+
+/// See `envlights.fit`.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "every option is named once more, on the Python side")]
+pub fn fit_map(
+    py: Python<'_>,
+    radiance: PyReadonlyArray3<'_, f32>,
+    border_sampled: bool,
+    columns: usize,
+    point_share: f64,
+    judging: PyReadonlyArray2<'_, f64>,
+    judging_weights: PyReadonlyArray1<'_, f64>,
+    ambient: usize,
+    start: PyReadonlyArray2<'_, f64>,
+    fixed: usize,
+    lights: usize,
+    error: Option<f64>,
+    max_steps: usize,
+    floor: bool,
+    error_floor: f64,
+) -> PyResult<FitAnswer> {
+    let (radiance, start) = (radiance.as_array(), start.as_array());
+    let (judging, weights) = (judging.as_array(), judging_weights.as_array());
     in_pool(py, || {
-        let ambient = Ambient::with(ambient).ok_or(Error::NotAmbient { seen: ambient })?;
-        let samples = |(normals, weights, irradiance)| fit::Samples::new(normals, weights, irradiance);
-        let probe = Arc::new(Probe::new(samples(fitted)?, ambient));
-        let goal = Goal { judge: samples(judging)?, error };
-        let start = unit_vectors("start", start)?;
-        let request = Request { start: &start, held, lights, max_steps, goal: &goal };
-        let solutions = fit::fit(&probe, &request)?;
-        Ok(solutions.into_iter().map(|solution| answer(&probe, held, solution)).collect())
+        let asked = asked(ambient, start, fixed, lights, error, max_steps)?;
+        let map = image::reduce(radiance, registration(border_sampled), columns, point_share)?;
+        let points = map.sources.dim().0;
+        let fitted = fit::under_map(&map, (judging, weights), &asked, floor, error_floor)?;
+        Ok(FitAnswer { fitted, points })
     })
 }
 
-type Views<'a> = (ArrayView2<'a, f64>, ArrayView1<'a, f64>, ArrayView2<'a, f64>);
-
-fn views<'a>((normals, weights, irradiance): &'a Samples<'_>) -> Views<'a> {
-    (normals.as_array(), weights.as_array(), irradiance.as_array())
-}
-
-fn answer(probe: &Arc<Probe>, held: usize, solution: Solution) -> FitAnswer {
-    let Solution { lights, rig, error, steps, stop } = solution;
-    let stop = match stop {
-        StopReason::Converged => "CONVERGED",
-        StopReason::Exact => "EXACT",
-        StopReason::OutOfSteps => "OUT_OF_STEPS",
-    };
-    let held = held.min(rig.directions.len());
-    FitAnswer { lights, error, steps, stop, rig, held, probe: probe.clone() }
+/// See `envlights.fit_probe`.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "every option is named once more, on the Python side")]
+pub fn fit_samples(
+    py: Python<'_>,
+    normals: PyReadonlyArray2<'_, f64>,
+    weights: PyReadonlyArray1<'_, f64>,
+    irradiance: PyReadonlyArray2<'_, f64>,
+    ambient: usize,
+    start: PyReadonlyArray2<'_, f64>,
+    fixed: usize,
+    lights: usize,
+    max_steps: usize,
+) -> PyResult<FitAnswer> {
+    let (normals, weights) = (normals.as_array(), weights.as_array());
+    let (irradiance, start) = (irradiance.as_array(), start.as_array());
+    in_pool(py, || {
+        let asked = asked(ambient, start, fixed, lights, None, max_steps)?;
+        let fitted = fit::to_samples(Samples::new(normals, weights, irradiance)?, &asked)?;
+        Ok(FitAnswer { fitted, points: 0 })
+    })
 }
 
 /// See `envlights.Rig.probe`.

@@ -32,7 +32,7 @@ mod _native {
     #[pymodule_export]
     use super::error::EnvLightsError;
     #[pymodule_export]
-    use super::fit::{FitAnswer, fit_lights, relative_rms, rig_irradiance};
+    use super::fit::{FitAnswer, fit_map, fit_samples, relative_rms, rig_irradiance};
     #[pymodule_export]
     use super::image::unusable;
     #[pymodule_export]

@@ -2,8 +2,10 @@
 
 use std::f64::consts::PI;
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use nalgebra::{Matrix3, Vector3};
+
+use crate::error::{Error, Result};
 
 /// Irradiance of the harmonics, by what multiplies the powers of a normal's coordinates: a clamped
 /// cosine scales those of order 0, 1, 2 by pi, 2 pi / 3, pi / 4 (Ramamoorthi and Hanrahan 2001,
@@ -41,6 +43,15 @@ impl Ambient {
             .find(|ambient| ambient.coefficients() == coefficients)
     }
 
+    /// The one with that many coefficients in each channel.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotAmbient`] where there is none.
+    pub fn of(coefficients: usize) -> Result<Self> {
+        Self::with(coefficients).ok_or(Error::NotAmbient { seen: coefficients })
+    }
+
     /// Irradiance at `normal` of each coefficient alone; the first [`Self::coefficients`] count.
     ///
     /// Harmonics in the order and with the signs of Ramamoorthi and Hanrahan (2001), equation 3.
@@ -59,6 +70,23 @@ impl Ambient {
             ZONAL * (3.0 * z * z - 1.0),
             SQUARE * x * z,
             SQUARE / 2.0 * (x * x - y * y),
+        ]
+    }
+
+    /// The harmonics summed over a distribution of directions with these moments: its whole, its first and its
+    /// second moments.
+    pub fn columns(self, whole: f64, first: DVec3, second: DMat3) -> [f64; 9] {
+        let [xx, xy, xz, _, yy, yz, _, _, zz] = second.to_cols_array();
+        [
+            CONSTANT * whole,
+            LINEAR * first.y,
+            LINEAR * first.z,
+            LINEAR * first.x,
+            SQUARE * xy,
+            SQUARE * yz,
+            ZONAL * (3.0 * zz - whole),
+            SQUARE * xz,
+            SQUARE / 2.0 * (xx - yy),
         ]
     }
 }

@@ -1,156 +1,125 @@
-//! What one more light would explain, from each of many directions at once.
+//! What a light in a new place would explain, for many places at once.
+//!
+//! With R the inverse Gram matrix of the columns of a state, and for the column of a light at d: u its inner
+//! products with them, `z = R u`, `o = <a_d, a_d> - u.z` what it adds to them, and `<a_d, r_c>` those with the
+//! residuals, one light more leaves at least
+//!
+//! ```text
+//!   cost - sum_c max(0, <a_d, r_c>)^2 / o
+//! ```
+//!
+//! and the light j, of radiance x_j, taken from its place and put at d at least
+//!
+//! ```text
+//!   cost + sum_c x_jc^2 / R_jj - sum_c max(0, <a_d, r_c> + x_jc z_j / R_jj)^2 / (o + z_j^2 / R_jj)
+//! ```
+//!
+//! with equality where no radiance would turn negative.
 
 use glam::DVec3;
 use nalgebra::{DMatrix, DVector};
 
-use super::nnls::Support;
-use super::probe::Probe;
-use super::radiances::{self, Radiances};
-use super::solver::{State, cost};
+use super::objective::{Directions, Objective};
+use super::state::State;
 use crate::kernels::sampling;
 use crate::kernels::sphere::to_vectors;
 
-/// Directions that are tried: faces of an icosphere, about 20 degrees apart.
-const TRIED: usize = 80;
+/// Places that are tried: about 20 degrees apart.
+const TRIED: usize = 96;
 /// A column this close to the span of the others, in squared length, brings nothing new.
 const DEPENDENT: f64 = 1e-6;
 
-/// The columns that lights from every direction would add to the model, made once for a fit.
+/// Places for a light, and the inner products that do not depend on the others.
 #[derive(Debug)]
-pub struct Candidates {
-    directions: Vec<DVec3>,
-    /// `w max(0, n.l)`: a row for each direction, a column for each normal.
-    weighted: DMatrix<f64>,
-    /// `sum w max(0, n.l) y`: a row for each direction, a column for each side y of the probe.
+pub struct Candidates<'a> {
+    objective: &'a dyn Objective,
+    at: Directions,
+    /// With each side of the probe: a row for each place.
     sides: DMatrix<f64>,
-    /// `sum w max(0, n.l)^2` of each direction.
-    square: DVector<f64>,
+    /// Of each column with itself.
+    squares: Vec<f64>,
 }
 
-impl Candidates {
-    /// The columns over the normals of `probe`.
-    pub fn new(probe: &Probe) -> Self {
-        let (centroids, _) = sampling::icosphere(TRIED).expect("a number of faces that exists");
-        let directions = to_vectors(centroids.view());
-        let mut weighted = DMatrix::zeros(TRIED, probe.samples.normals.len());
-        let mut square = DVector::zeros(TRIED);
-        let normals = probe.samples.normals.iter().zip(&probe.samples.weights);
-        for (column, (normal, weight)) in weighted.as_mut_slice().chunks_exact_mut(TRIED).zip(normals) {
-            for ((value, square), direction) in column.iter_mut().zip(square.as_mut_slice()).zip(&directions)
-            {
-                let lit = normal.dot(*direction).max(0.0);
-                *value = weight * lit;
-                *square += weight * lit * lit;
-            }
-        }
-        let sides = &weighted * probe.side_columns();
-        Self { directions, weighted, sides, square }
+/// A promise: the cost that a light at a place would leave, at least.
+pub type Promise = (f64, DVec3);
+
+/// What the candidates are to the lights of a state.
+pub struct Beside<'a> {
+    candidates: &'a Candidates<'a>,
+    state: &'a State,
+    /// `<a_d, r_c>`: a row for each place, a column for each channel.
+    residual: DMatrix<f64>,
+    /// R, and `z = R u`: a column for each place.
+    inverse: DMatrix<f64>,
+    along: DMatrix<f64>,
+    /// `o`
+    outside: Vec<f64>,
+}
+
+impl<'a> Candidates<'a> {
+    /// For an objective.
+    pub fn new(objective: &'a dyn Objective) -> Self {
+        let places = to_vectors(sampling::even_sphere(TRIED).view());
+        let places: Vec<DVec3> = places.into_iter().filter(|&place| objective.allows(place)).collect();
+        let at = objective.directions(places);
+        let sides = objective.side_products(&at);
+        let squares = objective.squares(&at);
+        Self { objective, at, sides, squares }
     }
 
-    /// Inner products of every direction's column with the columns of the model of `state`.
-    pub fn products(&self, probe: &Probe, state: &State) -> DMatrix<f64> {
-        let ambient = probe.ambient.coefficients();
+    /// Beside the lights of `state`.
+    pub fn beside(&'a self, state: &'a State) -> Option<Beside<'a>> {
+        let ambient = self.objective.given().ambient.coefficients();
+        let lights = self.objective.light_products(&self.at, &state.moments.directions);
         let mut products = self.sides.columns(0, ambient).resize_horizontally(state.x.nrows(), 0.0);
-        let lit = columns(probe, &state.moments.directions);
-        for (mut products, lit) in
-            products.columns_range_mut(ambient..).column_iter_mut().zip(lit.column_iter())
-        {
-            // Half of the normals do not see the light.
-            for (weighted, &lit) in self.weighted.column_iter().zip(&lit).filter(|(_, lit)| **lit > 0.0) {
-                products.axpy(lit, &weighted, 1.0);
-            }
-        }
-        products
-    }
-
-    /// The cost that one more light from each direction would leave, where it would lower it.
-    ///
-    /// With the residuals `r_c` of the lights of `state`, but for `without`, a light with the column
-    /// a leaves at least
-    ///
-    /// ```text
-    ///   sum over channels of |r_c|^2 - max(0, a.r_c)^2 / |a - P a|^2
-    /// ```
-    ///
-    /// where P projects on the columns that are in already.
-    pub fn left(
-        &self,
-        probe: &Probe,
-        state: &State,
-        products: &DMatrix<f64>,
-        without: Option<usize>,
-    ) -> Vec<(f64, DVec3)> {
-        let ambient = probe.ambient.coefficients();
-        let gone = without.map(|light| ambient + light);
-        let kept: Vec<usize> = (0..state.x.nrows()).filter(|&column| Some(column) != gone).collect();
-        let (gram, right) = (&state.moments.gram, state.moments.right.select_rows(&kept));
-        let gram = DMatrix::from_fn(kept.len(), kept.len(), |i, j| gram[(kept[i], kept[j])]);
-        let products = products.select_columns(&kept);
-        let Radiances { x, .. } = radiances::solve(probe, &gram, &right, &[]);
-        let before = cost(probe, &gram, &right, &x);
-        let residual = self.sides.columns_range(ambient..) - &products * x;
-        let outside = self.outside(&gram, products);
-        let after = |i: usize| {
-            let along = |c: usize| probe.copies(c) * residual[(i, c)].max(0.0).powi(2);
-            before - (0..residual.ncols()).map(along).sum::<f64>() / outside[i]
-        };
-        (0..TRIED)
-            .filter(|&i| outside[i] > DEPENDENT * self.square[i])
-            .map(|i| (after(i), self.directions[i]))
-            .filter(|&(after, _)| after < before)
-            .collect()
-    }
-
-    /// `|a - P a|^2` of every direction: what its column adds to those with this Gram matrix.
-    fn outside(&self, gram: &DMatrix<f64>, products: DMatrix<f64>) -> DVector<f64> {
-        let mut outside = self.square.clone();
-        if let Some(support) = Support::new(gram, (0..gram.nrows()).collect()) {
-            for inside in support.orthonormal(products).column_iter() {
-                outside.zip_apply(&inside, |outside, inside| *outside -= inside * inside);
-            }
-        }
-        outside
+        products.columns_range_mut(ambient..).copy_from(&lights);
+        let residual = self.sides.columns_range(ambient..) - &products * &state.x;
+        let mut gram = state.moments.gram.clone();
+        // Columns may depend on each other: as for lights that are the same.
+        (0..gram.nrows()).for_each(|i| gram[(i, i)] *= 1.0 + DEPENDENT);
+        let inverse = gram.cholesky()?.inverse();
+        let products = products.transpose();
+        let along = &inverse * &products;
+        let inner = |i: usize| products.column(i).dot(&along.column(i));
+        let outside = self.squares.iter().enumerate().map(|(i, square)| square - inner(i)).collect();
+        Some(Beside { candidates: self, state, residual, inverse, along, outside })
     }
 }
 
-/// `max(0, n.l)`: a row for each normal, a column for each of `directions`.
-fn columns(probe: &Probe, directions: &[DVec3]) -> DMatrix<f64> {
-    DMatrix::from_fn(probe.samples.normals.len(), directions.len(), |i, j| {
-        probe.samples.normals[i].dot(directions[j]).max(0.0)
-    })
-}
+impl Beside<'_> {
+    /// One light more at each place, where that would lower the cost.
+    pub fn added(&self) -> Vec<Promise> {
+        let zero = DVector::zeros(self.state.x.ncols());
+        self.promises(self.state.cost, &zero, |_| (0.0, 0.0))
+    }
 
-#[cfg(test)]
-#[allow(clippy::unwrap_used)]
-mod tests {
-    use super::*;
-    use crate::kernels::fit::{Ambient, Rig, Samples, irradiance};
+    /// The light j taken out and put at each place, where that would lower the cost.
+    pub fn moved(&self, light: usize) -> Vec<Promise> {
+        let row = self.state.x.nrows() - self.state.lights() + light;
+        let own = self.inverse[(row, row)];
+        let x = self.state.x.row(row).transpose();
+        let without: f64 = (0..x.len()).map(|c| self.copies(c) * x[c] * x[c]).sum::<f64>() / own;
+        self.promises(self.state.cost + without, &x, |i| {
+            let along = self.along[(row, i)];
+            (along / own, along * along / own)
+        })
+    }
 
-    /// What is promised is what a light there leaves, and at best that: no radiance may be negative.
-    #[test]
-    fn the_promise_is_the_cost_with_that_light() {
-        let (normals, weights) = sampling::icosphere(320).unwrap();
-        let rig = Rig {
-            ambient: vec![DVec3::splat(0.1)],
-            directions: vec![DVec3::Y, DVec3::X, DVec3::NEG_Z],
-            irradiance: vec![DVec3::new(3.0, 2.0, 1.0), DVec3::ONE, DVec3::new(0.5, 1.0, 2.0)],
+    fn promises(&self, cost: f64, x: &DVector<f64>, given_back: impl Fn(usize) -> (f64, f64)) -> Vec<Promise> {
+        let candidates = self.candidates;
+        let promise = |i: usize| {
+            let (share, length) = given_back(i);
+            let outside = self.outside[i] + length;
+            let explained = |c: usize| self.copies(c) * (self.residual[(i, c)] + x[c] * share).max(0.0).powi(2);
+            let explained: f64 = (0..x.len()).map(explained).sum();
+            (outside > DEPENDENT * candidates.squares[i])
+                .then(|| (cost - explained / outside, candidates.at.directions[i]))
         };
-        let seen = irradiance(&rig, normals.view()).unwrap();
-        let probe =
-            Probe::new(Samples::new(normals.view(), weights.view(), seen.view()).unwrap(), Ambient::Constant);
-        let state = State::new(&probe, &rig.directions[..2]);
-        let candidates = Candidates::new(&probe);
-        let left = candidates.left(&probe, &state, &candidates.products(&probe, &state), None);
-        let mut exact = 0;
-        for &(promised, direction) in &left {
-            let with = State::new(&probe, &[DVec3::Y, DVec3::X, direction]);
-            assert!(
-                with.cost >= promised - 1e-9 * probe.samples.energy,
-                "{direction}: {} {promised}",
-                with.cost
-            );
-            exact += usize::from(with.cost <= promised + 1e-9 * probe.samples.energy);
-        }
-        assert!(exact > 10, "{exact} of {}", left.len());
+        let promises = (0..self.outside.len()).filter_map(promise);
+        promises.filter(|promise| promise.0 < self.state.cost).collect()
+    }
+
+    fn copies(&self, channel: usize) -> f64 {
+        self.candidates.objective.given().copies(channel)
     }
 }

@@ -23,7 +23,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::ambient::{Ambient, darkest};
 use super::nnls::{self, Support};
-use super::probe::Probe;
+use super::objective::Given;
 
 /// Share of the brightest ambient irradiance that counts as none.
 const DARK: f64 = 1e-7;
@@ -42,10 +42,10 @@ pub struct Radiances {
 }
 
 /// The best values; those that are not 0 are searched from those of `guess`, if any.
-pub fn solve(probe: &Probe, gram: &DMatrix<f64>, right: &DMatrix<f64>, guess: &[Arc<Support>]) -> Radiances {
-    let (x, supports) = nnls::solve(gram, right, probe.free(), guess);
+pub fn solve(given: &Given, gram: &DMatrix<f64>, right: &DMatrix<f64>, guess: &[Arc<Support>]) -> Radiances {
+    let (x, supports) = nnls::solve(gram, right, given.free(), guess);
     let mut radiances = Radiances { x, supports, dark: vec![Vec::new(); right.ncols()] };
-    if probe.ambient == Ambient::Sh2 {
+    if given.ambient == Ambient::Sh2 {
         for channel in 0..right.ncols() {
             radiances.lighten(gram, right, channel);
         }
@@ -182,8 +182,8 @@ fn with_ridge(gram: &DMatrix<f64>) -> DMatrix<f64> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::kernels::fit::Samples;
-    use crate::kernels::fit::moments::Moments;
+    use crate::kernels::fit::objective::Objective;
+    use crate::kernels::fit::{Probe, Samples};
     use crate::kernels::sampling;
     use ndarray::Array2;
     use proptest::prelude::*;
@@ -199,9 +199,9 @@ mod tests {
             // Powers make bright spots, which harmonics ring around.
             let seen = Array2::from_shape_fn((80, 3), |(i, _)| values[i].powi(8));
             let probe = Probe::new(Samples::new(normals.view(), weights.view(), seen.view()).unwrap(), Ambient::Sh2);
-            let moments = Moments::new(&probe, &[DVec3::Y, DVec3::X]);
-            let (gram, right) = (&moments.gram, &moments.right);
-            let x = solve(&probe, gram, right, &[]).x.column(0).into_owned();
+            let moments = probe.moments(vec![DVec3::Y, DVec3::X]);
+            let (gram, right) = (&moments.gram, &moments.rhs);
+            let x = solve(probe.given(), gram, right, &[]).x.column(0).into_owned();
             let cost = |x: &DVector<f64>| (gram * x).dot(x) - 2.0 * right.column(0).dot(x);
             prop_assert!(x.rows_range(9..).min() >= 0.0);
             prop_assert!(darkest(&x.as_slice()[..9]).1 >= -1e-12);

@@ -1,21 +1,60 @@
-//! How well the probe determines the lights: standard errors, and the condition number.
+//! How far the lights are determined: by a map, and by measured probe values.
 //!
-//! With the Jacobian J of all free unknowns - radiances channel by channel, then the two tangent
-//! coordinates of every direction that moved - and the residuals r of n values,
+//! A map has no noise, so no standard errors: what counts is how far a light may stand elsewhere, the others
+//! refitted, before the error grows by a tenth. With half the second derivative H of the cost, the step t of one
+//! light costs `t^T ((H^-1)_own)^-1 t` at least, so
 //!
 //! ```text
-//!   covariance = (J^T W J)^-1 r^T W r / (n - unknowns)
+//!   farthest^2 = (1.1^2 - 1) cost * greatest eigenvalue of (H^-1)_own
+//! ```
+//!
+//! Measured values have noise, the same in all channels of a normal or not. With the Jacobian J of all free
+//! unknowns - radiances channel by channel, then the two tangent coordinates of every direction that moved - and
+//! the residuals r of n normals, their covariance S between channels gives
+//!
+//! ```text
+//!   covariance = (J^T W J)^-1  J^T W S J  (J^T W J)^-1        S_cd = 3 sum w r_c r_d / (3 n - unknowns)
 //! ```
 //!
 //! A value held at zero is no unknown. A normal on the horizon of a light that may turn is no evidence: its
 //! derivatives differ from side to side, and what is left of J is the same from both.
 
-use glam::DVec3;
+use std::f64::consts::PI;
+
+use glam::{DMat3, DVec3};
 use nalgebra::{DMatrix, DVector};
 
-use super::Rig;
-use super::moments::Moments;
-use super::probe::Probe;
+use super::newton::Quadratic;
+use super::objective::{Given, Objective};
+use super::problem::Problem;
+use super::rig::Rig;
+use super::samples::{Probe, Samples};
+use super::state::State;
+
+/// Growth of the error at which a light has gone too far.
+const GROWTH: f64 = 1.1;
+
+/// How far each light of `state` may stand elsewhere before the relative RMS error, now `error`, grows by a tenth,
+/// in radians: 0 where it is fixed, pi where nothing holds it.
+pub fn tolerances(problem: &Problem<'_>, state: &State, error: f64) -> Vec<f64> {
+    let mut out = vec![0.0; state.lights()];
+    let free = &mut out[problem.fixed..];
+    if free.is_empty() {
+        return out;
+    }
+    let cost = error * error * problem.objective.given().energy;
+    let Some(factor) = Quadratic::around(problem, state, true).hessian.cholesky() else {
+        free.fill(PI);
+        return out;
+    };
+    let inverse = factor.inverse();
+    for (light, tolerance) in free.iter_mut().enumerate() {
+        let own = inverse.view((2 * light, 2 * light), (2, 2)).into_owned();
+        let greatest = own.symmetric_eigenvalues().max();
+        *tolerance = ((GROWTH * GROWTH - 1.0) * cost * greatest).sqrt().min(PI);
+    }
+    out
+}
 
 /// What the covariance says of a rig.
 #[derive(Clone, Debug, Default)]
@@ -23,10 +62,87 @@ pub struct Uncertainty {
     /// Ratio of the greatest to the least singular value of J, its columns brought to length 1:
     /// infinite where the probe does not tell two unknowns apart.
     pub condition: f64,
-    /// Standard error of each light's direction, in radians: 0 where it was held.
+    /// Standard error of each light's direction, in radians: 0 where it was fixed.
     pub direction: Vec<f64>,
     /// Standard error of each light's irradiance in each channel: 0 where it is held at zero.
     pub irradiance: Vec<[f64; 3]>,
+}
+
+/// Of the lights of `rig`, of which the first `fixed` keep their directions.
+pub fn uncertainty(probe: &Probe, rig: &Rig, fixed: usize) -> Uncertainty {
+    /// Cosine of the angle between a light and a normal on its horizon, at most: a light that follows a
+    /// kink stands within rounding of it.
+    const HORIZON: f64 = 1e-9;
+    let is_evidence = |normal: DVec3| rig.directions[fixed..].iter().all(|l| l.dot(normal).abs() > HORIZON);
+    match probe.samples.only(is_evidence) {
+        Some(clear) => of_evidence(&Probe::new(clear, probe.given().ambient), rig, fixed),
+        None => of_evidence(probe, rig, fixed),
+    }
+}
+
+fn of_evidence(probe: &Probe, rig: &Rig, fixed: usize) -> Uncertainty {
+    let columns = Columns::new(probe, rig);
+    let unknowns = columns.unknowns(probe.given(), rig, fixed);
+    let count = unknowns.len();
+    let products = |noise: DMat3| {
+        DMatrix::from_fn(count, count, |i, k| columns.inner(rig, unknowns[i], unknowns[k], noise))
+    };
+    let normal = products(DMat3::IDENTITY);
+    let length = normal.diagonal().map(|square| square.sqrt().max(f64::MIN_POSITIVE));
+    let scaled = |matrix: DMatrix<f64>| DMatrix::from_fn(count, count, |i, k| matrix[(i, k)] / length[i] / length[k]);
+    let normal = scaled(normal);
+    let condition = condition(&normal);
+    let error = match normal.cholesky() {
+        Some(factor) if condition.is_finite() => {
+            let inverse = factor.inverse();
+            let spread = scaled(products(noise(&probe.samples, rig, count)));
+            (&inverse * spread * &inverse).diagonal().map(|square| square.max(0.0).sqrt())
+        }
+        _ => DVector::repeat(count, f64::INFINITY),
+    };
+    let lights = rig.directions.len();
+    let mut out = Uncertainty { condition, direction: vec![0.0; lights], irradiance: vec![[0.0; 3]; lights] };
+    for (i, unknown) in unknowns.iter().enumerate() {
+        out.set(&columns, probe.given(), *unknown, error[i] / length[i]);
+    }
+    out
+}
+
+/// The covariance of the residuals of `rig` between channels.
+fn noise(samples: &Samples, rig: &Rig, unknowns: usize) -> DMat3 {
+    let freedom = (3 * samples.normals.len()).saturating_sub(unknowns).max(1) as f64;
+    let normals = samples.normals.iter().zip(&samples.weights).zip(&samples.irradiance);
+    let sum = normals.fold(DMat3::ZERO, |sum, ((&n, &weight), &e)| {
+        let off = e - rig.at(n);
+        sum + DMat3::from_cols(off * off.x, off * off.y, off * off.z) * weight
+    });
+    sum * (3.0 / freedom)
+}
+
+impl Uncertainty {
+    fn set(&mut self, columns: &Columns, given: &Given, unknown: Unknown, error: f64) {
+        let Unknown { column, channel } = unknown;
+        match channel {
+            None => {
+                let direction = &mut self.direction[(column - columns.model) / 2];
+                *direction = direction.hypot(error);
+            }
+            Some(channel) if column >= given.ambient.coefficients() => {
+                self.irradiance[column - given.ambient.coefficients()][channel] = error;
+            }
+            Some(_) => (),
+        }
+    }
+}
+
+/// Ratio of the greatest to the least singular value of the matrix whose Gram matrix this is.
+fn condition(gram: &DMatrix<f64>) -> f64 {
+    if gram.is_empty() {
+        return 1.0;
+    }
+    let values = gram.symmetric_eigenvalues();
+    let rounding = gram.nrows() as f64 * f64::EPSILON * values.max();
+    if values.min() <= rounding { f64::INFINITY } else { (values.max() / values.min()).sqrt() }
 }
 
 /// One unknown: a column of [`Columns`], in one channel or, for a direction, in all.
@@ -45,9 +161,9 @@ struct Columns {
 }
 
 impl Columns {
-    fn new(probe: &Probe, directions: &[DVec3]) -> Self {
-        let moments = Moments::new(probe, directions);
-        let derivatives = moments.derivatives(probe, 0);
+    fn new(probe: &Probe, rig: &Rig) -> Self {
+        let moments = probe.moments(rig.directions.clone());
+        let derivatives = moments.derivatives(probe.given(), 0);
         let (model, turned) = (moments.gram.nrows(), derivatives.model.nrows());
         let mut gram = moments.gram.resize(model + turned, model + turned, 0.0);
         gram.view_mut((model, 0), (turned, model)).copy_from(&derivatives.model);
@@ -55,109 +171,36 @@ impl Columns {
         gram.fill_upper_triangle_with_lower_triangle();
         Self { model, gram }
     }
-}
 
-/// Of the lights of `rig`, of which the first `held` keep their directions.
-pub fn uncertainty(probe: &Probe, rig: &Rig, held: usize) -> Uncertainty {
-    /// Cosine of the angle between a light and a normal on its horizon, at most: a light that follows a
-    /// crease stands within rounding of it.
-    const HORIZON: f64 = 1e-9;
-    let is_evidence = |normal: DVec3| rig.directions[held..].iter().all(|l| l.dot(normal).abs() > HORIZON);
-    match probe.samples.only(is_evidence) {
-        Some(clear) => of_evidence(&Probe::new(clear, probe.ambient), rig, held),
-        None => of_evidence(probe, rig, held),
+    fn unknowns(&self, given: &Given, rig: &Rig, fixed: usize) -> Vec<Unknown> {
+        let value = |channel: usize, column: usize| match column.checked_sub(given.ambient.coefficients()) {
+            None => rig.ambient[column][channel],
+            Some(light) => rig.irradiance[light][channel],
+        };
+        let is_free = |channel: usize, column: usize| column < given.free() || value(channel, column) > 0.0;
+        let radiances = (0..3).flat_map(|channel| {
+            let free = (0..self.model).filter(move |&column| is_free(channel, column));
+            free.map(move |column| Unknown { column, channel: Some(channel) })
+        });
+        let directions = self.model + 2 * fixed..self.gram.nrows();
+        let directions = directions.map(|column| Unknown { column, channel: None });
+        radiances.chain(directions).collect()
+    }
+
+    /// Inner product of two columns of the Jacobian, with this `noise` between channels.
+    fn inner(&self, rig: &Rig, a: Unknown, b: Unknown, noise: DMat3) -> f64 {
+        let scale = |unknown: Unknown| match unknown.channel {
+            Some(own) => DVec3::AXES[own],
+            None => rig.irradiance[(unknown.column - self.model) / 2],
+        };
+        scale(a).dot(noise * scale(b)) * self.gram[(a.column, b.column)]
     }
 }
-
-fn of_evidence(probe: &Probe, rig: &Rig, held: usize) -> Uncertainty {
-    let columns = Columns::new(probe, &rig.directions);
-    let unknowns = unknowns(probe, &columns, rig, held);
-    let normal = DMatrix::from_fn(unknowns.len(), unknowns.len(), |i, j| {
-        inner(&columns, rig, unknowns[i], unknowns[j])
-    });
-    let length = normal.diagonal().map(|square| square.sqrt().max(f64::MIN_POSITIVE));
-    let scaled =
-        DMatrix::from_fn(normal.nrows(), normal.ncols(), |i, j| normal[(i, j)] / length[i] / length[j]);
-    let condition = condition(&scaled);
-    let freedom = (3 * probe.samples.normals.len()).saturating_sub(unknowns.len()).max(1) as f64;
-    let variance = probe.samples.cost(rig) / freedom;
-    let error = match scaled.cholesky() {
-        Some(factor) => factor.inverse().diagonal().map(|value| (value * variance).sqrt()),
-        None => DVector::repeat(unknowns.len(), f64::INFINITY),
-    };
-    let mut out = Uncertainty {
-        condition,
-        direction: vec![0.0; rig.directions.len()],
-        irradiance: vec![[0.0; 3]; rig.directions.len()],
-    };
-    for (i, unknown) in unknowns.iter().enumerate() {
-        out.set(&columns, probe, *unknown, error[i] / length[i]);
-    }
-    out
-}
-
-impl Uncertainty {
-    fn set(&mut self, columns: &Columns, probe: &Probe, unknown: Unknown, error: f64) {
-        let Unknown { column, channel } = unknown;
-        match channel {
-            None => {
-                let direction = &mut self.direction[(column - columns.model) / 2];
-                *direction = direction.hypot(error);
-            }
-            Some(channel) if column >= probe.ambient.coefficients() => {
-                self.irradiance[column - probe.ambient.coefficients()][channel] = error;
-            }
-            Some(_) => (),
-        }
-    }
-}
-
-/// Ratio of the greatest to the least singular value of the matrix whose Gram matrix this is.
-fn condition(gram: &DMatrix<f64>) -> f64 {
-    if gram.is_empty() {
-        return 1.0;
-    }
-    let values = gram.symmetric_eigenvalues();
-    let rounding = gram.nrows() as f64 * f64::EPSILON * values.max();
-    if values.min() <= rounding { f64::INFINITY } else { (values.max() / values.min()).sqrt() }
-}
-
-fn unknowns(probe: &Probe, columns: &Columns, rig: &Rig, held: usize) -> Vec<Unknown> {
-    let is_free = move |channel: usize, column: usize| {
-        column < probe.free() || value(probe, rig, channel, column) > 0.0
-    };
-    let radiances = (0..3).flat_map(|channel| {
-        let free = (0..columns.model).filter(move |&column| is_free(channel, column));
-        free.map(move |column| Unknown { column, channel: Some(channel) })
-    });
-    let directions = columns.model + 2 * held..columns.gram.nrows();
-    let directions = directions.map(|column| Unknown { column, channel: None });
-    radiances.chain(directions).collect()
-}
-
-/// The coefficient of a column of the model in one channel.
-fn value(probe: &Probe, rig: &Rig, channel: usize, column: usize) -> f64 {
-    match column.checked_sub(probe.ambient.coefficients()) {
-        None => rig.ambient[column][channel],
-        Some(light) => rig.irradiance[light][channel],
-    }
-}
-
-/// Inner product of two columns of the Jacobian.
-fn inner(columns: &Columns, rig: &Rig, a: Unknown, b: Unknown) -> f64 {
-    let scale = |unknown: Unknown, channel: usize| match unknown.channel {
-        Some(own) => f64::from(u8::from(own == channel)),
-        None => rig.irradiance[(unknown.column - columns.model) / 2][channel],
-    };
-    let channels: f64 = (0..3).map(|channel| scale(a, channel) * scale(b, channel)).sum();
-    channels * columns.gram[(a.column, b.column)]
-}
-
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::kernels::fit::{Ambient, Samples, irradiance};
+    use crate::kernels::fit::{Ambient, irradiance};
     use crate::kernels::sampling;
     use glam::DVec3;
 

@@ -4,8 +4,8 @@
 use glam::DVec3;
 use pulp::{Arch, Simd, WithSimd};
 
-use super::Rig;
-use super::ambient::Ambient;
+use crate::kernels::fit::ambient::Ambient;
+use crate::kernels::fit::rig::Rig;
 
 /// Samples of one block: as many as a word has bits.
 pub const SAMPLES: usize = u64::BITS as usize;
@@ -161,7 +161,6 @@ fn lanes(values: &[f64; SAMPLES], part: usize) -> &[f64; LANES] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernels::fit::model;
     use crate::kernels::sphere::direction;
     use proptest::prelude::*;
     use std::f64::consts::{PI, TAU};
@@ -193,7 +192,7 @@ mod tests {
                 directions,
             };
             let blocks = Blocks::new(&normals, &weights, &irradiance);
-            let squares = normals.iter().zip(&irradiance).map(|(&n, e)| (*e - model::irradiance(&rig, n)).length_squared());
+            let squares = normals.iter().zip(&irradiance).map(|(&n, e)| (*e - rig.at(n)).length_squared());
             let wanted: f64 = squares.zip(&weights).map(|(square, weight)| square * weight).sum();
             prop_assert!((blocks.cost(&rig) - wanted).abs() <= 1e-12 * wanted, "{} {wanted}", blocks.cost(&rig));
             let seen = blocks.seen(&rig.directions);

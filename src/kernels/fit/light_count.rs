@@ -1,0 +1,108 @@
+//! How many lights: more and more, until they are as many as allowed, good enough, or help no more.
+
+use super::problem::Problem;
+use super::samples::Samples;
+use super::search::{FINE, Search};
+use super::state::State;
+use super::StopReason;
+use crate::error::Result;
+
+/// Share of the error that one light more must take away to be worth it.
+const WORTH_A_LIGHT: f64 = 1e-3;
+
+/// The best place found with each number of lights, and the error of each by `judge`.
+///
+/// Below the error `floor`, what is left is the error of the rendering, and no light is added.
+pub fn path(problem: &Problem<'_>, judge: &Samples, floor: f64) -> Result<Vec<(State, f64)>> {
+    let search = Search::new(problem);
+    let error = |state: &State| judge.error(&state.rig(problem.objective.given()));
+    let mut beam = vec![started(problem, 0)];
+    let mut path: Vec<(State, f64)> = Vec::new();
+    loop {
+        let state = beam[0].clone();
+        path.push((state.clone(), error(&state)));
+        if state.lights() >= problem.lights || is_enough(problem, &path, floor) {
+            break;
+        }
+        beam = next(&search, beam)?;
+        if beam.is_empty() {
+            break;
+        }
+    }
+    // The last number deserves a search of its own, unless it had one.
+    if problem.error.is_none() && problem.start.len() == problem.fixed && beam.len() > 0 && beam[0].lights() > problem.fixed {
+        if let Some(best) = search.best(beam)? {
+            path.pop();
+            path.push((best.clone(), error(&best)));
+        }
+    }
+    Ok(path)
+}
+
+fn next(search: &Search<'_>, beam: Vec<State>) -> Result<Vec<State>> {
+    let problem = search.problem;
+    let count = beam[0].lights();
+    if count < problem.start.len() {
+        let next = if problem.error.is_some() { problem.fixed.max(count + 1) } else { problem.start.len() };
+        return Ok(vec![refilled(search, started(problem, next.min(problem.lights)))]);
+    }
+    let mut grown = search.grown(&beam);
+    if problem.start.len() > problem.fixed {
+        // Lights that were given a start stay near it.
+        grown.truncate(1);
+        return Ok(grown.into_iter().map(|state| state.descend(problem, FINE)).collect());
+    }
+    if problem.error.is_some() && let Some(best) = search.best(grown.clone())? {
+        grown.insert(0, best);
+    }
+    Ok(grown)
+}
+
+/// The best lights near the first `count` starts.
+fn started(problem: &Problem<'_>, count: usize) -> State {
+    let problem = Problem { fixed: problem.fixed.min(count), ..*problem };
+    State::new(problem.objective, &problem.start[..count]).descend(&problem, FINE)
+}
+
+/// With lights that no channel uses put where they help.
+fn refilled(search: &Search<'_>, state: State) -> State {
+    let lights = state.lights();
+    let Some(mut state) = state.without_black(search.problem) else { return state };
+    while state.lights() < lights {
+        let Some(next) = search.grown(std::slice::from_ref(&state)).into_iter().next() else { break };
+        state = next;
+    }
+    state.descend(search.problem, FINE)
+}
+
+/// Nothing is left to explain, the error asked for is reached, or several more lights in a row have
+/// not lowered the error: what they explain is the pattern of the normals.
+fn is_enough(problem: &Problem<'_>, path: &[(State, f64)], floor: f64) -> bool {
+    /// Lights that may fail to lower the error before no more are tried.
+    const PATIENCE: usize = 3;
+    let Some((last, error)) = path.last() else { return false };
+    if last.lights() < problem.fixed {
+        return false;
+    }
+    let fixed = path.iter().filter(|(state, _)| state.lights() >= problem.fixed);
+    let mut best = (f64::INFINITY, 0);
+    for (state, error) in fixed {
+        if *error < best.0 * (1.0 - WORTH_A_LIGHT) {
+            best = (*error, state.lights());
+        }
+    }
+    last.stop == Some(StopReason::Exact)
+        || *error <= floor
+        || problem.error.is_some_and(|wanted| *error <= wanted)
+        || last.lights() >= best.1.max(problem.fixed) + PATIENCE
+}
+
+/// The place that is worth its lights: the fewest that do as well as any, but none of the fixed and started ones
+/// less.
+pub fn chosen(problem: &Problem<'_>, path: &[(State, f64)], floor: f64) -> usize {
+    let least = path.iter().map(|(_, error)| *error).fold(f64::INFINITY, f64::min);
+    let enough = (least * (1.0 + WORTH_A_LIGHT)).max(floor);
+    let last = path.len() - 1;
+    let given = problem.start.len().min(path[last].0.lights());
+    path.iter().position(|(state, error)| *error <= enough && state.lights() >= given).unwrap_or(last)
+}

@@ -1,0 +1,61 @@
+//! Ambient and directional lights: equations 4 to 6 of Madsen et al. 2003, in physical scale.
+
+use glam::DVec3;
+use ndarray::{Array2, ArrayView2};
+
+use super::ambient::Ambient;
+use crate::error::{Error, Result};
+use crate::kernels::sphere::{from_vectors, unit_vectors, vectors};
+
+/// Ambient and directional lights.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Rig {
+    /// Coefficients of the environment's radiance, RGB: as many as [`Ambient`] has.
+    pub ambient: Vec<DVec3>,
+    /// Towards each light.
+    pub directions: Vec<DVec3>,
+    /// Irradiance of each light at normal incidence, RGB.
+    pub irradiance: Vec<DVec3>,
+}
+
+impl Rig {
+    /// An `ambient` term of (0, 1 or 9, 3), and lights of (m, 3) `directions` and (m, 3) `irradiance`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotAmbient`], [`Error::WrongColumns`], [`Error::NotFinite`], [`Error::NotUnit`],
+    /// [`Error::LengthMismatch`].
+    pub fn new(
+        ambient: ArrayView2<'_, f64>,
+        directions: ArrayView2<'_, f64>,
+        irradiance: ArrayView2<'_, f64>,
+    ) -> Result<Self> {
+        let seen = ambient.nrows();
+        Ambient::with(seen).ok_or(Error::NotAmbient { seen })?;
+        let (ambient, irradiance) = (vectors("ambient", ambient)?, vectors("irradiance", irradiance)?);
+        let directions = unit_vectors("direction", directions)?;
+        if irradiance.len() != directions.len() {
+            let (wanted, seen) = (directions.len(), irradiance.len());
+            return Err(Error::LengthMismatch { what: "irradiance", other: "directions", wanted, seen });
+        }
+        Ok(Self { ambient, directions, irradiance })
+    }
+
+    /// Irradiance at `normal`.
+    pub fn at(&self, normal: DVec3) -> DVec3 {
+        let columns = Ambient::with(self.ambient.len()).unwrap_or(Ambient::None).irradiance(normal);
+        let ambient = self.ambient.iter().zip(columns).fold(DVec3::ZERO, |sum, (c, column)| sum + c * column);
+        let lights = self.directions.iter().zip(&self.irradiance);
+        lights.fold(ambient, |sum, (direction, irradiance)| sum + irradiance * normal.dot(*direction).max(0.0))
+    }
+}
+
+/// Irradiance of `rig` at `normals`, (n, 3).
+///
+/// # Errors
+///
+/// [`Error::WrongColumns`], [`Error::NotFinite`], [`Error::NotUnit`].
+pub fn irradiance(rig: &Rig, normals: ArrayView2<'_, f64>) -> Result<Array2<f64>> {
+    let normals = unit_vectors("normal", normals)?;
+    Ok(from_vectors(normals.iter().map(|&normal| rig.at(normal))))
+}

@@ -1,0 +1,113 @@
+//! Moments as sums over the normals that see a light, or two of them.
+//!
+//! With `v_j(n) = n` where a normal n sees the light j, else 0, for each side y of the probe
+//!
+//! ```text
+//!   <v_j, y> = sum w v_j y        <v_j, v_k^T> = sum w v_j v_k^T
+//! ```
+//!
+//! A light that turns by a small step gains and loses few normals: only these are added and subtracted.
+
+use glam::{DMat3, DVec3};
+
+use super::Probe;
+use super::blocks::SAMPLES;
+use crate::kernels::fit::objective::{Moments, pair};
+
+/// The moments of the lights `kept` of `before`, and of others in the directions `new` after them.
+pub fn exchanged(probe: &Probe, before: &Moments, kept: &[usize], new: &[DVec3]) -> Moments {
+    let (words, sides) = (probe.samples.blocks.words(), probe.given.sides());
+    let lights = kept.len() + new.len();
+    let rows = |values: &[DVec3], j: usize| values[j * sides..(j + 1) * sides].to_vec();
+    let directions = kept.iter().map(|&j| before.directions[j]).chain(new.iter().copied()).collect();
+    let mut sums = Sums {
+        visible: kept.iter().flat_map(|&j| before.visible[j * words..(j + 1) * words].to_vec()).collect(),
+        sides: kept.iter().flat_map(|&j| rows(&before.sides, j)).collect(),
+        pairs: Vec::with_capacity(pair(lights, 0)),
+    };
+    for (row, &j) in kept.iter().enumerate() {
+        sums.pairs.extend(kept[..=row].iter().map(|&k| before.pairs[pair(j, k)]));
+    }
+    let mut visible = sums.visible.clone();
+    visible.extend(probe.samples.blocks.seen(new));
+    // So far seen by no normal.
+    sums.visible.resize(lights * words, 0);
+    sums.sides.resize(lights * sides, DVec3::ZERO);
+    sums.pairs.resize(pair(lights, 0), DMat3::ZERO);
+    sums.see(probe, visible);
+    sums.moments(probe, directions)
+}
+
+/// The moments of the lights of `before`, turned to other `directions`.
+pub fn turned(probe: &Probe, before: &Moments, directions: Vec<DVec3>) -> Moments {
+    let (visible, sides, pairs) = (before.visible.clone(), before.sides.clone(), before.pairs.clone());
+    let mut sums = Sums { visible, sides, pairs };
+    sums.see(probe, probe.samples.blocks.seen(&directions));
+    sums.moments(probe, directions)
+}
+
+/// Lights, each with a normal that sees it at one place and not at the other.
+pub fn crossed(probe: &Probe, from: &Moments, to: &Moments) -> Vec<(usize, DVec3)> {
+    let words = probe.samples.blocks.words();
+    let both = from.visible.iter().zip(&to.visible).enumerate();
+    both.flat_map(|(i, (&here, &there))| {
+        members(here ^ there, i % words).map(move |normal| (i / words, probe.samples.normals[normal]))
+    })
+    .collect()
+}
+
+struct Sums {
+    /// The normals that see each light, as bits: that many words for each.
+    visible: Vec<u64>,
+    sides: Vec<DVec3>,
+    pairs: Vec<DMat3>,
+}
+
+impl Sums {
+    /// From now on the lights are seen by the normals whose bits are set in `visible`.
+    fn see(&mut self, probe: &Probe, visible: Vec<u64>) {
+        let (words, sides) = (probe.samples.blocks.words(), probe.given.sides());
+        let lights = visible.len() / words.max(1);
+        let bits = |from: &[u64], j: usize, word: usize| from[j * words + word];
+        for j in 0..lights {
+            for word in 0..words {
+                let (before, now) = (bits(&self.visible, j, word), bits(&visible, j, word));
+                for (normal, sign) in changes(before, now, word) {
+                    let row = &probe.by_side[normal * sides..(normal + 1) * sides];
+                    let sums = &mut self.sides[j * sides..(j + 1) * sides];
+                    sums.iter_mut().zip(row).for_each(|(sum, term)| *sum += sign * *term);
+                }
+                for k in 0..=j {
+                    let before = before & bits(&self.visible, k, word);
+                    let now = now & bits(&visible, k, word);
+                    let sum = &mut self.pairs[pair(j, k)];
+                    changes(before, now, word).for_each(|(normal, sign)| *sum += probe.outer[normal] * sign);
+                }
+            }
+        }
+        self.visible = visible;
+    }
+
+    fn moments(self, probe: &Probe, directions: Vec<DVec3>) -> Moments {
+        let moments = Moments::new(&probe.given, directions, self.sides, self.pairs);
+        Moments { visible: self.visible, ..moments }
+    }
+}
+
+/// The normals whose bits differ, with the sign of the change.
+fn changes(before: u64, now: u64, word: usize) -> impl Iterator<Item = (usize, f64)> {
+    members(before ^ now, word).map(move |normal| {
+        (normal, if now >> (normal % SAMPLES) & 1 == 1 { 1.0 } else { -1.0 })
+    })
+}
+
+/// The normals whose bits of a word are set.
+fn members(mut bits: u64, word: usize) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        (bits != 0).then(|| {
+            let bit = bits.trailing_zeros() as usize;
+            bits &= bits - 1;
+            SAMPLES * word + bit
+        })
+    })
+}

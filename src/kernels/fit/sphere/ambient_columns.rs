@@ -1,0 +1,110 @@
+//! The ambient columns beside a light, over all normals, as functions of degree 1 in its direction l.
+//!
+//! ```text
+//!   none
+//!   constant     A = pi                  <A, a_l> = pi^2 |l|
+//!   over a floor A = pi/2 (1 + n_y)      <A, a_l> = pi^2/2 |l| + pi^2/3 l_y
+//!   harmonics    A = A_d Y_i             <A, a_l> = A_d^2 |l|^(1 - d) Y_i(l)         A_d: pi, 2 pi/3, pi/4
+//! ```
+//!
+//! A floor hides the lower half of a constant environment. A harmonic of degree d is a polynomial of that degree;
+//! that of degree 2 is `l^T B l` with a symmetric matrix B.
+
+use std::f64::consts::PI;
+
+use glam::{DMat3, DVec3};
+
+use crate::kernels::fit::ambient::Ambient;
+
+/// Moments of the radiance of a map, in one channel: its integral, with w, and with w w^T.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Radiance {
+    pub whole: f64,
+    pub first: DVec3,
+    pub second: DMat3,
+}
+
+/// The ambient columns.
+#[derive(Clone, Copy, Debug)]
+pub struct Columns {
+    pub ambient: Ambient,
+    pub has_floor: bool,
+}
+
+/// `A_d` of a clamped cosine, for each of the nine harmonics.
+const COSINE: [f64; 9] = {
+    let (one, two) = (2.0 * PI / 3.0, PI / 4.0);
+    [PI, one, one, one, two, two, two, two, two]
+};
+
+impl Columns {
+    /// With each other.
+    pub fn gram(self, i: usize, k: usize) -> f64 {
+        match self.ambient {
+            _ if i != k => 0.0,
+            Ambient::Sh2 => COSINE[i] * COSINE[i],
+            _ if self.has_floor => 4.0 / 3.0 * PI.powi(3),
+            _ => 4.0 * PI.powi(3),
+        }
+    }
+
+    /// With the probe under a map.
+    pub fn probe(self, i: usize, map: &Radiance) -> f64 {
+        match self.ambient {
+            Ambient::Sh2 => COSINE[i] * Ambient::Sh2.columns(map.whole, map.first, map.second)[i],
+            _ if self.has_floor => PI * PI * (map.whole / 2.0 + map.first.y / 3.0),
+            _ => PI * PI * map.whole,
+        }
+    }
+
+    /// Derivatives by l of the inner product of each with a light.
+    pub fn gradients(self, l: DVec3) -> Vec<DVec3> {
+        match self.ambient {
+            Ambient::None => Vec::new(),
+            Ambient::Constant if self.has_floor => vec![PI * PI * (l / 2.0 + DVec3::Y / 3.0)],
+            Ambient::Constant => vec![PI * PI * l],
+            Ambient::Sh2 => (0..9).map(|i| COSINE[i] * harmonic_gradient(i, l)).collect(),
+        }
+    }
+
+    /// The second derivative of their sum with these `weights`, on the tangent plane of l.
+    pub fn second_derivative(self, l: DVec3, weights: &[f64]) -> DMat3 {
+        let round = |value: f64| DMat3::from_diagonal(DVec3::splat(value));
+        match self.ambient {
+            Ambient::None => DMat3::ZERO,
+            Ambient::Constant => round(weights[0] * PI * PI * if self.has_floor { 0.5 } else { 1.0 }),
+            Ambient::Sh2 => {
+                let values = Ambient::Sh2.irradiance(l);
+                let own = |i: usize| match i {
+                    0 => round(values[0]),
+                    1..4 => DMat3::ZERO,
+                    _ => quadratic(i) * 2.0 - round(values[i]),
+                };
+                (0..9).fold(DMat3::ZERO, |sum, i| sum + own(i) * (weights[i] * COSINE[i]))
+            }
+        }
+    }
+}
+
+/// Derivative of `A_d |l|^(1 - d) Y_i(l)` at a unit vector.
+fn harmonic_gradient(i: usize, l: DVec3) -> DVec3 {
+    let value = Ambient::Sh2.irradiance(l)[i];
+    match i {
+        0 => value * l,
+        1..4 => DVec3::AXES.map(|axis| Ambient::Sh2.irradiance(axis)[i]).into(),
+        _ => quadratic(i) * l * 2.0 - value * l,
+    }
+}
+
+/// B of a harmonic of degree 2, with its factor `A_2`.
+fn quadratic(i: usize) -> DMat3 {
+    let at = |second: DMat3| Ambient::Sh2.columns(0.0, DVec3::ZERO, second)[i];
+    let trace = Ambient::Sh2.columns(1.0, DVec3::ZERO, DMat3::ZERO)[i];
+    let entry = |j: usize, k: usize| {
+        let mut second = DMat3::ZERO;
+        second.col_mut(k)[j] = 0.5;
+        second.col_mut(j)[k] += 0.5;
+        at(second) + if j == k { trace } else { 0.0 }
+    };
+    DMat3::from_cols_array_2d(&[0, 1, 2].map(|k| [0, 1, 2].map(|j| entry(j, k))))
+}

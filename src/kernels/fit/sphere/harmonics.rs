@@ -1,0 +1,336 @@
+//! A map in spherical harmonics of even degree.
+//!
+//! Real harmonics around +y, of degree l and order m, in the angles of [`crate::kernels::sphere`]:
+//!
+//! ```text
+//!   P_lm(cos theta) cos(m phi)      P_lm(cos theta) sin(m phi)        orthonormal on the sphere
+//! ```
+//!
+//! A map is the sum of its cells, each a patch of one radiance between two parallels and two meridians. So its
+//! coefficients come in two steps: integrals over azimuth row by row, then over the height of the rows.
+
+use std::f64::consts::{FRAC_PI_4, PI};
+
+use glam::{DMat3, DVec3};
+use nalgebra::DMatrix;
+use ndarray::ArrayView3;
+
+use super::points::Point;
+use crate::kernels::image::Grid;
+use crate::kernels::sphere::angles;
+
+/// The highest degree. The clamped cosine weighs degree l by about `l^-5` in an inner product: beyond 32 the
+/// cells of the working map, not the harmonics, set the error.
+pub const DEGREE: usize = 32;
+/// Orders from 0 on.
+const ORDERS: usize = DEGREE + 1;
+
+/// The four kinds of harmonics of even degree, by the axes along which they change sign when that axis is
+/// mirrored: cosines of even order along none, the others along two.
+pub const KINDS: [[bool; 3]; 4] =
+    [[false, false, false], [false, true, true], [true, false, true], [true, true, false]];
+
+/// Orders of a kind: cosines of even and of odd order, then sines of even and of odd order.
+pub fn orders(kind: usize) -> impl Iterator<Item = usize> {
+    let first = [0, 1, 2, 1][kind];
+    (first..ORDERS).step_by(2)
+}
+
+/// Even degrees of an order.
+pub fn degrees(order: usize) -> impl Iterator<Item = usize> {
+    (order + order % 2..=DEGREE).step_by(2)
+}
+
+/// Coefficients of three channels, kind by kind, order by order, degree by degree.
+pub type Coefficients = [Vec<[f64; 3]>; 4];
+
+/// `P_lm` of the order m at many heights, for each even degree from m on.
+///
+/// From `x P_l = a_(l+1) P_(l+1) + a_l P_(l-1)`, `a_l^2 = (l^2 - m^2) / (4 l^2 - 1)`, taken twice.
+pub struct Legendre {
+    /// cos theta
+    heights: Vec<f64>,
+    sines: Vec<f64>,
+    /// `P_mm`
+    sectoral: Vec<f64>,
+    order: usize,
+}
+
+impl Legendre {
+    /// For the order 0.
+    pub fn new(heights: Vec<f64>) -> Self {
+        let sines = heights.iter().map(|x| ((1.0 - x) * (1.0 + x)).max(0.0).sqrt()).collect();
+        let sectoral = vec![(0.25 / PI).sqrt(); heights.len()];
+        Self { heights, sines, sectoral, order: 0 }
+    }
+
+    /// A row for each even degree from the order on.
+    pub fn rows(&self) -> Vec<Vec<f64>> {
+        let m = self.order as f64;
+        let a = |l: f64| ((l * l - m * m) / (4.0 * l * l - 1.0)).sqrt();
+        let first = if self.order % 2 == 0 {
+            self.sectoral.clone()
+        } else {
+            self.sectoral.iter().zip(&self.heights).map(|(p, x)| p * x / a(m + 1.0)).collect()
+        };
+        let mut rows = vec![first];
+        for l in degrees(self.order).skip(1) {
+            let l = l as f64 - 2.0;
+            let (own, down, up) =
+                (a(l + 1.0).powi(2) + a(l).powi(2), a(l) * a(l - 1.0), 1.0 / (a(l + 1.0) * a(l + 2.0)));
+            let last = &rows[rows.len() - 1];
+            let mut next: Vec<f64> =
+                last.iter().zip(&self.heights).map(|(p, x)| up * (x * x - own) * p).collect();
+            if down > 0.0
+                && let Some(before) = rows.len().checked_sub(2)
+            {
+                next.iter_mut().zip(&rows[before]).for_each(|(p, before)| *p -= up * down * before);
+            }
+            rows.push(next);
+        }
+        rows
+    }
+
+    /// On to the next order.
+    pub fn raise(&mut self) {
+        self.order += 1;
+        let m = self.order as f64;
+        let factor = if self.order == 1 { 3.0_f64.sqrt() } else { ((2.0 * m + 1.0) / (2.0 * m)).sqrt() };
+        self.sectoral.iter_mut().zip(&self.sines).for_each(|(p, sine)| *p *= factor * sine);
+    }
+}
+
+/// A map in harmonics.
+#[derive(Clone, Debug)]
+pub struct Spectrum {
+    /// Those of even degree.
+    pub even: Coefficients,
+    /// `integral of L w dw`, by channel: the first degree.
+    pub first: [DVec3; 3],
+}
+
+impl Spectrum {
+    /// Of a map in cells.
+    pub fn new(radiance: ArrayView3<'_, f32>, grid: &Grid) -> Self {
+        let bands = Bands::new(&grid.theta_edges);
+        let azimuthal = azimuthal(radiance, &grid.phi_edges);
+        Self { even: even(&bands, &azimuthal), first: bands.first_moments(&azimuthal) }
+    }
+
+    /// With points of light.
+    pub fn with_points(mut self, points: &[Point]) -> Self {
+        let azimuths: Vec<f64> = points.iter().map(|point| angles(point.direction).1).collect();
+        let mut legendre = Legendre::new(points.iter().map(|point| point.direction.y).collect());
+        let mut filled = [0; 4];
+        for order in 0..ORDERS {
+            let turns: Vec<(f64, f64)> = azimuths.iter().map(|phi| (order as f64 * phi).sin_cos()).collect();
+            for row in legendre.rows() {
+                for kind in (0..4).filter(|&kind| kind % 2 == order % 2 && (kind < 2 || order > 0)) {
+                    let sum = &mut self.even[kind][filled[kind]];
+                    for ((p, (sin, cos)), point) in row.iter().zip(&turns).zip(points) {
+                        let harmonic = p * if kind < 2 { cos } else { sin };
+                        (0..3).for_each(|channel| sum[channel] += harmonic * point.irradiance[channel]);
+                    }
+                    filled[kind] += 1;
+                }
+            }
+            legendre.raise();
+        }
+        for Point { direction, irradiance } in points {
+            (0..3).for_each(|channel| self.first[channel] += *direction * irradiance[channel]);
+        }
+        self
+    }
+
+    /// `integral of L dw` of a channel.
+    pub fn whole(&self, channel: usize) -> f64 {
+        self.even[0][0][channel] * (4.0 * PI).sqrt()
+    }
+
+    /// `integral of L w w^T dw` of a channel: the trace from degree 0, the rest from degree 2, whose harmonics
+    /// are `sqrt(15 / 4 pi)` times -y z, x y, (z^2 - x^2) / 2, -x z, and `sqrt(5 / 16 pi) (3 y^2 - 1)`.
+    pub fn second(&self, channel: usize) -> DMat3 {
+        let unit = (15.0 / (4.0 * PI)).sqrt();
+        let first_of_order_2 = degrees(0).count();
+        let [yz, xy, zz_xx, xz] = [
+            -self.even[1][0][channel],
+            self.even[3][0][channel],
+            2.0 * self.even[0][first_of_order_2][channel],
+            -self.even[2][0][channel],
+        ]
+        .map(|value| value / unit);
+        let whole = self.whole(channel);
+        let yy = (self.even[0][1][channel] / (5.0 / (16.0 * PI)).sqrt() + whole) / 3.0;
+        let (zz, xx) = (0.5 * (whole - yy + zz_xx), 0.5 * (whole - yy - zz_xx));
+        DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz])
+    }
+
+    /// Degree l times the l/2-th of these `factors`.
+    pub fn scaled(&self, factors: &[f64]) -> Coefficients {
+        let mut out = self.even.clone();
+        for (kind, out) in out.iter_mut().enumerate() {
+            let degrees = orders(kind).flat_map(degrees);
+            for (value, degree) in out.iter_mut().zip(degrees) {
+                value.iter_mut().for_each(|value| *value *= factors[degree / 2]);
+            }
+        }
+        out
+    }
+}
+
+/// The coefficients of even degree.
+fn even(bands: &Bands, azimuthal: &Azimuthal) -> Coefficients {
+    let mut out: Coefficients = Default::default();
+    let mut legendre = Legendre::new(bands.nodes.iter().map(|node| node.height).collect());
+    for order in 0..ORDERS {
+        let sums = bands.sums(azimuthal, order);
+        for row in legendre.rows() {
+            let mut sum = [0.0; 6];
+            for (p, values) in row.iter().zip(&sums) {
+                (0..6).for_each(|i| sum[i] += p * values[i]);
+            }
+            let [cosine, sine] = [0, 3].map(|i| [sum[i], sum[i + 1], sum[i + 2]]);
+            out[order % 2].push(cosine);
+            if order > 0 {
+                out[2 + order % 2].push(sine);
+            }
+        }
+        legendre.raise();
+    }
+    out
+}
+
+/// Integrals over azimuth of each row, by `cos m phi` and by `sin m phi`: for each row and order, three
+/// channels of the one, then of the other.
+struct Azimuthal {
+    values: Vec<[f64; 6]>,
+}
+
+fn azimuthal(radiance: ArrayView3<'_, f32>, edges: &[f64]) -> Azimuthal {
+    let (rows, columns, _) = radiance.dim();
+    let width = edges[columns] / columns as f64;
+    let are_alike = edges.windows(2).all(|edge| ((edge[1] - edge[0]) / width - 1.0).abs() < 1e-9);
+    let samples = radiance.as_standard_layout();
+    let samples = samples.as_slice().unwrap_or(&[]).as_chunks::<3>().0; // the standard layout is a slice
+    let cells = if are_alike && columns.is_multiple_of(4) { folded(samples, columns) } else { whole(samples, columns) };
+    let mut values = vec![[0.0; 6]; rows * ORDERS];
+    for (kind, cells) in cells.iter().enumerate() {
+        let sums = integrals(kind, &edges[..=cells.nrows()]) * cells;
+        for (place, order) in orders(kind).enumerate() {
+            for row in 0..rows {
+                let sum = &mut values[row * ORDERS + order][3 * (kind / 2)..];
+                (0..3).for_each(|channel| sum[channel] = sums[(place, 3 * row + channel)]);
+            }
+        }
+    }
+    Azimuthal { values }
+}
+
+/// `integral of cos m phi` or `sin m phi` over each column, for each order of a kind.
+fn integrals(kind: usize, edges: &[f64]) -> DMatrix<f64> {
+    let orders: Vec<usize> = orders(kind).collect();
+    DMatrix::from_fn(orders.len(), edges.len() - 1, |i, x| {
+        let m = orders[i] as f64;
+        let (low, high) = (edges[x], edges[x + 1]);
+        match kind {
+            _ if orders[i] == 0 => high - low,
+            0 | 1 => ((m * high).sin() - (m * low).sin()) / m,
+            _ => ((m * low).cos() - (m * high).cos()) / m,
+        }
+    })
+}
+
+/// The four quarters of each row laid upon each other, for each kind with the signs that its functions have in
+/// them: a column for each row and channel.
+fn folded(samples: &[[f32; 3]], columns: usize) -> [DMatrix<f64>; 4] {
+    let (length, half) = (columns / 4, columns / 2);
+    let mut out = [(); 4].map(|()| DMatrix::zeros(length, 3 * samples.len() / columns));
+    for (row, cells) in samples.chunks_exact(columns).enumerate() {
+        for channel in 0..3 {
+            let mut folded = out.each_mut().map(|kind| kind.column_mut(3 * row + channel));
+            for x in 0..length {
+                let at = |x: usize| f64::from(cells[x][channel]);
+                let (first, second, third, fourth) = (at(x), at(half - 1 - x), at(half + x), at(columns - 1 - x));
+                folded[0][x] = first + second + third + fourth;
+                folded[1][x] = first - second - third + fourth;
+                folded[2][x] = first - second + third - fourth;
+                folded[3][x] = first + second - third - fourth;
+            }
+        }
+    }
+    out
+}
+
+/// The rows as they are, for each kind.
+fn whole(samples: &[[f32; 3]], columns: usize) -> [DMatrix<f64>; 4] {
+    let cell = |x: usize, row: usize| f64::from(samples[row / 3 * columns + x][row % 3]);
+    let cells = DMatrix::from_fn(columns, 3 * samples.len() / columns, cell);
+    [(); 4].map(|()| cells.clone())
+}
+
+/// Heights at which the rows are integrated.
+struct Bands {
+    nodes: Vec<Node>,
+}
+
+struct Node {
+    /// cos theta
+    height: f64,
+    weight: f64,
+    row: usize,
+    /// The row at the same angle from the other pole.
+    mirrored: Option<usize>,
+}
+
+impl Bands {
+    /// Two Gauss nodes in theta for each row, more where rows are high.
+    fn new(edges: &[f64]) -> Self {
+        const HIGHEST: f64 = FRAC_PI_4 / 16.0;
+        let rows = edges.len() - 1;
+        let is_symmetric = (0..=rows).all(|i| (edges[i] + edges[rows - i] - PI).abs() < 1e-12);
+        let mut nodes = Vec::new();
+        for row in 0..if is_symmetric { rows.div_ceil(2) } else { rows } {
+            let (low, high) = (edges[row], edges[row + 1]);
+            let parts = ((high - low) / HIGHEST).ceil().max(1.0);
+            let half = 0.5 * (high - low) / parts;
+            let mirrored = (is_symmetric && rows - 1 - row != row).then(|| rows - 1 - row);
+            for part in 0..parts as usize {
+                let middle = low + half * (2 * part + 1) as f64;
+                for side in [-1.0, 1.0] {
+                    let (sine, height) = (middle + side * half / 3.0_f64.sqrt()).sin_cos();
+                    nodes.push(Node { height, weight: half * sine, row, mirrored });
+                }
+            }
+        }
+        Self { nodes }
+    }
+
+    /// `integral of L w dw`, by channel.
+    fn first_moments(&self, azimuthal: &Azimuthal) -> [DVec3; 3] {
+        let mut out = [DVec3::ZERO; 3];
+        for node in &self.nodes {
+            let sine = (1.0 - node.height * node.height).sqrt();
+            for (row, height) in [(Some(node.row), node.height), (node.mirrored, -node.height)] {
+                let Some(row) = row else { continue };
+                let (zeroth, first) = (azimuthal.values[row * ORDERS], azimuthal.values[row * ORDERS + 1]);
+                for (channel, out) in out.iter_mut().enumerate() {
+                    let along = DVec3::new(sine * first[channel + 3], height * zeroth[channel], -sine * first[channel]);
+                    *out += along * node.weight;
+                }
+            }
+        }
+        out
+    }
+
+    /// The weighted integrals over azimuth of one order at each node, both rows of it together.
+    fn sums(&self, azimuthal: &Azimuthal, order: usize) -> Vec<[f64; 6]> {
+        // Mirrored at the equator, harmonics of even degree and odd order change sign.
+        let sign = if order.is_multiple_of(2) { 1.0 } else { -1.0 };
+        let of = |row: usize| azimuthal.values[row * ORDERS + order];
+        let sum = |node: &Node| {
+            let (own, other) = (of(node.row), node.mirrored.map_or([0.0; 6], of));
+            std::array::from_fn(|i| node.weight * (own[i] + sign * other[i]))
+        };
+        self.nodes.iter().map(sum).collect()
+    }
+}

@@ -1,0 +1,315 @@
+//! The whole sphere of normals: the objective in closed form.
+//!
+//! The inner product of two lights is `kernel.rs`. That of a light with the probe under the map,
+//!
+//! ```text
+//!   F(l) = <E, max(0, n.l)> = integral over the sphere of L(w) k(w.l) dw
+//! ```
+//!
+//! is the map blurred by the same kernel: pi / 3 times `l.(integral of L w dw)`, plus an even function that is
+//! smooth wherever the map has no bright points. These are kept as points; the rest is looked up in `field.rs`.
+//!
+//! | step                                     | file                 |
+//! |------------------------------------------|----------------------|
+//! | inner products of lights                 | `kernel.rs`          |
+//! | the map in spherical harmonics           | `harmonics.rs`       |
+//! | a smooth even function, quick to look up | `field.rs`           |
+//! | the ambient term beside a light          | `ambient_columns.rs` |
+
+mod ambient_columns;
+mod field;
+mod harmonics;
+mod kernel;
+mod points;
+
+use glam::{DMat3, DVec3};
+use nalgebra::DMatrix;
+use ndarray::{Axis, ArrayView2};
+
+use self::ambient_columns::{Columns, Radiance};
+use self::field::Field;
+use self::harmonics::Spectrum;
+use self::kernel::{LINEAR, Lanes, angle, outer, pairs, spectrum};
+use self::points::{Point, Points};
+use super::Rig;
+use super::ambient::Ambient;
+use super::objective::{Directions, Given, Moments, Objective, distinct_channels, pair};
+use crate::kernels::image::WorkingMap;
+
+/// Points that are kept at most, the brightest: beyond, harmonics are as good.
+const MOST_POINTS: usize = 24;
+
+/// The probe under a map, at every normal.
+#[derive(Clone, Debug)]
+pub struct Sphere {
+    given: Given,
+    columns: Columns,
+    points: Points,
+    /// `integral of L w dw` of the rest, by channel.
+    first: [DVec3; 3],
+    /// The even part of F under the rest.
+    field: Field,
+}
+
+impl Sphere {
+    /// The probe under `map`, and the `ambient` term that may explain it. Where it `has_floor`, no light may
+    /// stand below the horizon, and the map has none there.
+    pub fn new(map: &WorkingMap, ambient: Ambient, has_floor: bool) -> Self {
+        let (points, faint, aside) = points(map);
+        let mut rest = Spectrum::new(map.radiance.view(), &map.grid).with_points(&faint);
+        (0..3).for_each(|channel| rest.first[channel] += aside[channel]);
+        let factors = spectrum(harmonics::DEGREE / 2 + 1);
+        let field = Field::new(&rest.scaled(&factors));
+        let columns = Columns { ambient, has_floor };
+        let given = Given::nothing(ambient);
+        let mut sphere = Self { given, columns, points: Points::new(&points), first: rest.first, field };
+        sphere.given = sphere.given_by(&rest, &points, &factors);
+        sphere
+    }
+
+    /// The inner products that lights do not change.
+    fn given_by(&self, rest: &Spectrum, points: &[Point], factors: &[f64]) -> Given {
+        let channels = [0, 1, 2].map(|channel| radiance(rest, points, channel));
+        let energy = [0, 1, 2].map(|channel| self.energy(rest, points, factors, channel));
+        let are_same = |a: usize, b: usize| {
+            rest.even.iter().flatten().all(|value| value[a] == value[b])
+                && rest.first[a] == rest.first[b]
+                && points.iter().all(|point| point.irradiance[a] == point.irradiance[b])
+        };
+        let (used, like) = distinct_channels(|channel| channels[channel].whole == 0.0, are_same);
+        let ambient = self.columns.ambient.coefficients();
+        let ambient_products = DMatrix::from_fn(ambient, ambient + used.len(), |i, side| {
+            match side.checked_sub(ambient) {
+                None => self.columns.gram(i, side),
+                Some(channel) => self.columns.probe(i, &channels[used[channel]]),
+            }
+        });
+        let energy = energy.iter().sum();
+        Given { ambient: self.columns.ambient, channels: used, like, ambient_products, energy }
+    }
+
+    /// `<E, E>` of a channel: the rest by its harmonics, the points with it and with each other.
+    fn energy(&self, rest: &Spectrum, points: &[Point], factors: &[f64], channel: usize) -> f64 {
+        let scaled = rest.scaled(factors);
+        let even = rest.even.iter().flatten().zip(scaled.iter().flatten());
+        let smooth: f64 = even.map(|(a, b)| a[channel] * b[channel]).sum();
+        let smooth = smooth + LINEAR * rest.first[channel].length_squared();
+        points.iter().fold(smooth, |sum, point| {
+            let l = point.direction;
+            let twice = 2.0 * self.rest_at(l)[channel] + self.points.gradient(l)[channel];
+            sum + point.irradiance[channel] * twice.dot(l)
+        })
+    }
+
+    /// The gradient of F under the rest, by channel.
+    fn rest_at(&self, l: DVec3) -> [DVec3; 3] {
+        let even = self.field.gradient(l);
+        [0, 1, 2].map(|channel| LINEAR * self.first[channel] + even[channel])
+    }
+
+    /// The gradient of F, by channel.
+    fn probe_at(&self, l: DVec3) -> [DVec3; 3] {
+        let (rest, points) = (self.rest_at(l), self.points.gradient(l));
+        [0, 1, 2].map(|channel| rest[channel] + points[channel])
+    }
+
+    /// `<v_l, y>` of a light, for each side y.
+    fn sides_at(&self, l: DVec3) -> impl Iterator<Item = DVec3> {
+        let probe = self.probe_at(l);
+        let channels = self.given.channels.iter().map(move |&channel| probe[channel]);
+        self.columns.gradients(l).into_iter().chain(channels)
+    }
+}
+
+impl Objective for Sphere {
+    fn given(&self) -> &Given {
+        &self.given
+    }
+
+    fn moments(&self, directions: Vec<DVec3>) -> Moments {
+        let sides = directions.iter().flat_map(|&l| self.sides_at(l)).collect();
+        let mut moments = Vec::with_capacity(pair(directions.len(), 0));
+        for (j, &l) in directions.iter().enumerate() {
+            let others = &directions[..=j];
+            moments.extend(pairs(l, others).zip(others).map(|(pair, &other)| pair.mixed_derivative(l, other)));
+        }
+        Moments::new(&self.given, directions, sides, moments)
+    }
+
+    fn exchanged(&self, before: &Moments, kept: &[usize], new: &[DVec3]) -> Moments {
+        self.moments(kept.iter().map(|&j| before.directions[j]).chain(new.iter().copied()).collect())
+    }
+
+    fn turned(&self, _: &Moments, directions: Vec<DVec3>) -> Moments {
+        self.moments(directions)
+    }
+
+    fn kinks(&self, _: &Moments, to: &Moments) -> Vec<(usize, DVec3)> {
+        let lights = to.directions.iter().enumerate();
+        lights.filter(|(_, l)| !self.allows(**l)).map(|(light, _)| (light, DVec3::Y)).collect()
+    }
+
+    fn second_derivative(&self, l: DVec3, lights: &[(f64, DVec3)], sides: &[f64]) -> Option<DMat3> {
+        let (ambient, channels) = sides.split_at(self.columns.ambient.coefficients());
+        let mut shares = [0.0; 3];
+        self.given.channels.iter().zip(channels).for_each(|(&channel, share)| shares[channel] = *share);
+        let map = self.field.second_derivative(l, shares) + self.points.second_derivative(l, shares);
+        let sides = self.columns.second_derivative(l, ambient) + map;
+        let directions: Vec<DVec3> = lights.iter().map(|light| light.1).collect();
+        let pairs = pairs(l, &directions).zip(lights);
+        Some(pairs.fold(sides, |sum, (pair, (weight, other))| sum + pair.second_derivative(l, *other) * *weight))
+    }
+
+    fn light_products(&self, at: &Directions, lights: &[DVec3]) -> DMatrix<f64> {
+        let mut out = DMatrix::zeros(at.directions.len(), lights.len());
+        for (light, mut column) in lights.iter().zip(out.column_iter_mut()) {
+            let fours = at.directions.chunks(4).zip(column.as_mut_slice().chunks_mut(4));
+            for (directions, out) in fours {
+                out.copy_from_slice(&angle(*light, &Lanes::new(directions)).value().to_array()[..out.len()]);
+            }
+        }
+        out
+    }
+
+    fn side_products(&self, at: &Directions) -> DMatrix<f64> {
+        let mut out = DMatrix::zeros(at.directions.len(), self.given.sides());
+        for (i, &d) in at.directions.iter().enumerate() {
+            self.sides_at(d).enumerate().for_each(|(side, gradient)| out[(i, side)] = gradient.dot(d));
+        }
+        out
+    }
+
+    fn squares(&self, at: &Directions) -> Vec<f64> {
+        vec![kernel::SQUARE; at.directions.len()]
+    }
+
+    fn exact_cost(&self, _: &Rig) -> Option<f64> {
+        None
+    }
+
+    fn allows(&self, direction: DVec3) -> bool {
+        !self.columns.has_floor || direction.y >= 0.0
+    }
+
+    fn nearest_allowed(&self, direction: DVec3) -> DVec3 {
+        // Even starts fill the half above a floor as they are, those below it mirrored.
+        if self.allows(direction) { direction } else { direction.with_y(-direction.y) }
+    }
+
+    fn has_kinks(&self) -> bool {
+        false
+    }
+}
+
+/// The brightest sources of the map, then the others, then the vector irradiance that is left of the first: their
+/// channels may have their middles aside of each other, which counts in the first degree alone.
+fn points(map: &WorkingMap) -> (Vec<Point>, Vec<Point>, [DVec3; 3]) {
+    let mut sources: Vec<[DVec3; 3]> = map.sources.axis_iter(Axis(0)).map(by_channel).collect();
+    let power = |source: &[DVec3; 3]| source.iter().map(|e| e.length()).sum::<f64>();
+    sources.sort_by(|a, b| power(b).total_cmp(&power(a)));
+    let mut aside = [DVec3::ZERO; 3];
+    let point = |source: &[DVec3; 3]| {
+        let direction = source.iter().sum::<DVec3>().normalize_or(DVec3::Y);
+        Point { direction, irradiance: source.map(|e| e.dot(direction)) }
+    };
+    let mut points: Vec<Point> = sources.iter().map(point).collect();
+    for (source, point) in sources.iter().zip(&points) {
+        (0..3).for_each(|c| aside[c] += source[c] - point.irradiance[c] * point.direction);
+    }
+    let faint = points.split_off(MOST_POINTS.min(points.len()));
+    (points, faint, aside)
+}
+
+/// Moments of the radiance of a channel of the whole map.
+fn radiance(rest: &Spectrum, points: &[Point], channel: usize) -> Radiance {
+    let (whole, first, second) = (rest.whole(channel), rest.first[channel], rest.second(channel));
+    points.iter().fold(Radiance { whole, first, second }, |sum, point| {
+        let (l, e) = (point.direction, point.irradiance[channel]);
+        Radiance { whole: sum.whole + e, first: sum.first + l * e, second: sum.second + outer(l, l) * e }
+    })
+}
+
+fn by_channel(source: ArrayView2<'_, f64>) -> [DVec3; 3] {
+    [0, 1, 2].map(|channel| DVec3::new(source[[0, channel]], source[[1, channel]], source[[2, channel]]))
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::kernels::fit::{Probe, Samples};
+    use crate::kernels::sphere::{Registration, exponential_map, tangents};
+    use crate::kernels::{image, probe, sampling};
+    use ndarray::Array3;
+
+    /// A map of waves, of soft lights and of one hot pixel, and its probe at many normals.
+    fn worlds(registration: Registration) -> (WorkingMap, Samples) {
+        let map = Array3::from_shape_fn((128, 256, 3), |(y, x, c)| {
+            let wave = 2.0 + (0.1 * x as f64).sin() + (0.17 * y as f64 + c as f64).cos();
+            let hot = if (y, x) == (20, 37) { 3000.0 } else { 0.0 };
+            (wave + hot) as f32
+        });
+        let working = image::reduce(map.view(), registration, 256, 2e-3).unwrap();
+        let (normals, weights) = sampling::icosphere(20480).unwrap();
+        let seen = probe::working_irradiance(&working, normals.view()).unwrap();
+        (working, Samples::new(normals.view(), weights.view(), seen.view()).unwrap())
+    }
+
+    fn directions() -> Vec<DVec3> {
+        [DVec3::Y, DVec3::new(2.0, 3.0, -6.0) / 7.0, DVec3::new(2.0, -6.0, 3.0) / 7.0].to_vec()
+    }
+
+    fn assert_near(seen: &DMatrix<f64>, wanted: &DMatrix<f64>, tolerance: f64) {
+        let difference = (seen - wanted).amax() / wanted.amax();
+        assert!(difference < tolerance, "{difference:e}\n{seen}{wanted}");
+    }
+
+    #[test]
+    fn the_closed_form_is_the_sum_over_many_normals() {
+        for registration in [Registration::CellCentred, Registration::BorderSampled] {
+            let (map, samples) = worlds(registration);
+            for ambient in [Ambient::None, Ambient::Constant, Ambient::Sh2] {
+                let (closed, summed) = (Sphere::new(&map, ambient, false), Probe::new(samples.clone(), ambient));
+                let energy = closed.given.energy / summed.given().energy - 1.0;
+                assert!(energy.abs() < 1e-4, "{energy:e}");
+                let [a, b] = [&closed as &dyn Objective, &summed].map(|o| o.moments(directions()));
+                assert_near(&a.gram, &b.gram, 1e-4);
+                assert_near(&a.rhs, &b.rhs, 1e-4);
+                let [a, b] = [a.derivatives(&closed.given, 0), b.derivatives(summed.given(), 0)];
+                assert_near(&a.gram, &b.gram, 1e-3);
+                assert_near(&a.rhs, &b.rhs, 1e-3);
+                if a.model.ncols() > 0 {
+                    assert_near(&a.model, &b.model, 1e-3);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn gradients_and_second_derivatives_are_the_slopes_that_are_measured() {
+        let (map, _) = worlds(Registration::CellCentred);
+        const STEP: f64 = 1e-4;
+        for (ambient, has_floor) in
+            [(Ambient::None, false), (Ambient::Constant, false), (Ambient::Constant, true), (Ambient::Sh2, false)]
+        {
+            let sphere = Sphere::new(&map, ambient, has_floor);
+            let others = [(0.7, DVec3::new(2.0, 3.0, 6.0) / 7.0), (-0.4, DVec3::NEG_Z)];
+            let weights: Vec<f64> = (0..sphere.given.sides()).map(|i| 0.3 + 0.1 * i as f64).collect();
+            let value = |l: DVec3| -> f64 {
+                let sides: f64 = sphere.sides_at(l).zip(&weights).map(|(g, w)| w * g.dot(l)).sum();
+                sides + others.iter().map(|(w, other)| w * pairs(l, &[*other]).next().unwrap().value()).sum::<f64>()
+            };
+            for l in directions() {
+                let [s, t] = tangents(l);
+                let second = sphere.second_derivative(l, &others, &weights).unwrap();
+                for along in [s, t, (s + t) / 2.0_f64.sqrt()] {
+                    let [ahead, behind] = [STEP, -STEP].map(|step| value(exponential_map(l, along * step)));
+                    // On the sphere: a function of degree 1 loses its own value to the curvature of the way.
+                    let wanted = along.dot(second * along) - value(l);
+                    let seen = (ahead - 2.0 * value(l) + behind) / (STEP * STEP);
+                    assert!((seen - wanted).abs() < 1e-4 * value(l), "{ambient:?} {l}: {seen} {wanted}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,125 @@
+//! One place of the search: directions, their best radiances, and what that costs.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use nalgebra::{DMatrix, DMatrixView, Dyn, U1};
+
+use super::StopReason;
+use super::nnls::Support;
+use super::objective::{Given, Moments, Objective};
+use super::problem::Problem;
+use super::radiances::{self, Radiances};
+use super::rig::Rig;
+
+/// Relative cost of rounding alone, where the cost is summed from residuals.
+const EXACT: f64 = 1e-26;
+/// The same where it is a difference of inner products.
+pub const RESOLUTION: f64 = 1e-14;
+/// Relative cost below which it is summed from the residuals, where that can be.
+const SMALL: f64 = 1e-5;
+
+/// One place of the search.
+#[derive(Clone, Debug)]
+pub struct State {
+    pub moments: Moments,
+    /// Coefficients of the ambient term, then irradiance of the lights; a column for each channel.
+    pub x: DMatrix<f64>,
+    /// For each channel, the columns that it uses.
+    pub supports: Vec<Arc<Support>>,
+    /// For each channel, the normals at which the ambient term is kept from turning negative.
+    pub dark: Vec<Vec<DVec3>>,
+    /// Weighted sum of squares of what is left unexplained.
+    pub cost: f64,
+    /// Damping of the next step, and by how much of itself the last one lowered the cost.
+    pub damping: f64,
+    pub gain: f64,
+    /// Steps that led here, from wherever the search began.
+    pub steps: usize,
+    /// Why no step leads on, once that is so.
+    pub stop: Option<StopReason>,
+}
+
+#[cfg(test)]
+pub static PLACES: std::sync::atomic::AtomicUsize = std::sync::atomic::AtomicUsize::new(0);
+
+impl State {
+    /// The best radiances of lights in `directions`.
+    pub fn new(objective: &dyn Objective, directions: &[DVec3]) -> Self {
+        Self::at(objective, objective.moments(directions.to_vec()), 0, &[])
+    }
+
+    /// The best radiances of the lights of `moments`, after that many `steps`; those that are not 0 may be
+    /// those of `guess`.
+    pub fn at(objective: &dyn Objective, moments: Moments, steps: usize, guess: &[Arc<Support>]) -> Self {
+        /// Damping of a first step.
+        const FIRST_DAMPING: f64 = 1e-3;
+        #[cfg(test)]
+        PLACES.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        let given = objective.given();
+        let Radiances { x, supports, dark } = radiances::solve(given, &moments.gram, &moments.rhs, guess);
+        let cost = cost(given, &moments.gram, &moments.rhs, &x);
+        let (damping, gain) = (FIRST_DAMPING, f64::INFINITY);
+        let mut state = Self { moments, x, supports, dark, cost, damping, gain, steps, stop: None };
+        let exact_cost = (cost <= SMALL * given.energy).then(|| objective.exact_cost(&state.rig(given))).flatten();
+        state.cost = exact_cost.unwrap_or(cost);
+        if state.cost <= given.energy * if exact_cost.is_some() { EXACT } else { 0.0 } {
+            state.stop = Some(StopReason::Exact);
+        }
+        state
+    }
+
+    /// The same lights in other `directions`, with the best radiances for these.
+    pub fn turned_to(&self, objective: &dyn Objective, directions: Vec<DVec3>) -> Self {
+        Self::at(objective, objective.turned(&self.moments, directions), self.steps, &self.supports)
+    }
+
+    /// The lights `kept`, and others in the directions `new`.
+    pub fn exchanged(&self, objective: &dyn Objective, kept: &[usize], new: &[DVec3]) -> Self {
+        Self::at(objective, objective.exchanged(&self.moments, kept, new), self.steps, &[])
+    }
+
+    /// How many lights there are.
+    pub fn lights(&self) -> usize {
+        self.moments.directions.len()
+    }
+
+    /// Irradiance of the lights: a row for each, a column for each channel.
+    pub fn irradiance(&self) -> DMatrixView<'_, f64, U1, Dyn> {
+        self.x.rows(self.x.nrows() - self.lights(), self.lights())
+    }
+
+    /// Without the lights that no channel uses, if there are such beyond those that are fixed: nothing
+    /// pulls at a light of radiance 0, so it would stay where it started.
+    pub fn without_black(&self, problem: &Problem<'_>) -> Option<Self> {
+        let is_used = |&light: &usize| light < problem.fixed || self.irradiance().row(light).amax() > 0.0;
+        let kept: Vec<usize> = (0..self.lights()).filter(is_used).collect();
+        (kept.len() < self.lights()).then(|| Self { stop: self.stop, ..self.exchanged(problem.objective, &kept, &[]) })
+    }
+
+    /// All three channels of the lights.
+    pub fn rig(&self, given: &Given) -> Rig {
+        let rgb = |row: usize| {
+            DVec3::from_array(given.like.map(|like| like.map_or(0.0, |channel| self.x[(row, channel)])))
+        };
+        let ambient = given.ambient.coefficients();
+        Rig {
+            ambient: (0..ambient).map(rgb).collect(),
+            directions: self.moments.directions.clone(),
+            irradiance: (ambient..self.x.nrows()).map(rgb).collect(),
+        }
+    }
+
+    /// Ready for finer steps, unless nothing is left to explain.
+    pub fn resumed(mut self) -> Self {
+        self.stop = self.stop.filter(|&stop| stop == StopReason::Exact);
+        self
+    }
+}
+
+/// What the values `x` leave unexplained, from inner products: good to about 1e-15 of the energy.
+pub fn cost(given: &Given, gram: &DMatrix<f64>, rhs: &DMatrix<f64>, x: &DMatrix<f64>) -> f64 {
+    let used = gram * x;
+    let explained = |c: usize| 2.0 * rhs.column(c).dot(&x.column(c)) - used.column(c).dot(&x.column(c));
+    given.energy - (0..x.ncols()).map(|c| given.copies(c) * explained(c)).sum::<f64>()
+}
