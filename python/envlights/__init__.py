@@ -7,21 +7,26 @@
 4
 """
 
+from __future__ import annotations
+
+from importlib import import_module as _import_module
 from importlib.metadata import version as _version
+from typing import TYPE_CHECKING as _TYPE_CHECKING
 
 from envlights import kernels, synthetic
 from envlights._native import EnvLightsError
-from envlights.article import detect_article
-from envlights.detect import detect
-from envlights.detected import DetectedLights, DetectionReport
+from envlights.detection.component_tree import detect_tree
+from envlights.detection.detect import detect
+from envlights.detection.lights import DetectedLights, DetectionReport
+from envlights.detection.loghin import detect_article
 from envlights.envmap import EnvMap
-from envlights.fit import fit, fit_probe
-from envlights.paper import PaperFit, fit_paper
+from envlights.fitting.fit import fit, fit_probe
+from envlights.fitting.madsen import PaperFit, fit_paper
+from envlights.lights import Lights
 from envlights.report import FitReport, StopReason
-from envlights.rig import Lights, Rig
+from envlights.rig import Rig
 from envlights.scene import BakedPairs, DirectLight, MitsubaScene, Surface, bake
 from envlights.transfer import FilePairs, TransferModel, TransferReport, read_pairs
-from envlights.tree import detect_tree
 
 __all__ = [
     "BakedPairs",
@@ -53,3 +58,20 @@ __all__ = [
 ]
 
 __version__ = _version("envlights")
+
+#: Subpackages that are imported when they are first used, for they load Matplotlib and Click.
+_LAZY = ("cli", "plot")
+
+if _TYPE_CHECKING:
+    from envlights import cli as cli
+    from envlights import plot as plot
+else:
+
+    def __getattr__(name):
+        if name not in _LAZY:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        return _import_module(f"{__name__}.{name}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_LAZY})

@@ -14,7 +14,7 @@ from tqdm import tqdm
 from envlights._check import count
 from envlights._native import EnvLightsError
 from envlights._result import Result
-from envlights.io import write_exr
+from envlights.io.images import write_exr
 from envlights.scene.direct import AnyLights, as_rig
 from envlights.scene.mitsuba_scene import MitsubaScene
 

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 from tqdm import tqdm
 
-from envlights import io
 from envlights._native import EnvLightsError
 from envlights._result import Result
+from envlights.io.images import read_image
 
 #: How the files of a folder are called.
 _DIRECT, _INDIRECT = "direct", "lightmap"
@@ -140,7 +140,7 @@ def _read(paths: list[PathPair], spool: BinaryIO, progress: bool) -> FilePairs:
     notes: dict[str, None] = {}
     for small, large in tqdm(paths, desc="reading", unit="pair", disable=not progress):
         for kind, path in ((_DIRECT, small), (_INDIRECT, large)):
-            image = io.read_image(path)
+            image = read_image(path)
             pixels = _fitting(path, image.pixels, sizes.setdefault(kind, image.pixels.shape))
             notes |= dict.fromkeys(f"{note} in the {kind} images" for note in image.notes)
             if kind == _DIRECT:
