@@ -67,7 +67,7 @@ if _TYPE_CHECKING:
     from envlights import plot as plot
 else:
 
-    def __getattr__(name):
+    def __getattr__(name: str) -> object:
         if name not in _LAZY:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
         return _import_module(f"{__name__}.{name}")
