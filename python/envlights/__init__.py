@@ -7,11 +7,9 @@
 4
 """
 
-from __future__ import annotations
-
+import typing as _typing
 from importlib import import_module as _import_module
 from importlib.metadata import version as _version
-from typing import TYPE_CHECKING as _TYPE_CHECKING
 
 from envlights import kernels, synthetic
 from envlights._native import EnvLightsError
@@ -59,19 +57,24 @@ __all__ = [
 
 __version__ = _version("envlights")
 
-#: Subpackages that are imported when they are first used, for they load Matplotlib and Click.
-_LAZY = ("cli", "plot")
+#: Reachable as attributes, too. Those that load Matplotlib or Click are imported at their first use.
+_SUBPACKAGES = ("cli", "detection", "fitting", "io", "plot", "scene", "transfer")
 
-if _TYPE_CHECKING:
+if _typing.TYPE_CHECKING:
     from envlights import cli as cli
+    from envlights import detection as detection
+    from envlights import fitting as fitting
+    from envlights import io as io
     from envlights import plot as plot
+    from envlights import scene as scene
+    from envlights import transfer as transfer
 else:
 
-    def __getattr__(name: str) -> object:
-        if name not in _LAZY:
+    def __getattr__(name):
+        if name not in _SUBPACKAGES:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
         return _import_module(f"{__name__}.{name}")
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_LAZY})
+    return sorted([*__all__, *_SUBPACKAGES, "__version__"])
