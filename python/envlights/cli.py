@@ -17,7 +17,7 @@ from envlights.files import PICTURES, check_writable, write_atomically
 from envlights.fit import AMBIENTS, NORMALS
 from envlights.io import read_image, write_exr
 from envlights.rig import Rig
-from envlights.transfer.store import check_suffix
+from envlights.transfer.archive import check_suffix
 
 
 class _Refusing(click.Group):

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._check import amount, check_choice
 from envlights._native import EnvLightsError
 from envlights._result import Result
-from envlights.transfer import cluster, grow, store
+from envlights.transfer import archive, cluster, grow
 from envlights.transfer.basis import Wanted, basis, directions, outside
 from envlights.transfer.compact import LARGEST, CompactBasis, rounded
 from envlights.transfer.expand import enough, expand, gather, inside
@@ -22,7 +22,7 @@ from envlights.transfer.gram import gram
 from envlights.transfer.learnt import Learnt
 from envlights.transfer.pairs import as_array, frames, pairs_of
 from envlights.transfer.report import TransferReport
-from envlights.transfer.solved import solved
+from envlights.transfer.training import solved
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -343,7 +343,7 @@ class TransferModel(Result):
         path : path-like
             A file with the suffix ``.npz``; ``numpy.load(path, allow_pickle=False)`` opens it.
         """
-        store.save(path, self)
+        archive.save(path, self)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> TransferModel:
@@ -354,7 +354,7 @@ class TransferModel(Result):
         EnvLightsError
             If the file is missing, damaged, or of another kind or version.
         """
-        return store.load(path)
+        return archive.load(path)
 
     def in_short(self) -> str:
         """Its rank, and the sizes of the images."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights.transfer import unseen
+from envlights.transfer import leave_one_out
 from envlights.transfer.learnt import Learnt
 from envlights.transfer.report import TransferReport
 from envlights.transfer.ridge import RIDGES, Regression, regression
@@ -48,7 +48,9 @@ def _report(
 def _unseen(solver: Regression, ridge: float, learnt: Learnt) -> NDArray[np.float64]:
     """Leave-one-out error of each image that is not black."""
     missed = solver.left_out(ridge, learnt.coefficients)
-    return _relative(unseen.squares(learnt.coefficients, learnt.outside, missed), learnt.energy)
+    return _relative(
+        leave_one_out.squares(learnt.coefficients, learnt.outside, missed), learnt.energy
+    )
 
 
 def _relative(squares: NDArray[np.float64], energy: NDArray[np.float64]) -> NDArray[np.float64]:
