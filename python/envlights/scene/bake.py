@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +13,9 @@ from tqdm import tqdm
 from envlights._check import count
 from envlights._native import EnvLightsError
 from envlights._result import Result
-from envlights.io import write_exr
 from envlights.scene.direct import AnyLights, as_rig
 from envlights.scene.mitsuba_scene import MitsubaScene
+from envlights.transfer.database import write_pairs
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -47,9 +46,7 @@ class BakedPairs(Result):
         folder : path-like
             An existing folder.
         """
-        for k, (direct, indirect) in enumerate(zip(self.direct, self.indirect, strict=True)):
-            write_exr(Path(folder, f"direct_{k:04}.exr"), direct)
-            write_exr(Path(folder, f"lightmap_{k:04}.exr"), indirect)
+        write_pairs(folder, self.direct, self.indirect)
 
 
 def bake(
