@@ -117,6 +117,17 @@ def test_large_bases_are_rounded_as_small_ones():
     assert np.abs(change).max() <= np.abs(basis).max() / 254 * (1 + 1e-4)
 
 
+def test_blocks_that_are_black_altogether_take_no_place():
+    """More black rows above than one block of texels holds."""
+    rng = np.random.default_rng(0)
+    lit = np.zeros((300, 100), bool)
+    lit[200:250] = True
+    basis = rng.normal(size=(np.count_nonzero(lit), 3)).astype(np.float32)
+    kept, wrong = compact.rounded(basis, lit, "int8")
+    change = kept.dense(lit).astype(float) - basis
+    np.testing.assert_allclose(wrong, change.T @ change, rtol=1e-5, atol=1e-5 * wrong.max())
+
+
 @pytest.mark.parametrize("dtype", list(compact.LARGEST))
 def test_what_needs_no_rounding_comes_back(dtype):
     steps = np.random.default_rng(0).integers(-127, 128, (70, 3))
