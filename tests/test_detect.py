@@ -12,7 +12,7 @@ import pytest
 
 import envlights as el
 from envlights import kernels
-from envlights.rig import LUMINANCE
+from envlights.kernels.image import LUMINANCE
 from envlights.synthetic import Disc, PixelSun, Rectangle, scene, suite
 from tests.conftest import real_maps
 from tests.twins import component_tree

@@ -7,8 +7,7 @@ from click.testing import CliRunner
 import envlights as el
 from envlights import io
 from envlights.cli import main
-from envlights.plot import display
-from envlights.plot_transfer import transfer_picture
+from envlights.plot import display, transfer_picture
 from tests.test_transfer import oblong, relative
 
 ROOM = el.synthetic.room(40, width=32)

@@ -5,7 +5,7 @@ import pytest
 
 import envlights as el
 from envlights import synthetic
-from envlights.rig import LUMINANCE
+from envlights.kernels.image import LUMINANCE
 from envlights.synthetic import Disc, PixelSun, Rectangle
 
 FAMILIES = pytest.mark.parametrize("family", [synthetic.plain, synthetic.hard])

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import envlights as el
 from envlights import kernels
-from envlights.rig import LUMINANCE
+from envlights.kernels.image import LUMINANCE
 from envlights.synthetic import Disc, Rectangle, scene, suite
 from tests.conftest import real_maps
 from tests.test_detect import angle_deg, smooth_noise

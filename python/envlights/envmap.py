@@ -9,9 +9,10 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights import _native, io, kernels
+from envlights import _native, kernels
 from envlights._check import check_choice
 from envlights._native import EnvLightsError
+from envlights.io.images import decode_srgb, read_image
 
 PROJECTIONS = ("equirectangular",)
 REGISTRATIONS = ("cell-centred", "border-sampled")
@@ -100,7 +101,7 @@ class EnvMap:
         EnvLightsError
             If the file cannot be read or holds no equirectangular map.
         """
-        image = io.read_image(path)
+        image = read_image(path)
         if registration is None:
             registration = REGISTRATIONS[image.border_sampled]
         try:
@@ -180,7 +181,7 @@ class EnvMap:
                 return np.ascontiguousarray(array, dtype=np.float32)
         self._notes.append(f"{array.dtype.name} samples were taken as sRGB-coded and linearised")
         codes = np.arange(np.iinfo(array.dtype).max + 1)
-        return np.ascontiguousarray(io.decode_srgb(codes / codes[-1])[array])
+        return np.ascontiguousarray(decode_srgb(codes / codes[-1])[array])
 
     def _cleaned(self, linear: NDArray[np.float32]) -> NDArray[np.float32]:
         nan, infinite, negative = _native.unusable(linear)

@@ -6,13 +6,6 @@ function says otherwise; none is changed. An array must not be written to by ano
 kernel reads it.
 """
 
-from envlights.kernels.article import (
-    bresenham_line,
-    merge_along_lines,
-    neighbour_maximum,
-    suppress,
-    weighted_means,
-)
 from envlights.kernels.image import (
     blur,
     luminance,
@@ -20,7 +13,14 @@ from envlights.kernels.image import (
     resize_bilinear,
     uv_to_pixel,
 )
-from envlights.kernels.paper import (
+from envlights.kernels.loghin import (
+    bresenham_line,
+    merge_along_lines,
+    neighbour_maximum,
+    suppress,
+    weighted_means,
+)
+from envlights.kernels.madsen import (
     face_radiance,
     pack_lights,
     probe_jacobian,

@@ -9,6 +9,9 @@ from envlights import _native
 from envlights._check import amount, count, finite, float_image, reals
 from envlights._native import EnvLightsError
 
+#: Rec.709 weights of linear red, green and blue in luminance.
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+
 
 def luminance(radiance: ArrayLike) -> NDArray[np.float32]:
     """Rec.709 luminance of linear RGB; Loghin (2021), step 2.

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from envlights._check import count
 from envlights._native import EnvLightsError
-from envlights.detected import DetectedLights
-from envlights.rig import Lights, Rig
+from envlights.detection.lights import DetectedLights
+from envlights.lights import Lights
+from envlights.rig import Rig
 from envlights.scene.sky import Blocked, are_blocked, sky_transfer
 from envlights.scene.surface import Surface
 

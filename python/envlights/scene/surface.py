@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from envlights._arrays import frozen
 from envlights._check import reals
 from envlights._native import EnvLightsError
-from envlights.rig import frozen
 
 #: Rays start this share of the scene's extent above a surface, or it would block itself.
 _LIFT = 1e-4

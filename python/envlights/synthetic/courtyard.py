@@ -9,7 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights import kernels
 from envlights._check import count
-from envlights.rig import Lights, Rig
+from envlights.lights import Lights
+from envlights.rig import Rig
 from envlights.scene.renderer import mitsuba
 from envlights.scene.sky import harmonics
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import kernels
-from envlights.rig import LUMINANCE
+from envlights.kernels.image import LUMINANCE
 from envlights.synthetic.backdrops import tint
 from envlights.synthetic.shapes import Disc, Lamp, PixelSun, Rectangle, unit
 

@@ -15,7 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 from envlights import kernels
 from envlights._check import count, reals
 from envlights._native import EnvLightsError
-from envlights.rig import LUMINANCE, Lights
+from envlights.kernels.image import LUMINANCE
+from envlights.lights import Lights
 from envlights.synthetic.shapes import Shape
 
 #: What a file keeps of linear radiance, (height, width, 3) -> (height, width, 3).

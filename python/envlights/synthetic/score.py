@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._check import reals
-from envlights.rig import LUMINANCE
+from envlights.kernels.image import LUMINANCE
 from envlights.synthetic.scene import SyntheticMap
 
 #: A light may be missed by this, or by its own radius where that is more.

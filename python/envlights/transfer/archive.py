@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._native import EnvLightsError
-from envlights.files import as_path, write_atomically
+from envlights.io.files import as_path, write_atomically
 from envlights.transfer.compact import CompactBasis, places_of
 from envlights.transfer.learnt import Learnt
 from envlights.transfer.report import TransferReport

@@ -16,7 +16,7 @@ from tqdm import tqdm
 
 from envlights._native import EnvLightsError
 from envlights._result import Result
-from envlights.io import read_image, write_exr
+from envlights.io.images import read_image, write_exr
 
 #: First words of the names of files.
 _DIRECT, _INDIRECT = "direct", "lightmap"

@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights import kernels
 from envlights._check import amount, check_choice, count
-from envlights.detected import DetectedLights, DetectionReport, Members
+from envlights.detection.component_tree import detect_tree
+from envlights.detection.lights import DetectedLights, DetectionReport, Members
 from envlights.envmap import EnvMap, as_envmap
-from envlights.rig import LUMINANCE
-from envlights.tree import detect_tree
+from envlights.kernels.image import LUMINANCE
 
 
 @dataclass(frozen=True)

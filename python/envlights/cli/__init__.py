@@ -12,10 +12,10 @@ from typing import Any
 import click
 
 import envlights
-from envlights.detect import METHODS
-from envlights.files import PICTURES, check_writable, write_atomically
-from envlights.fit import AMBIENTS, NORMALS
-from envlights.io import read_image, write_exr
+from envlights.detection.detect import METHODS
+from envlights.fitting.fit import AMBIENTS, NORMALS
+from envlights.io.files import PICTURES, check_writable, write_atomically
+from envlights.io.images import read_image, write_exr
 from envlights.rig import Rig
 from envlights.transfer.archive import check_suffix
 
@@ -46,7 +46,7 @@ def _outputs(help_text: str) -> Callable[[Any], Any]:
 
 
 @click.group(cls=_Refusing, context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(envlights.__version__, prog_name="envlights")
+@click.version_option(package_name="envlights", prog_name="envlights")
 def main() -> None:
     """Turn an environment map into a handful of lights."""
 
@@ -241,9 +241,9 @@ def transfer_figure(model_path: str, direct_path: str, indirect_path: str, outpu
     _check_output(output, PICTURES, inputs)
     model = envlights.TransferModel.load(model_path)
     direct, indirect = (read_image(path).pixels for path in (direct_path, indirect_path))
-    from envlights import plot, plot_transfer
+    from envlights import plot
 
-    plot.save(plot_transfer.transfer_picture(model, direct, indirect), output)
+    plot.save(plot.transfer_picture(model, direct, indirect), output)
     _say_written([output])
 
 

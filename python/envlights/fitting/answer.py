@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 
 from envlights import _native
 from envlights._native import FitAnswer
-from envlights.normals import Samples
+from envlights.fitting.normals import Samples
+from envlights.kernels.image import LUMINANCE
+from envlights.lights import Lights
 from envlights.report import FitReport, StopReason
-from envlights.rig import LUMINANCE, Lights, Rig
+from envlights.rig import Rig
 
 #: Steps after which the solver gives up on a start; real maps take 5 to 30.
 MAX_STEPS = 100

@@ -14,7 +14,7 @@ import OpenImageIO as oiio  # noqa: N813, its own name for itself
 from numpy.typing import NDArray
 
 from envlights._native import EnvLightsError
-from envlights.files import write_atomically
+from envlights.io.files import write_atomically
 
 #: More pixels than this are a damaged header, not a map: 65536 x 32768.
 _MOST_PIXELS = 2**31

@@ -8,10 +8,10 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from envlights._check import check_choice
-from envlights.article import detect_article
-from envlights.detected import DetectedLights
+from envlights.detection.component_tree import detect_tree
+from envlights.detection.lights import DetectedLights
+from envlights.detection.loghin import detect_article
 from envlights.envmap import EnvMap
-from envlights.tree import detect_tree
 
 #: How bright places are found.
 METHODS: dict[str, Callable[..., DetectedLights]] = {

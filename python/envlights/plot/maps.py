@@ -15,10 +15,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights import kernels
 from envlights._native import EnvLightsError
-from envlights.detected import DetectedLights
+from envlights.detection.lights import DetectedLights
 from envlights.envmap import EnvMap, as_envmap
-from envlights.files import PICTURES, as_path, write_atomically
-from envlights.rig import LUMINANCE, Rig, error_line
+from envlights.io.files import PICTURES, as_path, write_atomically
+from envlights.kernels.image import LUMINANCE
+from envlights.rig import Rig, error_line
 
 #: Pixels across the probe.
 _PROBE_SIZE = 160

@@ -11,11 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 from envlights import _native, kernels
 from envlights._check import amount, check_choice, count, reals
 from envlights._native import EnvLightsError
-from envlights.answer import answers, rig_of, stop_reason
-from envlights.detect import detect
+from envlights.detection.detect import detect
 from envlights.envmap import EnvMap, seen_through
-from envlights.normals import Samples, fitted_and_judging, upper_fitted_and_judging
-from envlights.rig import Lights, Rig
+from envlights.fitting.answer import answers, rig_of, stop_reason
+from envlights.fitting.normals import Samples, fitted_and_judging, upper_fitted_and_judging
+from envlights.lights import Lights
+from envlights.rig import Rig
 
 #: Where the lights of `fit` may start.
 STARTS = ("greedy", "detect", "even")

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from envlights import _native
 from envlights._check import LARGEST_COUNT, amount, count
-from envlights.detected import DetectedLights, DetectionReport, Members
+from envlights.detection.lights import DetectedLights, DetectionReport, Members
 from envlights.envmap import EnvMap, seen_through
 
 

@@ -11,8 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import kernels
+from envlights._arrays import sealed
 from envlights._native import EnvLightsError
-from envlights.rig import LUMINANCE, Lights, check_slice, sealed
+from envlights.kernels.image import LUMINANCE
+from envlights.lights import Lights, check_slice
 
 
 @dataclass(frozen=True, eq=False)

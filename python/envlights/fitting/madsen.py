@@ -10,11 +10,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import kernels
+from envlights._arrays import frozen
 from envlights._check import amount, colour, count, reals
 from envlights._native import EnvLightsError
 from envlights.envmap import EnvMap, as_envmap
+from envlights.lights import Lights
 from envlights.report import FitReport, StopReason
-from envlights.rig import Lights, Rig, frozen
+from envlights.rig import Rig
 
 #: Faces of the probe and of the scene (section 3.1).
 PROBE_FACES, SCENE_FACES = 320, 5120

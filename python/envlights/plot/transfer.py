@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._native import EnvLightsError
-from envlights.plot import Picture, display
-from envlights.rig import LUMINANCE
+from envlights.kernels.image import LUMINANCE
+from envlights.plot.maps import Picture, display
 from envlights.transfer import TransferModel
 from envlights.transfer.pairs import image_stack
 

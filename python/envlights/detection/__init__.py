@@ -1,0 +1,1 @@
+"""Bright places of a map, as lights."""

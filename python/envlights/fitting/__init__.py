@@ -1,0 +1,1 @@
+"""From a map, or from a measured probe, to a rig."""
