@@ -16,8 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._check import count, reals
 from envlights._native import EnvLightsError
 from envlights.kernels import sphere
-from envlights.kernels.image import LUMINANCE
-from envlights.lights import Lights
+from envlights.lights import Lights, brightest_first
 from envlights.synthetic.shapes import Shape
 
 #: Linear radiance to stored radiance, (height, width, 3) -> (height, width, 3).
@@ -127,7 +126,7 @@ def _measured(
             i, share, own
         )
     # Sort as `Lights` does; shapes may share a direction, so the order cannot be read from it.
-    order = np.argsort(-(irradiance @ LUMINANCE), kind="stable")
+    order = brightest_first(irradiance)
     lights = Lights(direction, irradiance)
     return SyntheticMap(picture.stored, lights, solid_angle[order, 0], with_background[order], note)
 
