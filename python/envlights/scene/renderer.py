@@ -23,6 +23,7 @@ def mitsuba() -> Iterator[Any]:
     One thread at a time, because all threads share the variant, and the film and sampler of a
     sensor.
     """
+    # Import it at its first use.
     try:
         renderer: Any = importlib.import_module("mitsuba")
     except ImportError as error:
@@ -30,6 +31,7 @@ def mitsuba() -> Iterator[Any]:
             f"Mitsuba cannot be imported: {error}; install it with"
             " pip install 'envlights[bake]', or '.[bake]' in a checkout"
         ) from None
+    # Lend it out in one variant to one thread, then set the user's variant again.
     with _LOCK:
         before = renderer.variant()
         renderer.set_variant(_VARIANT)

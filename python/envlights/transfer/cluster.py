@@ -36,6 +36,7 @@ def gram(pairs: Pairs, centred: bool) -> Gram:
     import dask
     import dask.array as da
 
+    # Make a task of each block.
     shared = _shared(replace(pairs, indirect=None))
     products, energy, lit = [], [], []
     for where, block in _blocks(pairs):
@@ -44,6 +45,7 @@ def gram(pairs: Pairs, centred: bool) -> Gram:
         products.append(da.from_delayed(part.products, (rows, rows), np.float64))
         energy.append(da.from_delayed(part.energy, (rows // 3,), np.float64))
         lit.append(da.from_delayed(part.lit, (height, pairs.indirect.shape[2]), np.bool_))
+    # Sum what the blocks give, and join their masks.
     sums = da.stack(products).sum(axis=0), da.stack(energy).sum(axis=0)
     return Gram(*dask.compute(*sums, da.concatenate(lit)))
 

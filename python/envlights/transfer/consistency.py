@@ -34,12 +34,14 @@ def check_fields(
     arrays : mapping of str to ndarray
         The other arrays by name: `mean`, `transfer`, and those of `Learnt`.
     """
+    # Check the mask and the basis over its texels.
     if np.ndim(lit) != 2:
         raise EnvLightsError(f"lit must have 2 axes; got the shape {np.shape(lit)}")
     _check_array("lit", lit, np.shape(lit), ("bool",))
-    # Rank and number of pairs are those of one array: all others must agree with it.
+    # Take rank and number of pairs from one array each; all others must agree with it.
     rank, pairs = np.shape(arrays["transfer"])[-1:], np.shape(arrays["direct"])[:1]
     _check_basis(basis, lit, rank)
+    # Check the other arrays.
     texels, pixels = int(np.count_nonzero(lit)), _pixels(size)
     has_mean = np.size(arrays["mean"]) > 0
     shapes = {
