@@ -1,7 +1,10 @@
 """Indirect light from direct light: twins, laws of light, odd databases, files."""
 
+import copy
 import json
 import os
+import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -368,6 +371,58 @@ def test_saved_models_come_back_to_the_bit(tmp_path, notebook):
         assert str(file["format"]) == "envlights transfer model"
 
 
+@pytest.mark.parametrize("notebook", [False, True])
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda one: pickle.loads(pickle.dumps(one))])
+def test_copies_of_models_predict_the_same(copied, notebook):
+    model = el.TransferModel.fit(*SCENE, rank=8, notebook=notebook)
+    np.testing.assert_array_equal(copied(model).predict(SCENE[0]), model.predict(SCENE[0]))
+    assert copied(model).report == model.report
+
+
+IMPOSSIBLE = [
+    (lambda model: {"lit": model.lit[0]}, r"lit must have 2 axes; got the shape \(32,\)"),
+    (lambda model: {"lit": model.lit.astype(int)}, "lit must hold bool .* got int64"),
+    (lambda model: {"lit": ~model.lit}, r"basis must .* \(10, 32\); got float32 .* \(1014, 32\)"),
+    (lambda model: {"basis": model.basis[:, :5]}, r"basis must .* \(1014, 32\); got"),
+    (lambda model: {"basis": model.basis.tolist()}, "basis .* got an object of the type list"),
+    (lambda model: {"transfer": model.transfer[..., :5]}, r"basis must .* \(1014, 5\); got"),
+    (lambda model: {"transfer": model.transfer[:, 1:]}, r"transfer must .* \(3, 256, 32\); got"),
+    (lambda model: {"transfer": 1.0}, r"basis must .* \(1014,\); got"),
+    (lambda model: {"mean": model.basis[:, 0]}, r"transfer must .* \(3, 768, 32\); got"),
+    (lambda model: {"mean": np.ones(7)}, r"mean must .* \(1014,\); got float64 .* \(7,\)"),
+    (lambda model: {"size": (16, 8)}, r"transfer must .* \(3, 128, 32\); got"),
+    (lambda model: {"size": (16,)}, "size must be two numbers, height and width"),
+    (lambda model: {"size": (16, 16.0)}, "size must be a whole number"),
+    (lambda model: {"parameters": {"rank": 3}}, "parameters must be error, rank, ridge; got rank"),
+    (lambda model: {"parameters": {**model.parameters, "ridge": -1}}, "ridge must be a finite"),
+    (lambda model: {"learnt": None}, "learnt must be a Learnt"),
+    (lambda model: {"report": {}}, "report a TransferReport"),
+    (
+        lambda model: {"learnt": replace(model.learnt, energy=model.learnt.energy[1:])},
+        r"energy must .* \(64,\); got float64 in the shape \(63,\)",
+    ),
+    (
+        lambda model: {"learnt": replace(model.learnt, outside=model.learnt.outside.tolist())},
+        "outside must .* got an object of the type list",
+    ),
+]
+
+
+@pytest.mark.parametrize(("change", "message"), IMPOSSIBLE)
+def test_fields_that_do_not_fit_together_are_refused_also_from_a_pickle(model, change, message):
+    broken = copy.copy(model)
+    for name, value in change(model).items():
+        object.__setattr__(broken, name, value)
+    for construct in (
+        lambda: replace(model, **change(model)),
+        lambda: copy.copy(broken),
+        lambda: pickle.loads(pickle.dumps(broken)),
+    ):
+        with pytest.raises(el.EnvLightsError, match=message) as refusal:
+            construct()
+        assert "\n" not in str(refusal.value)
+
+
 def test_a_full_disk_leaves_the_old_model(model, tmp_path, monkeypatch):
     model.save(tmp_path / "model.npz")
     before = (tmp_path / "model.npz").read_bytes()
@@ -386,18 +441,21 @@ def test_a_full_disk_leaves_the_old_model(model, tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"format": np.array("another")}, "is no model"),
+        ({"format": np.array("another")}, "is not a model"),
         ({"version": np.array(2)}, "version 2; this package reads 1"),
-        ({"basis": np.zeros((5, 2), np.float32)}, "holds no possible model"),
-        ({"transfer": np.full((3, 256, 32), np.nan)}, "transfer is not finite"),
-        ({"lit": np.zeros((16, 16), bool)}, "basis has 1014 texels, lit"),
-        ({"basis": np.full((1014, 32), np.nan, np.float32)}, "basis is not finite"),
-        ({"basis": np.zeros((1014, 32), bool)}, "basis is not finite"),
-        ({"size": np.array([-16, -16])}, "size is"),
-        ({"report": np.array(json.dumps({"pairs": 1, "seconds": None}))}, "holds no possible"),
-        ({"report": np.array(json.dumps({"pairs": -1}))}, "holds no possible model"),
-        ({"parameters": np.array("{}")}, "parameters are"),
-        ({"energy": None}, "holds no possible model: 'energy'"),
+        ({"basis": np.zeros((5, 2), np.float32)}, "does not hold a model: basis must hold"),
+        ({"transfer": np.full((3, 256, 32), np.nan)}, "transfer must be finite"),
+        (
+            {"lit": np.zeros((16, 16), bool)},
+            r"basis must .* \(0, 32\); got float32 .* \(1014, 32\)",
+        ),
+        ({"basis": np.full((1014, 32), np.nan, np.float32)}, "basis must be finite"),
+        ({"basis": np.zeros((1014, 32), bool)}, "basis must hold float32 or float64 .* got bool"),
+        ({"size": np.array([-16, -16])}, "size must be a whole number, 1 or more; got -16"),
+        ({"report": np.array(json.dumps({"pairs": 1, "seconds": None}))}, "does not hold a model"),
+        ({"report": np.array(json.dumps({"pairs": -1}))}, "pairs must be a whole number"),
+        ({"parameters": np.array("{}")}, "parameters must be error, rank, ridge; got none"),
+        ({"energy": None}, "does not hold a model: the entry 'energy' is missing"),
     ],
 )
 def test_impossible_files_are_refused(model, tmp_path, change, message):
