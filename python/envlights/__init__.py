@@ -54,8 +54,8 @@ __all__ = [
     "synthetic",
 ]
 
-#: Attributes, too. Those that load Matplotlib or Click are imported when they are first used, and
-#: so is what reads the version: each would make up a tenth of the import or more.
+#: Attributes, too. Those that load Matplotlib or Click are imported when they are first used, so
+#: that `import envlights` does not wait for them; so is what reads the version.
 _SUBPACKAGES = ("cli", "detection", "fitting", "io", "plot", "scene", "transfer")
 
 if _typing.TYPE_CHECKING:

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from tqdm import tqdm
 
 from envlights._check import count
 from envlights._native import EnvLightsError
@@ -84,6 +83,8 @@ def bake(
     >>> model.predict(yard.direct(new)).shape
     (16, 16, 3)
     """
+    from tqdm import tqdm  # here, so that `import envlights` does not wait for it
+
     if not isinstance(scene, MitsubaScene):
         raise EnvLightsError(
             f"scene must be a MitsubaScene; got an object of the type {type(scene).__name__}"

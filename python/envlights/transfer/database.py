@@ -12,7 +12,6 @@ from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
-from tqdm import tqdm
 
 from envlights._native import EnvLightsError
 from envlights._result import Result
@@ -152,6 +151,8 @@ def _checked(pairs: Iterable[Any]) -> list[PathPair]:
 
 def _read(paths: list[PathPair], spool: BinaryIO, progress: bool) -> FilePairs:
     """Read image after image: the small ones into memory, the large ones into `spool`."""
+    from tqdm import tqdm  # here, so that `import envlights` does not wait for it
+
     direct: list[NDArray[np.float32]] = []
     sizes: dict[str, tuple[int, ...]] = {}
     notes: dict[str, None] = {}
