@@ -12,8 +12,9 @@ from envlights import kernels
 from envlights.kernels.image import LUMINANCE
 from envlights.synthetic import Disc, Rectangle, scene, suite
 from tests.conftest import real_maps
-from tests.test_detect import angle_deg, smooth_noise
-from tests.twins import component_tree, ward
+from tests.detection.test_detect import smooth_noise
+from tests.helpers import angle_deg
+from tests.reference import component_tree, ward
 
 REGISTRATIONS = pytest.mark.parametrize("registration", ["cell-centred", "border-sampled"])
 

@@ -15,15 +15,10 @@ from envlights import kernels
 from envlights.kernels.image import LUMINANCE
 from envlights.synthetic import Disc, PixelSun, Rectangle, scene, suite
 from tests.conftest import real_maps
-from tests.twins import component_tree
+from tests.helpers import angle_deg
+from tests.reference import component_tree
 
 SUNNY = ("hdr/rooitou*", "hdr/kloppenheim*", "hdr/immenstadter*", "hdr/venice*", "exr/san_giu*")
-
-
-def angle_deg(one, other):
-    """Between unit vectors, from the chord: the arc cosine is blind below 1e-6 degrees."""
-    chord = np.linalg.norm(np.asarray(one) - other, axis=-1)
-    return np.rad2deg(2 * np.arcsin(np.clip(chord / 2, 0, 1)))
 
 
 @cache

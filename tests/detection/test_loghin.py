@@ -13,7 +13,7 @@ import envlights as el
 from envlights import kernels
 from envlights.synthetic import Disc, Rectangle, scene
 from tests.conftest import real_maps
-from tests.twins import loghin
+from tests.reference import loghin
 
 PIXEL = st.tuples(st.integers(-40, 40), st.integers(-40, 40))
 

@@ -5,9 +5,10 @@ import pytest
 
 import envlights as el
 from envlights import kernels
-from tests.conftest import EQUIRECTANGULAR, real_maps
-from tests.twins.madsen import Problem, best_of_random_starts
-from tests.twins.peers import even
+from tests.conftest import real_maps
+from tests.helpers import EQUIRECTANGULAR
+from tests.reference.madsen import Problem, best_of_random_starts
+from tests.reference.peers import even
 
 NORMALS, SOLID_ANGLES = kernels.icosphere(320)
 

@@ -7,9 +7,10 @@ import pytest
 
 import envlights as el
 from envlights import kernels
-from tests.conftest import EQUIRECTANGULAR, paths_of_real_maps, real_maps
-from tests.twins import closed_form
-from tests.twins.peers import PEERS, Problem, even, ours, ours_from
+from tests.conftest import real_maps
+from tests.helpers import EQUIRECTANGULAR, paths_of_real_maps
+from tests.reference import closed_form
+from tests.reference.peers import PEERS, Problem, even, ours, ours_from
 
 NORMALS, SOLID_ANGLES = kernels.icosphere(320)
 AMBIENTS = ("constant", "none")

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import envlights as el
-from tests import worst_cases
 from tests.conftest import real_maps
-from tests.worst_cases import NORMALS, SOLID_ANGLES
+from tests.fitting import worst_cases
+from tests.helpers import NORMALS, SOLID_ANGLES
 
 CASES = worst_cases.cases()
 EVERY_CASE = pytest.mark.parametrize("case", CASES)

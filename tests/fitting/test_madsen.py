@@ -11,18 +11,18 @@ from scipy.optimize import least_squares
 
 import envlights as el
 from envlights import kernels
-from tests.twins.madsen import (
+from tests.reference.madsen import (
     cosines,
     derivatives_by_complex_steps,
     probe_as_written,
     probe_of_lit,
 )
-from tests.twins.peers import jax_in_float64
+from tests.reference.peers import jax_in_float64
 
 NORMALS, SOLID_ANGLES = kernels.icosphere(80)
 HALL = el.synthetic.hall(256)
 TETRAHEDRON = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]) / np.sqrt(3)
-DOCUMENT = Path(__file__).parent.parent / "docs" / "own_solver.md"
+DOCUMENT = Path(__file__).parents[2] / "docs" / "own_solver.md"
 
 radiances = st.tuples(*[st.floats(-5, 5)] * 3)
 thetas = st.floats(-4, 4) | st.sampled_from([0.0, np.pi])
@@ -85,6 +85,7 @@ def by_complex_steps(x, surface, lit):
 
 
 def by_jax(x, surface, lit):
+    pytest.importorskip("jax")
     with jax_in_float64() as jax:
 
         def model(z):

@@ -4,9 +4,8 @@ import numpy as np
 
 import envlights as el
 from envlights import kernels
-from tests.twins.closed_form import World
-
-NORMALS, SOLID_ANGLES = kernels.icosphere(320)
+from tests.helpers import NORMALS
+from tests.reference.closed_form import World
 
 _UP, _EAST, _SOUTH = np.eye(3)[[1, 0, 2]]
 _DIM = np.array([0.1, 0.15, 0.2])

@@ -10,7 +10,8 @@ import pytest
 
 import envlights as el
 from envlights import io
-from tests.conftest import EQUIRECTANGULAR, real_maps
+from tests.conftest import real_maps
+from tests.helpers import EQUIRECTANGULAR
 
 RADIANCE = np.random.default_rng(1).gamma(0.5, 2.0, size=(16, 32, 3)).astype(np.float32)
 

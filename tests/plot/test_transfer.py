@@ -8,7 +8,7 @@ import envlights as el
 from envlights import io
 from envlights.cli import main
 from envlights.plot import display, transfer_picture
-from tests.test_transfer import oblong, relative
+from tests.helpers import oblong, relative_errors
 
 ROOM = el.synthetic.room(40, width=32)
 FRAME = ROOM.direct[35], ROOM.indirect[35]
@@ -29,7 +29,7 @@ def test_titles_tell_the_relative_errors(model):
     titles, _ = panels(transfer_picture(model, *FRAME))
     truth = FRAME[1][None].astype(float)
     predicted, projected = (
-        100 * relative(image[None], truth)[0]
+        100 * relative_errors(image[None], truth)[0]
         for image in (model.predict(FRAME[0]), model.project(FRAME[1]))
     )
     assert titles == [
@@ -71,7 +71,9 @@ def test_oblong_images_are_not_turned_and_the_notebooks_projection_is_its_own():
     assert [image.shape[:2] for image in images] == [(7, 11)] * 4
     norm = np.linalg.norm(direct[0])
     projected = norm * other.project(indirect[0] / norm)
-    assert titles[2] == f"projection: {100 * relative(projected[None], indirect[:1])[0]:.3g} %"
+    assert (
+        titles[2] == f"projection: {100 * relative_errors(projected[None], indirect[:1])[0]:.3g} %"
+    )
 
 
 def test_darkness_is_drawn(model):

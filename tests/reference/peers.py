@@ -12,12 +12,11 @@ from contextlib import contextmanager
 from functools import cache, partial
 
 import numpy as np
-import pytest
 from scipy.optimize import least_squares
 
 import envlights as el
 from envlights import kernels
-from tests.twins import madsen
+from tests.reference import madsen
 
 #: Far below what is compared, so that no peer stops early.
 TIGHT = 1e-12
@@ -91,7 +90,8 @@ def compiled_jaxopt(problem, start, tolerance):
 @contextmanager
 def jax_in_float64():
     """JAX, whose numbers are wide in here and as they were outside."""
-    jax = pytest.importorskip("jax")
+    import jax
+
     before = jax.config.jax_enable_x64
     jax.config.update("jax_enable_x64", True)
     try:

@@ -11,7 +11,7 @@ from envlights.scene.sky import harmonics
 
 mi = pytest.importorskip("mitsuba")
 
-from tests.twins.eyes import looked_at, noise_of, relative  # noqa: E402, needs Mitsuba
+from tests.reference.mitsuba_images import looked_at, noise_of, relative  # noqa: E402, needs Mitsuba
 
 NO_LIGHTS = el.Lights(np.zeros((0, 3)), np.zeros((0, 3)))
 LIT = el.synthetic.rigs(48)

@@ -10,11 +10,7 @@ from hypothesis import strategies as st
 import envlights as el
 from envlights import synthetic
 from envlights.synthetic import Disc, PixelSun, Rectangle
-
-
-def flux(radiance):
-    height, width, _ = radiance.shape
-    return (radiance * el.kernels.pixel_solid_angles(height, width)[..., None]).sum(axis=(0, 1))
+from tests.helpers import flux
 
 
 @given(st.floats(0, 1), st.floats(0, 1), st.floats(3, 60))

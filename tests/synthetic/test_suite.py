@@ -7,6 +7,7 @@ import envlights as el
 from envlights import synthetic
 from envlights.kernels.image import LUMINANCE
 from envlights.synthetic import Disc, PixelSun, Rectangle
+from tests.helpers import flux
 
 FAMILIES = pytest.mark.parametrize("family", [synthetic.plain, synthetic.hard])
 # Enough to see each first kind of light on each backdrop, in the smallest maps that hold them all.
@@ -60,11 +61,6 @@ def test_lights_stand_out_and_stand_apart(family):
         assert (
             np.rad2deg(np.arccos(np.clip(cosines, -1, 1))) + 90 * np.eye(len(cosines)) > 2
         ).all()
-
-
-def flux(radiance):
-    height, width, _ = radiance.shape
-    return (radiance * el.kernels.pixel_solid_angles(height, width)[..., None]).sum(axis=(0, 1))
 
 
 def test_lights_add_what_the_stored_map_has_beyond_an_even_background():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import envlights as el
-from tests.test_transfer import oblong, relative
+from tests.helpers import oblong, relative_errors
 
 ROOM = el.synthetic.room(40, width=32)
 NEW = slice(32, None)
@@ -27,7 +27,7 @@ def test_the_model_is_that_of_numpy(chunks, options):
     model = el.TransferModel.fit(direct, lazy, rank=24, **options)
     local = el.TransferModel.fit(direct, indirect, rank=24, **options)
     new = ROOM.direct[NEW]
-    np.testing.assert_array_less(relative(model.predict(new), local.predict(new)), 1e-6)
+    np.testing.assert_array_less(relative_errors(model.predict(new), local.predict(new)), 1e-6)
     np.testing.assert_allclose(model.report.unseen_errors, local.report.unseen_errors, rtol=1e-4)
     np.testing.assert_array_equal(model.lit, local.lit)
     assert (model.basis.dtype, model.report.rank) == (local.basis.dtype, local.report.rank)
@@ -56,7 +56,9 @@ def test_doubles_black_texels_and_alpha_are_treated_alike(notebook):
     lazy = da.from_array(indirect, chunks=(5, 2, 11, 4))
     model = el.TransferModel.fit(da.from_array(direct), lazy, notebook=notebook)
     local = el.TransferModel.fit(direct, indirect, notebook=notebook)
-    np.testing.assert_array_less(relative(model.predict(direct), local.predict(direct)), 1e-9)
+    np.testing.assert_array_less(
+        relative_errors(model.predict(direct), local.predict(direct)), 1e-9
+    )
     assert model.report.notes == local.report.notes
     assert model.basis.shape == local.basis.shape == (7 * 11 - 3 * 6, model.report.rank)
 
@@ -66,7 +68,9 @@ def test_pairs_are_added_and_images_projected_as_well():
     lazy = da.from_array(indirect, chunks=(5, 2, 11, 3))
     grown = el.TransferModel.fit(direct[:6], lazy[:6]).add(direct[6:], lazy[6:])
     whole = el.TransferModel.fit(direct, indirect)
-    np.testing.assert_array_less(relative(grown.predict(direct), whole.predict(direct)), 1e-9)
+    np.testing.assert_array_less(
+        relative_errors(grown.predict(direct), whole.predict(direct)), 1e-9
+    )
     np.testing.assert_array_equal(whole.project(lazy), whole.project(indirect))
 
 
@@ -78,7 +82,7 @@ def test_images_are_read_from_files_by_the_workers(tmp_path):
     lazy = da.stack([da.from_delayed(read(path), (32, 32, 3), np.float32) for path in paths])
     model = el.TransferModel.fit(ROOM.direct, lazy)
     local = el.TransferModel.fit(ROOM.direct, ROOM.indirect)
-    errors = relative(model.predict(ROOM.direct), local.predict(ROOM.direct))
+    errors = relative_errors(model.predict(ROOM.direct), local.predict(ROOM.direct))
     np.testing.assert_array_less(errors, 1e-6)
     paths[30].write_bytes(paths[30].read_bytes()[:900])
     with pytest.raises(el.EnvLightsError, match=r"30\.exr"):
@@ -114,5 +118,5 @@ def test_tasks_and_refusals_travel_between_processes():
         with pytest.raises(el.EnvLightsError, match="image 3 holds nan at row 17"):
             el.TransferModel.fit(ROOM.direct, nan_at_row_17(ROOM.indirect))
     local = el.TransferModel.fit(ROOM.direct, ROOM.indirect)
-    errors = relative(model.predict(ROOM.direct), local.predict(ROOM.direct))
+    errors = relative_errors(model.predict(ROOM.direct), local.predict(ROOM.direct))
     np.testing.assert_array_less(errors, 1e-6)

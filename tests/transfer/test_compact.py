@@ -12,6 +12,7 @@ from hypothesis.extra import numpy as hnp
 
 import envlights as el
 from envlights.transfer import compact
+from tests.helpers import relative_errors
 
 ROOM = el.synthetic.room(48, width=64)
 NEW = ROOM.direct[40:]
@@ -19,13 +20,6 @@ NEW = ROOM.direct[40:]
 INDIRECT = ROOM.indirect[:40, :, :61].copy()
 INDIRECT[:, :7] = 0
 INDIRECT[:, 30:40, 20:55] = 0
-
-
-def relative(images, truth):
-    """Relative error of each image."""
-    rows = np.reshape(truth, (len(truth), -1)).astype(float)
-    difference = np.reshape(images, rows.shape) - rows
-    return np.linalg.norm(difference, axis=1) / np.linalg.norm(rows, axis=1)
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +45,7 @@ def test_large_images_are_learnt_by_the_kernels_as_by_numpy():
         wanted = el.TransferModel.fit(direct, indirect, rank=12, notebook=notebook)
         found = el.TransferModel.fit(direct, alpha, rank=12, notebook=notebook)
         np.testing.assert_array_equal(found.lit, wanted.lit)
-        assert relative(found.predict(direct), wanted.predict(direct)).max() < 1e-5
+        assert relative_errors(found.predict(direct), wanted.predict(direct)).max() < 1e-5
         assert found.report.energy == pytest.approx(wanted.report.energy, abs=1e-7)
         assert found.report.error == pytest.approx(wanted.report.error, rel=1e-4)
     grown = [
@@ -59,7 +53,7 @@ def test_large_images_are_learnt_by_the_kernels_as_by_numpy():
         for images in (alpha, indirect)
     ]
     # What the old basis leaves of the new images cancels in float32; NumPy is off by 3e-4 as well.
-    assert relative(*(model.predict(direct) for model in grown)).max() < 1e-3
+    assert relative_errors(*(model.predict(direct) for model in grown)).max() < 1e-3
 
 
 def test_any_number_of_threads_gives_the_same_bits():
@@ -178,7 +172,7 @@ def test_the_bound_holds_and_is_reached(model, dtype):
 
 def test_compressed_frames_stay_in_the_bound_and_learnt_ones_in_the_usual_error(model, both):
     for kept, bound in zip(both, (0.02, 0.001), strict=True):
-        assert relative(kept.predict(NEW), model.predict(NEW)).max() <= bound
+        assert relative_errors(kept.predict(NEW), model.predict(NEW)).max() <= bound
         whole, rounded = (each.project(INDIRECT) for each in (model, kept))
         note = kept.report.notes[-1]
         usual = float(note.rsplit("by ", 1)[1].split()[0]) / 100
@@ -230,7 +224,7 @@ def test_large_regions_are_the_crop_too():
 @pytest.mark.parametrize("error", [0.3, 0.05, 0.01])
 def test_a_frame_that_stops_early_stays_in_its_error(model, both, error):
     for each in (model, *both):
-        early = relative(each.predict(NEW, error=error), each.predict(NEW))
+        early = relative_errors(each.predict(NEW, error=error), each.predict(NEW))
         # As much as the columns of the basis miss right angles, and rounding turns them.
         assert (early <= error * 1.01).all()
         assert early.max() > 0, "something was left out"

@@ -12,7 +12,7 @@ from click.testing import CliRunner
 import envlights as el
 from envlights import io
 from envlights.cli import main
-from tests.test_transfer import relative
+from tests.helpers import relative_errors
 
 resource = pytest.importorskip("resource", reason="sizes of files cannot be limited here")
 
@@ -197,7 +197,7 @@ def test_a_folder_of_one_pair_is_enough_for_its_own_light(tmp_path):
     saved, out = tmp_path / "m.npz", tmp_path / "o.exr"
     assert run("fit", folder, "-o", saved, "--ridge", 0).exit_code == 0
     assert run("apply", saved, folder / "direct_0000.exr", "-o", out).exit_code == 0
-    assert relative(io.read_image(out).pixels[None], ROOM.indirect[:1])[0] < 1e-5
+    assert relative_errors(io.read_image(out).pixels[None], ROOM.indirect[:1])[0] < 1e-5
     pairs = el.read_pairs(folder)
     notebook = el.TransferModel.fit(pairs.direct, pairs.indirect, notebook=True)
     assert np.isfinite(notebook.predict(ROOM.direct[1])).all()

@@ -12,26 +12,13 @@ from hypothesis import strategies as st
 import envlights as el
 from envlights import io
 from envlights.cli import main
-from tests.twins import transfer as twins
+from tests.helpers import oblong, relative_errors
+from tests.reference import transfer as reference
 
 ROOM = el.synthetic.room(80, width=32)
 NEW = slice(64, None)
 SCENE = ROOM.direct[:64], ROOM.indirect[:64]
 FACTOR = st.floats(1e-3, 1e3)
-
-
-def relative(images, truth):
-    """Relative error of each image."""
-    differences = (np.asarray(images, float) - truth).reshape(len(truth), -1)
-    return np.linalg.norm(differences, axis=1) / np.linalg.norm(
-        truth.reshape(len(truth), -1), axis=1
-    )
-
-
-def oblong(images=12, dtype=np.float64, seed=0):
-    """Pairs of odd sizes without any structure."""
-    rng = np.random.default_rng(seed)
-    return rng.gamma(1, 3, (images, 3, 5, 3)).astype(dtype), rng.gamma(1, 9, (images, 7, 11, 3))
 
 
 @pytest.fixture(scope="module")
@@ -42,18 +29,18 @@ def model():
 def test_notebook_is_the_notebooks_mathematics():
     for direct, indirect in (oblong(), [images.astype(float) for images in SCENE]):
         model = el.TransferModel.fit(direct, indirect, rank=8, notebook=True)
-        predict = twins.notebook(direct, indirect, 8, 1e-3)
+        predict = reference.notebook(direct, indirect, 8, 1e-3)
         truth = np.stack([predict(image) for image in direct])
-        np.testing.assert_array_less(relative(model.predict(direct), truth), 1e-10)
+        np.testing.assert_array_less(relative_errors(model.predict(direct), truth), 1e-10)
 
 
 @pytest.mark.parametrize(("dtype", "most"), [(np.float32, 1e-4), (np.float64, 1e-9)])
 def test_the_model_is_its_dense_twin(dtype, most):
     direct, indirect = SCENE
     model = el.TransferModel.fit(direct, indirect.astype(dtype), rank=32)
-    predict = twins.channelwise(direct.astype(float), indirect.astype(float), 32, 1e-3)
+    predict = reference.channelwise(direct.astype(float), indirect.astype(float), 32, 1e-3)
     truth = np.stack([predict(image.astype(float)) for image in ROOM.direct[NEW]])
-    np.testing.assert_array_less(relative(model.predict(ROOM.direct[NEW]), truth), most)
+    np.testing.assert_array_less(relative_errors(model.predict(ROOM.direct[NEW]), truth), most)
 
 
 def test_projection_is_the_dense_projection(model):
@@ -62,7 +49,7 @@ def test_projection_is_the_dense_projection(model):
     B = np.linalg.svd(rows.astype(float), full_matrices=False)[2][:32]
     new = np.moveaxis(ROOM.indirect[NEW], -1, 1).reshape(16, 3, -1)
     truth = np.moveaxis((new @ B.T @ B).reshape(16, 3, 32, 32), 1, -1)
-    np.testing.assert_array_less(relative(model.project(ROOM.indirect[NEW]), truth), 1e-4)
+    np.testing.assert_array_less(relative_errors(model.project(ROOM.indirect[NEW]), truth), 1e-4)
 
 
 @pytest.mark.parametrize("notebook", [False, True])
@@ -70,7 +57,7 @@ def test_the_basis_holds_what_it_was_made_of(notebook):
     direct, indirect = oblong()
     model = el.TransferModel.fit(direct, indirect, notebook=notebook)
     learnt = indirect / np.linalg.norm(direct.reshape(12, -1), axis=1)[:, None, None, None]
-    np.testing.assert_array_less(relative(model.project(learnt), learnt), 1e-9)
+    np.testing.assert_array_less(relative_errors(model.project(learnt), learnt), 1e-9)
 
 
 def test_the_basis_is_orthonormal(model):
@@ -83,26 +70,26 @@ def test_light_is_linear(model, a, b, first, second):
     one, two = ROOM.direct[64 + first].astype(float), ROOM.direct[64 + second].astype(float)
     together = model.predict(a * one + b * two)[None]
     apart = a * model.predict(one).astype(float) + b * model.predict(two)
-    assert relative(together, apart[None])[0] < 1e-6
+    assert relative_errors(together, apart[None])[0] < 1e-6
 
 
 def test_a_batch_is_its_frames(model):
     frames = np.stack([model.predict(frame) for frame in ROOM.direct[NEW]])
-    np.testing.assert_array_less(relative(model.predict(ROOM.direct[NEW]), frames), 1e-6)
+    np.testing.assert_array_less(relative_errors(model.predict(ROOM.direct[NEW]), frames), 1e-6)
 
 
 def test_training_images_come_back_at_full_rank_without_a_ridge():
     direct, indirect = oblong()
     model = el.TransferModel.fit(direct, indirect, rank=36, ridge=0.0)
-    np.testing.assert_array_less(relative(model.predict(direct), indirect), 1e-8)
+    np.testing.assert_array_less(relative_errors(model.predict(direct), indirect), 1e-8)
     single = el.TransferModel.fit(direct, indirect.astype(np.float32), rank=36, ridge=0.0)
-    np.testing.assert_array_less(relative(single.predict(direct), indirect), 1e-5)
+    np.testing.assert_array_less(relative_errors(single.predict(direct), indirect), 1e-5)
 
 
 def test_new_lights_are_predicted_better_than_by_the_notebook(model):
-    error = np.median(relative(model.predict(ROOM.direct[NEW]), ROOM.indirect[NEW]))
+    error = np.median(relative_errors(model.predict(ROOM.direct[NEW]), ROOM.indirect[NEW]))
     other = el.TransferModel.fit(*SCENE, rank=32, notebook=True)
-    theirs = np.median(relative(other.predict(ROOM.direct[NEW]), ROOM.indirect[NEW]))
+    theirs = np.median(relative_errors(other.predict(ROOM.direct[NEW]), ROOM.indirect[NEW]))
     assert error < 0.15
     assert error < theirs / 2
 
@@ -114,14 +101,14 @@ def test_leave_one_out_errors_are_those_of_fits_without_each_image(rank):
     for k in range(64):
         others = [np.delete(images, k, axis=0) for images in SCENE]
         without = el.TransferModel.fit(*others, rank=rank)
-        truth.append(relative(without.predict(SCENE[0][k])[None], SCENE[1][k : k + 1])[0])
+        truth.append(relative_errors(without.predict(SCENE[0][k])[None], SCENE[1][k : k + 1])[0])
     told = np.array(model.report.unseen_errors)
     assert np.median(told) == pytest.approx(np.median(truth), rel=0.05)
     assert np.median(np.abs(told / truth - 1)) < 0.02
 
 
 def test_training_errors_are_those_of_the_predictions(model):
-    truth = relative(model.predict(SCENE[0]), SCENE[1])
+    truth = relative_errors(model.predict(SCENE[0]), SCENE[1])
     np.testing.assert_allclose(model.report.training_errors, truth, rtol=1e-2, atol=1e-4)
 
 
@@ -165,7 +152,7 @@ def test_a_higher_rank_than_the_images_have_is_cut_and_noted():
 def test_one_pair_is_enough_for_its_own_light():
     direct, indirect = oblong(1)
     model = el.TransferModel.fit(direct, indirect, ridge=0.0)
-    np.testing.assert_array_less(relative(model.predict(3 * direct), 3 * indirect), 1e-8)
+    np.testing.assert_array_less(relative_errors(model.predict(3 * direct), 3 * indirect), 1e-8)
     assert model.report.error == pytest.approx(1, rel=1e-3), "nothing is left to learn from"
 
 
@@ -173,7 +160,7 @@ def test_the_same_pair_twice_changes_nothing_and_predicts_itself():
     direct, indirect = oblong()
     twice = [np.concatenate([images, images]) for images in (direct, indirect)]
     model = el.TransferModel.fit(*twice, rank=36, ridge=0.0)
-    np.testing.assert_array_less(relative(model.predict(direct), indirect), 1e-6)
+    np.testing.assert_array_less(relative_errors(model.predict(direct), indirect), 1e-6)
     assert max(model.report.unseen_errors) < 1e-4
 
 
@@ -184,7 +171,7 @@ def test_black_direct_images_are_left_out_and_noted():
     kept = np.delete(np.arange(64), [3, 5])
     other = el.TransferModel.fit(direct[kept], indirect[kept], rank=32)
     new = ROOM.direct[NEW]
-    np.testing.assert_array_less(relative(model.predict(new), other.predict(new)), 1e-4)
+    np.testing.assert_array_less(relative_errors(model.predict(new), other.predict(new)), 1e-4)
     assert "direct is black in 2 of the images (3 first): left out" in model.report.notes
     assert len(model.report.unseen_errors) == 62
 
@@ -208,9 +195,9 @@ def test_texels_that_are_always_black_are_not_kept(notebook):
     assert not model.predict(direct)[:, 2:5, 1:7].any()
     assert not model.project(indirect)[:, 2:5, 1:7].any()
     if not notebook:
-        predict = twins.channelwise(direct, masked, 36, 1e-3)
+        predict = reference.channelwise(direct, masked, 36, 1e-3)
         truth = np.stack([predict(image) for image in direct])
-        np.testing.assert_array_less(relative(model.predict(direct), truth), 1e-9)
+        np.testing.assert_array_less(relative_errors(model.predict(direct), truth), 1e-9)
 
 
 def test_brightness_is_kept_whatever_it_is():
@@ -218,7 +205,7 @@ def test_brightness_is_kept_whatever_it_is():
     bright = el.TransferModel.fit(direct * 1e8, indirect * 1e8, rank=32)
     dim = el.TransferModel.fit(direct * 1e-8, indirect * 1e-8, rank=32)
     new = ROOM.direct[NEW]
-    np.testing.assert_array_less(relative(bright.predict(new), dim.predict(new)), 1e-4)
+    np.testing.assert_array_less(relative_errors(bright.predict(new), dim.predict(new)), 1e-4)
     assert bright.predict(new).max() > 1, "nothing is clipped"
 
 
@@ -240,7 +227,9 @@ def test_any_array_of_floats_is_taken(layout):
     }[layout]
     model = el.TransferModel.fit(given(direct), given(indirect))
     other = el.TransferModel.fit(direct, indirect)
-    np.testing.assert_array_less(relative(model.predict(direct), other.predict(direct)), 1e-2)
+    np.testing.assert_array_less(
+        relative_errors(model.predict(direct), other.predict(direct)), 1e-2
+    )
 
 
 def test_images_are_not_changed():
@@ -313,7 +302,8 @@ def test_added_pairs_count_as_if_they_had_been_there(model):
     assert (grown.report.pairs, grown.report.rank) == (64, 32)
     np.testing.assert_allclose(grown.basis.T @ grown.basis, np.eye(32), atol=1e-3)
     errors = [
-        relative(each.predict(ROOM.direct[NEW]), ROOM.indirect[NEW]) for each in (model, grown)
+        relative_errors(each.predict(ROOM.direct[NEW]), ROOM.indirect[NEW])
+        for each in (model, grown)
     ]
     assert np.median(errors[1]) < 1.1 * np.median(errors[0])
     assert grown.report.error == pytest.approx(model.report.error, rel=0.1)
@@ -325,14 +315,16 @@ def test_adding_loses_nothing_where_the_rank_holds_everything():
     grown = el.TransferModel.fit(direct[:6], indirect[:6]).add(direct[6:9], indirect[6:9])
     grown = grown.add(direct[9:], indirect[9:])
     whole = el.TransferModel.fit(direct, indirect)
-    np.testing.assert_array_less(relative(grown.predict(direct), whole.predict(direct)), 1e-9)
+    np.testing.assert_array_less(
+        relative_errors(grown.predict(direct), whole.predict(direct)), 1e-9
+    )
     np.testing.assert_allclose(grown.report.unseen_errors, whole.report.unseen_errors, rtol=1e-6)
 
 
 def test_training_errors_are_known_after_adding_too():
     first = el.TransferModel.fit(*(images[:40] for images in SCENE), rank=12)
     grown = first.add(*(images[40:] for images in SCENE))
-    truth = relative(grown.predict(SCENE[0]), SCENE[1])
+    truth = relative_errors(grown.predict(SCENE[0]), SCENE[1])
     told = np.array(grown.report.training_errors)
     np.testing.assert_allclose(told[40:], truth[40:], rtol=0.01)
     # What was left of the earlier images is known by its size alone, and the new basis sees some.
@@ -538,7 +530,7 @@ def test_path_traced_pairs_are_predicted_better_than_by_the_notebook():
     errors = []
     for notebook in (False, True):
         model = el.TransferModel.fit(pairs.direct[:48], pairs.indirect[:48], 32, notebook=notebook)
-        unseen = relative(model.predict(pairs.direct[48:]), pairs.indirect[48:])
+        unseen = relative_errors(model.predict(pairs.direct[48:]), pairs.indirect[48:])
         errors.append(np.median(unseen))
         if not notebook:
             assert model.report.error == pytest.approx(errors[0], rel=0.25)
