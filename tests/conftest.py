@@ -1,5 +1,6 @@
 """What several tests need."""
 
+import importlib.util
 import os
 
 # Before NumPy is imported: threads of BLAS fight over the small matrices of the peers.
@@ -12,6 +13,13 @@ from tests.helpers import paths_of_real_maps
 
 hypothesis.settings.register_profile("project", deadline=None, derandomize=True)
 hypothesis.settings.load_profile("project")
+
+
+#: Tests that fill a disk: they limit the size of files.
+fills_a_disk = pytest.mark.skipif(
+    importlib.util.find_spec("resource") is None,
+    reason="sizes of files cannot be limited here",
+)
 
 
 def real_maps(*patterns):

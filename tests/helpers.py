@@ -1,5 +1,6 @@
 """What tests and benchmarks share; nothing here needs pytest."""
 
+import contextlib
 import os
 import subprocess
 import sys
@@ -7,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from envlights import kernels
+from envlights import io, kernels
 
 #: Real maps that are equirectangular, by folder.
 EQUIRECTANGULAR = ("hdr/*.hdr", "exr/*.exr", "openexr_envmaps/*LatLong.exr", "ldr/*.png")
@@ -60,3 +61,30 @@ def printed_by_threads(code, counts=(1, 2, 5)):
         command = [sys.executable, "-c", code]
         printed.add(subprocess.check_output(command, env=environment, text=True))
     return printed
+
+
+def write_pairs(folder, direct, indirect):
+    """Write each pair of images as files of a new folder."""
+    folder.mkdir()
+    for k, pair in enumerate(zip(direct, indirect, strict=True)):
+        for kind, image in zip(("direct", "lightmap"), pair, strict=True):
+            io.write_exr(folder / f"{kind}_{k:04}.exr", image.astype(np.float32))
+    return folder
+
+
+@contextlib.contextmanager
+def disk_that_is_full_after(size):
+    """No file can grow beyond `size` bytes: a write fails as on a full disk, with EFBIG."""
+    import resource
+
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def cuts(size, step=29):
+    """Sizes at which a file of `size` bytes is cut: the start, the middle, and close to the end."""
+    return sorted({0, 1, size // 2, *range(max(size - 600, 2), size, step), size - 1})

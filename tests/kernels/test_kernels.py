@@ -23,9 +23,10 @@ def test_radical_inverse_of_base_2_and_3_is_scipys_van_der_corput():
         np.testing.assert_allclose(ours, theirs, atol=1e-15)
 
 
-def test_halton_is_scipys():
-    theirs = qmc.Halton(2, scramble=False).random(500)
-    np.testing.assert_allclose(kernels.halton(500), theirs, atol=1e-15)
+def test_halton_is_scipys_and_hammersley_its_first_axis():
+    theirs = qmc.Halton(2, scramble=False).random(3145)
+    np.testing.assert_allclose(kernels.halton(3145), theirs, atol=1e-15)
+    np.testing.assert_allclose(kernels.hammersley(3145)[:, 1], theirs[:, 0], atol=1e-15)
 
 
 def test_hammersley_on_the_sphere_covers_caps_in_proportion():

@@ -2,11 +2,8 @@
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 import envlights as el
-from envlights import io
-from envlights.cli import main
 from envlights.plot import display, transfer_picture
 from tests.helpers import oblong, relative_errors
 
@@ -91,55 +88,3 @@ def test_frames_that_do_not_fit_are_refused(model):
     ]:
         with pytest.raises(el.EnvLightsError, match=message):
             transfer_picture(model, *pair)
-
-
-def run(*arguments):
-    return CliRunner().invoke(main, ["transfer", *map(str, arguments)])
-
-
-def test_the_command_line_draws(model, tmp_path):
-    direct, indirect, saved = (tmp_path / name for name in ("d.exr", "i.exr", "m.npz"))
-    io.write_exr(direct, FRAME[0])
-    io.write_exr(indirect, FRAME[1])
-    model.save(saved)
-    for suffix, head in (("png", b"\x89PNG"), ("pdf", b"%PDF"), ("svg", b"<?xml")):
-        picture = tmp_path / f"out.{suffix}"
-        result = run("figure", saved, direct, indirect, "-o", picture)
-        assert result.exit_code == 0, result.output
-        assert picture.read_bytes().startswith(head)
-        assert result.stderr == f"wrote {picture}\n"
-
-
-def test_the_command_line_refuses_before_it_draws(tmp_path):
-    png = tmp_path / "d.png"
-    png.write_bytes(b"kept")
-    for output, message in [
-        (tmp_path / "o.exr", "the suffix must be one of .png, .pdf, .svg"),
-        (png, "it is the indirect light; give another name"),
-        (tmp_path / "none" / "o.png", "does not exist"),
-        (tmp_path / "o.png", "cannot read"),
-    ]:
-        result = run("figure", tmp_path / "m.npz", tmp_path / "d.exr", png, "-o", output)
-        assert result.exit_code == 2, result.output
-        assert message in result.stderr
-        assert result.stdout == ""
-    assert [path.name for path in tmp_path.iterdir()] == ["d.png"]
-    assert png.read_bytes() == b"kept"
-
-
-def test_help_shows_everything():
-    text = run("--help").stdout
-    for word in ("fit", "apply", "figure", "direct_NAME.exr", "lightmap_NAME.exr"):
-        assert word in text
-    assert "..." not in text.split("Commands:")[1], "no line is cut off"
-    assert "got many" in run("fit", "room", "-o", "m.npz", "--rank", "many").stderr
-
-
-def test_rank_is_a_number_or_a_share(tmp_path):
-    for k in range(12):
-        io.write_exr(tmp_path / f"direct_{k}.exr", ROOM.direct[k])
-        io.write_exr(tmp_path / f"lightmap_{k}.exr", ROOM.indirect[k])
-    for rank, wanted in (("3", 3), ("0.9", 0.9)):
-        result = run("fit", tmp_path, "-o", tmp_path / "m.npz", "--rank", rank)
-        assert result.exit_code == 0, result.output
-        assert el.TransferModel.load(tmp_path / "m.npz").parameters["rank"] == wanted

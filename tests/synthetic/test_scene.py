@@ -1,7 +1,5 @@
 """Synthetic maps have the lights that they say."""
 
-import importlib
-
 import numpy as np
 import pytest
 from hypothesis import example, given
@@ -103,24 +101,74 @@ def test_impossible_scenes_are_refused(background, direction, radiance, message)
         synthetic.scene(8, background=background, shapes=[Disc(direction, 30, radiance)])
 
 
-def test_a_wall_of_the_closed_room_sees_nothing_but_walls():
-    """The form factors of a closed room sum to one, but for what patches in corners lose."""
-    room = importlib.import_module("envlights.synthetic.room")  # not the function of that name
-    texels = room._charts(32)
-    factors = room._form_factors(texels, texels)
-    assert factors.sum(axis=1).mean() == pytest.approx(1, abs=0.1)
-    seen = texels.area[:, None] * factors
-    assert np.abs(seen - seen.T).sum() < 0.05 * seen.sum(), "light goes both ways"
+@pytest.mark.parametrize("level", [1.0, 1e-3, 1e3])
+def test_irradiance_with_background_is_the_map_summed_over_the_light(level):
+    """A pixel sun and a disc before a gradient, against a sum over the stored pixels."""
+    height = 256
+    up = el.kernels.pixel_directions(height, 2 * height)[..., 1:2]
+    sky = level * (1.2 + up) * [0.9, 1.0, 1.1]
+    shapes = [
+        PixelSun((0, 0.3, -1), level * np.full(3, 1e5)),
+        Disc((1, 0, 0), 8, level * np.full(3, 30)),
+    ]
+    world = synthetic.scene(height, background=sky, shapes=shapes)
+    is_sun = world.radiance[..., :1] > 1e4 * level
+    is_disc = shapes[1].coverage(height)[..., None] > 0
+    assert is_sun.sum() == 1
+    seen = [flux(world.radiance * is_sun), flux(world.radiance * is_disc)]
+    np.testing.assert_allclose(world.irradiance_with_background[0], seen[0], rtol=1e-6)
+    # The sum over whole pixels has the background of those at the rim as well: 30 to 1 in
+    # radiance, and half of a ring one pixel wide of a disc of 11 pixels in radius.
+    np.testing.assert_allclose(world.irradiance_with_background[1], seen[1], rtol=5e-3)
+    assert (world.irradiance_with_background[1] < seen[1]).all()
 
 
-def test_light_in_the_room_is_that_of_its_direct_light():
-    one, two = el.synthetic.room(1, 16, seed=3), el.synthetic.room(2, 16, seed=3)
-    np.testing.assert_array_equal(one.direct[0], two.direct[0])
-    np.testing.assert_array_equal(one.indirect[0], two.indirect[0])
-    assert (two.direct[0] != two.direct[1]).any()
-    assert (two.indirect >= 0).all()
+def test_what_a_camera_clips_is_no_flux():
+    lamp = Disc((1, 0, 0), 10, (50, 50, 50))
+    world = synthetic.scene(
+        128, background=(0.2,) * 3, shapes=[lamp], camera=lambda radiance: np.minimum(radiance, 1)
+    )
+    added = 0.8 * (lamp.coverage(128)[..., None] > 0) * np.ones(3)
+    np.testing.assert_allclose(world.lights.irradiance[0], flux(added), rtol=1e-6)
 
 
-def test_a_room_without_whole_charts_is_refused():
-    with pytest.raises(el.EnvLightsError, match="width must be a multiple of 4; got 18"):
-        el.synthetic.room(1, 18)
+def test_a_pixel_sun_is_seen_at_the_centre_of_its_pixel():
+    centres = el.kernels.pixel_directions(64, 128)
+    for row, column in [(0, 5), (20, 0), (33, 127), (63, 64)]:
+        beside = centres[row, column] + [1e-5, 0, 1e-5]
+        world = synthetic.scene(64, background=(1, 1, 1), shapes=[PixelSun(beside, (1e5,) * 3)])
+        np.testing.assert_allclose(world.lights.direction[0], centres[row, column], atol=1e-12)
+
+
+@pytest.mark.parametrize("radius", [2.0, 8.0])
+@pytest.mark.parametrize("direction", [(0, 0, -1), (0, 1, 0), (0.05, -1, 0), (0.01, 0.5, -1)])
+def test_lights_on_the_seam_and_the_poles_are_as_strong_as_elsewhere(direction, radius):
+    def lamp(towards):
+        return synthetic.scene(256, shapes=[Disc(towards, radius, (3, 3, 3))])
+
+    here, elsewhere = lamp(direction), lamp((0.8, 0.1, 0.5))
+    # The rim is known to half a sample of 180 / 256 / 4 = 0.18 degrees: where it lies along a row
+    # of samples, as around a pole, all of it may be off by that much.
+    np.testing.assert_allclose(
+        here.lights.irradiance, elsewhere.lights.irradiance, rtol=2 * 0.09 / radius
+    )
+    assert here.angular_radius_deg[0] == pytest.approx(radius, abs=0.09)
+    towards = np.array(direction) / np.linalg.norm(direction)
+    assert np.rad2deg(np.linalg.norm(here.lights.direction[0] - towards)) < 0.02
+
+
+def test_a_window_with_bars_is_one_light_without_the_bars():
+    glass = Rectangle((1, 0, 0), 20, 12, (9, 9, 9))
+    barred = Rectangle((1, 0, 0), 20, 12, (9, 9, 9), panes=(2, 3), bar_deg=0.4)
+    whole, divided = (synthetic.scene(512, shapes=[window]) for window in (glass, barred))
+    assert len(divided.lights) == 1
+    # One bar upright and two across, less where they cross.
+    bars = (0.4 / 20 + 2 * 0.4 / 12) - 2 * (0.4 / 20) * (0.4 / 12)
+    assert divided.solid_angle[0] / whole.solid_angle[0] == pytest.approx(1 - bars, abs=2e-3)
+
+
+def test_a_turn_by_90_degrees_swaps_the_sides():
+    upright = Rectangle((1, 0.3, 0), 30, 5, (1, 1, 1)).coverage(128)
+    turned = Rectangle((1, 0.3, 0), 5, 30, (1, 1, 1), tilt_deg=90).coverage(128)
+    np.testing.assert_allclose(turned, upright, atol=0.26)  # a row of samples on an edge
+    assert turned.sum() == pytest.approx(upright.sum(), rel=1e-3)
