@@ -57,7 +57,7 @@ __all__ = [
 
 __version__ = _version("envlights")
 
-#: Reachable as attributes, too. Those that load Matplotlib or Click are imported at their first use.
+#: Attributes, too; those that load Matplotlib or Click are imported when they are first used.
 _SUBPACKAGES = ("cli", "detection", "fitting", "io", "plot", "scene", "transfer")
 
 if _typing.TYPE_CHECKING:

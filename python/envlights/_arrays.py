@@ -13,6 +13,6 @@ def frozen(array: NDArray[Any]) -> NDArray[Any]:
 
 
 def sealed(array: NDArray[Any]) -> NDArray[Any]:
-    """`array` itself, which nobody else has: from now on it cannot be written to."""
+    """`array` itself, closed to writing; for one that nobody else holds."""
     array.flags.writeable = False
     return array

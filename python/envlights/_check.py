@@ -1,4 +1,4 @@
-"""What every public function asks of its arguments before a kernel sees them."""
+"""Checks of the arguments of public functions, before a kernel reads them."""
 
 from __future__ import annotations
 
@@ -11,8 +11,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights._native import EnvLightsError
 
-#: No count is larger: what has more parts than this fits into no memory.
+#: The largest count that is accepted; an array of that many parts does not fit into memory.
 LARGEST_COUNT = 2**32 - 1
+
+
+def shown(value: object) -> str:
+    """`value` as a refusal shows it: numbers as they are, text in quotes, all else by its type."""
+    if isinstance(value, str):
+        return f"'{value}'"
+    if value is None or isinstance(value, numbers.Number):
+        return str(value)
+    return f"an object of the type {type(value).__name__}"
 
 
 def reals(name: str, values: ArrayLike, ndim: int) -> NDArray[np.float64]:
@@ -32,9 +41,11 @@ def count(name: str, value: object, least: int = 0) -> int:
     """`value` as an int of at least `least`, or a refusal that names it."""
     is_whole = isinstance(value, numbers.Integral) and not isinstance(value, bool)
     if not is_whole or int(value) < least:  # type: ignore[call-overload]
-        raise EnvLightsError(f"{name} must be a whole number, {least} or more; got {value!r}")
+        raise EnvLightsError(f"{name} must be a whole number, {least} or more; got {shown(value)}")
     if int(value) > LARGEST_COUNT:  # type: ignore[call-overload]
-        raise EnvLightsError(f"{name} must be a whole number up to {LARGEST_COUNT}; got {value!r}")
+        raise EnvLightsError(
+            f"{name} must be a whole number up to {LARGEST_COUNT}; got {shown(value)}"
+        )
     return int(value)  # type: ignore[call-overload, no-any-return]
 
 
@@ -46,7 +57,7 @@ def amount(name: str, value: object, least: float = 0.0, most: float = math.inf)
             number = float(value)
     if not (least <= number <= most and math.isfinite(number)):
         limits = f"from {least:g} to {most:g}" if math.isfinite(most) else f"{least:g} or more"
-        raise EnvLightsError(f"{name} must be a finite number, {limits}; got {value!r}")
+        raise EnvLightsError(f"{name} must be a finite number, {limits}; got {shown(value)}")
     return number
 
 
@@ -61,8 +72,8 @@ def colour(name: str, values: ArrayLike) -> list[float]:
 def check_choice(name: str, value: object, choices: tuple[str, ...]) -> None:
     """Refuse a `value` that is none of the `choices`."""
     if not isinstance(value, str) or value not in choices:
-        wanted = " or ".join(repr(choice) for choice in choices)
-        raise EnvLightsError(f"{name} must be {wanted}; got {value!r}")
+        wanted = " or ".join(map(shown, choices))
+        raise EnvLightsError(f"{name} must be {wanted}; got {shown(value)}")
 
 
 def float_image(name: str, values: ArrayLike, ndim: int) -> NDArray[np.float32]:

@@ -1,4 +1,4 @@
-"""Lights, and the rig that they make with an ambient term."""
+"""The rig: ambient and directional lights, and how well they stand for the map."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights import kernels
 from envlights._arrays import frozen
-from envlights._check import amount
+from envlights._check import amount, shown
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights.io.files import as_path, write_atomically
+from envlights.kernels import probe
 from envlights.lights import Lights
 from envlights.report import FitReport, StopReason
 
@@ -41,7 +41,7 @@ class Rig(Result):
     negative on a fitted rig."""
 
     lights: Lights
-    r"""Directional lights, brightest first."""
+    """Directional lights, brightest first."""
 
     error: float
     """Relative RMS error of the irradiance; `report` says on which normals."""
@@ -70,7 +70,7 @@ class Rig(Result):
             ``pi * ambient + sum_j irradiance_j * max(0, n . direction_j)``; Madsen et al. (2003),
             equations 4 to 6.
         """
-        return kernels.rig_irradiance(
+        return probe.rig_irradiance(
             normals, self.ambient, self.lights.direction, self.lights.irradiance
         )
 
@@ -115,14 +115,17 @@ class Rig(Result):
         except OSError as error:
             raise EnvLightsError(f"cannot read {path}: {error.strerror}") from None
         except (ValueError, RecursionError) as error:
-            raise EnvLightsError(f"{path} is no JSON file: {error}") from None
+            raise EnvLightsError(f"{path} is not a JSON file: {error}") from None
         _check_version(path, data)
         try:
             return _from_dict(data)
         except EnvLightsError as error:
-            raise EnvLightsError(f"{path} holds no possible rig: {error}") from None
-        except (AttributeError, KeyError, TypeError, ValueError) as error:
-            raise EnvLightsError(f"{path} is no whole rig: {error!r}") from None
+            raise EnvLightsError(f"{path} holds an impossible rig: {error}") from None
+        except KeyError as error:
+            reason = f"the key {error} is missing"
+        except (AttributeError, TypeError, ValueError):
+            reason = "a value has another type or shape than those that `save` writes"
+        raise EnvLightsError(f"{path} is not a complete rig: {reason}")
 
     def __str__(self) -> str:
         stop = self.report.stop_reason
@@ -136,21 +139,21 @@ class Rig(Result):
         return "\n".join(line for line in lines if line)
 
     def in_short(self) -> str:
-        """What it is made of, and its error."""
+        """Its parts, and its error."""
         ambient = "harmonics" if len(self.ambient) == 9 else "ambient"
         return f"{ambient} + {self.lights.in_short()}, error {100 * self.error:.3g} %"
 
 
 def error_line(rig: Rig) -> str:
-    """The error and the normals that it is of, or that nobody measured it."""
+    """The error, and the normals on which it was measured, if it was."""
     measured_on = rig.report.measured_on
     where = f" on {measured_on}" if measured_on else ", as given"
     return f"relative RMS error {100 * rig.error:.3g} %{where}"
 
 
 def _ambient(values: ArrayLike) -> NDArray[np.float64]:
-    """An ambient term that no renderer has to take light away for, in the shape it came in."""
-    rows = kernels.probe.coefficients(values)
+    """An ambient term in the shape it came in, or a refusal where its radiance is impossible."""
+    rows = probe.coefficients(values)
     if not np.isfinite(rows).all():
         raise EnvLightsError(f"ambient must be finite; got {rows.tolist()}")
     if len(rows) == 1 and (rows < 0).any():
@@ -169,10 +172,10 @@ def _ambient_lines(ambient: NDArray[np.float64]) -> list[str]:
 
 def _check_version(path: object, data: Any) -> None:
     if not isinstance(data, dict) or data.get("format") != _FORMAT:
-        raise EnvLightsError(f"{path} is no rig: it does not say 'format': '{_FORMAT}'")
+        raise EnvLightsError(f"{path} is not a rig: it does not say 'format': '{_FORMAT}'")
     if data.get("version") != _VERSION:
-        seen = data.get("version")
-        raise EnvLightsError(f"{path} is a rig of version {seen!r}; this package reads {_VERSION}")
+        version = shown(data.get("version"))
+        raise EnvLightsError(f"{path} is a rig of version {version}; this package reads {_VERSION}")
 
 
 def _from_dict(data: dict[str, Any]) -> Rig:

@@ -1,4 +1,4 @@
-"""Lights that were seen in a map, what each is like, and the report on how they were found."""
+"""Lights found in a map, the measurements of each, and the report on how they were found."""
 
 from __future__ import annotations
 
@@ -10,16 +10,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights import kernels
 from envlights._arrays import sealed
 from envlights._native import EnvLightsError
-from envlights.kernels.image import LUMINANCE
-from envlights.lights import Lights, check_slice
+from envlights.kernels import sphere
+from envlights.lights import Lights, brightest_first, check_slice, light_arrays
 
 
 @dataclass(frozen=True, eq=False)
 class DetectionReport:
-    """How lights were found, and what was not looked at."""
+    """How lights were found, and what was left out."""
 
     method: str
     """The detector: "tree" or "article"."""
@@ -28,13 +27,13 @@ class DetectionReport:
     """Luminance above which a place is bright."""
 
     reason: str
-    """Where the threshold comes from."""
+    """Why the threshold has this value."""
 
     working_size: tuple[int, int]
-    """Height and width of the image in which the lights were sought."""
+    """Height and width of the image that was searched for lights."""
 
     skipped: tuple[str, ...] = ()
-    """What was not opened, kept or told apart, with its share."""
+    """Tiles that were not searched and lights that were dropped or merged, with numbers."""
 
     notes: tuple[str, ...] = ()
     """What was cleaned or assumed in the map."""
@@ -66,7 +65,7 @@ class DetectionReport:
 
 @dataclass(frozen=True, eq=False)
 class Members:
-    """What the lights are made of: places in the working image, whose size the report holds."""
+    """The pixels or samples that make up the lights, in the working image of the report."""
 
     pixel: NDArray[np.int64]
     """Row and column in the working image, shape (k, 2)."""
@@ -77,10 +76,10 @@ class Members:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DetectedLights(Lights):
-    """Lights of a map, most flux first, and what was seen of each.
+    """Lights of a map, brightest first, and the measurements of each.
 
     Every array holds one row for each light. `lights[:4]` keeps the first four and their members;
-    `report` then still speaks of all that were found.
+    `report` still describes all that were found.
 
     Examples
     --------
@@ -113,15 +112,17 @@ class DetectedLights(Lights):
     """Whether the light is a flat top at the map's maximum, as where a camera saturates."""
 
     members: Members
-    """What the lights were made of."""
+    """The pixels or samples that make up the lights."""
 
     report: DetectionReport
     """How the lights were found."""
 
     def __post_init__(self) -> None:
-        order = np.argsort(-(np.asarray(self.irradiance) @ LUMINANCE), kind="stable")
-        for name in self._per_light():
-            array = np.asarray(getattr(self, name))
+        arrays = {name: np.asarray(getattr(self, name)) for name in self._per_light()}
+        direction, irradiance = light_arrays(self.direction, self.irradiance)
+        arrays |= {"direction": direction, "irradiance": irradiance}
+        order = brightest_first(irradiance)
+        for name, array in arrays.items():
             if len(array) != len(order):
                 raise EnvLightsError(
                     f"{name} must have a row for each light ({len(order)}); got {len(array)}"
@@ -158,11 +159,11 @@ class DetectedLights(Lights):
         return f"{self._table()}\n\nthe lights hold {together:.3g} % of the flux\n{self.report}"
 
     def _table(self) -> str:
-        """One line a light."""
+        """One line for each light."""
         if not len(self):
             return "no light"
         lines = ["light  azimuth  elevation   share   radius      peak   irradiance (R, G, B)"]
-        uv = kernels.direction_to_uv(self.direction)
+        uv = sphere.direction_to_uv(self.direction)
         for i, (u, v) in enumerate(uv):
             clipped = "  clipped" if self.is_clipped[i] else ""
             rgb = "".join(f"{value:>11.4g}" for value in self.irradiance[i])

@@ -8,24 +8,26 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights import _native, kernels
+from envlights import _native
 from envlights._check import amount, check_choice, count, reals
 from envlights._native import EnvLightsError
 from envlights.detection.detect import detect
 from envlights.envmap import EnvMap, seen_through
-from envlights.fitting.answer import answers, rig_of, stop_reason
 from envlights.fitting.normals import Samples, fitted_and_judging, upper_fitted_and_judging
+from envlights.fitting.solution import rig_of, solutions, stop_reason
+from envlights.kernels import sphere
+from envlights.kernels.probe import WORKING_COLUMNS
 from envlights.lights import Lights
 from envlights.rig import Rig
 
-#: Where the lights of `fit` may start.
+#: The starts of `fit` that have names.
 STARTS = ("greedy", "detect", "even")
-#: What a fit may use beside the lights, and its coefficients in each channel.
+#: Environments beside the lights, and the number of their coefficients in each channel.
 AMBIENTS = {"constant": 1, "none": 0, "sh2": 9}
-#: Which normals count.
+#: Surfaces whose irradiance is fitted.
 NORMALS = ("sphere", "upper")
 
-#: Lights of a fit that is not told how many, and of one that is told an error.
+#: Lights when neither `lights` nor `error` is given, and at most when only `error` is.
 LIGHTS = 4
 MOST_LIGHTS = 32
 
@@ -44,10 +46,11 @@ def fit(
 ) -> Rig:
     """Ambient and a few directional lights that light a white probe as `env` does.
 
-    A white Lambertian probe is rendered under the map at 320 normals. Variable projection with
-    non-negative radiances then finds the lights: downhill from where each explains most of what is
-    left, from even starts, again with lights exchanged while that pays, and at last from places a
-    little aside. The error is measured at 5120 other normals.
+    A white Lambertian probe is rendered under the map at 320 normals. The lights are found by
+    variable projection with non-negative radiances: lights are added one at a time where the
+    residual is largest (forward selection), other sets start from evenly spread directions, some
+    of these exchange lights, and the best sets are refined from perturbed starts. The error is
+    measured at 5120 other normals.
 
     Parameters
     ----------
@@ -59,24 +62,24 @@ def fit(
         is asked for.
     error : float, optional
         Relative RMS error that is good enough: the fewest lights that reach it come back, which
-        may be none. `report` holds the error for each number that was tried, and says so where
-        `lights` were not enough.
+        may be none. `report` holds the error for each number that was tried, and says whether
+        `lights` were enough.
     ambient : {"constant", "none", "sh2"}
         "constant": beside the lights, an environment of one radiance. "none": lights alone. "sh2":
         an environment of nine spherical harmonics, the form that real-time engines take; its
         irradiance is nowhere negative.
     start : {"greedy", "detect", "even"}, Rig or Lights
-        "greedy": wherever the search finds them. The others start the lights at given places, from
-        where they go downhill, and add those beyond greedily: "detect" at the bright places that
-        `detect` finds, so that each stays with its lamp; "even" at points spread over the sphere
-        (Madsen et al. 2003, section 3.2), which often get stuck; a rig, or lights, at those, as for
-        the next frame of a video, which spares the search. Only directions are taken from it: give
-        `lights` and `ambient` for every frame. Which light is which, its direction says: the
-        brightest of this frame comes first.
+        "greedy": the whole search. All others descend from given directions, without the search,
+        and add further lights where the residual is largest. "detect": from the bright places that
+        `detect` finds, so that each light stays with its lamp. "even": from points spread over the
+        sphere (Madsen et al. 2003, section 3.2); this often ends in a local minimum. A rig, or
+        lights: from theirs, as for the next frame of a video. Only directions are taken from it, so
+        give `lights` and `ambient` for every frame. Lights are matched by their directions: their
+        order is that of the brightness in this frame.
     fixed : array_like, shape (k, 3), or Lights, optional
-        Unit vectors towards lights that stay where they are and get only their radiances. They
-        count among `lights` and come back even where black; `report.fixed` says where they stand
-        among the others, brightest first.
+        Unit vectors towards lights that stay where they are; only their radiances are fitted. They
+        count among `lights`, and are returned even if black. `report.fixed` holds their rows among
+        the lights of the rig.
     normals : {"sphere", "upper"}
         Which surfaces count, in the fit and in the error: all, or those that face up, for objects
         that stand on a floor.
@@ -89,8 +92,8 @@ def fit(
     Raises
     ------
     EnvLightsError
-        If `env` is no map, `lights` no count or fewer than `fixed`, `error` no share, a `fixed`
-        direction no unit vector, or `ambient`, `start` or `normals` not known.
+        If `env` is not a map, `lights` not a count or fewer than `fixed`, `error` not a share, a
+        `fixed` direction not a unit vector, or `ambient`, `start` or `normals` not known.
 
     See Also
     --------
@@ -120,17 +123,17 @@ def fit(
     """
     check_choice("ambient", ambient, tuple(AMBIENTS))
     check_choice("normals", normals, NORMALS)
-    held = _fixed(fixed)
-    most = _most_lights(lights, error, start, held)
+    fixed_directions = _fixed(fixed)
+    most = _most_lights(lights, error, start, len(fixed_directions))
     clock = _Clock()
     samples = upper_fitted_and_judging if normals == "upper" else fitted_and_judging
     world, (fitted, judging, sources) = seen_through(env, samples)
     clock.lap("probe")
-    first = _first_directions(start, most - len(held), len(fitted.normals), world)
+    first = _first_directions(start, most - len(fixed_directions), len(fitted.normals), world)
     clock.lap("start")
-    found = answers(fitted, judging, error, most, AMBIENTS[ambient], held, first)
+    found = solutions(fitted, judging, error, most, AMBIENTS[ambient], fixed_directions, first)
     clock.lap("fit")
-    rig = rig_of(found, judging, len(held), len(first))
+    rig = rig_of(found, judging, len(fixed_directions), len(first))
     clock.lap("report")
     which = "upward normals" if normals == "upper" else "normals"
     measured_on = f"{len(judging.normals)} {which} that were not fitted"
@@ -150,9 +153,9 @@ def fit_probe(
 ) -> Rig:
     """Ambient and at most `lights` directional lights from probe values measured elsewhere.
 
-    The fit of `fit`, on irradiance that was measured, or rendered by another program. There is no
-    map to judge the rig at other normals: its error is the one at `normals`, and flatters it where
-    they are few.
+    The same fit as `fit`, on irradiance that was measured or rendered by another program. Without a
+    map the rig cannot be judged at other normals: its error is the one at `normals`, which is too
+    low where they are few.
 
     Parameters
     ----------
@@ -179,9 +182,9 @@ def fit_probe(
     Raises
     ------
     EnvLightsError
-        If shapes do not fit, a value is not finite, a normal is no unit vector, a weight is
-        negative or all are 0, or there are fewer
-        equations than unknowns: 5 a light, and 3 for "constant" or 27 for "sh2".
+        If shapes do not fit, a value is not finite, a normal is not a unit vector, a weight is
+        negative or all are 0, or there are fewer equations than unknowns: 5 for each light, and 3
+        for "constant" or 27 for "sh2".
 
     Examples
     --------
@@ -193,32 +196,32 @@ def fit_probe(
     (array([[0. , 0.6, 0.8]]), array([[3., 2., 1.]]))
     """
     check_choice("ambient", ambient, tuple(AMBIENTS))
-    held = _fixed(fixed)
-    most = _most_lights(lights, None, start, held)
+    fixed_directions = _fixed(fixed)
+    most = _most_lights(lights, None, start, len(fixed_directions))
     normals, irradiance = reals("normals", normals, 2), reals("irradiance", irradiance, 2)
     weights = np.ones(len(normals)) if weights is None else reals("weights", weights, 1)
     if len(weights) and not weights.any():
         raise EnvLightsError("weights must not all be 0")
     samples = Samples(normals, weights, irradiance)
     clock = _Clock()
-    first = _first_directions(start, most - len(held), len(normals), None)
-    found = answers(samples, samples, None, most, AMBIENTS[ambient], held, first)
+    first = _first_directions(start, most - len(fixed_directions), len(normals), None)
+    found = solutions(samples, samples, None, most, AMBIENTS[ambient], fixed_directions, first)
     clock.lap("fit")
-    rig = rig_of(found, samples, len(held), len(first))
+    rig = rig_of(found, samples, len(fixed_directions), len(first))
     clock.lap("report")
     measured_on = f"the {len(normals)} fitted normals"
     return _reported(rig, most, None, clock, measured_on, _channels(samples))
 
 
 class _Clock:
-    """Wall time of one stage after the other."""
+    """Wall time of each stage."""
 
     def __init__(self) -> None:
         self.laps: dict[str, float] = {}
         self._last = perf_counter()
 
     def lap(self, stage: str) -> None:
-        """The time since the last lap went into `stage`."""
+        """Note the time since the last lap under `stage`."""
         now = perf_counter()
         self.laps[stage] = now - self._last
         self._last = now
@@ -232,7 +235,7 @@ def _reported(
     measured_on: str,
     skipped: tuple[str, ...],
 ) -> Rig:
-    """`rig` with what was asked for and spared in its report."""
+    """`rig` with times, normals, and what was skipped in its report."""
     report = replace(
         rig.report,
         seconds=clock.laps,
@@ -244,37 +247,35 @@ def _reported(
 
 
 def _fixed(fixed: ArrayLike | Lights | None) -> NDArray[np.float64]:
-    """Directions that are held."""
+    """Directions of the lights that stay where they are."""
     if fixed is None:
         return _NOWHERE
     if isinstance(fixed, Lights):
         return fixed.direction
     directions = reals("fixed", fixed, 2)
-    kernels.direction_to_uv(directions)  # refuses what is no unit vector
+    sphere.direction_to_uv(directions)  # refuses a vector that is not of length 1
     return directions
 
 
 def _most_lights(
-    lights: int | None, error: float | None, start: str | Rig | Lights, held: NDArray[np.float64]
+    lights: int | None, error: float | None, start: str | Rig | Lights, fixed: int
 ) -> int:
-    """How many lights there may be."""
+    """How many lights there may be, of which `fixed` are fixed."""
     if error is not None:
         amount("error", error, most=1.0)
     if lights is not None:
-        if count("lights", lights) < len(held):
-            raise EnvLightsError(
-                f"lights must be at least the {len(held)} fixed ones; got {lights}"
-            )
+        if count("lights", lights) < fixed:
+            raise EnvLightsError(f"lights must be at least the {fixed} fixed ones; got {lights}")
         return lights
     if error is not None:
-        return max(MOST_LIGHTS, len(held))
+        return max(MOST_LIGHTS, fixed)
     given = _given(start)
-    started = len(held) + (0 if given is None else len(given))
+    started = fixed + (0 if given is None else len(given))
     return started or LIGHTS
 
 
 def _given(start: str | Rig | Lights) -> Lights | None:
-    """The lights of a start that is not the name of one."""
+    """The lights of a start that is a rig or lights."""
     if isinstance(start, Rig):
         return start.lights
     return start if isinstance(start, Lights) else None
@@ -283,7 +284,7 @@ def _given(start: str | Rig | Lights) -> Lights | None:
 def _first_directions(
     start: str | Rig | Lights, lights: int, normals: int, env: EnvMap | None
 ) -> NDArray[np.float64]:
-    """Where the first of so many lights start, brightest first."""
+    """Where the first of at most `lights` lights start, brightest first."""
     given = _given(start)
     if given is not None:
         return given.direction[:lights]
@@ -297,17 +298,17 @@ def _first_directions(
 
 
 def _working_map(env: EnvMap, sources: int) -> tuple[str, ...]:
-    if env.width <= kernels.WORKING_COLUMNS:
+    if env.width <= WORKING_COLUMNS:
         return ()
     return (
         f"{env.width}x{env.height} pixels were rendered as a working map of at most"
-        f" {kernels.WORKING_COLUMNS} columns, its brightest cells ({sources}) as points: this puts"
+        f" {WORKING_COLUMNS} columns, its brightest cells ({sources}) as points: this puts"
         " a floor of about 1e-4 under the error",
     )
 
 
 def _channels(samples: Samples) -> tuple[str, ...]:
-    """What a grey or a black channel saved."""
+    """A note where channels are black or equal, and so were not fitted one by one."""
     channels = {channel.tobytes() for channel in samples.irradiance.T}
     fitted = len(channels) - any(not channel.any() for channel in samples.irradiance.T)
     return () if fitted == 3 else (f"{3 - fitted} of 3 channels: black, or the same as another",)

@@ -1,4 +1,4 @@
-"""Normals at which a map is looked at: those that are fitted, and those that judge."""
+"""Irradiance of a map at two sets of normals: one is fitted, the other measures the error."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from envlights import kernels
 from envlights.envmap import EnvMap
 
-#: Faces of the probe that is fitted (Madsen et al. 2003, section 3.1) and normals that judge it.
+#: Faces of the fitted probe (Madsen et al. 2003, section 3.1), and normals that measure the error.
 FITTED = 320
 JUDGING = 5120
 
@@ -40,7 +40,7 @@ class Samples(NamedTuple):
         return self._replace(irradiance=self.irradiance / scale)
 
     def upper(self) -> Samples:
-        """Those of surfaces that face up: what stands on a floor shows few others."""
+        """Those of surfaces that face up, as most visible ones of an object on a floor do."""
         is_up = self.normals[:, 1] > 0
         return Samples(self.normals[is_up], self.weights[is_up], self.irradiance[is_up])
 
@@ -54,7 +54,7 @@ def fitted_and_judging(env: EnvMap, judges: int = JUDGING) -> tuple[Samples, Sam
 
 
 def upper_fitted_and_judging(env: EnvMap) -> tuple[Samples, Samples, int]:
-    """The same for surfaces that face up, of which as many judge."""
+    """The same for surfaces that face up, of which JUDGING measure the error."""
     fitted, judging, sources = fitted_and_judging(env, 2 * JUDGING)
     return fitted.upper(), judging.upper(), sources
 

@@ -1,4 +1,4 @@
-"""The notebook's figure: what a transfer model makes of direct light, beside the truth."""
+"""The figure of a transfer model: a predicted frame beside the truth."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights._native import EnvLightsError
 from envlights.kernels.image import LUMINANCE
-from envlights.plot.maps import Picture, display
+from envlights.plot.figure import Picture, display
 from envlights.transfer import TransferModel
 from envlights.transfer.pairs import frames
 
@@ -26,10 +26,10 @@ _SHARE = 99.0
 def transfer_picture(model: TransferModel, direct: ArrayLike, indirect: ArrayLike) -> Picture:
     """Draw the indirect light of a frame: reference, transfer, projection and difference.
 
-    The projection is the best that the basis of the model could do; what the transfer misses beyond
-    it is the fault of the regression. The titles hold relative errors: the norm of the difference
-    to the reference over the norm of the reference. All three have one exposure; the difference is
-    that of luminance, in percent of the mean of the reference.
+    The projection is the best that the basis of the model can do; any further error of the transfer
+    comes from the regression. The titles hold relative errors: the norm of the difference to the
+    reference over the norm of the reference. All three have the same exposure; the difference is of
+    luminance, in percent of the mean of the reference.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def transfer_picture(model: TransferModel, direct: ArrayLike, indirect: ArrayLik
 
 
 def _projected(model: TransferModel, lights: NDArray[Any], images: NDArray[Any]) -> NDArray[Any]:
-    """The projection of each image, at the scale that it was learnt at: a mean has only that."""
+    """The projection of each image at the scale of the learnt ones, which a mean image needs."""
     norm = np.linalg.norm(lights.reshape(len(lights), -1), axis=1)
     scale = np.where(norm > 0, norm, 1)[:, None, None, None]
     projected: NDArray[Any] = model.project(images / scale) * scale
@@ -126,7 +126,7 @@ def _draw_difference(
 
 
 def _error(image: NDArray[Any], truth: NDArray[Any]) -> str:
-    """Relative error in percent; words where there is nothing to relate it to."""
+    """Relative error in percent, or words where the reference is black."""
     length = float(np.linalg.norm(truth.astype(np.float64)))
     if length == 0:
         return "of black"

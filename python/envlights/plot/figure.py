@@ -1,0 +1,50 @@
+"""A figure, its file, and linear values as colours."""
+
+from __future__ import annotations
+
+import io
+import os
+from typing import Any
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from envlights._native import EnvLightsError
+from envlights.io.files import PICTURES, as_path, write_atomically
+
+
+class Picture(Figure):
+    """A figure that any notebook shows, with or without the Matplotlib of `%matplotlib inline`."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(layout="constrained", **options)
+        FigureCanvasAgg(self)
+
+    def _repr_png_(self) -> bytes:
+        return _drawn(self, "png")
+
+
+def save(figure: Figure, path: str | os.PathLike[str]) -> None:
+    """Write a picture as PNG, PDF or SVG, whole or not at all."""
+    suffix = as_path(path).suffix.lower()
+    if suffix not in PICTURES:
+        raise EnvLightsError(f"cannot draw {path}; the suffix must be {', '.join(PICTURES)}")
+    # Drawn in memory: on a full disk, matplotlib breaks while it closes a PDF.
+    drawn = _drawn(figure, suffix[1:])
+    write_atomically(path, lambda beside: beside.write_bytes(drawn))
+
+
+def _drawn(figure: Figure, form: str) -> bytes:
+    drawn = io.BytesIO()
+    figure.savefig(drawn, format=form, dpi=100, bbox_inches="tight")
+    return drawn.getvalue()
+
+
+def display(linear: NDArray[np.floating]) -> NDArray[np.floating]:
+    """Linear values as sRGB codes in 0 .. 1, clipped; unclipped, `io.decode_srgb` inverts it."""
+    linear = np.clip(linear, 0, 1)
+    coded = 1.055 * linear ** (1 / 2.4) - 0.055
+    clipped: NDArray[np.floating] = np.where(linear <= 0.0031308, 12.92 * linear, coded).clip(0, 1)
+    return clipped
