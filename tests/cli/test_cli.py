@@ -132,3 +132,82 @@ def test_the_map_is_never_overwritten_by_its_picture(tmp_path):
         assert result.exit_code == 2
         assert "it is the map; give another name" in result.stderr
     assert path.read_bytes() == before
+
+
+def test_outputs_are_checked_before_the_map_is_read(hall, tmp_path, monkeypatch):
+    def read(*_, **__):
+        raise AssertionError("the map was read")
+
+    monkeypatch.setattr(el.EnvMap, "open", read)
+    for command in ("fit", "detect"):
+        for output in (tmp_path / "out.yaml", tmp_path / "none" / "out.json", hall):
+            result = run(command, hall, "-o", tmp_path / "good.json", "-o", output)
+            assert result.exit_code == 2, result.exception
+            assert "cannot write" in result.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "arguments", [("fit", "-n", 10**9), ("fit", "--error", -1), ("detect", "-n", 0)]
+)
+def test_a_refusal_leaves_no_file(hall, tmp_path, arguments):
+    command, *options = arguments
+    outputs = ("-o", tmp_path / "out.json", "-o", tmp_path / "out.png")
+    result = run(command, hall, *options, *outputs)
+    assert result.exit_code == 2
+    assert result.stderr.startswith("envlights: ")
+    assert result.stdout == ""
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("command", ["fit", "detect"])
+def test_where_drawing_fails_nothing_half_drawn_stays_and_nothing_is_printed(
+    hall, tmp_path, monkeypatch, command
+):
+    def savefig(_, target, **__):
+        target.write(b"half")
+        raise RuntimeError("the library broke")
+
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", savefig)
+    (tmp_path / "out.png").write_bytes(b"old")
+    result = run(command, hall, "-o", tmp_path / "out.json", "-o", tmp_path / "out.png")
+    assert "the library broke" in str(result.exception)
+    assert result.output == ""
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["out.json", "out.png"]
+    assert json.loads((tmp_path / "out.json").read_text())
+    assert (tmp_path / "out.png").read_bytes() == b"old"
+
+
+WITHOUT_MATPLOTLIB = """
+import sys
+sys.modules["matplotlib"] = None
+from envlights.cli import main
+main(sys.argv[1:])
+"""
+
+
+@pytest.mark.parametrize("command", ["fit", "detect"])
+def test_json_is_written_without_the_library_that_draws(hall, tmp_path, command):
+    arguments = [command, hall, "-o", tmp_path / "out.json"]
+    subprocess.run([sys.executable, "-c", WITHOUT_MATPLOTLIB, *arguments], check=True)
+    assert json.loads((tmp_path / "out.json").read_text())
+
+
+def test_a_pipe_that_nobody_reads_ends_without_a_traceback(hall, tmp_path):
+    command = [sys.executable, "-m", "envlights", "fit", hall, "-n", "1", "-o", tmp_path / "r.json"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    process.stdout.close()
+    errors = process.stderr.read()
+    process.stderr.close()
+    assert process.wait() == 1
+    assert "Traceback" not in errors
+    assert len(el.Rig.load(tmp_path / "r.json").lights) == 1
+
+
+@pytest.mark.parametrize("name", ["hall.exr", "hall.json", "hall.png"])
+def test_the_demo_writes_nothing_where_one_of_its_files_cannot_be(tmp_path, name):
+    (tmp_path / name).mkdir()
+    result = run("demo", "-o", tmp_path)
+    assert result.exit_code == 2
+    assert f"{name}: it is a folder" in result.stderr
+    assert [path.name for path in tmp_path.iterdir()] == [name]

@@ -338,15 +338,55 @@ def test_any_map_gets_finite_lights(seed, many, scale, damped):
         assert np.isfinite(part).all()
 
 
-def test_a_step_that_fails_leaves_the_lights_before_it(monkeypatch):
-    def fails(*_, **__):
+def give_steps(monkeypatch, change):
+    """Let each least-squares step be what `change` makes of the right one."""
+    lstsq = np.linalg.lstsq
+
+    def changed(*given, **options):
+        step, *rest = lstsq(*given, **options)
+        return change(step), *rest
+
+    monkeypatch.setattr(np.linalg, "lstsq", changed)
+
+
+def test_a_step_that_cannot_be_computed_leaves_the_lights_before_it(monkeypatch):
+    def fails(*_):
         raise np.linalg.LinAlgError
 
-    monkeypatch.setattr(np.linalg, "lstsq", fails)
+    give_steps(monkeypatch, fails)
     found = el.fit_paper(HALL.radiance)
     assert found.stop_reason is el.StopReason.RAN_AWAY
     assert not found.stop_reason.is_success
     np.testing.assert_array_equal(found.radiance, 1)
+
+
+def test_a_whole_step_beyond_every_float_leaves_the_lights_before_it(monkeypatch):
+    give_steps(monkeypatch, lambda step: 1e300 * step)
+    found = el.fit_paper(HALL.radiance, damped=False)
+    assert (found.stop_reason, found.steps) == (el.StopReason.RAN_AWAY, 0)
+    np.testing.assert_array_equal(found.radiance, 1)
+    assert np.isfinite(found.errors).all()
+
+
+def test_a_damped_step_that_only_raises_the_error_is_not_taken(monkeypatch):
+    give_steps(monkeypatch, lambda step: -step)
+    found = el.fit_paper(HALL.radiance)
+    assert (found.stop_reason, found.steps) == (el.StopReason.CONVERGED, 0)
+    np.testing.assert_array_equal(found.radiance, 1)
+
+
+def test_a_step_that_changes_nothing_is_the_last(monkeypatch):
+    give_steps(monkeypatch, lambda step: 0 * step)
+    for damped in (True, False):
+        found = el.fit_paper(HALL.radiance, damped=damped)
+        assert (found.stop_reason, found.steps) == (el.StopReason.CONVERGED, 1)
+
+
+def test_steps_end_at_their_limit():
+    for most in (0, 1, 3):
+        found = el.fit_paper(HALL.radiance, max_steps=most)
+        assert (found.stop_reason, found.steps) == (el.StopReason.OUT_OF_STEPS, most)
+        assert not found.stop_reason.is_success
 
 
 def test_the_same_map_gives_the_same_bits():

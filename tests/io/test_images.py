@@ -3,6 +3,8 @@
 import os
 import struct
 import zlib
+from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813, its own name for itself
@@ -308,3 +310,80 @@ def test_odd_files_are_read_whole(path):
     assert image.pixels.ndim == 3
     assert image.pixels.shape[2] == 3
     assert image.pixels.dtype == np.float32
+
+
+class FailingFile:
+    """An image file of which one step fails, as OpenImageIO tells it."""
+
+    def __init__(self, failing):
+        self.failing = failing
+        self.is_closed = False
+
+    def geterror(self):
+        return f"no room for {self.path}"
+
+    def open(self, path, _):
+        self.path = path
+        Path(path).write_bytes(b"half")
+        return self.failing != "open"
+
+    def write_image(self, _):
+        return self.failing != "write_image"
+
+    def spec(self):
+        return oiio.ImageSpec(32, 16, 3, oiio.FLOAT)
+
+    def read_image(self, *_):
+        raise MemoryError
+
+    def close(self):
+        self.is_closed = True
+        return self.failing != "close"
+
+
+def use(monkeypatch, file):
+    """Let OpenImageIO open `file`, whatever it is asked for."""
+    doors = {name: SimpleNamespace(create=lambda _: file) for name in ("ImageOutput",)}
+    doors["ImageInput"] = SimpleNamespace(open=lambda *_: file)
+    rest = {name: getattr(oiio, name) for name in ("ImageSpec", "FLOAT")}
+    fake = SimpleNamespace(**doors, **rest, geterror=lambda: "no such format")
+    monkeypatch.setattr("envlights.io.images.oiio", fake)
+
+
+@pytest.mark.parametrize(
+    ("failing", "reason"),
+    [
+        ("create", "no such format"),
+        ("open", r"no room for .*map\.exr"),
+        ("write_image", r"no room for .*map\.exr"),
+        ("close", r"no room for .*map\.exr"),
+    ],
+)
+def test_a_step_of_the_library_that_fails_leaves_the_old_file(
+    tmp_path, monkeypatch, failing, reason
+):
+    target = tmp_path / "map.exr"
+    target.write_bytes(b"old")
+    use(monkeypatch, None if failing == "create" else FailingFile(failing))
+    with pytest.raises(el.EnvLightsError, match=rf"cannot write .*map\.exr: {reason}$"):
+        io.write_exr(target, RADIANCE)
+    assert [path.name for path in tmp_path.iterdir()] == ["map.exr"]
+    assert target.read_bytes() == b"old"
+
+
+def test_a_file_that_is_not_whole_is_refused_even_where_the_library_is_content(
+    tmp_path, monkeypatch
+):
+    use(monkeypatch, FailingFile("none"))
+    with pytest.raises(el.EnvLightsError, match="not all of it could be written"):
+        io.write_exr(tmp_path / "map.exr", RADIANCE)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_map_beyond_memory_is_refused_and_its_file_closed(tmp_path, monkeypatch):
+    path = write(tmp_path / "map.exr", RADIANCE)
+    file = FailingFile("none")
+    use(monkeypatch, file)
+    with pytest.raises(el.EnvLightsError, match=r"map\.exr: its pixels do not fit into memory"):
+        el.EnvMap.open(path)
+    assert file.is_closed
