@@ -14,7 +14,7 @@ import numpy as np
 from stopwatch import compare
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from tests.twins.eyes import looked_at, noise_of, relative
+from tests.reference.mitsuba_images import looked_at, noise_of, relative
 
 import envlights as el
 

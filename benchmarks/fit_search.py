@@ -11,7 +11,8 @@ from zlib import crc32
 
 import numpy as np
 import probes
-from tests.twins.peers import Problem, by_scipy, ours, ours_from
+from tests.helpers import NORMALS, SOLID_ANGLES
+from tests.reference.peers import Problem, by_scipy, ours, ours_from
 
 from envlights import kernels
 
@@ -47,7 +48,7 @@ def table(every, peer, starts=None):
         ratios = {}
         for name, irradiance in irradiances.items():
             for ambient in ("constant", "none"):
-                problem = Problem(probes.NORMALS, probes.SOLID_ANGLES, irradiance, lights, ambient)
+                problem = Problem(NORMALS, SOLID_ANGLES, irradiance, lights, ambient)
                 rng = np.random.default_rng([crc32(name.encode()), lights])
                 ratios[name, ambient] = ratio(problem, best(problem, starts, rng))
         print(row(lights, ratios), flush=True)

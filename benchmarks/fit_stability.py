@@ -6,8 +6,8 @@ brightest, the directions, and the lights' irradiance over that of the brightest
 
 import numpy as np
 import stopwatch
-from tests import worst_cases
-from tests.worst_cases import NORMALS, SOLID_ANGLES
+from tests.fitting import worst_cases
+from tests.helpers import NORMALS, SOLID_ANGLES
 
 import envlights as el
 

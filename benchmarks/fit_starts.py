@@ -9,7 +9,8 @@ from collections import defaultdict
 
 import numpy as np
 import probes
-from tests.twins.peers import PEERS, Problem, even, ours, ours_from
+from tests.helpers import NORMALS, SOLID_ANGLES
+from tests.reference.peers import PEERS, Problem, even, ours, ours_from
 
 from envlights import kernels
 
@@ -33,7 +34,7 @@ def table(every):
     for irradiance in irradiances.values():
         for ambient in ("constant", "none"):
             for lights in range(1, 9):
-                given = probes.NORMALS, probes.SOLID_ANGLES, irradiance
+                given = NORMALS, SOLID_ANGLES, irradiance
                 for key, value in costs(Problem(*given, lights, ambient), rng):
                     ratios[key].append(value)
     for key in sorted(ratios):

@@ -10,7 +10,8 @@ import numpy as np
 import probes
 from fit_search import FLOOR
 from stopwatch import least_seconds
-from tests.twins import peers
+from tests.helpers import NORMALS, SOLID_ANGLES
+from tests.reference import peers
 
 LIGHTS = (4, 8)
 #: Random starts of scipy, of which the best counts.
@@ -37,7 +38,7 @@ def row(way, seconds, ratios):
 
 def measured(name, irradiance, lights):
     """Error and seconds of each way to fit so many lights to a probe."""
-    problem = peers.Problem(probes.NORMALS, probes.SOLID_ANGLES, irradiance, lights)
+    problem = peers.Problem(NORMALS, SOLID_ANGLES, irradiance, lights)
     even = problem.unknowns(peers.ours(problem, fixed=peers.even(lights)))
     rng = np.random.default_rng([crc32(name.encode()), lights])
     with peers.jax_in_float64():
