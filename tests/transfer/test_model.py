@@ -31,7 +31,7 @@ def test_notebook_is_the_notebooks_mathematics():
 
 
 @pytest.mark.parametrize(("dtype", "most"), [(np.float32, 1e-4), (np.float64, 1e-9)])
-def test_the_model_is_its_dense_twin(dtype, most):
+def test_the_model_is_that_of_dense_algebra(dtype, most):
     direct, indirect = SCENE
     model = el.TransferModel.fit(direct, indirect.astype(dtype), rank=32)
     predict = reference.channelwise(direct.astype(float), indirect.astype(float), 32, 1e-3)
