@@ -33,10 +33,8 @@ def table(every):
 
 
 def row(method, seconds, ratios):
-    within = f"{100 * np.mean(ratios <= 1.01):>8.0f} %"
-    return (
-        f"{method:<40}{1e3 * seconds:>8.1f} ms{within}{np.median(ratios):>8.3f}{ratios.max():>8.2f}"
-    )
+    within = f"{100 * np.mean(ratios <= 1.01):>8.0f} %{np.median(ratios):>8.3f}"
+    return f"{method:<40}{1e3 * seconds:>8.1f} ms{within}{ratios.max():>8.2f}"
 
 
 def measured(name, irradiance, lights):
@@ -54,9 +52,8 @@ def measured(name, irradiance, lights):
         }
         errors = {method: solve() for method, solve in methods.items()}  # jaxopt compiles
         seconds = least_seconds(methods, rounds=3)
-    return {method: (errors[method], seconds[method]) for method in methods} | best_of_random(
-        problem, rng
-    )
+    results = {method: (errors[method], seconds[method]) for method in methods}
+    return results | best_of_random(problem, rng)
 
 
 def error(problem, x):

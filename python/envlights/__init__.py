@@ -9,7 +9,6 @@
 
 import typing as _typing
 from importlib import import_module as _import_module
-from importlib.metadata import version as _version
 
 from envlights import kernels, synthetic
 from envlights._native import EnvLightsError
@@ -55,12 +54,12 @@ __all__ = [
     "synthetic",
 ]
 
-__version__ = _version("envlights")
-
-#: Attributes, too; those that load Matplotlib or Click are imported when they are first used.
+#: Attributes, too. Those that load Matplotlib or Click are imported when they are first used, so
+#: that `import envlights` does not wait for them; so is what reads the version.
 _SUBPACKAGES = ("cli", "detection", "fitting", "io", "plot", "scene", "transfer")
 
 if _typing.TYPE_CHECKING:
+    __version__: str
     from envlights import cli as cli
     from envlights import detection as detection
     from envlights import fitting as fitting
@@ -71,9 +70,11 @@ if _typing.TYPE_CHECKING:
 else:
 
     def __getattr__(name):
-        if name not in _SUBPACKAGES:
-            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-        return _import_module(f"{__name__}.{name}")
+        if name == "__version__":
+            return _import_module("importlib.metadata").version(__name__)
+        if name in _SUBPACKAGES:
+            return _import_module(f"{__name__}.{name}")
+        raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
 
 
 def __dir__() -> list[str]:

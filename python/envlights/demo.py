@@ -1,4 +1,4 @@
-"""The main job on a map that the package makes itself."""
+"""A first try: make a map, fit it, and draw the result."""
 
 from __future__ import annotations
 

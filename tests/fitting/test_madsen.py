@@ -223,7 +223,7 @@ def keeps_the_claim(found):
         cosine.max(axis=1).min() > np.cos(np.deg2rad(3))
         and len(others) == 1
         and found.direction[others[0], 2] < -0.9
-        and (found.radiance[others[0]] > 0).all()
+        and (found.irradiance[others[0]] > 0).all()
     )
 
 
@@ -277,7 +277,7 @@ def test_two_pixels_in_the_dark_come_back_as_the_faces_that_they_are_in():
     order = (found.direction @ centroids[faces].T).argmax(axis=0)
     np.testing.assert_allclose(found.direction[order], centroids[faces], atol=1e-6)
     flux = scene[faces] * solid_angles[faces, None]
-    np.testing.assert_allclose(found.radiance[order], flux, rtol=1e-6)
+    np.testing.assert_allclose(found.irradiance[order], flux, rtol=1e-6)
     np.testing.assert_array_equal(found.ambient, 0)
 
 
@@ -289,7 +289,7 @@ def test_coefficients_scale_ambient_light_as_equation_4_does_and_leave_the_rig_a
     gray = el.fit_paper(HALL.radiance, k_a=1, k_d=0.5, C=(0.8, 0.8, 0.8))
     for other in (tenth, gray):
         np.testing.assert_allclose(other.rig().ambient, one.rig().ambient, rtol=1e-3)
-        np.testing.assert_allclose(other.radiance, one.radiance, rtol=1e-3)
+        np.testing.assert_allclose(other.irradiance, one.irradiance, rtol=1e-3)
 
 
 def test_the_rig_is_what_was_found():
@@ -303,8 +303,10 @@ def test_the_rig_is_what_was_found():
 
 def test_negative_light_is_an_answer_of_the_paper_but_no_rig():
     below = el.fit_paper(HALL.radiance, start=-HALL.lights.direction, lights=3)
-    assert below.radiance.min() < 0
-    with pytest.raises(el.EnvLightsError, match=r"no negative light, and the least here is -"):
+    assert below.irradiance.min() < 0
+    with pytest.raises(
+        el.EnvLightsError, match=r"must not hold negative light, and the least here is -"
+    ):
         below.rig()
 
 
@@ -312,7 +314,7 @@ def test_negative_light_is_an_answer_of_the_paper_but_no_rig():
 def test_a_black_map_is_explained_at_once(damped):
     found = el.fit_paper(np.zeros((16, 32, 3)), lights=3, damped=damped)
     assert found.stop_reason is el.StopReason.EXACT
-    np.testing.assert_allclose(found.radiance, 0, atol=1e-12)
+    np.testing.assert_allclose(found.irradiance, 0, atol=1e-12)
     np.testing.assert_allclose(found.ambient, 0, atol=1e-12)
 
 
@@ -334,7 +336,7 @@ def test_any_map_gets_finite_lights(seed, many, scale, damped):
     radiance = (rng.uniform(size=(8, 16, 3)) ** 8 * scale).astype(np.float32)
     found = el.fit_paper(radiance, lights=many, damped=damped, max_steps=15)
     assert found.steps <= 15
-    for part in (found.ambient, found.direction, found.radiance, found.errors):
+    for part in (found.ambient, found.direction, found.irradiance, found.errors):
         assert np.isfinite(part).all()
 
 
@@ -357,7 +359,7 @@ def test_a_step_that_cannot_be_computed_leaves_the_lights_before_it(monkeypatch)
     found = el.fit_paper(HALL.radiance)
     assert found.stop_reason is el.StopReason.RAN_AWAY
     assert not found.stop_reason.is_success
-    np.testing.assert_array_equal(found.radiance, 1)
+    np.testing.assert_array_equal(found.irradiance, 1)
 
 
 def test_a_whole_step_beyond_every_float_leaves_the_lights_before_it(monkeypatch):

@@ -62,7 +62,7 @@ def test_places_where_nothing_can_be_written_are_refused(tmp_path):
         read_only: "marked read-only",
     }
     if Path(os.devnull).exists():
-        refused[os.devnull] = "no regular file"
+        refused[os.devnull] = "not a regular file"
     for path, message in refused.items():
         with pytest.raises(el.EnvLightsError, match=message):
             check_writable(path)

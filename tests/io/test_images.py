@@ -262,7 +262,7 @@ def test_broken_files_are_refused_in_one_sentence_that_names_them(tmp_path, capf
         ("", "cannot read an empty path"),
         ("two\nlines.exr", r"cannot read two\\nlines.exr: there is no such file"),
         ("nul\0.exr", r"cannot read nul\\x00.exr"),
-        (os.devnull, "it is no regular file"),
+        (os.devnull, "it is not a regular file"),
     ],
 )
 def test_paths_that_name_no_file_are_refused(path, message):

@@ -59,10 +59,8 @@ def sensors_above(surface):
         }
         for k, (point, normal) in enumerate(zip(points, normals, strict=True))
     }
-    sampler = {"type": "independent"}
-    return mi.load_dict(
-        {"type": "batch", "film": film(len(sensors)), "sampler": sampler, **sensors}
-    )
+    batch = {"type": "batch", "film": film(len(sensors)), "sampler": {"type": "independent"}}
+    return mi.load_dict({**batch, **sensors})
 
 
 def texels_by_mitsuba(surface, rigs, depth, effort=1, seeds=(1, 2)):

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 import envlights as el
 from envlights import kernels
 from envlights.scene.sky import harmonics, sky_transfer
-from envlights.scene.surface import frames
+from envlights.scene.surface import tangent_frames
 
 UP = np.array([0.0, 1.0, 0.0])
 DARK = np.zeros(3)
@@ -168,7 +168,7 @@ def test_frames_are_right_handed_and_unit(seed):
     normal = np.random.default_rng(seed).normal(size=(9, 3))
     normal[:3] = [[0, 0, 1], [0, 0, -1], [0, -0.0, -1]]
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    found = frames(normal)
+    found = tangent_frames(normal)
     identity = np.tile(np.eye(3), (9, 1, 1))
     np.testing.assert_allclose(found @ found.swapaxes(1, 2), identity, atol=1e-12)
     np.testing.assert_allclose(np.linalg.det(found), 1)

@@ -41,18 +41,21 @@ def test_saved_models_come_back_to_the_bit(tmp_path, notebook):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"format": np.array("another")}, "is no model"),
+        ({"format": np.array("another")}, "is not a model"),
         ({"version": np.array(2)}, "version 2; this package reads 1"),
-        ({"basis": np.zeros((5, 2), np.float32)}, "holds no possible model"),
-        ({"transfer": np.full((3, 256, 32), np.nan)}, "transfer is not finite"),
-        ({"lit": np.zeros((16, 16), bool)}, "basis has 1014 texels, lit"),
-        ({"basis": np.full((1014, 32), np.nan, np.float32)}, "basis is not finite"),
-        ({"basis": np.zeros((1014, 32), bool)}, "basis is not finite"),
-        ({"size": np.array([-16, -16])}, "size is"),
-        ({"report": np.array(json.dumps({"pairs": 1, "seconds": None}))}, "holds no possible"),
-        ({"report": np.array(json.dumps({"pairs": -1}))}, "holds no possible model"),
-        ({"parameters": np.array("{}")}, "parameters are"),
-        ({"energy": None}, "holds no possible model: 'energy'"),
+        ({"basis": np.zeros((5, 2), np.float32)}, "does not hold a model: basis must hold"),
+        ({"transfer": np.full((3, 256, 32), np.nan)}, "transfer must be finite"),
+        (
+            {"lit": np.zeros((16, 16), bool)},
+            r"basis must .* \(0, 32\); got float32 .* \(1014, 32\)",
+        ),
+        ({"basis": np.full((1014, 32), np.nan, np.float32)}, "basis must be finite"),
+        ({"basis": np.zeros((1014, 32), bool)}, "basis must hold float32 or float64 .* got bool"),
+        ({"size": np.array([-16, -16])}, "size must be a whole number, 1 or more; got -16"),
+        ({"report": np.array(json.dumps({"pairs": 1, "seconds": None}))}, "does not hold a model"),
+        ({"report": np.array(json.dumps({"pairs": -1}))}, "pairs must be a whole number"),
+        ({"parameters": np.array("{}")}, "parameters must be error, rank, ridge; got none"),
+        ({"energy": None}, "does not hold a model: the entry 'energy' is missing"),
     ],
 )
 def test_impossible_files_are_refused(model, tmp_path, change, message):

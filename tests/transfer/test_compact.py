@@ -1,5 +1,7 @@
 """Faster frames: kernels against NumPy, rounded bases, frames that stop early, parts of frames."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -98,6 +100,17 @@ def test_large_bases_are_rounded_as_small_ones():
     change = kept.dense(lit).astype(float) - basis
     np.testing.assert_allclose(wrong, change.T @ change, rtol=1e-5, atol=1e-5 * wrong.max())
     assert np.abs(change).max() <= np.abs(basis).max() / 254 * (1 + 1e-4)
+
+
+def test_blocks_that_are_black_altogether_take_no_place():
+    """More black rows above than one block of texels holds."""
+    rng = np.random.default_rng(0)
+    lit = np.zeros((300, 100), bool)
+    lit[200:250] = True
+    basis = rng.normal(size=(np.count_nonzero(lit), 3)).astype(np.float32)
+    kept, wrong = compact.rounded(basis, lit, "int8")
+    change = kept.dense(lit).astype(float) - basis
+    np.testing.assert_allclose(wrong, change.T @ change, rtol=1e-5, atol=1e-5 * wrong.max())
 
 
 @pytest.mark.parametrize("dtype", list(compact.LARGEST))
@@ -222,16 +235,16 @@ def test_a_frame_that_stops_early_stays_in_its_error(model, both, error):
 
 def test_frames_stop_at_the_first_component_that_will_do():
     """Squares 16, 8, 4, 2, 1 of 31: without the last two 3/31 are gone, without three 7/31."""
-    from envlights.transfer.expand import enough
+    from envlights.transfer.expand import truncated
 
     coefficients = np.sqrt([16.0, 8, 4, 2, 1])[None, None] * np.ones((2, 3, 1)) / np.sqrt(3)
     coefficients[1, :, 2:] = 0
     for left_out, components in [(0, 5), (0.5, 5), (1, 4), (3, 3), (7, 2), (30.9, 1), (31, 0)]:
-        found = enough(coefficients[:1], np.sqrt(left_out * (1 + 1e-9) / 31))
+        found = truncated(coefficients[:1], np.sqrt(left_out * (1 + 1e-9) / 31))
         np.testing.assert_array_equal(found, coefficients[:1, :, :components])
-    together = enough(coefficients, np.sqrt(1.01 / 31))
+    together = truncated(coefficients, np.sqrt(1.01 / 31))
     np.testing.assert_array_equal(together, coefficients[..., :4])
-    together = enough(coefficients, np.sqrt(8.01 / 24))
+    together = truncated(coefficients, np.sqrt(8.01 / 24))
     assert (together[1, :, 1:] == 0).all(), "each frame stops for itself"
     assert (together[0, :, 1] != 0).all()
 
@@ -253,13 +266,19 @@ def test_compressed_models_are_saved_whole(both, tmp_path):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"scales": np.ones((5, 24, 2), np.float32)}, "scales has the shape"),
-        ({"basis": np.zeros((90, 24, 16), np.int8)}, "tiles of 16 texels in int8"),
-        ({"basis": np.zeros((90, 24, 32), np.int16)}, "tiles of 32 texels in int16"),
-        ({"lit": np.ones((64, 61), bool)}, r"basis has \d+ tiles, lit another number"),
-        ({"lit": np.zeros((64, 61), bool)}, r"basis has \d+ tiles, lit another number"),
-        ({"scales": None}, "holds no possible model"),
-        ({"scales": "nan"}, "basis is not finite"),
+        ({"scales": np.ones((5, 24, 2), np.float32)}, "scales must hold float32"),
+        (
+            {"basis": np.zeros((90, 24, 16), np.int8)},
+            r"basis must hold int8 or float16 .* 32\); got int8 .* 16\)",
+        ),
+        (
+            {"basis": np.zeros((90, 24, 32), np.int16)},
+            "basis must hold int8 or float16 .* got int16",
+        ),
+        ({"lit": np.ones((64, 61), bool)}, r"basis must hold .* \(122, 24, 32\); got"),
+        ({"lit": np.zeros((64, 61), bool)}, r"basis must hold .* \(0, 24, 32\); got"),
+        ({"scales": None}, "does not hold a model: basis must hold float32 or float64"),
+        ({"scales": "nan"}, "scales must be finite"),
     ],
 )
 def test_impossible_files_are_refused(both, tmp_path, change, message):
@@ -272,6 +291,18 @@ def test_impossible_files_are_refused(both, tmp_path, change, message):
     np.savez(tmp_path / "bad.npz", **arrays)
     with pytest.raises(el.EnvLightsError, match=message):
         el.TransferModel.load(tmp_path / "bad.npz")
+
+
+def test_a_compact_basis_of_other_tiles_is_refused(both):
+    basis = both[0].basis
+    moved = replace(basis, places=np.roll(basis.places, 1))
+    for change, message in [
+        ({"basis": moved}, "places of the basis must be the tiles in which lit has texels"),
+        ({"basis": replace(basis, scales=basis.scales[:-1])}, r"scales must hold float32 .* got"),
+        ({"lit": np.ones_like(both[0].lit)}, r"basis must .* \(122, 24, 32\); got int8"),
+    ]:
+        with pytest.raises(el.EnvLightsError, match=message):
+            replace(both[0], **change)
 
 
 def test_what_cannot_be_is_refused_in_a_sentence(model, both):

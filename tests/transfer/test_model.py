@@ -1,6 +1,9 @@
 """Indirect light from direct light: references, laws of light, odd pairs of images."""
 
+import copy
 import os
+import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -336,6 +339,58 @@ def test_pairs_that_do_not_fit_a_model_are_not_added(model):
         model.add(1.0, 2.0)
     with pytest.raises(el.EnvLightsError, match="notebook=True takes no more pairs"):
         el.TransferModel.fit(*SCENE, notebook=True).add(*SCENE)
+
+
+@pytest.mark.parametrize("notebook", [False, True])
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda one: pickle.loads(pickle.dumps(one))])
+def test_copies_of_models_predict_the_same(copied, notebook):
+    model = el.TransferModel.fit(*SCENE, rank=8, notebook=notebook)
+    np.testing.assert_array_equal(copied(model).predict(SCENE[0]), model.predict(SCENE[0]))
+    assert copied(model).report == model.report
+
+
+IMPOSSIBLE = [
+    (lambda model: {"lit": model.lit[0]}, r"lit must have 2 axes; got the shape \(32,\)"),
+    (lambda model: {"lit": model.lit.astype(int)}, "lit must hold bool .* got int64"),
+    (lambda model: {"lit": ~model.lit}, r"basis must .* \(10, 32\); got float32 .* \(1014, 32\)"),
+    (lambda model: {"basis": model.basis[:, :5]}, r"basis must .* \(1014, 32\); got"),
+    (lambda model: {"basis": model.basis.tolist()}, "basis .* got an object of the type list"),
+    (lambda model: {"transfer": model.transfer[..., :5]}, r"basis must .* \(1014, 5\); got"),
+    (lambda model: {"transfer": model.transfer[:, 1:]}, r"transfer must .* \(3, 256, 32\); got"),
+    (lambda model: {"transfer": 1.0}, r"basis must .* \(1014,\); got"),
+    (lambda model: {"mean": model.basis[:, 0]}, r"transfer must .* \(3, 768, 32\); got"),
+    (lambda model: {"mean": np.ones(7)}, r"mean must .* \(1014,\); got float64 .* \(7,\)"),
+    (lambda model: {"size": (16, 8)}, r"transfer must .* \(3, 128, 32\); got"),
+    (lambda model: {"size": (16,)}, "size must be two numbers, height and width"),
+    (lambda model: {"size": (16, 16.0)}, "size must be a whole number"),
+    (lambda model: {"parameters": {"rank": 3}}, "parameters must be error, rank, ridge; got rank"),
+    (lambda model: {"parameters": {**model.parameters, "ridge": -1}}, "ridge must be a finite"),
+    (lambda model: {"learnt": None}, "learnt must be a Learnt"),
+    (lambda model: {"report": {}}, "report a TransferReport"),
+    (
+        lambda model: {"learnt": replace(model.learnt, energy=model.learnt.energy[1:])},
+        r"energy must .* \(64,\); got float64 in the shape \(63,\)",
+    ),
+    (
+        lambda model: {"learnt": replace(model.learnt, outside=model.learnt.outside.tolist())},
+        "outside must .* got an object of the type list",
+    ),
+]
+
+
+@pytest.mark.parametrize(("change", "message"), IMPOSSIBLE)
+def test_fields_that_do_not_fit_together_are_refused_also_from_a_pickle(model, change, message):
+    broken = copy.copy(model)
+    for name, value in change(model).items():
+        object.__setattr__(broken, name, value)
+    for construct in (
+        lambda: replace(model, **change(model)),
+        lambda: copy.copy(broken),
+        lambda: pickle.loads(pickle.dumps(broken)),
+    ):
+        with pytest.raises(el.EnvLightsError, match=message) as refusal:
+            construct()
+        assert "\n" not in str(refusal.value)
 
 
 def test_path_traced_pairs_are_predicted_better_than_by_the_notebook():

@@ -26,39 +26,39 @@ def detect_tree(
 ) -> DetectedLights:
     r"""Bright places of a map: the branches of its component tree.
 
-    The threshold comes from the map's own histogram. From the brightest pixel down, pixels
-    join the islands beside them, across the seam and the poles; where two islands meet, the
-    dimmer stays a light of its own if its peak is `prominence` times the level at which they meet.
-    Each light is then measured in the map's own pixels. After Loghin (2021), whose line between two
-    samples is one straight guess at the path that the tree follows.
+    The threshold comes from the map's own histogram. From the brightest pixel down, pixels join the
+    components beside them, across the seam and the poles. Where two components meet, the dimmer one
+    stays a light of its own if its peak is `prominence` times the level at which they meet. Each
+    light is then measured in the map's own pixels. The method goes back to Loghin (2021), whose
+    straight line between two samples approximates the path that the tree follows.
 
     Parameters
     ----------
     env : EnvMap or array_like, shape (height, 2 * height, 3)
         The map.
     max_lights : int, optional
-        Most lights. Neighbours are merged until there are no more, those first that move the least
-        flux (Ward 1963); nothing is dropped for it.
+        Lights, at most. Neighbours are merged until there are that many, the pair with the least
+        cost first (Ward 1963); no flux is dropped. `detect_article` leaves lights out instead.
     min_flux_share : float
         Lights with a smaller share of the map's flux are left out.
     prominence : float
-        A light's peak over its saddle, at least; 1 keeps every local maximum apart.
+        Ratio of a light's peak to its saddle, at least; 1 keeps every local maximum apart.
     gap_deg : float
-        Dark bars up to this many degrees do not divide a light.
+        Dark bars of up to this many degrees do not divide a light.
     extent : float
         A light ends where its luminance has fallen to this share of its peak.
     working_width : int
-        The lights are sought in a reduction of the map to at most so many columns.
+        Lights are searched for in a reduction of the map to at most this many columns.
 
     Returns
     -------
     DetectedLights
-        Most flux first; `report` says the threshold and why, and what was skipped.
+        Brightest first; `report` holds the threshold with its reason, and what was skipped.
 
     Raises
     ------
     EnvLightsError
-        If `env` is no map or an option is out of its range.
+        If `env` is not a map or an option is out of its range.
 
     Examples
     --------
@@ -128,7 +128,7 @@ def _reason(found: _native.TreeDetection) -> str:
 
 
 def _skipped(found: _native.TreeDetection) -> list[str]:
-    """What was not looked at or kept, in words."""
+    """Sentences on what was not searched or not kept."""
     dark = found.tiles - found.opened_tiles
     notes = [f"{dark} of {found.tiles} tiles ({100 * dark / found.tiles:.3g} %) that are dark"]
     if not len(found.flux) and not found.dropped:

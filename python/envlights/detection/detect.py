@@ -13,7 +13,7 @@ from envlights.detection.lights import DetectedLights
 from envlights.detection.loghin import detect_article
 from envlights.envmap import EnvMap
 
-#: How bright places are found.
+#: The detectors by name.
 METHODS: dict[str, Callable[..., DetectedLights]] = {
     "tree": detect_tree,
     "article": detect_article,
@@ -28,8 +28,8 @@ def detect(env: EnvMap | ArrayLike, method: str = "tree", **options: Any) -> Det
     env : EnvMap or array_like, shape (height, 2 * height, 3)
         The map.
     method : {"tree", "article"}
-        "tree" follows every bright path exactly and measures each light on the sphere: see
-        `detect_tree`. "article" is the method of Loghin (2021), sample by sample: see
+        "tree": the component tree, which follows every bright path and measures each light on the
+        sphere; see `detect_tree`. "article": the method of Loghin (2021), on samples; see
         `detect_article`.
     **options
         Those of `detect_tree` or `detect_article`.
@@ -37,12 +37,12 @@ def detect(env: EnvMap | ArrayLike, method: str = "tree", **options: Any) -> Det
     Returns
     -------
     DetectedLights
-        Most flux first.
+        Brightest first.
 
     Raises
     ------
     EnvLightsError
-        If `env` is no map, the method is not known or an option is out of its range.
+        If `env` is not a map, the method is not known or an option is out of its range.
 
     Examples
     --------

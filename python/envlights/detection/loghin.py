@@ -1,4 +1,4 @@
-"""Detection as in Loghin (2021), step by step."""
+"""Detection by the steps of Loghin (2021), in order."""
 
 from __future__ import annotations
 
@@ -8,24 +8,26 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights import kernels
 from envlights._check import amount, check_choice, count
 from envlights.detection.component_tree import detect_tree
 from envlights.detection.lights import DetectedLights, DetectionReport, Members
 from envlights.envmap import EnvMap, as_envmap
-from envlights.kernels.image import LUMINANCE
+from envlights.kernels import image as images
+from envlights.kernels import loghin, sampling
+from envlights.kernels.sphere import direction_to_uv, pixel_solid_angles, uv_to_direction
 
 
 @dataclass(frozen=True)
 class _Samples:
-    """Samples of the sphere that may show a light, brightest first."""
+    """Samples near a bright pixel, brightest first."""
 
     pixel: NDArray[np.int64]
     luminance: NDArray[np.float32]
     own_pixel: NDArray[np.int64]
-    """Where each was taken, before it moved to a maximum."""
+    """The pixel where each was taken, before it moved to a maximum."""
+
     taken: int
-    """Samples that were taken in all."""
+    """Number of all samples, dark ones too."""
 
 
 def detect_article(
@@ -48,9 +50,9 @@ def detect_article(
 ) -> DetectedLights:
     """Bright places of a map, by the steps of Loghin (2021): the compatibility mode.
 
-    The sphere is sampled with Hammersley points; samples near a bright pixel are kept, those near a
-    brighter one suppressed, those that a bright line joins merged. The defaults are the
-    article's as it means them: its slips are mended (32-bit masks, a line check that ends,
+    The sphere is sampled with Hammersley points. Samples near a bright pixel are kept, samples near
+    a brighter one are suppressed, and samples that a bright line joins are merged. The defaults are
+    those that the article intends; its slips are corrected (32-bit masks, a line check that ends,
     ``sum(w p) / sum(w)``, only survivors suppress and merge, pixel centres, the frame of
     `EnvMap`). `relative`, `move_to_maximum`, `sphere` and `merge_cap_deg` are improvements.
 
@@ -59,39 +61,40 @@ def detect_article(
     env : EnvMap or array_like, shape (height, 2 * height, 3)
         The map.
     max_lights : int, optional
-        Keep the first so many.
+        Lights, at most: the dimmest are left out. `detect_tree` merges neighbours instead.
     working_width : int
-        Columns of the working image; maps with fewer stay as they are.
+        Columns of the working image, at most; a map is not enlarged.
     reduction : {"bilinear", "area"}
-        How the map is reduced. Bilinear, the article's, leaves pixels out.
+        How the map is reduced. Bilinear, the article's, skips pixels.
     blur_px : float
         Standard deviation of a blur; 1 to 2 in the article, where it is optional.
     samples_per_pixel : float
-        Of the working image.
+        Number of samples over the number of pixels of the working image.
     window_px : int
         Width of the window around a sample, at 1024 columns, less one.
     threshold : float
-        Luminance that the brightest pixel of a window exceeds.
+        Luminance, in linear units, that the brightest pixel of a window must exceed. An 8 or 16 bit
+        map is linearised first: 0.8 is then the sRGB code 0.91 of white.
     suppression_deg : float
-        Samples closer to a brighter one are suppressed. The article asks for a number of pixels and
-        gives none; this is half again the distance between its samples.
+        Samples closer to a brighter one are suppressed. The article names no number of pixels; this
+        is 1.5 times the distance between its samples.
     tolerance, ceiling : float
         Of the line check; see `kernels.merge_along_lines`.
     merge_cap_deg : float, optional
         Samples farther apart are not merged. The article has no cap.
     relative : bool
-        Whether the threshold is that of `detect_tree`, which follows the map's histogram, and all
-        levels of the line check keep their ratio to it. The article's are absolute.
+        Whether the threshold is that of `detect_tree`, from the map's histogram; all levels of the
+        line check then keep their ratio to it. The article's are absolute.
     move_to_maximum : bool
         Whether a sample moves to the brightest pixel of its window. In the article it stays.
     sphere : bool
-        Whether windows, distances, lines and means live on the sphere, across the seam. In the
-        article they live on the image.
+        Whether windows, distances, lines and means are taken on the sphere, across the seam. In the
+        article they are taken on the image.
 
     Returns
     -------
     DetectedLights
-        Most flux first. Each sample stands for ``4 pi / n`` steradians where it was taken. The
+        Brightest first. Each sample stands for ``4 pi / n`` steradians where it was taken. The
         irradiance of a light is the sum over its samples: right on average, rough for a light that
         is smaller than the distance between samples (3.6 degrees at 1024 columns). Its solid angle
         is that of its samples above the threshold, of one at least.
@@ -99,7 +102,7 @@ def detect_article(
     Raises
     ------
     EnvLightsError
-        If `env` is no map or an option is out of its range.
+        If `env` is not a map or an option is out of its range.
 
     Examples
     --------
@@ -120,12 +123,12 @@ def detect_article(
     samples = _bright_samples(image, samples_per_pixel, reach, level, move_to_maximum, sphere)
     points = _points(samples.pixel, image.shape, sphere)
     apart = _distance("suppression_deg", suppression_deg, width, sphere)
-    survivor_of = kernels.suppress(points, apart)
+    survivor_of = loghin.suppress(points, apart)
     survivors = np.unique(survivor_of)
     farthest = np.inf
     if merge_cap_deg is not None:
         farthest = _distance("merge_cap_deg", merge_cap_deg, width, sphere)
-    merged_into = kernels.merge_along_lines(
+    merged_into = loghin.merge_along_lines(
         image,
         samples.pixel[survivors],
         tolerance=unit * amount("tolerance", tolerance),
@@ -135,7 +138,7 @@ def detect_article(
         farthest=farthest,
         sphere=sphere,
     )
-    means = kernels.weighted_means(points[survivors], samples.luminance[survivors], merged_into)
+    means = loghin.weighted_means(points[survivors], samples.luminance[survivors], merged_into)
     peaks, light = np.unique(merged_into, return_inverse=True)
     found = _Found(
         direction=_directions(means, image.shape),
@@ -157,7 +160,7 @@ def detect_article(
 
 @dataclass(frozen=True)
 class _Found:
-    """What the steps leave: lights, and the light of each sample."""
+    """The lights, and the light to which each sample belongs."""
 
     direction: NDArray[np.float64]
     peak: NDArray[np.int64]
@@ -170,12 +173,12 @@ def _working_image(env: EnvMap, width: int, reduction: str, blur_px: float) -> N
     width = min(count("working_width", width, least=16), env.width)
     if reduction == "area":
         border_sampled = env.registration == "border-sampled"
-        image = kernels.reduced_luminance(env.radiance, width, border_sampled=border_sampled)
+        image = images.reduced_luminance(env.radiance, width, border_sampled=border_sampled)
     else:
-        image = kernels.luminance(env.radiance)
+        image = images.luminance(env.radiance)
         if width < env.width:
-            image = kernels.resize_bilinear(image, width // 2, width)
-    return kernels.blur(image, blur_px) if amount("blur_px", blur_px) > 0 else image
+            image = images.resize_bilinear(image, width // 2, width)
+    return images.blur(image, blur_px) if amount("blur_px", blur_px) > 0 else image
 
 
 def _registration_notes(env: EnvMap) -> tuple[str, ...]:
@@ -185,7 +188,7 @@ def _registration_notes(env: EnvMap) -> tuple[str, ...]:
 
 
 def _unit_of_luminance(env: EnvMap, threshold: float) -> float:
-    """What stands for the article's 1, so that its threshold becomes that of the tree."""
+    """The luminance that takes the place of the article's 1: its threshold becomes the tree's."""
     level = detect_tree(env).report.threshold
     return level / threshold if level > 0 and threshold > 0 else 1.0
 
@@ -201,9 +204,9 @@ def _bright_samples(
     """Steps 3 to 6: samples whose window holds a pixel above the threshold, brightest first."""
     height, width = image.shape
     taken = int(amount("samples_per_pixel", samples_per_pixel, most=1.0) * width * height)
-    directions = kernels.uniform_sphere(kernels.hammersley(taken))
-    pixel = kernels.uv_to_pixel(kernels.direction_to_uv(directions), height, width)
-    brightest, place = kernels.neighbour_maximum(image, pixel, reach, sphere=sphere)
+    directions = sampling.uniform_sphere(sampling.hammersley(taken))
+    pixel = images.uv_to_pixel(direction_to_uv(directions), height, width)
+    brightest, place = loghin.neighbour_maximum(image, pixel, reach, sphere=sphere)
     kept = brightest > threshold
     own_pixel, pixel = pixel[kept], (place if move_to_maximum else pixel)[kept]
     luminance = image[pixel[:, 0], pixel[:, 1]]
@@ -212,14 +215,14 @@ def _bright_samples(
 
 
 def _points(pixel: NDArray[np.int64], size: tuple[int, ...], sphere: bool) -> NDArray[np.float64]:
-    """Where samples are: unit vectors on the sphere, else rows and columns."""
+    """Positions of pixels: unit vectors on the sphere, else rows and columns."""
     if not sphere:
         return pixel.astype(np.float64)
-    return kernels.uv_to_direction((pixel[:, ::-1] + 0.5) / (size[1], size[0]))
+    return uv_to_direction((pixel[:, ::-1] + 0.5) / (size[1], size[0]))
 
 
 def _distance(name: str, angle_deg: float, width: int, sphere: bool) -> float:
-    """The distance between `_points` that an angle stands for."""
+    """The distance between two `_points` that are an angle apart."""
     angle = amount(name, angle_deg, most=180.0)
     return float(2 * np.sin(np.deg2rad(angle) / 2)) if sphere else angle * width / 360
 
@@ -227,7 +230,7 @@ def _distance(name: str, angle_deg: float, width: int, sphere: bool) -> float:
 def _directions(means: NDArray[np.float64], size: tuple[int, ...]) -> NDArray[np.float64]:
     """Unit vectors of `_points` or of their means."""
     if means.shape[1] == 2:
-        return kernels.uv_to_direction((means[:, ::-1] + 0.5) / (size[1], size[0]))
+        return uv_to_direction((means[:, ::-1] + 0.5) / (size[1], size[0]))
     return _unit(means)
 
 
@@ -238,19 +241,19 @@ def _lights(
     found: _Found,
     report: DetectionReport,
 ) -> DetectedLights:
-    """What the samples of each light say of it: each stands for 4 pi / n steradians."""
-    many, each = len(found.direction), 4 * np.pi / max(samples.taken, 1)
-    # Where a sample was taken: at the maxima that it may have moved to, a lamp of 2 degrees seems
-    # four times as bright, for all samples around see it.
-    seen = _points(samples.own_pixel, image.shape, sphere=True)
-    place = kernels.uv_to_pixel(kernels.direction_to_uv(seen), env.height, env.width)
+    """Measure each light on its samples, each of which stands for 4 pi / n steradians."""
+    lights, each = len(found.direction), 4 * np.pi / max(samples.taken, 1)
+    # Measure where a sample was taken. All samples around a lamp may have moved to its maximum,
+    # where one of 2 degrees would count four times.
+    at = _points(samples.own_pixel, image.shape, sphere=True)
+    place = images.uv_to_pixel(direction_to_uv(at), env.height, env.width)
     radiance = env.radiance[place[:, 0], place[:, 1]].astype(np.float64)
-    irradiance = each * _sums(radiance, found.light, many)
+    irradiance = each * _sums(radiance, found.light, lights)
     is_bright = image[samples.own_pixel[:, 0], samples.own_pixel[:, 1]] > report.threshold
-    bright = np.bincount(found.light, is_bright, minlength=many)
-    elongation, orientation = _shapes(seen, found)
-    bands = kernels.pixel_solid_angles(image.shape[0], 2)[:, 0] * 2 / image.shape[1]
-    whole = float(image.sum(axis=1) @ bands) or 1.0
+    bright = np.bincount(found.light, is_bright, minlength=lights)
+    elongation, orientation = _shapes(at, found)
+    bands = pixel_solid_angles(image.shape[0], 2)[:, 0] * 2 / image.shape[1]
+    total = float(image.sum(axis=1) @ bands) or 1.0
     return DetectedLights(
         found.direction,
         irradiance,
@@ -259,26 +262,28 @@ def _lights(
         elongation=elongation,
         orientation=orientation,
         peak_luminance=image[found.peak[:, 0], found.peak[:, 1]].astype(np.float64),
-        flux_share=irradiance @ LUMINANCE / whole,
-        is_clipped=np.zeros(many, dtype=bool),
+        flux_share=irradiance @ images.LUMINANCE / total,
+        is_clipped=np.zeros(lights, dtype=bool),
         members=Members(samples.pixel, found.light),
         report=report,
     )
 
 
-def _sums(values: NDArray[np.float64], light: NDArray[np.int64], many: int) -> NDArray[np.float64]:
+def _sums(
+    values: NDArray[np.float64], light: NDArray[np.int64], lights: int
+) -> NDArray[np.float64]:
     """Sum of the rows of `values` over each light."""
-    columns = [np.bincount(light, column, minlength=many) for column in values.T]
+    columns = [np.bincount(light, column, minlength=lights) for column in values.T]
     return np.stack(columns, axis=1)
 
 
 def _shapes(
-    seen: NDArray[np.float64], found: _Found
+    at: NDArray[np.float64], found: _Found
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Elongation and long axis of each light, from the spread of its samples."""
-    offset = seen - found.direction[found.light]
-    spread = (offset[:, :, None] * offset[:, None, :]).reshape(-1, 9)
-    matrices = _sums(spread, found.light, len(found.direction)).reshape(-1, 3, 3)
+    """Elongation and long axis of each light, from the second moments of its samples."""
+    offset = at - found.direction[found.light]
+    moments = (offset[:, :, None] * offset[:, None, :]).reshape(-1, 9)
+    matrices = _sums(moments, found.light, len(found.direction)).reshape(-1, 3, 3)
     values, axes = np.linalg.eigh(matrices)
     with np.errstate(invalid="ignore", divide="ignore"):
         elongation = np.sqrt(values[:, 2] / values[:, 1])

@@ -1,4 +1,10 @@
-"""Images in, files out."""
+"""Images in, and files out.
+
+| step                                              | file        |
+|---------------------------------------------------|-------------|
+| read and write images; a file's colour space      | `images.py` |
+| write any file whole or not at all                | `files.py`  |
+"""
 
 from envlights.io.files import check_writable, write_atomically
 from envlights.io.images import Image, decode_srgb, read_image, write_exr

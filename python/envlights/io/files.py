@@ -1,4 +1,4 @@
-"""Files out: whole or not at all."""
+"""Files out, written whole or not at all."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from pathlib import Path
 
 from envlights._native import EnvLightsError
 
-#: What pictures are drawn as; here, where the command line finds it without loading Matplotlib.
+#: Formats of pictures; here, so that the command line can check them without loading Matplotlib.
 PICTURES = (".png", ".pdf", ".svg")
 
 
 def as_path(path: object) -> Path:
-    """`path`, or a refusal of what is none."""
+    """`path` as a `Path`, or a refusal."""
     try:
         return Path(path)  # type: ignore[arg-type]
     except TypeError:
@@ -27,8 +27,8 @@ def as_path(path: object) -> Path:
 def check_writable(path: str | os.PathLike[str]) -> Path:
     """Refuse a place where no file can be written, before the work that would be lost.
 
-    A file without any permission to write is left alone even where the user is allowed to
-    replace it: somebody marked it so.
+    A file without any write permission is left alone, even if the user may replace it: somebody
+    marked it read-only.
 
     Returns
     -------
@@ -52,7 +52,7 @@ def _obstacle(target: Path) -> str:
     if target.is_dir():
         return "it is a folder; give the name of a file"
     if target.exists() and not target.is_file():
-        return "it exists and is no regular file"
+        return "it exists and is not a regular file"
     if target.exists() and not (_has_write_mark(target) and os.access(target, os.W_OK)):
         return "it exists and is marked read-only"
     if not os.access(target.parent, os.W_OK | os.X_OK):
@@ -65,12 +65,12 @@ def _has_write_mark(path: Path) -> bool:
 
 
 def write_atomically(path: str | os.PathLike[str], write: Callable[[Path], object]) -> None:
-    """Let `write` fill a file beside `path`, then put it in place in one move.
+    """Let `write` fill a file beside `path`, then move it into place in one step.
 
-    The temporary name keeps the suffix, which tells image libraries the format.
+    The temporary name keeps the suffix, from which image libraries take the format.
     """
     target = check_writable(path)
-    # Short and drawn at random: long names stay possible, and threads do not meet.
+    # A short random name: `path` may have the longest name there is, and threads do not collide.
     beside = target.with_name(f".{secrets.token_hex(8)}{target.suffix}")
     try:
         write(beside)

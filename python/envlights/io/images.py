@@ -1,4 +1,4 @@
-"""Files in, by OpenImageIO: pixels as linear radiance, and what was assumed of them."""
+"""Images in and out, by OpenImageIO: linear radiance, and the assumptions made in reading it."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 from envlights._native import EnvLightsError
 from envlights.io.files import write_atomically
 
-#: More pixels than this are a damaged header, not a map: 65536 x 32768.
+#: A header with more pixels than this, 65536 x 32768, is taken as damaged.
 _MOST_PIXELS = 2**31
 
-#: What every refusal of a file ends with.
+#: The end of every refusal of a file.
 _WANTED = "give a Radiance .hdr, OpenEXR, PNG, JPEG or TIFF image"
 
-#: Sample formats by what they hold.
+#: Sample formats: sRGB codes, and linear radiance.
 _CODED = {"uint8", "uint16"}
 _LINEAR = {"half", "float", "double"}
 
@@ -34,13 +34,13 @@ _REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
 
 @dataclass(frozen=True, eq=False)
 class Image:
-    """What a file holds."""
+    """The content of a file."""
 
     pixels: NDArray[np.float32]
     """Linear RGB, (height, width, 3)."""
 
     border_sampled: bool
-    """Whether the file says that its outer pixels lie on the seam and the poles."""
+    """Whether the outer pixels lie on the seam and the poles, as the file says."""
 
     notes: tuple[str, ...]
     """What was assumed or left out."""
@@ -106,7 +106,7 @@ def _obstacle(path: str) -> str:
     if Path(path).is_dir():
         return "it is a folder"
     if not Path(path).is_file():
-        return "it is no regular file"
+        return "it is not a regular file"
     if Path(path).stat().st_size == 0:
         return "the file is empty"
     return _png_damage(path)
@@ -175,7 +175,7 @@ def _check_spec(name: str, spec: oiio.ImageSpec) -> None:
 
 
 def _colour_channels(name: str, spec: oiio.ImageSpec) -> tuple[list[int], list[str]]:
-    """Numbers of the channels that are red, green and blue, and what is said about the others."""
+    """Numbers of the channels that are red, green and blue, and notes on the others."""
     names = list(spec.channelnames)
     wanted = next(
         (rgb for rgb in (["R", "G", "B"], ["r", "g", "b"]) if set(rgb) <= set(names)), None
@@ -198,11 +198,11 @@ def _colour_channels(name: str, spec: oiio.ImageSpec) -> tuple[list[int], list[s
 
 
 def _is_coded(name: str, spec: oiio.ImageSpec, channels: list[int]) -> bool:
-    """Whether the samples are sRGB codes and not radiance."""
+    """The colour space of a file: integer samples are sRGB codes, floating point is linear."""
     formats = {str(spec.channelformat(channel)) for channel in channels}
     if others := formats - _CODED - _LINEAR:
-        seen, wanted = ", ".join(sorted(others)), "floating point, uint8 or uint16"
-        raise EnvLightsError(f"cannot read {name}: its samples are {seen}; give {wanted}")
+        found, wanted = ", ".join(sorted(others)), "floating point, uint8 or uint16"
+        raise EnvLightsError(f"cannot read {name}: its samples are {found}; give {wanted}")
     return bool(formats & _CODED)
 
 
@@ -239,7 +239,7 @@ def _in_display_window(
 def _upright(
     pixels: NDArray[np.float32], spec: oiio.ImageSpec, notes: list[str]
 ) -> NDArray[np.float32]:
-    """Row 0 at the top and column 0 at the left, where the file says that they are elsewhere."""
+    """The image with row 0 at the top and column 0 at the left, by the header's orientation."""
     orientation = spec.get_int_attribute("Orientation", 1)
     if orientation not in (2, 3, 4):
         return pixels
@@ -250,7 +250,7 @@ def _upright(
 
 
 def _note_primaries(spec: oiio.ImageSpec, notes: list[str]) -> None:
-    """Say where the file names other primaries; the zeros of Radiance headers name none."""
+    """Note primaries other than Rec.709; the zeros of Radiance headers do not name any."""
     primaries = spec.getattribute("chromaticities")
     if primaries and any(primaries) and not np.allclose(primaries, _REC709, atol=1e-3):
         notes.append(
@@ -259,7 +259,7 @@ def _note_primaries(spec: oiio.ImageSpec, notes: list[str]) -> None:
 
 
 def _reason(failed: Any) -> str:
-    """What OpenImageIO, or one of its files, says of its last failure."""
+    """The reason that OpenImageIO, or one of its files, gives for its last failure."""
     try:
         message = failed.geterror()
     except UnicodeDecodeError:  # it repeats the bytes of a damaged header
@@ -290,7 +290,7 @@ def write_exr(path: str | os.PathLike[str], radiance: NDArray[np.float32]) -> No
 
 
 def _check_whole(path: Path) -> None:
-    """Read what was written: OpenImageIO does not see that a disk was full for the last bytes."""
+    """Read the file back: OpenImageIO does not notice a disk that was full for the last bytes."""
     try:
         read_image(path)
     except EnvLightsError:

@@ -14,7 +14,7 @@ from envlights._native import EnvLightsError
 from envlights.kernels.image import LUMINANCE
 from envlights.plot.figure import Picture, display
 from envlights.transfer import TransferModel
-from envlights.transfer.pairs import frames
+from envlights.transfer.pairs import image_stack
 
 #: Inches across one image.
 _WIDTH = 2.9
@@ -60,8 +60,8 @@ def transfer_picture(model: TransferModel, direct: ArrayLike, indirect: ArrayLik
     ['reference', 'transfer', 'projection', 'transfer minus reference']
     """
     height, width = model.lit.shape
-    reference, _ = frames("indirect", indirect, (height, width))
-    lights, _ = frames("direct", direct, model.size)
+    reference, _ = image_stack("indirect", indirect, (height, width))
+    lights, _ = image_stack("direct", direct, model.size)
     if len(lights) != len(reference):
         raise EnvLightsError(
             f"direct and indirect must hold as many images; got {len(lights)} and {len(reference)}"

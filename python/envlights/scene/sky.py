@@ -1,4 +1,4 @@
-"""What a surface sees of an ambient term, behind everything that stands in the way."""
+"""The part of an ambient term that reaches a surface, with shadows."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from envlights import kernels
 from envlights._native import EnvLightsError
-from envlights.scene.surface import Surface, frames
+from envlights.scene.surface import Surface, tangent_frames
 
-#: Whether something stands in the way of each ray: origins (n, 3), unit directions (n, 3) -> (n,).
+#: Ray tracer: origins (n, 3), unit directions (n, 3) -> True for each ray that hits something (n,).
 Blocked = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.bool_]]
 
 #: Irradiance for the radiance of each harmonic, by Lambert's law: orders 0, 1 and 2.
@@ -28,9 +28,9 @@ def sky_transfer(surface: Surface, blocked: Blocked, directions: int) -> NDArray
     ----------
     surface : Surface
     blocked : callable
-        Origins and unit directions, (n, 3) each, to whether something stands in the way, (n,).
+        See `Blocked`.
     directions : int
-        Rays of each texel.
+        Rays for each texel.
 
     Returns
     -------
@@ -41,10 +41,10 @@ def sky_transfer(surface: Surface, blocked: Blocked, directions: int) -> NDArray
 
     Notes
     -----
-    What is not blocked is known in closed form: only what is blocked is sampled, so an open
-    surface has no noise. Directions have a density of cos / pi, by Malley's method, from the points
-    of Hammersley, which are shifted for each texel by a point of Halton (Cranley and Patterson
-    1976): neighbours look elsewhere, and the mean over them is right with few rays.
+    The irradiance of the whole sky is known in closed form. Rays sample only the blocked part, so
+    an open surface has no noise. Their directions have a density of cos / pi, by Malley's method,
+    from the points of Hammersley. A point of Halton shifts them for each texel (Cranley and
+    Patterson 1976): neighbours have different rays, so their mean is accurate with few rays.
     """
     origins, normals = surface.lifted()
     square = kernels.hammersley(directions)
@@ -52,7 +52,7 @@ def sky_transfer(surface: Surface, blocked: Blocked, directions: int) -> NDArray
     transfer = _open_sky(normals)
     for first in range(0, len(origins), _BLOCK):
         some = slice(first, first + _BLOCK)
-        rays = _cosine_hemisphere((square + shifts[some, None]) % 1) @ frames(normals[some])
+        rays = _cosine_hemisphere((square + shifts[some, None]) % 1) @ tangent_frames(normals[some])
         rows = np.repeat(origins[some], directions, axis=0)
         hit = are_blocked(blocked, rows, rays.reshape(-1, 3)).reshape(rays.shape[:2])
         hidden = np.einsum("nd,ndk->nk", hit, harmonics(rays.reshape(-1, 3)).reshape(*hit.shape, 9))
@@ -63,7 +63,7 @@ def sky_transfer(surface: Surface, blocked: Blocked, directions: int) -> NDArray
 def are_blocked(
     blocked: Blocked, origins: NDArray[np.float64], directions: NDArray[np.float64]
 ) -> NDArray[np.bool_]:
-    """What a ray tracer answers, whose numbers may be 0 and 1, or a refusal."""
+    """The answer of a ray tracer as bool, where 0 and 1 are taken too, or a refusal."""
     answer = np.asarray(blocked(origins, directions))
     is_flag = answer.dtype == np.bool_
     if answer.dtype.kind in "iu":

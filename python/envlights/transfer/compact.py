@@ -83,7 +83,7 @@ def rounded(
 
 def _scaled(tiles: NDArray[Any], dtype: DTypeLike) -> tuple[NDArray[Any], NDArray[np.float32]]:
     """Tiles (n, rank, 32) as values of `dtype`, and the scales."""
-    largest = np.abs(tiles).reshape(*tiles.shape[:2], -1, SHARE).max(axis=3)
+    largest = np.abs(tiles).reshape(*tiles.shape[:2], TILE // SHARE, SHARE).max(axis=3)
     scales = (largest / LARGEST[np.dtype(dtype).name]).astype(np.float32)
     inverse = np.divide(1.0, scales, out=np.zeros(scales.shape), where=scales > 0)
     values = tiles * np.repeat(inverse, SHARE, axis=2)
