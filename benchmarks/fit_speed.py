@@ -64,7 +64,7 @@ def growth(hall, irradiance):
 
 
 def large_map():
-    """In units of one look at every sample."""
+    """Compare the fit with one pass over the map."""
     rng = np.random.default_rng(0)
     radiance = rng.gamma(0.5, size=(2048, 4096, 3)).astype(np.float32)
     radiance[700, 1000] = 5e4

@@ -1,4 +1,4 @@
-"""What several tests need."""
+"""Marks and settings that several tests need."""
 
 import importlib.util
 import os

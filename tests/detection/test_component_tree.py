@@ -88,7 +88,7 @@ def test_lamps_that_meet_only_at_a_pole_are_lights_of_the_reference(rows):
     assert len(joined) <= len(apart)
 
 
-# What is measured is a sum over the map's own pixels
+# Measurements are sums over the map's own pixels
 
 
 def lit_patch(size, rows, columns, border_sampled):
@@ -308,7 +308,7 @@ def test_where_all_lights_are_too_dim_the_report_says_no_other_reason():
     assert "nothing rises" not in str(lights.report)
 
 
-# What must not matter
+# Invariances
 
 
 @pytest.mark.parametrize("working_width", [256, 400, 700])

@@ -129,7 +129,7 @@ def test_widths_that_are_no_multiple_of_the_working_width_do_as_well(width):
     np.testing.assert_allclose(lights.irradiance, world.irradiance_with_background, rtol=5e-3)
 
 
-# Two ways to one answer
+# Independent methods
 
 
 def test_separate_lights_are_connected_components():
@@ -204,7 +204,7 @@ def test_a_light_across_the_seam_of_a_real_map_is_one(path):
     assert angle_deg(lights.direction[is_blue], [[0, 0, -1]]) < 1
 
 
-# What must not matter
+# Invariances
 
 
 def some_worlds():
@@ -335,7 +335,7 @@ def test_merging_keeps_the_flux_and_the_members():
         assert set(merged.members.light) == set(range(most))
 
 
-# What each light carries
+# Properties of each light
 
 
 def test_a_flat_top_at_the_maximum_is_clipped():
@@ -448,7 +448,7 @@ def test_options_of_the_other_method_are_refused():
         el.detect(np.ones((8, 16, 3)), threshold=0.8)
 
 
-# As the start of a fit
+# Detected lights as the start of a fit
 
 
 def test_a_fit_that_starts_at_the_lamps_stays_with_them():

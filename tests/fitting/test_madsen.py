@@ -40,8 +40,8 @@ surfaces = st.fixed_dictionaries(
 
 @given(unknowns, surfaces)
 def test_the_model_is_the_sums_of_the_paper(x, surface):
-    seen = kernels.probe_model(x, NORMALS[::7], **surface)
-    np.testing.assert_allclose(seen, probe_as_written(x, NORMALS[::7], **surface), atol=1e-12)
+    received = kernels.probe_model(x, NORMALS[::7], **surface)
+    np.testing.assert_allclose(received, probe_as_written(x, NORMALS[::7], **surface), atol=1e-12)
 
 
 @given(unknowns, surfaces)
@@ -185,7 +185,7 @@ def test_another_solver_finds_nothing_to_gain_from_the_papers_answer():
     assert error == pytest.approx(found.error, rel=1e-5)
 
 
-# The paper's way
+# The paper's fit
 
 
 def rendered(radiance):
@@ -197,9 +197,9 @@ def rendered(radiance):
 
 
 def test_the_papers_scene_lights_the_probe_as_the_whole_map_does():
-    normals, seen = rendered(HALL.radiance)
+    normals, received = rendered(HALL.radiance)
     exact = el.EnvMap(HALL.radiance).probe(normals)
-    assert kernels.relative_rms(seen, exact, np.ones(320)) < 1e-3
+    assert kernels.relative_rms(received, exact, np.ones(320)) < 1e-3
 
 
 def test_a_bright_pixel_is_a_bright_face_around_it():
@@ -208,10 +208,10 @@ def test_a_bright_pixel_is_a_bright_face_around_it():
     for row, column in [(0, 0), (31, 77), (63, 127)]:
         one = np.zeros((64, 128, 3), np.float32)
         one[row, column] = 1, 2, 3
-        seen = kernels.face_radiance(one) * solid_angles[:, None]
-        (face,) = np.flatnonzero(seen.any(axis=1))
+        fluxes = kernels.face_radiance(one) * solid_angles[:, None]
+        (face,) = np.flatnonzero(fluxes.any(axis=1))
         flux = kernels.pixel_solid_angles(64, 128)[row, column] * np.array([1, 2, 3])
-        np.testing.assert_allclose(seen[face], flux, rtol=1e-12)
+        np.testing.assert_allclose(fluxes[face], flux, rtol=1e-12)
         assert centroids[face] @ pixels[row, column] > np.cos(np.deg2rad(2.5))
 
 
@@ -295,8 +295,8 @@ def test_coefficients_scale_ambient_light_as_equation_4_does_and_leave_the_rig_a
 def test_the_rig_is_what_was_found():
     found = el.fit_paper(HALL.radiance)
     rig = found.rig()
-    seen = kernels.probe_model(found.parameters, NORMALS)
-    np.testing.assert_allclose(rig.probe(NORMALS), seen, rtol=1e-12)
+    received = kernels.probe_model(found.parameters, NORMALS)
+    np.testing.assert_allclose(rig.probe(NORMALS), received, rtol=1e-12)
     assert (rig.error, rig.report.steps) == (found.error, found.steps)
     assert rig.report.measured_on == "the 320 fitted normals"
 

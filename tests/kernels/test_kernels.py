@@ -1,4 +1,4 @@
-"""The compiled steps against closed forms and independent libraries."""
+"""The kernels against closed forms and independent libraries."""
 
 import os
 import subprocess

@@ -30,22 +30,22 @@ def brute_force(radiance):
     )
 
 
-def relative_difference(seen, wanted):
-    return kernels.relative_rms(seen, wanted, SOLID_ANGLES)
+def relative_difference(received, wanted):
+    return kernels.relative_rms(received, wanted, SOLID_ANGLES)
 
 
 def test_intervals_agree_with_brute_force_under_a_sun():
     radiance = sunny_map()
-    seen = el.EnvMap(radiance).probe(NORMALS)
-    assert relative_difference(seen, brute_force(radiance)) < 1e-5
+    received = el.EnvMap(radiance).probe(NORMALS)
+    assert relative_difference(received, brute_force(radiance)) < 1e-5
 
 
 @pytest.mark.parametrize(("height", "bound"), [(64, 1e-5), (1024, 1e-7)])
 @pytest.mark.parametrize("registration", ["cell-centred", "border-sampled"])
 def test_a_constant_sky_gives_pi(height, bound, registration):
     sky = np.full((height, 2 * height, 3), 0.25, np.float32)
-    seen = el.EnvMap(sky, registration=registration).probe(NORMALS)
-    np.testing.assert_allclose(seen, np.pi * 0.25, rtol=bound)
+    received = el.EnvMap(sky, registration=registration).probe(NORMALS)
+    np.testing.assert_allclose(received, np.pi * 0.25, rtol=bound)
 
 
 def vector_solid_angle(row, column, height, width):
@@ -65,12 +65,12 @@ def test_one_pixel_gives_its_flux_times_the_cosine(row, column):
     radiance = np.zeros((64, 128, 3), np.float32)
     radiance[row, column] = 1000, 500, 250
     expected = NORMALS @ vector_solid_angle(row, column, 64, 128)[:, None] * [1000, 500, 250]
-    seen = el.EnvMap(radiance).probe(NORMALS)
+    received = el.EnvMap(radiance).probe(NORMALS)
     # Only where the horizon cuts the pixel does its part behind it not count.
     cosine = NORMALS @ kernels.pixel_directions(64, 128)[row, column]
     clear = np.abs(cosine) > np.pi / 64
-    np.testing.assert_allclose(seen[clear], np.maximum(expected, 0)[clear], atol=1e-6)
-    cut = seen[~clear] - np.maximum(expected, 0)[~clear]
+    np.testing.assert_allclose(received[clear], np.maximum(expected, 0)[clear], atol=1e-6)
+    cut = received[~clear] - np.maximum(expected, 0)[~clear]
     assert (
         np.abs(cut).max(initial=0)
         <= np.pi / 64 * kernels.pixel_solid_angles(64, 128)[row, 0] * 1000
@@ -90,7 +90,7 @@ def test_probes_on_both_sides_add_up_to_the_whole_sphere():
 
 def test_border_sampled_maps_agree_with_their_own_brute_force():
     radiance = sunny_map(256, sun=50)
-    seen = el.EnvMap(radiance, registration="border-sampled").probe(NORMALS)
+    received = el.EnvMap(radiance, registration="border-sampled").probe(NORMALS)
     expected = kernels.sum_over_sources(
         NORMALS,
         kernels.pixel_directions(256, 512, border_sampled=True).reshape(-1, 3),
@@ -98,13 +98,13 @@ def test_border_sampled_maps_agree_with_their_own_brute_force():
         kernels.pixel_solid_angles(256, 512, border_sampled=True).ravel(),
     )
     # Half cells at the border hang on one side of their sample; brute force is off by O(h^2).
-    assert relative_difference(seen, expected) < 2e-4
+    assert relative_difference(received, expected) < 2e-4
 
 
 def test_the_working_map_is_good_to_2e_4_even_under_a_sun():
     radiance = sunny_map(512)
-    seen, sources = kernels.working_irradiance(radiance, NORMALS)
-    assert relative_difference(seen, kernels.irradiance(radiance, NORMALS)) < 2e-4
+    received, sources = kernels.working_irradiance(radiance, NORMALS)
+    assert relative_difference(received, kernels.irradiance(radiance, NORMALS)) < 2e-4
     assert sources >= 1
 
 

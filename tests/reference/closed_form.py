@@ -57,12 +57,12 @@ def best_radiances(world, directions):
     count = len(directions)
     gram = np.full((count + 1, count + 1), np.pi**2)
     gram[0, 0], gram[1:, 1:] = 4 * np.pi**3, overlap(directions, directions)
-    right = np.empty((count + 1, 3))
-    right[0] = 4 * np.pi**3 * world.ambient + np.pi**2 * world.irradiance.sum(axis=0)
-    right[1:] = np.pi**2 * world.ambient + overlap(directions, world.direction) @ world.irradiance
+    rhs = np.empty((count + 1, 3))
+    rhs[0] = 4 * np.pi**3 * world.ambient + np.pi**2 * world.irradiance.sum(axis=0)
+    rhs[1:] = np.pi**2 * world.ambient + overlap(directions, world.direction) @ world.irradiance
     factor = np.linalg.cholesky(gram)
     # |L^T x - L^-1 b| is the cost, but for a constant.
-    x = np.stack([nnls(factor.T, np.linalg.solve(factor, b))[0] for b in right.T], axis=1)
+    x = np.stack([nnls(factor.T, np.linalg.solve(factor, b))[0] for b in rhs.T], axis=1)
     return World(directions, x[1:], x[0])
 
 
@@ -71,7 +71,7 @@ def cost_and_gradient(flat, world):
     vectors = flat.reshape(-1, 3)
     length = np.linalg.norm(vectors, axis=1, keepdims=True)
     rig = best_radiances(world, vectors / length)
-    # The radiances are the best, so they add nothing to the gradient.
+    # At the best radiances, their change adds nothing to the gradient.
     towards_rig = slope(rig.direction, rig.direction) * (rig.irradiance @ rig.irradiance.T)
     towards_world = slope(rig.direction, world.direction) * (rig.irradiance @ world.irradiance.T)
     gradient = 2 * (towards_rig @ rig.direction - towards_world @ world.direction)

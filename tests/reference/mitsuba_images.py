@@ -1,4 +1,4 @@
-"""What Mitsuba itself sees of the courtyard under a rig: eyes above its texels."""
+"""The courtyard under a rig as Mitsuba renders it: a sensor above each texel."""
 
 import mitsuba as mi
 import numpy as np
@@ -9,6 +9,7 @@ from envlights.scene.sky import harmonics
 
 
 def relative(image, truth):
+    """Norm of the difference over the norm of the truth."""
     return np.linalg.norm(image - truth) / np.linalg.norm(truth)
 
 
@@ -18,7 +19,7 @@ def film(width):
 
 
 def sky(coefficients, height=128):
-    """A map of Mitsuba's; its first and last row lie on the poles."""
+    """Spherical harmonics as an environment map of Mitsuba: first and last row lie on the poles."""
     phi = 2 * np.pi * (np.arange(2 * height) + 0.5) / (2 * height)
     theta = np.pi * np.arange(height)[:, None] / (height - 1)
     x, z = np.sin(phi) * np.sin(theta), -np.cos(phi) * np.sin(theta)
@@ -32,7 +33,10 @@ def rgb(values):
 
 
 def each_emitter(rig):
-    """Mitsuba draws one emitter for each sample; each for itself leaves no noise of that draw."""
+    """Yield each emitter of a rig, and the samples that it needs.
+
+    Mitsuba draws one emitter for each sample; one emitter alone leaves no noise of that draw.
+    """
     if rig.ambient.ndim == 2:
         yield {"type": "envmap", "bitmap": sky(rig.ambient)}, 16
     else:
@@ -42,12 +46,12 @@ def each_emitter(rig):
         yield {**light, "irradiance": rgb(irradiance)}, 1
 
 
-def eyes_above(surface):
-    """A sensor a centimetre above each texel that looks at it."""
+def sensors_above(surface):
+    """Return a sensor a centimetre above each texel that looks at it."""
     points, normals = surface.position[surface.covered], surface.normal[surface.covered]
     small = mi.load_dict(film(1))
-    eyes = {
-        f"eye_{k:06}": {
+    sensors = {
+        f"sensor_{k:06}": {
             "type": "radiancemeter",
             "origin": list(point + 0.01 * normal),
             "direction": list(-normal),
@@ -55,14 +59,14 @@ def eyes_above(surface):
         }
         for k, (point, normal) in enumerate(zip(points, normals, strict=True))
     }
-    sampler = {"type": "independent"}
-    return mi.load_dict({"type": "batch", "film": film(len(eyes)), "sampler": sampler, **eyes})
+    batch = {"type": "batch", "film": film(len(sensors)), "sampler": {"type": "independent"}}
+    return mi.load_dict({**batch, **sensors})
 
 
-def looked_at(surface, rigs, depth, effort=1, seeds=(1, 2)):
-    """What Mitsuba sees of each texel under each of the rigs: (seeds, H, W, 3)."""
+def texels_by_mitsuba(surface, rigs, depth, effort=1, seeds=(1, 2)):
+    """Yield the texels that Mitsuba renders under each of the rigs, (seeds, H, W, 3)."""
     with mitsuba():
-        eyes = eyes_above(surface)
+        sensors = sensors_above(surface)
         path = mi.load_dict({"type": "path", "max_depth": depth})
         for rig in rigs:
             images = np.zeros((len(seeds), *surface.albedo.shape))
@@ -70,11 +74,11 @@ def looked_at(surface, rigs, depth, effort=1, seeds=(1, 2)):
                 scene = mi.load_dict({**el.synthetic.courtyard(), "emitter": emitter})
                 spp = effort * samples
                 for image, seed in zip(images, seeds, strict=True):
-                    seen = mi.render(scene, sensor=eyes, integrator=path, spp=spp, seed=seed)
-                    image[surface.covered] += np.array(seen)[0]
+                    rendered = mi.render(scene, sensor=sensors, integrator=path, spp=spp, seed=seed)
+                    image[surface.covered] += np.array(rendered)[0]
             yield images
 
 
 def noise_of(one, two):
-    """Of their mean, relative to it."""
+    """Noise of the mean of two images, relative to it."""
     return np.linalg.norm(one - two) / np.linalg.norm(one + two)

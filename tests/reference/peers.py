@@ -23,32 +23,32 @@ TIGHT = 1e-12
 
 
 class Problem(madsen.Problem):
-    """The fit of so many lights to a probe; the ambient term is an unknown, or held at zero."""
+    """The fit of some lights to a probe; the ambient term is an unknown, or fixed at zero."""
 
     def __init__(self, normals, weights, irradiance, lights, ambient="constant"):
         super().__init__(normals, weights, irradiance, lights)
         self.weights, self.ambient = weights, ambient
-        self.held = {"constant": 0, "none": 3}[ambient]
+        self.fixed = {"constant": 0, "none": 3}[ambient]
 
     def with_lights(self, lights):
         return Problem(self.normals, self.weights, self.irradiance, lights, self.ambient)
 
     def whole(self, x):
-        """`x` with the ambient radiance that is held."""
-        return np.concatenate([np.zeros(self.held), x])
+        """`x` with the ambient radiance, where that is fixed at zero."""
+        return np.concatenate([np.zeros(self.fixed), x])
 
     def residual(self, x):
         return super().residual(self.whole(x))
 
     def jacobian(self, x):
-        return super().jacobian(self.whole(x))[:, self.held :]
+        return super().jacobian(self.whole(x))[:, self.fixed :]
 
     def bounds(self):
         low = np.concatenate([np.zeros(3), np.tile([0, 0, 0, -np.inf, -np.inf], self.lights)])
-        return low[self.held :], np.inf
+        return low[self.fixed :], np.inf
 
     def share(self, x):
-        """The cost of `x`: squares that are left, as a share of the probe's."""
+        """The cost of `x`: the sum of squared residuals over that of the probe."""
         whole = np.sum((self.root * self.irradiance) ** 2)
         return float(np.sum(self.residual(x) ** 2) / whole)
 
@@ -60,10 +60,10 @@ class Problem(madsen.Problem):
     def unknowns(self, rig):
         """The unknowns of a rig that was fitted."""
         lights = rig.lights
-        return kernels.pack_lights(rig.ambient, lights.direction, lights.irradiance)[self.held :]
+        return kernels.pack_lights(rig.ambient, lights.direction, lights.irradiance)[self.fixed :]
 
     def random_start(self, rng):
-        return super().random_start(rng)[self.held :]
+        return super().random_start(rng)[self.fixed :]
 
 
 def by_scipy(problem, start, method="trf", has_bounds=False, tolerance=TIGHT):
@@ -79,17 +79,17 @@ def by_jaxopt(problem, start, tolerance=TIGHT):
 
 
 def compiled_jaxopt(problem, start, tolerance):
-    """What takes its arguments with it, and compiles when it is first called."""
+    """Return the solver with its arguments; it compiles when it is first called."""
     import jax
 
-    solve = _compiled(problem.held, tolerance)
+    solve = _compiled(problem.fixed, tolerance)
     given = jax.device_put((start, problem.normals, problem.root, problem.irradiance))
     return lambda: solve(*given).block_until_ready()
 
 
 @contextmanager
 def jax_in_float64():
-    """JAX, whose numbers are wide in here and as they were outside."""
+    """JAX with 64-bit numbers inside this context, and as it was outside."""
     import jax
 
     before = jax.config.jax_enable_x64
@@ -101,17 +101,17 @@ def jax_in_float64():
 
 
 @cache
-def _compiled(held, tolerance):
+def _compiled(fixed, tolerance):
     """The whole solver as one compiled function, once for each shape of its arguments."""
     import jax
     import jax.numpy as jnp
     import jaxopt
 
     def residual(x, normals, root, irradiance):
-        x = jnp.concatenate([jnp.zeros(held), x])
+        x = jnp.concatenate([jnp.zeros(fixed), x])
         cosine = jnp.maximum(madsen.cosines(x, normals, jnp), 0)
-        seen = jnp.pi * x[:3] + cosine @ x[3:].reshape(-1, 5)[:, :3]
-        return (root * (seen - irradiance)).ravel()
+        model = jnp.pi * x[:3] + cosine @ x[3:].reshape(-1, 5)[:, :3]
+        return (root * (model - irradiance)).ravel()
 
     solver = jaxopt.LevenbergMarquardt(
         residual, materialize_jac=True, solver="cholesky", tol=tolerance, maxiter=200

@@ -1,10 +1,10 @@
-"""Transfer of indirect light, twice, in float64 and by the longest way: dense and plain."""
+"""Two references of the transfer of indirect light, in float64, dense and plain."""
 
 import numpy as np
 
 
 def notebook(direct, indirect, rank, ridge):
-    """The notebook's mathematics, images of norm 1 around their mean; returns what predicts one.
+    """The notebook's mathematics, on images of norm 1 around their mean; returns the predictor.
 
     Without its clip to 0 .. 1, which loses what is bright, and with its eigenvectors in order.
     """

@@ -1,4 +1,4 @@
-"""A courtyard under rigs: Mitsuba's own numbers, pairs, and the way from a rig to a lightmap."""
+"""A courtyard under rigs: Mitsuba's own numbers, pairs, and the steps from a rig to a lightmap."""
 
 from concurrent.futures import ThreadPoolExecutor
 
@@ -11,7 +11,7 @@ from envlights.scene.sky import harmonics
 
 mi = pytest.importorskip("mitsuba")
 
-from tests.reference.mitsuba_images import looked_at, noise_of, relative  # noqa: E402, needs Mitsuba
+from tests.reference.mitsuba_images import noise_of, relative, texels_by_mitsuba  # noqa: E402, needs Mitsuba
 
 NO_LIGHTS = el.Lights(np.zeros((0, 3)), np.zeros((0, 3)))
 LIT = el.synthetic.rigs(48)
@@ -79,9 +79,9 @@ def test_direct_light_of_unseen_rigs_is_mitsubas(yard):
     """Within 5 %; at the same points, so that the outlines of shadows are sampled alike."""
     constant = el.Rig([0.3, 0.4, 0.6], NEW[0].lights, error=0.0)
     rigs = [*NEW[:2], constant]
-    for rig, images in zip(rigs, looked_at(yard.points, rigs, depth=2), strict=True):
-        seen = [yard.points.means(image, 16) for image in images]
-        noise, difference = noise_of(*seen), relative(yard.direct(rig), sum(seen) / 2)
+    for rig, images in zip(rigs, texels_by_mitsuba(yard.points, rigs, depth=2), strict=True):
+        images = [yard.points.means(image, 16) for image in images]
+        noise, difference = noise_of(*images), relative(yard.direct(rig), sum(images) / 2)
         assert noise < 0.02
         assert difference < 0.05, f"difference {difference:.3f}, noise {noise:.3f}"
 
@@ -91,14 +91,14 @@ def test_a_light_alone_is_mitsubas_to_rounding(yard):
     some = yard.points.thinned(2, 2)
     light = el.DirectLight.of(some, yard.blocked, 1)
     rigs = [el.Rig(np.zeros(3), each.lights[:1], error=0.0) for each in NEW]
-    for rig, (seen,) in zip(rigs, looked_at(some, rigs, depth=2, seeds=(1,)), strict=True):
+    for rig, (seen,) in zip(rigs, texels_by_mitsuba(some, rigs, depth=2, seeds=(1,)), strict=True):
         # A light that grazes an edge may fall on the other side of it.
         assert relative(light.image(rig), seen) < 0.01
 
 
 def test_direct_and_indirect_light_are_what_mitsuba_sees(yard):
-    """Two ways to all light: sensors on the texels and direct light, or eyes above them."""
-    ((one, two),) = looked_at(yard.lightmap, NEW[2:3], depth=-1, effort=64)
+    """All light, computed twice: direct and indirect light, or sensors above the texels."""
+    ((one, two),) = texels_by_mitsuba(yard.lightmap, NEW[2:3], depth=-1, effort=64)
     direct = el.DirectLight.of(yard.lightmap, yard.blocked, 512).image(NEW[2])
     indirect = yard.indirect(NEW[2], samples=4096)
     truth = (one + two) / 2

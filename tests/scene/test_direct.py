@@ -1,4 +1,4 @@
-"""Direct light on surfaces: closed forms, other ways to the same number, what is refused."""
+"""Direct light on surfaces: closed forms, independent computations, refusals."""
 
 import sys
 
@@ -56,16 +56,16 @@ def towards(elevation_deg, azimuth_deg=0.0):
 @pytest.mark.parametrize("elevation", [90, 50, 5, -20])
 def test_an_open_floor_under_a_light_gets_its_cosine(elevation):
     floor = surface([[0, 0, 0], [3, 0, 1]], UP, [0.2, 0.5, 0.9])
-    seen = el.DirectLight.of(floor, nothing).image(rig(DARK, (towards(elevation), [1, 2, 3])))
+    image = el.DirectLight.of(floor, nothing).image(rig(DARK, (towards(elevation), [1, 2, 3])))
     cosine = max(np.sin(np.deg2rad(elevation)), 0)
     wanted = np.array([0.2, 0.5, 0.9]) / np.pi * [1, 2, 3] * cosine
-    np.testing.assert_allclose(seen[0], [wanted, wanted], rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(image[0], [wanted, wanted], rtol=1e-12, atol=1e-12)
 
 
 def test_an_open_surface_reflects_its_albedo_of_a_constant_sky():
     normals = kernels.icosphere(20)[0]
-    seen = el.DirectLight.of(surface(DARK, normals, 0.3), nothing).image(rig([1, 2, 4]))
-    np.testing.assert_allclose(seen[0], np.tile([0.3, 0.6, 1.2], (20, 1)), rtol=1e-12)
+    image = el.DirectLight.of(surface(DARK, normals, 0.3), nothing).image(rig([1, 2, 4]))
+    np.testing.assert_allclose(image[0], np.tile([0.3, 0.6, 1.2], (20, 1)), rtol=1e-12)
 
 
 def test_an_open_surface_is_a_probe():
@@ -80,21 +80,21 @@ def test_an_open_surface_is_a_probe():
 def test_a_wall_casts_a_shadow_of_its_own_length(elevation):
     x = np.linspace(-4, 0.99, 400)
     floor = surface(np.stack([x, 0 * x, 0 * x], axis=1), UP, np.pi)
-    seen = el.DirectLight.of(floor, wall(2.0)).image(rig(DARK, (towards(elevation), [1, 1, 1])))
+    image = el.DirectLight.of(floor, wall(2.0)).image(rig(DARK, (towards(elevation), [1, 1, 1])))
     shadow = 2.0 / np.tan(np.deg2rad(elevation))
     # The floor is sampled a hair above itself.
     certain = np.abs(1 - x - shadow) > 0.01
     lit = np.where(1 - x > shadow, np.sin(np.deg2rad(elevation)), 0)
-    np.testing.assert_allclose(seen[0, certain, 0], lit[certain], atol=1e-12)
+    np.testing.assert_allclose(image[0, certain, 0], lit[certain], atol=1e-12)
 
 
 @pytest.mark.parametrize("distance", [0.2, 1.0, 5.0])
 def test_an_endless_wall_hides_its_form_factor_of_the_sky(distance):
     floor = surface([1 - distance, 0, 0], UP, np.pi)
-    seen = el.DirectLight.of(floor, wall(2.0), 4096).image(rig([1, 1, 1]))
+    image = el.DirectLight.of(floor, wall(2.0), 4096).image(rig([1, 1, 1]))
     hidden = (1 - distance / np.hypot(distance, 2.0)) / 2
     # n points of low discrepancy count what is behind an outline to about n^(-3/4).
-    np.testing.assert_allclose(seen[0, 0] / np.pi, 1 - hidden, atol=4096**-0.75)
+    np.testing.assert_allclose(image[0, 0] / np.pi, 1 - hidden, atol=4096**-0.75)
 
 
 def test_what_a_texel_sees_of_the_sky_is_a_map_with_the_wall_painted_black():
@@ -107,10 +107,10 @@ def test_what_a_texel_sees_of_the_sky_is_a_map_with_the_wall_painted_black():
     for each in el.synthetic.rigs(3):
         radiance = (harmonics(flat) @ each.ambient).reshape(height, -1, 3)
         sky = np.where(behind[..., None], 0, np.maximum(radiance, 0))
-        seen = here.image(rig(each.ambient))[0]
+        image = here.image(rig(each.ambient))[0]
         truth = el.EnvMap(sky.astype(np.float32)).probe(normals)
         # A pixel is 0.7 degrees wide, and the outline of the wall crosses some hundred of them.
-        np.testing.assert_allclose(seen, truth, rtol=5e-3)
+        np.testing.assert_allclose(image, truth, rtol=5e-3)
 
 
 def test_few_rays_are_right_on_the_mean():
@@ -138,16 +138,16 @@ def test_a_ray_tracer_may_answer_with_numbers_and_nothing_else():
     place = surface([[0, 0, 0], [3, 0, 1]], UP)
     light = rig(DARK, (UP, [1, 1, 1]))
 
-    def seen(answer):
+    def image_for(answer):
         return el.DirectLight.of(place, answer, 8).image(light)
 
-    as_flags = seen(lambda origins, _: origins[:, 0] > 1)
-    as_numbers = seen(lambda origins, _: (origins[:, 0] > 1).astype(np.uint8))
+    as_flags = image_for(lambda origins, _: origins[:, 0] > 1)
+    as_numbers = image_for(lambda origins, _: (origins[:, 0] > 1).astype(np.uint8))
     np.testing.assert_array_equal(as_numbers, as_flags)
     np.testing.assert_array_equal(as_flags.any(axis=-1), [[True, False]])
     for answer in (lambda o, _: 2 * np.ones(len(o), int), lambda o, _: [True], lambda *_: None):
         with pytest.raises(el.EnvLightsError, match="blocked must answer true or false"):
-            seen(answer)
+            image_for(answer)
 
 
 def test_only_what_faces_a_light_is_asked_for_shadows():
@@ -180,10 +180,10 @@ def test_means_are_of_the_texels_that_are_there():
     normals[:2, :2] = 0
     normals[0, 3] = 0
     patch = el.Surface(np.zeros((4, 4, 3)), normals, np.ones((4, 4, 3)))
-    image = np.arange(16.0).reshape(4, 4, 1).repeat(3, axis=2)
-    np.testing.assert_allclose(patch.means(image, 2)[..., 0], [[0, (2 + 6 + 7) / 3], [10.5, 12.5]])
-    seen = el.DirectLight.of(patch, nothing).image(rig([1, 1, 1]))
-    np.testing.assert_allclose(seen[..., 0], normals[..., 1], rtol=1e-12)
+    values = np.arange(16.0).reshape(4, 4, 1).repeat(3, axis=2)
+    np.testing.assert_allclose(patch.means(values, 2)[..., 0], [[0, (2 + 6 + 7) / 3], [10.5, 12.5]])
+    image = el.DirectLight.of(patch, nothing).image(rig([1, 1, 1]))
+    np.testing.assert_allclose(image[..., 0], normals[..., 1], rtol=1e-12)
 
 
 def maps(**changes):

@@ -14,8 +14,8 @@ def test_a_wall_of_the_closed_room_sees_nothing_but_walls():
     texels = room._charts(32)
     factors = room._form_factors(texels, texels)
     assert factors.sum(axis=1).mean() == pytest.approx(1, abs=0.1)
-    seen = texels.area[:, None] * factors
-    assert np.abs(seen - seen.T).sum() < 0.05 * seen.sum(), "light goes both ways"
+    exchange = texels.area[:, None] * factors
+    assert np.abs(exchange - exchange.T).sum() < 0.05 * exchange.sum(), "light goes both ways"
 
 
 def test_light_in_the_room_is_that_of_its_direct_light():

@@ -115,12 +115,12 @@ def test_irradiance_with_background_is_the_map_summed_over_the_light(level):
     is_sun = world.radiance[..., :1] > 1e4 * level
     is_disc = shapes[1].coverage(height)[..., None] > 0
     assert is_sun.sum() == 1
-    seen = [flux(world.radiance * is_sun), flux(world.radiance * is_disc)]
-    np.testing.assert_allclose(world.irradiance_with_background[0], seen[0], rtol=1e-6)
+    summed = [flux(world.radiance * is_sun), flux(world.radiance * is_disc)]
+    np.testing.assert_allclose(world.irradiance_with_background[0], summed[0], rtol=1e-6)
     # The sum over whole pixels has the background of those at the rim as well: 30 to 1 in
     # radiance, and half of a ring one pixel wide of a disc of 11 pixels in radius.
-    np.testing.assert_allclose(world.irradiance_with_background[1], seen[1], rtol=5e-3)
-    assert (world.irradiance_with_background[1] < seen[1]).all()
+    np.testing.assert_allclose(world.irradiance_with_background[1], summed[1], rtol=5e-3)
+    assert (world.irradiance_with_background[1] < summed[1]).all()
 
 
 def test_what_a_camera_clips_is_no_flux():

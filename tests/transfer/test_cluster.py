@@ -34,18 +34,18 @@ def test_the_model_is_that_of_numpy(chunks, options):
 
 
 def test_blocks_are_many_and_each_holds_all_images(monkeypatch):
-    seen = []
+    shapes = []
     gram = el.transfer.cluster.local_gram.gram
 
     def noted(pairs, centred):
-        seen.append(pairs.indirect.shape)
+        shapes.append(pairs.indirect.shape)
         return gram(pairs, centred)
 
     monkeypatch.setattr(el.transfer.cluster.local_gram, "gram", noted)
     el.TransferModel.fit(ROOM.direct, da.from_array(ROOM.indirect, chunks=(3, 32, 32, 3)))
-    assert len(seen) > 5
-    assert sum(shape[1] for shape in seen) == 32
-    assert {(shape[0], *shape[2:]) for shape in seen} == {(40, 32, 3)}
+    assert len(shapes) > 5
+    assert sum(shape[1] for shape in shapes) == 32
+    assert {(shape[0], *shape[2:]) for shape in shapes} == {(40, 32, 3)}
 
 
 @pytest.mark.parametrize("notebook", [False, True])
