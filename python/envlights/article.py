@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights import kernels
+from envlights import _native, kernels
 from envlights._check import amount, check_choice, count
 from envlights.detected import DetectedLights, DetectionReport, Members
 from envlights.envmap import EnvMap, as_envmap
@@ -71,7 +72,8 @@ def detect_article(
     window_px : int
         Width of the window around a sample, at 1024 columns, less one.
     threshold : float
-        Luminance that the brightest pixel of a window exceeds.
+        Luminance that the brightest pixel of a window exceeds. It is linear, as the map is: 8-bit
+        pictures are decoded from sRGB when they are opened, so 0.8 is the code 0.91 (231 of 255).
     suppression_deg : float
         Samples closer to a brighter one are suppressed. The article asks for a number of pixels and
         gives none; this is half again the distance between its samples.
@@ -151,7 +153,7 @@ def detect_article(
         notes=(*env.notes, *_registration_notes(env)),
         seconds={"detect": time.perf_counter() - start},
     )
-    lights = _lights(env, image, samples, found, report)
+    lights = _lights(env, image, samples, found, report, reach, sphere)
     return lights if max_lights is None else lights[: count("max_lights", max_lights, least=1)]
 
 
@@ -237,8 +239,10 @@ def _lights(
     samples: _Samples,
     found: _Found,
     report: DetectionReport,
+    reach: int,
+    sphere: bool,
 ) -> DetectedLights:
-    """What the samples of each light say of it: each stands for 4 pi / n steradians."""
+    """Measure each light by its samples: each stands for 4 pi / n steradians."""
     many, each = len(found.direction), 4 * np.pi / max(samples.taken, 1)
     # Where a sample was taken: at the maxima that it may have moved to, a lamp of 2 degrees seems
     # four times as bright, for all samples around see it.
@@ -260,10 +264,25 @@ def _lights(
         orientation=orientation,
         peak_luminance=image[found.peak[:, 0], found.peak[:, 1]].astype(np.float64),
         flux_share=irradiance @ LUMINANCE / whole,
-        is_clipped=np.zeros(many, dtype=bool),
+        is_clipped=_are_clipped(env, image, found, reach, sphere),
         members=Members(samples.pixel, found.light),
         report=report,
     )
+
+
+def _are_clipped(
+    env: EnvMap, image: NDArray[np.float32], found: _Found, reach: int, sphere: bool
+) -> NDArray[np.bool_]:
+    """Whether each light is a flat top at the maximum, in the window of its brightest sample.
+
+    As in `detect_tree`, the pixels of the map count, not those of its reduction.
+    """
+    height, width = image.shape
+    uv = (found.peak[:, ::-1] + 0.5) / (width, height)
+    place = kernels.uv_to_pixel(uv, env.height, env.width)
+    reach_in_map = math.ceil((reach + 0.5) * env.width / width)
+    brightest = float(image.max(initial=0.0))
+    return _native.are_clipped(env.radiance, place, reach_in_map, sphere, brightest)
 
 
 def _sums(values: NDArray[np.float64], light: NDArray[np.int64], many: int) -> NDArray[np.float64]:

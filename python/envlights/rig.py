@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights import kernels
+from envlights import _native, kernels
 from envlights._check import amount, reals
 from envlights._native import EnvLightsError
 from envlights._result import Result
@@ -18,7 +18,7 @@ from envlights.files import as_path, write_atomically
 from envlights.report import FitReport, StopReason
 
 #: Rec.709 weights of linear red, green and blue in luminance.
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+LUMINANCE = np.array(_native.LUMINANCE)
 
 _FORMAT = "envlights rig"
 _VERSION = 2

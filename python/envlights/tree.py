@@ -48,7 +48,7 @@ def detect_tree(
     extent : float
         A light ends where its luminance has fallen to this share of its peak.
     working_width : int
-        The lights are sought in a reduction of the map to at most so many columns.
+        Most columns of the working image, a reduction of the map in which lights are searched.
 
     Returns
     -------
@@ -119,16 +119,18 @@ def _wrapped(
 
 
 def _reason(found: _native.TreeDetection) -> str:
-    if found.background_is_light:
-        return (
-            "twice the 95 % quantile of what lies below the flux-weighted Otsu cut,"
-            " for a tenth of the sphere is itself light"
-        )
-    return "twice the luminance that 90 % of the sphere does not exceed"
+    """The rule that set the threshold, with its numbers."""
+    factor, share, light_share = found.threshold_rule
+    if light_share is None:
+        return f"{factor:g} times the luminance that {100 * share:.3g} % of the sphere does not exceed"
+    return (
+        f"{factor:g} times the {100 * share:.3g} % quantile of what lies below the flux-weighted"
+        f" Otsu cut, for the brightest {100 * light_share:.3g} % of the sphere is itself light"
+    )
 
 
 def _skipped(found: _native.TreeDetection) -> list[str]:
-    """What was not looked at or kept, in words."""
+    """The tiles that were not opened and the lights that were not kept, in words."""
     dark = found.tiles - found.opened_tiles
     notes = [f"{dark} of {found.tiles} tiles ({100 * dark / found.tiles:.3g} %) that are dark"]
     if not len(found.flux) and not found.dropped:
