@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
+    "LUMINANCE",
     "EnvLightsError",
     "FitAnswer",
-    "LUMINANCE",
     "TreeDetection",
     "are_clipped",
     "blur",
@@ -96,7 +96,7 @@ class FitAnswer:
     def uncertainty(self) -> tuple[float, list[float], list[list[float]]]: ...
 
 def are_clipped(
-    radiance: _Image, pixels: _Indices, reach: int, sphere: bool, brightest: float
+    radiance: _Image, pixels: _Indices, reach: int, sphere: bool
 ) -> NDArray[np.bool_]: ...
 def blur(image: _Image, sigma: float) -> _Image: ...
 def bresenham_line(start: list[int], end: list[int]) -> _Indices: ...

@@ -264,25 +264,24 @@ def _lights(
         orientation=orientation,
         peak_luminance=image[found.peak[:, 0], found.peak[:, 1]].astype(np.float64),
         flux_share=irradiance @ LUMINANCE / whole,
-        is_clipped=_are_clipped(env, image, found, reach, sphere),
+        is_clipped=_are_clipped(env, image.shape, found, reach, sphere),
         members=Members(samples.pixel, found.light),
         report=report,
     )
 
 
 def _are_clipped(
-    env: EnvMap, image: NDArray[np.float32], found: _Found, reach: int, sphere: bool
+    env: EnvMap, size: tuple[int, ...], found: _Found, reach: int, sphere: bool
 ) -> NDArray[np.bool_]:
     """Whether each light is a flat top at the maximum, in the window of its brightest sample.
 
     As in `detect_tree`, the pixels of the map count, not those of its reduction.
     """
-    height, width = image.shape
+    height, width = size
     uv = (found.peak[:, ::-1] + 0.5) / (width, height)
     place = kernels.uv_to_pixel(uv, env.height, env.width)
     reach_in_map = math.ceil((reach + 0.5) * env.width / width)
-    brightest = float(image.max(initial=0.0))
-    return _native.are_clipped(env.radiance, place, reach_in_map, sphere, brightest)
+    return _native.are_clipped(env.radiance, place, reach_in_map, sphere)
 
 
 def _sums(values: NDArray[np.float64], light: NDArray[np.int64], many: int) -> NDArray[np.float64]:

@@ -122,7 +122,9 @@ def _reason(found: _native.TreeDetection) -> str:
     """The rule that set the threshold, with its numbers."""
     factor, share, light_share = found.threshold_rule
     if light_share is None:
-        return f"{factor:g} times the luminance that {100 * share:.3g} % of the sphere does not exceed"
+        return (
+            f"{factor:g} times the luminance that {100 * share:.3g} % of the sphere does not exceed"
+        )
     return (
         f"{factor:g} times the {100 * share:.3g} % quantile of what lies below the flux-weighted"
         f" Otsu cut, for the brightest {100 * light_share:.3g} % of the sphere is itself light"

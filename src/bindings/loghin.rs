@@ -87,10 +87,9 @@ pub fn are_clipped<'py>(
     pixels: PyReadonlyArray2<'py, i64>,
     reach: usize,
     sphere: bool,
-    brightest: f64,
 ) -> PyResult<Bound<'py, PyArray1<bool>>> {
     let (radiance, pixels) = (radiance.as_array(), pixels.as_array());
-    let out = in_pool(py, || clipping::are_clipped(radiance, pixels, reach, sphere, brightest))?;
+    let out = in_pool(py, || clipping::are_clipped(radiance, pixels, reach, sphere))?;
     Ok(out.into_pyarray(py))
 }
 

@@ -9,9 +9,8 @@ use crate::error::Result;
 use crate::kernels::detect::clipping::{TOP, is_clipped};
 use crate::kernels::image::{check_rgb, luminance_f32};
 
-/// Whether each light is clipped. Its pixels are those of the window around each of `pixels`, (n, 2), one for
-/// each light: the steps see the map through such windows. They are compared with the brightest of all
-/// windows and with a luminance that is known to be in the map, `brightest`.
+/// Whether each light is clipped, at the maximum of the map. Its pixels are those of the window around each of
+/// `pixels`, (n, 2), one for each light: the steps see the map through such windows.
 ///
 /// # Errors
 ///
@@ -22,7 +21,6 @@ pub fn are_clipped(
     pixels: ArrayView2<'_, i64>,
     reach: usize,
     sphere: bool,
-    brightest: f64,
 ) -> Result<Vec<bool>> {
     check_rgb(radiance)?;
     let (height, width, _) = radiance.dim();
@@ -31,9 +29,19 @@ pub fn are_clipped(
     // Find the peak of each window and count the pixels at it.
     let tops: Vec<(f64, usize)> =
         pixels.into_par_iter().map(|pixel| top_around(radiance, pixel, &windows)).collect();
-    // Compare each with the brightest.
-    let brightest = tops.iter().map(|(peak, _)| *peak).fold(brightest, f64::max);
+    // Compare each with the brightest pixel of the map.
+    let brightest = f64::from(maximum(radiance));
     Ok(tops.into_iter().map(|(peak, pixels)| is_clipped(peak, pixels, brightest)).collect())
+}
+
+/// Luminance of the brightest pixel.
+fn maximum(radiance: ArrayView3<'_, f32>) -> f32 {
+    let of_row = |row: ArrayView2<'_, f32>| {
+        let row = row.as_standard_layout();
+        let pixels = row.as_slice().map_or(&[][..], |samples| samples.as_chunks::<3>().0);
+        pixels.iter().fold(0.0, |most, &pixel| luminance_f32(pixel).max(most))
+    };
+    radiance.outer_iter().into_par_iter().map(of_row).reduce(|| 0.0, f32::max)
 }
 
 /// The peak of the window around `pixel`, and the number of pixels at it.
@@ -68,8 +76,10 @@ mod tests {
     #[test]
     fn a_light_is_clipped_where_four_pixels_reach_the_maximum() {
         let pixels = arr2(&[[7, 4], [7, 14], [7, 24]]);
-        let clipped = |brightest| are_clipped(squares().view(), pixels.view(), 2, false, brightest).unwrap();
-        assert_eq!(clipped(0.0), [true, false, false]);
-        assert_eq!(clipped(2.0), [false; 3]); // the map is brighter elsewhere
+        let clipped = |map: Array3<f32>| are_clipped(map.view(), pixels.view(), 2, false).unwrap();
+        assert_eq!(clipped(squares()), [true, false, false]);
+        let mut sunny = squares();
+        sunny.slice_mut(ndarray::s![2, 30, ..]).fill(2.0);
+        assert_eq!(clipped(sunny), [false; 3]);
     }
 }
