@@ -6,9 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
+    "LUMINANCE",
     "EnvLightsError",
     "FitAnswer",
     "TreeDetection",
+    "are_clipped",
     "blur",
     "bresenham_line",
     "detect_tree",
@@ -43,6 +45,8 @@ __all__ = [
     "unpack_lights",
     "unusable",
     "uv_to_direction",
+    "uv_to_pixel",
+    "weighted_means",
     "working_irradiance",
 ]
 
@@ -50,6 +54,8 @@ _Reals = NDArray[np.float64]
 _Image = NDArray[np.float32]
 _Indices = NDArray[np.int64]
 _Coefficients = tuple[float, float, list[float]]
+
+LUMINANCE: list[float]
 
 class EnvLightsError(ValueError): ...
 
@@ -67,7 +73,7 @@ class TreeDetection:
     pixel: _Indices
     light_of_pixel: _Indices
     threshold: float
-    background_is_light: bool
+    threshold_rule: tuple[float, float, float | None]
     map_flux: float
     working_size: tuple[int, int]
     tiles: int
@@ -89,6 +95,9 @@ class FitAnswer:
     def irradiance(self) -> _Reals: ...
     def uncertainty(self) -> tuple[float, list[float], list[list[float]]]: ...
 
+def are_clipped(
+    radiance: _Image, pixels: _Indices, reach: int, sphere: bool
+) -> NDArray[np.bool_]: ...
 def blur(image: _Image, sigma: float) -> _Image: ...
 def bresenham_line(start: list[int], end: list[int]) -> _Indices: ...
 def detect_tree(
@@ -170,6 +179,8 @@ def uniform_sphere(uv: _Reals) -> _Reals: ...
 def unpack_lights(x: _Reals) -> tuple[_Reals, _Reals, _Reals]: ...
 def unusable(radiance: _Image) -> tuple[int, int, int]: ...
 def uv_to_direction(uv: _Reals) -> _Reals: ...
+def uv_to_pixel(uv: _Reals, height: int, width: int) -> _Indices: ...
+def weighted_means(points: _Reals, weights: _Reals, light: _Indices) -> _Reals: ...
 def working_irradiance(
     radiance: _Image,
     normals: _Reals,

@@ -1,9 +1,9 @@
-//! Step 2 of Loghin (2021), where it is optional: a blur against single bright pixels.
+//! Step 2 of Loghin (2021), an option: a blur against single bright pixels.
 
 use ndarray::{Array2, ArrayView2};
 use rayon::prelude::*;
 
-use super::Image;
+use super::image::Image;
 use crate::error::{Error, Result};
 
 /// A Gaussian blur of standard deviation `sigma` pixels. Columns meet at the seam, rows end.
@@ -27,7 +27,7 @@ fn along_rows(image: &Image<'_>, weights: &[f32]) -> Array2<f32> {
     let mut out = Array2::zeros((image.height, image.width));
     out.outer_iter_mut().into_par_iter().enumerate().for_each(|(row, mut out)| {
         let row = image.row(row);
-        // As often around the seam as the blur reaches.
+        // Extend the row across the seam, several times around if the blur reaches that far.
         let first = (image.width - reach % image.width) % image.width;
         let around: Vec<f32> = row.iter().cycle().skip(first).take(row.len() + 2 * reach).copied().collect();
         for (window, weight) in around.windows(row.len()).zip(weights) {
@@ -51,7 +51,7 @@ fn along_columns(image: &Array2<f32>, weights: &[f32]) -> Array2<f32> {
 /// Weights of a Gaussian out to three standard deviations; their sum is 1.
 fn gaussian(sigma: f64) -> Vec<f32> {
     let reach = (3.0 * sigma).ceil() as isize;
-    // Of no width the Gaussian is its middle, where 0 / 0 has no value.
+    // For a sigma of 0 only the centre counts, but 0 / 0 has no value there.
     let weight = |offset: isize| (-0.5 * (offset as f64 / sigma.max(1e-9)).powi(2)).exp();
     let sum: f64 = (-reach..=reach).map(weight).sum();
     (-reach..=reach).map(|offset| (weight(offset) / sum) as f32).collect()

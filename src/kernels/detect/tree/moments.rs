@@ -1,7 +1,6 @@
-//! What a light sends: sums over its pixels, and what follows from them.
+//! The moments of a light: sums over its pixels, and what follows from them.
 //!
-//! Everything that is said of a light follows from a few sums over its pixels, with the luminance Y,
-//! the direction d and the solid angle dw of each:
+//! With the luminance Y, the direction d and the solid angle dw of each pixel:
 //!
 //! ```text
 //!   flux         F = sum Y dw             direction    v / |v|,   v = sum Y d dw
@@ -12,22 +11,20 @@
 //! A pixel adds its own width to the second moments, dw / 12 in every direction, so that a light of one
 //! pixel is round.
 //!
-//! The solid angle is that of a light of one radiance which has the same `F` and the same `sum Y^2 dw`:
-//! no outline needs to be drawn. Sums of lights add up, so lights can be merged without the map.
+//! The solid angle is that of a light of constant radiance with the same `F` and the same `sum Y^2 dw`, so
+//! it needs no outline. Moments add up, so lights can be merged without the map.
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+
+use std::cmp::Ordering;
 
 use glam::DVec3;
 
-use super::covered::{Columns, Covered};
-use super::lanes::dot;
+use super::coverage::{Columns, CoveredPixels};
+use super::dot_product::dot;
+use crate::kernels::detect::clipping::{TOP, is_clipped};
 use crate::kernels::sphere::tangents;
 
-/// Pixels this close to a light's peak are its top.
-const TOP: f64 = 0.99;
-/// Pixels at the peak from which on a top is flat.
-const CLIPPED_PIXELS: usize = 4;
-
-/// The sums over one light.
+/// The moments of one light.
 #[derive(Clone, Debug, Default)]
 pub struct Light {
     /// Integral of the luminance.
@@ -48,15 +45,20 @@ pub struct Light {
 }
 
 impl Light {
-    /// Nothing summed yet.
+    /// A light of this peak, with no pixel added yet.
     pub fn of_peak(luminance: f32) -> Self {
         Self { peak: f64::from(luminance), ..Self::default() }
     }
 
-    /// One that is a point.
+    /// A point.
     #[cfg(test)]
     pub fn towards(direction: DVec3, flux: f64) -> Self {
         Self { flux, flux_vector: direction * flux, ..Self::default() }
+    }
+
+    /// The order of lights: most flux first.
+    pub fn most_flux_first(one: &Self, other: &Self) -> Ordering {
+        other.flux.total_cmp(&one.flux)
     }
 
     /// Flux centroid, a unit vector.
@@ -64,14 +66,14 @@ impl Light {
         self.flux_vector.normalize_or(self.top.normalize_or(DVec3::Y))
     }
 
-    /// Unit vector towards the middle of the pixels at the peak.
+    /// Unit vector towards the centroid of the pixels at the peak.
     pub fn peak_direction(&self) -> DVec3 {
         self.top.normalize_or(self.direction())
     }
 
     /// Whether it is a flat top at the level of the `brightest` light.
     pub fn is_clipped(&self, brightest: f64) -> bool {
-        self.peak >= TOP * brightest && self.top_pixels >= CLIPPED_PIXELS
+        is_clipped(self.peak, self.top_pixels, brightest)
     }
 
     /// In steradians.
@@ -85,10 +87,12 @@ impl Light {
     /// direction are `m +- r`, with `m = (a + c) / 2` and `r = hypot((a - c) / 2, b)`; the
     /// larger one's eigenvector has the angle `atan2(b, (a - c) / 2) / 2`.
     pub fn elongation(&self) -> (f64, DVec3) {
+        // Project the second moments onto the tangent plane.
         let [right, up] = tangents(self.direction());
         let a = self.second_moment(right, right) + self.width_squared;
         let b = self.second_moment(right, up);
         let c = self.second_moment(up, up) + self.width_squared;
+        // Take the eigenvalues, and the eigenvector of the larger one.
         let (middle, radius) = (0.5 * (a + c), (0.5 * (a - c)).hypot(b));
         let angle = 0.5 * b.atan2(0.5 * (a - c));
         let along = right * angle.cos() + up * angle.sin();
@@ -106,9 +110,11 @@ impl Light {
     #[must_use]
     pub fn and(&self, other: &Self) -> Self {
         let sum = |i: usize| self.irradiance[i] + other.irradiance[i];
+        // Keep the top of the brighter light, and that of the dimmer one if it is as bright.
         let (brighter, dimmer) = if self.peak >= other.peak { (self, other) } else { (other, self) };
         let shares_top = dimmer.peak >= TOP * brighter.peak;
         let (more, top) = if shares_top { (dimmer.top_pixels, dimmer.top) } else { (0, DVec3::ZERO) };
+        // Add all other sums.
         Self {
             flux: self.flux + other.flux,
             irradiance: [sum(0), sum(1), sum(2)],
@@ -122,15 +128,17 @@ impl Light {
         }
     }
 
-    /// Add what the light covers of the pixels of a row, at a polar angle of this sine and cosine.
+    /// Add the covered pixels of a row at a polar angle of this sine and cosine.
     ///
     /// With `d = (sin phi sin theta, cos theta, -cos phi sin theta)` each sum is one over the azimuths,
-    /// times what the row has in common.
+    /// times a factor that the row has in common.
     #[inline(always)]
-    pub fn add(&mut self, row: &Covered, columns: &Columns<&[f64]>, [sin, cos]: [f64; 2]) {
+    pub fn add(&mut self, row: &CoveredPixels, columns: &Columns<&[f64]>, [sin, cos]: [f64; 2]) {
+        // Sum over the azimuths.
         let flux = dot(&row.luminance, &row.solid_angle);
         let [flux_sin, flux_cos] = [columns.sin, columns.cos].map(|of| sin * dot(of, &row.flux));
         let [sin_sin, sin_cos] = [columns.sin_sin, columns.sin_cos].map(|of| sin * sin * dot(of, &row.flux));
+        // Add to the moments of order 0, 1 and 2.
         self.flux += flux;
         for (sum, values) in self.irradiance.iter_mut().zip(&row.rgb) {
             *sum += dot(values, &row.solid_angle);
@@ -143,8 +151,9 @@ impl Light {
         self.add_top(row, columns, [sin, cos]);
     }
 
+    /// Add the pixels of a row that are at the peak.
     #[inline(always)]
-    fn add_top(&mut self, row: &Covered, columns: &Columns<&[f64]>, [sin, cos]: [f64; 2]) {
+    fn add_top(&mut self, row: &CoveredPixels, columns: &Columns<&[f64]>, [sin, cos]: [f64; 2]) {
         let top = TOP * self.peak;
         let is_top = row.luminance.iter().map(|&y| f64::from(y) >= top);
         let pixels = is_top.clone().map(usize::from).sum::<usize>();
@@ -164,14 +173,14 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// The light of a row of pixels: in lists, and one after the other by the formulas above.
+    /// The light of a row of pixels: with dot products, and pixel after pixel by the formulas above.
     fn both_ways(pixels: &[[f32; 3]], theta: f64) -> [Light; 2] {
         const BAND: f64 = 0.02;
         let (peak, background) = (10.0_f32, 1.0_f32);
         let edges: Vec<f64> = (0..=pixels.len()).map(|i| 0.03 * i as f64 + 2.0).collect();
         let mut columns = Columns::default();
         edges.windows(2).for_each(|edge| columns.push(edge, true));
-        let (mut row, mut light) = (Covered::default(), Light::of_peak(peak));
+        let (mut row, mut light) = (CoveredPixels::default(), Light::of_peak(peak));
         row.refill(pixels, &columns.width, BAND, peak, background);
         light.add(&row, &columns.at(0..pixels.len()), theta.sin_cos().into());
         let mut plain = Light::of_peak(peak);
@@ -197,7 +206,7 @@ mod tests {
             self.second[1] += flux * DVec3::new(d.x * d.y, d.y * d.z, d.z * d.x);
             self.width_squared += flux * solid_angle / 12.0;
             self.luminance_squared += flux * y;
-            if y >= 0.99 * self.peak {
+            if y >= TOP * self.peak {
                 self.top += solid_angle * d;
                 self.top_pixels += 1;
             }
@@ -206,7 +215,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_row_adds_up_to_what_its_pixels_do(
+        fn a_row_adds_the_sums_of_its_pixels(
             levels in prop::collection::vec(prop_oneof![0.0..9.0_f32, Just(9.9999)], 1..40),
             theta in 0.1..3.0,
         ) {
@@ -221,8 +230,8 @@ mod tests {
                 all.extend(vectors.iter().flat_map(DVec3::to_array));
                 all
             };
-            for (seen, wanted) in numbers(&light).into_iter().zip(numbers(&plain)) {
-                prop_assert!(near(seen, wanted), "{seen} {wanted}");
+            for (sum, wanted) in numbers(&light).into_iter().zip(numbers(&plain)) {
+                prop_assert!(near(sum, wanted), "{sum} {wanted}");
             }
         }
     }

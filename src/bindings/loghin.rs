@@ -1,13 +1,14 @@
-//! `kernels::detect::article` for Python.
+//! `kernels::detect::loghin` for Python.
 
 use numpy::ndarray::{Array1, Array2};
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2, PyReadonlyArray3};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 
 use super::pool::in_pool;
-use crate::kernels::detect::article::bresenham::{self, LineRule};
-use crate::kernels::detect::article::{
-    blur as smoothing, luminance as light, merge, neighbours, resize, suppress as suppression,
+use crate::kernels::detect::loghin::bresenham::{self, LineRule};
+use crate::kernels::detect::loghin::{
+    blur as smoothing, clipping, luminance as light, means, merge, neighbours, pixels as places, resize,
+    suppress as suppression,
 };
 
 /// See `envlights.kernels.luminance`.
@@ -46,6 +47,19 @@ pub fn blur<'py>(
     Ok(out.into_pyarray(py))
 }
 
+/// See `envlights.kernels.uv_to_pixel`.
+#[pyfunction]
+pub fn uv_to_pixel<'py>(
+    py: Python<'py>,
+    uv: PyReadonlyArray2<'py, f64>,
+    height: usize,
+    width: usize,
+) -> PyResult<Bound<'py, PyArray2<i64>>> {
+    let uv = uv.as_array();
+    let out = py.detach(|| places::uv_to_pixel(uv, height, width))?;
+    Ok(out.into_pyarray(py))
+}
+
 /// Luminance, and row and column, of each sample's brightest neighbour.
 type Neighbours<'py> = (Bound<'py, PyArray1<f32>>, Bound<'py, PyArray2<i64>>);
 
@@ -63,6 +77,20 @@ pub fn neighbour_maximum<'py>(
     let values: Array1<f32> = found.iter().map(|(value, _)| *value).collect();
     let places: Vec<[i64; 2]> = found.iter().map(|(_, pixel)| pixel.map(|i| i as i64)).collect();
     Ok((values.into_pyarray(py), Array2::from(places).into_pyarray(py)))
+}
+
+/// See `envlights.DetectedLights.is_clipped`.
+#[pyfunction]
+pub fn are_clipped<'py>(
+    py: Python<'py>,
+    radiance: PyReadonlyArray3<'py, f32>,
+    pixels: PyReadonlyArray2<'py, i64>,
+    reach: usize,
+    sphere: bool,
+) -> PyResult<Bound<'py, PyArray1<bool>>> {
+    let (radiance, pixels) = (radiance.as_array(), pixels.as_array());
+    let out = in_pool(py, || clipping::are_clipped(radiance, pixels, reach, sphere))?;
+    Ok(out.into_pyarray(py))
 }
 
 /// See `envlights.kernels.suppress`.
@@ -102,6 +130,19 @@ pub fn merge_along_lines<'py>(
     let rule = LineRule { tolerance, ceiling, bright };
     let out = py.detach(|| merge::merge(luminance, pixels, points, farthest, &rule, sphere))?;
     Ok(indices(py, &out))
+}
+
+/// See `envlights.kernels.weighted_means`.
+#[pyfunction]
+pub fn weighted_means<'py>(
+    py: Python<'py>,
+    points: PyReadonlyArray2<'py, f64>,
+    weights: PyReadonlyArray1<'py, f64>,
+    light: PyReadonlyArray1<'py, i64>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let (points, weights, light) = (points.as_array(), weights.as_array(), light.as_array());
+    let out = py.detach(|| means::weighted_means(points, weights, light))?;
+    Ok(out.into_pyarray(py))
 }
 
 fn indices<'py>(py: Python<'py>, values: &[usize]) -> Bound<'py, PyArray1<i64>> {

@@ -1,7 +1,7 @@
-//! Which part of each pixel of a row a light covers.
+//! Coverage: the share of each pixel that a light covers.
 //!
-//! A pixel of the luminance `y` that a light of the peak `P` covers in the share `c`, before the background
-//! `B`, has
+//! A light of the peak `P` that covers the share `c` of a pixel, against the background `B`, gives it the
+//! luminance
 //!
 //! ```text
 //!   y = B + c (P - B),      of which      y - (1 - c) B      is the light's
@@ -10,12 +10,13 @@
 
 use std::ops::Range;
 
-use crate::kernels::image::LUMINANCE;
+use crate::kernels::image::luminance_f32;
 
-/// A pixel counts if the light covers this share of it: less is noise.
+/// A pixel counts from this coverage on: less is noise.
 const LEAST_COVERAGE: f32 = 0.05;
 
-/// Of columns side by side: width, and of the azimuth sine and cosine, the sine's square, the product of both.
+/// For columns side by side, each width, and of each azimuth the sine, the cosine, the sine's square and
+/// the product of both.
 #[derive(Default)]
 pub struct Columns<Values> {
     pub width: Values,
@@ -26,7 +27,7 @@ pub struct Columns<Values> {
 }
 
 impl Columns<Vec<f64>> {
-    /// One more column between these azimuths; of one that no light covers the azimuth is not needed.
+    /// Add the column between these azimuths. Sine and cosine are left 0 where no light covers it.
     pub fn push(&mut self, edges: &[f64], is_covered: bool) {
         let (sin, cos) = if is_covered { (0.5 * (edges[0] + edges[1])).sin_cos() } else { (0.0, 0.0) };
         self.width.push(edges[1] - edges[0]);
@@ -44,34 +45,34 @@ impl Columns<Vec<f64>> {
     }
 }
 
-/// Pixels of a row, one list for each quantity: what is summed stands side by side.
+/// Covered pixels of a row, with one list for each quantity, as dot products want them.
 #[derive(Default)]
-pub struct Covered {
+pub struct CoveredPixels {
     pub rgb: [Vec<f32>; 3],
     pub luminance: Vec<f32>,
-    /// What the light covers of each pixel, in steradians.
+    /// The light's share of each pixel, in steradians.
     pub solid_angle: Vec<f64>,
     /// Luminance times solid angle.
     pub flux: Vec<f64>,
 }
 
-impl Covered {
-    /// The same lists for other pixels, in a row of the height `band`.
+impl CoveredPixels {
+    /// Fill the lists anew, for pixels of a row of the height `band`.
     #[inline(always)]
     pub fn refill(&mut self, pixels: &[[f32; 3]], widths: &[f64], band: f64, peak: f32, background: f32) {
         for (channel, values) in self.rgb.iter_mut().enumerate() {
             refill(values, pixels.iter().map(|pixel| pixel[channel]));
         }
-        refill(&mut self.luminance, pixels.iter().copied().map(luminance));
+        refill(&mut self.luminance, pixels.iter().copied().map(luminance_f32));
         let share = share(peak, background);
-        let lit = self.luminance.iter().zip(widths);
-        refill(&mut self.solid_angle, lit.map(|(&y, width)| f64::from(share(y)) * width * band));
-        let lit = self.luminance.iter().zip(&self.solid_angle);
-        refill(&mut self.flux, lit.map(|(&y, solid_angle)| f64::from(y) * solid_angle));
+        let levels = self.luminance.iter().zip(widths);
+        refill(&mut self.solid_angle, levels.map(|(&y, width)| f64::from(share(y)) * width * band));
+        let levels = self.luminance.iter().zip(&self.solid_angle);
+        refill(&mut self.flux, levels.map(|(&y, solid_angle)| f64::from(y) * solid_angle));
     }
 }
 
-/// The light's share of a pixel, by the pixel's luminance.
+/// The light's share of a pixel, from the pixel's luminance.
 #[inline(always)]
 fn share(peak: f32, background: f32) -> impl Fn(f32) -> f32 {
     move |y| {
@@ -85,10 +86,4 @@ fn share(peak: f32, background: f32) -> impl Fn(f32) -> f32 {
 fn refill<T>(values: &mut Vec<T>, new: impl Iterator<Item = T>) {
     values.clear();
     values.extend(new);
-}
-
-#[inline(always)]
-pub fn luminance([red, green, blue]: [f32; 3]) -> f32 {
-    let weights = LUMINANCE.map(|weight| weight as f32);
-    weights[0] * red + weights[1] * green + weights[2] * blue
 }

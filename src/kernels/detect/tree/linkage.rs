@@ -1,6 +1,6 @@
-//! How many lights there may be: the dimmest are dropped, neighbours are merged.
+//! The selection of lights: the dimmest are dropped, then neighbours are merged until few enough are left.
 //!
-//! Ward's linkage (1963) with the flux as weight: merge the two lights that move least light,
+//! Mergers follow Ward's linkage (1963) with the flux as weight. Merge the two lights of the lowest cost,
 //!
 //! ```text
 //!   cost = F_1 F_2 / (F_1 + F_2) * |d_1 - d_2|^2
@@ -8,13 +8,14 @@
 //!
 //! which is what the merger adds to the flux-weighted sum of squared distances.
 
-use super::light::Light;
+use super::moments::Light;
 
-/// Lights beyond this many are merged into the nearest brighter one: pairs are quadratic.
+/// Lights beyond this many are merged into the nearest brighter one, for the pairs of lights grow with the
+/// square of their number.
 const MOST_IN_PAIRS: usize = 2048;
 
-/// Lights, most flux first, and what became of those that were measured.
-pub struct Choice {
+/// The lights that are left, and what became of those that were measured.
+pub struct Selection {
     /// Most flux first.
     pub lights: Vec<Light>,
     /// For each light that was measured, the one that it is part of, if any.
@@ -23,24 +24,28 @@ pub struct Choice {
     pub dropped: usize,
 }
 
-/// At most `most` of `measured`, none with less flux than `least_flux`.
-pub fn choose(measured: Vec<Light>, least_flux: f64, most: usize) -> Choice {
+/// Select at most `most` lights from `measured`, none with less flux than `least_flux`.
+pub fn select(measured: Vec<Light>, least_flux: f64, most: usize) -> Selection {
+    // Drop the dimmest and rank the others.
     let mut ranked: Vec<usize> = (0..measured.len()).filter(|&i| measured[i].flux >= least_flux).collect();
-    ranked.sort_by(|&i, &j| measured[j].flux.total_cmp(&measured[i].flux));
+    ranked.sort_by(|&i, &j| Light::most_flux_first(&measured[i], &measured[j]));
+    // Merge neighbours.
     let kept: Vec<Light> = ranked.iter().map(|&i| measured[i].clone()).collect();
     let (lights, merged_into) = merge(kept, most);
+    // Note for each measured light the one that it became part of.
     let mut part_of = vec![None; measured.len()];
     for (&i, light) in ranked.iter().zip(merged_into) {
         part_of[i] = Some(light);
     }
-    Choice { lights, part_of, dropped: measured.len() - ranked.len() }
+    Selection { lights, part_of, dropped: measured.len() - ranked.len() }
 }
 
-/// `lights`, most flux first, as at most `most`, and for each the one that it became part of.
+/// Merge `lights`, most flux first, until at most `most` are left. For each of them the one that it became
+/// part of.
 fn merge(lights: Vec<Light>, most: usize) -> (Vec<Light>, Vec<usize>) {
     let mut linkage = Linkage::new(lights);
     if linkage.alive > most {
-        linkage.merge_the_rest(MOST_IN_PAIRS.max(most));
+        linkage.merge_from(MOST_IN_PAIRS.max(most));
         linkage.find_nearest();
     }
     while linkage.alive > most {
@@ -66,7 +71,7 @@ impl Linkage {
     }
 
     /// Merge the lights from `first` on into the nearest of those before it.
-    fn merge_the_rest(&mut self, first: usize) {
+    fn merge_from(&mut self, first: usize) {
         for i in first..self.lights.len() {
             let distance = |j: &usize| self.distance_squared(i, *j);
             if let Some(nearest) = (0..first).min_by(|i, j| distance(i).total_cmp(&distance(j))) {
@@ -75,6 +80,7 @@ impl Linkage {
         }
     }
 
+    /// Find the cheapest merger of each light with a later one.
     fn find_nearest(&mut self) {
         for i in 0..self.lights.len() {
             self.nearest[i] = self.nearest_after(i);
@@ -86,14 +92,16 @@ impl Linkage {
         later.min_by(|one, other| one.0.total_cmp(&other.0)).unwrap_or((f64::INFINITY, i))
     }
 
+    /// Merge the two lights whose merger costs least.
     fn merge_nearest(&mut self) {
+        // Find the cheapest merger.
         let cheapest =
             (0..self.lights.len()).min_by(|&i, &j| self.nearest[i].0.total_cmp(&self.nearest[j].0));
         let Some(i) = cheapest else { return };
         let j = self.nearest[i].1;
         self.merge(i, j);
-        // A merger of Ward's never comes nearer to a third light than the nearer of the two was:
-        // only those that pointed to one of them look again.
+        // Update the cheapest mergers. With Ward's cost the union is never nearer to a third light than the
+        // nearer of the two was, so only those that pointed to one of the two look again.
         for other in 0..self.lights.len() {
             if other == i || other == j || [i, j].contains(&self.nearest[other].1) {
                 self.nearest[other] = self.nearest_after(other);
@@ -101,6 +109,7 @@ impl Linkage {
         }
     }
 
+    /// Merge `other` into `into`.
     fn merge(&mut self, into: usize, other: usize) {
         let (Some(one), Some(two)) = (&self.lights[into], &self.lights[other]) else { return };
         self.lights[into] = Some(one.and(two));
@@ -125,22 +134,24 @@ impl Linkage {
         }
     }
 
-    /// The lights that are left, most flux first.
+    /// The lights that are left, most flux first; and for each light that there was, its place among them.
     fn finish(self) -> (Vec<Light>, Vec<usize>) {
+        // Rank the lights that are left.
         let mut left: Vec<(usize, Light)> =
             self.lights.into_iter().enumerate().filter_map(|(i, light)| Some((i, light?))).collect();
-        left.sort_by(|(_, one), (_, other)| other.flux.total_cmp(&one.flux));
+        left.sort_by(|(_, one), (_, other)| Light::most_flux_first(one, other));
         let mut place = vec![0; self.part_of.len()];
         for (rank, (i, _)) in left.iter().enumerate() {
             place[*i] = rank;
         }
-        let whole = |mut i: usize| {
+        // Follow each merger up to a light that is left.
+        let root = |mut i: usize| {
             while self.part_of[i] != i {
                 i = self.part_of[i];
             }
             place[i]
         };
-        let merged_into = (0..self.part_of.len()).map(whole).collect();
+        let merged_into = (0..self.part_of.len()).map(root).collect();
         (left.into_iter().map(|(_, light)| light).collect(), merged_into)
     }
 }
@@ -156,38 +167,38 @@ mod tests {
     }
 
     #[test]
-    fn neighbours_are_merged_and_the_dimmer_of_two_pairs_first() {
+    fn of_two_pairs_of_neighbours_the_dimmer_is_merged_first() {
         let at = |phi, flux| Light::towards(direction(1.0, phi), flux);
         let far_and_near = vec![at(0.0, 3.0), at(3.0, 5.0), at(3.1, 2.0), at(0.1, 1.0)];
-        let three = choose(far_and_near.clone(), 0.0, 3);
+        let three = select(far_and_near.clone(), 0.0, 3);
         assert_eq!(three.part_of, [Some(1), Some(0), Some(2), Some(1)]);
-        let two = choose(far_and_near, 0.0, 2);
+        let two = select(far_and_near, 0.0, 2);
         assert_eq!(two.part_of, [Some(1), Some(0), Some(0), Some(1)]);
         assert!((two.lights[0].flux - 7.0).abs() < 1e-12);
     }
 
     #[test]
-    fn nothing_is_merged_within_the_budget() {
-        let choice = choose(vec![Light::default(); 3], 0.0, 3);
-        assert_eq!(choice.lights.len(), 3);
-        assert_eq!(choice.part_of, [Some(0), Some(1), Some(2)]);
+    fn nothing_is_merged_where_few_enough_are_given() {
+        let selection = select(vec![Light::default(); 3], 0.0, 3);
+        assert_eq!(selection.lights.len(), 3);
+        assert_eq!(selection.part_of, [Some(0), Some(1), Some(2)]);
     }
 
     #[test]
-    fn what_is_too_dim_is_dropped_before_the_rest_is_merged() {
-        let choice = choose(vec![light(1.0), light(5.0), light(0.1), light(2.0)], 0.5, 2);
-        assert_eq!(choice.dropped, 1);
-        assert_eq!(choice.part_of[2], None);
-        assert_eq!(choice.lights.len(), 2);
-        let flux: f64 = choice.lights.iter().map(|light| light.flux).sum();
+    fn dim_lights_are_dropped_before_the_others_are_merged() {
+        let selection = select(vec![light(1.0), light(5.0), light(0.1), light(2.0)], 0.5, 2);
+        assert_eq!(selection.dropped, 1);
+        assert_eq!(selection.part_of[2], None);
+        assert_eq!(selection.lights.len(), 2);
+        let flux: f64 = selection.lights.iter().map(|light| light.flux).sum();
         assert!((flux - 8.0).abs() < 1e-12, "{flux}");
     }
 
     #[test]
-    fn more_lights_than_pairs_can_be_compared_are_merged_all_the_same() {
-        let choice = choose((1..=MOST_IN_PAIRS + 500).map(|i| light(i as f64)).collect(), 0.0, 7);
-        assert_eq!(choice.lights.len(), 7);
-        let flux: f64 = choice.lights.iter().map(|light| light.flux).sum();
+    fn too_many_lights_to_compare_all_pairs_are_merged_too() {
+        let selection = select((1..=MOST_IN_PAIRS + 500).map(|i| light(i as f64)).collect(), 0.0, 7);
+        assert_eq!(selection.lights.len(), 7);
+        let flux: f64 = selection.lights.iter().map(|light| light.flux).sum();
         let wanted = (MOST_IN_PAIRS + 500) * (MOST_IN_PAIRS + 501) / 2;
         assert!((flux - wanted as f64).abs() < 1e-3, "{flux} {wanted}");
     }

@@ -1,20 +1,20 @@
-//! Step 8 of Loghin (2021): which samples a bright line joins.
+//! Step 8 of Loghin (2021): the samples that a bright line joins.
 
 use ndarray::ArrayView2;
 
 use super::bresenham::{LineRule, is_bright};
-use super::{Image, pixels_inside, places};
+use super::image::{Image, pixels_inside, points_in_space};
 use crate::error::{Error, Result};
 
 /// For each of `pixels`, (n, 2), brightest first, the one that it is merged into: itself, or the
 /// brightest one that a bright line joins to it.
 ///
-/// Only those are merged whose `points`, (n, 2) or (n, 3), are at most `farthest` apart. On a `sphere`
+/// Only samples whose `points`, (n, 2) or (n, 3), are at most `farthest` apart are merged. On a `sphere`
 /// a line takes the shorter way around.
 ///
-/// Every light tries every sample that is still open. There is no better bound on an image of many
-/// lights, but a line ends with the first step that is dark, and survivors of the suppression are so
-/// far apart that few fit on an image: 1300 at the defaults.
+/// Every light tries every sample that is still open, so the work grows with the square of their number.
+/// But a line ends at its first dark step, and survivors of the suppression are so far apart that few fit
+/// on an image: 1300 at the defaults.
 ///
 /// # Errors
 ///
@@ -31,11 +31,12 @@ pub fn merge(
     let samples = luminance.as_standard_layout();
     let image = Image::new("luminance", samples.view())?;
     let pixels = pixels_inside(pixels, luminance.dim())?;
-    let points = places(points)?;
+    let points = points_in_space(points)?;
     if points.len() != pixels.len() {
         let (wanted, seen) = (pixels.len(), points.len());
         return Err(Error::LengthMismatch { what: "points", other: "pixels", wanted, seen });
     }
+    // Take the brightest sample that is still open, and merge all that a bright line joins to it.
     let mut light: Vec<usize> = (0..pixels.len()).collect();
     let mut open = light.clone();
     while let Some(&start) = open.first() {

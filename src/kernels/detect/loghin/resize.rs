@@ -3,10 +3,10 @@
 use ndarray::{Array2, ArrayView2};
 use rayon::prelude::*;
 
-use super::Image;
+use super::image::Image;
 use crate::error::{Error, Result};
 
-/// Pixels of the largest image that is made: 4 GB.
+/// Pixels of the largest image: 4 GB.
 const MOST_PIXELS: usize = 1 << 30;
 
 /// An image of `height` x `width` pixels: at each pixel's centre, linear between the four centres
@@ -24,8 +24,10 @@ pub fn resize_bilinear(image: ArrayView2<'_, f32>, height: usize, width: usize) 
     if height.saturating_mul(width) > MOST_PIXELS {
         return Err(Error::HugeImage { height, width, limit: MOST_PIXELS });
     }
+    // Find the old pixels around each new centre.
     let across = between_centres(width, image.width);
     let down = between_centres(height, image.height);
+    // Interpolate between them, first across and then down.
     let mut out = Array2::zeros((height, width));
     out.outer_iter_mut().into_par_iter().zip(down).for_each(|(mut out, (row, low))| {
         let above = image.row(row.max(0) as usize);
@@ -41,7 +43,7 @@ pub fn resize_bilinear(image: ArrayView2<'_, f32>, height: usize, width: usize) 
     Ok(out)
 }
 
-/// For each of `new` pixels the old one before its centre, and how far it lies towards the next.
+/// For each of `new` pixels the last old one before its centre, and the fraction of the way to the next.
 fn between_centres(new: usize, old: usize) -> Vec<(isize, f32)> {
     let at = |i: usize| (i as f64 + 0.5) * old as f64 / new as f64 - 0.5;
     (0..new).map(|i| (at(i).floor() as isize, (at(i) - at(i).floor()) as f32)).collect()

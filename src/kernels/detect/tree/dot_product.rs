@@ -1,4 +1,4 @@
-//! Sums in lanes that do not wait for one another.
+//! The dot product in wide vectors: sums in lanes that do not wait for one another.
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
 /// Sum of products.
@@ -10,7 +10,7 @@ pub fn dot<T: Copy + Into<f64>>(values: &[T], weights: &[f64]) -> f64 {
     most + rest + last
 }
 
-/// Sum of products in so many lanes, and what is left of both.
+/// Sum of products in `LANES` lanes, and the rest of both.
 #[inline(always)]
 fn in_lanes<'a, const LANES: usize, T: Copy + Into<f64>>(
     values: &'a [T],
@@ -27,7 +27,7 @@ fn in_lanes<'a, const LANES: usize, T: Copy + Into<f64>>(
     (total(lanes), last_values, last_weights)
 }
 
-/// One half onto the other, again and again.
+/// Sum of the lanes: add the upper half to the lower one until one lane is left.
 #[inline(always)]
 fn total<const LANES: usize>(mut lanes: [f64; LANES]) -> f64 {
     let mut half = LANES / 2;
@@ -46,7 +46,7 @@ mod tests {
     use approx::assert_relative_eq;
 
     #[test]
-    fn all_are_summed_to_the_last() {
+    fn the_last_products_are_summed_too() {
         let values: Vec<f32> = (0..39).map(|i| i as f32).collect();
         let weights: Vec<f64> = (0..39).map(f64::from).collect();
         assert_relative_eq!(dot(&values, &weights), 19019.0);
