@@ -8,7 +8,7 @@ mod detect;
 mod error;
 mod fit;
 mod image;
-mod paper;
+mod madsen;
 mod pool;
 mod probe;
 mod sampling;
@@ -36,7 +36,7 @@ mod _native {
     #[pymodule_export]
     use super::image::unusable;
     #[pymodule_export]
-    use super::paper::{
+    use super::madsen::{
         face_radiance, pack_lights, probe_jacobian, probe_model, probe_residual, unpack_lights,
     };
     #[pymodule_export]

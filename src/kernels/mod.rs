@@ -8,13 +8,13 @@
 //! | exact irradiance of a white probe             | `probe/`      |
 //! | bright places of a map                        | `detect/`     |
 //! | ambient + directional lights from the probe   | `fit/`        |
-//! | the same, in the paper's own equations        | `paper/`      |
+//! | the same, in the paper's own equations        | `madsen/`     |
 //! | indirect light from direct light              | `transfer/`   |
 
 pub mod detect;
 pub mod fit;
 pub mod image;
-pub mod paper;
+pub mod madsen;
 pub mod probe;
 pub mod sampling;
 pub mod sphere;

@@ -1,11 +1,11 @@
-//! `kernels::paper` for Python.
+//! `kernels::madsen` for Python.
 
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 
 use super::pool::in_pool;
 use super::sphere::registration;
-use crate::kernels::paper::{self, Measured, Parameters, Surface};
+use crate::kernels::madsen::{self, Measured, Parameters, Surface};
 
 /// `k_a`, `k_d` and C.
 type Coefficients = (f64, f64, [f64; 3]);
@@ -23,7 +23,7 @@ pub fn face_radiance<'py>(
     border_sampled: bool,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let radiance = radiance.as_array();
-    let out = in_pool(py, || paper::face_radiance(radiance, registration(border_sampled), faces))?;
+    let out = in_pool(py, || madsen::face_radiance(radiance, registration(border_sampled), faces))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -37,7 +37,7 @@ pub fn pack_lights<'py>(
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let (ambient, directions) = (ambient.as_array(), directions.as_array());
     let radiance = radiance.as_array();
-    let out = py.detach(|| paper::pack(ambient, directions, radiance))?;
+    let out = py.detach(|| madsen::pack(ambient, directions, radiance))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -60,7 +60,7 @@ pub fn probe_model<'py>(
     coefficients: Coefficients,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let (x, normals) = (x.as_array(), normals.as_array());
-    let out = py.detach(|| paper::model(x, normals, &surface(coefficients)))?;
+    let out = py.detach(|| madsen::model(x, normals, &surface(coefficients)))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -78,7 +78,7 @@ pub fn probe_residual<'py>(
         (x.as_array(), normals.as_array(), probe.as_array(), weights.as_array());
     let out = py.detach(|| {
         let measured = Measured::new(normals, probe, weights)?;
-        paper::residual(x, &measured, &surface(coefficients))
+        madsen::residual(x, &measured, &surface(coefficients))
     })?;
     Ok(out.into_pyarray(py))
 }
@@ -97,7 +97,7 @@ pub fn probe_jacobian<'py>(
         (x.as_array(), normals.as_array(), probe.as_array(), weights.as_array());
     let out = in_pool(py, || {
         let measured = Measured::new(normals, probe, weights)?;
-        paper::jacobian(x, &measured, &surface(coefficients))
+        madsen::jacobian(x, &measured, &surface(coefficients))
     })?;
     Ok(out.into_pyarray(py))
 }
