@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native, io, kernels
 from envlights._check import check_choice
-from envlights._native import EnvLightsError
+from envlights._native import EnvLightsError, UnusableSamples
 
 PROJECTIONS = ("equirectangular",)
 REGISTRATIONS = ("cell-centred", "border-sampled")
@@ -219,16 +219,17 @@ def as_envmap(env: EnvMap | ArrayLike) -> EnvMap:
 
 
 def seen_through(env: EnvMap | ArrayLike, work: Callable[[EnvMap], _T]) -> tuple[EnvMap, _T]:
-    """The map, and what `work` makes of it, which refuses samples that no light can have.
+    """The map, and what `work` makes of it.
 
-    It reads them all, so an array is looked at a second time, and cleaned, only when it refused.
+    The kernels that `work` calls read every sample, and count those that no light can have. An array
+    is cleaned, and `work` called again, only when they found some.
     """
     if isinstance(env, EnvMap):
         return env, work(env)
+    world = EnvMap.unchecked(env)
     try:
-        world = EnvMap.unchecked(env)
         return world, work(world)
-    except EnvLightsError:
+    except UnusableSamples:
         world = EnvMap(env)
         return world, work(world)
 

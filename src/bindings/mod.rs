@@ -7,6 +7,7 @@ mod article;
 mod detect;
 mod error;
 mod fit;
+mod harmonics;
 mod image;
 mod madsen;
 mod pool;
@@ -30,9 +31,11 @@ mod _native {
     #[pymodule_export]
     use super::detect::{TreeDetection, detect_tree, reduced_luminance};
     #[pymodule_export]
-    use super::error::EnvLightsError;
+    use super::error::{EnvLightsError, UnusableSamples};
     #[pymodule_export]
     use super::fit::{FitAnswer, fit_lights, relative_rms, rig_irradiance};
+    #[pymodule_export]
+    use super::harmonics::{harmonic_irradiance, harmonic_radiance};
     #[pymodule_export]
     use super::image::unusable;
     #[pymodule_export]

@@ -1,5 +1,6 @@
 //! `kernels::transfer` for Python.
 
+use half::f16;
 use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
 };
@@ -11,11 +12,11 @@ use crate::kernels::transfer;
 /// Inner products, and which texels are lit.
 type Gram<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<bool>>);
 
-/// Values of a basis: bytes, or the bits of halves.
+/// Values of a basis: bytes or halves.
 #[derive(FromPyObject)]
 pub enum Values<'py> {
     Bytes(PyReadonlyArray3<'py, i8>),
-    Halves(PyReadonlyArray3<'py, u16>),
+    Halves(PyReadonlyArray3<'py, f16>),
 }
 
 /// See `envlights.transfer.gram`.

@@ -4,6 +4,7 @@
 //! |-----------------------------------------------|---------------|
 //! | directions, pixels, solid angles              | `sphere.rs`   |
 //! | low-discrepancy points, icospheres            | `sampling.rs` |
+//! | spherical harmonics                           | `harmonics.rs` |
 //! | unusable samples, reduction to a working size | `image/`      |
 //! | exact irradiance of a white probe             | `probe/`      |
 //! | bright places of a map                        | `detect/`     |
@@ -13,6 +14,7 @@
 
 pub mod detect;
 pub mod fit;
+pub mod harmonics;
 pub mod image;
 pub mod madsen;
 pub mod probe;

@@ -125,7 +125,7 @@ pub fn direction_to_uv(directions: ArrayView2<'_, f64>) -> Result<Array2<f64>> {
 ///
 /// # Errors
 ///
-/// [`Error::NotAMap`] for fewer than 2 rows or columns, [`Error::NoMemory`].
+/// [`Error::TooFewPixels`], [`Error::NoMemory`].
 pub fn pixel_directions(height: usize, width: usize, registration: Registration) -> Result<Array3<f64>> {
     check_size(height, width)?;
     check_memory(&[height, width, 3])?;
@@ -148,7 +148,7 @@ pub fn pixel_directions(height: usize, width: usize, registration: Registration)
 ///
 /// # Errors
 ///
-/// [`Error::NotAMap`] for fewer than 2 rows or columns, [`Error::NoMemory`].
+/// [`Error::TooFewPixels`], [`Error::NoMemory`].
 pub fn pixel_solid_angles(height: usize, width: usize, registration: Registration) -> Result<Array2<f64>> {
     check_size(height, width)?;
     check_memory(&[height, width])?;
@@ -262,7 +262,7 @@ pub(crate) fn check_values(
 
 pub(crate) fn check_size(height: usize, width: usize) -> Result<()> {
     if height < 2 || width < 2 {
-        return Err(Error::NotAMap { shape: vec![height, width, 3] });
+        return Err(Error::TooFewPixels { height, width });
     }
     Ok(())
 }

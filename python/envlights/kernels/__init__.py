@@ -13,6 +13,7 @@ from envlights.kernels.article import (
     suppress,
     weighted_means,
 )
+from envlights.kernels.harmonics import harmonic_irradiance, harmonic_radiance
 from envlights.kernels.image import (
     blur,
     luminance,
@@ -58,6 +59,8 @@ __all__ = [
     "face_radiance",
     "halton",
     "hammersley",
+    "harmonic_irradiance",
+    "harmonic_radiance",
     "icosphere",
     "irradiance",
     "luminance",

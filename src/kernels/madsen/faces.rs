@@ -23,7 +23,7 @@ const MOST_RUNS: usize = 16;
 ///
 /// # Errors
 ///
-/// [`crate::error::Error::NotAMap`], [`crate::error::Error::NotFinite`],
+/// [`crate::error::Error::NotAMap`], [`crate::error::Error::UnusableSamples`],
 /// [`crate::error::Error::NoSuchIcosphere`].
 pub fn face_radiance(
     radiance: ArrayView3<'_, f32>,

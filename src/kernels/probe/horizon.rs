@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 
 use super::band::{Band, weigh};
+use super::opposite::VectorFlux;
 use super::rows::Weight;
 use crate::kernels::sphere::angles;
 
@@ -173,11 +174,11 @@ impl Slice {
         }
     }
 
-    /// Add the slice's vector flux to `whole`.
-    pub fn add_whole(&self, band: &Band<'_>, whole: &mut [DVec3; 3]) {
+    /// Add the vector flux of the slice to `flux`.
+    pub fn add_whole(&self, band: &Band<'_>, flux: &mut VectorFlux) {
         let [cos, sin, one] = *band.total();
-        whole[0] += sin * self.equatorial;
-        whole[1] += one * self.polar;
-        whole[2] -= cos * self.equatorial;
+        flux[0] += sin * self.equatorial;
+        flux[1] += one * self.polar;
+        flux[2] -= cos * self.equatorial;
     }
 }

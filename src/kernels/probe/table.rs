@@ -15,7 +15,7 @@
 use std::f64::consts::TAU;
 
 use glam::{DVec3, Vec4};
-use ndarray::{Array2, Axis};
+use ndarray::Axis;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 use wide::f32x8;
@@ -23,7 +23,6 @@ use wide::f32x8;
 use super::horizon::{Normal, Slice, Steps, cut};
 use crate::error::{Error, Result};
 use crate::kernels::image::{Grid, WorkingMap};
-use crate::kernels::sphere;
 
 /// Rows of the map that one task sums.
 const ROWS_OF_A_RUN: usize = 8;
@@ -67,7 +66,7 @@ impl Columns {
 }
 
 /// Irradiance at `normals` of the cells of `map`, without its sources.
-pub fn under_cells(map: &WorkingMap, normals: &[DVec3]) -> Result<Array2<f64>> {
+pub fn under_cells(map: &WorkingMap, normals: &[DVec3]) -> Result<Vec<DVec3>> {
     let normals: Vec<Normal> = normals.iter().map(|&n| Normal::new(n)).collect();
     let columns = Columns::new(&map.grid);
     let rows: Vec<usize> = (0..map.radiance.dim().0).collect();
@@ -83,11 +82,11 @@ pub fn under_cells(map: &WorkingMap, normals: &[DVec3]) -> Result<Array2<f64>> {
         })
         .collect();
     let sum = |i: usize| sums.iter().fold(DVec3::ZERO, |sum, part| sum + part[i]);
-    let seen: Vec<DVec3> = (0..normals.len()).map(sum).collect();
-    if !seen.iter().all(|sum| sum.is_finite()) {
+    let irradiance: Vec<DVec3> = (0..normals.len()).map(sum).collect();
+    if !irradiance.iter().all(|sum| sum.is_finite()) {
         return Err(Error::TooBright);
     }
-    Ok(sphere::from_vectors(seen.into_iter().map(|sum| sum.max(DVec3::ZERO))))
+    Ok(irradiance.into_iter().map(|sum| sum.max(DVec3::ZERO)).collect())
 }
 
 impl Table<'_> {
@@ -202,7 +201,7 @@ fn single(flux: DVec3) -> Vec4 {
 mod tests {
     use super::*;
     use crate::kernels::sampling;
-    use crate::kernels::sphere::Registration;
+    use crate::kernels::sphere::{self, Registration};
     use crate::kernels::{fit, image};
     use ndarray::Array3;
 
@@ -215,7 +214,7 @@ mod tests {
         let directions = sphere::to_vectors(normals.view());
         for registration in [Registration::CellCentred, Registration::BorderSampled] {
             let working = image::reduce(map.view(), registration, 128, 1.0).unwrap();
-            let near = under_cells(&working, &directions).unwrap();
+            let near = sphere::from_vectors(under_cells(&working, &directions).unwrap().into_iter());
             let cells = working.radiance.view();
             let exact =
                 super::super::under_cells(cells, &working.grid, Steps::ONE_NODE, &directions).unwrap();

@@ -29,7 +29,7 @@ const SPAN: usize = 512;
 ///
 /// # Errors
 ///
-/// [`Error::WrongColumns`], [`Error::LengthMismatch`].
+/// [`Error::WrongShape`], [`Error::LengthMismatch`].
 pub fn columns(
     images: ArrayView3<'_, f32>,
     scale: &[f32],
@@ -38,10 +38,9 @@ pub fn columns(
 ) -> Result<Array2<f32>> {
     rows::check(images, scale)?;
     let (width, rank) = weights.dim();
-    let sizes = [("lit", lit.len(), images.dim().1), ("weights", width, 3 * scale.len())];
-    if let Some((what, seen, wanted)) = sizes.into_iter().find(|&(_, seen, wanted)| seen != wanted) {
-        return Err(Error::LengthMismatch { what, other: "images", wanted, seen });
-    }
+    check_length("lit", lit.len(), "images have texels", images.dim().1)?;
+    check_length("weights", width, "images have channels in all", 3 * scale.len())?;
+    // Give each task the rows of the basis that its texels fill.
     let counts = lit.chunks(SPAN).map(|lit| lit.iter().filter(|&&lit| lit).count());
     let mut out = Array2::zeros((counts.clone().sum(), rank));
     let mut parts = Vec::new();
@@ -51,6 +50,7 @@ pub fn columns(
         parts.push(part);
         rest = others;
     }
+    // Mix the lit texels of each task.
     parts.into_par_iter().zip(lit.par_chunks(SPAN)).enumerate().for_each_init(
         || Array2::zeros((SPAN, width)),
         |block, (span, (mut out, lit))| {
@@ -61,6 +61,10 @@ pub fn columns(
         },
     );
     Ok(out)
+}
+
+fn check_length(what: &'static str, seen: usize, other: &'static str, wanted: usize) -> Result<()> {
+    if seen == wanted { Ok(()) } else { Err(Error::LengthMismatch { what, other, wanted, seen }) }
 }
 
 /// Move the rows that are lit to the front.
@@ -101,8 +105,15 @@ mod tests {
         let images = Array3::zeros((1, 2, 3));
         let weights = Array2::zeros((3, 1));
         assert!(columns(images.view(), &[1.0], &[true; 2], weights.view()).is_ok());
-        assert!(columns(images.view(), &[1.0], &[true; 3], weights.view()).is_err());
-        assert!(columns(images.view(), &[1.0, 1.0], &[true; 2], weights.view()).is_err());
-        assert!(columns(images.view(), &[1.0], &[true; 2], Array2::zeros((2, 1)).view()).is_err());
+        let refusal = |scale: &[f32], lit: &[bool], width| {
+            let weights = Array2::zeros((width, 1));
+            columns(images.view(), scale, lit, weights.view()).map_err(|error| error.to_string())
+        };
+        let wanted = "lit must have as many rows as images have texels (2); got 3";
+        assert_eq!(refusal(&[1.0], &[true; 3], 3), Err(wanted.to_owned()));
+        let wanted = "weights must have as many rows as images have channels in all (3); got 2";
+        assert_eq!(refusal(&[1.0], &[true; 2], 2), Err(wanted.to_owned()));
+        let wanted = "scale must have as many rows as images (1); got 2";
+        assert_eq!(refusal(&[1.0; 2], &[true; 2], 3), Err(wanted.to_owned()));
     }
 }

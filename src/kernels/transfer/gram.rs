@@ -34,7 +34,7 @@ const PANEL: usize = 32;
 ///
 /// # Errors
 ///
-/// [`crate::error::Error::WrongColumns`], [`crate::error::Error::LengthMismatch`].
+/// [`crate::error::Error::WrongShape`], [`crate::error::Error::LengthMismatch`].
 pub fn gram(images: ArrayView3<'_, f32>, scale: &[f32]) -> Result<(Array2<f64>, Array1<bool>)> {
     rows::check(images, scale)?;
     let width = 3 * scale.len();
@@ -42,6 +42,7 @@ pub fn gram(images: ArrayView3<'_, f32>, scale: &[f32]) -> Result<(Array2<f64>, 
     if images.is_empty() {
         return Ok((Array2::zeros((width, width)), Array1::from_elem(texels, false)));
     }
+    // Read a block of texels at a time, as rows of all images.
     let mut products = Array2::zeros((width, width));
     let mut lit = Vec::with_capacity(texels);
     let mut block = Array2::zeros((BLOCK.min(texels), width));
@@ -52,6 +53,7 @@ pub fn gram(images: ArrayView3<'_, f32>, scale: &[f32]) -> Result<(Array2<f64>, 
         rows.par_chunks_mut(width * step)
             .enumerate()
             .for_each(|(i, rows)| rows::fill(rows, images, scale, first + i * step));
+        // Note which texels are lit, and add the products of the block.
         lit.extend(rows.chunks_exact(width).map(|row| row.iter().any(|&value| value != 0.0)));
         add_products(&mut products, block.slice(s![..count, ..]));
     }
@@ -66,10 +68,12 @@ fn add_products(products: &mut Array2<f64>, block: ArrayView2<'_, f32>) {
     panels.into_par_iter().rev().with_max_len(1).for_each_init(
         || Array2::zeros((PANEL, width)),
         |sums, (i, mut panel)| {
+            // Multiply the rows of the panel with all up to the diagonal, in f32.
             let (first, last) = (i * PANEL, i * PANEL + panel.nrows());
             let mut sums = sums.slice_mut(s![..last - first, ..last]);
             let (ours, all) = (block.slice(s![.., first..last]), block.slice(s![.., ..last]));
             general_mat_mul(1.0, &ours.t(), &all, 0.0, &mut sums);
+            // Add the products in f64.
             Zip::from(panel.slice_mut(s![.., ..last]))
                 .and(&sums)
                 .for_each(|total, &sum| *total += f64::from(sum));

@@ -10,11 +10,12 @@ use crate::error::{Error, Result};
 /// Images whose values move together, twelve floats at a time. Of 1, 2, 4 and 8, 4 is fastest.
 const IMAGES: usize = 4;
 
-/// Refuse images (k, texels, 3) that are no RGB, or have not a scale each.
+/// Refuse images of another shape than (k, texels, 3), or another number of scales than of images.
 pub fn check(images: ArrayView3<'_, f32>, scale: &[f32]) -> Result<()> {
     let (wanted, _, channels) = images.dim();
     if channels != 3 {
-        return Err(Error::WrongColumns { what: "images", columns: 3, shape: images.shape().to_vec() });
+        let shape = images.shape().to_vec();
+        return Err(Error::WrongShape { what: "images", wanted: "(k, texels, 3)", shape });
     }
     if scale.len() != wanted {
         return Err(Error::LengthMismatch { what: "scale", other: "images", wanted, seen: scale.len() });
