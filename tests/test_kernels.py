@@ -134,8 +134,14 @@ def test_sum_over_sources_is_equations_1_to_3():
             r"weights must not be negative; row 0",
         ),
         (lambda: kernels.relative_rms(UP, [[0, np.inf, 0]], [1]), r"wanted must be finite; row 0"),
-        (lambda: under_map(np.nan), r"radiance must be finite and not negative; row 5 holds NaN.* 1 are NaN"),
-        (lambda: under_map(np.inf), r"radiance must be finite .* row 5 holds inf.* 0 are NaN, 1 inf"),
+        (
+            lambda: under_map(np.nan),
+            r"finite and not negative; row 5 holds NaN.* 1 are NaN",
+        ),
+        (
+            lambda: under_map(np.inf),
+            r"radiance must be finite .* row 5 holds inf.* 0 are NaN, 1 inf",
+        ),
         (lambda: kernels.irradiance(BRIGHTEST, UP), r"too large to be summed in single precision"),
         (lambda: kernels.working_irradiance(BRIGHTEST, UP), r"too large to be summed"),
         (lambda: kernels.reduced_luminance(BRIGHTEST, 8), r"too large to be summed"),

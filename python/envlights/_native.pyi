@@ -9,7 +9,7 @@ __all__ = [
     "EnvLightsError",
     "FitAnswer",
     "TreeDetection",
-    "UnusableSamples",
+    "UnusableSamplesError",
     "blur",
     "bresenham_line",
     "detect_tree",
@@ -54,7 +54,7 @@ _Image = NDArray[np.float32]
 _Indices = NDArray[np.int64]
 
 class EnvLightsError(ValueError): ...
-class UnusableSamples(EnvLightsError): ...
+class UnusableSamplesError(EnvLightsError): ...
 
 @final
 class TreeDetection:

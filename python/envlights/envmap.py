@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native, io, kernels
 from envlights._check import check_choice
-from envlights._native import EnvLightsError, UnusableSamples
+from envlights._native import EnvLightsError, UnusableSamplesError
+from envlights._srgb import decode_srgb
 
 PROJECTIONS = ("equirectangular",)
 REGISTRATIONS = ("cell-centred", "border-sampled")
@@ -180,7 +181,7 @@ class EnvMap:
                 return np.ascontiguousarray(array, dtype=np.float32)
         self._notes.append(f"{array.dtype.name} samples were taken as sRGB-coded and linearised")
         codes = np.arange(np.iinfo(array.dtype).max + 1)
-        return np.ascontiguousarray(io.decode_srgb(codes / codes[-1])[array])
+        return np.ascontiguousarray(decode_srgb(codes / codes[-1])[array])
 
     def _cleaned(self, linear: NDArray[np.float32]) -> NDArray[np.float32]:
         nan, infinite, negative = _native.unusable(linear)
@@ -221,15 +222,15 @@ def as_envmap(env: EnvMap | ArrayLike) -> EnvMap:
 def seen_through(env: EnvMap | ArrayLike, work: Callable[[EnvMap], _T]) -> tuple[EnvMap, _T]:
     """The map, and what `work` makes of it.
 
-    The kernels that `work` calls read every sample, and count those that no light can have. An array
-    is cleaned, and `work` called again, only when they found some.
+    The kernels that `work` calls read every sample, and count those that no light can have. Only
+    when they find some is an array cleaned, and `work` called again.
     """
     if isinstance(env, EnvMap):
         return env, work(env)
     world = EnvMap.unchecked(env)
     try:
         return world, work(world)
-    except UnusableSamples:
+    except UnusableSamplesError:
         world = EnvMap(env)
         return world, work(world)
 

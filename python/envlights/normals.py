@@ -17,7 +17,10 @@ JUDGING = 5120
 
 
 class Normals(NamedTuple):
-    """Normals in opposite pairs, of which the kernel computes one: the second half mirrors the first."""
+    """Normals in opposite pairs: the second half mirrors the first.
+
+    The kernel looks at one normal of each pair.
+    """
 
     directions: NDArray[np.float64]
     weights: NDArray[np.float64]

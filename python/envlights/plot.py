@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights import kernels
 from envlights._native import EnvLightsError
+from envlights._srgb import encode_srgb
 from envlights.detected import DetectedLights
 from envlights.envmap import EnvMap, as_envmap
 from envlights.files import PICTURES, as_path, write_atomically
@@ -73,7 +74,7 @@ def picture(env: EnvMap | ArrayLike, rig: Rig) -> Picture:
         [("under the map", under_map), ("under the rig", under_rig)]
     ):
         axes = figure.add_subplot(grid[1, column])
-        axes.imshow(_image(inside, display(seen / white), background=1.0))
+        axes.imshow(_image(inside, encode_srgb(seen / white), background=1.0))
         axes.set_title(f"white probe {title}")
         axes.axis("off")
     _draw_difference(figure, figure.add_subplot(grid[1, 2]), inside, under_map, under_rig)
@@ -145,14 +146,6 @@ def _drawn(figure: Figure, form: str) -> bytes:
     return drawn.getvalue()
 
 
-def display(linear: NDArray[np.floating]) -> NDArray[np.floating]:
-    """Linear values as sRGB codes in 0 .. 1, clipped."""
-    linear = np.clip(linear, 0, 1)
-    coded = 1.055 * linear ** (1 / 2.4) - 0.055
-    clipped: NDArray[np.floating] = np.where(linear <= 0.0031308, 12.92 * linear, coded).clip(0, 1)
-    return clipped
-
-
 def _draw_members(axes: Axes, lights: DetectedLights) -> None:
     """Outlines of pixels, or samples and their links."""
     height, width = lights.report.working_size
@@ -200,7 +193,7 @@ def _draw_exposed(axes: Axes, env: EnvMap) -> None:
     luminance = radiance @ LUMINANCE
     lit = luminance[luminance > 0]
     exposure = 0.35 / np.median(lit) if lit.size else 1.0
-    axes.imshow(display(radiance * exposure), extent=(0, 360, -90, 90))
+    axes.imshow(encode_srgb(radiance * exposure), extent=(0, 360, -90, 90))
     axes.set(xlabel="azimuth (degrees)", ylabel="elevation (degrees)")
     axes.set(xticks=range(0, 361, 45), yticks=range(-90, 91, 45))
 

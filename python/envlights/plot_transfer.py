@@ -11,7 +11,8 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._native import EnvLightsError
-from envlights.plot import Picture, display
+from envlights._srgb import encode_srgb
+from envlights.plot import Picture
 from envlights.rig import LUMINANCE
 from envlights.transfer import TransferModel
 from envlights.transfer.pairs import frames
@@ -100,7 +101,7 @@ def _draw_images(
         f"projection: {_error(projected, truth)}",
     )
     for axes, title, image in zip(row, titles, (truth, predicted, projected), strict=True):
-        axes.imshow(display(image / white))
+        axes.imshow(encode_srgb(image / white))
         axes.set_title(title)
         axes.axis("off")
 

@@ -14,7 +14,7 @@ create_exception!(
 
 create_exception!(
     envlights._native,
-    UnusableSamples,
+    UnusableSamplesError,
     EnvLightsError,
     "A map with samples that no light can have. Cleaning it helps."
 );
@@ -23,7 +23,7 @@ impl From<Error> for PyErr {
     fn from(error: Error) -> Self {
         let message = error.to_string();
         match error {
-            Error::UnusableSamples { .. } => UnusableSamples::new_err(message),
+            Error::UnusableSamples { .. } => UnusableSamplesError::new_err(message),
             _ => EnvLightsError::new_err(message),
         }
     }

@@ -31,7 +31,7 @@ mod _native {
     #[pymodule_export]
     use super::detect::{TreeDetection, detect_tree, reduced_luminance};
     #[pymodule_export]
-    use super::error::{EnvLightsError, UnusableSamples};
+    use super::error::{EnvLightsError, UnusableSamplesError};
     #[pymodule_export]
     use super::fit::{FitAnswer, fit_lights, relative_rms, rig_irradiance};
     #[pymodule_export]

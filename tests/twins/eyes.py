@@ -4,8 +4,8 @@ import mitsuba as mi
 import numpy as np
 
 import envlights as el
-from envlights.scene.renderer import mitsuba
 from envlights.kernels import harmonic_radiance
+from envlights.scene.renderer import mitsuba
 
 
 def relative(image, truth):

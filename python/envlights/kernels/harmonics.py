@@ -10,7 +10,7 @@ from envlights._check import reals
 
 
 def harmonic_radiance(directions: ArrayLike) -> NDArray[np.float64]:
-    r"""Values of the nine real spherical harmonics up to order 2.
+    """Values of the nine real spherical harmonics up to order 2.
 
     Parameters
     ----------
@@ -53,9 +53,10 @@ def harmonic_irradiance(normals: ArrayLike) -> NDArray[np.float64]:
     Returns
     -------
     ndarray, shape (n, 9)
-        The values of `harmonic_radiance` times :math:`\pi`, :math:`2 \pi / 3` and :math:`\pi / 4` for order
-        0, 1 and 2 (Ramamoorthi and Hanrahan 2001, equation 8). Their product with the coefficients
-        of an ambient term, (9, 3), is the irradiance under it, as in `rig_irradiance`.
+        The values of `harmonic_radiance` times :math:`\pi`, :math:`2 \pi / 3` and
+        :math:`\pi / 4` for order 0, 1 and 2 (Ramamoorthi and Hanrahan 2001, equation 8). Their
+        product with the coefficients of an ambient term, (9, 3), is the irradiance under it, as in
+        `rig_irradiance`.
 
     Raises
     ------

@@ -14,8 +14,8 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights import io
 from envlights._check import count
+from envlights._srgb import decode_srgb
 from envlights.synthetic import backdrops, lamps
 from envlights.synthetic.scene import Camera, SyntheticMap, scene
 from envlights.synthetic.shapes import Lamp, PixelSun
@@ -170,7 +170,7 @@ def _camera(
 
 def _eight_bits(radiance: NDArray[np.float64]) -> NDArray[np.float64]:
     """Radiance up to 1 after it was sRGB-coded in 8 bits and linearised."""
-    levels = io.decode_srgb(np.arange(256) / 255)
-    between = io.decode_srgb((np.arange(255) + 0.5) / 255)
+    levels = decode_srgb(np.arange(256) / 255)
+    between = decode_srgb((np.arange(255) + 0.5) / 255)
     nearest: NDArray[np.float64] = levels[np.searchsorted(between, radiance)].astype(np.float64)
     return nearest
