@@ -1,4 +1,4 @@
-//! Every refusal of every kernel. Each sentence says what was wrong, what was seen and what is wanted.
+//! Every refusal of every kernel. Each sentence says what was wrong, what was given and what is wanted.
 
 use thiserror::Error;
 

@@ -20,7 +20,7 @@ use ndarray::{Array2, Array3, ArrayView1, ArrayView2};
 
 use crate::error::{Error, Result};
 
-/// How pixels lie on the sphere.
+/// The way in which pixels lie on the sphere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Registration {
     /// Pixel `x` of `width` stands for the cell between `x` and `x + 1` widths: most files.
@@ -59,7 +59,7 @@ impl Registration {
         (0..=cells).map(|i| range * edge(i).clamp(0.0, 1.0)).collect()
     }
 
-    /// Where the samples of `cells` pixels lie in `0 ..= range`.
+    /// Places of the samples of `cells` pixels in `0 ..= range`.
     fn centres(self, cells: usize, range: f64) -> Vec<f64> {
         let centre = |i: usize| match self {
             Self::CellCentred => (i as f64 + 0.5) / cells as f64,

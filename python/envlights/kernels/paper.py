@@ -161,7 +161,7 @@ def probe_residual(
     r"""Left sides of equations 7 to 9: what M lights leave unexplained of a probe.
 
     Takes its arguments as `scipy.optimize.least_squares` and `jaxopt.LevenbergMarquardt` give them,
-    so that another solver than that of `fit` can have a try.
+    so that it can be tried with another solver than that of `fit`.
 
     Parameters
     ----------
@@ -186,7 +186,7 @@ def probe_residual(
     See Also
     --------
     probe_jacobian : its derivatives.
-    envlights.fit_paper : the paper's whole way from a map to lights.
+    envlights.fit_paper : all of the paper's steps from a map to lights.
 
     Examples
     --------
@@ -226,7 +226,7 @@ def probe_jacobian(
 ) -> NDArray[np.float64]:
     """Derivatives of `probe_residual` by each unknown.
 
-    Exact everywhere but on the terminator of a light, where the model has a bend: a normal there
+    Exact everywhere but on the terminator of a light, where the model has a kink: a normal there
     gets the derivative of its dark side, 0.
 
     Parameters

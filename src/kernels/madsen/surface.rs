@@ -1,4 +1,4 @@
-//! What the probe is made of.
+//! The surface of the probe: how it reflects ambient and diffuse light.
 
 use glam::DVec3;
 

@@ -1,4 +1,4 @@
-//! Step 2: where the horizon of a normal cuts a band, and what the normal sees there.
+//! Step 2: the horizon of a normal across a band, and the irradiance from the part in front of it.
 
 use std::f64::consts::TAU;
 
@@ -20,12 +20,12 @@ const FOUR_NODES: Nodes = &[
     (0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
 ];
 
-/// How finely the horizon is followed down the rows.
+/// The steps in which the horizon is followed down the rows.
 #[derive(Clone, Copy)]
 pub struct Steps {
     /// Rows of a band; more than one have one node.
     pub rows: usize,
-    /// Where in a row the horizon is taken.
+    /// Places in a row at which the horizon is taken.
     pub nodes: Nodes,
 }
 
@@ -73,7 +73,7 @@ impl Normal {
         self.cosine(slice).clamp(-1.0, 1.0).acos()
     }
 
-    /// How much the integrals of L cos phi, L sin phi and L over the slice count.
+    /// Weights of the integrals of L cos phi, L sin phi and L over the slice.
     #[inline]
     pub fn pull(&self, slice: &Slice) -> DVec3 {
         let n = self.vector;
@@ -120,9 +120,11 @@ pub struct Slice {
 ///   integral of sin theta cos theta = sin(t0 + t1) sin(dtheta) / 2
 /// ```
 fn slices(top: f64, bottom: f64, nodes: Nodes) -> Vec<Slice> {
+    // Integrate over the row in closed form.
     let (sum, difference) = (top + bottom, bottom - top);
     let equatorial = 0.5 * (difference - sum.cos() * difference.sin());
     let polar = 0.5 * sum.sin() * difference.sin();
+    // Share that out over the nodes.
     let angles: Vec<f64> = nodes.iter().map(|(node, _)| 0.5 * (sum + node * difference)).collect();
     let weigh = |f: fn(f64) -> f64| -> f64 { angles.iter().zip(nodes).map(|(&t, (_, w))| w * f(t)).sum() };
     let sin_squared = weigh(|theta| theta.sin().powi(2));

@@ -4,8 +4,8 @@
 //!   E(n) = integral over the sphere of L(w) max(0, n.w) dw
 //! ```
 //!
-//! Where the probe sees a cell, the integrand is *linear* in w, so only the vector flux of what is
-//! seen counts. In one row (theta fixed) the seen part is one interval of azimuths around the
+//! In front of the normal the integrand is *linear* in w, so only the vector flux of that half of the
+//! sphere counts. In one row (theta fixed) the part in front is one interval of azimuths around the
 //! normal's own azimuth `phi_n`:
 //!
 //! ```text
@@ -268,8 +268,8 @@ mod tests {
     fn largest_difference_from_pi(height: usize, registration: Registration) -> f64 {
         let sky = Array3::from_elem((height, 2 * height, 3), 1.0_f32);
         let (normals, _) = sampling::icosphere(320).unwrap();
-        let seen = irradiance(sky.view(), registration, normals.view()).unwrap();
-        seen.iter().map(|value| (value / PI - 1.0).abs()).fold(0.0, f64::max)
+        let found = irradiance(sky.view(), registration, normals.view()).unwrap();
+        found.iter().map(|value| (value / PI - 1.0).abs()).fold(0.0, f64::max)
     }
 
     /// White furnace: under a constant sky of radiance L, every surface receives exactly pi L.
@@ -283,7 +283,7 @@ mod tests {
         }
     }
 
-    /// Only a normal that comes with its opposite is spared a sum of its own.
+    /// A normal by itself gets a sum of its own; with its opposite, one of the two does not.
     #[test]
     fn opposite_normals_get_what_each_gets_alone() {
         let map = Array3::from_shape_fn((64, 128, 3), |(y, x, c)| ((y * 7 + x * 3 + c) % 11) as f32);
@@ -300,7 +300,7 @@ mod tests {
         }
     }
 
-    /// Two ways to one number: whole pixels by intervals, pixel centres one by one.
+    /// Two methods for one number: whole pixels by intervals, pixel centres one by one.
     #[test]
     fn intervals_agree_with_the_sum_over_pixels() {
         let map = Array3::from_shape_fn((256, 512, 3), |(y, x, c)| {

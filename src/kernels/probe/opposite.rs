@@ -1,6 +1,7 @@
 //! Opposite normals share one sum.
 //!
-//! What `n` does not see, `-n` sees. So their irradiances differ by the vector flux of the whole map,
+//! The half of the sphere behind `n` is that in front of `-n`. So their irradiances differ by the vector
+//! flux of the whole map,
 //!
 //! ```text
 //!   E(n) - E(-n) = integral of L n.w dw = n.F,   F = integral of L w dw

@@ -102,7 +102,7 @@ pub fn frames<T: Kept>(
     Ok(out)
 }
 
-/// What is kept of a basis.
+/// A basis as it is kept.
 struct Basis<'a, T> {
     values: &'a [[T; TILE]],
     scales: &'a [Scales],
@@ -110,7 +110,7 @@ struct Basis<'a, T> {
 }
 
 impl<'a, T: Kept> Basis<'a, T> {
-    /// Of arrays in the standard layout.
+    /// A basis from arrays in the standard layout.
     fn new(values: ArrayView3<'a, T>, scales: ArrayView3<'a, f32>) -> Result<Self> {
         let (tiles, rank, lanes) = values.dim();
         if lanes != TILE {

@@ -45,9 +45,10 @@ fn fill_from<const N: usize>(
     let width = 3 * images.dim().0;
     let texels = first..first + rows.len() / width;
     let parts: [_; N] = from_fn(|i| images.slice_move(s![image + i, texels.clone(), ..]));
-    // What does not lie in RGB, as where alpha was dropped, is copied.
+    // Copy what does not lie in RGB, as where alpha was dropped.
     let parts: [_; N] = from_fn(|i| parts[i].as_standard_layout());
     let parts: [&[[f32; 3]]; N] = from_fn(|i| parts[i].as_slice().unwrap_or_default().as_chunks().0);
+    // Write the values of all images of a texel side by side.
     for (t, row) in rows.chunks_exact_mut(width).enumerate() {
         let values: [[f32; 3]; N] = from_fn(|i| parts[i][t].map(|value| value * scale[i]));
         row[3 * image..3 * (image + N)].copy_from_slice(values.as_flattened());
