@@ -10,6 +10,7 @@ __all__ = [
     "EnvLightsError",
     "FitAnswer",
     "TreeDetection",
+    "UnusableSamplesError",
     "are_clipped",
     "blur",
     "bresenham_line",
@@ -20,6 +21,8 @@ __all__ = [
     "fit_lights",
     "halton",
     "hammersley",
+    "harmonic_irradiance",
+    "harmonic_radiance",
     "icosphere",
     "irradiance",
     "luminance",
@@ -53,11 +56,11 @@ __all__ = [
 _Reals = NDArray[np.float64]
 _Image = NDArray[np.float32]
 _Indices = NDArray[np.int64]
-_Coefficients = tuple[float, float, list[float]]
 
 LUMINANCE: list[float]
 
 class EnvLightsError(ValueError): ...
+class UnusableSamplesError(EnvLightsError): ...
 
 @final
 class TreeDetection:
@@ -123,6 +126,8 @@ def fit_lights(
 ) -> list[FitAnswer]: ...
 def halton(count: int, bases: list[int]) -> _Reals: ...
 def hammersley(count: int) -> _Reals: ...
+def harmonic_irradiance(normals: _Reals) -> _Reals: ...
+def harmonic_radiance(directions: _Reals) -> _Reals: ...
 def icosphere(faces: int) -> tuple[_Reals, _Reals]: ...
 def irradiance(radiance: _Image, normals: _Reals, border_sampled: bool) -> _Reals: ...
 def luminance(radiance: _Image) -> _Image: ...
@@ -139,15 +144,29 @@ def merge_along_lines(
 def neighbour_maximum(
     luminance: _Image, pixels: _Indices, reach: int, sphere: bool
 ) -> tuple[_Image, _Indices]: ...
-def pack_lights(ambient: _Reals, directions: _Reals, radiance: _Reals) -> _Reals: ...
+def pack_lights(ambient: _Reals, directions: _Reals, irradiance: _Reals) -> _Reals: ...
 def pixel_directions(height: int, width: int, border_sampled: bool) -> _Reals: ...
 def pixel_solid_angles(height: int, width: int, border_sampled: bool) -> _Reals: ...
 def probe_jacobian(
-    x: _Reals, normals: _Reals, probe: _Reals, weights: _Reals, coefficients: _Coefficients
+    x: _Reals,
+    normals: _Reals,
+    probe: _Reals,
+    weights: _Reals,
+    k_a: float,
+    k_d: float,
+    colour: list[float],
 ) -> _Reals: ...
-def probe_model(x: _Reals, normals: _Reals, coefficients: _Coefficients) -> _Reals: ...
+def probe_model(
+    x: _Reals, normals: _Reals, k_a: float, k_d: float, colour: list[float]
+) -> _Reals: ...
 def probe_residual(
-    x: _Reals, normals: _Reals, probe: _Reals, weights: _Reals, coefficients: _Coefficients
+    x: _Reals,
+    normals: _Reals,
+    probe: _Reals,
+    weights: _Reals,
+    k_a: float,
+    k_d: float,
+    colour: list[float],
 ) -> _Reals: ...
 def radical_inverse(index: int, base: int) -> float: ...
 def reduced_luminance(radiance: _Image, columns: int, border_sampled: bool) -> _Image: ...
@@ -166,10 +185,10 @@ def sum_over_sources(
 ) -> _Reals: ...
 def suppress(points: _Reals, distance: float) -> _Indices: ...
 def transfer_columns(
-    images: _Image, scale: _Image, lit: NDArray[np.bool_], weights: _Image
+    images: _Image, scale: _Image, non_black: NDArray[np.bool_], weights: _Image
 ) -> _Image: ...
 def transfer_frames(
-    values: NDArray[np.int8] | NDArray[np.uint16],
+    values: NDArray[np.int8] | NDArray[np.float16],
     scales: _Image,
     coefficients: _Image,
     places: _Indices,

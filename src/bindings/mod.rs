@@ -6,9 +6,10 @@
 mod detect;
 mod error;
 mod fit;
+mod harmonics;
 mod image;
 mod loghin;
-mod paper;
+mod madsen;
 mod pool;
 mod probe;
 mod sampling;
@@ -29,9 +30,11 @@ mod _native {
     #[pymodule_export]
     use super::detect::{TreeDetection, detect_tree, reduced_luminance};
     #[pymodule_export]
-    use super::error::EnvLightsError;
+    use super::error::{EnvLightsError, UnusableSamplesError};
     #[pymodule_export]
     use super::fit::{FitAnswer, fit_lights, relative_rms, rig_irradiance};
+    #[pymodule_export]
+    use super::harmonics::{harmonic_irradiance, harmonic_radiance};
     #[pymodule_export]
     use super::image::unusable;
     #[pymodule_export]
@@ -40,7 +43,7 @@ mod _native {
         suppress, uv_to_pixel, weighted_means,
     };
     #[pymodule_export]
-    use super::paper::{
+    use super::madsen::{
         face_radiance, pack_lights, probe_jacobian, probe_model, probe_residual, unpack_lights,
     };
     #[pymodule_export]

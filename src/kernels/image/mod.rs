@@ -1,4 +1,4 @@
-//! What the map holds before anything is made of it.
+//! The map before anything is fitted to it: its samples, its cells, and fewer of them.
 //!
 //! | step                                          | file           |
 //! |-----------------------------------------------|----------------|

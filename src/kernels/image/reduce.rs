@@ -29,8 +29,8 @@ pub struct WorkingMap {
 ///
 /// # Errors
 ///
-/// [`Error::NotAMap`] when the array is not (height, width, 3) or smaller than 2 x 2;
-/// [`Error::NotFinite`] and [`Error::Negative`] for samples that no light can have: this pass sees them all.
+/// [`crate::error::Error::NotAMap`] when the array is not (height, width, 3) or smaller than 2 x 2;
+/// [`crate::error::Error::UnusableSamples`]: this pass sees all samples.
 pub fn reduce(
     radiance: ArrayView3<'_, f32>,
     registration: Registration,

@@ -16,13 +16,14 @@ use crate::kernels::sphere::{angles, check_rows, direction, from_vectors, unit_v
 
 /// Unknowns of the ambient term: its radiance.
 pub(super) const OF_AMBIENT: usize = 3;
-/// Unknowns of a light: its radiance, then theta and phi.
+/// Unknowns of a light: its irradiance, then theta and phi.
 pub(super) const OF_LIGHT: usize = 5;
 
 /// One directional light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Light {
-    pub radiance: DVec3,
+    /// `L_j` of the paper, times the solid angle that it stands for: at normal incidence.
+    pub irradiance: DVec3,
     pub theta: f64,
     pub phi: f64,
 }
@@ -48,7 +49,7 @@ impl Parameters {
         }
         check_rows("x", x.insert_axis(Axis(1)), 1)?;
         let lights = (OF_AMBIENT..seen).step_by(OF_LIGHT).map(|at| Light {
-            radiance: DVec3::new(x[at], x[at + 1], x[at + 2]),
+            irradiance: DVec3::new(x[at], x[at + 1], x[at + 2]),
             theta: x[at + 3],
             phi: x[at + 4],
         });
@@ -60,9 +61,9 @@ impl Parameters {
         from_vectors(self.lights.iter().map(|light| direction(light.theta, light.phi)))
     }
 
-    /// Radiance of the lights, (M, 3): `L_j` times the solid angle that it stands for.
-    pub fn radiance(&self) -> Array2<f64> {
-        from_vectors(self.lights.iter().map(|light| light.radiance))
+    /// Irradiance of the lights at normal incidence, (M, 3).
+    pub fn irradiance(&self) -> Array2<f64> {
+        from_vectors(self.lights.iter().map(|light| light.irradiance))
     }
 }
 
@@ -70,26 +71,30 @@ impl Parameters {
 ///
 /// # Inputs
 ///
-/// - `ambient`: RGB; `directions`: (M, 3) unit vectors; `radiance`: (M, 3).
+/// - `ambient`: RGB; `directions`: (M, 3) unit vectors; `irradiance`: (M, 3).
 ///
 /// # Errors
 ///
-/// [`Error::WrongColumns`], [`Error::LengthMismatch`], [`Error::NotFinite`], [`Error::NotUnit`].
+/// [`Error::WrongShape`], [`Error::WrongColumns`], [`Error::LengthMismatch`], [`Error::NotFinite`], [`Error::NotUnit`].
 pub fn pack(
     ambient: ArrayView1<'_, f64>,
     directions: ArrayView2<'_, f64>,
-    radiance: ArrayView2<'_, f64>,
+    irradiance: ArrayView2<'_, f64>,
 ) -> Result<Array1<f64>> {
-    check_rows("ambient", ambient.insert_axis(Axis(0)), OF_AMBIENT)?;
-    let directions = unit_vectors("direction", directions)?;
-    check_rows("radiance", radiance, 3)?;
-    let (wanted, seen) = (directions.len(), radiance.nrows());
-    if seen != wanted {
-        return Err(Error::LengthMismatch { what: "radiance", other: "directions", wanted, seen });
+    if ambient.len() != OF_AMBIENT {
+        let shape = ambient.shape().to_vec();
+        return Err(Error::WrongShape { what: "ambient", wanted: "(3,)", shape });
     }
-    let lights = directions.iter().zip(radiance.rows()).flat_map(|(&direction, radiance)| {
+    check_rows("ambient", ambient.insert_axis(Axis(1)), 1)?;
+    let directions = unit_vectors("direction", directions)?;
+    check_rows("irradiance", irradiance, 3)?;
+    let (wanted, seen) = (directions.len(), irradiance.nrows());
+    if seen != wanted {
+        return Err(Error::LengthMismatch { what: "irradiance", other: "directions", wanted, seen });
+    }
+    let lights = directions.iter().zip(irradiance.rows()).flat_map(|(&direction, light)| {
         let (theta, phi) = angles(direction);
-        [radiance[0], radiance[1], radiance[2], theta, phi]
+        [light[0], light[1], light[2], theta, phi]
     });
     Ok(ambient.iter().copied().chain(lights).collect())
 }
@@ -101,15 +106,15 @@ mod tests {
     use ndarray::array;
 
     #[test]
-    fn lights_survive_the_way_through_the_vector() {
+    fn lights_come_back_from_the_vector() {
         let ambient = array![0.1, 0.2, 0.3];
         let directions = array![[0.0, 1.0, 0.0], [0.6, 0.0, -0.8], [0.0, -1.0, 0.0]];
-        let radiance = array![[1.0, 2.0, 3.0], [-4.0, 5.0, 6.0], [0.0, 0.0, 1.0]];
-        let x = pack(ambient.view(), directions.view(), radiance.view()).unwrap();
+        let irradiance = array![[1.0, 2.0, 3.0], [-4.0, 5.0, 6.0], [0.0, 0.0, 1.0]];
+        let x = pack(ambient.view(), directions.view(), irradiance.view()).unwrap();
         assert_eq!(x.len(), 3 + 5 * 3);
         let apart = Parameters::unpack(x.view()).unwrap();
         assert_eq!(apart.ambient, DVec3::new(0.1, 0.2, 0.3));
-        assert_eq!(apart.radiance(), radiance);
+        assert_eq!(apart.irradiance(), irradiance);
         let difference = apart.directions() - &directions;
         assert!(difference.iter().all(|d| d.abs() < 1e-15), "{difference}");
     }

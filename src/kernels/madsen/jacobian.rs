@@ -8,29 +8,31 @@
 //!   dr/dL_j     = -k_d C (n.l_j)                      dr/dphi_j   = -k_d C L_j (n . dl_j/dphi)
 //! ```
 //!
-//! all times the root of the normal's weight. A channel does not depend on the radiances of the
-//! others. On the terminator, `n.l_j = 0`, the model has a bend and no derivative; 0 is given there.
+//! all times the root of the normal's weight. A channel does not depend on the
+//! irradiances of the others. On the terminator, `n.l_j = 0`, the model has a kink and no derivative; 0 is
+//! given there.
 
 use glam::DVec3;
 use ndarray::{Array2, ArrayView1, ArrayViewMut2, Axis};
 use rayon::prelude::*;
 
-use super::parameters::{Light, OF_AMBIENT, OF_LIGHT};
-use super::{Measured, Parameters, Surface};
+use super::parameters::{Light, OF_AMBIENT, OF_LIGHT, Parameters};
+use super::residual::Measured;
+use super::surface::Surface;
 use crate::error::Result;
 use crate::kernels::sphere::{angle_derivatives, direction};
 
-/// A light's direction, and how it moves with its angles.
-struct Frame {
-    radiance: DVec3,
+/// A light's irradiance and direction, and the derivatives of the direction by its angles.
+struct Moving {
+    irradiance: DVec3,
     direction: DVec3,
     by_angles: [DVec3; 2],
 }
 
-impl Frame {
+impl Moving {
     fn of(light: &Light) -> Self {
-        let Light { radiance, theta, phi } = *light;
-        Self { radiance, direction: direction(theta, phi), by_angles: angle_derivatives(theta, phi) }
+        let Light { irradiance, theta, phi } = *light;
+        Self { irradiance, direction: direction(theta, phi), by_angles: angle_derivatives(theta, phi) }
     }
 }
 
@@ -40,33 +42,36 @@ impl Frame {
 ///
 /// [`crate::error::Error::NotParameters`], [`crate::error::Error::NotFinite`].
 pub fn jacobian(x: ArrayView1<'_, f64>, measured: &Measured<'_>, surface: &Surface) -> Result<Array2<f64>> {
-    let frames: Vec<Frame> = Parameters::unpack(x)?.lights.iter().map(Frame::of).collect();
+    let lights: Vec<Moving> = Parameters::unpack(x)?.lights.iter().map(Moving::of).collect();
     let mut out = Array2::zeros((3 * measured.normals.len(), x.len()));
     out.axis_chunks_iter_mut(Axis(0), 3)
         .into_par_iter()
         .zip(measured.normals.par_iter().zip(&measured.roots))
-        .for_each(|(rows, (normal, root))| fill(rows, *normal, *root, &frames, surface));
+        .for_each(|(rows, (normal, root))| fill(rows, *normal, *root, &lights, surface));
     Ok(out)
 }
 
 /// The three rows of one normal, of which only entries that are not zero are written.
-fn fill(mut rows: ArrayViewMut2<'_, f64>, normal: DVec3, root: f64, frames: &[Frame], surface: &Surface) {
+fn fill(mut rows: ArrayViewMut2<'_, f64>, normal: DVec3, root: f64, lights: &[Moving], surface: &Surface) {
     let ambient = -root * surface.k_a * surface.colour;
     let diffuse = -root * surface.k_d * surface.colour;
+    // Write the derivatives by the ambient light.
     for channel in 0..3 {
         rows[[channel, channel]] = ambient[channel];
     }
-    for (light, frame) in frames.iter().enumerate() {
-        let cosine = normal.dot(frame.direction);
+    for (index, light) in lights.iter().enumerate() {
+        // Skip a light behind the surface.
+        let cosine = normal.dot(light.direction);
         if cosine <= 0.0 {
             continue;
         }
-        let at = OF_AMBIENT + OF_LIGHT * light;
-        let slopes = frame.by_angles.map(|by_angle| normal.dot(by_angle));
+        // Write those by the irradiance and the angles of the light.
+        let at = OF_AMBIENT + OF_LIGHT * index;
+        let slopes = light.by_angles.map(|by_angle| normal.dot(by_angle));
         for channel in 0..3 {
             rows[[channel, at + channel]] = diffuse[channel] * cosine;
             for (angle, slope) in slopes.iter().enumerate() {
-                rows[[channel, at + 3 + angle]] = diffuse[channel] * frame.radiance[channel] * slope;
+                rows[[channel, at + 3 + angle]] = diffuse[channel] * light.irradiance[channel] * slope;
             }
         }
     }

@@ -1,15 +1,16 @@
 //! The fit of Madsen, Sørensen and Vittrup (2003) as the paper writes it, for anybody's optimiser.
 //!
-//! [`super::fit`] solves the same problem by another road. Here are the paper's own equations, one
-//! file each, over all of its 3 + 5M unknowns at once:
+//! [`super::fit`] solves the same problem by another method. Here are the paper's own equations, one file
+//! each, over all of its 3 + 5M unknowns at once:
 //!
 //! | step                                     | equations | file            |
 //! |------------------------------------------|-----------|-----------------|
 //! | a radiance for each face of the scene    |           | `faces.rs`      |
 //! | the probe under K sources                | 1 to 3    | `super::probe`  |
 //! | unknowns <-> lights                      |           | `parameters.rs` |
+//! | the surface of the probe                 |           | `surface.rs`    |
 //! | the probe under ambient and M lights     | 4 to 6    | `model.rs`      |
-//! | what the lights leave unexplained        | 7 to 9    | `residual.rs`   |
+//! | the residual of a measured probe         | 7 to 9    | `residual.rs`   |
 //! | its derivative by every unknown          |           | `jacobian.rs`   |
 //!
 //! The paper's sums run over `n.l` as it is written; here, as in every renderer, a light behind
@@ -20,22 +21,11 @@ mod jacobian;
 mod model;
 mod parameters;
 mod residual;
-
-use glam::DVec3;
+mod surface;
 
 pub use faces::face_radiance;
 pub use jacobian::jacobian;
 pub use model::model;
 pub use parameters::{Parameters, pack};
 pub use residual::{Measured, residual};
-
-/// What the probe is made of.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Surface {
-    /// Coefficient of ambient reflection: pi makes `L_a` the radiance of an environment, 0 leaves it out.
-    pub k_a: f64,
-    /// Coefficient of diffuse reflection.
-    pub k_d: f64,
-    /// Colour C, RGB.
-    pub colour: DVec3,
-}
+pub use surface::Surface;

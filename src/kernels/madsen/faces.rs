@@ -23,7 +23,7 @@ const MOST_RUNS: usize = 16;
 ///
 /// # Errors
 ///
-/// [`crate::error::Error::NotAMap`], [`crate::error::Error::NotFinite`],
+/// [`crate::error::Error::NotAMap`], [`crate::error::Error::UnusableSamples`],
 /// [`crate::error::Error::NoSuchIcosphere`].
 pub fn face_radiance(
     radiance: ArrayView3<'_, f32>,
@@ -35,6 +35,7 @@ pub fn face_radiance(
     let search = FaceSearch::new(faces)?;
     let (height, width, _) = radiance.dim();
     let pixels = Pixels::new(height, width, registration);
+    // Give the flux of each pixel to its face, in runs of rows.
     let runs = height.min(MOST_RUNS);
     let sums: Vec<Array2<f64>> = (0..runs)
         .into_par_iter()
@@ -46,9 +47,11 @@ pub fn face_radiance(
             flux
         })
         .collect();
+    // Name the sample that spoilt a sum, if there is one.
     if !sums.iter().flatten().all(|flux| flux.is_finite()) {
         check_samples(radiance)?;
     }
+    // Add up the runs in their order, and divide by the solid angle.
     let mut mean = sums.into_iter().fold(Array2::zeros((faces, 3)), |sum, flux| sum + flux);
     for (mut face, area) in mean.rows_mut().into_iter().zip(&areas) {
         face /= *area;
@@ -56,7 +59,7 @@ pub fn face_radiance(
     Ok(mean)
 }
 
-/// Where samples lie and how wide their pixels are, along each axis of the image.
+/// Places of the samples and sizes of their pixels, along each axis of the image.
 struct Pixels {
     thetas: Vec<f64>,
     phis: Vec<f64>,
@@ -102,11 +105,11 @@ mod tests {
             let solid_angles = sphere::pixel_solid_angles(33, 66, registration).unwrap();
             for faces in [20, 5120] {
                 let (_, areas) = sampling::icosphere(faces).unwrap();
-                let seen = face_radiance(map.view(), registration, faces).unwrap();
+                let found = face_radiance(map.view(), registration, faces).unwrap();
                 for channel in 0..3 {
                     let pixels = map.index_axis(ndarray::Axis(2), channel).mapv(f64::from);
                     let flux = (&pixels * &solid_angles).sum();
-                    assert_relative_eq!(seen.column(channel).dot(&areas), flux, max_relative = 1e-12);
+                    assert_relative_eq!(found.column(channel).dot(&areas), flux, max_relative = 1e-12);
                 }
             }
         }

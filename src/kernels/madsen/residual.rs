@@ -1,9 +1,10 @@
-//! Equations 7 to 9: what the lights leave unexplained.
+//! Equations 7 to 9: the part of the probe that the lights leave unexplained.
 
 use glam::DVec3;
 use ndarray::{Array1, ArrayView1, ArrayView2};
 
-use super::{Surface, model};
+use super::model::model;
+use super::surface::Surface;
 use crate::error::Result;
 use crate::kernels::sphere::check_weighted;
 
@@ -27,7 +28,8 @@ impl<'a> Measured<'a> {
     ///
     /// # Errors
     ///
-    /// [`crate::error::Error::WrongColumns`], [`crate::error::Error::LengthMismatch`], [`crate::error::Error::NotFinite`], [`crate::error::Error::NotUnit`],
+    /// [`crate::error::Error::WrongColumns`], [`crate::error::Error::LengthMismatch`],
+    /// [`crate::error::Error::NotFinite`], [`crate::error::Error::NotUnit`],
     /// [`crate::error::Error::Negative`].
     pub fn new(
         normals: ArrayView2<'a, f64>,
@@ -50,11 +52,11 @@ impl<'a> Measured<'a> {
 ///
 /// [`crate::error::Error::NotParameters`], [`crate::error::Error::NotFinite`].
 pub fn residual(x: ArrayView1<'_, f64>, measured: &Measured<'_>, surface: &Surface) -> Result<Array1<f64>> {
-    let mut left = &measured.probe - &model(x, measured.rows, surface)?;
-    for (mut row, root) in left.rows_mut().into_iter().zip(&measured.roots) {
+    let mut residual = &measured.probe - &model(x, measured.rows, surface)?;
+    for (mut row, root) in residual.rows_mut().into_iter().zip(&measured.roots) {
         row *= *root;
     }
-    Ok(left.into_iter().collect())
+    Ok(residual.into_iter().collect())
 }
 
 #[cfg(test)]
@@ -69,7 +71,7 @@ mod tests {
         let normals = array![[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]];
         let probe = array![[2.0, 3.0, 4.0], [5.0, 6.0, 7.0]];
         let measured = Measured::new(normals.view(), probe.view(), array![1.0, 4.0].view()).unwrap();
-        let seen = residual(array![1.0, 1.0, 1.0].view(), &measured, &surface).unwrap();
-        assert_eq!(seen, array![1.0, 2.0, 3.0, 8.0, 10.0, 12.0]);
+        let found = residual(array![1.0, 1.0, 1.0].view(), &measured, &surface).unwrap();
+        assert_eq!(found, array![1.0, 2.0, 3.0, 8.0, 10.0, 12.0]);
     }
 }

@@ -2,7 +2,8 @@
 
 use ndarray::{Array1, Array2, ArrayView1, ArrayView2, aview1};
 
-use super::{Parameters, Surface};
+use super::parameters::Parameters;
+use super::surface::Surface;
 use crate::error::Result;
 use crate::kernels::probe::sum_over_sources;
 
@@ -20,14 +21,15 @@ use crate::kernels::probe::sum_over_sources;
 /// [`crate::error::Error::NotFinite`], [`crate::error::Error::NotUnit`].
 pub fn model(x: ArrayView1<'_, f64>, normals: ArrayView2<'_, f64>, surface: &Surface) -> Result<Array2<f64>> {
     let parameters = Parameters::unpack(x)?;
-    let (directions, radiance) = (parameters.directions(), parameters.radiance());
-    // The radiance of a light holds its solid angle already.
-    let solid_angles = Array1::ones(radiance.nrows());
+    // Add up the lights as sources of the solid angle 1, which their irradiance holds already.
+    let (directions, irradiance) = (parameters.directions(), parameters.irradiance());
+    let solid_angles = Array1::ones(irradiance.nrows());
     let (k_d, colour) = (surface.k_d, surface.colour.to_array());
-    let lit =
-        sum_over_sources(normals, directions.view(), radiance.view(), solid_angles.view(), k_d, colour)?;
+    let diffuse =
+        sum_over_sources(normals, directions.view(), irradiance.view(), solid_angles.view(), k_d, colour)?;
+    // Add the ambient light.
     let ambient = surface.k_a * surface.colour * parameters.ambient;
-    Ok(lit + aview1(&ambient.to_array()))
+    Ok(diffuse + aview1(&ambient.to_array()))
 }
 
 #[cfg(test)]
@@ -42,8 +44,8 @@ mod tests {
         let surface = Surface { k_a: 2.0, k_d: 3.0, colour: DVec3::new(1.0, 0.5, 0.0) };
         let normals = array![[0.0, 1.0, 0.0], [0.8, 0.6, 0.0], [0.0, -1.0, 0.0]];
         let zenith = array![0.1, 0.2, 0.3, 1.0, 2.0, 4.0, 0.0, 5.0];
-        let seen = model(zenith.view(), normals.view(), &surface).unwrap();
+        let found = model(zenith.view(), normals.view(), &surface).unwrap();
         let expected = array![[3.2, 3.2, 0.0], [2.0, 2.0, 0.0], [0.2, 0.2, 0.0]];
-        assert!((&seen - &expected).iter().all(|d| d.abs() < 1e-14), "{seen}");
+        assert!((&found - &expected).iter().all(|d| d.abs() < 1e-14), "{found}");
     }
 }
