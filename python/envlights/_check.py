@@ -106,3 +106,17 @@ def whole_pixels(values: ArrayLike) -> NDArray[np.int64]:
             f" got the dtype {array.dtype} and the shape {array.shape}"
         )
     return np.ascontiguousarray(array, dtype=np.int64)
+
+
+def whole_numbers(name: str, values: ArrayLike) -> NDArray[np.int64]:
+    """`values` as a C-contiguous int64 array of one axis, or a refusal that names it."""
+    try:
+        array = np.asarray(values)
+    except ValueError as error:
+        raise EnvLightsError(f"{name} must be an array of whole numbers; {error}") from None
+    if array.ndim != 1 or (array.size and array.dtype.kind not in "iu"):
+        raise EnvLightsError(
+            f"{name} must hold whole numbers along one axis;"
+            f" got the dtype {array.dtype} and the shape {array.shape}"
+        )
+    return np.ascontiguousarray(array, dtype=np.int64)

@@ -11,8 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
 from envlights._check import check_choice, shown
-from envlights._native import EnvLightsError
-from envlights.io.images import decode_srgb, read_image
+from envlights._native import EnvLightsError, UnusableSamplesError
+from envlights._srgb import decode_srgb
+from envlights.io.images import read_image
 from envlights.kernels.probe import irradiance
 
 PROJECTIONS = ("equirectangular",)
@@ -221,16 +222,17 @@ def as_envmap(env: EnvMap | ArrayLike) -> EnvMap:
 
 
 def seen_through(env: EnvMap | ArrayLike, work: Callable[[EnvMap], _T]) -> tuple[EnvMap, _T]:
-    """The map, and the result of `work` on it, which refuses samples that are not radiance.
+    """The map, and the result of `work` on it.
 
-    As `work` checks every sample, an array is checked and cleaned beforehand only if it refuses.
+    The kernels that `work` calls read every sample and count those that are not radiance. Only if
+    they find some is an array cleaned, and `work` called again.
     """
     if isinstance(env, EnvMap):
         return env, work(env)
+    world = EnvMap.unchecked(env)
     try:
-        world = EnvMap.unchecked(env)
         return world, work(world)
-    except EnvLightsError:
+    except UnusableSamplesError:
         world = EnvMap(env)
         return world, work(world)
 

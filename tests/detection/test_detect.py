@@ -370,8 +370,18 @@ def test_the_report_says_the_threshold_and_what_was_skipped():
         scene(256, background=[0.2] * 3, shapes=[Disc((1, 0, 0), 5, (9,) * 3)]).radiance
     )
     assert report.report.threshold == pytest.approx(0.4, rel=0.05)  # the width of a bin
-    assert "90 % of the sphere" in report.report.reason
+    assert report.report.reason == "2 times the luminance that 90 % of the sphere does not exceed"
     assert "of 512 tiles" in str(report.report)
+
+
+def test_the_report_says_where_a_bright_sky_is_itself_light():
+    """The cut divides light from background, and the report gives the numbers of that rule."""
+    radiance = np.where(np.arange(64)[:, None, None] < 20, 100.0, 1.0) * np.ones((64, 128, 3))
+    reason = el.detect(radiance).report.reason
+    assert reason.startswith(
+        "2 times the 95 % quantile of what lies below the flux-weighted Otsu cut"
+    )
+    assert reason.endswith("the brightest 10 % of the sphere is itself light")
 
 
 # Worst cases

@@ -180,6 +180,52 @@ def test_a_blur_is_that_of_scipy():
     np.testing.assert_allclose(kernels.blur(image, 1.5), wanted, atol=2e-6)
 
 
+def test_pixels_are_those_of_numpy():
+    """To the bit, also on the borders of pixels and beyond the image."""
+    rng = np.random.default_rng(3)
+    borders = np.stack([rng.integers(0, 81, 500) / 80, rng.integers(0, 61, 500) / 60], axis=1)
+    uv = np.concatenate([rng.uniform(-0.5, 1.5, (500, 2)), borders])
+    wanted = np.clip(np.floor(uv[:, ::-1] * [60, 80] + 1e-9), 0, [59, 79])
+    np.testing.assert_array_equal(kernels.uv_to_pixel(uv, 60, 80), wanted)
+
+
+@pytest.mark.parametrize("axes", [1, 2, 3])
+def test_weighted_means_are_those_of_numpy(axes):
+    """To the bit, with lights in any order, weights of 0 and lights of no weight at all."""
+    rng = np.random.default_rng(axes)
+    points, weights = rng.normal(size=(999, axes)), rng.random(999) * (rng.random(999) < 0.8)
+    light = 7 * rng.integers(-20, 20, 999)
+    weights[light == 14] = 0.0
+    which = np.unique(light, return_inverse=True)[1]
+    weights_or_one = np.where(np.bincount(which, weights)[which] > 0, weights, 1.0)
+    sums = [np.bincount(which, weights_or_one * axis) for axis in points.T]
+    wanted = np.stack(sums, axis=1) / np.bincount(which, weights_or_one)[:, None]
+    np.testing.assert_array_equal(kernels.weighted_means(points, weights, light), wanted)
+    assert kernels.weighted_means(np.zeros((0, axes)), [], []).shape == (0, axes)
+
+
+@pytest.mark.parametrize("sphere", [False, True])
+@pytest.mark.parametrize("reduction", ["bilinear", "area"])
+def test_a_flat_top_at_the_maximum_is_clipped(reduction, sphere):
+    """As the tree says it, of the map's own pixels."""
+    lamps = [Disc((1, 0.1, 0.1), 8.0, (9, 9, 9)), Disc((-1, 0.1, 0.1), 8.0, (0.9, 0.9, 0.9))]
+    radiance = scene(512, background=[0.1] * 3, shapes=lamps).radiance
+    options = {"method": "article", "reduction": reduction, "sphere": sphere, "working_width": 256}
+    clipped = el.detect(np.minimum(radiance, 1), **options)
+    assert clipped.is_clipped.tolist() == [True, False]
+    assert clipped.direction[0] @ [1, 0, 0] > 0.9
+    sun = radiance.copy()
+    sun[300, 300] = 99.0
+    assert not el.detect(sun, **options).is_clipped.any(), "the map is brighter elsewhere"
+
+
+@pytest.mark.parametrize(("code", "lights"), [(231, 0), (232, 1)])
+def test_a_threshold_of_0_8_is_the_code_231(code, lights):
+    """Samples of 8 bits are decoded from sRGB before the steps see them."""
+    picture = np.full((64, 128, 3), code, np.uint8)
+    assert len(el.detect(picture, method="article")) == lights
+
+
 def test_the_improvements_find_what_the_article_misses():
     """Exposure, seam and place of the maximum: the three largest losses of the article."""
     lamp = Disc((0, 0.1, -1), 1.5, (60, 60, 60))
@@ -295,7 +341,12 @@ def test_worst_cases_are_answered(radiance, count, options):
         (lambda: kernels.uv_to_pixel([[np.nan, 0]], 4, 8), "uv must be finite"),
         (lambda: kernels.uv_to_pixel([[0, 0, 0]], 4, 8), r"shape \(n, 2\)"),
         (lambda: kernels.weighted_means([[0, 0]], [-1], [0]), "weights must not be negative"),
-        (lambda: kernels.weighted_means([[0, 0]], [1, 1], [0]), r"got the shapes \(2,\)"),
+        (
+            lambda: kernels.weighted_means([[0, 0]], [1, 1], [0]),
+            r"weights must have .* \(1\); got 2",
+        ),
+        (lambda: kernels.weighted_means([[0, 0]], [1], [0, 0]), r"light must have .* \(1\); got 2"),
+        (lambda: kernels.weighted_means([[0, 0]], [1], [0.5]), "light must hold whole numbers"),
         (lambda: kernels.weighted_means([[0, 0]], [np.nan], [0]), "weights must be finite"),
         (lambda: kernels.suppress([[np.nan, 0]], 1), "points must be finite"),
         (lambda: kernels.suppress([[1, 2, 3, 4]], 1), r"\(n, 2\)"),

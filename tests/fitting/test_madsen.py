@@ -420,9 +420,9 @@ X = [1.0, 1.0, 1.0]
         ),
         (
             lambda: kernels.pack_lights(X, [[0, 1, 0]], [X, X]),
-            r"radiance must have as many rows as directions \(1\); got 2",
+            r"irradiance must have as many rows as directions \(1\); got 2",
         ),
-        (lambda: kernels.pack_lights([1], [[0, 1, 0]], [X]), r"ambient must have .*\(n, 3\); got"),
+        (lambda: kernels.pack_lights([1], [[0, 1, 0]], [X]), r"ambient must .*\(3,\); got \[1\]"),
         (lambda: kernels.face_radiance(np.ones((8, 16, 3)), 100), r"20 \* 4\^k faces .* got 100"),
         (lambda: kernels.face_radiance(np.ones((8, 16))), r"radiance must have 3 axes"),
         (

@@ -12,6 +12,7 @@ import pytest
 
 import envlights as el
 from envlights import io
+from envlights._srgb import decode_srgb
 from tests.conftest import real_maps
 from tests.helpers import EQUIRECTANGULAR
 
@@ -90,7 +91,7 @@ def test_jpeg_is_read(tmp_path):
 def test_alpha_is_ignored_and_noted(tmp_path, name, file_format):
     pixels = np.full((16, 32, 4), 0.5, np.float32)
     env = el.EnvMap.open(write(tmp_path / name, pixels, file_format, oiio__UnassociatedAlpha=1))
-    expected = 0.5 if file_format == oiio.FLOAT else io.decode_srgb(np.array(128 / 255))
+    expected = 0.5 if file_format == oiio.FLOAT else decode_srgb(np.array(128 / 255))
     np.testing.assert_allclose(env.radiance, expected, rtol=1e-2)
     assert "alpha was ignored" in env.notes
 

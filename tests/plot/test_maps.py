@@ -8,6 +8,7 @@ from matplotlib.image import imread
 
 import envlights as el
 from envlights import plot
+from envlights._srgb import decode_srgb, encode_srgb
 
 HALL = el.EnvMap(el.synthetic.hall(64).radiance)
 
@@ -59,9 +60,14 @@ def test_probes_stand_where_their_titles_say_and_lights_where_they_are():
     assert difference.images[0].get_array()[middle].mean() < 0  # the rig is darker
 
 
-def test_display_is_the_curve_of_srgb():
+def test_encoded_values_are_those_of_the_standard():
     """IEC 61966-2-1: its codes of black, of the linear part, of a middle grey and of white."""
     linear = [-1.0, 0.0, 0.001, 0.2140411, 1.0, 7.0]
-    np.testing.assert_allclose(
-        plot.display(np.array(linear)), [0, 0, 0.01292, 0.5, 1, 1], atol=1e-6
-    )
+    np.testing.assert_allclose(encode_srgb(np.array(linear)), [0, 0, 0.01292, 0.5, 1, 1], atol=1e-6)
+
+
+@pytest.mark.parametrize("codes", [256, 65536])
+def test_decoding_inverts_encoding(codes):
+    coded = np.arange(codes) / (codes - 1)
+    again = encode_srgb(decode_srgb(coded).astype(np.float64))
+    np.testing.assert_array_equal(np.round(again * (codes - 1)), np.arange(codes))

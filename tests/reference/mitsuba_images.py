@@ -4,8 +4,8 @@ import mitsuba as mi
 import numpy as np
 
 import envlights as el
+from envlights.kernels import harmonic_radiance
 from envlights.scene.renderer import mitsuba
-from envlights.scene.sky import harmonics
 
 
 def relative(image, truth):
@@ -24,7 +24,7 @@ def sky(coefficients, height=128):
     theta = np.pi * np.arange(height)[:, None] / (height - 1)
     x, z = np.sin(phi) * np.sin(theta), -np.cos(phi) * np.sin(theta)
     y = np.broadcast_to(np.cos(theta), x.shape)
-    radiance = harmonics(np.stack([x, y, z], axis=-1).reshape(-1, 3)) @ coefficients
+    radiance = harmonic_radiance(np.stack([x, y, z], axis=-1).reshape(-1, 3)) @ coefficients
     return mi.Bitmap(radiance.reshape(height, 2 * height, 3).astype(np.float32))
 
 

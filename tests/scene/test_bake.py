@@ -7,7 +7,6 @@ import pytest
 
 import envlights as el
 from envlights import kernels
-from envlights.scene.sky import harmonics
 
 mi = pytest.importorskip("mitsuba")
 
@@ -120,7 +119,7 @@ def test_an_ambient_term_may_take_light_away(yard):
     """Harmonics that are negative somewhere are no map for a renderer; light is linear."""
     dome, lobe = (each.ambient for each in NEW[:2])
     parts = [el.Rig(ambient, NO_LIGHTS, 0.0) for ambient in (dome, 3 * lobe, dome - 3 * lobe)]
-    assert (harmonics(kernels.icosphere(1280)[0]) @ parts[2].ambient).min() < -0.1
+    assert (kernels.harmonic_radiance(kernels.icosphere(1280)[0]) @ parts[2].ambient).min() < -0.1
     one, two, both = (yard.indirect(rig, samples=512) for rig in parts)
     noise = sum(each.noise * np.linalg.norm(each.image) for each in (one, two, both))
     assert np.linalg.norm(one.image - two.image - both.image) < noise

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import envlights as el
 from envlights import kernels
-from envlights.scene.sky import harmonics, sky_transfer
+from envlights.scene.sky import sky_transfer
 from envlights.scene.surface import tangent_frames
 
 UP = np.array([0.0, 1.0, 0.0])
@@ -105,7 +105,7 @@ def test_what_a_texel_sees_of_the_sky_is_a_map_with_the_wall_painted_black():
     normals = np.array([UP, [0.6, 0.8, 0], [-1, 0, 0], [0.48, 0.6, -0.64]])
     here = el.DirectLight.of(surface(DARK, normals, np.pi), wall(2.0), 4096)
     for each in el.synthetic.rigs(3):
-        radiance = (harmonics(flat) @ each.ambient).reshape(height, -1, 3)
+        radiance = (kernels.harmonic_radiance(flat) @ each.ambient).reshape(height, -1, 3)
         sky = np.where(behind[..., None], 0, np.maximum(radiance, 0))
         image = here.image(rig(each.ambient))[0]
         truth = el.EnvMap(sky.astype(np.float32)).probe(normals)
@@ -220,7 +220,7 @@ def test_rigs_of_the_open_air_come_from_above_and_from_their_seed():
         np.testing.assert_array_equal(one.ambient, two.ambient)
         np.testing.assert_array_equal(one.lights.direction, two.lights.direction)
         assert (one.lights.direction[:, 1] > 0).all()
-        assert (harmonics(kernels.icosphere(1280)[0]) @ one.ambient > -1e-12).all()
+        assert (kernels.harmonic_radiance(kernels.icosphere(1280)[0]) @ one.ambient > -1e-12).all()
     assert not np.array_equal(once[0].ambient, other[0].ambient)
 
 

@@ -119,16 +119,20 @@ def _wrapped(
 
 
 def _reason(found: _native.TreeDetection) -> str:
-    if found.background_is_light:
+    """The rule that set the threshold, with its numbers."""
+    factor, share, light_share = found.threshold_rule
+    if light_share is None:
         return (
-            "twice the 95 % quantile of what lies below the flux-weighted Otsu cut,"
-            " for a tenth of the sphere is itself light"
+            f"{factor:g} times the luminance that {100 * share:.3g} % of the sphere does not exceed"
         )
-    return "twice the luminance that 90 % of the sphere does not exceed"
+    return (
+        f"{factor:g} times the {100 * share:.3g} % quantile of what lies below the flux-weighted"
+        f" Otsu cut, for the brightest {100 * light_share:.3g} % of the sphere is itself light"
+    )
 
 
 def _skipped(found: _native.TreeDetection) -> list[str]:
-    """Sentences on what was not searched or not kept."""
+    """The tiles that were not opened and the lights that were not kept, in words."""
     dark = found.tiles - found.opened_tiles
     notes = [f"{dark} of {found.tiles} tiles ({100 * dark / found.tiles:.3g} %) that are dark"]
     if not len(found.flux) and not found.dropped:

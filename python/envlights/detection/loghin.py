@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from envlights import _native
 from envlights._check import amount, check_choice, count
 from envlights.detection.component_tree import detect_tree
 from envlights.detection.lights import DetectedLights, DetectionReport, Members
@@ -73,8 +75,8 @@ def detect_article(
     window_px : int
         Width of the window around a sample, at 1024 columns, less one.
     threshold : float
-        Luminance, in linear units, that the brightest pixel of a window must exceed. An 8 or 16 bit
-        map is linearised first: 0.8 is then the sRGB code 0.91 of white.
+        Luminance that the brightest pixel of a window exceeds. It is linear, as the map is: 8-bit
+        pictures are decoded from sRGB when they are opened, so 0.8 is the code 0.91 (231 of 255).
     suppression_deg : float
         Samples closer to a brighter one are suppressed. The article names no number of pixels; this
         is 1.5 times the distance between its samples.
@@ -154,7 +156,7 @@ def detect_article(
         notes=(*env.notes, *_registration_notes(env)),
         seconds={"detect": time.perf_counter() - start},
     )
-    lights = _lights(env, image, samples, found, report)
+    lights = _lights(env, image, samples, found, report, reach, sphere)
     return lights if max_lights is None else lights[: count("max_lights", max_lights, least=1)]
 
 
@@ -240,6 +242,8 @@ def _lights(
     samples: _Samples,
     found: _Found,
     report: DetectionReport,
+    reach: int,
+    sphere: bool,
 ) -> DetectedLights:
     """Measure each light on its samples, each of which stands for 4 pi / n steradians."""
     lights, each = len(found.direction), 4 * np.pi / max(samples.taken, 1)
@@ -263,10 +267,24 @@ def _lights(
         orientation=orientation,
         peak_luminance=image[found.peak[:, 0], found.peak[:, 1]].astype(np.float64),
         flux_share=irradiance @ images.LUMINANCE / total,
-        is_clipped=np.zeros(lights, dtype=bool),
+        is_clipped=_are_clipped(env, image.shape, found, reach, sphere),
         members=Members(samples.pixel, found.light),
         report=report,
     )
+
+
+def _are_clipped(
+    env: EnvMap, size: tuple[int, ...], found: _Found, reach: int, sphere: bool
+) -> NDArray[np.bool_]:
+    """Whether each light is a flat top at the maximum, in the window of its brightest sample.
+
+    As in `detect_tree`, the pixels of the map count, not those of its reduction.
+    """
+    height, width = size
+    uv = (found.peak[:, ::-1] + 0.5) / (width, height)
+    place = images.uv_to_pixel(uv, env.height, env.width)
+    reach_in_map = math.ceil((reach + 0.5) * env.width / width)
+    return _native.are_clipped(env.radiance, place, reach_in_map, sphere)
 
 
 def _sums(

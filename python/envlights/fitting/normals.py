@@ -17,15 +17,13 @@ JUDGING = 5120
 
 
 class Normals(NamedTuple):
-    """Normals in opposite pairs: the second half of them mirrors the first."""
+    """Normals in opposite pairs: the second half mirrors the first.
+
+    The kernel looks at one normal of each pair.
+    """
 
     directions: NDArray[np.float64]
     weights: NDArray[np.float64]
-
-    @property
-    def front(self) -> NDArray[np.float64]:
-        """One normal of each pair."""
-        return self.directions[: len(self.directions) // 2]
 
 
 class Samples(NamedTuple):
@@ -48,7 +46,7 @@ class Samples(NamedTuple):
 def fitted_and_judging(env: EnvMap, judges: int = JUDGING) -> tuple[Samples, Samples, int]:
     """Irradiance of `env` at both sets of normals, and the point sources it was made from."""
     sets = _fitted(), _judging(judges)
-    seen, sources = _both_sides(env, *sets)
+    seen, sources = _irradiance(env, *sets)
     fitted, judging = (Samples(*normals, part) for normals, part in zip(sets, seen, strict=True))
     return fitted, judging, sources
 
@@ -79,21 +77,13 @@ def _with_opposites(front: NDArray[np.float64], weights: NDArray[np.float64]) ->
     return Normals(np.concatenate([front, -front]), np.concatenate([weights, weights]))
 
 
-def _both_sides(env: EnvMap, *normals: Normals) -> tuple[list[NDArray[np.float64]], int]:
-    """Irradiance at each set of normals, of which only the front halves are rendered.
-
-    A normal and its opposite see the whole sphere between them, so that
-    ``E(n) - E(-n) = n . F`` with the map's vector flux F; the axes tell F in the same way.
-    """
-    axes = np.concatenate([np.eye(3), -np.eye(3)])
-    fronts = [*(some.front for some in normals), axes]
-    rendered, sources = kernels.working_irradiance(
-        env.radiance, np.concatenate(fronts), border_sampled=env.registration == "border-sampled"
+def _irradiance(env: EnvMap, *normals: Normals) -> tuple[list[NDArray[np.float64]], int]:
+    """Irradiance at each set of normals, and the point sources it was made from."""
+    directions = [some.directions for some in normals]
+    irradiance, sources = kernels.working_irradiance(
+        env.radiance,
+        np.concatenate(directions),
+        border_sampled=env.registration == "border-sampled",
     )
-    ends = np.cumsum([len(front) for front in fronts])
-    flux = rendered[-6:-3] - rendered[-3:]
-    seen = [
-        np.concatenate([part, np.maximum(part - some.front @ flux, 0)])
-        for some, part in zip(normals, np.split(rendered, ends[:-1]), strict=False)
-    ]
-    return seen, sources
+    ends = np.cumsum([len(some) for some in directions[:-1]])
+    return np.split(irradiance, ends), sources

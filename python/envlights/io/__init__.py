@@ -7,12 +7,11 @@
 """
 
 from envlights.io.files import check_writable, write_atomically
-from envlights.io.images import Image, decode_srgb, read_image, write_exr
+from envlights.io.images import Image, read_image, write_exr
 
 __all__ = [
     "Image",
     "check_writable",
-    "decode_srgb",
     "read_image",
     "write_atomically",
     "write_exr",

@@ -14,6 +14,7 @@ import OpenImageIO as oiio  # noqa: N813, its own name for itself
 from numpy.typing import NDArray
 
 from envlights._native import EnvLightsError
+from envlights._srgb import decode_srgb
 from envlights.io.files import write_atomically
 
 #: A header with more pixels than this, 65536 x 32768, is taken as damaged.
@@ -204,13 +205,6 @@ def _is_coded(name: str, spec: oiio.ImageSpec, channels: list[int]) -> bool:
         found, wanted = ", ".join(sorted(others)), "floating point, uint8 or uint16"
         raise EnvLightsError(f"cannot read {name}: its samples are {found}; give {wanted}")
     return bool(formats & _CODED)
-
-
-def decode_srgb(coded: NDArray[np.floating]) -> NDArray[np.float32]:
-    """Linear values of sRGB-coded ones in 0 .. 1 (IEC 61966-2-1)."""
-    coded = np.asarray(coded, dtype=np.float64)
-    linear = np.where(coded <= 0.04045, coded / 12.92, ((coded + 0.055) / 1.055) ** 2.4)
-    return linear.astype(np.float32)
 
 
 def _in_display_window(

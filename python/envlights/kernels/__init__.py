@@ -6,6 +6,7 @@ function says otherwise; none is changed. An array must not be written to by ano
 kernel reads it.
 """
 
+from envlights.kernels.harmonics import harmonic_irradiance, harmonic_radiance
 from envlights.kernels.image import (
     blur,
     luminance,
@@ -58,6 +59,8 @@ __all__ = [
     "face_radiance",
     "halton",
     "hammersley",
+    "harmonic_irradiance",
+    "harmonic_radiance",
     "icosphere",
     "irradiance",
     "luminance",

@@ -28,8 +28,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
-from envlights._check import amount, count, finite, float_image, reals, whole_pixels
-from envlights._native import EnvLightsError
+from envlights._check import amount, count, float_image, reals, whole_numbers, whole_pixels
 
 
 def neighbour_maximum(
@@ -53,7 +52,7 @@ def neighbour_maximum(
     -------
     luminance : ndarray of float32, shape (n,)
     pixels : ndarray of int, shape (n, 2)
-        Where it was seen; the first of equals, row by row.
+        Where it is; the first of equals, row by row.
 
     Raises
     ------
@@ -142,7 +141,7 @@ def merge_along_lines(
     farthest: float = np.inf,
     sphere: bool = False,
 ) -> NDArray[np.int64]:
-    """Merge samples that a line of like luminance joins; Loghin (2021), step 8.
+    """Merge samples that a line of similar luminance joins; Loghin (2021), step 8.
 
     From each sample that is not merged yet, brightest first, a line goes to each later one. It
     holds while the mean of its pixels, each cut at `ceiling`, differs from the start's luminance by
@@ -194,7 +193,7 @@ def weighted_means(points: ArrayLike, weights: ArrayLike, light: ArrayLike) -> N
     points : array_like, shape (n, d)
         Pixels, or unit vectors (whose mean is shorter than 1).
     weights : array_like, shape (n,)
-        Luminance. Where all of a light are 0, its points count alike.
+        Luminance. Where all weights of a light are 0, its points count alike.
     light : array_like of int, shape (n,)
         Which light each point belongs to, as from `merge_along_lines`.
 
@@ -214,20 +213,5 @@ def weighted_means(points: ArrayLike, weights: ArrayLike, light: ArrayLike) -> N
     array([[0., 1.],
            [9., 9.]])
     """
-    points = finite("points", reals("points", points, 2))
-    weights = finite("weights", reals("weights", weights, 1))
-    if weights.min(initial=0.0) < 0:
-        raise EnvLightsError(
-            f"weights must not be negative; row {weights.argmin()} is {weights.min()}"
-        )
-    which = np.unique(light, return_inverse=True)[1]
-    if not len(points) == len(weights) == which.size or np.ndim(light) != 1:
-        raise EnvLightsError(
-            f"weights and light must have a number for each of {len(points)} points;"
-            f" got the shapes {weights.shape} and {np.shape(light)}"
-        )
-    totals = np.bincount(which, weights)
-    weights = np.where(totals[which] > 0, weights, 1.0)
-    sums = np.stack([np.bincount(which, weights * axis) for axis in points.T], axis=1)
-    means: NDArray[np.float64] = sums / np.bincount(which, weights)[:, None]
-    return means
+    points, weights = reals("points", points, 2), reals("weights", weights, 1)
+    return _native.weighted_means(points, weights, whole_numbers("light", light))

@@ -46,7 +46,7 @@ def face_radiance(
 
 
 def pack_lights(
-    ambient: ArrayLike, directions: ArrayLike, radiance: ArrayLike
+    ambient: ArrayLike, directions: ArrayLike, irradiance: ArrayLike
 ) -> NDArray[np.float64]:
     """Ambient light and M lights as the vector of unknowns that solvers walk in.
 
@@ -56,8 +56,8 @@ def pack_lights(
         Radiance of the ambient light.
     directions : array_like, shape (M, 3)
         Unit vectors towards the lights.
-    radiance : array_like, shape (M, 3)
-        Of each light times its solid angle; its irradiance at normal incidence.
+    irradiance : array_like, shape (M, 3)
+        Of each light at normal incidence: its radiance times its solid angle.
 
     Returns
     -------
@@ -77,7 +77,7 @@ def pack_lights(
     >>> pack_lights([0.1, 0.2, 0.3], [[1, 0, 0]], [[4, 5, 6]]).round(3)
     array([0.1  , 0.2  , 0.3  , 4.   , 5.   , 6.   , 1.571, 1.571])
     """
-    lights = reals("directions", directions, 2), reals("radiance", radiance, 2)
+    lights = reals("directions", directions, 2), reals("irradiance", irradiance, 2)
     return _native.pack_lights(reals("ambient", ambient, 1), *lights)
 
 
@@ -96,12 +96,12 @@ def unpack_lights(
     ambient : ndarray, shape (3,)
     directions : ndarray, shape (M, 3)
         Unit vectors.
-    radiance : ndarray, shape (M, 3)
+    irradiance : ndarray, shape (M, 3)
 
     Examples
     --------
-    >>> ambient, directions, radiance = unpack_lights([0, 0, 0, 4, 5, 6, 2 * np.pi, 1])
-    >>> directions.round(12) + 0.0, radiance
+    >>> ambient, directions, irradiance = unpack_lights([0, 0, 0, 4, 5, 6, 2 * np.pi, 1])
+    >>> directions.round(12) + 0.0, irradiance
     (array([[0., 1., 0.]]), array([[4., 5., 6.]]))
     """
     return _native.unpack_lights(reals("x", x, 1))
@@ -144,8 +144,8 @@ def probe_model(
     array([[1.1, 2.1, 3.1],
            [0.1, 0.1, 0.1]])
     """
-    coefficients = _coefficients(k_a, k_d, C)
-    return _native.probe_model(reals("x", x, 1), reals("normals", normals, 2), coefficients)
+    surface = _surface(k_a, k_d, C)
+    return _native.probe_model(reals("x", x, 1), reals("normals", normals, 2), *surface)
 
 
 def probe_residual(
@@ -161,7 +161,7 @@ def probe_residual(
     r"""Left sides of equations 7 to 9: what M lights leave unexplained of a probe.
 
     Takes its arguments as `scipy.optimize.least_squares` and `jaxopt.LevenbergMarquardt` give them,
-    so that another solver than that of `fit` can have a try.
+    so that it can be tried with another solver than that of `fit`.
 
     Parameters
     ----------
@@ -186,7 +186,7 @@ def probe_residual(
     See Also
     --------
     probe_jacobian : its derivatives.
-    envlights.fit_paper : the paper's whole way from a map to lights.
+    envlights.fit_paper : all of the paper's steps from a map to lights.
 
     Examples
     --------
@@ -211,7 +211,7 @@ def probe_residual(
     (array([0.1, 0.1, 0.1]), array([[0. , 0.6, 0.8]]), array([[3., 2., 1.]]))
     """
     measured = _measured(normals, probe, weights)
-    return _native.probe_residual(reals("x", x, 1), *measured, _coefficients(k_a, k_d, C))
+    return _native.probe_residual(reals("x", x, 1), *measured, *_surface(k_a, k_d, C))
 
 
 def probe_jacobian(
@@ -226,7 +226,7 @@ def probe_jacobian(
 ) -> NDArray[np.float64]:
     """Derivatives of `probe_residual` by each unknown.
 
-    Exact everywhere but on the terminator of a light, where the model has a bend: a normal there
+    Exact everywhere but on the terminator of a light, where the model has a kink: a normal there
     gets the derivative of its dark side, 0.
 
     Parameters
@@ -248,7 +248,7 @@ def probe_jacobian(
     array([-1.,  0.,  0., -1.,  0.,  0.,  0.,  0.])
     """
     measured = _measured(normals, probe, weights)
-    return _native.probe_jacobian(reals("x", x, 1), *measured, _coefficients(k_a, k_d, C))
+    return _native.probe_jacobian(reals("x", x, 1), *measured, *_surface(k_a, k_d, C))
 
 
 def _measured(
@@ -259,7 +259,7 @@ def _measured(
     return normals, probe, weights
 
 
-def _coefficients(
+def _surface(
     k_a: object,
     k_d: object,
     C: ArrayLike,  # noqa: N803, the paper's name

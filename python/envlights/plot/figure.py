@@ -6,10 +6,8 @@ import io
 import os
 from typing import Any
 
-import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from envlights._native import EnvLightsError
 from envlights.io.files import PICTURES, as_path, write_atomically
@@ -40,11 +38,3 @@ def _drawn(figure: Figure, form: str) -> bytes:
     drawn = io.BytesIO()
     figure.savefig(drawn, format=form, dpi=100, bbox_inches="tight")
     return drawn.getvalue()
-
-
-def display(linear: NDArray[np.floating]) -> NDArray[np.floating]:
-    """Linear values as sRGB codes in 0 .. 1, clipped; unclipped, `io.decode_srgb` inverts it."""
-    linear = np.clip(linear, 0, 1)
-    coded = 1.055 * linear ** (1 / 2.4) - 0.055
-    clipped: NDArray[np.floating] = np.where(linear <= 0.0031308, 12.92 * linear, coded).clip(0, 1)
-    return clipped

@@ -7,11 +7,12 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from numpy.typing import ArrayLike, NDArray
 
+from envlights._srgb import encode_srgb
 from envlights.detection.lights import DetectedLights
 from envlights.envmap import EnvMap, as_envmap
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
-from envlights.plot.figure import Picture, display
+from envlights.plot.figure import Picture
 from envlights.plot.probe import draw_probes
 from envlights.rig import Rig, error_line
 
@@ -115,7 +116,7 @@ def _draw_exposed(axes: Axes, env: EnvMap) -> None:
     luminance = radiance @ LUMINANCE
     shining = luminance[luminance > 0]
     exposure = 0.35 / np.median(shining) if shining.size else 1.0
-    axes.imshow(display(radiance * exposure), extent=(0, 360, -90, 90))
+    axes.imshow(encode_srgb(radiance * exposure), extent=(0, 360, -90, 90))
     axes.set(xlabel="azimuth (degrees)", ylabel="elevation (degrees)")
     axes.set(xticks=range(0, 361, 45), yticks=range(-90, 91, 45))
 

@@ -9,10 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from envlights._srgb import encode_srgb
 from envlights.envmap import EnvMap
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
-from envlights.plot.figure import display
 from envlights.rig import Rig
 
 #: Pixels across the probe.
@@ -32,7 +32,7 @@ def draw_probes(figure: Figure, axes: Sequence[Axes], env: EnvMap, rig: Rig) -> 
     under_map, under_rig = env.probe(normals), rig.probe(normals)
     white = max(float((under_map @ LUMINANCE).max()), np.finfo(float).tiny)
     for axis, name, irradiance in zip(axes, ("map", "rig"), (under_map, under_rig), strict=False):
-        axis.imshow(_image(inside, display(irradiance / white), background=1.0))
+        axis.imshow(_image(inside, encode_srgb(irradiance / white), background=1.0))
         axis.set_title(f"white probe under the {name}")
         axis.axis("off")
     _draw_difference(figure, axes[2], inside, under_map, under_rig)

@@ -11,8 +11,9 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._native import EnvLightsError
+from envlights._srgb import encode_srgb
 from envlights.kernels.image import LUMINANCE
-from envlights.plot.figure import Picture, display
+from envlights.plot.figure import Picture
 from envlights.transfer import TransferModel
 from envlights.transfer.pairs import image_stack
 
@@ -100,7 +101,7 @@ def _draw_images(
         f"projection: {_error(projected, truth)}",
     )
     for axes, title, image in zip(row, titles, (truth, predicted, projected), strict=True):
-        axes.imshow(display(image / white))
+        axes.imshow(encode_srgb(image / white))
         axes.set_title(title)
         axes.axis("off")
 

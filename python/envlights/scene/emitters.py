@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from envlights import kernels
 from envlights.rig import Rig
-from envlights.scene.sky import harmonics
 
 #: Rows of the map for an ambient term of harmonics, which change slowly over the sphere.
 _ROWS = 64
@@ -55,7 +54,7 @@ def _radiance(coefficients: NDArray[np.float64]) -> NDArray[np.float64]:
     u = (np.arange(2 * _ROWS) + 0.5) / (2 * _ROWS)
     v = np.arange(_ROWS) / (_ROWS - 1)
     uv = np.stack(np.meshgrid(u, v), axis=-1)
-    seen = harmonics(kernels.uv_to_direction(uv.reshape(-1, 2))) @ coefficients
+    seen = kernels.harmonic_radiance(kernels.uv_to_direction(uv.reshape(-1, 2))) @ coefficients
     return seen.reshape(*uv.shape[:2], 3)
 
 

@@ -12,7 +12,6 @@ from envlights._check import count
 from envlights.lights import Lights
 from envlights.rig import Rig
 from envlights.scene.renderer import mitsuba
-from envlights.scene.sky import harmonics
 
 #: Metres: half of the yard's width, the height of its walls, and that of the canopy.
 _HALF, _WALL, _CANOPY = 4.0, 3.0, 2.2
@@ -113,7 +112,9 @@ def _smooth_sky(rng: np.random.Generator) -> NDArray[np.float64]:
     axes = kernels.uniform_sphere(rng.random((3, 2)))
     radiance = (1 + at @ axes.T) ** 2 @ rng.gamma(1.0, 0.1, (3, 3))
     # Such lobes are polynomials of the second degree: nine harmonics hold them exactly.
-    return np.asarray(np.linalg.lstsq(harmonics(at), radiance, rcond=None)[0], np.float64)
+    return np.asarray(
+        np.linalg.lstsq(kernels.harmonic_radiance(at), radiance, rcond=None)[0], np.float64
+    )
 
 
 def _box(least: NDArray[np.float64], most: NDArray[np.float64]) -> dict[str, _Face]:

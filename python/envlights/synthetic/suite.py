@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._check import count
-from envlights.io.images import decode_srgb
+from envlights._srgb import decode_srgb
 from envlights.synthetic import backdrops, lamps
 from envlights.synthetic.scene import Camera, SyntheticMap, scene
 from envlights.synthetic.shapes import Lamp, PixelSun

@@ -50,9 +50,8 @@ class CompactBasis:
         places = self.places
         if wanted is not None:
             places = np.where(in_tiles(wanted.ravel()).any(axis=1), places, -1)
-        bits = self.values.view(np.uint16) if self.values.dtype == np.float16 else self.values
         rows = np.ascontiguousarray(coefficients.swapaxes(1, 2), np.float32)
-        out = _native.transfer_frames(bits, self.scales, rows, places)
+        out = _native.transfer_frames(self.values, self.scales, rows, places)
         return out[:, : shape[0] * shape[1]].reshape(len(out), *shape, 3)
 
     def dense(self, lit: NDArray[np.bool_]) -> NDArray[np.float32]:
