@@ -280,7 +280,7 @@ mod tests {
         map[[3, 5, 1]] = f32::NAN;
         for columns in [16, 2] {
             let seen = summarise(map.view(), Registration::CellCentred, columns);
-            assert!(matches!(seen, Err(Error::NotFinite { what: "radiance", index: 3, .. })), "{seen:?}");
+            assert!(matches!(seen, Err(Error::UnusableSamples { row: 3, nan: 1, .. })), "{seen:?}");
         }
         // Sums of such samples are beyond f32.
         let seen = summarise(Array3::from_elem((8, 16, 3), f32::MAX).view(), Registration::CellCentred, 2);
