@@ -8,8 +8,8 @@ import pytest
 
 SOURCE = Path(__file__).parents[1] / "src"
 
-#: Folders whose files still import each other. The types of `fit/mod.rs` stand above their users,
-#: and `solver.rs` and `quadratic.rs` need each other, until `fit/` is built anew; then this goes.
+#: Folders whose files still import each other: types of `fit/mod.rs` stand above their users, and
+#: `solver.rs` and `quadratic.rs` need each other, until `fit/` is built anew; then this goes.
 KNOWN_CYCLES = {"kernels::fit"}
 
 Tree = dict[str, str]

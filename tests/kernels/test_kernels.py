@@ -12,6 +12,7 @@ from scipy.stats import qmc
 
 import envlights as el
 from envlights import _native, kernels
+from envlights.envmap import seen_through
 
 
 def test_radical_inverse_of_base_2_and_3_is_scipys_van_der_corput():
@@ -201,3 +202,42 @@ assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="this system does not fork")
 def test_a_forked_process_has_threads_of_its_own():
     subprocess.run([sys.executable, "-c", FORKED], check=True)
+
+
+def test_only_samples_that_no_light_can_have_are_cleaned():
+    """A map is run again if it was cleaned, and not for any other refusal."""
+    runs = []
+
+    def work(env):
+        runs.append(env)
+        return kernels.working_irradiance(env.radiance, UP)
+
+    with pytest.raises(el.EnvLightsError, match=r"too large to be summed"):
+        seen_through(BRIGHTEST, work)
+    assert len(runs) == 1
+    damaged = np.ones((16, 32, 3), np.float32)
+    damaged[5, 7] = np.nan, -1, 2
+    env, (irradiance, _) = seen_through(damaged, work)
+    assert len(runs) == 3
+    assert np.isfinite(irradiance).all()
+    assert env.notes == ("1 NaN sample set to 0", "1 negative sample set to 0")
+
+
+def test_opposite_normals_differ_by_the_flux_of_the_working_map():
+    radiance = np.random.default_rng(3).uniform(size=(32, 64, 3)).astype(np.float32)
+    front = kernels.uniform_sphere(kernels.hammersley(40))
+    both, _ = kernels.working_irradiance(radiance, np.concatenate([front, -front]))
+    axes, _ = kernels.working_irradiance(radiance, np.concatenate([np.eye(3), -np.eye(3)]))
+    flux = axes[:3] - axes[3:]
+    np.testing.assert_allclose(both[:40] - both[40:], front @ flux, atol=1e-12)
+    alone = np.concatenate([kernels.working_irradiance(radiance, [n])[0] for n in -front])
+    np.testing.assert_allclose(both[40:], alone, rtol=1e-5)
+
+
+def test_harmonic_irradiance_is_that_of_a_rig():
+    normals, _ = kernels.icosphere(80)
+    coefficients = np.random.default_rng(4).normal(size=(9, 3))
+    nothing = np.zeros((0, 3))
+    wanted = kernels.rig_irradiance(normals, coefficients, nothing, nothing)
+    found = kernels.harmonic_irradiance(normals) @ coefficients
+    np.testing.assert_allclose(found, wanted, rtol=1e-12, atol=1e-14)

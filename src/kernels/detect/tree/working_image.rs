@@ -268,10 +268,7 @@ mod tests {
         map[[3, 5, 1]] = f32::NAN;
         for columns in [16, 2] {
             let refused = WorkingImage::of(map.view(), Registration::CellCentred, columns);
-            assert!(
-                matches!(refused, Err(Error::NotFinite { what: "radiance", index: 3, .. })),
-                "{refused:?}"
-            );
+            assert!(matches!(refused, Err(Error::UnusableSamples { row: 3, nan: 1, .. })), "{refused:?}");
         }
         // Sums of such samples are beyond f32.
         let refused =
