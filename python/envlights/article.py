@@ -60,7 +60,7 @@ def detect_article(
     env : EnvMap or array_like, shape (height, 2 * height, 3)
         The map.
     max_lights : int, optional
-        Keep the first so many.
+        Most lights; those with the most flux are kept, nothing is merged.
     working_width : int
         Columns of the working image; maps with fewer stay as they are.
     reduction : {"bilinear", "area"}
@@ -244,15 +244,15 @@ def _lights(
 ) -> DetectedLights:
     """Measure each light by its samples: each stands for 4 pi / n steradians."""
     many, each = len(found.direction), 4 * np.pi / max(samples.taken, 1)
-    # Where a sample was taken: at the maxima that it may have moved to, a lamp of 2 degrees seems
-    # four times as bright, for all samples around see it.
-    seen = _points(samples.own_pixel, image.shape, sphere=True)
-    place = kernels.uv_to_pixel(kernels.direction_to_uv(seen), env.height, env.width)
+    # Measure where each sample was taken: at the maxima that samples may have moved to, a lamp of 2
+    # degrees seems four times as bright, for the windows of all samples around hold it.
+    taken_at = _points(samples.own_pixel, image.shape, sphere=True)
+    place = kernels.uv_to_pixel(kernels.direction_to_uv(taken_at), env.height, env.width)
     radiance = env.radiance[place[:, 0], place[:, 1]].astype(np.float64)
     irradiance = each * _sums(radiance, found.light, many)
     is_bright = image[samples.own_pixel[:, 0], samples.own_pixel[:, 1]] > report.threshold
     bright = np.bincount(found.light, is_bright, minlength=many)
-    elongation, orientation = _shapes(seen, found)
+    elongation, orientation = _shapes(taken_at, found)
     bands = kernels.pixel_solid_angles(image.shape[0], 2)[:, 0] * 2 / image.shape[1]
     whole = float(image.sum(axis=1) @ bands) or 1.0
     return DetectedLights(
@@ -291,10 +291,10 @@ def _sums(values: NDArray[np.float64], light: NDArray[np.int64], many: int) -> N
 
 
 def _shapes(
-    seen: NDArray[np.float64], found: _Found
+    taken_at: NDArray[np.float64], found: _Found
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Elongation and long axis of each light, from the spread of its samples."""
-    offset = seen - found.direction[found.light]
+    offset = taken_at - found.direction[found.light]
     spread = (offset[:, :, None] * offset[:, None, :]).reshape(-1, 9)
     matrices = _sums(spread, found.light, len(found.direction)).reshape(-1, 3, 3)
     values, axes = np.linalg.eigh(matrices)
