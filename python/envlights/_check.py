@@ -85,15 +85,6 @@ def float_image(name: str, values: ArrayLike, ndim: int) -> NDArray[np.float32]:
     return np.ascontiguousarray(array, dtype=np.float32)
 
 
-def finite(name: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """`values`, or a refusal if one is NaN or infinite."""
-    bad = np.argwhere(~np.isfinite(values))
-    if len(bad):
-        value = values[tuple(bad[0])]
-        raise EnvLightsError(f"{name} must be finite; row {bad[0][0]} holds {value}")
-    return values
-
-
 def whole_pixels(values: ArrayLike) -> NDArray[np.int64]:
     """`values` as rows and columns, or a refusal."""
     try:

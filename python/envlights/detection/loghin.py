@@ -63,7 +63,7 @@ def detect_article(
     env : EnvMap or array_like, shape (height, 2 * height, 3)
         The map.
     max_lights : int, optional
-        Lights, at most: the dimmest are left out. `detect_tree` merges neighbours instead.
+        Lights, at most: those with the most flux are kept, and nothing is merged.
     working_width : int
         Columns of the working image, at most; a map is not enlarged.
     reduction : {"bilinear", "area"}
@@ -249,13 +249,13 @@ def _lights(
     lights, each = len(found.direction), 4 * np.pi / max(samples.taken, 1)
     # Measure where a sample was taken. All samples around a lamp may have moved to its maximum,
     # where one of 2 degrees would count four times.
-    at = _points(samples.own_pixel, image.shape, sphere=True)
-    place = images.uv_to_pixel(direction_to_uv(at), env.height, env.width)
+    taken_at = _points(samples.own_pixel, image.shape, sphere=True)
+    place = images.uv_to_pixel(direction_to_uv(taken_at), env.height, env.width)
     radiance = env.radiance[place[:, 0], place[:, 1]].astype(np.float64)
     irradiance = each * _sums(radiance, found.light, lights)
     is_bright = image[samples.own_pixel[:, 0], samples.own_pixel[:, 1]] > report.threshold
     bright = np.bincount(found.light, is_bright, minlength=lights)
-    elongation, orientation = _shapes(at, found)
+    elongation, orientation = _shapes(taken_at, found)
     bands = pixel_solid_angles(image.shape[0], 2)[:, 0] * 2 / image.shape[1]
     total = float(image.sum(axis=1) @ bands) or 1.0
     return DetectedLights(
@@ -296,10 +296,10 @@ def _sums(
 
 
 def _shapes(
-    at: NDArray[np.float64], found: _Found
+    taken_at: NDArray[np.float64], found: _Found
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Elongation and long axis of each light, from the second moments of its samples."""
-    offset = at - found.direction[found.light]
+    offset = taken_at - found.direction[found.light]
     moments = (offset[:, :, None] * offset[:, None, :]).reshape(-1, 9)
     matrices = _sums(moments, found.light, len(found.direction)).reshape(-1, 3, 3)
     values, axes = np.linalg.eigh(matrices)

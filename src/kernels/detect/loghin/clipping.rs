@@ -24,33 +24,40 @@ pub fn are_clipped(
 ) -> Result<Vec<bool>> {
     check_rgb(radiance)?;
     let (height, width, _) = radiance.dim();
-    let pixels = pixels_inside(pixels, (height, width))?;
+    let places = pixels_inside(pixels, (height, width))?;
+    let samples = radiance.as_standard_layout();
+    let map = samples.as_slice().map_or(&[][..], |samples| samples.as_chunks::<3>().0);
     let windows = Windows::new((height, width), reach, sphere);
     // Find the peak of each window and count the pixels at it.
     let tops: Vec<(f64, usize)> =
-        pixels.into_par_iter().map(|pixel| top_around(radiance, pixel, &windows)).collect();
+        places.into_par_iter().map(|pixel| top_around(map, width, pixel, &windows)).collect();
     // Compare each with the brightest pixel of the map.
-    let brightest = f64::from(maximum(radiance));
+    let brightest = f64::from(map.par_chunks(width).map(maximum).reduce(|| 0.0, f32::max));
     Ok(tops.into_iter().map(|(peak, pixels)| is_clipped(peak, pixels, brightest)).collect())
 }
 
-/// Luminance of the brightest pixel.
-fn maximum(radiance: ArrayView3<'_, f32>) -> f32 {
-    let of_row = |row: ArrayView2<'_, f32>| {
-        let row = row.as_standard_layout();
-        let pixels = row.as_slice().map_or(&[][..], |samples| samples.as_chunks::<3>().0);
-        pixels.iter().fold(0.0, |most, &pixel| luminance_f32(pixel).max(most))
-    };
-    radiance.outer_iter().into_par_iter().map(of_row).reduce(|| 0.0, f32::max)
+/// Luminance of the brightest of some pixels, in lanes that do not wait for one another.
+fn maximum(pixels: &[[f32; 3]]) -> f32 {
+    let mut lanes = [0.0_f32; 16];
+    for pixels in pixels.chunks(lanes.len()) {
+        for (lane, &pixel) in lanes.iter_mut().zip(pixels) {
+            let luminance = luminance_f32(pixel);
+            *lane = if luminance > *lane { luminance } else { *lane };
+        }
+    }
+    lanes.into_iter().fold(0.0, f32::max)
 }
 
-/// The peak of the window around `pixel`, and the number of pixels at it.
-fn top_around(radiance: ArrayView3<'_, f32>, pixel: Pixel, windows: &Windows) -> (f64, usize) {
-    let places = windows.around(pixel).flat_map(|(row, columns)| columns.map(move |column| (row, column)));
-    let luminance = |(row, column)| luminance_f32([0, 1, 2].map(|channel| radiance[[row, column, channel]]));
-    let values: Vec<f64> = places.map(luminance).map(f64::from).collect();
-    let peak = values.iter().copied().fold(0.0, f64::max);
-    (peak, values.iter().filter(|&&value| value >= TOP * peak).count())
+/// The peak of the window around `pixel` in a `map` of this `width`, and the number of pixels at it.
+fn top_around(map: &[[f32; 3]], width: usize, pixel: Pixel, windows: &Windows) -> (f64, usize) {
+    let mut values = Vec::new();
+    for row in windows.rows(pixel) {
+        for columns in windows.columns(row, pixel) {
+            values.extend(map[row * width..][columns].iter().copied().map(luminance_f32));
+        }
+    }
+    let peak = f64::from(values.iter().copied().fold(0.0, f32::max));
+    (peak, values.iter().filter(|&&value| f64::from(value) >= TOP * peak).count())
 }
 
 #[cfg(test)]

@@ -33,11 +33,14 @@ pub fn neighbour_maximum(
 /// The brightest pixel of the window around `pixel`, and its value.
 fn brightest_around(image: &Image<'_>, pixel: Pixel, windows: &Windows) -> (f32, Pixel) {
     let mut best = (f32::NEG_INFINITY, pixel);
-    for (row, columns) in windows.around(pixel) {
-        let first = columns.start;
-        for (i, &value) in image.row(row)[columns].iter().enumerate() {
-            if value > best.0 {
-                best = (value, [row, first + i]);
+    for row in windows.rows(pixel) {
+        let line = image.row(row);
+        for columns in windows.columns(row, pixel) {
+            let first = columns.start;
+            for (i, &value) in line[columns].iter().enumerate() {
+                if value > best.0 {
+                    best = (value, [row, first + i]);
+                }
             }
         }
     }

@@ -41,11 +41,12 @@ pub fn suppress(points: ArrayView2<'_, f64>, distance: f64) -> Result<Vec<usize>
 }
 
 /// The place of a cell, as the bits of its floats: whole numbers would overflow for a tiny `distance`.
-type Cell = (i64, i64, i64);
+type Cell = (u64, u64, u64);
 
 fn key(cell: DVec3) -> Cell {
-    // Minus zero becomes zero.
-    let [x, y, z] = (cell + 0.0).to_array().map(|at| at.to_bits().cast_signed());
+    // Minus zero becomes zero. The last bits of a whole number's float are all 0, and the hash, a product,
+    // keeps them so: the bytes are swapped.
+    let [x, y, z] = (cell + 0.0).to_array().map(|at| at.to_bits().swap_bytes());
     (x, y, z)
 }
 

@@ -11,7 +11,7 @@ pub struct Windows {
     /// Rows on either side of the centre.
     reach: usize,
     /// For each row its columns on either side of the centre.
-    columns: Vec<usize>,
+    reach_in_row: Vec<usize>,
     sphere: bool,
 }
 
@@ -21,19 +21,18 @@ impl Windows {
     pub fn new((height, width): (usize, usize), reach: usize, sphere: bool) -> Self {
         let sine = |row: usize| ((row as f64 + 0.5) / height as f64 * std::f64::consts::PI).sin();
         let columns = |row: usize| if sphere { (reach as f64 / sine(row)) as usize } else { reach };
-        let columns = (0..height).map(|row| columns(row).min(width)).collect();
-        Self { height, width, reach, columns, sphere }
+        let reach_in_row = (0..height).map(|row| columns(row).min(width)).collect();
+        Self { height, width, reach, reach_in_row, sphere }
     }
 
-    /// The window around a pixel: its rows, each with its columns; a row across the seam comes in two parts.
-    pub fn around(&self, [row, column]: Pixel) -> impl Iterator<Item = (usize, Range<usize>)> {
-        let rows = row.saturating_sub(self.reach)..(row + self.reach.min(self.height) + 1).min(self.height);
-        rows.flat_map(move |row| self.columns_of(row, column).map(|columns| (row, columns)))
+    /// The rows of the window around a pixel.
+    pub fn rows(&self, [row, _]: Pixel) -> Range<usize> {
+        row.saturating_sub(self.reach)..(row + self.reach.min(self.height) + 1).min(self.height)
     }
 
-    /// The columns of a row around `column`: one range, or two across the seam of a sphere.
-    fn columns_of(&self, row: usize, column: usize) -> [Range<usize>; 2] {
-        let (reach, width) = (self.columns[row], self.width);
+    /// The columns in `row` of the window around a pixel: one range, or two across the seam of a sphere.
+    pub fn columns(&self, row: usize, [_, column]: Pixel) -> [Range<usize>; 2] {
+        let (reach, width) = (self.reach_in_row[row], self.width);
         let (left, right) = (column.saturating_sub(reach), (column + reach + 1).min(width));
         if !self.sphere {
             return [left..right, 0..0];
