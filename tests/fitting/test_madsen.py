@@ -366,7 +366,7 @@ def test_a_whole_step_beyond_every_float_leaves_the_lights_before_it(monkeypatch
     give_steps(monkeypatch, lambda step: 1e300 * step)
     found = el.fit_paper(HALL.radiance, damped=False)
     assert (found.stop_reason, found.steps) == (el.StopReason.RAN_AWAY, 0)
-    np.testing.assert_array_equal(found.radiance, 1)
+    np.testing.assert_array_equal(found.irradiance, 1)
     assert np.isfinite(found.errors).all()
 
 
@@ -374,7 +374,7 @@ def test_a_damped_step_that_only_raises_the_error_is_not_taken(monkeypatch):
     give_steps(monkeypatch, lambda step: -step)
     found = el.fit_paper(HALL.radiance)
     assert (found.stop_reason, found.steps) == (el.StopReason.CONVERGED, 0)
-    np.testing.assert_array_equal(found.radiance, 1)
+    np.testing.assert_array_equal(found.irradiance, 1)
 
 
 def test_a_step_that_changes_nothing_is_the_last(monkeypatch):
