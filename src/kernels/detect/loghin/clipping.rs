@@ -31,9 +31,17 @@ pub fn are_clipped(
     // Find the peak of each window and count the pixels at it.
     let tops: Vec<(f64, usize)> =
         places.into_par_iter().map(|pixel| top_around(map, width, pixel, &windows)).collect();
+    // Compare each with the brightest of them. What is not clipped beside them is not beside a brighter pixel,
+    // so the map is read only for the others.
+    let beside = |brightest: f64| -> Vec<bool> {
+        tops.iter().map(|&(peak, pixels)| is_clipped(peak, pixels, brightest)).collect()
+    };
+    let clipped = beside(tops.iter().map(|&(peak, _)| peak).fold(0.0, f64::max));
+    if !clipped.contains(&true) {
+        return Ok(clipped);
+    }
     // Compare each with the brightest pixel of the map.
-    let brightest = f64::from(map.par_chunks(width).map(maximum).reduce(|| 0.0, f32::max));
-    Ok(tops.into_iter().map(|(peak, pixels)| is_clipped(peak, pixels, brightest)).collect())
+    Ok(beside(f64::from(map.par_chunks(width).map(maximum).reduce(|| 0.0, f32::max))))
 }
 
 /// Luminance of the brightest of some pixels, in lanes that do not wait for one another.
