@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
+    "BASIS_SHARE",
+    "BASIS_TILE",
     "LUMINANCE",
     "EnvLightsError",
     "FitAnswer",
@@ -58,6 +60,8 @@ _Image = NDArray[np.float32]
 _Indices = NDArray[np.int64]
 
 LUMINANCE: list[float]
+BASIS_SHARE: int
+BASIS_TILE: int
 
 class EnvLightsError(ValueError): ...
 class UnusableSamplesError(EnvLightsError): ...

@@ -26,6 +26,10 @@ mod _native {
 
     #[pymodule_export]
     const LUMINANCE: [f64; 3] = crate::kernels::image::LUMINANCE;
+    #[pymodule_export]
+    const BASIS_SHARE: usize = crate::kernels::transfer::SHARE;
+    #[pymodule_export]
+    const BASIS_TILE: usize = crate::kernels::transfer::TILE;
 
     #[pymodule_export]
     use super::detect::{TreeDetection, detect_tree, reduced_luminance};

@@ -19,8 +19,8 @@ from numpy.typing import DTypeLike, NDArray
 
 from envlights import _native
 
-#: Texels that stand together, and those of them that share a scale, as in the kernel.
-TILE, SHARE = 32, 16
+#: Texels that stand together, and those of them that share a scale: the kernel decides.
+TILE, SHARE = _native.BASIS_TILE, _native.BASIS_SHARE
 #: The largest value at its scale, for each type in which a basis is kept, the most compact first.
 LARGEST: dict[str, float] = {"int8": 127.0, "float16": 1.0}
 #: Texels that are rounded at a time.

@@ -23,9 +23,9 @@ use rayon::slice::ParallelSlice;
 use crate::error::{Error, Result};
 
 /// Texels of a tile: with more the sums leave the registers.
-const TILE: usize = 32;
+pub const TILE: usize = 32;
 /// Texels that share a scale: with fewer the scales weigh more, with more they fit less well.
-const SHARE: usize = 16;
+pub const SHARE: usize = 16;
 /// The scales of a component of a tile.
 type Scales = [f32; TILE / SHARE];
 /// Tiles of a task.
