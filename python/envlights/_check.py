@@ -5,6 +5,8 @@ from __future__ import annotations
 import contextlib
 import math
 import numbers
+import os
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,12 +17,21 @@ from envlights._native import EnvLightsError
 LARGEST_COUNT = 2**32 - 1
 
 
+#: Parts of a tuple or list that a refusal shows; of a longer one it shows the type.
+_FEW = 4
+
+
 def shown(value: object) -> str:
-    """`value` as a refusal shows it: numbers as they are, text in quotes, all else by its type."""
-    if isinstance(value, str):
+    """`value` as a refusal shows it: numbers, text in quotes, a few of them, or only its type."""
+    if isinstance(value, str | os.PathLike):
         return f"'{value}'"
     if value is None or isinstance(value, numbers.Number):
         return str(value)
+    if isinstance(value, slice):
+        ends = (value.start, value.stop)
+        return ":".join("" if end is None else shown(end) for end in ends)
+    if isinstance(value, tuple | list) and len(value) <= _FEW:
+        return f"({', '.join(map(shown, value))})"
     return f"an object of the type {type(value).__name__}"
 
 
@@ -59,6 +70,15 @@ def amount(name: str, value: object, least: float = 0.0, most: float = math.inf)
         limits = f"from {least:g} to {most:g}" if math.isfinite(most) else f"{least:g} or more"
         raise EnvLightsError(f"{name} must be a finite number, {limits}; got {shown(value)}")
     return number
+
+
+def first_not_finite(image: NDArray[Any]) -> tuple[int, int, Any] | None:
+    """Row, column and value of the first sample that is NaN or infinite, or None."""
+    bad = np.argwhere(~np.isfinite(image))
+    if not len(bad):
+        return None
+    row, column = bad[0][:2]
+    return row, column, image[tuple(bad[0])]
 
 
 def colour(name: str, values: ArrayLike) -> list[float]:

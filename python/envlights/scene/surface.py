@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._arrays import frozen
-from envlights._check import reals
+from envlights._check import first_not_finite, reals
 from envlights._native import EnvLightsError
 
 #: Rays start this share of the scene's extent above a surface, or it would block itself.
@@ -116,10 +116,8 @@ def _map(name: str, values: ArrayLike) -> NDArray[np.float64]:
     array = reals(name, values, 3)
     if array.shape[2] != 3 or 0 in array.shape:
         raise EnvLightsError(f"{name} must have the shape (height, width, 3); got {array.shape}")
-    bad = np.argwhere(~np.isfinite(array))
-    if len(bad):
-        row, column, _ = bad[0]
-        value = array[tuple(bad[0])]
+    if bad := first_not_finite(array):
+        row, column, value = bad
         raise EnvLightsError(f"{name} must be finite; row {row}, column {column} holds {value}")
     return array
 

@@ -13,6 +13,7 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights._check import first_not_finite, shown
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights.io.images import read_image, write_exr
@@ -139,11 +140,11 @@ def _file_name(kind: str, name: str) -> str:
 
 def _checked(pairs: Iterable[Any]) -> list[PathPair]:
     if not isinstance(pairs, Iterable):
-        raise EnvLightsError(f"pairs must be a folder or pairs of paths; got {pairs!r}")
+        raise EnvLightsError(f"pairs must be a folder or pairs of paths; got {shown(pairs)}")
     paths = list(pairs)
     for k, pair in enumerate(paths):
         if isinstance(pair, str | os.PathLike) or not hasattr(pair, "__len__") or len(pair) != 2:
-            raise EnvLightsError(f"pairs must hold two paths each; number {k} is {pair!r}")
+            raise EnvLightsError(f"pairs must hold two paths each; number {k} is {shown(pair)}")
     if not paths:
         raise EnvLightsError("pairs is empty; give a folder or at least one pair of paths")
     return [(direct, indirect) for direct, indirect in paths]
@@ -180,10 +181,8 @@ def _checked_pixels(
     if pixels.shape != size:
         given, wanted = (f"{shape[1]}x{shape[0]}" for shape in (pixels.shape, size))
         raise EnvLightsError(f"{path} has {given} pixels, the first of its kind {wanted}")
-    bad = np.argwhere(~np.isfinite(pixels))
-    if len(bad):
-        row, column, _ = bad[0]
-        value = pixels[tuple(bad[0])]
+    if bad := first_not_finite(pixels):
+        row, column, value = bad
         raise EnvLightsError(
             f"{path} must be finite; it holds {value} at row {row}, column {column}"
         )

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights._check import shown
 from envlights._native import EnvLightsError
 
 #: Texels of a block: the rows of a few images stay in the cache until they are in place.
@@ -77,7 +78,7 @@ def region_mask(region: Any, shape: tuple[int, int]) -> NDArray[np.bool_]:
         wanted[rows, columns] = True
     except (TypeError, ValueError):
         raise EnvLightsError(
-            f"region must be two slices, of rows and of columns; got {region!r}"
+            f"region must be two slices, of rows and of columns; got {shown(region)}"
         ) from None
     return wanted
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from envlights._check import first_not_finite
 from envlights._native import EnvLightsError
 
 
@@ -122,11 +123,10 @@ def check_finite(name: str, stack: NDArray[Any], first_row: int = 0) -> None:
     `first_row` is the row of the whole images at which `stack` begins.
     """
     for k, image in enumerate(stack):
-        bad = np.argwhere(~np.isfinite(image))
-        if len(bad):
-            row, column, _ = bad[0]
+        if bad := first_not_finite(image):
+            row, column, value = bad
             raise EnvLightsError(
-                f"{name} must be finite; image {k} holds {image[tuple(bad[0])]}"
+                f"{name} must be finite; image {k} holds {value}"
                 f" at row {first_row + row}, column {column}"
             )
 
