@@ -99,8 +99,7 @@ pub struct Report {
 ///
 /// # Errors
 ///
-/// [`crate::error::Error::NotAMap`], [`crate::error::Error::NotFinite`], [`crate::error::Error::Negative`],
-/// [`crate::error::Error::TooBright`].
+/// [`crate::error::Error::NotAMap`], [`crate::error::Error::UnusableSamples`], [`crate::error::Error::TooBright`].
 pub fn detect(
     radiance: ArrayView3<'_, f32>,
     registration: Registration,

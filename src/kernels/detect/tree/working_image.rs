@@ -40,7 +40,7 @@ impl WorkingImage {
     ///
     /// # Errors
     ///
-    /// [`Error::NotAMap`]; [`Error::NotFinite`] and [`Error::Negative`] for samples that no light can have:
+    /// [`Error::NotAMap`]; [`Error::UnusableSamples`], with their counts, for samples that are not radiance:
     /// this pass reads them all; [`Error::TooBright`].
     pub fn of(radiance: ArrayView3<'_, f32>, registration: Registration, columns: usize) -> Result<Self> {
         // Cut the map into blocks, one for each working pixel.
