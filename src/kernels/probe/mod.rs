@@ -64,8 +64,8 @@ const NORMALS_AT_ONCE: usize = 4096;
 ///
 /// # Errors
 ///
-/// [`Error::NotAMap`], [`Error::WrongColumns`], [`Error::NotFinite`]
-/// for a sample or a normal, [`Error::NotUnit`], [`Error::TooBright`].
+/// [`Error::NotAMap`], [`Error::UnusableSamples`], [`Error::TooBright`]; for normals [`Error::WrongColumns`],
+/// [`Error::NotFinite`], [`Error::NotUnit`].
 pub fn irradiance(
     radiance: ArrayView3<'_, f32>,
     registration: Registration,
