@@ -1,4 +1,4 @@
-"""From a rig to a lightmap of the courtyard: how wrong each step is, and what it takes.
+"""From a rig to a lightmap of the courtyard: error and run time of each step.
 
 Direct light against Mitsuba's at four times as many points; indirect light against a path-traced
 lightmap, with the error that the model states and the noise of the render; on rigs of the open air
@@ -14,7 +14,7 @@ import numpy as np
 from stopwatch import compare
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from tests.twins.eyes import looked_at, noise_of, relative
+from tests.reference.mitsuba_images import noise_of, relative, texels_by_mitsuba
 
 import envlights as el
 
@@ -22,7 +22,7 @@ PAIRS, WIDTH, SAMPLES, RANK = 128, 32, 512, 32
 
 
 def rigs_of_maps(folder):
-    """Of each map in `folder`, or of maps that the package makes itself."""
+    """Rigs fitted to the maps in `folder`, or to maps that the package makes itself."""
     if folder:
         maps = [el.EnvMap.open(path) for path in sorted(Path(folder).glob("*.[he][dx]r"))]
     else:
@@ -42,26 +42,26 @@ def spread(values):
 
 
 def direct(yard, fine, rigs):
-    """Of the direct image, mean of 8 by 8 points a texel, from Mitsuba's mean of 16 by 16."""
+    """Print the error of direct images, 8 by 8 points a texel, against Mitsuba's 16 by 16."""
     errors, noise = [], []
-    for rig, images in zip(rigs, looked_at(fine.lightmap, rigs, depth=2), strict=True):
+    for rig, images in zip(rigs, texels_by_mitsuba(fine.lightmap, rigs, depth=2), strict=True):
         one, two = (fine.lightmap.means(image, 16) for image in images)
         errors.append(relative(yard.direct(rig), (one + two) / 2))
         noise.append(noise_of(one, two))
     print(
-        f"  direct image from Mitsuba's   {spread(errors)}   its noise {spread(noise)}", flush=True
+        f"  direct image against Mitsuba's {spread(errors)}   its noise {spread(noise)}", flush=True
     )
 
 
 def indirect(yard, model, rigs):
-    """Of the predicted lightmap from a path-traced one."""
+    """Print the error of predicted lightmaps against path-traced ones."""
     errors, noise = [], []
     for k, rig in enumerate(rigs):
         truth = yard.indirect(rig, 2 * SAMPLES, seed=1000 + k)
         errors.append(relative(model.predict(yard.direct(rig)), truth.image))
         noise.append(truth.noise)
     allowed = model.report.error + np.median(noise)
-    print(f"  lightmap from a path-traced   {spread(errors)}   its noise {spread(noise)}")
+    print(f"  lightmap against path-traced   {spread(errors)}   its noise {spread(noise)}")
     print(
         f"  stated by the model{100 * model.report.error:>6.2f} %, with that noise"
         f"{100 * allowed:>6.2f} %: {'within' if np.median(errors) < allowed else 'NOT within'}",

@@ -1,4 +1,4 @@
-"""Run time of detection against what it is compared with, in one run, at equal thread counts.
+"""Run time of detection beside that of simpler work, in one run, at equal thread counts.
 
 Measurements take turns and the least of many counts; only their ratios mean anything on a shared
 machine. Usage: python benchmarks/detection_speed.py
@@ -84,7 +84,7 @@ def worst_cases(usual):
 
 
 def scenes(usual):
-    """What little there is to see costs little, and the report says what was skipped."""
+    """Compare scenes of little and much light; print what the report says was skipped."""
     dark = synthetic.scene(
         512, background=[0.01] * 3, shapes=[synthetic.PixelSun((1, 1, 0), [1e3] * 3)]
     ).radiance

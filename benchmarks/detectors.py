@@ -12,7 +12,7 @@ from scipy import sparse
 from skimage import feature, filters, measure
 
 import envlights as el
-from envlights.rig import LUMINANCE
+from envlights.kernels.image import LUMINANCE
 
 #: Rounds of the median cut, each of which doubles the cells; the best of 3 to 7 on `TUNING`.
 _CUTS = 5

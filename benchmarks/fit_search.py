@@ -1,4 +1,4 @@
-"""The search of `fit_probe` against the best of many random starts of a local solver.
+"""Error of the search of `fit_probe` against the best of many random starts of a local solver.
 
 Two such solvers: scipy's, bounded, with the analytic Jacobian; and our own from given directions,
 which is 40 times as fast. On 160 cases, each third map, the best of 200 of ours was within 1.01 of
@@ -11,11 +11,12 @@ from zlib import crc32
 
 import numpy as np
 import probes
-from tests.twins.peers import Problem, by_scipy, ours, ours_from
+from tests.helpers import NORMALS, SOLID_ANGLES
+from tests.reference.peers import Problem, by_scipy, ours, ours_from
 
 from envlights import kernels
 
-#: Error below which two fits are alike: that of the working map that `fit` renders its probe from.
+#: Errors below this count as equal: the working map of `fit` has no smaller one.
 FLOOR = 1e-4
 
 
@@ -40,14 +41,14 @@ def table(every, peer, starts=None):
     starts = starts or usual
     irradiances = dict(list(probes.real_and_generated().items())[::every])
     print(f"\nerror of the search over that of the best of {starts} random starts of {peer}")
-    print(f"{len(irradiances)} maps, with ambient and without; errors below {FLOOR:g} are alike")
+    print(f"{len(irradiances)} maps, with ambient and without; equal below {FLOOR:g}")
     print(f"{'lights':>6}{'cases':>7}{'<= 1.01':>9}{'<= 1.05':>9}{'worst':>8}  where")
     everything = {}
     for lights in range(1, 9):
         ratios = {}
         for name, irradiance in irradiances.items():
             for ambient in ("constant", "none"):
-                problem = Problem(probes.NORMALS, probes.SOLID_ANGLES, irradiance, lights, ambient)
+                problem = Problem(NORMALS, SOLID_ANGLES, irradiance, lights, ambient)
                 rng = np.random.default_rng([crc32(name.encode()), lights])
                 ratios[name, ambient] = ratio(problem, best(problem, starts, rng))
         print(row(lights, ratios), flush=True)

@@ -3,13 +3,14 @@
 import numpy as np
 import probes
 from stopwatch import compare
-from tests.twins import peers
+from tests.helpers import NORMALS, SOLID_ANGLES
+from tests.reference import peers
 
 import envlights as el
 from envlights import kernels
 
 LIGHTS = (1, 2, 4, 8, 16, 32)
-NORMALS = (80, 320, 1280, 5120, 20480)
+NORMAL_COUNTS = (80, 320, 1280, 5120, 20480)
 HEIGHTS = (64, 256, 512, 1024, 2048)
 
 
@@ -25,7 +26,7 @@ def tables():
 
 def beside_peers(irradiance, lights):
     """Even starts with the best radiances for them; each peer stops where it does by default."""
-    problem = peers.Problem(probes.NORMALS, probes.SOLID_ANGLES, irradiance, lights)
+    problem = peers.Problem(NORMALS, SOLID_ANGLES, irradiance, lights)
     directions = peers.even(lights)
     start = problem.unknowns(peers.ours(problem, fixed=directions))
     with peers.jax_in_float64():
@@ -42,17 +43,14 @@ def beside_peers(irradiance, lights):
 
 
 def growth(hall, irradiance):
-    given = {"weights": probes.SOLID_ANGLES}
+    given = {"weights": SOLID_ANGLES}
     compare(
         "fit_probe, 320 normals, by the number of lights",
-        {
-            f"{m} lights": lambda m=m: el.fit_probe(probes.NORMALS, irradiance, m, **given)
-            for m in LIGHTS
-        },
+        {f"{m} lights": lambda m=m: el.fit_probe(NORMALS, irradiance, m, **given) for m in LIGHTS},
         base="4 lights",
     )
     work = {}
-    for count in NORMALS:
+    for count in NORMAL_COUNTS:
         normals, weights = kernels.icosphere(count)
         probe = normals, hall.probe(normals)
         work[f"{count} normals"] = lambda p=probe, w=weights: el.fit_probe(*p, 4, weights=w)
@@ -66,7 +64,7 @@ def growth(hall, irradiance):
 
 
 def large_map():
-    """In units of one look at every sample."""
+    """Compare the fit with one pass over the map."""
     rng = np.random.default_rng(0)
     radiance = rng.gamma(0.5, size=(2048, 4096, 3)).astype(np.float32)
     radiance[700, 1000] = 5e4
@@ -89,11 +87,11 @@ def next_frame():
         return el.EnvMap(room + el.synthetic.scene(256, background=[0] * 3, shapes=discs).radiance)
 
     before = el.fit(frame(0.0), 4)
-    after = frame(np.deg2rad(1) / 0.6).probe(probes.NORMALS)
-    given = {"weights": probes.SOLID_ANGLES}
+    after = frame(np.deg2rad(1) / 0.6).probe(NORMALS)
+    given = {"weights": SOLID_ANGLES}
     work = {
-        "afresh": lambda: el.fit_probe(probes.NORMALS, after, 4, **given),
-        "start=rig": lambda: el.fit_probe(probes.NORMALS, after, 4, start=before, **given),
+        "afresh": lambda: el.fit_probe(NORMALS, after, 4, **given),
+        "start=rig": lambda: el.fit_probe(NORMALS, after, 4, start=before, **given),
     }
     compare("a frame later, 4 lights, 320 normals", work)
     errors = ", ".join(f"{name} {100 * fit().error:.4f} %" for name, fit in work.items())

@@ -1,13 +1,13 @@
-"""The worst cases of a fit beside a usual one: time, and what another scale changes.
+"""The worst cases of a fit beside a usual one: run time, and changes under another scale.
 
-`scaled` is the most that scales of 1e-6 and 1e9 change: the irradiance of the rig, over the
-brightest, the directions, and the lights' irradiance over that of the brightest light.
+`scaled` is the largest change at scales of 1e-6 and 1e9: of the rig's irradiance relative to the
+brightest, of the directions, and of the lights' irradiance relative to the brightest light.
 """
 
 import numpy as np
 import stopwatch
-from tests import worst_cases
-from tests.worst_cases import NORMALS, SOLID_ANGLES
+from tests.fitting import worst_cases
+from tests.helpers import NORMALS, SOLID_ANGLES
 
 import envlights as el
 
@@ -38,7 +38,7 @@ def fitted(irradiance, lights):
 
 
 def scaled(irradiance, lights):
-    """The most that a change of scale changes; infinite where it changes the number of lights."""
+    """Largest changes under another scale; infinite where the number of lights changes."""
     one, changes = fitted(irradiance, lights), []
     for scale in SCALES:
         other = fitted(scale * irradiance, lights)

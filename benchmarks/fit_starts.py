@@ -9,7 +9,8 @@ from collections import defaultdict
 
 import numpy as np
 import probes
-from tests.twins.peers import PEERS, Problem, even, ours, ours_from
+from tests.helpers import NORMALS, SOLID_ANGLES
+from tests.reference.peers import PEERS, Problem, even, ours, ours_from
 
 from envlights import kernels
 
@@ -33,7 +34,7 @@ def table(every):
     for irradiance in irradiances.values():
         for ambient in ("constant", "none"):
             for lights in range(1, 9):
-                given = probes.NORMALS, probes.SOLID_ANGLES, irradiance
+                given = NORMALS, SOLID_ANGLES, irradiance
                 for key, value in costs(Problem(*given, lights, ambient), rng):
                     ratios[key].append(value)
     for key in sorted(ratios):
@@ -41,7 +42,7 @@ def table(every):
 
 
 def costs(problem, rng):
-    """Start and peer, and our cost over theirs, or None where theirs is impossible."""
+    """Yield start and peer, and our cost over theirs; None where theirs is impossible."""
     answer = ours(problem)
     problem = problem.with_lights(len(answer.lights))
     for start, directions in starts(answer.lights.direction, rng):
@@ -66,9 +67,9 @@ def starts(answer, rng):
 
 
 def row(start, peer, ratios):
-    seen = np.array([value for value in ratios if value is not None])
-    higher, lower = seen[seen > 1 + 1e-6], seen[seen < 1 - 1e-6]
-    same = len(seen) - len(higher) - len(lower)
-    numbers = f"{len(ratios):>6}{len(seen):>10}{same:>10}{len(lower):>12}{len(higher):>14}"
+    possible = np.array([value for value in ratios if value is not None])
+    higher, lower = possible[possible > 1 + 1e-6], possible[possible < 1 - 1e-6]
+    same = len(possible) - len(higher) - len(lower)
+    numbers = f"{len(ratios):>6}{len(possible):>10}{same:>10}{len(lower):>12}{len(higher):>14}"
     worst = f"{np.median(higher):>14.6f}{higher.max():>11.4f}" if len(higher) else ""
     return f"{start:<26}{peer:<9}{numbers}{worst}"

@@ -1,6 +1,6 @@
-"""Run time against error: what each way of fitting the same probes takes, and how good it is.
+"""Run time and error of several methods that fit the same probes.
 
-An infinite error is that of a radiance below zero.
+The error is infinite where a method returns a negative radiance.
 """
 
 import time
@@ -10,7 +10,8 @@ import numpy as np
 import probes
 from fit_search import FLOOR
 from stopwatch import least_seconds
-from tests.twins import peers
+from tests.helpers import NORMALS, SOLID_ANGLES
+from tests.reference import peers
 
 LIGHTS = (4, 8)
 #: Random starts of scipy, of which the best counts.
@@ -21,40 +22,42 @@ def table(every):
     irradiances = dict(list(probes.real_and_generated().items())[::every])
     for lights in LIGHTS:
         cases = [measured(name, probe, lights) for name, probe in irradiances.items()]
-        errors = {way: np.array([case[way][0] for case in cases]) for way in cases[0]}
-        seconds = {way: np.median([case[way][1] for case in cases]) for way in cases[0]}
-        print(f"\n{lights} lights and ambient, {len(cases)} maps; errors over the least of all")
+        errors = {method: np.array([case[method][0] for case in cases]) for method in cases[0]}
+        seconds = {method: np.median([case[method][1] for case in cases]) for method in cases[0]}
+        title = f"{lights} lights and ambient, {len(cases)} maps"
+        print(f"\n{title}; errors relative to the lowest of all methods")
         print(f"{'':<40}{'time':>11}{'<= 1.01':>10}{'median':>8}{'worst':>8}")
         least = np.maximum(np.min(list(errors.values()), axis=0), FLOOR)
-        for way, error in errors.items():
-            print(row(way, seconds[way], np.maximum(error, FLOOR) / least))
+        for method, error in errors.items():
+            print(row(method, seconds[method], np.maximum(error, FLOOR) / least))
 
 
-def row(way, seconds, ratios):
-    within = f"{100 * np.mean(ratios <= 1.01):>8.0f} %"
-    return f"{way:<40}{1e3 * seconds:>8.1f} ms{within}{np.median(ratios):>8.3f}{ratios.max():>8.2f}"
+def row(method, seconds, ratios):
+    within = f"{100 * np.mean(ratios <= 1.01):>8.0f} %{np.median(ratios):>8.3f}"
+    return f"{method:<40}{1e3 * seconds:>8.1f} ms{within}{ratios.max():>8.2f}"
 
 
 def measured(name, irradiance, lights):
-    """Error and seconds of each way to fit so many lights to a probe."""
-    problem = peers.Problem(probes.NORMALS, probes.SOLID_ANGLES, irradiance, lights)
+    """Error and seconds of each method on one probe."""
+    problem = peers.Problem(NORMALS, SOLID_ANGLES, irradiance, lights)
     even = problem.unknowns(peers.ours(problem, fixed=peers.even(lights)))
     rng = np.random.default_rng([crc32(name.encode()), lights])
     with peers.jax_in_float64():
         jaxopt = peers.compiled_jaxopt(problem, even, tolerance=1e-8)
-        ways = {
+        methods = {
             "fit_probe": lambda: peers.ours(problem).error,
             'fit_probe, start="even"': lambda: peers.ours(problem, start="even").error,
             "jaxopt, even start": lambda: error(problem, np.asarray(jaxopt())),
             "scipy, bounded, even start": lambda: by_scipy(problem, even),
         }
-        errors = {way: solve() for way, solve in ways.items()}  # jaxopt compiles
-        seconds = least_seconds(ways, rounds=3)
-    return {way: (errors[way], seconds[way]) for way in ways} | best_of_random(problem, rng)
+        errors = {method: solve() for method, solve in methods.items()}  # jaxopt compiles
+        seconds = least_seconds(methods, rounds=3)
+    results = {method: (errors[method], seconds[method]) for method in methods}
+    return results | best_of_random(problem, rng)
 
 
 def error(problem, x):
-    """Infinite where a radiance is negative."""
+    """Relative error of the unknowns; infinite where a radiance is negative."""
     return np.sqrt(problem.share(x)) if problem.is_possible(x) else np.inf
 
 
@@ -63,7 +66,7 @@ def by_scipy(problem, start):
 
 
 def best_of_random(problem, rng):
-    """Scipy's from more and more random starts."""
+    """Error and seconds of scipy, for the best of some random starts."""
     starts = [problem.random_start(rng) for _ in range(max(STARTS))]
     begun = time.perf_counter()
     ends = [(by_scipy(problem, start), time.perf_counter()) for start in starts]

@@ -1,4 +1,4 @@
-"""Run time and memory of what reads a whole map, in units of one look at every sample.
+"""Run time and memory of the functions that read a whole map, relative to one pass over it.
 
 Times are the least of several; only their ratios mean anything on a shared machine.
 Usage: RAYON_NUM_THREADS=2 python benchmarks/probe.py
@@ -25,12 +25,12 @@ def sunny_map(height):
 
 
 def megabytes():
-    """The most memory that this process ever held."""
+    """Peak memory of this process, in megabytes."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 
 def memory(radiance):
-    """What each call adds to the map; what the calls need on any map is there already."""
+    """Print the memory that each call adds; what the calls need on any map is there already."""
     tiny = sunny_map(64)
     work = {
         "env.probe, 320 normals": lambda array: el.EnvMap(array).probe(NORMALS),
@@ -51,9 +51,9 @@ def times(radiance):
     work = {
         "array.max()": radiance.max,
         "EnvMap(array): look for unusable samples": lambda: el.EnvMap(radiance),
-        "env.probe, 320 normals (3 x wanted)": lambda: env.probe(NORMALS),
+        "env.probe, 320 normals (target: 3 x)": lambda: env.probe(NORMALS),
         "working map, 320 normals": lambda: kernels.working_irradiance(radiance, NORMALS),
-        "el.fit(array, lights=4) (4 x wanted)": lambda: el.fit(radiance, lights=4),
+        "el.fit(array, lights=4) (target: 4 x)": lambda: el.fit(radiance, lights=4),
     }
     threads = os.environ.get("RAYON_NUM_THREADS", os.cpu_count())
     compare(f"4096x2048 float32, {threads} threads", work)

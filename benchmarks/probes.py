@@ -1,14 +1,10 @@
 """White probes under maps of all kinds: what the fits are compared on."""
 
-import os
-from pathlib import Path
+from tests.helpers import EQUIRECTANGULAR, NORMALS, paths_of_real_maps
 
 import envlights as el
-from envlights import kernels, synthetic
+from envlights import synthetic
 
-NORMALS, SOLID_ANGLES = kernels.icosphere(320)
-
-EQUIRECTANGULAR = ("hdr/*.hdr", "exr/*.exr", "openexr_envmaps/*LatLong.exr", "ldr/*.png")
 #: Maps of each random family.
 GENERATED = 4
 
@@ -19,11 +15,9 @@ def real_and_generated():
 
 
 def real():
-    """Those in the folder that `ENVLIGHTS_MAPS` names; none without it."""
-    folder = os.environ.get("ENVLIGHTS_MAPS")
-    if folder is None:
-        return {}
-    found = [path for pattern in EQUIRECTANGULAR for path in sorted(Path(folder).glob(pattern))]
+    """Maps in the folder that `ENVLIGHTS_MAPS` names; none without it."""
+    # Pattern by pattern, so that neighbours are of one kind.
+    found = (path for pattern in EQUIRECTANGULAR for path in paths_of_real_maps(pattern))
     return {path.name: probe(el.EnvMap.open(path)) for path in found}
 
 

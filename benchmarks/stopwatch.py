@@ -1,4 +1,4 @@
-"""Times that can be compared: work takes turns, and the least of many rounds counts."""
+"""Comparable run times: pieces of work take turns, and the least of many rounds counts."""
 
 import time
 
@@ -6,7 +6,7 @@ import numpy as np
 
 
 def least_seconds(work, rounds=25, patience=10.0):
-    """Of each named piece of `work`; fewer rounds where they take longer than `patience`."""
+    """Least seconds of each named piece of `work`; fewer rounds beyond `patience` seconds."""
     least = dict.fromkeys(work, np.inf)
     begun = time.perf_counter()
     for done in range(rounds):

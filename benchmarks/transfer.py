@@ -98,7 +98,7 @@ def measure(fit, answers):
 
 
 def alone(measured, *arguments):
-    """What a function answers in a fresh process."""
+    """Return what a function puts into its queue in a fresh process."""
     context = multiprocessing.get_context("spawn")
     answers = context.SimpleQueue()
     process = context.Process(target=measured, args=(*arguments, answers))
@@ -108,7 +108,7 @@ def alone(measured, *arguments):
 
 
 def speed(threads, repeats=3):
-    """The least of several runs."""
+    """Print run time and memory of each method, the least of several runs."""
     print(f"\nK = {PAIRS}, 16x16 -> {SIZE}x{SIZE}, rank {RANK}, threads: {threads}")
     fits = {"notebook": notebook, "scikit-learn": scikit, "TransferModel": ours}
     found = {name: [] for name in fits}
@@ -126,7 +126,7 @@ def speed(threads, repeats=3):
 
 
 def frames(answers):
-    """Milliseconds of frames, by what the model keeps of its basis and what is asked of it."""
+    """Put the milliseconds of frames, for each form of the basis and each kind of request."""
     direct, indirect = images()
     model = el.TransferModel.fit(direct, indirect, RANK)
     models = {"float32": model, "float16": model.compressed(0.001), "int8": model.compressed(0.005)}
@@ -148,7 +148,7 @@ def frames(answers):
 
 
 def least(call, repeats=12):
-    """Milliseconds, once the threads of a BLAS that was used before wait no more."""
+    """Least milliseconds of a call, after the threads of a BLAS that was used before went idle."""
     time.sleep(0.5)
     return min(timed(call) for _ in range(repeats))
 

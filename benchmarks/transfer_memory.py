@@ -1,4 +1,4 @@
-"""What learning from files takes of memory, beside the size of the images.
+"""Memory that learning from files takes, beside the size of the images.
 
 Each line is a process of its own. Allocated: pages that only more memory can make room for. Mapped:
 pages of the file that the images are kept in, which the system drops as soon as it needs them.
@@ -48,7 +48,7 @@ def learn_in_memory(folder):
 
 
 def measure(work, folder, answers):
-    """The most megabytes beside those of the start, looked at every few milliseconds."""
+    """Put the peak megabytes beyond those of the start, sampled every few milliseconds."""
     el.io.read_image(next(folder.glob("lightmap*")))
     start, most, done = memory(), np.zeros(2), threading.Event()
 

@@ -1,4 +1,4 @@
-//! Every refusal of every kernel. Each sentence says what was wrong, what was seen and what is wanted.
+//! Every refusal of every kernel. Each sentence says what was wrong, what was given and what is wanted.
 
 use thiserror::Error;
 
@@ -29,6 +29,17 @@ pub enum Error {
         shape: Vec<usize>,
     },
 
+    /// An array of another shape than a kernel takes.
+    #[error("{what} must have the shape {wanted}; got {shape:?}")]
+    WrongShape {
+        /// Name of the argument.
+        what: &'static str,
+        /// The shape in words, as `(n, rank, 3)`.
+        wanted: &'static str,
+        /// Shape that was given.
+        shape: Vec<usize>,
+    },
+
     /// Two arrays that describe the same things have different lengths.
     #[error("{what} must have as many rows as {other} ({wanted}); got {seen}")]
     LengthMismatch {
@@ -42,14 +53,14 @@ pub enum Error {
         seen: usize,
     },
 
-    /// No ambient term has so many coefficients.
+    /// An ambient term with another number of coefficients than 0, 1 or 9.
     #[error("the ambient term must have 0, 1 or 9 coefficients in each channel; got {seen}")]
     NotAmbient {
         /// Coefficients that were given.
         seen: usize,
     },
 
-    /// A vector that should be a direction has another length than 1.
+    /// A vector that should be a direction and is not of length 1.
     #[error("{what} {index} has length {length}; it must be a unit vector")]
     NotUnit {
         /// Name of the argument.
@@ -114,6 +125,33 @@ pub enum Error {
     NotParameters {
         /// Numbers that were given.
         seen: usize,
+    },
+
+    /// An image of too few pixels to cover the sphere.
+    #[error("an image of the sphere needs at least 2 rows and 2 columns; got {height} rows of {width}")]
+    TooFewPixels {
+        /// Rows that were asked for.
+        height: usize,
+        /// Columns that were asked for.
+        width: usize,
+    },
+
+    /// Samples of a map that no light can have.
+    #[error(
+        "radiance must be finite and not negative; row {row} holds {value}, and of all samples \
+         {nan} are NaN, {infinite} infinite and {negative} negative"
+    )]
+    UnusableSamples {
+        /// Row of the first offender.
+        row: usize,
+        /// What it holds.
+        value: f32,
+        /// Samples that are not a number.
+        nan: usize,
+        /// Samples of positive infinity.
+        infinite: usize,
+        /// Samples below zero, negative infinity among them.
+        negative: usize,
     },
 
     /// An image without a pixel.

@@ -1,1 +1,1 @@
-"""Tests; `twins` holds slow, plain versions of what they check."""
+"""Tests, beside the names of what they test; `reference` holds slow, plain versions of it."""

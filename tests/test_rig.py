@@ -106,7 +106,7 @@ def test_the_table_says_where_each_light_is_and_how_wrong_the_rig_is():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"format": "another"}, "is no rig"),
+        ({"format": "another"}, "is not a rig"),
         ({"version": 1}, "version 1; this package reads 2"),
         ({"ambient": [0, 0, -1]}, "ambient must"),
         ({"ambient": [0, 0, float("nan")]}, "ambient must be"),
@@ -116,10 +116,14 @@ def test_the_table_says_where_each_light_is_and_how_wrong_the_rig_is():
             {"lights": {"direction": [[0, 1, 0]], "irradiance": []}},
             "irradiance must have the shape",
         ),
-        ({"lights": {"direction": [[0, 1]], "irradiance": [[1, 1]]}}, "no whole rig"),
-        ({"lights": None}, "no whole rig"),
-        ({"error": "small"}, "no possible rig"),
-        ({"report": {"stop_reason": "TIRED"}}, "no whole rig"),
+        (
+            {"lights": {"direction": [[0, 1]], "irradiance": [[1, 1]]}},
+            "is not a complete rig: a value",
+        ),
+        ({"lights": None}, "is not a complete rig: a value"),
+        ({"lights": {"direction": []}}, "is not a complete rig: the key 'irradiance' is missing"),
+        ({"error": "small"}, "holds an impossible rig"),
+        ({"report": {**a_rig().to_dict()["report"], "stop_reason": "TIRED"}}, "got 'TIRED'"),
     ],
 )
 def test_impossible_files_are_refused(tmp_path, change, message):
@@ -129,7 +133,9 @@ def test_impossible_files_are_refused(tmp_path, change, message):
         el.Rig.load(path)
 
 
-@pytest.mark.parametrize(("content", "message"), [("", "no JSON"), ("[1]", "is no rig")])
+@pytest.mark.parametrize(
+    ("content", "message"), [("", "is not a JSON file"), ("[1]", "is not a rig")]
+)
 def test_files_of_another_kind_are_refused(tmp_path, content, message):
     (tmp_path / "rig.json").write_text(content)
     with pytest.raises(el.EnvLightsError, match=message):
@@ -161,14 +167,14 @@ REPORT = a_rig().to_dict()["report"]
 def test_files_with_impossible_numbers_are_refused(tmp_path, change):
     path = tmp_path / "rig.json"
     path.write_text(json.dumps({**a_rig().to_dict(), **change}))
-    with pytest.raises(el.EnvLightsError, match=r"holds no possible rig: (error|steps|seconds)"):
+    with pytest.raises(el.EnvLightsError, match=r"holds an impossible rig: (error|steps|seconds)"):
         el.Rig.load(path)
 
 
 def test_nested_brackets_without_end_are_refused(tmp_path):
     path = tmp_path / "rig.json"
     path.write_text("[" * 100_000)
-    with pytest.raises(el.EnvLightsError, match="no JSON"):
+    with pytest.raises(el.EnvLightsError, match="is not a JSON file"):
         el.Rig.load(path)
 
 

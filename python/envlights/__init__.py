@@ -7,21 +7,23 @@
 4
 """
 
-from importlib.metadata import version as _version
+import typing as _typing
+from importlib import import_module as _import_module
 
 from envlights import kernels, synthetic
 from envlights._native import EnvLightsError
-from envlights.article import detect_article
-from envlights.detect import detect
-from envlights.detected import DetectedLights, DetectionReport
+from envlights.detection.component_tree import detect_tree
+from envlights.detection.detect import detect
+from envlights.detection.lights import DetectedLights, DetectionReport
+from envlights.detection.loghin import detect_article
 from envlights.envmap import EnvMap
-from envlights.fit import fit, fit_probe
-from envlights.paper import PaperFit, fit_paper
+from envlights.fitting.fit import fit, fit_probe
+from envlights.fitting.madsen import PaperFit, fit_paper
+from envlights.lights import Lights
 from envlights.report import FitReport, StopReason
-from envlights.rig import Lights, Rig
+from envlights.rig import Rig
 from envlights.scene import BakedPairs, DirectLight, MitsubaScene, Surface, bake
 from envlights.transfer import FilePairs, TransferModel, TransferReport, read_pairs
-from envlights.tree import detect_tree
 
 __all__ = [
     "BakedPairs",
@@ -52,4 +54,28 @@ __all__ = [
     "synthetic",
 ]
 
-__version__ = _version("envlights")
+#: Attributes, too. Those that load Matplotlib or Click are imported when they are first used, so
+#: that `import envlights` does not wait for them; so is what reads the version.
+_SUBPACKAGES = ("cli", "detection", "fitting", "io", "plot", "scene", "transfer")
+
+if _typing.TYPE_CHECKING:
+    __version__: str
+    from envlights import cli as cli
+    from envlights import detection as detection
+    from envlights import fitting as fitting
+    from envlights import io as io
+    from envlights import plot as plot
+    from envlights import scene as scene
+    from envlights import transfer as transfer
+else:
+
+    def __getattr__(name):
+        if name == "__version__":
+            return _import_module("importlib.metadata").version(__name__)
+        if name in _SUBPACKAGES:
+            return _import_module(f"{__name__}.{name}")
+        raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
+
+
+def __dir__() -> list[str]:
+    return sorted([*__all__, *_SUBPACKAGES, "__version__"])

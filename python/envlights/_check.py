@@ -1,18 +1,38 @@
-"""What every public function asks of its arguments before a kernel sees them."""
+"""Checks of the arguments of public functions, before a kernel reads them."""
 
 from __future__ import annotations
 
 import contextlib
 import math
 import numbers
+import os
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._native import EnvLightsError
 
-#: No count is larger: what has more parts than this fits into no memory.
+#: The largest count that is accepted; an array of that many parts does not fit into memory.
 LARGEST_COUNT = 2**32 - 1
+
+
+#: Parts of a tuple or list that a refusal shows; of a longer one it shows the type.
+_FEW = 4
+
+
+def shown(value: object) -> str:
+    """`value` as a refusal shows it: numbers, text in quotes, a few of them, or only its type."""
+    if isinstance(value, str | os.PathLike):
+        return f"'{value}'"
+    if value is None or isinstance(value, numbers.Number):
+        return str(value)
+    if isinstance(value, slice):
+        ends = (value.start, value.stop)
+        return ":".join("" if end is None else shown(end) for end in ends)
+    if isinstance(value, tuple | list) and len(value) <= _FEW:
+        return f"({', '.join(map(shown, value))})"
+    return f"an object of the type {type(value).__name__}"
 
 
 def reals(name: str, values: ArrayLike, ndim: int) -> NDArray[np.float64]:
@@ -32,9 +52,11 @@ def count(name: str, value: object, least: int = 0) -> int:
     """`value` as an int of at least `least`, or a refusal that names it."""
     is_whole = isinstance(value, numbers.Integral) and not isinstance(value, bool)
     if not is_whole or int(value) < least:  # type: ignore[call-overload]
-        raise EnvLightsError(f"{name} must be a whole number, {least} or more; got {value!r}")
+        raise EnvLightsError(f"{name} must be a whole number, {least} or more; got {shown(value)}")
     if int(value) > LARGEST_COUNT:  # type: ignore[call-overload]
-        raise EnvLightsError(f"{name} must be a whole number up to {LARGEST_COUNT}; got {value!r}")
+        raise EnvLightsError(
+            f"{name} must be a whole number up to {LARGEST_COUNT}; got {shown(value)}"
+        )
     return int(value)  # type: ignore[call-overload, no-any-return]
 
 
@@ -46,8 +68,17 @@ def amount(name: str, value: object, least: float = 0.0, most: float = math.inf)
             number = float(value)
     if not (least <= number <= most and math.isfinite(number)):
         limits = f"from {least:g} to {most:g}" if math.isfinite(most) else f"{least:g} or more"
-        raise EnvLightsError(f"{name} must be a finite number, {limits}; got {value!r}")
+        raise EnvLightsError(f"{name} must be a finite number, {limits}; got {shown(value)}")
     return number
+
+
+def first_not_finite(image: NDArray[Any]) -> tuple[int, int, Any] | None:
+    """Row, column and value of the first sample that is NaN or infinite, or None."""
+    bad = np.argwhere(~np.isfinite(image))
+    if not len(bad):
+        return None
+    row, column = bad[0][:2]
+    return row, column, image[tuple(bad[0])]
 
 
 def colour(name: str, values: ArrayLike) -> list[float]:
@@ -61,8 +92,8 @@ def colour(name: str, values: ArrayLike) -> list[float]:
 def check_choice(name: str, value: object, choices: tuple[str, ...]) -> None:
     """Refuse a `value` that is none of the `choices`."""
     if not isinstance(value, str) or value not in choices:
-        wanted = " or ".join(repr(choice) for choice in choices)
-        raise EnvLightsError(f"{name} must be {wanted}; got {value!r}")
+        wanted = " or ".join(map(shown, choices))
+        raise EnvLightsError(f"{name} must be {wanted}; got {shown(value)}")
 
 
 def float_image(name: str, values: ArrayLike, ndim: int) -> NDArray[np.float32]:
@@ -74,15 +105,6 @@ def float_image(name: str, values: ArrayLike, ndim: int) -> NDArray[np.float32]:
     return np.ascontiguousarray(array, dtype=np.float32)
 
 
-def finite(name: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """`values`, or a refusal if one is NaN or infinite."""
-    bad = np.argwhere(~np.isfinite(values))
-    if len(bad):
-        value = values[tuple(bad[0])]
-        raise EnvLightsError(f"{name} must be finite; row {bad[0][0]} holds {value}")
-    return values
-
-
 def whole_pixels(values: ArrayLike) -> NDArray[np.int64]:
     """`values` as rows and columns, or a refusal."""
     try:
@@ -92,6 +114,20 @@ def whole_pixels(values: ArrayLike) -> NDArray[np.int64]:
     if array.dtype.kind not in "iu" or array.ndim != 2 or array.shape[1] != 2:
         raise EnvLightsError(
             f"pixels must be whole numbers of the shape (n, 2);"
+            f" got the dtype {array.dtype} and the shape {array.shape}"
+        )
+    return np.ascontiguousarray(array, dtype=np.int64)
+
+
+def whole_numbers(name: str, values: ArrayLike) -> NDArray[np.int64]:
+    """`values` as a C-contiguous int64 array of one axis, or a refusal that names it."""
+    try:
+        array = np.asarray(values)
+    except ValueError as error:
+        raise EnvLightsError(f"{name} must be an array of whole numbers; {error}") from None
+    if array.ndim != 1 or (array.size and array.dtype.kind not in "iu"):
+        raise EnvLightsError(
+            f"{name} must hold whole numbers along one axis;"
             f" got the dtype {array.dtype} and the shape {array.shape}"
         )
     return np.ascontiguousarray(array, dtype=np.int64)

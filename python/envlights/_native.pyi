@@ -6,9 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
+    "BASIS_SHARE",
+    "BASIS_TILE",
+    "LUMINANCE",
     "EnvLightsError",
     "FitAnswer",
     "TreeDetection",
+    "UnusableSamplesError",
+    "are_clipped",
     "blur",
     "bresenham_line",
     "detect_tree",
@@ -18,6 +23,8 @@ __all__ = [
     "fit_lights",
     "halton",
     "hammersley",
+    "harmonic_irradiance",
+    "harmonic_radiance",
     "icosphere",
     "irradiance",
     "luminance",
@@ -43,15 +50,21 @@ __all__ = [
     "unpack_lights",
     "unusable",
     "uv_to_direction",
+    "uv_to_pixel",
+    "weighted_means",
     "working_irradiance",
 ]
 
 _Reals = NDArray[np.float64]
 _Image = NDArray[np.float32]
 _Indices = NDArray[np.int64]
-_Coefficients = tuple[float, float, list[float]]
+
+LUMINANCE: list[float]
+BASIS_SHARE: int
+BASIS_TILE: int
 
 class EnvLightsError(ValueError): ...
+class UnusableSamplesError(EnvLightsError): ...
 
 @final
 class TreeDetection:
@@ -67,7 +80,7 @@ class TreeDetection:
     pixel: _Indices
     light_of_pixel: _Indices
     threshold: float
-    background_is_light: bool
+    threshold_rule: tuple[float, float, float | None]
     map_flux: float
     working_size: tuple[int, int]
     tiles: int
@@ -89,6 +102,9 @@ class FitAnswer:
     def irradiance(self) -> _Reals: ...
     def uncertainty(self) -> tuple[float, list[float], list[list[float]]]: ...
 
+def are_clipped(
+    radiance: _Image, pixels: _Indices, reach: int, sphere: bool
+) -> NDArray[np.bool_]: ...
 def blur(image: _Image, sigma: float) -> _Image: ...
 def bresenham_line(start: list[int], end: list[int]) -> _Indices: ...
 def detect_tree(
@@ -114,6 +130,8 @@ def fit_lights(
 ) -> list[FitAnswer]: ...
 def halton(count: int, bases: list[int]) -> _Reals: ...
 def hammersley(count: int) -> _Reals: ...
+def harmonic_irradiance(normals: _Reals) -> _Reals: ...
+def harmonic_radiance(directions: _Reals) -> _Reals: ...
 def icosphere(faces: int) -> tuple[_Reals, _Reals]: ...
 def irradiance(radiance: _Image, normals: _Reals, border_sampled: bool) -> _Reals: ...
 def luminance(radiance: _Image) -> _Image: ...
@@ -130,15 +148,29 @@ def merge_along_lines(
 def neighbour_maximum(
     luminance: _Image, pixels: _Indices, reach: int, sphere: bool
 ) -> tuple[_Image, _Indices]: ...
-def pack_lights(ambient: _Reals, directions: _Reals, radiance: _Reals) -> _Reals: ...
+def pack_lights(ambient: _Reals, directions: _Reals, irradiance: _Reals) -> _Reals: ...
 def pixel_directions(height: int, width: int, border_sampled: bool) -> _Reals: ...
 def pixel_solid_angles(height: int, width: int, border_sampled: bool) -> _Reals: ...
 def probe_jacobian(
-    x: _Reals, normals: _Reals, probe: _Reals, weights: _Reals, coefficients: _Coefficients
+    x: _Reals,
+    normals: _Reals,
+    probe: _Reals,
+    weights: _Reals,
+    k_a: float,
+    k_d: float,
+    colour: list[float],
 ) -> _Reals: ...
-def probe_model(x: _Reals, normals: _Reals, coefficients: _Coefficients) -> _Reals: ...
+def probe_model(
+    x: _Reals, normals: _Reals, k_a: float, k_d: float, colour: list[float]
+) -> _Reals: ...
 def probe_residual(
-    x: _Reals, normals: _Reals, probe: _Reals, weights: _Reals, coefficients: _Coefficients
+    x: _Reals,
+    normals: _Reals,
+    probe: _Reals,
+    weights: _Reals,
+    k_a: float,
+    k_d: float,
+    colour: list[float],
 ) -> _Reals: ...
 def radical_inverse(index: int, base: int) -> float: ...
 def reduced_luminance(radiance: _Image, columns: int, border_sampled: bool) -> _Image: ...
@@ -157,10 +189,10 @@ def sum_over_sources(
 ) -> _Reals: ...
 def suppress(points: _Reals, distance: float) -> _Indices: ...
 def transfer_columns(
-    images: _Image, scale: _Image, lit: NDArray[np.bool_], weights: _Image
+    images: _Image, scale: _Image, non_black: NDArray[np.bool_], weights: _Image
 ) -> _Image: ...
 def transfer_frames(
-    values: NDArray[np.int8] | NDArray[np.uint16],
+    values: NDArray[np.int8] | NDArray[np.float16],
     scales: _Image,
     coefficients: _Image,
     places: _Indices,
@@ -170,6 +202,8 @@ def uniform_sphere(uv: _Reals) -> _Reals: ...
 def unpack_lights(x: _Reals) -> tuple[_Reals, _Reals, _Reals]: ...
 def unusable(radiance: _Image) -> tuple[int, int, int]: ...
 def uv_to_direction(uv: _Reals) -> _Reals: ...
+def uv_to_pixel(uv: _Reals, height: int, width: int) -> _Indices: ...
+def weighted_means(points: _Reals, weights: _Reals, light: _Indices) -> _Reals: ...
 def working_irradiance(
     radiance: _Image,
     normals: _Reals,

@@ -1,4 +1,4 @@
-"""What every result can do."""
+"""The base of all results."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from typing import Any
 
 
 class Result(ABC):
-    """A dataclass that says what it is in a line, and all of it where Jupyter shows it.
+    """A dataclass whose `repr` is one line, and which Jupyter shows in full.
 
-    A copy, or what a pickle holds, is made by the constructor: what that checks, and the arrays
-    that it closes to writing, hold for it too.
+    Copies and pickles are rebuilt by the constructor. So a class whose constructor checks its
+    arrays, or closes them to writing, does so for copies too; this base does neither.
     """
 
     @abstractmethod

@@ -1,16 +1,17 @@
-"""The main job on a map that the package makes itself."""
+"""A first try: make a map, fit it, and draw the result."""
 
 from __future__ import annotations
 
 import os
 from pathlib import Path
 
-from envlights import plot, synthetic
+from envlights import plot
 from envlights.envmap import EnvMap
-from envlights.files import check_writable
-from envlights.fit import fit
-from envlights.io import write_exr
+from envlights.fitting.fit import fit
+from envlights.io.files import check_writable
+from envlights.io.images import write_exr
 from envlights.rig import Rig
+from envlights.synthetic.hall import hall
 
 
 def demo(folder: str | os.PathLike[str] = ".") -> Rig:
@@ -29,7 +30,7 @@ def demo(folder: str | os.PathLike[str] = ".") -> Rig:
     exr, saved, picture = (Path(folder) / f"hall.{suffix}" for suffix in ("exr", "json", "png"))
     for path in (exr, saved, picture):
         check_writable(path)
-    write_exr(exr, synthetic.hall().radiance)
+    write_exr(exr, hall().radiance)
     env = EnvMap.open(exr)
     rig = fit(env, lights=4)
     rig.save(saved)

@@ -1,4 +1,4 @@
-"""The map: radiance, how its pixels lie on the sphere, and what was cleaned."""
+"""The map: its radiance, the layout of its pixels on the sphere, and what was cleaned."""
 
 from __future__ import annotations
 
@@ -9,9 +9,12 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights import _native, io, kernels
-from envlights._check import check_choice
-from envlights._native import EnvLightsError
+from envlights import _native
+from envlights._check import check_choice, shown
+from envlights._native import EnvLightsError, UnusableSamplesError
+from envlights._srgb import decode_srgb
+from envlights.io.images import read_image
+from envlights.kernels.probe import irradiance
 
 PROJECTIONS = ("equirectangular",)
 REGISTRATIONS = ("cell-centred", "border-sampled")
@@ -30,16 +33,17 @@ class EnvMap:
     radiance : array_like, shape (height, 2 * height, 3)
         Floating point: linear radiance in W m\ :sup:`-2` sr\ :sup:`-1`, on any common scale.
         uint8 and uint16: sRGB-coded, which is noted. A C-contiguous float32 array is not copied
-        (it must not be changed afterwards), unless it holds samples that no light can have:
-        negative ones and NaN become 0, infinite ones the largest finite sample, and `notes` says
-        how many.
+        (it must not be changed afterwards), unless it holds samples that are not radiance: negative
+        ones and NaN become 0, infinite ones the largest finite sample; `notes` holds their number.
     projection : {"equirectangular"}
-        How the sphere lies in the image.
+        The layout of the sphere in the image, by name, so that a script says what its array is.
+        Only this one can be read as yet; others are refused.
     registration : {"cell-centred", "border-sampled"}
-        Whether a pixel stands for the cell around its centre, as in most files, or the outer
-        pixels lie on the seam and the poles, as in OpenEXR files with the `envmap` attribute.
+        "cell-centred": a pixel stands for the cell around its centre, as in most files.
+        "border-sampled": the outer pixels lie on the seam and the poles, as in OpenEXR files with
+        the `envmap` attribute.
     notes : str or iterable of str
-        What is known of the map's origin.
+        Remarks on the map's origin.
 
     Raises
     ------
@@ -71,7 +75,7 @@ class EnvMap:
 
     @classmethod
     def unchecked(cls, radiance: ArrayLike) -> EnvMap:
-        """A map that nobody has looked through, for kernels that look at every sample."""
+        """A map whose samples are not checked, for kernels that check every one."""
         env = cls.__new__(cls)
         env._notes = []
         env._projection, env._registration = PROJECTIONS[0], REGISTRATIONS[0]
@@ -88,19 +92,19 @@ class EnvMap:
             Radiance .hdr, OpenEXR, PNG, JPEG, TIFF, or whatever else OpenImageIO reads. Files of
             8 or 16 bit integers are linearised from sRGB; alpha and extra channels are ignored.
         registration : {"cell-centred", "border-sampled"}, optional
-            How the pixels lie. When left out, the file's own metadata decides.
+            As above. When left out, the metadata of the file decides.
 
         Returns
         -------
         EnvMap
-            With everything that was assumed in `notes`.
+            Its `notes` list everything that was assumed.
 
         Raises
         ------
         EnvLightsError
             If the file cannot be read or holds no equirectangular map.
         """
-        image = io.read_image(path)
+        image = read_image(path)
         if registration is None:
             registration = REGISTRATIONS[image.border_sampled]
         try:
@@ -115,12 +119,12 @@ class EnvMap:
 
     @property
     def projection(self) -> str:
-        """How the sphere lies in the image."""
+        """The layout of the sphere in the image."""
         return self._projection
 
     @property
     def registration(self) -> str:
-        """How the pixels lie on the sphere."""
+        """Whether pixels are cells, or the outer ones lie on the seam and the poles."""
         return self._registration
 
     @property
@@ -141,8 +145,7 @@ class EnvMap:
     def probe(self, normals: ArrayLike) -> NDArray[np.float64]:
         r"""Exact irradiance of a white Lambertian probe under the whole map.
 
-        Nothing is fitted and nothing is sampled: this is the reference to which the lights of `fit`
-        are compared.
+        Nothing is fitted or sampled: this is the reference for the lights of `fit`.
 
         Parameters
         ----------
@@ -159,10 +162,10 @@ class EnvMap:
         Raises
         ------
         EnvLightsError
-            If `normals` has another shape or holds a vector of another length than 1.
+            If `normals` has another shape or holds a vector whose length is not 1.
         """
         border_sampled = self._registration == "border-sampled"
-        return kernels.irradiance(self._radiance, normals, border_sampled=border_sampled)
+        return irradiance(self._radiance, normals, border_sampled=border_sampled)
 
     def __repr__(self) -> str:
         size = f"{self.width}x{self.height}"
@@ -180,7 +183,7 @@ class EnvMap:
                 return np.ascontiguousarray(array, dtype=np.float32)
         self._notes.append(f"{array.dtype.name} samples were taken as sRGB-coded and linearised")
         codes = np.arange(np.iinfo(array.dtype).max + 1)
-        return np.ascontiguousarray(io.decode_srgb(codes / codes[-1])[array])
+        return np.ascontiguousarray(decode_srgb(codes / codes[-1])[array])
 
     def _cleaned(self, linear: NDArray[np.float32]) -> NDArray[np.float32]:
         nan, infinite, negative = _native.unusable(linear)
@@ -219,24 +222,27 @@ def as_envmap(env: EnvMap | ArrayLike) -> EnvMap:
 
 
 def seen_through(env: EnvMap | ArrayLike, work: Callable[[EnvMap], _T]) -> tuple[EnvMap, _T]:
-    """The map, and what `work` makes of it, which refuses samples that no light can have.
+    """The map, and the result of `work` on it.
 
-    It reads them all, so an array is looked at a second time, and cleaned, only when it refused.
+    The kernels that `work` calls read every sample and count those that are not radiance. Only if
+    they find some is an array cleaned, and `work` called again.
     """
     if isinstance(env, EnvMap):
         return env, work(env)
+    world = EnvMap.unchecked(env)
     try:
-        world = EnvMap.unchecked(env)
         return world, work(world)
-    except EnvLightsError:
+    except UnusableSamplesError:
         world = EnvMap(env)
         return world, work(world)
 
 
 def _as_map(radiance: ArrayLike) -> NDArray[Any]:
-    """`radiance` as an array of a shape and dtype that a map can have."""
+    """`radiance` as an array, or a refusal of a shape or dtype that a map cannot have."""
     if isinstance(radiance, str | os.PathLike):
-        raise EnvLightsError(f"a map must be an array; `EnvMap.open` reads files; got {radiance!r}")
+        raise EnvLightsError(
+            f"a map must be an array; `EnvMap.open` reads files; got {shown(os.fspath(radiance))}"
+        )
     try:
         array = np.asarray(radiance)
     except ValueError as error:

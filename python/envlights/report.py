@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from envlights._check import amount, count
+from envlights._check import amount, check_choice, count
 
 
 class StopReason(enum.Enum):
@@ -19,7 +19,7 @@ class StopReason(enum.Enum):
     CONVERGED = "the error stopped falling"
     EXACT = "the lights reproduce the probe"
     OUT_OF_STEPS = "the step limit came first; the lights are usable but may not be the best"
-    ERROR_NOT_REACHED = "the error asked for was not reached with so many lights"
+    ERROR_NOT_REACHED = "the error asked for was not reached with that many lights"
     RAN_AWAY = "a step led to no finite light; the lights are those before it"
     NOTHING_TO_FIT = "the map is black: there is no light to fit"
 
@@ -36,13 +36,13 @@ class FitReport:
 
     errors: Mapping[int, float] = field(default_factory=dict)
     """Relative RMS error for each number of lights that was tried. Where no `error` was asked for,
-    the numbers before the last are a path to it, not each the best there is."""
+    only the last number of lights was searched in full; those before it led there."""
 
     steps: int = 0
     """Steps that the solver took on the way to the answer."""
 
     stop_reason: StopReason = StopReason.NOT_FITTED
-    """Why it took no more."""
+    """Why it took no more steps."""
 
     seconds: Mapping[str, float] = field(default_factory=dict)
     """Wall time of each stage."""
@@ -54,22 +54,22 @@ class FitReport:
     """Relative RMS error in red, green and blue, each relative to its own irradiance."""
 
     max_error: float = 0.0
-    """Greatest difference at any normal and in any channel, relative to the RMS irradiance: so it
-    compares with `Rig.error`."""
+    """Greatest difference at any normal and in any channel, relative to the RMS irradiance, as
+    `Rig.error` is."""
 
     condition: float = 1.0
-    """Condition number of the Jacobian, its columns brought to the same length. Large where some
-    unknowns do the same to the probe, infinite where they cannot be told apart."""
+    """Condition number of the Jacobian, its columns scaled to the same length. Large where
+    several unknowns change the probe in almost the same way, infinite where in the same way."""
 
     direction_errors: tuple[float, ...] = ()
-    """Standard error of each light's direction, in radians; 0 where it was held."""
+    """Standard error of each light's direction, in radians; 0 where it was fixed."""
 
     irradiance_errors: tuple[tuple[float, float, float], ...] = ()
-    """Standard error of each light's irradiance, RGB; 0 where it is held at zero."""
+    """Standard error of each light's irradiance, RGB; 0 where the bound at zero is active."""
 
     fixed: tuple[int, ...] = ()
-    """Where each of the `fixed` lights stands in `Rig.lights`, which has the brightest first:
-    ``rig.lights.irradiance[list(rig.report.fixed)]`` is theirs as they were given."""
+    """Row of each of the `fixed` lights in `Rig.lights`, where the brightest comes first:
+    ``rig.lights.irradiance[list(rig.report.fixed)]`` is theirs, in the order they were given."""
 
     skipped: tuple[str, ...] = ()
     """What was not computed because it was not needed."""
@@ -97,7 +97,7 @@ class FitReport:
         return cls(
             errors={int(n): amount("errors", error) for n, error in data["errors"].items()},
             steps=count("steps", data["steps"]),
-            stop_reason=StopReason[data["stop_reason"]],
+            stop_reason=_stop_reason(data["stop_reason"]),
             seconds={str(stage): amount("seconds", s) for stage, s in data["seconds"].items()},
             measured_on=str(data["measured_on"]),
             channel_errors=tuple(amount("channel_errors", e) for e in data["channel_errors"]),
@@ -134,8 +134,13 @@ class FitReport:
 
 
 def _finite(value: float) -> float | str:
-    """`value`, or a word for it: JSON knows no infinity."""
+    """`value`, or a word for infinity, which JSON does not have."""
     return value if np.isfinite(value) else "infinite"
+
+
+def _stop_reason(name: object) -> StopReason:
+    check_choice("stop_reason", name, tuple(StopReason.__members__))
+    return StopReason[str(name)]
 
 
 def _number(value: float | str) -> float:

@@ -1,4 +1,4 @@
-"""Lights, and the rig that they make with an ambient term."""
+"""The rig: ambient and directional lights, and how well they stand for the map."""
 
 from __future__ import annotations
 
@@ -10,67 +10,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights import kernels
-from envlights._check import amount, reals
+from envlights._arrays import frozen
+from envlights._check import amount, shown
 from envlights._native import EnvLightsError
 from envlights._result import Result
-from envlights.files import as_path, write_atomically
+from envlights.io.files import as_path, write_atomically
+from envlights.kernels import probe
+from envlights.lights import Lights
 from envlights.report import FitReport, StopReason
-
-#: Rec.709 weights of linear red, green and blue in luminance.
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 _FORMAT = "envlights rig"
 _VERSION = 2
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Lights(Result):
-    r"""Directional lights, brightest first.
-
-    Parameters
-    ----------
-    direction : array_like, shape (n, 3)
-        Unit vectors from the scene towards the lights: right-handed, +y up.
-    irradiance : array_like, shape (n, 3)
-        Linear RGB at normal incidence, in W m\ :sup:`-2` for radiance in W m\ :sup:`-2`
-        sr\ :sup:`-1`; not negative.
-
-    Examples
-    --------
-    >>> lights = Lights([[0, 1, 0], [1, 0, 0]], [[1, 1, 1], [5, 4, 3]])
-    >>> lights.direction[0]
-    array([1., 0., 0.])
-    >>> len(lights), len(lights[:1])
-    (2, 1)
-    """
-
-    direction: NDArray[np.float64]
-    irradiance: NDArray[np.float64]
-
-    def __post_init__(self) -> None:
-        direction, irradiance = _light_arrays(self.direction, self.irradiance)
-        brightest_first = np.argsort(-(irradiance @ LUMINANCE), kind="stable")
-        for name, array in (("direction", direction), ("irradiance", irradiance)):
-            object.__setattr__(self, name, frozen(array[brightest_first]))
-
-    def __len__(self) -> int:
-        return len(self.direction)
-
-    def __getitem__(self, which: slice) -> Lights:
-        check_slice(which)
-        return Lights(self.direction[which], self.irradiance[which])
-
-    def in_short(self) -> str:
-        """How many there are."""
-        return f"{len(self)} light{'' if len(self) == 1 else 's'}"
-
-    def __str__(self) -> str:
-        return _table(self)
-
-    def to_dict(self) -> dict[str, list[list[float]]]:
-        """Lists of numbers, for JSON and the like."""
-        return {"direction": self.direction.tolist(), "irradiance": self.irradiance.tolist()}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -91,7 +41,7 @@ class Rig(Result):
     negative on a fitted rig."""
 
     lights: Lights
-    r"""Directional lights, brightest first."""
+    """Directional lights, brightest first."""
 
     error: float
     """Relative RMS error of the irradiance; `report` says on which normals."""
@@ -120,7 +70,7 @@ class Rig(Result):
             ``pi * ambient + sum_j irradiance_j * max(0, n . direction_j)``; Madsen et al. (2003),
             equations 4 to 6.
         """
-        return kernels.rig_irradiance(
+        return probe.rig_irradiance(
             normals, self.ambient, self.lights.direction, self.lights.irradiance
         )
 
@@ -165,19 +115,22 @@ class Rig(Result):
         except OSError as error:
             raise EnvLightsError(f"cannot read {path}: {error.strerror}") from None
         except (ValueError, RecursionError) as error:
-            raise EnvLightsError(f"{path} is no JSON file: {error}") from None
+            raise EnvLightsError(f"{path} is not a JSON file: {error}") from None
         _check_version(path, data)
         try:
             return _from_dict(data)
         except EnvLightsError as error:
-            raise EnvLightsError(f"{path} holds no possible rig: {error}") from None
-        except (AttributeError, KeyError, TypeError, ValueError) as error:
-            raise EnvLightsError(f"{path} is no whole rig: {error!r}") from None
+            raise EnvLightsError(f"{path} holds an impossible rig: {error}") from None
+        except KeyError as error:
+            reason = f"the key {error} is missing"
+        except (AttributeError, TypeError, ValueError):
+            reason = "a value has another type or shape than those that `save` writes"
+        raise EnvLightsError(f"{path} is not a complete rig: {reason}")
 
     def __str__(self) -> str:
         stop = self.report.stop_reason
         lines = [
-            _table(self.lights),
+            str(self.lights),
             *_ambient_lines(self.ambient),
             error_line(self),
             "" if stop.is_success or stop is StopReason.NOT_FITTED else f"note: {stop.value}",
@@ -186,41 +139,26 @@ class Rig(Result):
         return "\n".join(line for line in lines if line)
 
     def in_short(self) -> str:
-        """What it is made of, and its error."""
+        """Its parts, and its error."""
         ambient = "harmonics" if len(self.ambient) == 9 else "ambient"
         return f"{ambient} + {self.lights.in_short()}, error {100 * self.error:.3g} %"
 
 
 def error_line(rig: Rig) -> str:
-    """The error and the normals that it is of, or that nobody measured it."""
+    """The error, and the normals on which it was measured, if it was."""
     measured_on = rig.report.measured_on
     where = f" on {measured_on}" if measured_on else ", as given"
     return f"relative RMS error {100 * rig.error:.3g} %{where}"
 
 
 def _ambient(values: ArrayLike) -> NDArray[np.float64]:
-    """An ambient term that no renderer has to take light away for, in the shape it came in."""
-    rows = kernels.probe.coefficients(values)
+    """An ambient term in the shape it came in, or a refusal where its radiance is impossible."""
+    rows = probe.coefficients(values)
     if not np.isfinite(rows).all():
         raise EnvLightsError(f"ambient must be finite; got {rows.tolist()}")
     if len(rows) == 1 and (rows < 0).any():
         raise EnvLightsError(f"ambient must not be negative; got {rows[0].tolist()}")
     return rows.reshape(np.shape(values))
-
-
-def _table(lights: Lights) -> str:
-    """One line a light."""
-    if not len(lights):
-        return "no directional light"
-    flux = lights.irradiance @ LUMINANCE
-    whole = flux.sum() or 1.0  # black lights have no share
-    uv = kernels.direction_to_uv(lights.direction)
-    lines = ["light  azimuth  elevation   share      irradiance (R, G, B)"]
-    for i, ((u, v), power) in enumerate(zip(uv, flux, strict=True), start=1):
-        rgb = "".join(f"{value:>11.4g}" for value in lights.irradiance[i - 1])
-        share = 100 * power / whole
-        lines.append(f"{i:>5}  {360 * u:>6.1f}°  {90 - 180 * v:>+8.1f}°  {share:>4.1f} %{rgb}")
-    return "\n".join(lines)
 
 
 def _ambient_lines(ambient: NDArray[np.float64]) -> list[str]:
@@ -232,48 +170,12 @@ def _ambient_lines(ambient: NDArray[np.float64]) -> list[str]:
     return ["ambient radiance, spherical harmonics (R, G, B):", *table]
 
 
-def _light_arrays(
-    direction: ArrayLike, irradiance: ArrayLike
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The arrays of `Lights`, refused where no renderer could use them."""
-    direction = reals("direction", direction, 2)
-    irradiance = reals("irradiance", irradiance, 2)
-    kernels.direction_to_uv(direction)  # refuses what is no unit vector
-    if irradiance.shape != direction.shape:
-        raise EnvLightsError(
-            f"irradiance must have the shape {direction.shape}; got {irradiance.shape}"
-        )
-    if not np.isfinite(irradiance).all() or (irradiance < 0).any():
-        raise EnvLightsError("irradiance must be finite and not negative")
-    return direction, irradiance
-
-
-def check_slice(which: object) -> None:
-    """Refuse an index that is no slice: a single light is no `Lights`."""
-    if not isinstance(which, slice):
-        raise EnvLightsError(
-            "lights are taken by slices, such as lights[:4], and one by the arrays, such as"
-            f" lights.direction[0]; got {which!r}"
-        )
-
-
-def frozen(array: NDArray[Any]) -> NDArray[Any]:
-    """A copy of `array` that cannot be written to."""
-    return sealed(array.copy())
-
-
-def sealed(array: NDArray[Any]) -> NDArray[Any]:
-    """`array` itself, which nobody else has: from now on it cannot be written to."""
-    array.flags.writeable = False
-    return array
-
-
 def _check_version(path: object, data: Any) -> None:
     if not isinstance(data, dict) or data.get("format") != _FORMAT:
-        raise EnvLightsError(f"{path} is no rig: it does not say 'format': '{_FORMAT}'")
+        raise EnvLightsError(f"{path} is not a rig: it does not say 'format': '{_FORMAT}'")
     if data.get("version") != _VERSION:
-        seen = data.get("version")
-        raise EnvLightsError(f"{path} is a rig of version {seen!r}; this package reads {_VERSION}")
+        version = shown(data.get("version"))
+        raise EnvLightsError(f"{path} is a rig of version {version}; this package reads {_VERSION}")
 
 
 def _from_dict(data: dict[str, Any]) -> Rig:

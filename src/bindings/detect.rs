@@ -6,9 +6,9 @@ use pyo3::prelude::*;
 
 use super::pool::in_pool;
 use super::sphere::registration;
-use crate::kernels::detect::tree::{self, Detection, Light, Options, Reason};
+use crate::kernels::detect::tree::{self, Detection, Light, Options, Rule, WorkingImage};
 
-/// What `detect_tree` found; see `envlights.detect_tree`.
+/// The lights of `detect_tree`, and how they were found; see `envlights.detect_tree`.
 #[pyclass(frozen, get_all)]
 pub struct TreeDetection {
     direction: Py<PyArray2<f64>>,
@@ -23,7 +23,7 @@ pub struct TreeDetection {
     pixel: Py<PyArray2<i64>>,
     light_of_pixel: Py<PyArray1<i64>>,
     threshold: f64,
-    background_is_light: bool,
+    threshold_rule: (f64, f64, Option<f64>),
     map_flux: f64,
     working_size: (usize, usize),
     tiles: usize,
@@ -41,8 +41,8 @@ pub fn reduced_luminance<'py>(
     border_sampled: bool,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let radiance = radiance.as_array();
-    let summary = in_pool(py, || tree::summarise(radiance, registration(border_sampled), columns))?;
-    summary.luminance.into_pyarray(py).reshape(summary.size)
+    let working = in_pool(py, || WorkingImage::of(radiance, registration(border_sampled), columns))?;
+    working.luminance.into_pyarray(py).reshape(working.size)
 }
 
 /// See `envlights.detect_tree`.
@@ -65,6 +65,15 @@ pub fn detect_tree(
     Ok(TreeDetection::new(py, &found))
 }
 
+/// Factor and share of the rule that set a threshold; where the cut was needed, also the share of the sphere
+/// that is light.
+fn rule(rule: Rule) -> (f64, f64, Option<f64>) {
+    match rule {
+        Rule::Background { factor, share } => (factor, share, None),
+        Rule::BelowCut { factor, share, light_share } => (factor, share, Some(light_share)),
+    }
+}
+
 impl TreeDetection {
     fn new(py: Python<'_>, found: &Detection) -> Self {
         let lights = &found.lights;
@@ -75,7 +84,7 @@ impl TreeDetection {
             Array2::from(rows).into_pyarray(py).unbind()
         };
         let indices = |values: Array1<i64>| values.into_pyarray(py).unbind();
-        let columns = found.seen.working_size.1 as u32;
+        let columns = found.report.working_size.1 as u32;
         let place = |&index: &u32| [index / columns, index % columns].map(i64::from);
         let pixels: Vec<[i64; 2]> = found.pixels.iter().map(place).collect();
         Self {
@@ -90,14 +99,14 @@ impl TreeDetection {
             is_clipped: found.are_clipped().collect::<Array1<bool>>().into_pyarray(py).unbind(),
             pixel: Array2::from(pixels).into_pyarray(py).unbind(),
             light_of_pixel: indices(found.light_of_pixel.iter().map(|&light| i64::from(light)).collect()),
-            threshold: found.seen.threshold.luminance,
-            background_is_light: found.seen.threshold.reason == Reason::BelowCut,
-            map_flux: found.seen.flux,
-            working_size: found.seen.working_size,
-            tiles: found.seen.tiles,
-            opened_tiles: found.seen.opened_tiles,
-            dropped: found.seen.dropped,
-            merged: found.seen.merged,
+            threshold: found.report.threshold.luminance,
+            threshold_rule: rule(found.report.threshold.rule),
+            map_flux: found.report.flux,
+            working_size: found.report.working_size,
+            tiles: found.report.tiles,
+            opened_tiles: found.report.opened_tiles,
+            dropped: found.report.dropped,
+            merged: found.report.merged,
         }
     }
 }

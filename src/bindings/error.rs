@@ -12,8 +12,19 @@ create_exception!(
     "An input that the package refuses. A `ValueError`, so old code catches it too."
 );
 
+create_exception!(
+    envlights._native,
+    UnusableSamplesError,
+    EnvLightsError,
+    "A map with samples that no light can have. Cleaning it helps."
+);
+
 impl From<Error> for PyErr {
     fn from(error: Error) -> Self {
-        EnvLightsError::new_err(error.to_string())
+        let message = error.to_string();
+        match error {
+            Error::UnusableSamples { .. } => UnusableSamplesError::new_err(message),
+            _ => EnvLightsError::new_err(message),
+        }
     }
 }

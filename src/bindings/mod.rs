@@ -3,12 +3,13 @@
 //! A kernel that uses several threads is called by [`pool::in_pool`], which detaches as well: rayon's own
 //! threads do not live on in a forked process.
 
-mod article;
 mod detect;
 mod error;
 mod fit;
+mod harmonics;
 mod image;
-mod paper;
+mod loghin;
+mod madsen;
 mod pool;
 mod probe;
 mod sampling;
@@ -24,19 +25,29 @@ mod _native {
     use pyo3::prelude::*;
 
     #[pymodule_export]
-    use super::article::{
-        blur, bresenham_line, luminance, merge_along_lines, neighbour_maximum, resize_bilinear, suppress,
-    };
+    const LUMINANCE: [f64; 3] = crate::kernels::image::LUMINANCE;
+    #[pymodule_export]
+    const BASIS_SHARE: usize = crate::kernels::transfer::SHARE;
+    #[pymodule_export]
+    const BASIS_TILE: usize = crate::kernels::transfer::TILE;
+
     #[pymodule_export]
     use super::detect::{TreeDetection, detect_tree, reduced_luminance};
     #[pymodule_export]
-    use super::error::EnvLightsError;
+    use super::error::{EnvLightsError, UnusableSamplesError};
     #[pymodule_export]
     use super::fit::{FitAnswer, fit_map, fit_samples, relative_rms, rig_irradiance};
     #[pymodule_export]
+    use super::harmonics::{harmonic_irradiance, harmonic_radiance};
+    #[pymodule_export]
     use super::image::unusable;
     #[pymodule_export]
-    use super::paper::{
+    use super::loghin::{
+        are_clipped, blur, bresenham_line, luminance, merge_along_lines, neighbour_maximum, resize_bilinear,
+        suppress, uv_to_pixel, weighted_means,
+    };
+    #[pymodule_export]
+    use super::madsen::{
         face_radiance, pack_lights, probe_jacobian, probe_model, probe_residual, unpack_lights,
     };
     #[pymodule_export]

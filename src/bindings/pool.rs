@@ -9,7 +9,7 @@ use std::sync::OnceLock;
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-/// What `work` answers, without the GIL and with all threads of this process.
+/// Run `work` without the GIL, with all threads of this process.
 pub fn in_pool<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> T {
     static FIRST: OnceLock<Box<Pool>> = OnceLock::new();
     py.detach(|| of_process(std::process::id(), &FIRST).install(work))

@@ -1,5 +1,6 @@
 //! `kernels::transfer` for Python.
 
+use half::f16;
 use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
 };
@@ -8,14 +9,14 @@ use pyo3::prelude::*;
 use super::pool::in_pool;
 use crate::kernels::transfer;
 
-/// Inner products, and which texels are lit.
+/// Inner products, and which texels are not black.
 type Gram<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<bool>>);
 
-/// Values of a basis: bytes, or the bits of halves.
+/// Values of a basis: bytes or halves.
 #[derive(FromPyObject)]
 pub enum Values<'py> {
     Bytes(PyReadonlyArray3<'py, i8>),
-    Halves(PyReadonlyArray3<'py, u16>),
+    Halves(PyReadonlyArray3<'py, f16>),
 }
 
 /// See `envlights.transfer.gram`.
@@ -26,8 +27,8 @@ pub fn transfer_gram<'py>(
     scale: PyReadonlyArray1<'py, f32>,
 ) -> PyResult<Gram<'py>> {
     let (images, scale) = (images.as_array(), scale.as_slice()?);
-    let (products, lit) = in_pool(py, || transfer::gram(images, scale))?;
-    Ok((products.into_pyarray(py), lit.into_pyarray(py)))
+    let (products, non_black) = in_pool(py, || transfer::gram(images, scale))?;
+    Ok((products.into_pyarray(py), non_black.into_pyarray(py)))
 }
 
 /// See `envlights.transfer.basis`.
@@ -36,12 +37,12 @@ pub fn transfer_columns<'py>(
     py: Python<'py>,
     images: PyReadonlyArray3<'py, f32>,
     scale: PyReadonlyArray1<'py, f32>,
-    lit: PyReadonlyArray1<'py, bool>,
+    non_black: PyReadonlyArray1<'py, bool>,
     weights: PyReadonlyArray2<'py, f32>,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
-    let (images, scale, lit, weights) =
-        (images.as_array(), scale.as_slice()?, lit.as_slice()?, weights.as_array());
-    let out = in_pool(py, || transfer::columns(images, scale, lit, weights))?;
+    let (images, scale, non_black, weights) =
+        (images.as_array(), scale.as_slice()?, non_black.as_slice()?, weights.as_array());
+    let out = in_pool(py, || transfer::columns(images, scale, non_black, weights))?;
     Ok(out.into_pyarray(py))
 }
 

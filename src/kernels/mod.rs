@@ -1,20 +1,22 @@
-//! The method, in the order in which it runs. Nothing here names a Python type.
+//! The method, in the order in which it runs. A step uses only steps above it; nothing here names a Python type.
 //!
-//! | step                                          | file          |
-//! |-----------------------------------------------|---------------|
-//! | directions, pixels, solid angles              | `sphere.rs`   |
-//! | low-discrepancy points, icospheres            | `sampling.rs` |
-//! | unusable samples, reduction to a working size | `image/`      |
-//! | exact irradiance of a white probe             | `probe/`      |
-//! | bright places of a map                        | `detect/`     |
-//! | ambient + directional lights from the probe   | `fit/`        |
-//! | the same, in the paper's own equations        | `paper/`      |
-//! | indirect light from direct light              | `transfer/`   |
+//! | step                                           | file           |
+//! |------------------------------------------------|----------------|
+//! | directions, pixels, solid angles               | `sphere.rs`    |
+//! | low-discrepancy points, icospheres             | `sampling.rs`  |
+//! | spherical harmonics, and irradiance under them | `harmonics.rs` |
+//! | unusable samples, reduction to a working size  | `image/`       |
+//! | exact irradiance of a white probe              | `probe/`       |
+//! | bright places of a map                         | `detect/`      |
+//! | ambient + directional lights from the probe    | `fit/`         |
+//! | the same, in the paper's own equations         | `madsen/`      |
+//! | indirect light from direct light               | `transfer/`    |
 
 pub mod detect;
 pub mod fit;
+pub mod harmonics;
 pub mod image;
-pub mod paper;
+pub mod madsen;
 pub mod probe;
 pub mod sampling;
 pub mod sphere;

@@ -82,8 +82,8 @@ pub fn uniform_sphere(uv: ArrayView2<'_, f64>) -> Result<Array2<f64>> {
     })))
 }
 
-/// So many directions spread evenly, (count, 3): Hammersley points half a step in, so that none stands on
-/// a pole.
+/// `count` directions spread evenly, (count, 3): Hammersley points shifted by half a step, so that none
+/// stands on a pole.
 pub fn even_sphere(count: usize) -> Array2<f64> {
     from_vectors((0..count).map(|i| {
         let height = (i as f64 + 0.5) / count as f64;
@@ -104,17 +104,19 @@ pub fn icosphere(faces: usize) -> Result<(Array2<f64>, Array1<f64>)> {
     if faces > MOST_FACES {
         return Err(Error::NoSuchIcosphere { faces, limit: MOST_FACES });
     }
+    // Cut each triangle into quarters until there are enough.
     while triangles.len() < faces {
         triangles = triangles.into_iter().flat_map(quarters).collect();
     }
     if triangles.len() != faces {
         return Err(Error::NoSuchIcosphere { faces, limit: MOST_FACES });
     }
+    // Measure each.
     let centroids = from_vectors(triangles.iter().map(|[a, b, c]| (*a + *b + *c).normalize()));
     Ok((centroids, triangles.iter().map(spherical_area).collect()))
 }
 
-/// Which face of an icosphere a direction lies in.
+/// Finds the face of an icosphere around a direction.
 #[derive(Clone, Debug)]
 pub struct FaceSearch {
     roots: Vec<[DVec3; 3]>,
@@ -136,9 +138,10 @@ impl FaceSearch {
 
     /// Number of the face around `direction`.
     pub fn face_of(&self, direction: DVec3) -> usize {
-        // The faces of the icosahedron are alike, so the nearest centroid is that of the face.
+        // Find the face of the icosahedron: its faces are alike, so its centroid is the nearest.
         let nearness = self.roots.iter().map(|[a, b, c]| direction.dot(*a + *b + *c)).enumerate();
         let root = nearness.max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(index, _)| index);
+        // Follow the direction into one quarter of a quarter after the other.
         let mut triangle = self.roots[root];
         (0..self.levels).fold(root, |face, _| {
             let parts = quarters(triangle);
@@ -149,8 +152,8 @@ impl FaceSearch {
     }
 }
 
-/// Which of the `quarters` of a triangle `direction` lies in: one at a corner, beyond the side that
-/// it shares with the middle, or else the middle.
+/// The index of that of the `quarters` of a triangle in which `direction` lies: one at a corner, beyond
+/// the side that it shares with the middle, or else the middle.
 fn quarter_of(quarters: &[[DVec3; 3]; 4], direction: DVec3) -> usize {
     let [ab, bc, ca] = quarters[3];
     let is_beyond = |from: DVec3, to: DVec3, corner: DVec3| {

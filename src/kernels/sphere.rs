@@ -20,7 +20,7 @@ use ndarray::{Array2, Array3, ArrayView1, ArrayView2};
 
 use crate::error::{Error, Result};
 
-/// How pixels lie on the sphere.
+/// The way in which pixels lie on the sphere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Registration {
     /// Pixel `x` of `width` stands for the cell between `x` and `x + 1` widths: most files.
@@ -59,7 +59,7 @@ impl Registration {
         (0..=cells).map(|i| range * edge(i).clamp(0.0, 1.0)).collect()
     }
 
-    /// Where the samples of `cells` pixels lie in `0 ..= range`.
+    /// Places of the samples of `cells` pixels in `0 ..= range`.
     fn centres(self, cells: usize, range: f64) -> Vec<f64> {
         let centre = |i: usize| match self {
             Self::CellCentred => (i as f64 + 0.5) / cells as f64,
@@ -125,7 +125,7 @@ pub fn direction_to_uv(directions: ArrayView2<'_, f64>) -> Result<Array2<f64>> {
 ///
 /// # Errors
 ///
-/// [`Error::NotAMap`] for fewer than 2 rows or columns, [`Error::NoMemory`].
+/// [`Error::TooFewPixels`], [`Error::NoMemory`].
 pub fn pixel_directions(height: usize, width: usize, registration: Registration) -> Result<Array3<f64>> {
     check_size(height, width)?;
     check_memory(&[height, width, 3])?;
@@ -148,7 +148,7 @@ pub fn pixel_directions(height: usize, width: usize, registration: Registration)
 ///
 /// # Errors
 ///
-/// [`Error::NotAMap`] for fewer than 2 rows or columns, [`Error::NoMemory`].
+/// [`Error::TooFewPixels`], [`Error::NoMemory`].
 pub fn pixel_solid_angles(height: usize, width: usize, registration: Registration) -> Result<Array2<f64>> {
     check_size(height, width)?;
     check_memory(&[height, width])?;
@@ -262,7 +262,7 @@ pub(crate) fn check_values(
 
 pub(crate) fn check_size(height: usize, width: usize) -> Result<()> {
     if height < 2 || width < 2 {
-        return Err(Error::NotAMap { shape: vec![height, width, 3] });
+        return Err(Error::TooFewPixels { height, width });
     }
     Ok(())
 }

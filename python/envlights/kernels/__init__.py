@@ -6,13 +6,7 @@ function says otherwise; none is changed. An array must not be written to by ano
 kernel reads it.
 """
 
-from envlights.kernels.article import (
-    bresenham_line,
-    merge_along_lines,
-    neighbour_maximum,
-    suppress,
-    weighted_means,
-)
+from envlights.kernels.harmonics import harmonic_irradiance, harmonic_radiance
 from envlights.kernels.image import (
     blur,
     luminance,
@@ -20,7 +14,14 @@ from envlights.kernels.image import (
     resize_bilinear,
     uv_to_pixel,
 )
-from envlights.kernels.paper import (
+from envlights.kernels.loghin import (
+    bresenham_line,
+    merge_along_lines,
+    neighbour_maximum,
+    suppress,
+    weighted_means,
+)
+from envlights.kernels.madsen import (
     face_radiance,
     pack_lights,
     probe_jacobian,
@@ -58,6 +59,8 @@ __all__ = [
     "face_radiance",
     "halton",
     "hammersley",
+    "harmonic_irradiance",
+    "harmonic_radiance",
     "icosphere",
     "irradiance",
     "luminance",

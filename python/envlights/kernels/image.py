@@ -1,4 +1,4 @@
-"""Images to look at: luminance, smaller, smoother, and the pixels of image coordinates."""
+"""Gray images: luminance, resize, blur, and the pixels of image coordinates."""
 
 from __future__ import annotations
 
@@ -6,8 +6,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
-from envlights._check import amount, count, finite, float_image, reals
-from envlights._native import EnvLightsError
+from envlights._check import amount, count, float_image, reals
+
+#: Rec.709 weights of linear red, green and blue in luminance.
+LUMINANCE = np.array(_native.LUMINANCE)
 
 
 def luminance(radiance: ArrayLike) -> NDArray[np.float32]:
@@ -72,14 +74,14 @@ def reduced_luminance(
 ) -> NDArray[np.float32]:
     """Luminance of a map in fewer pixels, each the mean of a block by solid angle.
 
-    What `envlights.detect` works on. No light is lost, unlike in `resize_bilinear`.
+    `envlights.detect` works on it. No light is lost, unlike in `resize_bilinear`.
 
     Parameters
     ----------
     radiance : array_like, shape (height, width, 3)
         Finite and not negative. A float32 array is read in place.
     columns : int
-        At most so many columns are made; blocks have whole pixels, so there may be fewer.
+        The most columns; blocks have whole pixels, so there may be fewer.
     border_sampled : bool
         Whether the outer pixels lie on the seam and the poles.
 
@@ -154,11 +156,5 @@ def uv_to_pixel(uv: ArrayLike, height: int, width: int) -> NDArray[np.int64]:
     array([[0, 4],
            [3, 7]])
     """
-    uv = finite("uv", reals("uv", uv, 2))
-    if uv.shape[1] != 2:
-        raise EnvLightsError(f"uv must have the shape (n, 2); got {uv.shape}")
-    size = np.array([count("height", height, least=1), count("width", width, least=1)])
-    # Hammersley points lie on the very borders of pixels, where rounding would toss a coin.
-    at = np.floor(uv[:, ::-1] * size + 1e-9)
-    pixel: NDArray[np.int64] = np.clip(at, 0, size - 1).astype(np.int64)
-    return pixel
+    size = count("height", height, least=1), count("width", width, least=1)
+    return _native.uv_to_pixel(reals("uv", uv, 2), *size)

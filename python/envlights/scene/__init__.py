@@ -1,19 +1,19 @@
-"""A scene under a rig: the bridge from lights to direct light to indirect light.
+"""A scene under a rig: from lights to direct light to indirect light.
 
 | step                                              | file               |
 |---------------------------------------------------|--------------------|
-| the surfaces as a lightmap                        | `surface.py`       |
-| what they see of an ambient term                  | `sky.py`           |
-| direct light of any rig, behind shadows           | `direct.py`        |
+| the surfaces of a scene as a lightmap             | `surface.py`       |
+| the visible part of an ambient term               | `sky.py`           |
+| direct light of any rig, with shadows             | `direct.py`        |
 | pairs to learn from                               | `bake.py`          |
-| with Mitsuba: a scene that rigs light             | `mitsuba_scene.py` |
-| its shapes side by side                           | `charts.py`        |
+| with Mitsuba: a scene under the light of rigs     | `mitsuba_scene.py` |
+| its shapes side by side in a lightmap             | `charts.py`        |
 | a rig as its emitters                             | `emitters.py`      |
 | a sensor on each texel                            | `meters.py`        |
-| the renderer itself, imported when it is needed   | `renderer.py`      |
+| Mitsuba, imported when it is needed               | `renderer.py`      |
 
-Images hold the radiance that a surface reflects, albedo / pi times irradiance, so that direct and
-indirect light add up to what is seen.
+Images hold the radiance that a surface reflects, albedo / pi times irradiance. So direct and
+indirect light add up to the radiance of a diffuse surface.
 """
 
 from envlights.scene.bake import BakedPairs, bake

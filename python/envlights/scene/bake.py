@@ -5,29 +5,24 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from tqdm import tqdm
 
 from envlights._check import count
 from envlights._native import EnvLightsError
 from envlights._result import Result
-from envlights.io import write_exr
 from envlights.scene.direct import AnyLights, as_rig
 from envlights.scene.mitsuba_scene import MitsubaScene
+from envlights.transfer.database import write_pairs
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class BakedPairs(Result):
-    """Direct and indirect light of one scene under many rigs.
-
-    Linear RGB radiance that the surfaces reflect of it.
-    """
+    """Direct and indirect light of one scene under many rigs: reflected radiance, linear RGB."""
 
     direct: NDArray[np.float32]
-    """Direct light, (k, 16, 16, 3), as `MitsubaScene.direct` gives it."""
+    """Direct light, (k, 16, 16, 3), from `MitsubaScene.direct`."""
 
     indirect: NDArray[np.float32]
     """Indirect light on the lightmap, (k, H, W, 3), path-traced."""
@@ -36,20 +31,18 @@ class BakedPairs(Result):
     """Noise of each image of indirect light, relative to it, (k,)."""
 
     def in_short(self) -> str:
-        """How many images there are, and how large."""
+        """Number and size of the images."""
         return f"direct {self.direct.shape}, indirect {self.indirect.shape}"
 
     def save(self, folder: str | os.PathLike[str]) -> None:
-        """Write ``direct_0000.exr``, ``lightmap_0000.exr`` and so on: `read_pairs` reads them.
+        """Write files ``direct_0000.exr``, ``lightmap_0000.exr`` and so on for `read_pairs`.
 
         Parameters
         ----------
         folder : path-like
             An existing folder.
         """
-        for k, (direct, indirect) in enumerate(zip(self.direct, self.indirect, strict=True)):
-            write_exr(Path(folder, f"direct_{k:04}.exr"), direct)
-            write_exr(Path(folder, f"lightmap_{k:04}.exr"), indirect)
+        write_pairs(folder, self.direct, self.indirect)
 
 
 def bake(
@@ -66,12 +59,13 @@ def bake(
     ----------
     scene : MitsubaScene
     rigs : iterable of Rig, Lights or DetectedLights
-        The lights; lights without a rig have no ambient term. Rigs like those that will be asked
-        for: lights from everywhere, several in each.
+        Rigs like those of later predictions, with several lights in each and from all directions.
+        Lights without a rig have no ambient term.
     samples : int
-        Paths of each texel of the lightmap. A model averages over rigs, and with them over noise.
+        Paths for each texel of the lightmap. Few are enough, because a model averages over rigs and
+        so over noise.
     seed : int
-        Of the paths, which are others for each rig.
+        Seed of the paths, which differ from rig to rig.
     progress : bool
         Show a progress bar on stderr.
 
@@ -89,14 +83,18 @@ def bake(
     >>> model.predict(yard.direct(new)).shape
     (16, 16, 3)
     """
+    from tqdm import tqdm  # here, so that `import envlights` does not wait for it
+
     if not isinstance(scene, MitsubaScene):
-        raise EnvLightsError(f"scene must be a MitsubaScene; got {scene!r:.40}")
+        raise EnvLightsError(
+            f"scene must be a MitsubaScene; got an object of the type {type(scene).__name__}"
+        )
     lights = [as_rig(each) for each in rigs]
     if not lights:
         raise EnvLightsError("rigs is empty; give at least one rig")
     seed = count("seed", seed)
     direct, noise = [], []
-    # In its place from the start: the lightmaps may fill most of the memory.
+    # Allocate all lightmaps at once: a copy of them might not fit into memory.
     indirect = np.empty((len(lights), *scene.lightmap.albedo.shape), np.float32)
     for k, rig in enumerate(tqdm(lights, desc="baking", unit="rig", disable=not progress)):
         direct.append(scene.direct(rig))

@@ -1,4 +1,4 @@
-"""A lightmap for the shapes of a Mitsuba scene: one square chart for each."""
+"""A lightmap for the shapes of a Mitsuba scene: one square chart for each shape."""
 
 from __future__ import annotations
 
@@ -10,19 +10,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._native import EnvLightsError
+from envlights.scene.renderer import in_one_line
 from envlights.scene.surface import Surface
 
 
 def charts(mi: Any, shapes: Sequence[Any], width: int) -> Surface:
     """Charts side by side in rows, each the unit square of its shape's own UV coordinates.
 
-    Texels without a surface, and those right and below of the last charts, stay empty. Where the
-    UV coordinates of a shape overlap, one of its layers is seen.
+    Texels without a surface, and those to the right of or below the last charts, stay empty. Where
+    the UV coordinates of a shape overlap, the chart shows one of its layers.
     """
+    # Divide the lightmap into a square grid of charts.
     grid = ceil(sqrt(len(shapes)))
     side = width // grid
     if not side:
         raise EnvLightsError(f"{len(shapes)} shapes need a lightmap {grid} wide; got {width}")
+    # Fill position, normal and albedo chart by chart.
     maps = np.zeros((3, width, width, 3))
     for k, shape in enumerate(shapes):
         row, column = divmod(k, grid)
@@ -33,13 +36,13 @@ def charts(mi: Any, shapes: Sequence[Any], width: int) -> Surface:
 
 
 def _texel(mi: Any, shape: Any, uv: tuple[float, float]) -> NDArray[np.float64]:
-    """Position, normal and albedo of a shape at `uv`; zeros where it is not."""
+    """Position, normal and albedo of a shape at `uv`; zeros where the shape has no point."""
     try:
         at = shape.eval_parameterization(mi.Point2f(*uv), int(mi.RayFlags.All))
     except RuntimeError as error:
-        reason = " ".join(str(error).split())
         raise EnvLightsError(
-            f"the shape {shape.id()!r} has no chart: {reason}; give a lightmap of your own"
+            f"the shape '{shape.id()}' has no chart: {in_one_line(error)};"
+            " give a lightmap of your own"
         ) from None
     if not at.is_valid():
         return np.zeros((3, 3))

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from envlights._check import count
 from envlights._native import EnvLightsError
-from envlights.detected import DetectedLights
-from envlights.rig import Lights, Rig
+from envlights.detection.lights import DetectedLights
+from envlights.lights import Lights
+from envlights.rig import Rig
 from envlights.scene.sky import Blocked, are_blocked, sky_transfer
 from envlights.scene.surface import Surface
 
@@ -20,13 +21,13 @@ AnyLights = Rig | Lights | DetectedLights
 
 @dataclass(frozen=True, eq=False)
 class DirectLight:
-    """Direct light of any rig on a surface: one test for shadow for each light and texel.
+    """Direct light of any rig on a surface, with one shadow ray for each light and texel.
 
-    The ambient term is taken through what each texel sees of the sky, which is traced once.
+    For the ambient term, the visible part of the sky is traced once for each texel.
 
     Examples
     --------
-    A white floor under a light that stands 60 degrees from its normal, and nothing in the way:
+    A white floor under a light 60 degrees from its normal, with nothing in the way:
 
     >>> import numpy as np
     >>> from envlights import Lights, Rig
@@ -38,26 +39,27 @@ class DirectLight:
     """
 
     surface: Surface
-    """Where the light falls."""
+    """Surface that receives the light."""
 
     blocked: Blocked
-    """Whether something stands in the way of each ray: origins and unit directions, (n, 3) each,
-    to (n,). Any ray tracer."""
+    """Any ray tracer: a function of origins and unit directions, (n, 3) each, that returns True
+    for each ray that hits something, (n,)."""
 
     sky: NDArray[np.float64]
     """Irradiance of each covered texel under each spherical harmonic, (n, 9)."""
 
     @classmethod
     def of(cls, surface: Surface, blocked: Blocked, directions: int = 64) -> DirectLight:
-        """Trace what the surface sees of the sky.
+        """Trace the visible part of the sky at each texel of a surface.
 
         Parameters
         ----------
         surface : Surface
         blocked : callable
-            As the attribute.
+            See the attribute.
         directions : int
-            Rays of each texel; the mean over several texels is as good as that of all their rays.
+            Rays for each texel. They differ from texel to texel, so a mean over several texels is
+            as accurate as all their rays together.
 
         Returns
         -------
@@ -67,7 +69,7 @@ class DirectLight:
         return cls(surface, blocked, sky_transfer(surface, blocked, directions))
 
     def image(self, rig: AnyLights) -> NDArray[np.float64]:
-        r"""Radiance that the surface reflects of the direct light.
+        r"""Reflected radiance of the surface under the direct light of a rig.
 
         Parameters
         ----------
@@ -78,10 +80,12 @@ class DirectLight:
         -------
         ndarray, shape (H, W, 3)
             :math:`\frac{albedo}{\pi} (E_a + \sum_j V_j E_j \max(0, n \cdot l_j))` with the
-            visibility V of each light and the irradiance of the ambient term that is seen.
+            visibility :math:`V_j` of each light, and the irradiance :math:`E_a` of the visible part
+            of the ambient term.
         """
         rig = as_rig(rig)
         irradiance = self.sky @ _harmonic(rig.ambient)
+        # Add each light to the texels that face it and are not in its shadow.
         origins, normals = self.surface.lifted()
         for direction, strength in zip(rig.lights.direction, rig.lights.irradiance, strict=True):
             cosine = np.maximum(normals @ direction, 0)
@@ -93,16 +97,19 @@ class DirectLight:
 
 
 def as_rig(lights: AnyLights) -> Rig:
-    """A rig as it is, lights as one without an ambient term, or a refusal."""
+    """The rig itself, or a rig of lights without an ambient term, or a refusal."""
     if isinstance(lights, Rig):
         return lights
     if not isinstance(lights, Lights | DetectedLights):
-        raise EnvLightsError(f"a rig must be a Rig, Lights or DetectedLights; got {lights!r:.40}")
+        raise EnvLightsError(
+            "a rig must be a Rig, Lights or DetectedLights;"
+            f" got an object of the type {type(lights).__name__}"
+        )
     return Rig(np.zeros(3), Lights(lights.direction, lights.irradiance), error=0.0)
 
 
 def _harmonic(ambient: NDArray[np.float64]) -> NDArray[np.float64]:
-    """An ambient term as nine harmonics, (9, 3)."""
+    """Coefficients of an ambient term in nine harmonics, (9, 3)."""
     if ambient.ndim == 2:
         return ambient
     constant = np.zeros((9, 3))

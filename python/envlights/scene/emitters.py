@@ -9,19 +9,18 @@ from numpy.typing import NDArray
 
 from envlights import kernels
 from envlights.rig import Rig
-from envlights.scene.sky import harmonics
 
-#: Rows of the map for an ambient term of harmonics, whose changes are slow.
+#: Rows of the map for an ambient term of harmonics, which change slowly over the sphere.
 _ROWS = 64
-#: A sky that is black somewhere is negative there by no more than this share of its brightest.
+#: Rounding makes a black part of a sky negative by less than this share of the brightest part.
 _ROUNDING = 1e-6
 
 
 def emitters(mi: Any, rig: Rig) -> list[tuple[float, dict[str, Any]]]:
-    """Sets of emitters, and the weight of each: the light of the rig is their weighted sum.
+    """Sets of emitters with a weight each; the light of the rig is their weighted sum.
 
-    There is a second set, of the weight -1, where the harmonics of the ambient term are negative:
-    no renderer takes light away, but light is linear.
+    No renderer has negative light. If the harmonics of the ambient term are negative somewhere, a
+    second set holds that part with the weight -1, because light is linear.
     """
     lights = {f"light_{j}": light for j, light in enumerate(_directional(rig))}
     if rig.ambient.ndim == 1:
@@ -35,7 +34,7 @@ def emitters(mi: Any, rig: Rig) -> list[tuple[float, dict[str, Any]]]:
 
 
 def _directional(rig: Rig) -> list[dict[str, Any]]:
-    """Lights with Mitsuba's direction, in which light travels; ours is towards the light."""
+    """Lights with Mitsuba's direction, the one in which light travels; ours is the opposite."""
     return [
         {"type": "directional", "direction": (-direction).tolist(), "irradiance": _rgb(irradiance)}
         for direction, irradiance in zip(rig.lights.direction, rig.lights.irradiance, strict=True)
@@ -51,11 +50,11 @@ def _map(mi: Any, radiance: NDArray[np.float64]) -> dict[str, Any]:
 
 
 def _radiance(coefficients: NDArray[np.float64]) -> NDArray[np.float64]:
-    """A map of the harmonics as Mitsuba reads it: its outer rows are on the poles."""
+    """A map of the harmonics as Mitsuba reads it, with the first and last row on the poles."""
     u = (np.arange(2 * _ROWS) + 0.5) / (2 * _ROWS)
     v = np.arange(_ROWS) / (_ROWS - 1)
     uv = np.stack(np.meshgrid(u, v), axis=-1)
-    seen = harmonics(kernels.uv_to_direction(uv.reshape(-1, 2))) @ coefficients
+    seen = kernels.harmonic_radiance(kernels.uv_to_direction(uv.reshape(-1, 2))) @ coefficients
     return seen.reshape(*uv.shape[:2], 3)
 
 

@@ -1,4 +1,4 @@
-"""A Mitsuba scene that is lit by rigs."""
+"""A Mitsuba scene under the light of rigs."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from envlights.scene.charts import charts
 from envlights.scene.direct import AnyLights, DirectLight, as_rig
 from envlights.scene.emitters import emitters
 from envlights.scene.meters import Meters, meters, read
-from envlights.scene.renderer import mitsuba
+from envlights.scene.renderer import in_one_line, mitsuba
 from envlights.scene.surface import Surface
 
 #: Texels along a side of the direct image, and points along a side of each.
 _DIRECT, _POINTS = 16, 8
-#: Rays of each point to see what is hidden of the sky. With 16 and 64 the direct image of the
-#: courtyard under an ambient term was 3 and 1 % from Mitsuba's.
+#: Rays to the sky from each point. With 16 and with 64 of them, the direct image of the courtyard
+#: under an ambient term differed from Mitsuba's by 3 % and 1 %.
 _RAYS = 64
 
 
@@ -33,26 +33,26 @@ class Rendered(NamedTuple):
     """Radiance of the texels, (H, W, 3)."""
 
     noise: float
-    """Its standard error, relative to it: the norm of the noise over the norm of the image."""
+    """Relative standard error: the norm of the noise over the norm of the image."""
 
 
 class MitsubaScene:
     """The shapes and materials of a Mitsuba scene, under the light of rigs.
 
     Images hold the radiance that the diffuse part of a material reflects, albedo / pi times
-    irradiance: direct and indirect light add up to what is seen of a diffuse scene.
+    irradiance. In a diffuse scene, direct and indirect light add up to the visible radiance.
 
-    Mitsuba runs in its variant ``scalar_rgb``; a variant that you have set is set again afterwards.
+    Mitsuba runs in its variant ``scalar_rgb``. Afterwards your own variant is set again.
 
     Parameters
     ----------
     scene : dict or path-like
-        What ``mitsuba.load_dict`` takes, or the path of an XML file; +y up. Its sensors,
-        integrator, environment and point lights are left out: the rig is the light.
+        Argument of ``mitsuba.load_dict``, or the path of an XML file; +y up. Its sensors,
+        integrator, environment and point lights are left out, because the rig is the light.
     lightmap : int or Surface
-        Columns and rows of a lightmap with one square chart for each shape, in the order of their
-        names, through its UV coordinates. Or a lightmap of your own, with a multiple of 16 rows
-        and columns: direct light is then measured at its texels.
+        Columns and rows of a lightmap. It has one square chart for each shape, over the UV
+        coordinates of the shape, in the order of the names of shapes. Or a lightmap of your own,
+        with a multiple of 16 rows and columns, at whose texels direct light is then measured.
 
     Raises
     ------
@@ -63,7 +63,7 @@ class MitsubaScene:
     --------
     >>> import envlights as el
     >>> yard = MitsubaScene(el.synthetic.courtyard(), lightmap=32)
-    >>> round(float(yard.lightmap.position[..., 1].max()), 4)  # of walls that are 3 m high
+    >>> round(float(yard.lightmap.position[..., 1].max()), 4)  # the walls are 3 m high
     2.8125
     >>> rig = el.Rig([0.2, 0.3, 0.5], el.Lights([[0.6, 0.8, 0]], [[3, 3, 2]]), error=0.0)
     >>> yard.indirect(rig, samples=16).image.shape
@@ -71,17 +71,17 @@ class MitsubaScene:
     """
 
     lightmap: Surface
-    """What each texel of the images of indirect light shows."""
+    """Surface behind each texel of the images of indirect light."""
 
     points: Surface
-    """Where direct light is measured: 8 by 8 points for each texel of its image, or as near to that
-    as a lightmap of your own allows."""
+    """Points at which direct light is measured: 8 by 8 for each texel of its image, or the nearest
+    number that a lightmap of your own allows."""
 
     def __init__(
         self, scene: dict[str, Any] | str | os.PathLike[str], lightmap: int | Surface = 128
     ) -> None:
         with mitsuba() as mi:
-            # Kept alive: meshes look into the scene that they were loaded with.
+            # Keep the scene alive, because its meshes refer to it.
             self._loaded = _loaded(mi, scene)
             self._shapes = _shapes(self._loaded)
             if isinstance(lightmap, Surface):
@@ -94,7 +94,7 @@ class MitsubaScene:
     def blocked(
         self, origins: NDArray[np.float64], directions: NDArray[np.float64]
     ) -> NDArray[np.bool_]:
-        """Whether a shape stands in the way of each ray.
+        """Test which rays hit a shape.
 
         Parameters
         ----------
@@ -106,18 +106,19 @@ class MitsubaScene:
         Returns
         -------
         ndarray of bool, shape (n,)
+            True for each ray that hits one.
         """
         with mitsuba() as mi:
-            # As lists: Mitsuba takes six times as long to read rows of arrays.
+            # Convert to lists: Mitsuba takes six times as long to read rows of arrays.
             ends = zip(origins.tolist(), directions.tolist(), strict=True)
             hits = (self._scene.ray_test(mi.Ray3f(*each)) for each in ends)
             return np.fromiter(hits, np.bool_, len(origins))
 
     def direct(self, rig: AnyLights) -> NDArray[np.float32]:
-        """Direct light in a small image: what a `TransferModel` predicts from.
+        """Direct light as a small image, from which a `TransferModel` predicts.
 
-        The first call traces what each texel sees of the sky; then each light takes one test for
-        shadow for each point.
+        The first call traces the visible part of the sky. After that, each light takes one shadow
+        ray for each point.
 
         Parameters
         ----------
@@ -127,24 +128,23 @@ class MitsubaScene:
         Returns
         -------
         ndarray, shape (16, 16, 3)
-            Radiance that the surfaces reflect of it, linear RGB: the mean over each part of the
-            lightmap. On the lightmap itself, ``DirectLight.of(scene.lightmap, scene.blocked)`` has
-            it.
+            Reflected radiance, linear RGB: the mean over each part of the lightmap. For an image of
+            the size of the lightmap use ``DirectLight.of(scene.lightmap, scene.blocked)``.
         """
         image = self._direct_light.image(rig)
         return self.points.means(image, _DIRECT).astype(np.float32)
 
     def indirect(self, rig: AnyLights, samples: int = 256, seed: int = 0) -> Rendered:
-        """Indirect light, path-traced: all bounces.
+        """Indirect light with all bounces, path-traced.
 
         Parameters
         ----------
         rig : Rig, Lights or DetectedLights
             Lights alone have no ambient term.
         samples : int
-            Paths of each texel, rounded up to twice a square number.
+            Paths for each texel, rounded up to twice a square number.
         seed : int
-            Of the paths.
+            Seed of the paths.
 
         Returns
         -------
@@ -152,7 +152,7 @@ class MitsubaScene:
             The image, (H, W, 3), and its noise.
         """
         side = ceil(sqrt(count("samples", samples, least=1) / 2))
-        # Two halves whose noise is independent: their difference tells of it.
+        # Trace two halves with independent noise, and estimate the noise from their difference.
         seeds = np.random.SeedSequence(count("seed", seed)).generate_state(2)
         one, two = (self._traced(rig, side * side, int(each)) for each in seeds)
         mean = (one + two) / 2
@@ -170,7 +170,7 @@ class MitsubaScene:
             return meters(mi, self.lightmap)
 
     def _traced(self, rig: AnyLights, samples: int, seed: int) -> NDArray[np.float64]:
-        """Radiance that the lightmap reflects of the indirect light."""
+        """Reflected radiance of the lightmap under the indirect light of a rig."""
         irradiance = np.zeros((np.count_nonzero(self.lightmap.covered), 3))
         with mitsuba() as mi:
             for weight, lights in emitters(mi, as_rig(rig)):
@@ -179,7 +179,7 @@ class MitsubaScene:
         return self.lightmap.reflected(irradiance)
 
     def _under(self, mi: Any, lights: dict[str, Any]) -> Any:
-        """The shapes under `lights`."""
+        """A scene of the shapes and `lights`."""
         shapes = {f"shape_{k}": shape for k, shape in enumerate(self._shapes)}
         return mi.load_dict({"type": "scene", **shapes, **lights}, optimize=False)
 
@@ -195,22 +195,24 @@ def _thinned(lightmap: Surface) -> Surface:
 
 
 def _step(texels: int) -> int:
-    """The largest step through so many texels that meets their end and leaves enough of them."""
+    """The largest step that divides `texels` into `_POINTS` steps or more; otherwise 1."""
     return max((s for s in range(1, texels // _POINTS + 1) if texels % s == 0), default=1)
 
 
 def _loaded(mi: Any, scene: dict[str, Any] | str | os.PathLike[str]) -> Any:
-    """The scene with each shape for itself, or a refusal."""
+    """The scene with its shapes kept apart, or a refusal."""
     if not isinstance(scene, dict | str | os.PathLike):
-        raise EnvLightsError(f"scene must be a dict or the path of an XML file; got {scene!r:.40}")
+        raise EnvLightsError(
+            "scene must be a dict or the path of an XML file;"
+            f" got an object of the type {type(scene).__name__}"
+        )
     try:
-        # Optimised scenes have one shape for all that are of one material.
+        # Do not optimise: that would merge all shapes of one material.
         if isinstance(scene, dict):
             return mi.load_dict(scene, optimize=False)
         return mi.load_file(os.fspath(scene), optimize=False)
     except (RuntimeError, TypeError) as error:
-        reason = " ".join(str(error).split())
-        raise EnvLightsError(f"Mitsuba cannot load the scene: {reason}") from None
+        raise EnvLightsError(f"Mitsuba cannot load the scene: {in_one_line(error)}") from None
 
 
 def _shapes(loaded: Any) -> list[Any]:
@@ -223,6 +225,6 @@ def _shapes(loaded: Any) -> list[Any]:
     for shape in shapes:
         if shape.is_emitter():
             raise EnvLightsError(
-                f"the shape {shape.id()!r} is an area light; take it off: the rig is the light"
+                f"the shape '{shape.id()}' is an area light; remove it, for the rig is the light"
             )
     return sorted(shapes, key=lambda shape: str(shape.id()))

@@ -20,16 +20,18 @@ _LOCK = threading.RLock()
 def mitsuba() -> Iterator[Any]:
     """Mitsuba in its scalar variant; the user's own variant is set again afterwards.
 
-    For one thread after the other: the variant is the same for all, and so are a sensor's film and
-    sampler.
+    One thread at a time, because all threads share the variant, and the film and sampler of a
+    sensor.
     """
+    # Import it at its first use.
     try:
         renderer: Any = importlib.import_module("mitsuba")
     except ImportError as error:
         raise EnvLightsError(
-            f"Mitsuba cannot be imported: {error}; pip install 'envlights[bake]' brings it,"
-            " or '.[bake]' in a checkout"
+            f"Mitsuba cannot be imported: {error}; install it with"
+            " pip install 'envlights[bake]', or '.[bake]' in a checkout"
         ) from None
+    # Lend it out in one variant to one thread, then set the user's variant again.
     with _LOCK:
         before = renderer.variant()
         renderer.set_variant(_VARIANT)
@@ -38,3 +40,8 @@ def mitsuba() -> Iterator[Any]:
         finally:
             if before is not None:
                 renderer.set_variant(before)
+
+
+def in_one_line(error: Exception) -> str:
+    """The message of an error of Mitsuba, which may have several lines."""
+    return " ".join(str(error).split())

@@ -1,4 +1,4 @@
-"""What a surface sees of an ambient term, behind everything that stands in the way."""
+"""The part of an ambient term that reaches a surface, with shadows."""
 
 from __future__ import annotations
 
@@ -9,13 +9,10 @@ from numpy.typing import NDArray
 
 from envlights import kernels
 from envlights._native import EnvLightsError
-from envlights.scene.surface import Surface, frames
+from envlights.scene.surface import Surface, tangent_frames
 
-#: Whether something stands in the way of each ray: origins (n, 3), unit directions (n, 3) -> (n,).
+#: Ray tracer: origins (n, 3), unit directions (n, 3) -> True for each ray that hits something (n,).
 Blocked = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.bool_]]
-
-#: Irradiance for the radiance of each harmonic, by Lambert's law: orders 0, 1 and 2.
-_LAMBERT = np.repeat([np.pi, 2 * np.pi / 3, np.pi / 4], [1, 3, 5])
 
 #: Surface points whose rays are held in memory at once.
 _BLOCK = 4096
@@ -28,34 +25,35 @@ def sky_transfer(surface: Surface, blocked: Blocked, directions: int) -> NDArray
     ----------
     surface : Surface
     blocked : callable
-        Origins and unit directions, (n, 3) each, to whether something stands in the way, (n,).
+        See `Blocked`.
     directions : int
-        Rays of each texel.
+        Rays for each texel.
 
     Returns
     -------
     ndarray, shape (n, 9)
         :math:`\int V(\omega) Y_k(\omega) \max(0, n \cdot \omega)\, d\omega`, for the harmonics of
-        `kernels.rig_irradiance`, with the visibility V. Light is linear, so its product with the
+        `kernels.harmonic_radiance`, with the visibility V. Light is linear, so its product with the
         coefficients of an ambient term, (9, 3), is the irradiance under it.
 
     Notes
     -----
-    What is not blocked is known in closed form: only what is blocked is sampled, so an open
-    surface has no noise. Directions have a density of cos / pi, by Malley's method, from the points
-    of Hammersley, which are shifted for each texel by a point of Halton (Cranley and Patterson
-    1976): neighbours look elsewhere, and the mean over them is right with few rays.
+    The irradiance of the whole sky is known in closed form. Rays sample only the blocked part, so
+    an open surface has no noise. Their directions have a density of cos / pi, by Malley's method,
+    from the points of Hammersley. A point of Halton shifts them for each texel (Cranley and
+    Patterson 1976): neighbours have different rays, so their mean is accurate with few rays.
     """
     origins, normals = surface.lifted()
     square = kernels.hammersley(directions)
     shifts = kernels.halton(len(origins))
-    transfer = _open_sky(normals)
+    transfer = kernels.harmonic_irradiance(normals)
     for first in range(0, len(origins), _BLOCK):
         some = slice(first, first + _BLOCK)
-        rays = _cosine_hemisphere((square + shifts[some, None]) % 1) @ frames(normals[some])
+        rays = _cosine_hemisphere((square + shifts[some, None]) % 1) @ tangent_frames(normals[some])
         rows = np.repeat(origins[some], directions, axis=0)
         hit = are_blocked(blocked, rows, rays.reshape(-1, 3)).reshape(rays.shape[:2])
-        hidden = np.einsum("nd,ndk->nk", hit, harmonics(rays.reshape(-1, 3)).reshape(*hit.shape, 9))
+        radiance = kernels.harmonic_radiance(rays.reshape(-1, 3)).reshape(*hit.shape, 9)
+        hidden = np.einsum("nd,ndk->nk", hit, radiance)
         transfer[some] -= np.pi / directions * hidden
     return transfer
 
@@ -63,7 +61,7 @@ def sky_transfer(surface: Surface, blocked: Blocked, directions: int) -> NDArray
 def are_blocked(
     blocked: Blocked, origins: NDArray[np.float64], directions: NDArray[np.float64]
 ) -> NDArray[np.bool_]:
-    """What a ray tracer answers, whose numbers may be 0 and 1, or a refusal."""
+    """The answer of a ray tracer as bool, where 0 and 1 are taken too, or a refusal."""
     answer = np.asarray(blocked(origins, directions))
     is_flag = answer.dtype == np.bool_
     if answer.dtype.kind in "iu":
@@ -74,22 +72,6 @@ def are_blocked(
             f" got the dtype {answer.dtype} and the shape {answer.shape}"
         )
     return answer.astype(np.bool_, copy=False)
-
-
-def harmonics(directions: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The nine real spherical harmonics of `kernels.rig_irradiance`, (n, 9)."""
-    radiance: NDArray[np.float64] = _open_sky(directions) / _LAMBERT
-    return radiance
-
-
-def _open_sky(normals: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Irradiance under each harmonic where nothing stands in the way, (n, 9)."""
-    dark = np.zeros((0, 3))
-    # Three harmonics at a time, one in each channel.
-    columns = [
-        kernels.rig_irradiance(normals, np.eye(9)[:, k : k + 3], dark, dark) for k in (0, 3, 6)
-    ]
-    return np.concatenate(columns, axis=1)
 
 
 def _cosine_hemisphere(square: NDArray[np.float64]) -> NDArray[np.float64]:

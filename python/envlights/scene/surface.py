@@ -1,4 +1,4 @@
-"""The surfaces of a scene as a lightmap: what lies where, and what it reflects."""
+"""The surfaces of a scene as a lightmap of positions, normals and albedo."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._check import reals
+from envlights._arrays import frozen
+from envlights._check import first_not_finite, reals
 from envlights._native import EnvLightsError
-from envlights.rig import frozen
 
 #: Rays start this share of the scene's extent above a surface, or it would block itself.
 _LIFT = 1e-4
@@ -17,11 +17,11 @@ _LIFT = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """Diffuse surfaces, texel by texel: as bakers of any tool write them.
+    """Diffuse surfaces, texel by texel, as most tools can bake them.
 
     Examples
     --------
-    Two texels of a white floor, and one that shows nothing:
+    Two texels of a white floor, and one without a surface:
 
     >>> floor = Surface([[[0, 0, 0], [1, 0, 0], [0, 0, 0]]], [[[0, 1, 0], [0, 1, 0], [0, 0, 0]]],
     ...                 [[[0.8, 0.8, 0.8]] * 3])
@@ -33,22 +33,24 @@ class Surface:
     """Points in the units of the scene, (H, W, 3): right-handed, +y up."""
 
     normal: NDArray[np.float64]
-    """Unit normals on the side that is seen, (H, W, 3); zero where a texel shows no surface."""
+    """Unit normals on the visible side, (H, W, 3); zero where a texel has no surface."""
 
     albedo: NDArray[np.float64]
     """Reflectance of a Lambertian surface, linear RGB, (H, W, 3)."""
 
     def __post_init__(self) -> None:
+        # Check and seal the maps.
         for name in ("position", "normal", "albedo"):
             object.__setattr__(self, name, frozen(_map(name, getattr(self, name))))
             _check_size(name, getattr(self, name).shape, self.position.shape)
+        # Refuse normals that are neither of length 1 nor 0, an empty surface, a negative albedo.
         length = np.linalg.norm(self.normal, axis=-1)
         bad = np.argwhere((length > 0) & (np.abs(length - 1) > 1e-3))
         if len(bad):
             row, column = bad[0]
             raise EnvLightsError(
-                f"normal must have the length 1, or 0 where nothing is; that at row {row},"
-                f" column {column} has {length[row, column]:.6g}"
+                "normal must have the length 1, or 0 where there is no surface; that at row"
+                f" {row}, column {column} has {length[row, column]:.6g}"
             )
         if not length.any():
             raise EnvLightsError("normal is zero in every texel; the surface is empty")
@@ -57,23 +59,23 @@ class Surface:
 
     @property
     def covered(self) -> NDArray[np.bool_]:
-        """Which texels show a surface, (H, W)."""
+        """Mask of the texels with a surface, (H, W)."""
         return np.asarray(np.any(self.normal != 0, axis=-1), np.bool_)
 
     @property
     def lift(self) -> float:
-        """How far above the surface a ray starts, in the units of the scene."""
+        """Height above the surface at which rays start, in the units of the scene."""
         points = self.position[self.covered]
         return _LIFT * float(np.linalg.norm(np.ptp(points, axis=0))) or _LIFT
 
     def lifted(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Where rays start, and the unit normals there: (n, 3) each, of the covered texels."""
+        """Origins of rays and unit normals at the covered texels, (n, 3) each."""
         normal = self.normal[self.covered]
         normal = normal / np.linalg.norm(normal, axis=1, keepdims=True)
         return self.position[self.covered] + self.lift * normal, normal
 
     def thinned(self, rows: int, columns: int) -> Surface:
-        """One texel of each block of so many rows and columns, from its middle."""
+        """Keep one texel, that in the middle, of each block of `rows` by `columns` texels."""
         some = slice(rows // 2, None, rows), slice(columns // 2, None, columns)
         return Surface(self.position[some], self.normal[some], self.albedo[some])
 
@@ -85,7 +87,7 @@ class Surface:
         return image
 
     def means(self, image: NDArray[np.float64], size: int) -> NDArray[np.float64]:
-        """An image of the surface as means over `size` by `size` blocks of covered texels."""
+        """Means of an image over the covered texels of `size` by `size` blocks, 0 without any."""
         rows, columns, _ = image.shape
         blocks = (size, rows // size, size, columns // size)
         count = self.covered.reshape(blocks).sum(axis=(1, 3))[..., None]
@@ -96,7 +98,7 @@ class Surface:
         return mean
 
 
-def frames(normal: NDArray[np.float64]) -> NDArray[np.float64]:
+def tangent_frames(normal: NDArray[np.float64]) -> NDArray[np.float64]:
     """Two tangents and the normal as rows of right-handed frames, (n, 3, 3).
 
     Duff et al. (2017), "Building an orthonormal basis, revisited".
@@ -114,14 +116,12 @@ def _map(name: str, values: ArrayLike) -> NDArray[np.float64]:
     array = reals(name, values, 3)
     if array.shape[2] != 3 or 0 in array.shape:
         raise EnvLightsError(f"{name} must have the shape (height, width, 3); got {array.shape}")
-    bad = np.argwhere(~np.isfinite(array))
-    if len(bad):
-        row, column, _ = bad[0]
-        value = array[tuple(bad[0])]
+    if bad := first_not_finite(array):
+        row, column, value = bad
         raise EnvLightsError(f"{name} must be finite; row {row}, column {column} holds {value}")
     return array
 
 
-def _check_size(name: str, seen: tuple[int, ...], wanted: tuple[int, ...]) -> None:
-    if seen != wanted:
-        raise EnvLightsError(f"{name} must have the shape of position, {wanted}; got {seen}")
+def _check_size(name: str, given: tuple[int, ...], wanted: tuple[int, ...]) -> None:
+    if given != wanted:
+        raise EnvLightsError(f"{name} must have the shape of position, {wanted}; got {given}")

@@ -1,6 +1,6 @@
-"""Surroundings that are no lights: skies, walls, clouds, glare.
+"""Surroundings without lights: skies, walls, clouds, glare.
 
-Each function draws from the generator that it is given and returns the radiance of a whole map,
+Each function draws random numbers from `rng` and returns the radiance of a whole map,
 (height, 2 * height, 3), with the brightest luminance about 1.
 """
 
@@ -11,19 +11,20 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights import kernels
-from envlights.rig import LUMINANCE
+from envlights.kernels import sampling, sphere
+from envlights.kernels.image import LUMINANCE
 from envlights.synthetic.shapes import Lamp, Rectangle
+from envlights.synthetic.smoothstep import smoothstep
 
 
 def constant(rng: np.random.Generator, height: int) -> NDArray[np.float64]:
-    """The same from everywhere."""
+    """One radiance in all directions."""
     return np.broadcast_to(tint(rng), (height, 2 * height, 3))
 
 
 def gradient(rng: np.random.Generator, height: int) -> NDArray[np.float64]:
     """A clear sky over a darker ground, without an edge."""
-    up = kernels.pixel_directions(height, 2 * height)[..., 1]
+    up = sphere.pixel_directions(height, 2 * height)[..., 1]
     ground, steepness = rng.uniform(0.02, 0.3), rng.uniform(1, 3)
     level = ground + (1 - ground) * ((1 + up) / 2) ** steepness
     return level[..., None] * tint(rng)
@@ -40,7 +41,7 @@ def white_wall(rng: np.random.Generator, height: int) -> NDArray[np.float64]:
 def checker(rng: np.random.Generator, height: int) -> NDArray[np.float64]:
     """Tiles of two greys."""
     squares, dark = int(rng.integers(8, 20)), rng.uniform(0.1, 0.6)
-    # Tiles end where pixels end, and an even number of them closes the circle.
+    # Let tiles end where pixels end, and let an even number of them close the circle.
     row = np.arange(height) * squares // height
     column = np.arange(2 * height) * 2 * squares // (2 * height)
     is_dark = (row[:, None] + column) % 2
@@ -49,21 +50,21 @@ def checker(rng: np.random.Generator, height: int) -> NDArray[np.float64]:
 
 def clouds(rng: np.random.Generator, height: int) -> NDArray[np.float64]:
     """White clouds in a darker sky over a still darker ground."""
-    up = kernels.pixel_directions(height, 2 * height)[..., 1]
-    cover = _smoothstep(_waves(rng, height), rng.uniform(-0.2, 0.4), 1.2)
+    up = sphere.pixel_directions(height, 2 * height)[..., 1]
+    cover = smoothstep(_waves(rng, height), rng.uniform(-0.2, 0.4), 1.2)
     sky, ground = rng.uniform(0.15, 0.3), rng.uniform(0.03, 0.1)
     above = sky * np.array([0.7, 1.0, 1.5]) + (1 - sky) * cover[..., None]
-    horizon = _smoothstep(up, -0.03, 0.03)[..., None]
+    horizon = smoothstep(up, -0.03, 0.03)[..., None]
     radiance = horizon * above + (1 - horizon) * ground
-    normal: NDArray[np.float64] = radiance / (radiance @ LUMINANCE).max()
-    return normal
+    normalised: NDArray[np.float64] = radiance / (radiance @ LUMINANCE).max()
+    return normalised
 
 
 def lit_walls(rng: np.random.Generator, height: int) -> NDArray[np.float64]:
     """Soft pools of light on the walls of a dim room, from lamps that are out of sight."""
-    directions = kernels.pixel_directions(height, 2 * height)
+    directions = sphere.pixel_directions(height, 2 * height)
     room = np.full((height, 2 * height), rng.uniform(0.12, 0.4))
-    for centre in kernels.uniform_sphere(rng.random((int(rng.integers(2, 5)), 2))):
+    for centre in sampling.uniform_sphere(rng.random((int(rng.integers(2, 5)), 2))):
         off = np.arccos(np.clip(directions @ centre, -1, 1)) / np.deg2rad(rng.uniform(12, 35))
         room += rng.uniform(0.3, 1) * np.exp(-(off**2))
     level: NDArray[np.float64] = (room / room.max())[..., None]
@@ -71,12 +72,12 @@ def lit_walls(rng: np.random.Generator, height: int) -> NDArray[np.float64]:
 
 
 def glare(rng: np.random.Generator, height: int, lamps: Sequence[Lamp]) -> NDArray[np.float64]:
-    """Halos that the lens puts around lights: a few per cent of their radiance at the rim.
+    """Halos of a lens around lights, with a few per cent of their radiance at the rim.
 
-    A halo falls off as exp(-(angle from the rim) / width). Around a light smaller than the width
-    it is fainter by the ratio of their solid angles, for a lens spreads flux and makes none.
+    A halo falls off as exp(-(angle from the rim) / width). Around a light smaller than this width
+    it is fainter by the ratio of their solid angles, because a lens spreads flux and adds none.
     """
-    directions = kernels.pixel_directions(height, 2 * height)
+    directions = sphere.pixel_directions(height, 2 * height)
     halos = np.zeros((height, 2 * height, 3))
     for lamp in lamps:
         width, strength = rng.uniform(1, 4), rng.uniform(0.02, 0.08)
@@ -87,7 +88,7 @@ def glare(rng: np.random.Generator, height: int, lamps: Sequence[Lamp]) -> NDArr
 
 
 def _radius_deg(lamp: Lamp, height: int) -> float:
-    """Of a disc about as large as the light."""
+    """Radius of a disc about as large as the light."""
     if isinstance(lamp, Rectangle):
         return float(np.sqrt(lamp.width_deg * lamp.height_deg / np.pi))
     return max(lamp.reach_deg, 90 / height)  # a pixel sun is as large as its pixel
@@ -101,18 +102,12 @@ def tint(rng: np.random.Generator) -> NDArray[np.float64]:
 
 
 def _waves(rng: np.random.Generator, height: int) -> NDArray[np.float64]:
-    """Smooth noise on the sphere without seam or poles: plane waves, each octave half as high."""
-    directions = kernels.pixel_directions(height, 2 * height)
+    """Smooth noise without seam or poles: plane waves, in octaves of half the height each."""
+    directions = sphere.pixel_directions(height, 2 * height)
     noise = np.zeros((height, 2 * height))
     for octave in range(4):
-        for axis in kernels.uniform_sphere(rng.random((6, 2))):
+        for axis in sampling.uniform_sphere(rng.random((6, 2))):
             phase = rng.uniform(0, 2 * np.pi)
             noise += 0.5**octave * np.cos(4 * 2**octave * (directions @ axis) + phase)
-    normal: NDArray[np.float64] = noise / noise.std()
-    return normal
-
-
-def _smoothstep(values: NDArray[np.float64], start: float, end: float) -> NDArray[np.float64]:
-    t = np.clip((values - start) / (end - start), 0, 1)
-    smooth: NDArray[np.float64] = t * t * (3 - 2 * t)
-    return smooth
+    normalised: NDArray[np.float64] = noise / noise.std()
+    return normalised

@@ -1,4 +1,4 @@
-"""An open courtyard for Mitsuba, and rigs of the open air to light it with."""
+"""An open courtyard for Mitsuba, and random outdoor rigs for it."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights import kernels
 from envlights._check import count
-from envlights.rig import Lights, Rig
+from envlights.lights import Lights
+from envlights.rig import Rig
 from envlights.scene.renderer import mitsuba
-from envlights.scene.sky import harmonics
 
 #: Metres: half of the yard's width, the height of its walls, and that of the canopy.
 _HALF, _WALL, _CANOPY = 4.0, 3.0, 2.2
@@ -44,13 +44,14 @@ def courtyard() -> dict[str, Any]:
     Returns
     -------
     dict
-        What `MitsubaScene` and ``mitsuba.load_dict`` take. +y up; without lights.
+        Argument of `MitsubaScene` and ``mitsuba.load_dict``. +y up; without lights.
 
     Examples
     --------
     >>> sorted(courtyard())[:3]
     ['box_low_east', 'box_low_north', 'box_low_south']
     """
+    # List the rectangles of the yard.
     w, h = _HALF, _WALL
     x, y, z = np.eye(3)
     faces: dict[str, _Face] = {
@@ -61,6 +62,7 @@ def courtyard() -> dict[str, Any]:
         "wall_west": ((-w, h / 2, 0), -w * z, h / 2 * y),
         "canopy": ((-w / 2, _CANOPY, -w / 2), w / 2 * x, w / 2 * z),
     }
+    # Describe them, and those of the boxes, to Mitsuba.
     scene: dict[str, Any] = {"type": "scene"}
     with mitsuba() as mi:
         for name, face in faces.items():
@@ -72,16 +74,16 @@ def courtyard() -> dict[str, Any]:
 
 
 def rigs(number: int, seed: int = 0) -> list[Rig]:
-    """Random rigs of the open air: a smooth sky of any colour, and one to three lights.
+    """Random outdoor rigs: a smooth sky of random colours, and one to three lights.
 
     The lights are above the horizon; the sky is nowhere negative.
 
     Parameters
     ----------
     number : int
-        How many.
+        Number of rigs.
     seed : int
-        The same rigs for the same seed.
+        Seed of the rigs; the same seed gives the same rigs.
 
     Returns
     -------
@@ -98,7 +100,7 @@ def rigs(number: int, seed: int = 0) -> list[Rig]:
 
 def _random_rig(rng: np.random.Generator) -> Rig:
     lights = rng.integers(1, 4)
-    # Even over the upper half of the sphere, whose first coordinate of the unit square is u < 1/2.
+    # The upper half of the sphere is the half of the unit square with u < 1/2.
     directions = kernels.uniform_sphere(rng.random((lights, 2)) * [0.5, 1])
     irradiance = rng.gamma(2.0, 1.0, (lights, 1)) * rng.uniform(0.5, 1.5, (lights, 3))
     return Rig(_smooth_sky(rng), Lights(directions, irradiance), error=0.0)
@@ -110,11 +112,13 @@ def _smooth_sky(rng: np.random.Generator) -> NDArray[np.float64]:
     axes = kernels.uniform_sphere(rng.random((3, 2)))
     radiance = (1 + at @ axes.T) ** 2 @ rng.gamma(1.0, 0.1, (3, 3))
     # Such lobes are polynomials of the second degree: nine harmonics hold them exactly.
-    return np.asarray(np.linalg.lstsq(harmonics(at), radiance, rcond=None)[0], np.float64)
+    return np.asarray(
+        np.linalg.lstsq(kernels.harmonic_radiance(at), radiance, rcond=None)[0], np.float64
+    )
 
 
 def _box(least: NDArray[np.float64], most: NDArray[np.float64]) -> dict[str, _Face]:
-    """The five faces that are seen from outside."""
+    """The faces of a box except that on the floor."""
     centre, half = (least + most) / 2, np.diag((most - least) / 2)
     x, y, z = half
     return {
@@ -127,7 +131,7 @@ def _box(least: NDArray[np.float64], most: NDArray[np.float64]) -> dict[str, _Fa
 
 
 def _rectangle(mi: Any, face: _Face, albedo: tuple[float, float, float]) -> dict[str, Any]:
-    """A rectangle of both sides alike."""
+    """A rectangle with the same material on both sides."""
     centre, right, up = face
     normal = np.cross(right, up)
     placed = np.eye(4)

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights import kernels
 from envlights._check import count
+from envlights.kernels import sphere
 from envlights.synthetic.scene import SyntheticMap, scene
 from envlights.synthetic.shapes import supersampled, unit
 
-# A hall like that of Madsen et al. (2003), in metres, seen from the origin.
+# A hall like that of Madsen et al. (2003), in metres; the camera is at the origin.
 _HALL = {"left": -7.0, "right": 7.0, "floor": -1.6, "ceiling": 6.0, "windows": 6.0, "wall": -9.0}
 _COLOURS = {
     "left": (0.10, 0.09, 0.075),
@@ -48,7 +48,8 @@ def hall(height: int = 512) -> SyntheticMap:
     array([0.5, 0.4, 0.4])
     """
     height = count("height", height, least=2)
-    fine = _room(kernels.pixel_directions(2 * height, 4 * height))
+    # Render the room at twice the size, and reduce it to smooth its edges.
+    fine = _room(sphere.pixel_directions(2 * height, 4 * height))
     room = fine.reshape(height, 2, 2 * height, 2, 3).mean(axis=(1, 3))
     windows = [
         _Window(x, radiance) for x, radiance in zip(_WINDOW_CENTRES, _WINDOW_RADIANCE, strict=True)
@@ -80,7 +81,8 @@ class _Window:
 
 
 def _room(directions: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Radiance of the hall's surfaces, as if lit from the windows, without the windows."""
+    """Radiance of the hall's surfaces under light from the windows, without the windows."""
+    # Find the nearest surface in each direction, and its colour.
     x, y, z = np.moveaxis(directions, -1, 0)
     nearest = np.full(x.shape, np.inf)
     components = {"left": x, "right": x, "floor": y, "ceiling": y, "windows": z, "wall": z}
@@ -92,7 +94,7 @@ def _room(directions: NDArray[np.float64]) -> NDArray[np.float64]:
         nearest = np.where(hit, distance, nearest)
         colour[hit] = _COLOURS[name]
     point = directions * nearest[..., None]
-    # Light falls off away from the windows' middle, gently, for the bounces fill the room.
+    # Let the light fall off from the middle window, gently, because bounces fill the room.
     away = point - np.array([0.0, 3.4, _HALL["windows"]])
     falloff = 1.0 / (0.5 + np.einsum("...i,...i->...", away, away) / 90.0)
     shaded: NDArray[np.float64] = colour * falloff[..., None]

@@ -1,4 +1,4 @@
-"""Lights of random kind, size and place for the families of `suite`."""
+"""Lights of random kind, size and place, for the families of `suite`."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights import kernels
-from envlights.rig import LUMINANCE
+from envlights.kernels import sampling, sphere
+from envlights.kernels.image import LUMINANCE
 from envlights.synthetic.backdrops import tint
 from envlights.synthetic.shapes import Disc, Lamp, PixelSun, Rectangle, unit
 
@@ -17,7 +17,7 @@ Kind = Callable[[np.random.Generator, NDArray[np.float64]], list[Lamp]]
 _Place = Callable[[np.random.Generator], NDArray[np.float64]]
 _Outline = Callable[[np.random.Generator, NDArray[np.float64], NDArray[np.float64]], Lamp]
 
-#: How often a place is looked for before the map does without the light.
+#: Places that are tried before a light is left out.
 _TRIES = 50
 #: Luminance of a sun, relative to the brightest surroundings.
 _SUN = 1e5
@@ -36,11 +36,11 @@ def draw(
     ----------
     rng : numpy.random.Generator
     kinds : mapping of str to callable
-        What may be drawn.
+        The kinds that may be drawn.
     first : str
         The kind of the first.
     contrast : (float, float)
-        Least and greatest luminance, before surroundings of the luminance 1.
+        Least and greatest luminance, where the surroundings have the luminance 1.
     gap_deg : float
         Least angle between the rims of two groups.
 
@@ -52,6 +52,7 @@ def draw(
     """
     lamps: list[Lamp] = []
     names = []
+    # Draw kinds; draw each until it keeps its distance from the others.
     for name in [first, *rng.choice(list(kinds), size=rng.integers(0, 5))]:
         for _ in range(_TRIES):
             group = kinds[name](rng, _between(rng, *contrast) * tint(rng))
@@ -68,24 +69,24 @@ def _gap_deg(lamp: Lamp, other: Lamp) -> float:
 
 
 def _between(rng: np.random.Generator, low: float, high: float) -> float:
-    """A number between two, each factor of ten as likely."""
+    """A number between `low` and `high` whose logarithm is uniform."""
     return float(np.exp(rng.uniform(np.log(low), np.log(high))))
 
 
 def _anywhere(rng: np.random.Generator) -> NDArray[np.float64]:
-    (direction,) = kernels.uniform_sphere(rng.random((1, 2)))
+    (direction,) = sampling.uniform_sphere(rng.random((1, 2)))
     return np.asarray(direction)
 
 
 def _on_seam(rng: np.random.Generator) -> NDArray[np.float64]:
     u = rng.uniform(-0.5, 0.5) / 360
-    (direction,) = kernels.uv_to_direction([[u % 1, rng.uniform(0.15, 0.85)]])
+    (direction,) = sphere.uv_to_direction([[u % 1, rng.uniform(0.15, 0.85)]])
     return np.asarray(direction)
 
 
 def _on_pole(rng: np.random.Generator) -> NDArray[np.float64]:
     v = rng.uniform(0, 0.5) / 180
-    (direction,) = kernels.uv_to_direction([[rng.random(), rng.choice([v, 1 - v])]])
+    (direction,) = sphere.uv_to_direction([[rng.random(), rng.choice([v, 1 - v])]])
     return np.asarray(direction)
 
 
@@ -98,7 +99,7 @@ def _disc(
 def _large_disc(
     rng: np.random.Generator, direction: NDArray[np.float64], radiance: NDArray[np.float64]
 ) -> Disc:
-    """Large enough to cross the seam or the pole that it stands on."""
+    """A disc large enough to cross the seam or the pole near its centre."""
     return Disc(direction, _between(rng, 1, 12), radiance)
 
 
@@ -112,7 +113,7 @@ def _window(
 def _glass_front(
     rng: np.random.Generator, direction: NDArray[np.float64], radiance: NDArray[np.float64]
 ) -> Rectangle:
-    """A twentieth to a ninth of the sphere: the brightest tenth of a map may be light."""
+    """A window as large as a twentieth to a ninth of the sphere."""
     return Rectangle(direction, rng.uniform(50, 90), rng.uniform(40, 60), radiance)
 
 
@@ -121,7 +122,7 @@ def _barred(
 ) -> Rectangle:
     width, height = rng.uniform(8, 25, size=2)
     panes = (int(rng.integers(2, 5)), int(rng.integers(1, 5)))
-    # Half a pixel of 0.35 degrees would leave the bar as bright as the panes.
+    # Make bars at least 0.3 degrees wide: half a pixel of 0.35 would look as bright as the panes.
     bar_deg = rng.uniform(0.3, 0.6)
     return Rectangle(direction, width, height, radiance, panes=panes, bar_deg=bar_deg)
 
@@ -154,7 +155,7 @@ def _pair(rng: np.random.Generator, radiance: NDArray[np.float64]) -> list[Lamp]
 
 
 def _at(place: _Place, *outlines: _Outline) -> Kind:
-    """The kind that stands at `place` with one of the outlines."""
+    """A kind of light at `place` with one of the outlines."""
 
     def kind(rng: np.random.Generator, radiance: NDArray[np.float64]) -> list[Lamp]:
         outline = outlines[rng.integers(len(outlines))]

@@ -1,8 +1,8 @@
-"""A closed room under many lights, without noise: for models of indirect light.
+"""A closed room under many lights, without noise, for models of indirect light.
 
-Two boxes stand in a cube. Each of their 16 faces is a chart of the lightmap, four by four charts.
-Light bounces between patches (radiosity), so the indirect light is exact for those patches, and
-linear in the direct light.
+Two boxes stand in a cube. Their 16 faces are the charts of the lightmap, four by four. Light
+bounces between patches (radiosity), so the indirect light is exact for those patches, and linear in
+the direct light.
 """
 
 from __future__ import annotations
@@ -15,19 +15,22 @@ from numpy.typing import NDArray
 
 from envlights._check import count
 from envlights._native import EnvLightsError
+from envlights.synthetic.smoothstep import smoothstep
 
-#: Corners of the room, which is seen from inside, and of the boxes, from outside; in metres.
+#: Corners of the room, whose inner faces are used, and of the boxes, with outer faces; in metres.
 _ROOM = np.array([[-1.0, 0.0, -1.0], [1.0, 2.0, 1.0]])
 _BOXES = np.array([[[-0.7, 0.0, -0.6], [-0.1, 1.2, 0.0]], [[0.2, 0.0, 0.0], [0.7, 0.6, 0.6]]])
 
-#: Charts along a side of the lightmap, patches along a side of a chart, and samples of direct light
-#: along a side of a patch.
+#: Numbers along one side: charts of the lightmap, patches of a chart, samples of direct light of a
+#: patch.
 _CHARTS, _PATCHES, _SAMPLES = 4, 8, 2
-#: Metres between a lamp and the nearest wall. A lamp that touches a wall lights one texel of the
-#: direct image, which says little about where it is.
+#: Least distance in metres between a lamp and a wall. A lamp that touches a wall lights one texel
+#: of the direct image, which says little about its place.
 _CLEARANCE = 0.2
 #: Texels along a side of the direct image.
 _DIRECT = 16
+#: Texels whose form factors are computed at once.
+_BLOCK = 256
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,17 +47,17 @@ class Room:
 def room(pairs: int = 128, width: int = 64, seed: int = 0) -> Room:
     """A closed room with two boxes, under one to three random lamps in each pair of images.
 
-    Lamps are points or spots, of any colour, anywhere in the free air. All shadows are cast and all
-    bounces counted.
+    Lamps are points or spots of random colour at random places off the walls. The images have all
+    shadows and all bounces.
 
     Parameters
     ----------
     pairs : int
-        How many lightings.
+        Number of pairs of images.
     width : int
         Columns and rows of the indirect images: a multiple of 4.
     seed : int
-        Of the lamps; the room is always the same.
+        Seed of the lamps; the room is always the same.
 
     Returns
     -------
@@ -71,9 +74,11 @@ def room(pairs: int = 128, width: int = 64, seed: int = 0) -> Room:
     if width % _CHARTS:
         raise EnvLightsError(f"width must be a multiple of {_CHARTS}; got {width}")
     rng = np.random.default_rng(count("seed", seed))
+    # Light finer samples of the walls directly.
     patches = _charts(_CHARTS * _PATCHES)
     samples = _charts(_CHARTS * _PATCHES * _SAMPLES)
     light = np.stack([_lamps(rng, samples) for _ in range(pairs)])
+    # Bounce their means between the patches, and gather the result at the texels.
     radiosity = _radiosity(patches, _means(light, _CHARTS * _PATCHES))
     gathered = _form_factors(_charts(width), patches)
     indirect = np.einsum("tp,kpc->ktc", gathered, radiosity, optimize=True)
@@ -95,12 +100,14 @@ class _Texels:
 
 def _charts(width: int) -> _Texels:
     """The lightmap of `width` columns: chart after chart, six of the room, five of each box."""
+    # List the faces of the room and of the boxes.
     side = width // _CHARTS
     faces = [_face(_ROOM, axis, end, side, -1) for axis in range(3) for end in (0, 1)]
     for box in _BOXES:
         # No light reaches the face on the floor.
-        seen = [(axis, end) for axis in range(3) for end in (0, 1) if (axis, end) != (1, 0)]
-        faces += [_face(box, axis, end, side, 1) for axis, end in seen]
+        open_faces = [(axis, end) for axis in range(3) for end in (0, 1) if (axis, end) != (1, 0)]
+        faces += [_face(box, axis, end, side, 1) for axis, end in open_faces]
+    # Put their texels into the order of the lightmap's rows.
     arrays = [np.stack(each) for each in zip(*faces, strict=True)]
     chart = np.repeat(np.arange(len(faces)), side * side).reshape(len(faces), -1)
     return _Texels(*(_in_rows(array, side) for array in (*arrays, chart)))
@@ -110,6 +117,7 @@ def _face(
     box: NDArray[np.float64], axis: int, end: int, side: int, outwards: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Centres, normals and areas of one face of a box, `side` by `side` pieces."""
+    # Place the centres on a grid over the two sides of the face.
     steps = (np.arange(side) + 0.5) / side
     centre = np.empty((side, side, 3))
     others = [each for each in range(3) if each != axis]
@@ -142,13 +150,16 @@ def _lamps(rng: np.random.Generator, at: _Texels) -> NDArray[np.float64]:
     """Irradiance of one to three random lamps."""
     light = np.zeros((len(at.centre), 3))
     for _ in range(rng.integers(1, 4)):
+        # Draw a place, a target and a colour.
         position, target = _free_place(rng), rng.uniform(*_ROOM)
         colour = rng.gamma(2.0, 0.5, 3)
+        # Shine on every texel that sees the lamp.
         towards = position - at.centre
         distance = np.linalg.norm(towards, axis=1)
         towards /= distance[:, None]
         cosine = np.maximum(np.sum(towards * at.normal, axis=1), 0)
         shine = cosine / (distance**2 + 0.01) * _open(at.centre, position[None])
+        # Make every second lamp a spot.
         if rng.random() < 0.5:
             axis = (position - target) / np.linalg.norm(position - target)
             shine *= _cone(towards @ axis)
@@ -166,17 +177,16 @@ def _free_place(rng: np.random.Generator) -> NDArray[np.float64]:
 
 
 def _cone(cosine: NDArray[np.float64]) -> NDArray[np.float64]:
-    """A spot of 40 degrees around its axis that fades from 25 degrees on."""
+    """Share of the light of a spot: all up to 25 degrees from its axis, none from 40 degrees on."""
     outer, inner = np.cos(np.deg2rad([40, 25]))
-    share = np.clip((cosine - outer) / (inner - outer), 0, 1)
-    faded: NDArray[np.float64] = share * share * (3 - 2 * share)
-    return faded
+    return smoothstep(cosine, outer, inner)
 
 
 def _radiosity(patches: _Texels, light: NDArray[np.float64]) -> NDArray[np.float64]:
-    """What leaves each patch, from all bounces: ``(I - albedo F)^-1 albedo E``, (k, patches, 3)."""
-    # Walls of any colour; the same room each time.
+    """Radiosity of each patch with all bounces: ``(I - albedo F)^-1 albedo E``, (k, patches, 3)."""
+    # Draw the colours of the walls, the same each time.
     albedo = np.random.default_rng(7).uniform(0.25, 0.75, (_CHARTS**2, 3))[patches.chart]
+    # Solve for all bounces, channel by channel.
     between = _form_factors(patches, patches)
     leaving = np.empty(light.shape)
     for channel in range(3):
@@ -192,8 +202,8 @@ def _form_factors(at: _Texels, patches: _Texels) -> NDArray[np.float64]:
     A patch of area A counts as a disc: cos cos A / (pi r^2 + A), which stays finite in corners.
     """
     factors = np.empty((len(at.centre), len(patches.centre)))
-    for first in range(0, len(factors), 256):
-        some = slice(first, first + 256)
+    for first in range(0, len(factors), _BLOCK):
+        some = slice(first, first + _BLOCK)
         towards = patches.centre - at.centre[some, None]
         square = np.einsum("tpi,tpi->tp", towards, towards) + 1e-12
         here = np.maximum(np.einsum("tpi,ti->tp", towards, at.normal[some]), 0)
@@ -204,7 +214,7 @@ def _form_factors(at: _Texels, patches: _Texels) -> NDArray[np.float64]:
 
 
 def _open(start: NDArray[np.float64], end: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Whether no box stands between two points; their own faces do not."""
+    """True where no box stands between two points; the faces of the points do not count."""
     clear = np.ones(np.broadcast_shapes(start.shape, end.shape)[:-1], np.bool_)
     with np.errstate(divide="ignore", invalid="ignore"):
         inverse = 1.0 / (end - start)

@@ -1,24 +1,25 @@
 """Shapes before a background.
 
-What a shape adds to the map is summed from its own pixels, so the lights of a `SyntheticMap` are
-exact for the map as rendered.
+Each light is summed from the pixels of the stored map, so the lights of a `SyntheticMap` are exact
+for its map.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights import kernels
 from envlights._check import count, reals
 from envlights._native import EnvLightsError
-from envlights.rig import LUMINANCE, Lights
+from envlights.kernels import sphere
+from envlights.lights import Lights, brightest_first
 from envlights.synthetic.shapes import Shape
 
-#: What a file keeps of linear radiance, (height, width, 3) -> (height, width, 3).
+#: Linear radiance to stored radiance, (height, width, 3) -> (height, width, 3).
 Camera = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 
@@ -33,17 +34,17 @@ class SyntheticMap:
     """Direction of each light's flux, and its irradiance above the background; brightest first."""
 
     solid_angle: NDArray[np.float64]
-    """Of each light in steradians, in the order of `lights`."""
+    """Solid angle of each light in steradians, in the order of `lights`."""
 
     irradiance_with_background: NDArray[np.float64]
-    """RGB, all of the map's radiance over each light's solid angle: what detectors measure."""
+    """RGB integral of the map over each light's solid angle, which is what detectors measure."""
 
     note: str = ""
-    """What is to be seen, in words."""
+    """Description of the map."""
 
     @property
     def angular_radius_deg(self) -> NDArray[np.float64]:
-        """Of a disc as large as each light."""
+        """Angular radius of a disc as large as each light, in degrees."""
         cosine = np.clip(1 - self.solid_angle / (2 * np.pi), -1, 1)
         radius: NDArray[np.float64] = np.rad2deg(np.arccos(cosine))
         return radius
@@ -57,7 +58,7 @@ def scene(
     camera: Camera | None = None,
     note: str = "",
 ) -> SyntheticMap:
-    """Shapes before a background.
+    """Render shapes before a background.
 
     Parameters
     ----------
@@ -68,11 +69,11 @@ def scene(
     shapes : sequence of Disc, Rectangle or PixelSun
         Lights. Where they overlap, the last one is in front.
     camera : callable, optional
-        What the file keeps of the radiance: exposure, noise, clipping. Brighter in must not be
-        darker out, for it is asked for the background alone as well, and the difference is what
-        the lights add. Left out: everything.
+        Exposure, noise and clipping of the stored radiance. It must be monotonic, because it is
+        called for the background alone as well, and the difference is the light of the shapes.
+        By default all radiance is stored as it is.
     note : str
-        Kept with the map.
+        Description of the map.
 
     Returns
     -------
@@ -90,11 +91,12 @@ def scene(
     height = count("height", height, least=2)
     map_shape = (height, 2 * height, 3)
     backdrop = _radiance("background", background, map_shape)
-    # Share of every pixel that shows each shape, after those in front of it.
+    # Find the share of every pixel that shows each shape, behind those in front of it.
     shown: list[NDArray[np.float64]] = []
     for shape in shapes:
         covered = shape.coverage(height)[..., None]
         shown = [other * (1 - covered) for other in shown] + [covered]
+    # Replace that share of the background.
     added = [
         share * (_radiance("radiance", shape.radiance, (3,)) - backdrop)
         for shape, share in zip(shapes, shown, strict=True)
@@ -113,39 +115,77 @@ def _measured(
     camera: Camera,
     note: str,
 ) -> SyntheticMap:
-    """The map as stored, and its lights summed over the pixels that they show in.
+    """The map as stored, and its lights summed over the pixels that show them."""
+    # Store the map with and without its lights.
+    whole = np.sum(added, axis=0) if added else np.zeros_like(backdrop)
+    picture = _Picture(camera(backdrop + whole).astype(np.float32), camera(backdrop), whole)
+    # Sum each light over its pixels.
+    direction, irradiance, with_background, solid_angle = np.zeros((4, len(shown), 3))
+    for i, (share, own) in enumerate(zip(shown, added, strict=True)):
+        direction[i], irradiance[i], with_background[i], solid_angle[i] = picture.light(
+            i, share, own
+        )
+    # Sort as `Lights` does; shapes may share a direction, so the order cannot be read from it.
+    order = brightest_first(irradiance)
+    lights = Lights(direction, irradiance)
+    return SyntheticMap(picture.stored, lights, solid_angle[order, 0], with_background[order], note)
+
+
+@dataclass(frozen=True, eq=False)
+class _Picture:
+    """A map as stored.
 
     Each light owns what it adds to a stored pixel, and its share of the stored background. A pixel
     that shows two lights is divided between them, so no flux counts twice.
     """
-    height, width, _ = backdrop.shape
-    whole = np.sum(added, axis=0) if added else np.zeros_like(backdrop)
-    stored, behind = camera(backdrop + whole).astype(np.float32), camera(backdrop)
-    solid_angles = kernels.pixel_solid_angles(height, width)[..., None]
-    directions = kernels.pixel_directions(height, width)
-    direction, irradiance, with_background, solid_angle = np.zeros((4, len(shown), 3))
-    for i, share in enumerate(shown):
-        # A shape wholly behind another keeps a rounding error of its coverage.
-        lit = (share[..., 0] > 1e-9).nonzero()
-        part = np.divide(
-            added[i][lit], whole[lit], out=np.zeros((len(lit[0]), 3)), where=whole[lit] != 0
-        )
-        flux = (stored[lit] - behind[lit]) * part * solid_angles[lit]
+
+    stored: NDArray[np.float32]
+    """The map, (height, width, 3)."""
+
+    behind: NDArray[np.float64]
+    """The map without lights, as stored."""
+
+    whole: NDArray[np.float64]
+    """Radiance that all shapes add before the camera."""
+
+    @cached_property
+    def solid_angles(self) -> NDArray[np.float64]:
+        """Solid angle of each pixel, (height, width, 1)."""
+        height, width, _ = self.stored.shape
+        return sphere.pixel_solid_angles(height, width)[..., None]
+
+    @cached_property
+    def directions(self) -> NDArray[np.float64]:
+        """Direction of each pixel, (height, width, 3)."""
+        height, width, _ = self.stored.shape
+        return sphere.pixel_directions(height, width)
+
+    def light(
+        self, i: int, share: NDArray[np.float64], own: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], float]:
+        """Direction, irradiance, irradiance with background, and solid angle of shape `i`.
+
+        `share` of each pixel shows it, and `own` is the radiance that it adds before the camera.
+        """
+        # Find its pixels. A shape wholly behind another keeps a rounding error of its coverage.
+        at = (share[..., 0] > 1e-9).nonzero()
+        solid_angles, directions = self.solid_angles[at], self.directions[at]
+        # Divide the stored light between the shapes in proportion to what they add.
+        whole = self.whole[at]
+        part = np.divide(own[at], whole, out=np.zeros((len(at[0]), 3)), where=whole != 0)
+        flux = (self.stored[at] - self.behind[at]) * part * solid_angles
         if not flux.any():
             raise EnvLightsError(
                 f"shape {i} adds no light to the map; it must be in front, brighter than the"
-                f" background, and large enough for maps {height} pixels high"
+                f" background, and large enough for maps {len(self.stored)} pixels high"
             )
-        centroid = (flux.sum(axis=1, keepdims=True) * directions[lit]).sum(axis=0)
-        direction[i] = centroid / np.linalg.norm(centroid)
-        irradiance[i] = flux.sum(axis=0)
-        owned = share[lit] * solid_angles[lit]
-        with_background[i] = irradiance[i] + (behind[lit] * owned).sum(axis=0)
-        solid_angle[i] = owned.sum()
-    # The order of `Lights`: shapes may share a direction, so it cannot be found by looking.
-    order = np.argsort(-(irradiance @ LUMINANCE), kind="stable")
-    lights = Lights(direction, irradiance)
-    return SyntheticMap(stored, lights, solid_angle[order, 0], with_background[order], note)
+        # Sum the flux, its centroid, and the background behind it.
+        centroid = (flux.sum(axis=1, keepdims=True) * directions).sum(axis=0)
+        irradiance = flux.sum(axis=0)
+        owned = share[at] * solid_angles
+        background = (self.behind[at] * owned).sum(axis=0)
+        direction = centroid / np.linalg.norm(centroid)
+        return direction, irradiance, irradiance + background, owned.sum()
 
 
 def _radiance(name: str, values: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float64]:

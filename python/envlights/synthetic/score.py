@@ -1,4 +1,4 @@
-"""What a detector found against what is there."""
+"""Comparison of detected lights with the known ones."""
 
 from __future__ import annotations
 
@@ -9,43 +9,44 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._check import reals
-from envlights.rig import LUMINANCE
+from envlights.kernels.image import LUMINANCE
 from envlights.synthetic.scene import SyntheticMap
 
-#: A light may be missed by this, or by its own radius where that is more.
+#: Largest angle of a hit; for a larger light its own radius.
 TOLERANCE_DEG = 2.0
 
 
 @dataclass(frozen=True)
 class Score:
-    """How well a detector did on a family of maps.
+    """Score of a detector on a family of maps.
 
-    Ratios without a denominator are 1: who finds nothing where nothing is makes no mistake.
+    A ratio with the denominator 0 is 1: a detector that finds nothing where there is no light makes
+    no mistake.
     """
 
     known: int
-    """Lights in all maps."""
+    """Number of lights in all maps."""
 
     found: int
-    """Lights that were detected, those on maps without lights included."""
+    """Number of detected lights, with those on maps without lights."""
 
     angles_deg: NDArray[np.float64]
-    """From each hit to its light."""
+    """Angle from each hit to its light."""
 
     flux_errors: NDArray[np.float64]
-    """Relative, in luminance, of each hit."""
+    """Relative error of the luminance of each hit."""
 
     false_on_lightless: int
-    """Lights that were detected on maps that have none."""
+    """Number of lights that were detected on maps without lights."""
 
     @property
     def precision(self) -> float:
-        """Share of what was found that is there."""
+        """Share of the detected lights that are hits."""
         return len(self.angles_deg) / self.found if self.found else 1.0
 
     @property
     def recall(self) -> float:
-        """Share of what is there that was found."""
+        """Share of the known lights that were hit."""
         return len(self.angles_deg) / self.known if self.known else 1.0
 
     @property
@@ -61,8 +62,8 @@ def judge(results: Iterable[tuple[SyntheticMap, ArrayLike, ArrayLike]]) -> Score
     Parameters
     ----------
     results : iterable of (SyntheticMap, directions, irradiance)
-        For each map what was found in it: unit vectors, shape (n, 3), and the RGB integral of
-        the radiance over each light, shape (n, 3), background included.
+        The lights detected in each map: unit vectors, shape (n, 3), and the RGB integral of the
+        radiance over each light, with the background, shape (n, 3).
 
     Returns
     -------
@@ -80,11 +81,13 @@ def judge(results: Iterable[tuple[SyntheticMap, ArrayLike, ArrayLike]]) -> Score
     angles: list[float] = []
     flux_errors: list[float] = []
     for world, directions, irradiance in results:
+        # Count lights, known and detected.
         detected = np.reshape(directions, (-1, 3))
         flux = np.reshape(irradiance, (-1, 3)) @ LUMINANCE
         truth = world.irradiance_with_background @ LUMINANCE
         known, found = known + len(world.lights), found + len(detected)
         false_on_lightless += len(detected) * (len(world.lights) == 0)
+        # Measure the hits.
         for i, j, angle in match(world, detected):
             angles.append(angle)
             flux_errors.append(abs(flux[j] - truth[i]) / truth[i])
@@ -92,7 +95,7 @@ def judge(results: Iterable[tuple[SyntheticMap, ArrayLike, ArrayLike]]) -> Score
 
 
 def match(world: SyntheticMap, directions: ArrayLike) -> list[tuple[int, int, float]]:
-    """Which detected light is which known one: the closest pair first, each at most once.
+    """Pair detected lights with known ones, the closest first, each light at most once.
 
     Parameters
     ----------
@@ -108,9 +111,10 @@ def match(world: SyntheticMap, directions: ArrayLike) -> list[tuple[int, int, fl
     """
     detected = reals("directions", directions, 2)
     chords = np.linalg.norm(world.lights.direction[:, None] - detected[None], axis=2)
-    # From the chord, for the arc cosine is blind below 1e-6 degrees.
+    # Measure all angles by their chords, because the arc cosine is blind below 1e-6 degrees.
     angles = np.rad2deg(2 * np.arcsin(np.clip(chords / 2, 0, 1)))
     angles[angles > np.maximum(TOLERANCE_DEG, world.angular_radius_deg)[:, None]] = np.inf
+    # Take the closest pair, remove both lights, and repeat.
     hits = []
     while angles.size and np.isfinite(angles.min()):
         i, j = (int(k) for k in np.unravel_index(angles.argmin(), angles.shape))

@@ -9,9 +9,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights import kernels
 from envlights._check import reals
 from envlights._native import EnvLightsError
+from envlights.kernels import sphere
 
 #: Samples along each side of a pixel by which its coverage is measured.
 _SUPERSAMPLING = 4
@@ -36,18 +36,18 @@ class Disc:
     """Unit vector towards the centre."""
 
     angular_radius_deg: float
-    """From the centre to the rim, in degrees."""
+    """Angle from the centre to the rim, in degrees."""
 
     radiance: ArrayLike
     """RGB."""
 
     @property
     def reach_deg(self) -> float:
-        """From the centre to the farthest point, in degrees."""
+        """Angle from the centre to the farthest point, in degrees."""
         return self.angular_radius_deg
 
     def angle_deg(self, directions: NDArray[np.float64]) -> NDArray[np.float64]:
-        """From each direction to the nearest point of the disc, in degrees."""
+        """Angle from each direction to the nearest point of the disc, in degrees."""
         return np.maximum(_angle_deg(directions, unit(self.direction)) - self.reach_deg, 0)
 
     def coverage(self, height: int) -> NDArray[np.float64]:
@@ -61,7 +61,7 @@ class Disc:
 
 @dataclass(frozen=True)
 class Rectangle:
-    """A window or a tube: a flat rectangle seen head-on."""
+    """A window or a tube: a flat rectangle that faces the camera."""
 
     direction: ArrayLike
     """Unit vector towards the centre."""
@@ -82,19 +82,18 @@ class Rectangle:
     """Panes from side to side and from top to bottom, with a bar between neighbours."""
 
     bar_deg: float = 0.0
-    """Opening angle of a bar in the middle, in degrees; the background shows through it."""
+    """Opening angle of a bar in the middle, in degrees; a bar shows the background."""
 
     @property
     def reach_deg(self) -> float:
-        """From the centre to the corners, in degrees."""
+        """Angle from the centre to the corners, in degrees."""
         half = np.tan(np.deg2rad([self.width_deg, self.height_deg]) / 2)
         return float(np.rad2deg(np.arctan(np.hypot(*half))))
 
     def angle_deg(self, directions: NDArray[np.float64]) -> NDArray[np.float64]:
-        """From each direction to the nearest point within the frame, in degrees."""
-        axes = _head_on(unit(self.direction), np.deg2rad(self.tilt_deg))
-        across, along, depth = np.moveaxis(directions @ axes.T, -1, 0)
-        depth = np.maximum(depth, 1e-6)  # what lies behind is nearest to a side or a corner
+        """Angle from each direction to the nearest point within the frame, in degrees."""
+        axes, (across, along, depth) = self._in_plane(directions)
+        depth = np.maximum(depth, 1e-6)  # directions behind are nearest to a side or a corner
         half = np.tan(np.deg2rad([self.width_deg, self.height_deg]) / 2)
         x, y = np.clip(across / depth, -half[0], half[0]), np.clip(along / depth, -half[1], half[1])
         nearest = np.stack([x, y, np.ones_like(x)], axis=-1) @ axes
@@ -106,14 +105,22 @@ class Rectangle:
         centre = unit(self.direction)
         return supersampled(height, centre, self.reach_deg, self._glass)
 
-    def _glass(self, directions: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def _in_plane(
+        self, directions: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The axes of the rectangle, (3, 3), and the directions along each of them, (3, ...)."""
         axes = _head_on(unit(self.direction), np.deg2rad(self.tilt_deg))
-        across, along, depth = np.moveaxis(directions @ axes.T, -1, 0)
+        return axes, np.moveaxis(directions @ axes.T, -1, 0)
+
+    def _glass(self, directions: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """True where a direction meets a pane."""
+        _, (across, along, depth) = self._in_plane(directions)
         inside: NDArray[np.bool_] = depth > 0
         bar = np.tan(np.deg2rad(self.bar_deg) / 2)
         for offset, side_deg, panes in zip(
             (across, along), (self.width_deg, self.height_deg), self.panes, strict=True
         ):
+            # Cut off everything beyond the two edges, then each bar between two panes.
             half = np.tan(np.deg2rad(side_deg) / 2)
             inside &= np.abs(offset) <= half * depth
             for pane in range(1, panes):
@@ -134,22 +141,22 @@ class PixelSun:
 
     @property
     def reach_deg(self) -> float:
-        """A point."""
+        """0: the sun is a point."""
         return 0.0
 
     def angle_deg(self, directions: NDArray[np.float64]) -> NDArray[np.float64]:
-        """From each direction to the sun, in degrees."""
+        """Angle from each direction to the sun, in degrees."""
         return _angle_deg(directions, unit(self.direction))
 
     def coverage(self, height: int) -> NDArray[np.float64]:
         """1 at the pixel, 0 elsewhere."""
-        ((u, v),) = kernels.direction_to_uv([unit(self.direction)])
+        ((u, v),) = sphere.direction_to_uv([unit(self.direction)])
         covered = np.zeros((height, 2 * height))
         covered[min(int(v * height), height - 1), int(u * 2 * height) % (2 * height)] = 1
         return covered
 
 
-#: The shapes whose size and place are known.
+#: The shapes with a known size and place.
 Lamp = Disc | Rectangle | PixelSun
 
 
@@ -159,23 +166,26 @@ def supersampled(
     reach_deg: float,
     inside: Callable[[NDArray[np.float64]], NDArray[np.bool_]],
 ) -> NDArray[np.float64]:
-    """Share of each pixel's samples that are inside, by solid angle where rows are thin.
+    """Share of each pixel's samples that are inside, weighted by solid angle from row to row.
 
-    Only pixels within `reach_deg` of the centre are looked at.
+    Pixels farther than `reach_deg` from the centre are taken to be outside.
     """
+    # Find the pixels within reach.
     n = _SUPERSAMPLING
     margin = np.pi / height  # more than from a pixel's centre to its corner
     reach = min(np.deg2rad(reach_deg) + margin, np.pi)
-    near = kernels.pixel_directions(height, 2 * height) @ centre >= np.cos(reach)
+    near = sphere.pixel_directions(height, 2 * height) @ centre >= np.cos(reach)
+    # Test their samples.
     row, column = near.nonzero()
     step = (np.arange(n) + 0.5) / n
     u = (column[:, None] + step) / (2 * height)
     v = (row[:, None] + step) / height
     uv = np.stack(np.broadcast_arrays(u[:, None, :], v[:, :, None]), axis=-1)
-    seen = inside(kernels.uv_to_direction(uv.reshape(-1, 2))).reshape(-1, n, n)
+    hits = inside(sphere.uv_to_direction(uv.reshape(-1, 2))).reshape(-1, n, n)
+    # Average them, by solid angle where rows are thin.
     weight = np.sin(np.pi * v)
     covered = np.zeros((height, 2 * height))
-    covered[near] = (weight * seen.mean(axis=2)).sum(axis=1) / weight.sum(axis=1)
+    covered[near] = (weight * hits.mean(axis=2)).sum(axis=1) / weight.sum(axis=1)
     return covered
 
 
@@ -184,7 +194,7 @@ def unit(direction: ArrayLike) -> NDArray[np.float64]:
     vector = reals("a direction", direction, 1)
     length = np.linalg.norm(vector)
     if vector.shape != (3,) or not np.isfinite(length) or length == 0:
-        raise EnvLightsError(f"a direction must be three numbers, not all 0; got {direction!r}")
+        raise EnvLightsError(f"a direction must be three numbers, not all 0; got {vector.tolist()}")
     of_length_one: NDArray[np.float64] = vector / length
     return of_length_one
 

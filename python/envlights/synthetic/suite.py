@@ -1,7 +1,7 @@
 """Two families of random maps with known lights, to judge detectors by.
 
-A seed gives one map, always the same. Whoever chooses a threshold may look at the seeds `TUNING`;
-the seeds `JUDGING` are for the final numbers only, so that no threshold is fitted to them.
+The same seed always gives the same map. To choose a threshold, use the seeds `TUNING`. The seeds
+`JUDGING` are for the final numbers only, so that no threshold is fitted to them.
 
 Lights do not overlap and stand apart by some degrees. They are at least 8 times as bright as the
 brightest surroundings; in pictures clipped to 1, at least 2.5 times.
@@ -14,8 +14,8 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights import io
 from envlights._check import count
+from envlights._srgb import decode_srgb
 from envlights.synthetic import backdrops, lamps
 from envlights.synthetic.scene import Camera, SyntheticMap, scene
 from envlights.synthetic.shapes import Lamp, PixelSun
@@ -25,7 +25,7 @@ TUNING = range(0, 60)
 #: Seeds for the numbers that are published. No threshold may be chosen by them.
 JUDGING = range(1000, 1060)
 
-#: Rows of a map in which samples are close enough to see a disc of 0.25 degrees.
+#: Rows of the smallest map whose samples are close enough to show a disc of 0.25 degrees.
 _LEAST_HEIGHT = 128
 
 _Backdrop = Callable[[np.random.Generator, int], NDArray[np.float64]]
@@ -49,9 +49,9 @@ def plain(seed: int, height: int = 512) -> SyntheticMap:
     """A map that every detector should master.
 
     Discs of 0.25 to 15 degrees in radius, windows, glass fronts, tubes, close pairs and one-pixel
-    suns; some across the seam or on a pole; before an even background, a clear sky, noise of 2 %,
-    a white wall or tiles. Some maps have another exposure, some are clipped to 1, also with 8
-    bits; every tenth has no light.
+    suns, some across the seam or on a pole. The background is even, a clear sky, noise of 2 %, a
+    white wall or tiles. Some maps have another exposure; some are clipped to 1, and some of these
+    have 8 bits. Every tenth map has no light.
 
     Parameters
     ----------
@@ -71,25 +71,27 @@ def plain(seed: int, height: int = 512) -> SyntheticMap:
     """
     height = count("height", height, least=_LEAST_HEIGHT)
     rng = np.random.default_rng([count("seed", seed), 1])
-    # Counting through keeps every range of seeds balanced.
+    # Take backgrounds in turn, which keeps every range of seeds balanced.
     name = _nth(_PLAIN_BACKDROPS, seed + seed // 10)
     background = _PLAIN_BACKDROPS[name](rng, height)
+    # Draw the lights.
     shapes: list[Lamp] = []
     words: list[str] = []
     if seed % 10 != 9:
         first = _nth(lamps.PLAIN, seed)
         shapes, words = lamps.draw(rng, lamps.PLAIN, first, contrast=(8, 500), gap_deg=3)
+    # Take the picture.
     camera, picture = _camera(rng, height, 0.02 * (name == "noise"), may_clip=_is_large(shapes))
     note = _note(words, name, picture)
     return scene(height, background=background, shapes=shapes, camera=camera, note=note)
 
 
 def hard(seed: int, height: int = 512) -> SyntheticMap:
-    """A map with what is easily mistaken.
+    """A map with things that are easily mistaken for lights.
 
-    Glare around the lights, lit walls and bright clouds, which are no lights; windows with bars,
-    each of which is one light; noise of 2 %; all in many combinations. Every eighth map shows
-    clouds or lit walls alone.
+    There are glare around lights, bright walls and bright clouds, which are not lights. There are
+    windows with bars, each of which is one light. Some maps have noise of 2 %. All this comes in
+    many combinations. Every eighth map has clouds or bright walls and no light.
 
     Parameters
     ----------
@@ -109,20 +111,20 @@ def hard(seed: int, height: int = 512) -> SyntheticMap:
     """
     height = count("height", height, least=_LEAST_HEIGHT)
     rng = np.random.default_rng([count("seed", seed), 2])
-    is_lit = seed % 8 != 7
-    name = _nth(_HARD_BACKDROPS, seed) if is_lit else _CLUTTER[seed // 8 % 2]
+    has_lights = seed % 8 != 7
+    name = _nth(_HARD_BACKDROPS, seed) if has_lights else _CLUTTER[seed // 8 % 2]
     background = _HARD_BACKDROPS[name](rng, height)
-    has_glare = is_lit and rng.random() < 0.4
+    has_glare = has_lights and rng.random() < 0.4
+    # Draw the lights, farther apart and brighter if they must stand out from glare.
     shapes: list[Lamp] = []
     words: list[str] = []
-    if is_lit:
-        # Lights in the glare of others stand out less: they are farther apart and brighter.
+    if has_lights:
         kinds, least, gap_deg = (lamps.ROUND, 20, 12) if has_glare else (lamps.HARD, 10, 3)
         shapes, words = lamps.draw(rng, kinds, _nth(kinds, seed), (least, 300), gap_deg)
     if has_glare:
         background = np.add(background, backdrops.glare(rng, height, shapes))
         name += ", glare"
-    # Clipped glare would widen the lights: nobody could say where they end.
+    # Take the picture. Clipped glare would widen the lights, so that their rims were not known.
     may_clip = _is_large(shapes) and not has_glare
     camera, picture = _camera(rng, height, 0.02 * (rng.random() < 0.6), may_clip)
     note = _note(words, name, picture)
@@ -138,14 +140,15 @@ def _note(lights: list[str], backdrop: str, picture: str) -> str:
 
 
 def _is_large(shapes: list[Lamp]) -> bool:
-    """Whether all lights survive clipping: one white pixel in a picture is no light to anyone."""
+    """True if all lights survive clipping; one white pixel is not recognisable as a light."""
     return not any(isinstance(shape, PixelSun) for shape in shapes)
 
 
 def _camera(
     rng: np.random.Generator, height: int, noise: float, may_clip: bool
 ) -> tuple[Camera, str]:
-    """What is stored, and how that is called."""
+    """A camera, and a description of its pictures."""
+    # Draw the kind of picture and its exposure.
     picture = rng.choice(["as is", "exposure", "clipped", "8 bit"], p=[0.3, 0.3, 0.2, 0.2])
     is_clipped = may_clip and picture in ("clipped", "8 bit")
     exposure = 1.0
@@ -153,8 +156,8 @@ def _camera(
         exposure = 10 ** rng.uniform(-3, 3)
     elif is_clipped:
         exposure = 10 ** rng.uniform(np.log10(0.05), np.log10(0.4))
-    # Grain goes with the radiance. Hum is a tenth of it before the brightest surroundings, whose
-    # luminance is 1, and the larger of the two in the dark.
+    # Draw the noise. Grain is proportional to the radiance. Hum is constant: a tenth of the grain
+    # on the brightest surroundings, whose luminance is 1, and the larger of the two in the dark.
     grain, hum = noise * rng.standard_normal((2, height, 2 * height, 3))
     hum *= 0.1
 
@@ -170,7 +173,7 @@ def _camera(
 
 def _eight_bits(radiance: NDArray[np.float64]) -> NDArray[np.float64]:
     """Radiance up to 1 after it was sRGB-coded in 8 bits and linearised."""
-    levels = io.decode_srgb(np.arange(256) / 255)
-    between = io.decode_srgb((np.arange(255) + 0.5) / 255)
+    levels = decode_srgb(np.arange(256) / 255)
+    between = decode_srgb((np.arange(255) + 0.5) / 255)
     nearest: NDArray[np.float64] = levels[np.searchsorted(between, radiance)].astype(np.float64)
     return nearest

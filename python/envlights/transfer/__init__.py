@@ -1,24 +1,26 @@
 """Transfer: indirect light from a small image of the direct light.
 
-Learnt from pairs of images of one scene under many lights. `TransferModel.fit` is the story:
+A model is learnt from pairs of images of one scene under many lights. These are the steps of
+`TransferModel.fit`, and what else a model does:
 
-| step                                                   | file          |
-|--------------------------------------------------------|---------------|
-| what is asked of the images; pairs at one scale        | `pairs.py`    |
-| the inner products of all indirect images, in blocks   | `gram.py`     |
-| the directions that hold most of them                  | `basis.py`    |
-| from direct light to coefficients; the ridge           | `ridge.py`    |
-| errors on lights that were not seen                    | `unseen.py`   |
-| the matrix of a basis, with its errors                 | `solved.py`   |
-| images from coefficients, and back                     | `expand.py`   |
-| the basis in bytes or halves, for faster frames        | `compact.py`  |
-| what a model keeps of its pairs                        | `learnt.py`   |
-| more pairs, without starting over                      | `grow.py`     |
-| what was found, and how far it can be trusted          | `report.py`   |
-| the model                                              | `model.py`    |
-| one file for a model                                   | `store.py`    |
-| pairs on disk                                          | `database.py` |
-| the looks at all images, for more than one machine     | `cluster.py`  |
+| step                                             | file               |
+|--------------------------------------------------|--------------------|
+| checks of the images; pairs at one scale         | `pairs.py`         |
+| inner products of all indirect images, in blocks | `gram.py`          |
+| the directions that hold most of their energy    | `basis.py`         |
+| both as tasks of Dask, for more than one machine | `cluster.py`       |
+| the summary of the pairs that a model keeps      | `learnt.py`        |
+| from direct light to coefficients; the ridge     | `ridge.py`         |
+| errors on lights outside the pairs               | `leave_one_out.py` |
+| all of these in order                            | `training.py`      |
+| size, times and errors                           | `report.py`        |
+| more pairs, without starting over                | `grow.py`          |
+| images from coefficients, and back               | `expand.py`        |
+| the basis in bytes or halves, for faster frames  | `compact.py`       |
+| refusals of fields that do not fit together      | `consistency.py`   |
+| one file for a model                             | `archive.py`       |
+| the model                                        | `model.py`         |
+| pairs on disk                                    | `database.py`      |
 """
 
 from envlights.transfer.database import FilePairs, read_pairs

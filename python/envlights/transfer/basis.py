@@ -4,8 +4,8 @@ With the eigensystem of G = Y Y^T = V S^2 V^T, the columns of
 
     B = Y^T V S^-1
 
-are orthonormal already, and the coefficients of the images in them are V S: no QR, and no second
-look at the images.
+are orthonormal already, and the coefficients of the images in them are V S. This needs no QR, and
+the images are not read again for the coefficients.
 """
 
 from __future__ import annotations
@@ -25,17 +25,17 @@ from envlights.transfer.pairs import Pairs
 
 @dataclass(frozen=True)
 class Wanted:
-    """How many directions a user asked for."""
+    """Number of directions that a user asked for."""
 
     rank: int | float
-    """At most so many, or the share of the energy that they hold together."""
+    """Largest number of directions (int), or the share of the energy that they hold (float)."""
 
     error: float | None
     """Relative RMS error of the images in the basis that is good enough."""
 
     @classmethod
     def checked(cls, rank: object, error: object) -> Wanted:
-        """What a user gave, or a refusal."""
+        """Parameters as a user gave them, or a refusal."""
         bound = None if error is None else amount("error", error)
         if not isinstance(rank, float | np.floating):
             return cls(count("rank", rank, least=1), bound)
@@ -45,7 +45,7 @@ class Wanted:
         return cls(share, bound)
 
     def missed(self, values: NDArray[np.float64], rank: int) -> tuple[str, ...]:
-        """Why there are fewer directions than were asked for, or a larger error."""
+        """Notes if there are fewer directions than were asked for, or if the error is larger."""
         notes = []
         if len(values) < self.rank:
             notes.append(f"the images have no more than {len(values)} directions above rounding")
@@ -55,11 +55,11 @@ class Wanted:
         return tuple(notes)
 
     def count(self, values: NDArray[np.float64]) -> int:
-        """The fewest directions that do, given the energy in each, most first."""
+        """The fewest directions that are enough; `values`: energy in each, largest first."""
         energy = np.cumsum(values)
         most = len(values)
         if isinstance(self.rank, float):
-            # Sums of one thing in two orders differ by rounding: 1.0 means all of it.
+            # The same sum in two orders differs by rounding; a share of 1.0 means all of it.
             enough = self.rank * energy[-1] * (1 - 1e-12)
             return min(int(np.searchsorted(energy, enough)) + 1, most)
         most = min(most, self.rank)
@@ -82,16 +82,16 @@ class Directions:
 
     @property
     def coefficients(self) -> NDArray[np.float64]:
-        """Of the images in the directions, (k, 3, n)."""
+        """Coefficients of the images in the directions, (k, 3, n)."""
         return (self.vectors * np.sqrt(self.values)).reshape(-1, 3, len(self.values))
 
     def first(self, rank: int) -> Directions:
-        """The first of them."""
+        """The first `rank` directions."""
         return Directions(self.values[:rank], self.vectors[:, :rank])
 
 
 def directions(products: NDArray[np.float64], dtype: np.dtype[Any], energy: float) -> Directions:
-    """All directions that are more than the rounding of `dtype` in images of that `energy`."""
+    """Directions with more energy than the rounding of `dtype` adds to images of this `energy`."""
     values, vectors = np.linalg.eigh(products)
     values, vectors = values[::-1], vectors[:, ::-1]
     kept = values > 8 * np.finfo(dtype).eps * energy
@@ -101,25 +101,26 @@ def directions(products: NDArray[np.float64], dtype: np.dtype[Any], energy: floa
 def outside(
     products: NDArray[np.float64], coefficients: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Inner products of what a basis leaves of the three rows of each image, (k, 3, 3)."""
+    """Inner products of the residuals of the three rows of each image, (k, 3, 3)."""
     k = np.arange(len(coefficients))
     own: NDArray[np.float64] = products.reshape(len(k), 3, len(k), 3)[k, :, k]
     return own - coefficients @ coefficients.swapaxes(1, 2)
 
 
-def basis(pairs: Pairs, seen: Gram, first: Directions, centred: bool) -> tuple[Any, Any]:
+def basis(pairs: Pairs, measured: Gram, first: Directions, centred: bool) -> tuple[Any, Any]:
     """Orthonormal columns over the lit texels, (lit texels, rank), and the mean of all rows there.
 
-    What one texel needs stands together: a frame reads it twice as fast as it would row by row.
+    The values of one texel stand side by side: a frame reads them twice as fast as columns.
     """
     weights = first.vectors / np.sqrt(first.values)
     if centred:
-        # The mean is one more mixture. The others hold none of it: their weights add up to 0.
+        # Append the mean as one more mixture; the weights of each other mixture add up to 0.
         weights = np.column_stack([weights, np.full(len(weights), 1 / len(weights))])
-    columns = np.empty((np.count_nonzero(seen.lit), weights.shape[1]), pairs.dtype)
+    # Fill the rows of the basis part by part.
+    columns = np.empty((np.count_nonzero(measured.lit), weights.shape[1]), pairs.dtype)
     end = 0
     for where, part in parts(pairs):
-        mixed = mixtures(pairs, part, seen.lit[where], weights)
+        mixed = mixtures(pairs, part, measured.lit[where], weights)
         begin, end = end, end + len(mixed)
         columns[begin:end] = mixed
     if centred:

@@ -1,18 +1,18 @@
-"""The two looks at the indirect images as tasks of Dask, for more than one machine.
+"""The two passes over the indirect images as tasks of Dask, for more than one machine.
 
 Dask cuts the images into rows of the lightmap, all images of a row together, and hands the blocks
-to its workers. Each worker does what one machine does, `gram.py` and `basis.py`, on its blocks:
+to its workers. Each worker runs `gram.py` and `basis.py` on its blocks:
 
     G = sum over blocks of G_b,    B = the rows of all B_b, one below the other.
 
-What travels is a matrix of (3 k, 3 k) for each block, summed on the way, and the basis. Images of
-which each stands in a file of its own become such an array by
+Between the machines travel a matrix of (3 k, 3 k) for each block, summed on the way, and the basis.
+Images that are files become such an array by
 
     read = dask.delayed(lambda path: el.io.read_image(path).pixels)
     indirect = da.stack([da.from_delayed(read(path), (H, W, 3), np.float32) for path in paths])
 
-and must then fit into the memories of all workers together, or be spilled: a block needs a little
-of every image. Images that are stored in rows, as of Zarr, need not.
+They must then fit into the memory of all workers together, or be spilled to disk, because a block
+needs a few rows of every image. Images that are stored by rows, as in Zarr, need not fit.
 """
 
 from __future__ import annotations
@@ -32,10 +32,11 @@ from envlights.transfer.pairs import Pairs, check_finite
 
 
 def gram(pairs: Pairs, centred: bool) -> Gram:
-    """What `gram.gram` gives, for indirect images that are an array of Dask."""
+    """Compute `gram.gram` for indirect images that are an array of Dask."""
     import dask
     import dask.array as da
 
+    # Make a task of each block.
     shared = _shared(replace(pairs, indirect=None))
     products, energy, lit = [], [], []
     for where, block in _blocks(pairs):
@@ -44,31 +45,32 @@ def gram(pairs: Pairs, centred: bool) -> Gram:
         products.append(da.from_delayed(part.products, (rows, rows), np.float64))
         energy.append(da.from_delayed(part.energy, (rows // 3,), np.float64))
         lit.append(da.from_delayed(part.lit, (height, pairs.indirect.shape[2]), np.bool_))
+    # Sum what the blocks give, and join their masks.
     sums = da.stack(products).sum(axis=0), da.stack(energy).sum(axis=0)
     return Gram(*dask.compute(*sums, da.concatenate(lit)))
 
 
-def basis(pairs: Pairs, seen: Gram, first: Directions, centred: bool) -> tuple[Any, Any]:
-    """What `basis.basis` gives, for indirect images that are an array of Dask."""
+def basis(pairs: Pairs, measured: Gram, first: Directions, centred: bool) -> tuple[Any, Any]:
+    """Compute `basis.basis` for indirect images that are an array of Dask."""
     import dask
 
-    shared = _shared((replace(pairs, indirect=None), seen, first))
+    shared = _shared((replace(pairs, indirect=None), measured, first))
     parts = [dask.delayed(_basis)(shared, block, where, centred) for where, block in _blocks(pairs)]
     columns, mean = zip(*dask.compute(*parts), strict=True)
     return np.concatenate(columns), np.concatenate(mean)
 
 
 def _shared(values: Any) -> Any:
-    """What every task needs, sent to each worker once; not searched for arrays of Dask."""
+    """Inputs of every task, sent to each worker once; they are not searched for arrays of Dask."""
     import dask
 
     return dask.delayed(values, pure=False, traverse=False)
 
 
 def _blocks(pairs: Pairs) -> list[tuple[slice, Any]]:
-    """Rows of the lightmap, and all images there, still to be computed.
+    """Slices of rows of the lightmap, and all images in these rows, yet to be computed.
 
-    As many rows as make a block of the size that Dask is set to, ``array.chunk-size``.
+    The setting ``array.chunk-size`` of Dask decides how many rows make a block.
     """
     images = pairs.indirect.rechunk({0: -1, 1: "auto", 2: -1, 3: -1})
     ends = np.cumsum(images.chunks[1]).tolist()
@@ -87,6 +89,6 @@ def _gram(pairs: Pairs, images: NDArray[Any], where: slice, centred: bool) -> Gr
 def _basis(
     shared: tuple[Pairs, Gram, Directions], images: NDArray[Any], where: slice, centred: bool
 ) -> tuple[Any, Any]:
-    pairs, seen, first = shared
-    here = replace(seen, lit=seen.lit[where])
+    pairs, measured, first = shared
+    here = replace(measured, lit=measured.lit[where])
     return local_basis.basis(replace(pairs, indirect=images), here, first, centred)

@@ -19,8 +19,8 @@ from numpy.typing import DTypeLike, NDArray
 
 from envlights import _native
 
-#: Texels that stand together, and those of them that share a scale, as in the kernel.
-TILE, SHARE = 32, 16
+#: Texels that stand together, and those of them that share a scale: the kernel decides.
+TILE, SHARE = _native.BASIS_TILE, _native.BASIS_SHARE
 #: The largest value at its scale, for each type in which a basis is kept, the most compact first.
 LARGEST: dict[str, float] = {"int8": 127.0, "float16": 1.0}
 #: Texels that are rounded at a time.
@@ -50,9 +50,8 @@ class CompactBasis:
         places = self.places
         if wanted is not None:
             places = np.where(in_tiles(wanted.ravel()).any(axis=1), places, -1)
-        bits = self.values.view(np.uint16) if self.values.dtype == np.float16 else self.values
         rows = np.ascontiguousarray(coefficients.swapaxes(1, 2), np.float32)
-        out = _native.transfer_frames(bits, self.scales, rows, places)
+        out = _native.transfer_frames(self.values, self.scales, rows, places)
         return out[:, : shape[0] * shape[1]].reshape(len(out), *shape, 3)
 
     def dense(self, lit: NDArray[np.bool_]) -> NDArray[np.float32]:
@@ -83,7 +82,7 @@ def rounded(
 
 def _scaled(tiles: NDArray[Any], dtype: DTypeLike) -> tuple[NDArray[Any], NDArray[np.float32]]:
     """Tiles (n, rank, 32) as values of `dtype`, and the scales."""
-    largest = np.abs(tiles).reshape(*tiles.shape[:2], -1, SHARE).max(axis=3)
+    largest = np.abs(tiles).reshape(*tiles.shape[:2], TILE // SHARE, SHARE).max(axis=3)
     scales = (largest / LARGEST[np.dtype(dtype).name]).astype(np.float32)
     inverse = np.divide(1.0, scales, out=np.zeros(scales.shape), where=scales > 0)
     values = tiles * np.repeat(inverse, SHARE, axis=2)

@@ -1,4 +1,4 @@
-"""Pairs on disk: a folder of EXR files, read one after the other."""
+"""Pairs on disk: a folder of EXR files."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
-from tqdm import tqdm
 
-from envlights import io
+from envlights._check import first_not_finite, shown
 from envlights._native import EnvLightsError
 from envlights._result import Result
+from envlights.io.images import read_image, write_exr
 
-#: How the files of a folder are called.
+#: First words of the names of files.
 _DIRECT, _INDIRECT = "direct", "lightmap"
-_NAME = re.compile(rf"({_DIRECT}|{_INDIRECT})_(.+)\.exr")
+_FILE = re.compile(rf"({_DIRECT}|{_INDIRECT})_(.+)\.exr")
 
 #: A path to an image of direct light, and one to the indirect light.
 PathPair = tuple[str | os.PathLike[str], str | os.PathLike[str]]
@@ -30,9 +30,9 @@ PathPair = tuple[str | os.PathLike[str], str | os.PathLike[str]]
 class FilePairs(Result):
     """Pairs that were read from files.
 
-    `indirect` is mapped from a file without a name in the folder for temporary files, ``TMPDIR``,
-    which is gone with the array: a database that is larger than memory fits. That folder should be
-    on a disk; some systems keep ``/tmp`` in memory.
+    `indirect` is mapped from a file without a name in the folder for temporary files, ``TMPDIR``.
+    So a database may be larger than memory, and the file is gone with the array. That folder should
+    be on a disk; some systems keep ``/tmp`` in memory.
     """
 
     direct: NDArray[np.float32]
@@ -42,36 +42,36 @@ class FilePairs(Result):
     """Indirect light, (k, H, W, 3)."""
 
     notes: tuple[str, ...]
-    """What was left out of the files."""
+    """Channels of the files that were left out."""
 
     def in_short(self) -> str:
-        """How many images there are, and how large."""
+        """Number and size of the images."""
         return f"direct {self.direct.shape}, indirect {self.indirect.shape}"
 
 
 def read_pairs(
     pairs: str | os.PathLike[str] | Iterable[PathPair], *, progress: bool = False
 ) -> FilePairs:
-    """Pairs of images of direct and indirect light, from files.
+    """Read pairs of images of direct and indirect light from files.
 
     Parameters
     ----------
     pairs : path-like or iterable of pairs of path-like
-        A folder with files ``direct_NAME.exr`` and ``lightmap_NAME.exr``, taken in the order of
-        their names; or the paths of each pair, the direct light first.
+        A folder with files ``direct_NAME.exr`` and ``lightmap_NAME.exr``, which are read in the
+        order of their names; or the paths of each pair, direct light first.
     progress : bool
         Show a progress bar on stderr.
 
     Returns
     -------
     FilePairs
-        What `TransferModel.fit` and `TransferModel.add` take.
+        Arguments of `TransferModel.fit` and `TransferModel.add`.
 
     Raises
     ------
     EnvLightsError
-        If a file is missing, damaged, of another size than the first, or holds NaN or infinities;
-        the sentence names it.
+        If a file is missing, damaged, of another size than the first, or holds NaN or infinities.
+        The message names the file.
 
     Examples
     --------
@@ -101,70 +101,88 @@ def read_pairs(
 
 def _in_folder(folder: Path) -> list[PathPair]:
     """The pairs of a folder by name, or a refusal that names the file without a partner."""
+    # List the folder.
     try:
         files = sorted(folder.iterdir())
     except (OSError, ValueError) as error:  # a name that is too long, or holds a NUL
         reason = getattr(error, "strerror", None) or str(error)
         raise EnvLightsError(f"cannot read pairs from {folder}: {reason}; give a folder") from None
+    # Sort its files into pairs.
     found: dict[str, dict[str, Path]] = {}
     for path in files:
-        if match := _NAME.fullmatch(path.name):
+        if match := _FILE.fullmatch(path.name):
             found.setdefault(match[2], {})[match[1]] = path
     if not found:
         raise EnvLightsError(
-            f"{folder} holds no pairs; give files {_DIRECT}_NAME.exr and {_INDIRECT}_NAME.exr"
+            f"{folder} holds no pairs; give files {_file_name(_DIRECT, 'NAME')} and"
+            f" {_file_name(_INDIRECT, 'NAME')}"
         )
+    # Refuse a file without a partner.
     for name, pair in found.items():
         for kind in {_DIRECT, _INDIRECT} - pair.keys():
             (partner,) = pair.values()
-            raise EnvLightsError(f"{partner} has no partner: {folder / f'{kind}_{name}.exr'}")
+            raise EnvLightsError(f"{partner} has no partner: {folder / _file_name(kind, name)}")
     return [(pair[_DIRECT], pair[_INDIRECT]) for pair in found.values()]
+
+
+def write_pairs(
+    folder: str | os.PathLike[str], direct: NDArray[Any], indirect: NDArray[Any]
+) -> None:
+    """Write images, (k, h, w, 3) and (k, H, W, 3), as the files that `read_pairs` reads."""
+    for k, pair in enumerate(zip(direct, indirect, strict=True)):
+        for kind, image in zip((_DIRECT, _INDIRECT), pair, strict=True):
+            write_exr(Path(folder, _file_name(kind, f"{k:04}")), image)
+
+
+def _file_name(kind: str, name: str) -> str:
+    return f"{kind}_{name}.exr"
 
 
 def _checked(pairs: Iterable[Any]) -> list[PathPair]:
     if not isinstance(pairs, Iterable):
-        raise EnvLightsError(f"pairs must be a folder or pairs of paths; got {pairs!r}")
+        raise EnvLightsError(f"pairs must be a folder or pairs of paths; got {shown(pairs)}")
     paths = list(pairs)
     for k, pair in enumerate(paths):
         if isinstance(pair, str | os.PathLike) or not hasattr(pair, "__len__") or len(pair) != 2:
-            raise EnvLightsError(f"pairs must hold two paths each; number {k} is {pair!r}")
+            raise EnvLightsError(f"pairs must hold two paths each; number {k} is {shown(pair)}")
     if not paths:
         raise EnvLightsError("pairs is empty; give a folder or at least one pair of paths")
     return [(direct, indirect) for direct, indirect in paths]
 
 
 def _read(paths: list[PathPair], spool: BinaryIO, progress: bool) -> FilePairs:
-    """Images one after the other: the small ones in memory, the large ones through `spool`."""
+    """Read image after image: the small ones into memory, the large ones into `spool`."""
+    from tqdm import tqdm  # here, so that `import envlights` does not wait for it
+
     direct: list[NDArray[np.float32]] = []
     sizes: dict[str, tuple[int, ...]] = {}
     notes: dict[str, None] = {}
     for small, large in tqdm(paths, desc="reading", unit="pair", disable=not progress):
         for kind, path in ((_DIRECT, small), (_INDIRECT, large)):
-            image = io.read_image(path)
-            pixels = _fitting(path, image.pixels, sizes.setdefault(kind, image.pixels.shape))
+            image = read_image(path)
+            pixels = _checked_pixels(path, image.pixels, sizes.setdefault(kind, image.pixels.shape))
             notes |= dict.fromkeys(f"{note} in the {kind} images" for note in image.notes)
             if kind == _DIRECT:
                 direct.append(pixels)
             else:
-                # Written, not through a map: a full disk is then an error and no crash.
+                # Write instead of filling a map: a full disk is then an error, not a crash.
                 spool.write(pixels.data)
+    # Map the large images as one array.
     spool.flush()
     shape = (len(paths), *sizes[_INDIRECT])
     indirect = np.memmap(spool, np.float32, "r", shape=shape)
     return FilePairs(np.stack(direct), indirect, tuple(notes))
 
 
-def _fitting(
+def _checked_pixels(
     path: str | os.PathLike[str], pixels: NDArray[np.float32], size: tuple[int, ...]
 ) -> NDArray[np.float32]:
     """The pixels of a file, or a refusal that names it."""
     if pixels.shape != size:
-        seen, wanted = (f"{shape[1]}x{shape[0]}" for shape in (pixels.shape, size))
-        raise EnvLightsError(f"{path} has {seen} pixels, the first of its kind {wanted}")
-    bad = np.argwhere(~np.isfinite(pixels))
-    if len(bad):
-        row, column, _ = bad[0]
-        value = pixels[tuple(bad[0])]
+        given, wanted = (f"{shape[1]}x{shape[0]}" for shape in (pixels.shape, size))
+        raise EnvLightsError(f"{path} has {given} pixels, the first of its kind {wanted}")
+    if bad := first_not_finite(pixels):
+        row, column, value = bad
         raise EnvLightsError(
             f"{path} must be finite; it holds {value} at row {row}, column {column}"
         )

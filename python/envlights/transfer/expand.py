@@ -1,4 +1,4 @@
-"""From coefficients to images and back, a block of texels at a time."""
+"""From coefficients to images, and from images to coefficients, a block of texels at a time."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights._check import shown
 from envlights._native import EnvLightsError
 
 #: Texels of a block: the rows of a few images stay in the cache until they are in place.
@@ -23,8 +24,8 @@ def expand(
 ) -> NDArray[Any]:
     """Images of `coefficients` (n, 3, components), black where not `lit`: (n, H, W, 3).
 
-    Of a basis of more components the others are not read. A `mean` that is not empty is added
-    `norm` times. Only what is `wanted` (H, W) is sure to be there.
+    Components of the basis beyond those of `coefficients` are not read. A `mean` that is not empty
+    is added `norm` times. Blocks without a texel that is `wanted` (H, W) stay black.
     """
     images, _, components = coefficients.shape
     rows = coefficients.reshape(3 * images, components).astype(basis.dtype)
@@ -40,10 +41,10 @@ def expand(
     return out.reshape(images, *lit.shape, 3)
 
 
-def gather(
+def project(
     images: NDArray[Any], basis: NDArray[Any], lit: NDArray[np.bool_], mean: NDArray[Any]
 ) -> NDArray[np.float64]:
-    """Coefficients of images (n, H, W, 3) less the `mean`: (n, 3, rank)."""
+    """Coefficients of images (n, H, W, 3) less the `mean`, in the basis: (n, 3, rank)."""
     flat = images.reshape(len(images), -1, 3)
     coefficients = np.zeros((3 * len(images), basis.shape[1]))
     for kept, texels in _blocks(lit):
@@ -54,10 +55,11 @@ def gather(
     return coefficients.reshape(len(images), 3, -1)
 
 
-def enough(coefficients: NDArray[np.float64], error: float) -> NDArray[np.float64]:
-    """The first components, as many as the `error` of each frame needs; 0 where it needs fewer.
+def truncated(coefficients: NDArray[np.float64], error: float) -> NDArray[np.float64]:
+    """The first components of each frame that keep its relative `error`; the others are 0.
 
-    The columns of the basis are orthonormal: leaving components out costs their squares.
+    The columns of the basis are orthonormal, so the squared error is the sum of the squares of the
+    components that are left out. Components that no frame keeps are cut off.
     """
     energy = np.einsum("ncr,ncr->nr", coefficients, coefficients)
     left = np.cumsum(energy[:, ::-1], axis=1)[:, ::-1]
@@ -66,8 +68,8 @@ def enough(coefficients: NDArray[np.float64], error: float) -> NDArray[np.float6
     return first
 
 
-def inside(region: Any, shape: tuple[int, int]) -> NDArray[np.bool_]:
-    """The texels of two slices, (H, W), or a refusal."""
+def region_mask(region: Any, shape: tuple[int, int]) -> NDArray[np.bool_]:
+    """Mask of the texels in two slices, (H, W), or a refusal."""
     wanted = np.zeros(shape, np.bool_)
     try:
         rows, columns = region
@@ -76,13 +78,13 @@ def inside(region: Any, shape: tuple[int, int]) -> NDArray[np.bool_]:
         wanted[rows, columns] = True
     except (TypeError, ValueError):
         raise EnvLightsError(
-            f"region must be two slices, of rows and of columns; got {region!r}"
+            f"region must be two slices, of rows and of columns; got {shown(region)}"
         ) from None
     return wanted
 
 
 def _blocks(lit: NDArray[np.bool_]) -> list[tuple[slice, Any]]:
-    """Rows of the basis, and the texels that they are, by number or as a slice."""
+    """Slices of rows of the basis, and the texels of these rows: their numbers or a slice."""
     starts = range(0, np.count_nonzero(lit), _BLOCK)
     kept = [slice(start, start + _BLOCK) for start in starts]
     if lit.all():

@@ -4,7 +4,8 @@ An image has three rows, one for each channel, so that a basis serves all channe
 
     Y = (3 k, texels),    G = Y Y^T = sum over blocks of Y_b Y_b^T
 
-`k` images are fewer than their texels by a thousand times: all that a basis needs is in G.
+An image has about a thousand times more texels than there are images, so G is small; and a basis
+needs nothing but G.
 """
 
 from __future__ import annotations
@@ -20,22 +21,22 @@ from envlights import _native
 from envlights._native import EnvLightsError
 from envlights.transfer.pairs import Pairs, check_finite
 
-#: Texels of a part, rounded to rows of the image: for the kernels, enough for several threads; for
-#: NumPy, which needs them in float64 and sorted, as many as stay in the cache.
+#: Texels of a part, rounded to rows of the image. For the kernels: enough for several threads. For
+#: NumPy, which needs them in float64 and reordered: as many as stay in the cache.
 _PART, _SMALL_PART = 8192, 1024
-#: Over fewer texels than this the rounding of float32 does not average out; float64 costs little.
+#: Over fewer texels than this the rounding of float32 does not average out, and float64 is cheap.
 _FEW = 2**16
 
 
 @dataclass(frozen=True, eq=False)
 class Gram:
-    """What one look at every texel gives."""
+    """Results of one pass over every texel."""
 
     products: NDArray[np.float64]
-    """Inner products of the rows, (3 k, 3 k), less their mean where that was asked for."""
+    """Inner products of the rows, (3 k, 3 k), or of the rows less their mean if centred."""
 
     energy: NDArray[np.float64]
-    """Sum of squares of each image, (k,), with the mean."""
+    """Sum of squares of each image, (k,); the mean is not subtracted."""
 
     lit: NDArray[np.bool_]
     """Texels that are not black in every image, (H, W)."""
@@ -43,11 +44,12 @@ class Gram:
 
 def gram(pairs: Pairs, centred: bool) -> Gram:
     """Inner products of the scaled indirect images; `centred`: less the mean of all rows."""
+    # Add up the lower half of the products, part by part.
     rows = 3 * len(pairs.scale)
     products = np.zeros((rows, rows))
     lit = np.empty(pairs.indirect.shape[1:3], np.bool_)
     inner = _single if is_for_kernels(pairs) else _double
-    # What overflows, or is NaN, is refused below by its place.
+    # Overflow and NaN are refused below, with their place in the images.
     with np.errstate(over="ignore", invalid="ignore"):
         for where, part in parts(pairs):
             found, is_lit = inner(part, pairs.scale)
@@ -56,6 +58,7 @@ def gram(pairs: Pairs, centred: bool) -> Gram:
     energy = np.diagonal(products).copy()
     if not np.isfinite(energy).all():
         _refuse(pairs)
+    # Fill the upper half; for centred rows, subtract what the mean contributes.
     products = np.tril(products) + np.tril(products, -1).T
     if centred:
         mean = products.mean(axis=0)
@@ -64,25 +67,25 @@ def gram(pairs: Pairs, centred: bool) -> Gram:
 
 
 def is_for_kernels(pairs: Pairs) -> bool:
-    """Whether the images are large, in float32: small ones are not worth the buffers of kernels."""
+    """True for large images in float32; small ones are not worth the buffers of the kernels."""
     _, height, width, _ = pairs.indirect.shape
     return bool(pairs.dtype == np.float32 and height * width >= _FEW)
 
 
 def _single(part: NDArray[Any], scale: NDArray[np.float64]) -> tuple[Any, NDArray[np.bool_]]:
-    """The lower half of the inner products, and which texels are lit."""
+    """Lower half of the inner products, and the mask of texels that are not black."""
     return _native.transfer_gram(part, scale.astype(np.float32))
 
 
 def _double(part: NDArray[Any], scale: NDArray[np.float64]) -> tuple[Any, NDArray[np.bool_]]:
-    """The same in float64, by a BLAS."""
+    """All inner products in float64 by a BLAS, and the mask of texels that are not black."""
     block = texel_rows(part, scale)
     lit: NDArray[np.bool_] = np.any(block, axis=1)
     return block.T @ block, lit
 
 
 def parts(pairs: Pairs) -> Iterator[tuple[slice, NDArray[Any]]]:
-    """Rows of the image, and what is in them: (k, texels, 3), not scaled."""
+    """Slices of rows, and all images in these rows: (k, texels, 3), not scaled."""
     images, height, width, _ = pairs.indirect.shape
     step = max(1, (_PART if is_for_kernels(pairs) else _SMALL_PART) // width)
     for first in range(0, height, step):

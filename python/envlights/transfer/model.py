@@ -14,15 +14,18 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._check import amount, check_choice
 from envlights._native import EnvLightsError
 from envlights._result import Result
-from envlights.transfer import cluster, grow, store
-from envlights.transfer.basis import Wanted, basis, directions, outside
+from envlights.transfer import archive, grow
+from envlights.transfer.basis import Wanted
 from envlights.transfer.compact import LARGEST, CompactBasis, rounded
-from envlights.transfer.expand import enough, expand, gather, inside
-from envlights.transfer.gram import gram
+from envlights.transfer.consistency import check_fields
+from envlights.transfer.expand import expand, project, region_mask, truncated
 from envlights.transfer.learnt import Learnt
-from envlights.transfer.pairs import as_array, frames, pairs_of
+from envlights.transfer.pairs import as_array, image_stack, pairs_of, rgb_rows
 from envlights.transfer.report import TransferReport
-from envlights.transfer.solved import solved
+from envlights.transfer.training import solved, trained
+
+_PARAMETERS = {"rank", "ridge", "error"}
+_TYPES = " nor ".join(LARGEST)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -30,11 +33,12 @@ class TransferModel(Result):
     """A linear map from small images of direct light to images of indirect light.
 
     Light is linear: twice the light gives twice the image, and the image of two lights is the sum
-    of theirs. So does the model, for any brightness; nothing is clipped and no gamma applied.
+    of their images. The model is linear too, for any brightness; it clips nothing and applies no
+    gamma.
 
     Examples
     --------
-    A small room that the package makes itself, 24 lightings to learn from and 8 that are new:
+    A small room that the package generates, with 24 lightings to learn from and 8 new ones:
 
     >>> import envlights as el
     >>> room = el.synthetic.room(32, width=16)
@@ -46,30 +50,40 @@ class TransferModel(Result):
     """
 
     basis: NDArray[Any] | CompactBasis
-    """Orthonormal columns over the texels that are not black in every image, (lit texels, rank);
-    of a model that is `compressed`, what is kept of them."""
+    """Orthonormal columns over the texels of `lit`, (texels, rank); rounded in a model that is
+    `compressed`."""
 
     lit: NDArray[np.bool_]
-    """Those texels, (H, W). The others are predicted black."""
+    """Texels that are not black in every image, (H, W). The others are predicted black."""
 
     transfer: NDArray[np.float64]
-    """What takes direct light to coefficients, (3, h * w, rank): one matrix for each channel. With
-    ``notebook=True`` each sees all channels, (3, 3 * h * w, rank)."""
+    """Matrices from direct light to coefficients, one for each channel, (3, h * w, rank). With
+    ``notebook=True`` each takes all channels, (3, 3 * h * w, rank)."""
 
     mean: NDArray[Any]
-    """Mean of all images in the lit texels, with ``notebook=True``; else empty."""
+    """Mean of all images in the texels of `lit` with ``notebook=True``; otherwise empty."""
 
     size: tuple[int, int]
     """Height and width of the direct images."""
 
     parameters: Mapping[str, Any]
-    """`rank`, `ridge` and `error` as they were asked for."""
+    """`rank`, `ridge` and `error` as they were given."""
 
     learnt: Learnt
-    """What is kept of the pairs."""
+    """Summary of the pairs, without their texels."""
 
     report: TransferReport
-    """How the model was found, with its errors on lights that it has not seen."""
+    """Size, times and errors of the model, among them those on lights outside its pairs."""
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.learnt, Learnt) or not isinstance(self.report, TransferReport):
+            raise EnvLightsError("learnt must be a Learnt, and report a TransferReport")
+        if set(self.parameters) != _PARAMETERS:
+            names, given = (", ".join(sorted(each)) for each in (_PARAMETERS, self.parameters))
+            raise EnvLightsError(f"parameters must be {names}; got {given or 'none'}")
+        _wanted(**self.parameters)
+        arrays = {"transfer": self.transfer, "mean": self.mean, **vars(self.learnt)}
+        check_fields(self.basis, self.lit, self.size, arrays)
 
     @classmethod
     def fit(
@@ -87,24 +101,25 @@ class TransferModel(Result):
         Parameters
         ----------
         direct : array_like, shape (k, h, w, 3 or 4)
-            Linear RGB of the direct light at a few places of the scene, as irradiance or as the
-            radiance that is reflected. Alpha is dropped and noted.
+            Linear RGB of the direct light at a few places of the scene, as irradiance or as
+            reflected radiance. Alpha is dropped, and a note says so.
         indirect : array_like, shape (k, H, W, 3 or 4)
-            Linear RGB of the indirect light. It is read in blocks: a mapped file does as well, and
-            so does an array of Dask, on whose workers the blocks are then read. With float64 the
-            basis is float64, for ranks beyond about 200; else float32.
+            Linear RGB of the indirect light. It is read in blocks, so it may be a mapped file, or
+            an array of Dask, whose workers then read the blocks. Of float64 images the basis is
+            float64, which ranks beyond about 200 need; of others it is float32.
         rank : int or float
-            Directions of the basis at most, as an int; or the share of the energy of the images
-            that they hold, as a float up to 1.0.
+            An int: directions of the basis, at most. A float up to 1.0: share of the energy of the
+            images that the basis holds.
         ridge : float or "loo"
-            Ridge of the regression, for direct images of norm 1; "loo": the one whose leave-one-out
-            errors are least, which are lower for clean images than for noisy ones.
+            Ridge of the regression, for direct images of norm 1. "loo": the ridge with the least
+            leave-one-out errors, which is smaller for clean images than for noisy ones.
         error : float, optional
-            Relative RMS error of the learnt images in the basis that is good enough: the fewest
-            directions that reach it, and at most `rank`.
+            Relative RMS error of the images in the basis that is good enough. The basis gets the
+            fewest directions that reach it, and at most `rank`.
         notebook : bool
-            The model of the notebook of Belcour, Deliot, Barbier and Soler instead, for comparison:
-            around the mean image, every channel from all channels, in directions of norm 1.
+            Fit the model of the notebook of Belcour, Deliot, Barbier and Soler instead, for
+            comparison: around the mean image, each channel from all channels, from direct images of
+            norm 1.
 
         Returns
         -------
@@ -115,7 +130,7 @@ class TransferModel(Result):
         ------
         EnvLightsError
             If the images do not fit together, hold NaN or infinities, or are all black; if a
-            parameter is none of the above.
+            parameter is not one of the above.
 
         Notes
         -----
@@ -136,31 +151,21 @@ class TransferModel(Result):
         (1, True)
         """
         wanted = _wanted(rank, ridge, error)
-        # Plain numbers, whatever they came as: they are saved.
-        held = ridge if isinstance(ridge, str) else float(ridge)
-        parameters = {"rank": wanted.rank, "ridge": held, "error": wanted.error}
+        # Keep parameters as plain numbers, which a file can hold.
+        ridge = ridge if isinstance(ridge, str) else float(ridge)
+        parameters = {"rank": wanted.rank, "ridge": ridge, "error": wanted.error}
         start = perf_counter()
         pairs = pairs_of(direct, indirect)
-        gram_of, basis_of = (cluster.gram, cluster.basis) if pairs.is_lazy else (gram, basis)
-        seen = gram_of(pairs, centred=notebook)
-        found = directions(seen.products, pairs.dtype, seen.energy.sum())
-        if not len(found.values):
-            what = "the same in every image" if notebook else "black in every image"
-            raise EnvLightsError(f"indirect is {what}; there is nothing to learn")
-        rank = wanted.count(found.values)
-        columns, mean = basis_of(pairs, seen, found.first(rank), centred=notebook)
-        coefficients = found.first(rank).coefficients
-        left = outside(seen.products, coefficients)
-        learnt = Learnt(pairs.direct, coefficients, left, seen.energy)
-        size = np.shape(direct)[1:3]
-        notes = (*pairs.notes, *wanted.missed(found.values, rank))
-        model = _solved(columns, seen.lit, mean, (size[0], size[1]), parameters, learnt, notes)
+        columns, lit, mean, learnt, missed = trained(pairs, wanted, centred=notebook)
+        height, width = np.shape(direct)[1:3]
+        notes = (*pairs.notes, *missed)
+        model = _solved(columns, lit, mean, (height, width), parameters, learnt, notes)
         seconds = {"fit": perf_counter() - start}
         return replace(model, report=replace(model.report, seconds=seconds))
 
     @property
     def is_notebook(self) -> bool:
-        """Whether this is the notebook's model."""
+        """True for the notebook's model."""
         return len(self.mean) > 0
 
     def predict(
@@ -175,17 +180,18 @@ class TransferModel(Result):
         Parameters
         ----------
         direct : array_like, shape (h, w, 3 or 4) or (n, h, w, 3 or 4)
-            One image or several, of the size and the units that were learnt.
+            One image or several, of the size and in the units of the pairs.
         error : float
-            Relative RMS error that may be added for speed: each frame leaves out the last
-            directions that it can do without.
+            Relative RMS error that may be added for speed: each frame leaves out as many of the
+            last directions as this error allows.
         region : (slice, slice), optional
-            Rows and columns of the images that are wanted; the others are not computed.
+            Rows and columns of the images to compute.
 
         Returns
         -------
         ndarray, shape (H, W, 3) or (n, H, W, 3)
-            Linear RGB, or the `region` of it. Where the truth is black it may be slightly negative.
+            Linear RGB, of the `region` if one is given. It may be slightly negative where the truth
+            is black.
 
         Examples
         --------
@@ -195,16 +201,18 @@ class TransferModel(Result):
         >>> model.predict(room.direct[24], error=0.05, region=(slice(4, 12), slice(16))).shape
         (8, 16, 3)
         """
-        stack, is_one = frames("direct", direct, self.size)
-        rows = np.moveaxis(stack, -1, 1).reshape(len(stack), 3, -1).astype(np.float64)
+        stack, is_one = image_stack("direct", direct, self.size)
+        rows = rgb_rows(stack)
+        # The notebook's model is linear at a given norm: its mean is multiplied by that norm.
         norm = np.linalg.norm(rows, axis=(1, 2)) if self.is_notebook else np.zeros(len(rows))
-        # The notebook's model is linear for a given norm: its mean is multiplied by it.
         features = rows.reshape(len(rows), 1, -1) if self.is_notebook else rows
         coefficients = np.swapaxes(features.swapaxes(0, 1) @ self.transfer, 0, 1)
+        # Leave out the directions that each frame can spare.
         if amount("error", error, most=1.0) > 0:
             self._refuse_mean("leave directions out of a frame")
-            coefficients = enough(coefficients, error)
-        wanted = None if region is None else inside(region, self._shape)
+            coefficients = truncated(coefficients, error)
+        # Compute the blocks of texels that the region touches, then crop.
+        wanted = None if region is None else region_mask(region, self._shape)
         predicted = self._expanded(coefficients, norm, wanted)
         if region is not None:
             predicted = predicted[:, region[0], region[1]].copy()
@@ -233,20 +241,20 @@ class TransferModel(Result):
     def compressed(self, error: float = 0.005) -> TransferModel:
         """A model whose frames are faster: its basis takes a third or half of the bytes.
 
-        The basis is kept in int8 or float16, with a scale for 16 texels of each direction, or else
-        as it is: in the most compact form that keeps the bound. The notes of the report say which
-        one, and what it changes. Single frames and frames that stop early gain most, and batches of
-        32 or more least: there the full basis is read once for all.
+        The basis is stored in the most compact type that keeps the bound: int8, float16, or as it
+        is. In the first two, 16 texels of a direction share a scale. The notes of the report name
+        the type and its error. Single frames and frames with an `error` gain most. Batches of 32 or
+        more gain least, because all their frames share one pass over the basis.
 
         Parameters
         ----------
         error : float
-            Relative RMS error that the rounding may add, at most, to a frame of any light.
+            Largest relative RMS error that the rounding may add to a frame, for any light.
 
         Returns
         -------
         TransferModel
-            One that predicts, projects, and is saved as any other, but takes no more pairs.
+            It predicts, projects and is saved like any other, but `add` refuses it.
 
         Examples
         --------
@@ -261,6 +269,7 @@ class TransferModel(Result):
         basis = self._dense("be compressed again")
         energy = np.einsum("kcr,kcs->rs", self.learnt.coefficients, self.learnt.coefficients)
         for dtype in LARGEST:
+            # Round, and bound the change of any frame by its largest singular value.
             kept, wrong = rounded(basis, self.lit, dtype)
             most = np.sqrt(np.linalg.eigvalsh(wrong)[-1])
             if most <= error:
@@ -269,10 +278,12 @@ class TransferModel(Result):
                     f"the basis is kept in {dtype}: no frame changes by more than"
                     f" {100 * most:.2g} % of its norm, those learnt by {100 * usual:.2g} %"
                 )
-                notes = (*self.report.notes, note)
-                return replace(self, basis=kept, report=replace(self.report, notes=notes))
-        notes = (*self.report.notes, f"neither int8 nor float16 keeps the error {error:g}")
-        return replace(self, report=replace(self.report, notes=notes))
+                return replace(self, basis=kept, report=self._noted(note))
+        return replace(self, report=self._noted(f"neither {_TYPES} keeps the error {error:g}"))
+
+    def _noted(self, note: str) -> TransferReport:
+        """The report with one more note."""
+        return replace(self.report, notes=(*self.report.notes, note))
 
     def _dense(self, what: str) -> NDArray[Any]:
         """The basis in full, or a refusal."""
@@ -283,7 +294,7 @@ class TransferModel(Result):
         return self.basis
 
     def project(self, indirect: ArrayLike) -> NDArray[Any]:
-        """The nearest image that the basis holds: the best that `predict` could do.
+        """Project images onto the basis: the nearest images that `predict` could give.
 
         Parameters
         ----------
@@ -295,18 +306,18 @@ class TransferModel(Result):
         ndarray, shape (H, W, 3) or (n, H, W, 3)
             Linear RGB.
         """
-        stack, is_one = frames("indirect", indirect, self._shape)
+        stack, is_one = image_stack("indirect", indirect, self._shape)
         basis = self.basis.dense(self.lit) if isinstance(self.basis, CompactBasis) else self.basis
-        coefficients = gather(stack, basis, self.lit, self.mean)
-        held = self._expanded(coefficients, np.ones(len(stack)), None)
-        return held[0] if is_one else held
+        coefficients = project(stack, basis, self.lit, self.mean)
+        projected = self._expanded(coefficients, np.ones(len(stack)), None)
+        return projected[0] if is_one else projected
 
     def add(self, direct: ArrayLike, indirect: ArrayLike) -> TransferModel:
-        """A model of these pairs as well; only they are read.
+        """Add pairs to those of the model; only the new ones are read.
 
-        What the basis of this model left out of its own pairs is lost but for its size, so the
-        basis is a little less good than that of a fit to all pairs at once, and the errors told of
-        the earlier pairs are estimates.
+        Of its earlier pairs the model keeps what its basis holds; of the rest only the size is
+        known. So the new basis is slightly worse than that of a fit to all pairs at once, and the
+        reported errors of the earlier pairs are estimates.
 
         Parameters
         ----------
@@ -318,16 +329,18 @@ class TransferModel(Result):
         Returns
         -------
         TransferModel
-            With the same parameters.
+            Of all pairs, with the same parameters.
         """
         if self.is_notebook:
             raise EnvLightsError("a model with notebook=True takes no more pairs; fit all again")
         basis = self._dense("take more pairs")
         start = perf_counter()
+        # Check the sizes by one image of each, before the work on all.
         direct, indirect = as_array("direct", direct), as_array("indirect", indirect)
-        frames("direct", direct[:1], self.size)
-        frames("indirect", indirect[:1], self._shape)
+        image_stack("direct", direct[:1], self.size)
+        image_stack("indirect", indirect[:1], self._shape)
         pairs = pairs_of(direct, indirect)
+        # Grow the basis, then solve for its matrix.
         wanted = _wanted(**self.parameters)
         columns, lit, learnt = grow.grown(basis, self.lit, self.learnt, pairs, wanted)
         notes = (*self.report.notes, *pairs.notes)
@@ -336,14 +349,14 @@ class TransferModel(Result):
         return replace(model, report=replace(model.report, seconds=seconds))
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the model as one .npz file, versioned, whole or not at all.
+        """Write the model as one .npz file with a version; a failure leaves no file behind.
 
         Parameters
         ----------
         path : path-like
             A file with the suffix ``.npz``; ``numpy.load(path, allow_pickle=False)`` opens it.
         """
-        store.save(path, self)
+        archive.save(path, vars(self))
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> TransferModel:
@@ -354,10 +367,10 @@ class TransferModel(Result):
         EnvLightsError
             If the file is missing, damaged, or of another kind or version.
         """
-        return store.load(path)
+        return archive.load(path, cls)
 
     def in_short(self) -> str:
-        """Its rank, and the sizes of the images."""
+        """The rank of the model, and the sizes of the images."""
         (rows, columns), (height, width) = self.size, self.lit.shape
         rank = self.transfer.shape[2]
         return f"rank {rank}, {columns}x{rows} to {width}x{height} pixels"

@@ -1,4 +1,4 @@
-"""What is asked of the images, and pairs brought to one scale."""
+"""Checks of the images, and pairs at one scale."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from envlights._check import first_not_finite
 from envlights._native import EnvLightsError
 
 
@@ -20,31 +21,32 @@ class Pairs:
     """Direct light, (k, 3, h * w), each image at norm 1; a black one stays black."""
 
     indirect: Any
-    """Indirect light as it was given, without alpha: (k, H, W, 3), of NumPy or of Dask."""
+    """Indirect light as it was given, without alpha, (k, H, W, 3): an array of NumPy or Dask."""
 
     scale: NDArray[np.float64]
-    """What each pair is multiplied with, (k,): one over the norm of its direct image, or 0.
+    """Factor of each pair, (k,): one over the norm of its direct image, or 0 where that is black.
 
-    Light is linear, so every pair may be scaled. At one norm all count the same, however bright
-    their lights were, and a ridge means the same for each scene.
+    Light is linear, so every pair may be scaled. At one norm all pairs count the same, however
+    bright their lights were, and a ridge means the same for each scene.
     """
 
     notes: tuple[str, ...]
-    """What was dropped or left out."""
+    """Channels that were dropped and images that were left out."""
 
     @property
     def dtype(self) -> np.dtype[Any]:
-        """The type of the large arrays: float64 where the indirect images have it, or float32."""
+        """Type of the large arrays: float64 if the indirect images are, otherwise float32."""
         return np.dtype(np.float64 if self.indirect.dtype.itemsize >= 8 else np.float32)
 
     @property
     def is_lazy(self) -> bool:
-        """Whether the indirect images are an array of Dask, which has yet to be computed."""
+        """True if the indirect images are an array of Dask, which has yet to be computed."""
         return _is_lazy(self.indirect)
 
 
 def pairs_of(direct: ArrayLike, indirect: ArrayLike) -> Pairs:
     """The pairs of two stacks of images, or a refusal that names what does not fit."""
+    # Check both stacks; only the small images are read here.
     large, dropped = images("indirect", indirect)
     small, dropped_too = images("direct", direct)
     if len(small) != len(large):
@@ -53,7 +55,8 @@ def pairs_of(direct: ArrayLike, indirect: ArrayLike) -> Pairs:
         )
     small = np.asarray(small)
     check_finite("direct", small)
-    rows = np.moveaxis(small, -1, 1).reshape(len(small), 3, -1).astype(np.float64)
+    # Find the factor that brings each direct image to norm 1.
+    rows = rgb_rows(small)
     norm = np.linalg.norm(rows, axis=(1, 2))
     if not norm.any():
         raise EnvLightsError("direct is black in every image; there is nothing to learn from")
@@ -63,18 +66,18 @@ def pairs_of(direct: ArrayLike, indirect: ArrayLike) -> Pairs:
 
 
 def images(name: str, values: Any) -> tuple[Any, tuple[str, ...]]:
-    """A stack of RGB images, (k, height, width, 3), as a view, and what was dropped of it.
+    """A stack of RGB images, (k, height, width, 3), as a view, and a note if it had alpha.
 
-    An array of Dask stays one.
+    An array of Dask stays an array of Dask.
     """
     array = values if _is_lazy(values) else as_array(name, values)
     if array.dtype.kind != "f":
         raise EnvLightsError(
             f"{name} must hold linear light as floating point; got the dtype {array.dtype}"
         )
-    # Dask calls a side that it does not know NaN.
-    is_whole = all(side > 0 for side in array.shape)
-    if array.ndim != 4 or array.shape[3] not in (3, 4) or not is_whole:
+    # Dask gives NaN for a side that it does not know.
+    has_texels = all(side > 0 for side in array.shape)
+    if array.ndim != 4 or array.shape[3] not in (3, 4) or not has_texels:
         raise EnvLightsError(
             f"{name} must have the shape (k, height, width, 3 or 4); got {array.shape}"
         )
@@ -83,7 +86,7 @@ def images(name: str, values: Any) -> tuple[Any, tuple[str, ...]]:
 
 
 def as_array(name: str, values: ArrayLike) -> NDArray[Any]:
-    """`values` as an array in memory, or a refusal where they are of several sizes."""
+    """`values` as an array in memory, or a refusal if the images are of several sizes."""
     try:
         return np.atleast_1d(np.asarray(values))
     except ValueError as error:
@@ -91,34 +94,39 @@ def as_array(name: str, values: ArrayLike) -> NDArray[Any]:
 
 
 def _is_lazy(values: object) -> bool:
-    # Nobody has an array of Dask before `dask.array` is imported.
+    # No array of Dask exists before `dask.array` is imported.
     dask_array = sys.modules.get("dask.array")
     return dask_array is not None and isinstance(values, dask_array.Array)
 
 
-def frames(name: str, values: ArrayLike, size: tuple[int, int]) -> tuple[NDArray[Any], bool]:
-    """One image or a stack of the model's `size` as a stack, and whether it was one."""
+def rgb_rows(stack: NDArray[Any]) -> NDArray[np.float64]:
+    """Each channel of a stack (k, height, width, 3) as a row of float64, (k, 3, texels)."""
+    rows: NDArray[np.float64] = np.moveaxis(stack, -1, 1).reshape(len(stack), 3, -1)
+    return rows.astype(np.float64)
+
+
+def image_stack(name: str, values: ArrayLike, size: tuple[int, int]) -> tuple[NDArray[Any], bool]:
+    """One image or a stack, of the model's `size`, as a stack; True if it was one image."""
     array = as_array(name, values)
     is_one = array.ndim == 3
     stack, _ = images(name, array[None] if is_one else array)
     if stack.shape[1:3] != size:
-        seen, wanted = ("x".join(map(str, each[::-1])) for each in (stack.shape[1:3], size))
-        raise EnvLightsError(f"{name} must be {wanted} pixels, as in the model; got {seen}")
+        given, wanted = ("x".join(map(str, each[::-1])) for each in (stack.shape[1:3], size))
+        raise EnvLightsError(f"{name} must be {wanted} pixels, as in the model; got {given}")
     check_finite(name, stack)
     return stack, is_one
 
 
 def check_finite(name: str, stack: NDArray[Any], first_row: int = 0) -> None:
-    """Refuse the first texel that is NaN or infinite; image by image, to copy none of them.
+    """Refuse the first texel that is NaN or infinite; image by image, so that none is copied.
 
-    `first_row` is where the rows of `stack` begin in the whole images.
+    `first_row` is the row of the whole images at which `stack` begins.
     """
     for k, image in enumerate(stack):
-        bad = np.argwhere(~np.isfinite(image))
-        if len(bad):
-            row, column, _ = bad[0]
+        if bad := first_not_finite(image):
+            row, column, value = bad
             raise EnvLightsError(
-                f"{name} must be finite; image {k} holds {image[tuple(bad[0])]}"
+                f"{name} must be finite; image {k} holds {value}"
                 f" at row {first_row + row}, column {column}"
             )
 

@@ -1,4 +1,4 @@
-"""What a transfer model is made of, and how far it can be trusted."""
+"""Size, times and errors of a transfer model."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from envlights._check import amount, count
 
 @dataclass(frozen=True)
 class TransferReport:
-    """What a transfer model is made of, and how far it can be trusted.
+    """Size, times and errors of a transfer model.
 
     Errors are relative: the norm of the difference over the norm of the image, over all texels and
-    channels, nothing clipped. Images that are black have none.
+    channels, without clipping. Black images have none.
     """
 
     pairs: int
-    """Pairs that were learnt from."""
+    """Number of pairs."""
 
     rank: int
     """Directions of the basis."""
@@ -32,24 +32,24 @@ class TransferReport:
     """The ridge, for direct images of norm 1."""
 
     unseen_errors: tuple[float, ...]
-    """Of each pair when it is left out: what to expect of new lights of the same kind."""
+    """Leave-one-out error of each pair: what to expect of new lights of the same kind."""
 
     training_errors: tuple[float, ...]
-    """Of each pair in the model that has seen it; says little about new lights."""
+    """Error of each pair in the model that was trained on it; says little about new lights."""
 
     notes: tuple[str, ...] = ()
-    """What was dropped, left out or could not be reached."""
+    """Channels that were dropped, images that were left out, and bounds that were not reached."""
 
     seconds: Mapping[str, float] = field(default_factory=dict)
     """Wall time of each stage."""
 
     @property
     def error(self) -> float:
-        """Median of `unseen_errors`; infinite where there are none."""
+        """Median of `unseen_errors`; infinite if there are none."""
         return float(np.median(self.unseen_errors)) if self.unseen_errors else np.inf
 
     def to_dict(self) -> dict[str, Any]:
-        """Everything as plain numbers, lists and strings."""
+        """All fields as plain numbers, lists and strings."""
         return asdict(self)
 
     @classmethod

@@ -2,18 +2,11 @@
 
 use std::f64::consts::PI;
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::error::{Error, Result};
-
-/// Irradiance of the harmonics, by what multiplies the powers of a normal's coordinates: a clamped
-/// cosine scales those of order 0, 1, 2 by pi, 2 pi / 3, pi / 4 (Ramamoorthi and Hanrahan 2001,
-/// equation 8).
-const CONSTANT: f64 = PI * 0.282_094_791_773_878_14;
-const LINEAR: f64 = 2.0 * PI / 3.0 * 0.488_602_511_902_919_9;
-const SQUARE: f64 = PI / 4.0 * 1.092_548_430_592_079_2;
-const ZONAL: f64 = PI / 4.0 * 0.315_391_565_252_520_05;
+use crate::kernels::harmonics::{self, LINEAR, SQUARE, ZONAL};
 
 /// What a fit may use beside the lights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,41 +46,11 @@ impl Ambient {
     }
 
     /// Irradiance at `normal` of each coefficient alone; the first [`Self::coefficients`] count.
-    ///
-    /// Harmonics in the order and with the signs of Ramamoorthi and Hanrahan (2001), equation 3.
     pub fn irradiance(self, normal: DVec3) -> [f64; 9] {
         if self != Self::Sh2 {
             return [PI, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
         }
-        let DVec3 { x, y, z } = normal;
-        [
-            CONSTANT,
-            LINEAR * y,
-            LINEAR * z,
-            LINEAR * x,
-            SQUARE * x * y,
-            SQUARE * y * z,
-            ZONAL * (3.0 * z * z - 1.0),
-            SQUARE * x * z,
-            SQUARE / 2.0 * (x * x - y * y),
-        ]
-    }
-
-    /// The harmonics summed over a distribution of directions with these moments: its whole, its first and its
-    /// second moments.
-    pub fn columns(self, whole: f64, first: DVec3, second: DMat3) -> [f64; 9] {
-        let [xx, xy, xz, _, yy, yz, _, _, zz] = second.to_cols_array();
-        [
-            CONSTANT * whole,
-            LINEAR * first.y,
-            LINEAR * first.z,
-            LINEAR * first.x,
-            SQUARE * xy,
-            SQUARE * yz,
-            ZONAL * (3.0 * zz - whole),
-            SQUARE * xz,
-            SQUARE / 2.0 * (xx - yy),
-        ]
+        harmonics::irradiance(normal)
     }
 }
 

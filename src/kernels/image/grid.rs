@@ -1,4 +1,4 @@
-//! How the cells of an image cut the sphere.
+//! The lines that cut the sphere into the cells of an image.
 
 use crate::kernels::sphere::Registration;
 

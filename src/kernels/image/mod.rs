@@ -1,4 +1,4 @@
-//! What the map holds before anything is made of it.
+//! The map before anything is fitted to it: its samples, its cells, and fewer of them.
 //!
 //! | step                                          | file           |
 //! |-----------------------------------------------|----------------|
@@ -6,17 +6,17 @@
 //! | the cells of an image on the sphere           | `grid.rs`      |
 //! | luminance                                     | `luminance.rs` |
 //! | a smaller working map, bright cells as points | `reduce.rs`    |
-//! | - rows as one                                 | `means.rs`     |
+//! | the one pass over blocks of pixels            | `blocks.rs`    |
 
+mod blocks;
 mod grid;
 mod luminance;
-mod means;
 mod reduce;
 mod samples;
 
+pub(crate) use blocks::{BlockRow, samples_of};
 pub use grid::Grid;
-pub use luminance::{LUMINANCE, luminance};
-pub(crate) use means::weighted_mean;
+pub use luminance::{LUMINANCE, LUMINANCE_F32, luminance, luminance_f32};
 pub use reduce::{WorkingMap, reduce};
 pub use samples::{Unusable, unusable};
 pub(crate) use samples::{check_rgb, check_samples};

@@ -3,8 +3,8 @@
 use ndarray::{Array3, ArrayView3, ArrayViewMut2, s};
 use rayon::prelude::*;
 
+use super::blocks::BlockRow;
 use super::grid::Grid;
-use super::means::weighted_mean;
 use super::samples::{check_rgb, check_samples};
 use crate::error::Result;
 use crate::kernels::sphere::{Registration, band_heights, direction};
@@ -29,8 +29,8 @@ pub struct WorkingMap {
 ///
 /// # Errors
 ///
-/// [`Error::NotAMap`] when the array is not (height, width, 3) or smaller than 2 x 2;
-/// [`Error::NotFinite`] and [`Error::Negative`] for samples that no light can have: this pass sees them all.
+/// [`crate::error::Error::NotAMap`] when the array is not (height, width, 3) or smaller than 2 x 2;
+/// [`crate::error::Error::UnusableSamples`]: this pass sees all samples.
 pub fn reduce(
     radiance: ArrayView3<'_, f32>,
     registration: Registration,
@@ -56,25 +56,16 @@ pub fn reduce(
     })
 }
 
-/// Pixels of a row that are summed at once: few enough to stay near, many enough to be read in a stream.
-const PIXELS_AT_ONCE: usize = 512;
-
 /// Integral of the radiance over each block, (rows, columns, 3).
 fn block_flux(radiance: ArrayView3<'_, f32>, pixels: &Grid, block: usize) -> Result<Array3<f64>> {
     let (height, width, _) = radiance.dim();
     let widths: Vec<f64> = pixels.phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect();
     let mut flux = Array3::zeros((height.div_ceil(block), width.div_ceil(block), 3));
-    let signs: Vec<bool> = flux
-        .outer_iter_mut()
-        .into_par_iter()
-        .enumerate()
-        .map(|(cell_row, cells)| {
-            let rows = cell_row * block..((cell_row + 1) * block).min(height);
-            let bands = band_heights(&pixels.theta_edges[rows.start..=rows.end]);
-            let samples = radiance.slice(s![rows, .., ..]);
-            let samples = samples.as_standard_layout();
-            let samples = samples.as_slice().unwrap_or(&[]); // the standard layout is a slice
-            add_rows(cells, &samples.chunks_exact(3 * width).collect::<Vec<_>>(), &bands, &widths, block)
+    let cells = flux.outer_iter_mut().into_par_iter().enumerate();
+    let signs: Vec<bool> = cells
+        .map(|(row, cells)| {
+            let pixels = BlockRow::new(radiance, &pixels.theta_edges, block, row);
+            add_across(cells, &pixels, &widths, block)
         })
         .collect();
     if signs.contains(&true) || !flux.iter().all(|value| value.is_finite()) {
@@ -83,34 +74,26 @@ fn block_flux(radiance: ArrayView3<'_, f32>, pixels: &Grid, block: usize) -> Res
     Ok(flux)
 }
 
-/// Sum rows of pixels of these `bands` and `widths` into the cells that they make. Whether a sample
-/// has a minus sign is seen on the way.
-fn add_rows(
+/// Sum rows of pixels of these `widths` into the cells that they make. Tells whether a sample has a minus
+/// sign.
+fn add_across(
     mut cells: ArrayViewMut2<'_, f64>,
-    rows: &[&[f32]],
-    bands: &[f64],
+    pixels: &BlockRow<'_>,
     widths: &[f64],
     block: usize,
 ) -> bool {
-    let whole: f64 = bands.iter().sum();
-    let weights: Vec<f32> = bands.iter().map(|band| (band / whole) as f32).collect();
-    let at_once = (PIXELS_AT_ONCE / block).max(1) * block;
-    let mut mean = vec![0.0; 3 * at_once];
-    let mut signs = false;
     let mut cells = cells.outer_iter_mut();
-    for (i, widths) in widths.chunks(at_once).enumerate() {
-        let mean = &mut mean[..3 * widths.len()];
-        signs |= weighted_mean(rows, &weights, 3 * i * at_once..3 * (i * at_once + widths.len()), mean);
-        let pixels = mean.as_chunks::<3>().0;
-        for ((pixels, widths), mut cell) in pixels.chunks(block).zip(widths.chunks(block)).zip(&mut cells) {
+    let height = pixels.height;
+    pixels.mean(|columns, mean| {
+        let blocks = mean.as_chunks::<3>().0.chunks(block).zip(widths[columns].chunks(block));
+        for ((pixels, widths), mut cell) in blocks.zip(&mut cells) {
             for (pixel, width) in pixels.iter().zip(widths) {
                 for (cell, value) in cell.iter_mut().zip(pixel) {
-                    *cell += f64::from(*value) * width * whole;
+                    *cell += f64::from(*value) * width * height;
                 }
             }
         }
-    }
-    signs
+    })
 }
 
 /// Cells that hold more than `share` of all flux of a channel.

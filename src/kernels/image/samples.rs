@@ -16,10 +16,11 @@ pub struct Unusable {
     pub negative: usize,
 }
 
-/// How many samples of `radiance` are NaN, infinite or negative.
+/// Count the samples of `radiance` that are NaN, infinite or negative.
 ///
 /// The bits of a finite `f32` that is not negative, read as `i32`, lie in `0 ..= 0x7f7f_ffff`:
-/// one OR over a row tells whether it needs a closer look. (So does -0.0, which then counts as 0.)
+/// one OR over a row tells whether its samples must be looked at one by one. (A -0.0 asks for that too, and
+/// then counts as 0.)
 ///
 /// # Errors
 ///
@@ -31,7 +32,7 @@ pub fn unusable(radiance: ArrayView3<'_, f32>) -> Result<Unusable> {
         .into_par_iter()
         .map(|row| match row.as_slice() {
             Some(samples) if all_usable(samples) => Unusable::default(),
-            _ => row.iter().fold(Unusable::default(), |seen, &value| seen.and(value)),
+            _ => row.iter().fold(Unusable::default(), |counts, &value| counts.and(value)),
         })
         .collect();
     Ok(rows.into_iter().fold(Unusable::default(), Unusable::plus))
@@ -39,9 +40,9 @@ pub fn unusable(radiance: ArrayView3<'_, f32>) -> Result<Unusable> {
 
 fn all_usable(samples: &[f32]) -> bool {
     const LARGEST_FINITE: i32 = 0x7f7f_ffff;
-    let sign = samples.iter().fold(0_i32, |seen, sample| {
+    let sign = samples.iter().fold(0_i32, |signs, sample| {
         let bits = sample.to_bits().cast_signed();
-        seen | bits | LARGEST_FINITE.wrapping_sub(bits)
+        signs | bits | LARGEST_FINITE.wrapping_sub(bits)
     });
     sign >= 0
 }
@@ -63,18 +64,18 @@ impl Unusable {
     }
 }
 
-/// Refuse the first sample that no light can have: a slow look, where a sum or a sign has shown that there
-/// may be one. A minus sign may be that of -0, which is as good as 0.
+/// Refuse samples that no light can have, and count them.
+///
+/// A second look, where a sum or a sign has shown that there may be some. A minus sign may be that of -0,
+/// which is as good as 0.
 pub(crate) fn check_samples(radiance: ArrayView3<'_, f32>) -> Result<()> {
-    let what = "radiance";
-    for (index, row) in radiance.outer_iter().enumerate() {
-        match row.iter().find(|value| !value.is_finite() || **value < 0.0).map(|&value| f64::from(value)) {
-            Some(value) if value.is_finite() => return Err(Error::Negative { what, index, value }),
-            Some(value) => return Err(Error::NotFinite { what, index, value }),
-            None => {}
-        }
+    let Unusable { nan, infinite, negative } = unusable(radiance)?;
+    let is_unusable = |value: &&f32| !value.is_finite() || **value < 0.0;
+    let mut first = radiance.outer_iter().map(|row| row.iter().find(is_unusable).copied()).enumerate();
+    match first.find_map(|(row, value)| Some((row, value?))) {
+        Some((row, value)) => Err(Error::UnusableSamples { row, value, nan, infinite, negative }),
+        None => Ok(()),
     }
-    Ok(())
 }
 
 pub(crate) fn check_rgb(radiance: ArrayView3<'_, f32>) -> Result<()> {
@@ -94,13 +95,17 @@ mod tests {
 
     #[test]
     fn each_kind_of_unusable_sample_is_counted() {
-        let mut map = Array3::from_elem((4, 8, 3), 0.5_f32);
+        let mut map = Array3::from_elem((5, 8, 3), 0.5_f32);
         map[[0, 0, 0]] = f32::NAN;
         map[[1, 2, 1]] = f32::INFINITY;
-        map[[3, 7, 2]] = -1.0;
-        map[[3, 6, 2]] = f32::NEG_INFINITY;
+        map[[4, 7, 2]] = -1.0;
+        map[[4, 6, 2]] = f32::NEG_INFINITY;
         map[[2, 0, 0]] = -0.0;
-        let seen = unusable(map.view()).unwrap();
-        assert_eq!(seen, Unusable { nan: 1, infinite: 1, negative: 2 });
+        assert_eq!(unusable(map.view()).unwrap(), Unusable { nan: 1, infinite: 1, negative: 2 });
+        let refusal = check_samples(map.slice(ndarray::s![1.., .., ..])).unwrap_err();
+        let wanted =
+            Error::UnusableSamples { row: 0, value: f32::INFINITY, nan: 0, infinite: 1, negative: 2 };
+        assert_eq!(refusal, wanted);
+        assert_eq!(check_samples(map.slice(ndarray::s![2..4, .., ..])), Ok(()));
     }
 }

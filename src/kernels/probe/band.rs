@@ -10,7 +10,8 @@
 //! so one small table of cos o and sin o serves all blocks. A block is summed and turned by `phi_b` in
 //! f32, as the samples are; the sums over blocks are f64. Sums are kept for whole blocks; a look-up adds
 //! the columns from the start of its block, or takes off those to its end, whichever half it falls
-//! into. The pull of a normal is turned into the block as the sums are turned out of it. Rows of a band are weighted one by one, so that its vector flux is exact; only its horizon is not.
+//! into. The pull of a normal is turned into the block as the sums are turned out of it. Rows of a band are
+//! weighted one by one, so that its vector flux is exact; only its horizon is not.
 
 use glam::{DVec3, Vec3, Vec4};
 
@@ -24,7 +25,7 @@ const HALF: usize = BLOCK / 2;
 /// Integrals of L cos phi, L sin phi and L over some azimuths, each for three channels.
 pub type Flux = [DVec3; 3];
 
-/// What every look-up in a row needs to know of its columns.
+/// What all rows have in common: where their columns lie, and the integrals over them.
 pub struct Columns<'a> {
     grid: &'a Grid,
     /// For each edge the antiderivatives of cos phi, sin phi and 1.
@@ -72,7 +73,7 @@ impl<'a> Columns<'a> {
     }
 }
 
-/// How often a look-up `within` a block counts a pixel of the same half.
+/// The sign with which a look-up `within` a block counts a pixel of the same half, or 0.
 fn counts(pixel: usize, within: usize) -> f32 {
     match (within < HALF, pixel < within) {
         (true, true) => 1.0,
@@ -108,10 +109,12 @@ impl<'a> Band<'a> {
     }
 
     pub fn set(&mut self, rows: &[&'a [[f32; 3]]], weights: &[Weight]) {
+        // Take the rows in pairs, and what is left by itself.
         let ((pairs, last), (pair_weights, last_weights)) = (rows.as_chunks(), weights.as_chunks());
         self.pairs.clear();
         self.pairs.extend(pairs.iter().zip(pair_weights).map(|(&rows, &weights)| Rows::new(rows, weights)));
         self.last = last.iter().zip(last_weights).map(|(&row, &weight)| Rows::new([row], [weight])).next();
+        // Sum the flux block by block.
         self.prefix.clear();
         let mut sum = [DVec3::ZERO; 3];
         for block in 0..self.columns.middles.len() {
@@ -132,6 +135,7 @@ impl<'a> Band<'a> {
         let mut add = |terms: [Vec4; 3]| sums = [sums[0] + terms[0], sums[1] + terms[1], sums[2] + terms[2]];
         self.pairs.iter().for_each(|rows| add(rows.sums::<BLOCK>(first, offsets)));
         self.last.iter().for_each(|row| add(row.sums::<BLOCK>(first, offsets)));
+        // Turn the sums from the middle of the block to the seam.
         let [cos, sin, one] = sums;
         let turned = [cos * chord_cos - sin * chord_sin, cos * chord_sin + sin * chord_cos, one * width];
         turned.map(|flux| flux.truncate().as_dvec3())
@@ -165,15 +169,19 @@ impl<'a> Band<'a> {
     /// `pull . flux` between the seam and the azimuth `phi`; the pixel that it cuts counts in part.
     #[inline]
     pub fn up_to(&self, pull: DVec3, phi: f64, cos_phi: f64, sin_phi: f64) -> DVec3 {
+        // Find the pixel that the azimuth cuts, and the border of blocks that is nearest to it.
         let columns = self.columns;
         let column = columns.of_azimuth(phi);
-        let part = DVec3::new(sin_phi, -cos_phi, phi) - columns.edges[column];
         let nearest = (column + HALF) / BLOCK;
+        // Count the part of that pixel.
+        let part = DVec3::new(sin_phi, -cos_phi, phi) - columns.edges[column];
         let cut = self.pixel(column, pull.x * part.x + pull.y * part.y, pull.z * part.z);
+        // Count the whole pixels between it and the border.
         let whole = match columns.middles[column / BLOCK] {
             Some(middle) => self.even_columns(column, middle, pull.as_vec3()),
             None => self.uneven_columns(column, (BLOCK * nearest).min(columns.integrals.len()), pull),
         };
+        // Add all blocks up to the border.
         weigh(&self.prefix[nearest], pull) + whole + cut
     }
 
@@ -181,14 +189,17 @@ impl<'a> Band<'a> {
     /// those from `column` to its end.
     #[inline]
     fn even_columns(&self, column: usize, [chord_cos, chord_sin, width]: [f32; 3], pull: Vec3) -> DVec3 {
+        // Turn the pull to the middle of the block.
         let pull = Pull {
             cos: pull.x * chord_cos + pull.y * chord_sin,
             sin: pull.y * chord_cos - pull.x * chord_sin,
             one: pull.z * width,
         };
+        // Choose the half of the block, and the pixels of it that count.
         let (half, within) = (column / HALF, column % BLOCK);
         let offsets = &self.columns.offsets[half % 2 * (HALF / 4)..][..HALF / 4];
         let counted = &self.columns.counted[within];
+        // Add up all rows.
         let mut sum = Vec4::ZERO;
         let first = half * HALF;
         self.pairs.iter().for_each(|rows| sum += rows.pulled::<HALF>(first, &pull, offsets, counted));

@@ -1,10 +1,11 @@
-//! Step 2: where the horizon of a normal cuts a band, and what the normal sees there.
+//! Step 2: the horizon of a normal across a band, and the irradiance from the part in front of it.
 
 use std::f64::consts::TAU;
 
 use glam::DVec3;
 
 use super::band::{Band, weigh};
+use super::opposite::VectorFlux;
 use super::rows::Weight;
 use crate::kernels::sphere::angles;
 
@@ -19,12 +20,12 @@ const FOUR_NODES: Nodes = &[
     (0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
 ];
 
-/// How finely the horizon is followed down the rows.
+/// The steps in which the horizon is followed down the rows.
 #[derive(Clone, Copy)]
 pub struct Steps {
     /// Rows of a band; more than one have one node.
     pub rows: usize,
-    /// Where in a row the horizon is taken.
+    /// Places in a row at which the horizon is taken.
     pub nodes: Nodes,
 }
 
@@ -72,7 +73,7 @@ impl Normal {
         self.cosine(slice).clamp(-1.0, 1.0).acos()
     }
 
-    /// How much the integrals of L cos phi, L sin phi and L over the slice count.
+    /// Weights of the integrals of L cos phi, L sin phi and L over the slice.
     #[inline]
     pub fn pull(&self, slice: &Slice) -> DVec3 {
         let n = self.vector;
@@ -119,9 +120,11 @@ pub struct Slice {
 ///   integral of sin theta cos theta = sin(t0 + t1) sin(dtheta) / 2
 /// ```
 fn slices(top: f64, bottom: f64, nodes: Nodes) -> Vec<Slice> {
+    // Integrate over the row in closed form.
     let (sum, difference) = (top + bottom, bottom - top);
     let equatorial = 0.5 * (difference - sum.cos() * difference.sin());
     let polar = 0.5 * sum.sin() * difference.sin();
+    // Share that out over the nodes.
     let angles: Vec<f64> = nodes.iter().map(|(node, _)| 0.5 * (sum + node * difference)).collect();
     let weigh = |f: fn(f64) -> f64| -> f64 { angles.iter().zip(nodes).map(|(&t, (_, w))| w * f(t)).sum() };
     let sin_squared = weigh(|theta| theta.sin().powi(2));
@@ -173,11 +176,11 @@ impl Slice {
         }
     }
 
-    /// Add the slice's vector flux to `whole`.
-    pub fn add_whole(&self, band: &Band<'_>, whole: &mut [DVec3; 3]) {
+    /// Add the vector flux of the slice to `flux`.
+    pub fn add_whole(&self, band: &Band<'_>, flux: &mut VectorFlux) {
         let [cos, sin, one] = *band.total();
-        whole[0] += sin * self.equatorial;
-        whole[1] += one * self.polar;
-        whole[2] -= cos * self.equatorial;
+        flux[0] += sin * self.equatorial;
+        flux[1] += one * self.polar;
+        flux[2] -= cos * self.equatorial;
     }
 }

@@ -4,8 +4,8 @@
 //!   E(n) = integral over the sphere of L(w) max(0, n.w) dw
 //! ```
 //!
-//! Where the probe sees a cell, the integrand is *linear* in w, so only the vector flux of what is
-//! seen counts. In one row (theta fixed) the seen part is one interval of azimuths around the
+//! In front of the normal the integrand is *linear* in w, so only the vector flux of that half of the
+//! sphere counts. In one row (theta fixed) the part in front is one interval of azimuths around the
 //! normal's own azimuth `phi_n`:
 //!
 //! ```text
@@ -20,10 +20,10 @@
 //!
 //! | step                                    | file          |
 //! |-----------------------------------------|---------------|
-//! | which normals need a sum of their own   | `opposite.rs` |
+//! | normals that need a sum of their own    | `opposite.rs` |
 //! | sums over a few columns of a row or two | `rows.rs`     |
 //! | flux of a band of rows up to an azimuth | `band.rs`     |
-//! | what a normal sees of a band            | `horizon.rs`  |
+//! | the part of a band before a normal      | `horizon.rs`  |
 //! | the same for many normals, few cells    | `table.rs`    |
 
 mod band;
@@ -41,6 +41,7 @@ use super::sphere::{self, Registration, check_lengths, check_rows, unit_vectors}
 use crate::error::{Error, Result};
 use band::{Band, Columns};
 use horizon::{Normal, Steps};
+use opposite::VectorFlux;
 
 /// Rows are summed in runs of their own, whatever the number of threads: the same bits everywhere.
 const MOST_RUNS: usize = 64;
@@ -63,8 +64,8 @@ const NORMALS_AT_ONCE: usize = 4096;
 ///
 /// # Errors
 ///
-/// [`Error::NotAMap`], [`Error::WrongColumns`], [`Error::NotFinite`]
-/// for a sample or a normal, [`Error::NotUnit`], [`Error::TooBright`].
+/// [`Error::NotAMap`], [`Error::UnusableSamples`], [`Error::TooBright`]; for normals [`Error::WrongColumns`],
+/// [`Error::NotFinite`], [`Error::NotUnit`].
 pub fn irradiance(
     radiance: ArrayView3<'_, f32>,
     registration: Registration,
@@ -83,23 +84,32 @@ pub fn irradiance(
 /// [`Error::WrongColumns`], [`Error::NotFinite`], [`Error::NotUnit`],
 /// [`Error::TooBright`].
 pub fn working_irradiance(map: &WorkingMap, normals: ArrayView2<'_, f64>) -> Result<Array2<f64>> {
-    let normals = unit_vectors("normal", normals)?;
-    Ok(table::under_cells(map, &normals)? + under_sources(&map.sources, &normals))
+    // Leave out normals whose opposite is there; the axes tell the flux as the table sees it.
+    let pairs = opposite::pairs(&unit_vectors("normal", normals)?);
+    let asked = [pairs.kept.as_slice(), &opposite::AXES].concat();
+    // Add up cells and sources.
+    let cells = table::under_cells(map, &asked)?;
+    let sources = under_sources(&map.sources, &asked);
+    let irradiance: Vec<DVec3> = cells.iter().zip(sources).map(|(cells, sources)| cells + sources).collect();
+    // Get the opposites back.
+    let (kept, axes) = irradiance.split_at(pairs.kept.len());
+    let flux = opposite::flux_of_axes(axes);
+    Ok(sphere::from_vectors(pairs.restore(kept, &flux).into_iter()))
 }
 
 /// Irradiance of point sources, (n, 3 axes, 3 channels): `E(n) = sum of max(0, n.F)`, for each channel its
 /// own F.
-fn under_sources(sources: &Array3<f64>, normals: &[DVec3]) -> Array2<f64> {
+fn under_sources(sources: &Array3<f64>, normals: &[DVec3]) -> Vec<DVec3> {
     let flux = |source: ArrayView2<'_, f64>| {
         [0, 1, 2].map(|channel| DVec3::new(source[[0, channel]], source[[1, channel]], source[[2, channel]]))
     };
     let sources: Vec<[DVec3; 3]> = sources.outer_iter().map(flux).collect();
-    let seen = normals.par_iter().map(|normal| {
+    let under_all = |normal: &DVec3| {
         sources.iter().fold(DVec3::ZERO, |sum, flux| {
             sum + DVec3::from_array(flux.map(|flux| normal.dot(flux))).max(DVec3::ZERO)
         })
-    });
-    sphere::from_vectors(seen.collect::<Vec<_>>().into_iter())
+    };
+    normals.par_iter().map(under_all).collect()
 }
 
 /// Equations 1 to 3 of Madsen et al. 2003: `R_i = sum_j k_d C L_j (n_i . l_j)` over K sources.
@@ -149,40 +159,43 @@ fn under_cells(
     steps: Steps,
     normals: &[DVec3],
 ) -> Result<Array2<f64>> {
+    // Read the map as rows of pixels.
     let samples = radiance.as_standard_layout();
     let pixels = samples.as_slice().expect("standard layout").as_chunks::<3>().0;
     let rows: Vec<&[[f32; 3]]> = pixels.chunks(radiance.dim().1).collect();
+    // Leave out normals whose opposite is there.
     let pairs = opposite::pairs(normals);
     let columns = Columns::new(grid);
-    let mut seen = Vec::with_capacity(pairs.kept.len());
-    let mut whole = [DVec3::ZERO; 3];
+    // Sum all rows at a batch of normals; the flux comes out the same each time.
+    let mut sums = Sums::new(0);
     for normals in pairs.kept.chunks(NORMALS_AT_ONCE) {
         let normals: Vec<Normal> = normals.iter().map(|&n| Normal::new(n)).collect();
-        let sums = sum_rows(&rows, grid, &columns, steps, &normals);
-        seen.extend(sums.seen);
-        whole = sums.whole;
+        let batch = sum_rows(&rows, grid, &columns, steps, &normals);
+        sums.irradiance.extend(batch.irradiance);
+        sums.flux = batch.flux;
     }
-    if !seen.iter().chain(&whole).all(|sum| sum.is_finite()) {
+    // Name the sample that spoilt a sum, if there is one.
+    if !sums.irradiance.iter().chain(&sums.flux).all(|sum| sum.is_finite()) {
         image::check_samples(radiance)?;
         return Err(Error::TooBright);
     }
-    Ok(sphere::from_vectors(pairs.restore(&seen, whole).into_iter()))
+    Ok(sphere::from_vectors(pairs.restore(&sums.irradiance, &sums.flux).into_iter()))
 }
 
-/// Irradiance at some normals, and the vector flux of all that was summed: for each axis, by channel.
+/// Irradiance at some normals, and the vector flux of all that was summed.
 struct Sums {
-    seen: Vec<DVec3>,
-    whole: [DVec3; 3],
+    irradiance: Vec<DVec3>,
+    flux: VectorFlux,
 }
 
 impl Sums {
     fn new(normals: usize) -> Self {
-        Self { seen: vec![DVec3::ZERO; normals], whole: [DVec3::ZERO; 3] }
+        Self { irradiance: vec![DVec3::ZERO; normals], flux: [DVec3::ZERO; 3] }
     }
 
     fn plus(mut self, other: Self) -> Self {
-        let theirs = other.seen.into_iter().chain(other.whole);
-        for (sum, term) in self.seen.iter_mut().chain(&mut self.whole).zip(theirs) {
+        let theirs = other.irradiance.into_iter().chain(other.flux);
+        for (sum, term) in self.irradiance.iter_mut().chain(&mut self.flux).zip(theirs) {
             *sum += term;
         }
         self
@@ -222,17 +235,21 @@ fn sum_run<'a>(
     let mut sums = Sums::new(normals.len());
     let mut half_widths = Vec::with_capacity(normals.len());
     for (i, rows) in rows.chunks(steps.rows).enumerate() {
+        // Skip what is black.
         if rows.iter().all(|row| row.as_flattened().iter().all(|&sample| sample == 0.0)) {
             continue;
         }
+        // Take the prefix sums of the band over its columns.
         let (weights, slices) = horizon::cut(&theta_edges[i * steps.rows..][..=rows.len()], steps.nodes);
         band.set(rows, &weights);
         for slice in slices {
-            slice.add_whole(band, &mut sums.whole);
-            // All before the first look-up, which then need not wait for its own.
+            // Add the flux of the whole band.
+            slice.add_whole(band, &mut sums.flux);
+            // Find where all horizons cut the band before the first look-up, which then need not wait.
             half_widths.clear();
             half_widths.extend(normals.iter().map(|normal| normal.half_width(&slice)));
-            for ((sum, normal), &half_width) in sums.seen.iter_mut().zip(normals).zip(&half_widths) {
+            // Add what each normal sees of the band.
+            for ((sum, normal), &half_width) in sums.irradiance.iter_mut().zip(normals).zip(&half_widths) {
                 *sum += slice.seen_by(normal, half_width, band);
             }
         }
@@ -251,8 +268,8 @@ mod tests {
     fn largest_difference_from_pi(height: usize, registration: Registration) -> f64 {
         let sky = Array3::from_elem((height, 2 * height, 3), 1.0_f32);
         let (normals, _) = sampling::icosphere(320).unwrap();
-        let seen = irradiance(sky.view(), registration, normals.view()).unwrap();
-        seen.iter().map(|value| (value / PI - 1.0).abs()).fold(0.0, f64::max)
+        let found = irradiance(sky.view(), registration, normals.view()).unwrap();
+        found.iter().map(|value| (value / PI - 1.0).abs()).fold(0.0, f64::max)
     }
 
     /// White furnace: under a constant sky of radiance L, every surface receives exactly pi L.
@@ -266,7 +283,7 @@ mod tests {
         }
     }
 
-    /// Only a normal that comes with its opposite is spared a sum of its own.
+    /// A normal by itself gets a sum of its own; with its opposite, one of the two does not.
     #[test]
     fn opposite_normals_get_what_each_gets_alone() {
         let map = Array3::from_shape_fn((64, 128, 3), |(y, x, c)| ((y * 7 + x * 3 + c) % 11) as f32);
@@ -283,7 +300,7 @@ mod tests {
         }
     }
 
-    /// Two ways to one number: whole pixels by intervals, pixel centres one by one.
+    /// Two methods for one number: whole pixels by intervals, pixel centres one by one.
     #[test]
     fn intervals_agree_with_the_sum_over_pixels() {
         let map = Array3::from_shape_fn((256, 512, 3), |(y, x, c)| {

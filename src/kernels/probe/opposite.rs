@@ -1,6 +1,7 @@
 //! Opposite normals share one sum.
 //!
-//! What `n` does not see, `-n` sees. So their irradiances differ by the vector flux of the whole map,
+//! The half of the sphere behind `n` is that in front of `-n`. So their irradiances differ by the vector
+//! flux of the whole map,
 //!
 //! ```text
 //!   E(n) - E(-n) = integral of L n.w dw = n.F,   F = integral of L w dw
@@ -8,15 +9,18 @@
 //!
 //! and the faces of an icosphere, which lie opposite each other, need half of the look-ups.
 
-use std::collections::HashMap;
-
 use glam::DVec3;
+use rustc_hash::FxHashMap;
+
+/// The vector flux `F`: for each axis of the frame, RGB.
+pub type VectorFlux = [DVec3; 3];
 
 /// Normals without those that lie opposite another, and how to get those back.
 pub struct Pairs {
+    /// One normal of each pair, and those without an opposite.
     pub kept: Vec<DVec3>,
     /// For each normal the index of its kept one, and whether that is its opposite.
-    sources: Vec<(usize, bool)>,
+    origins: Vec<(usize, bool)>,
 }
 
 /// Opposite up to the rounding of a unit vector; a pair that is missed costs time, not accuracy.
@@ -24,7 +28,7 @@ pub fn pairs(normals: &[DVec3]) -> Pairs {
     const CELLS: f64 = (1_u64 << 40) as f64;
     let cell = |n: DVec3| (n * CELLS).round().to_array().map(|x| x as i64);
     let mut kept = Vec::new();
-    let mut indices = HashMap::new();
+    let mut indices = FxHashMap::default();
     let mut find = |&normal: &DVec3| {
         if let Some(&index) = indices.get(&cell(-normal)) {
             return (index, true);
@@ -33,19 +37,53 @@ pub fn pairs(normals: &[DVec3]) -> Pairs {
         kept.push(normal);
         (kept.len() - 1, false)
     };
-    let sources = normals.iter().map(&mut find).collect();
-    Pairs { kept, sources }
+    let origins = normals.iter().map(&mut find).collect();
+    Pairs { kept, origins }
 }
 
 impl Pairs {
-    /// Irradiance at all normals from that at the kept ones and from the vector flux, `whole`.
-    pub fn restore(&self, seen: &[DVec3], whole: [DVec3; 3]) -> Vec<DVec3> {
+    /// Irradiance at all normals from that at the kept ones and the vector flux of the map.
+    pub fn restore(&self, irradiance: &[DVec3], flux: &VectorFlux) -> Vec<DVec3> {
         let restore = |&(index, is_opposite): &(usize, bool)| {
-            let n = self.kept[index];
-            let behind = whole[0] * n.x + whole[1] * n.y + whole[2] * n.z;
+            let difference = if is_opposite { dot(self.kept[index], flux) } else { DVec3::ZERO };
             // Rounding must not make darkness negative.
-            (if is_opposite { seen[index] - behind } else { seen[index] }).max(DVec3::ZERO)
+            (irradiance[index] - difference).max(DVec3::ZERO)
         };
-        self.sources.iter().map(restore).collect()
+        self.origins.iter().map(restore).collect()
+    }
+}
+
+/// `n.F` of each channel, rounded once for each term.
+fn dot(n: DVec3, flux: &VectorFlux) -> DVec3 {
+    let [x, y, z] = *flux;
+    z.mul_add(DVec3::splat(n.z), y.mul_add(DVec3::splat(n.y), x * n.x))
+}
+
+/// The three axes of the frame, then their opposites: at these [`flux_of_axes`] needs the irradiance.
+pub const AXES: [DVec3; 6] = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z];
+
+/// The vector flux of a map from its irradiance at [`AXES`].
+pub fn flux_of_axes(irradiance: &[DVec3]) -> VectorFlux {
+    std::array::from_fn(|axis| irradiance[axis] - irradiance[axis + 3])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A source in the direction d of the flux 1: `E(n) = max(0, n.d)` and `F = d`.
+    #[test]
+    fn opposites_come_back_from_the_flux() {
+        let source = DVec3::new(0.48, 0.6, -0.64);
+        let irradiance = |n: &DVec3| DVec3::new(1.0, 2.0, 0.0) * n.dot(source).max(0.0);
+        let one = DVec3::new(0.6, -0.8, 0.0);
+        let normals = [one, DVec3::Y, -one, DVec3::NEG_Y, DVec3::X, one];
+        let pairs = pairs(&normals);
+        assert_eq!(pairs.kept, [one, DVec3::Y, DVec3::X, one]);
+        let kept: Vec<DVec3> = pairs.kept.iter().map(irradiance).collect();
+        let flux = flux_of_axes(&AXES.map(|axis| irradiance(&axis)));
+        for (normal, restored) in normals.iter().zip(pairs.restore(&kept, &flux)) {
+            assert!((restored - irradiance(normal)).length() < 1e-15, "{normal}: {restored}");
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! One row of a band, or two, summed over columns while the samples lie in the lanes of vectors.
+//! One row of a band, or two, summed over columns in wide vectors.
 //!
 //! L cos phi and L sin phi of a row count e times, its L counts p times. For two rows, with
 //! `S = L_0 + L_1 e_1 / e_0`,
@@ -29,7 +29,7 @@ fn by_channel([a, b, c]: FourPixels) -> Vec4 {
     (a + second) + (third + fourth)
 }
 
-/// How much a row counts in its band.
+/// Weights of a row in its band.
 #[derive(Debug, Clone, Copy)]
 pub struct Weight {
     /// L cos phi and L sin phi.
@@ -42,7 +42,7 @@ pub struct Weight {
 pub struct Rows<'a, const N: usize> {
     samples: [&'a [[f32; 3]]; N],
     weights: [Weight; N],
-    /// What each row counts in S: 1 and `e_1 / e_0`.
+    /// Weight of each row in S: 1 and `e_1 / e_0`.
     shares: [f32; N],
     /// `e_0`.
     equatorial: f32,
@@ -50,7 +50,7 @@ pub struct Rows<'a, const N: usize> {
     polar: [f32; N],
 }
 
-/// What a normal makes of L cos o, L sin o and L of a column, o being its offset in the block.
+/// Weights that a normal gives L cos o, L sin o and L of a column, o being its offset in the block.
 pub struct Pull {
     pub cos: f32,
     pub sin: f32,
@@ -80,7 +80,7 @@ impl<'a, const N: usize> Rows<'a, N> {
 
     /// Four samples of S, and of each row.
     #[inline]
-    fn lanes(&self, rows: [&[f32; 12]; N], part: usize) -> (Vec4, [Vec4; N]) {
+    fn four_samples(&self, rows: [&[f32; 12]; N], part: usize) -> (Vec4, [Vec4; N]) {
         let samples = rows.map(|row| Vec4::from_slice(&row[4 * part..]));
         let further = samples.iter().zip(self.shares).skip(1);
         (further.fold(samples[0], |sum, (&samples, share)| sum + samples * share), samples)
@@ -92,11 +92,12 @@ impl<'a, const N: usize> Rows<'a, N> {
     pub fn sums<const PIXELS: usize>(&self, first: usize, offsets: &[[FourPixels; 2]]) -> [Vec4; 3] {
         let rows = self.fours::<PIXELS>(first);
         let [mut cosines, mut sines] = [[Vec4::ZERO; 3]; 2];
-        // Of S, then of each further row.
+        // Sums of S, then of each further row.
         let mut ones = [[Vec4::ZERO; 3]; N];
+        // Add up the pixels, four at a time.
         for (i, [cos, sin]) in offsets.iter().enumerate() {
             for part in 0..3 {
-                let (sum, samples) = self.lanes(rows.map(|row| &row[i]), part);
+                let (sum, samples) = self.four_samples(rows.map(|row| &row[i]), part);
                 cosines[part] += sum * cos[part];
                 sines[part] += sum * sin[part];
                 ones[0][part] += sum;
@@ -105,11 +106,12 @@ impl<'a, const N: usize> Rows<'a, N> {
                 }
             }
         }
+        // Add up each channel, and weight the rows.
         let one = ones.into_iter().zip(self.polar).map(|(one, polar)| by_channel(one) * polar).sum();
         [by_channel(cosines) * self.equatorial, by_channel(sines) * self.equatorial, one]
     }
 
-    /// What `pull` makes of the `counted` ones of `PIXELS` columns, by channel.
+    /// Sum of the `counted` ones of `PIXELS` columns, weighted by `pull`, by channel.
     #[inline]
     pub fn pulled<const PIXELS: usize>(
         &self,
@@ -118,13 +120,15 @@ impl<'a, const N: usize> Rows<'a, N> {
         offsets: &[[FourPixels; 2]],
         counted: &[FourPixels],
     ) -> Vec4 {
+        // Weight the pull for S, and for each row.
         let rows = self.fours::<PIXELS>(first);
         let (along, across) = (pull.cos * self.equatorial, pull.sin * self.equatorial);
         let polar = self.polar.map(|polar| polar * pull.one);
+        // Add up the pixels, four at a time.
         let mut sums = [Vec4::ZERO; 3];
         for (i, ([cos, sin], counted)) in offsets.iter().zip(counted).enumerate() {
             for part in 0..3 {
-                let (sum, samples) = self.lanes(rows.map(|row| &row[i]), part);
+                let (sum, samples) = self.four_samples(rows.map(|row| &row[i]), part);
                 let mut pulled = sum * (cos[part] * along + sin[part] * across + polar[0]);
                 for (&samples, polar) in samples.iter().zip(polar).skip(1) {
                     pulled += samples * polar;
@@ -169,7 +173,7 @@ mod tests {
     proptest! {
         /// The same sums column by column, in f64 and with a weight for each row.
         #[test]
-        fn lanes_hold_the_sums_of_the_columns(
+        fn wide_sums_are_those_of_the_columns(
             rows in [row(), row()], weights in [weight(), weight()], counts in prop::array::uniform8(-1_i8..=1)
         ) {
             let rows = Rows::new([rows[0].as_slice(), &rows[1]], weights);

@@ -1,12 +1,12 @@
 //! Irradiance under a working map: few cells, many normals.
 //!
 //! The sums of `band.rs` kept for every column, in single precision. Between two columns, `d` radians
-//! apart, the flux is a straight line, and what a normal sees of it bends: at its horizon the cosine falls
-//! to 0, with the slope `k = |pull| sin(half-width)`. Of the cell that the horizon cuts at the share s,
+//! apart, the flux is a straight line. The irradiance from it bends: at the horizon of the normal the cosine
+//! falls to 0, with the slope `k = |pull| sin(half-width)`. From the cell that the horizon cuts at the share s,
 //!
 //! ```text
 //!   L k (s d)^2 / 2  =  s L k d^2 (s - 1/2)  +  L k d^2 s (1 - s) / 2
-//!   what is seen        the straight line       the bend
+//!   irradiance          the straight line       the bend
 //! ```
 //!
 //! Look-ups cost less than two thirds of those of `band.rs`, where they outnumber the cells.
@@ -15,7 +15,7 @@
 use std::f64::consts::TAU;
 
 use glam::{DVec3, Vec4};
-use ndarray::{Array2, Axis};
+use ndarray::Axis;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 use wide::f32x8;
@@ -23,7 +23,6 @@ use wide::f32x8;
 use super::horizon::{Normal, Slice, Steps, cut};
 use crate::error::{Error, Result};
 use crate::kernels::image::{Grid, WorkingMap};
-use crate::kernels::sphere;
 
 /// Rows of the map that one task sums.
 const ROWS_OF_A_RUN: usize = 8;
@@ -38,17 +37,17 @@ struct Table<'a> {
     map: &'a WorkingMap,
     columns: &'a Columns,
     prefix: Vec<Flux>,
-    /// Of what each normal sees of the row.
+    /// Half the width of the part of the row in front of each normal.
     half_widths: Vec<f32>,
 }
 
-/// What all rows have in common.
+/// Places that all rows have in common.
 struct Columns {
     /// cos and sin of each edge.
     edges: Vec<[f64; 2]>,
     /// Left edge of each column, and one over its width.
     places: Vec<[f32; 2]>,
-    /// Place of an azimuth: so many columns per radian, and the place of the seam.
+    /// Place of an azimuth: the number of columns per radian, and the place of the seam.
     per_radian: f32,
     first: f32,
 }
@@ -67,10 +66,12 @@ impl Columns {
 }
 
 /// Irradiance at `normals` of the cells of `map`, without its sources.
-pub fn under_cells(map: &WorkingMap, normals: &[DVec3]) -> Result<Array2<f64>> {
+pub fn under_cells(map: &WorkingMap, normals: &[DVec3]) -> Result<Vec<DVec3>> {
+    // Prepare what all rows share.
     let normals: Vec<Normal> = normals.iter().map(|&n| Normal::new(n)).collect();
     let columns = Columns::new(&map.grid);
     let rows: Vec<usize> = (0..map.radiance.dim().0).collect();
+    // Sum some rows in each task.
     let sums: Vec<Vec<DVec3>> = rows
         .par_chunks(ROWS_OF_A_RUN)
         .map(|rows| {
@@ -82,12 +83,13 @@ pub fn under_cells(map: &WorkingMap, normals: &[DVec3]) -> Result<Array2<f64>> {
             sums
         })
         .collect();
+    // Add up the tasks in their order.
     let sum = |i: usize| sums.iter().fold(DVec3::ZERO, |sum, part| sum + part[i]);
-    let seen: Vec<DVec3> = (0..normals.len()).map(sum).collect();
-    if !seen.iter().all(|sum| sum.is_finite()) {
+    let irradiance: Vec<DVec3> = (0..normals.len()).map(sum).collect();
+    if !irradiance.iter().all(|sum| sum.is_finite()) {
         return Err(Error::TooBright);
     }
-    Ok(sphere::from_vectors(seen.into_iter().map(|sum| sum.max(DVec3::ZERO))))
+    Ok(irradiance.into_iter().map(|sum| sum.max(DVec3::ZERO)).collect())
 }
 
 impl Table<'_> {
@@ -122,6 +124,7 @@ impl Table<'_> {
     /// Irradiance at `normal` from what it sees of the row, `half_width` to both sides.
     #[inline(always)]
     fn seen_by(&self, normal: &Normal, half_width: f32, slice: &Slice) -> DVec3 {
+        // Find the flux in front of the normal, and what its horizon bends.
         let c = normal.cosine(slice);
         let (flux, bend) = if c >= 1.0 {
             return DVec3::ZERO;
@@ -130,6 +133,7 @@ impl Table<'_> {
         } else {
             self.around(normal.azimuth as f32, half_width)
         };
+        // Weight both for the normal.
         let [x, y, one] = normal.pull(slice).as_vec3().to_array();
         let slope = ((x * x + y * y) * (1.0 - c * c).max(0.0) as f32).sqrt();
         (flux[0] * x + flux[1] * y + flux[2] * one + bend * slope).truncate().as_dvec3()
@@ -164,7 +168,7 @@ impl Table<'_> {
     }
 }
 
-/// What each normal sees of a slice of a row, added to its sum.
+/// Adds the irradiance from a slice of a row to the sum of each normal.
 struct LookUps<'a, 'b> {
     table: &'a mut Table<'b>,
     slice: Slice,
@@ -178,7 +182,7 @@ impl WithSimd for LookUps<'_, '_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let Self { table, slice, normals, sums } = self;
-        // All before the first look-up, which then need not wait for its own.
+        // Find all half-widths before the first look-up, which then need not wait.
         table.half_widths.resize(normals.len(), 0.0);
         for (half_widths, normals) in table.half_widths.chunks_mut(LANES).zip(normals.chunks(LANES)) {
             let mut cosines = [0.0; LANES];
@@ -187,6 +191,7 @@ impl WithSimd for LookUps<'_, '_> {
             }
             half_widths.copy_from_slice(&f32x8::from(cosines).acos().as_array()[..normals.len()]);
         }
+        // Look up and add.
         for ((sum, normal), &half_width) in sums.iter_mut().zip(normals).zip(&table.half_widths) {
             *sum += table.seen_by(normal, half_width, &slice);
         }
@@ -202,7 +207,7 @@ fn single(flux: DVec3) -> Vec4 {
 mod tests {
     use super::*;
     use crate::kernels::sampling;
-    use crate::kernels::sphere::Registration;
+    use crate::kernels::sphere::{self, Registration};
     use crate::kernels::{fit, image};
     use ndarray::Array3;
 
@@ -215,7 +220,7 @@ mod tests {
         let directions = sphere::to_vectors(normals.view());
         for registration in [Registration::CellCentred, Registration::BorderSampled] {
             let working = image::reduce(map.view(), registration, 128, 1.0).unwrap();
-            let near = under_cells(&working, &directions).unwrap();
+            let near = sphere::from_vectors(under_cells(&working, &directions).unwrap().into_iter());
             let cells = working.radiance.view();
             let exact =
                 super::super::under_cells(cells, &working.grid, Steps::ONE_NODE, &directions).unwrap();

@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 /// Texels of a task: their rows stay in the second-level cache for some hundred images.
 const SPAN: usize = 512;
 
-/// Mixtures of the rows of `images` in the texels that are `lit`:
+/// Mixtures of the rows of `images` in the texels that are `non_black`:
 ///
 /// ```text
 ///   B[t, r] = sum over i and c of  scale[i] images[i, t, c] weights[3 i + c, r]
@@ -20,29 +20,29 @@ const SPAN: usize = 512;
 ///
 /// - `images`: (k, texels, 3).
 /// - `scale`: (k,).
-/// - `lit`: (texels,).
+/// - `non_black`: (texels,).
 /// - `weights`: (3 k, rank).
 ///
 /// # Returns
 ///
-/// (lit texels, rank).
+/// (texels that are not black, rank).
 ///
 /// # Errors
 ///
-/// [`Error::WrongColumns`], [`Error::LengthMismatch`].
+/// [`Error::WrongShape`], [`Error::LengthMismatch`].
 pub fn columns(
     images: ArrayView3<'_, f32>,
     scale: &[f32],
-    lit: &[bool],
+    non_black: &[bool],
     weights: ArrayView2<'_, f32>,
 ) -> Result<Array2<f32>> {
     rows::check(images, scale)?;
     let (width, rank) = weights.dim();
-    let sizes = [("lit", lit.len(), images.dim().1), ("weights", width, 3 * scale.len())];
-    if let Some((what, seen, wanted)) = sizes.into_iter().find(|&(_, seen, wanted)| seen != wanted) {
-        return Err(Error::LengthMismatch { what, other: "images", wanted, seen });
-    }
-    let counts = lit.chunks(SPAN).map(|lit| lit.iter().filter(|&&lit| lit).count());
+    check_length("non_black", non_black.len(), "images have texels", images.dim().1)?;
+    check_length("weights", width, "images have channels in all", 3 * scale.len())?;
+    // Give each task the rows of the basis that its texels fill.
+    let counts =
+        non_black.chunks(SPAN).map(|non_black| non_black.iter().filter(|&&non_black| non_black).count());
     let mut out = Array2::zeros((counts.clone().sum(), rank));
     let mut parts = Vec::new();
     let mut rest = out.view_mut();
@@ -51,21 +51,26 @@ pub fn columns(
         parts.push(part);
         rest = others;
     }
-    parts.into_par_iter().zip(lit.par_chunks(SPAN)).enumerate().for_each_init(
+    // Mix the texels of each task that are not black.
+    parts.into_par_iter().zip(non_black.par_chunks(SPAN)).enumerate().for_each_init(
         || Array2::zeros((SPAN, width)),
-        |block, (span, (mut out, lit))| {
-            let rows = &mut block.as_slice_mut().unwrap_or_default()[..width * lit.len()];
+        |block, (span, (mut out, non_black))| {
+            let rows = &mut block.as_slice_mut().unwrap_or_default()[..width * non_black.len()];
             rows::fill(rows, images, scale, SPAN * span);
-            keep(rows, width, lit);
+            keep(rows, width, non_black);
             general_mat_mul(1.0, &block.slice(s![..out.nrows(), ..]), &weights, 0.0, &mut out);
         },
     );
     Ok(out)
 }
 
-/// Move the rows that are lit to the front.
-fn keep(block: &mut [f32], width: usize, lit: &[bool]) {
-    for (to, from) in (0..lit.len()).filter(|&from| lit[from]).enumerate() {
+fn check_length(what: &'static str, seen: usize, other: &'static str, wanted: usize) -> Result<()> {
+    if seen == wanted { Ok(()) } else { Err(Error::LengthMismatch { what, other, wanted, seen }) }
+}
+
+/// Move the rows that are not black to the front.
+fn keep(block: &mut [f32], width: usize, non_black: &[bool]) {
+    for (to, from) in (0..non_black.len()).filter(|&from| non_black[from]).enumerate() {
         if to < from {
             block.copy_within(width * from..width * (from + 1), width * to);
         }
@@ -83,13 +88,13 @@ mod tests {
     fn one_weight_takes_one_row() {
         let whole = Array3::from_shape_fn((5, 2 * SPAN + 6, 4), |(k, t, c)| (100 * t + 10 * k + c) as f32);
         let images = whole.slice(s![.., ..;2, ..3]);
-        let lit: Vec<bool> = (0..SPAN + 3).map(|t| t % 3 != 1).collect();
+        let non_black: Vec<bool> = (0..SPAN + 3).map(|t| t % 3 != 1).collect();
         let scale = [1.0, 2.0, 1.0, 1.0, 0.5];
         let mut weights = Array2::zeros((15, 2));
         weights[[3 + 2, 0]] = 1.0;
         weights[[12, 1]] = 1.0;
-        let found = columns(images, &scale, &lit, weights.view()).expect("they fit");
-        let wanted = (0..lit.len()).filter(|&t| lit[t]);
+        let found = columns(images, &scale, &non_black, weights.view()).expect("they fit");
+        let wanted = (0..non_black.len()).filter(|&t| non_black[t]);
         assert_eq!(found.nrows(), wanted.clone().count());
         for (row, t) in found.outer_iter().zip(wanted) {
             assert_eq!(row, arr2(&[[2.0 * images[[1, t, 2]], 0.5 * images[[4, t, 0]]]]).row(0));
@@ -101,8 +106,15 @@ mod tests {
         let images = Array3::zeros((1, 2, 3));
         let weights = Array2::zeros((3, 1));
         assert!(columns(images.view(), &[1.0], &[true; 2], weights.view()).is_ok());
-        assert!(columns(images.view(), &[1.0], &[true; 3], weights.view()).is_err());
-        assert!(columns(images.view(), &[1.0, 1.0], &[true; 2], weights.view()).is_err());
-        assert!(columns(images.view(), &[1.0], &[true; 2], Array2::zeros((2, 1)).view()).is_err());
+        let refusal = |scale: &[f32], non_black: &[bool], width| {
+            let weights = Array2::zeros((width, 1));
+            columns(images.view(), scale, non_black, weights.view()).map_err(|error| error.to_string())
+        };
+        let wanted = "non_black must have as many rows as images have texels (2); got 3";
+        assert_eq!(refusal(&[1.0], &[true; 3], 3), Err(wanted.to_owned()));
+        let wanted = "weights must have as many rows as images have channels in all (3); got 2";
+        assert_eq!(refusal(&[1.0], &[true; 2], 2), Err(wanted.to_owned()));
+        let wanted = "scale must have as many rows as images (1); got 2";
+        assert_eq!(refusal(&[1.0; 2], &[true; 2], 3), Err(wanted.to_owned()));
     }
 }

@@ -1,8 +1,8 @@
 //! Frames from a basis of one or two bytes a value.
 //!
-//! A frame costs what it takes to read the basis, so a basis of a quarter of the bytes is worth its
-//! rounding. Its values stand in tiles of 32 texels, (tiles, rank, 32), each half of a tile with a scale
-//! of its own for each component:
+//! The time of a frame is that of reading the basis, so a basis of a quarter of the bytes is worth its
+//! rounding. Its values stand in tiles of 32 texels, (tiles, rank, 32). Each half of a tile has a scale of
+//! its own for each component:
 //!
 //! ```text
 //!   image[t, c] = sum over r of  coefficients[r, c] scales[tile, r, lane / 16] values[tile, r, lane],
@@ -13,6 +13,8 @@
 //! alone reads no other.
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
+use half::f16;
+use half::slice::HalfFloatSliceExt;
 use ndarray::parallel::prelude::*;
 use ndarray::{Array3, ArrayView3, Axis};
 use pulp::{Arch, Simd, WithSimd};
@@ -21,9 +23,9 @@ use rayon::slice::ParallelSlice;
 use crate::error::{Error, Result};
 
 /// Texels of a tile: with more the sums leave the registers.
-const TILE: usize = 32;
+pub const TILE: usize = 32;
 /// Texels that share a scale: with fewer the scales weigh more, with more they fit less well.
-const SHARE: usize = 16;
+pub const SHARE: usize = 16;
 /// The scales of a component of a tile.
 type Scales = [f32; TILE / SHARE];
 /// Tiles of a task.
@@ -34,25 +36,23 @@ const GROUP: usize = 4;
 
 /// A value of the basis as it is kept.
 pub trait Kept: Copy + Sync {
-    /// As it is used, before its scale.
-    fn widen(self) -> f32;
+    /// Write values as they are used, before their scale, into `wide` of the same length.
+    fn widen(kept: &[Self], wide: &mut [f32]);
 }
 
 impl Kept for i8 {
     #[inline(always)]
-    fn widen(self) -> f32 {
-        f32::from(self)
+    fn widen(kept: &[Self], wide: &mut [f32]) {
+        for (wide, &kept) in wide.iter_mut().zip(kept) {
+            *wide = f32::from(kept);
+        }
     }
 }
 
-/// The bits of an IEEE half that is finite.
-impl Kept for u16 {
-    /// They are those of a float that is 2^112 times smaller, also where they are subnormal.
+impl Kept for f16 {
     #[inline(always)]
-    fn widen(self) -> f32 {
-        const UP: f32 = f32::from_bits((127 + 112) << 23);
-        let magnitude = f32::from_bits(u32::from(self & 0x7fff) << 13) * UP;
-        f32::from_bits(magnitude.to_bits() | u32::from(self & 0x8000) << 16)
+    fn widen(kept: &[Self], wide: &mut [f32]) {
+        kept.convert_to_f32_slice(wide);
     }
 }
 
@@ -60,7 +60,7 @@ impl Kept for u16 {
 ///
 /// # Inputs
 ///
-/// - `values`: (tiles, rank, 32), bytes or the bits of halves.
+/// - `values`: (tiles, rank, 32), bytes or halves.
 /// - `scales`: (tiles, rank, 2).
 /// - `coefficients`: (n, rank, 3), of the first components; the others are not read.
 /// - `places`: for each tile of an image where it is in `values`; below 0 it is black.
@@ -71,8 +71,8 @@ impl Kept for u16 {
 ///
 /// # Errors
 ///
-/// [`Error::WrongColumns`] for tiles of another size or coefficients that are no RGB, [`Error::LengthMismatch`] for more coefficients
-/// than components, [`Error::OutOfRange`] for a place that is not in `values`.
+/// [`Error::WrongShape`] for tiles of another size or coefficients that are no RGB, [`Error::OutOfRange`] for
+/// more components than the basis has, or a place that is not in `values`.
 pub fn frames<T: Kept>(
     values: ArrayView3<'_, T>,
     scales: ArrayView3<'_, f32>,
@@ -82,10 +82,12 @@ pub fn frames<T: Kept>(
     let (values, scales) = (values.as_standard_layout(), scales.as_standard_layout());
     let basis = Basis::new(values.view(), scales.view())?;
     basis.check(coefficients, places)?;
+    // Copy the coefficients of each image in rows of RGB.
     let images: Vec<Vec<[f32; 3]>> = coefficients
         .outer_iter()
         .map(|rows| rows.rows().into_iter().map(|rgb| [rgb[0], rgb[1], rgb[2]]).collect())
         .collect();
+    // Mix some tiles of all images in each task.
     let mut out = Array3::zeros((images.len(), TILE * places.len(), 3));
     let arch = Arch::new();
     out.axis_chunks_iter_mut(Axis(1), TILE * SPAN).into_par_iter().zip(places.par_chunks(SPAN)).for_each(
@@ -100,7 +102,7 @@ pub fn frames<T: Kept>(
     Ok(out)
 }
 
-/// What is kept of a basis.
+/// A basis as it is kept.
 struct Basis<'a, T> {
     values: &'a [[T; TILE]],
     scales: &'a [Scales],
@@ -108,35 +110,34 @@ struct Basis<'a, T> {
 }
 
 impl<'a, T: Kept> Basis<'a, T> {
-    /// Of arrays in the standard layout.
+    /// A basis from arrays in the standard layout.
     fn new(values: ArrayView3<'a, T>, scales: ArrayView3<'a, f32>) -> Result<Self> {
         let (tiles, rank, lanes) = values.dim();
         if lanes != TILE {
-            return Err(Error::WrongColumns {
-                what: "values",
-                columns: TILE,
-                shape: values.shape().to_vec(),
-            });
+            let shape = values.shape().to_vec();
+            return Err(Error::WrongShape { what: "values", wanted: "(tiles, rank, 32)", shape });
         }
         if scales.dim() != (tiles, rank, TILE / SHARE) {
-            return Err(Error::WrongColumns {
-                what: "scales",
-                columns: rank,
-                shape: scales.shape().to_vec(),
-            });
+            let (wanted, shape) = ("(tiles, rank, 2), as values have it", scales.shape().to_vec());
+            return Err(Error::WrongShape { what: "scales", wanted, shape });
         }
         let (values, _) = values.to_slice().unwrap_or_default().as_chunks();
         Ok(Self { values, scales: scales.to_slice().unwrap_or_default().as_chunks().0, rank })
     }
 
     fn check(&self, coefficients: ArrayView3<'_, f32>, places: &[i64]) -> Result<()> {
-        let (what, (_, components, channels)) = ("coefficients", coefficients.dim());
+        let (_, components, channels) = coefficients.dim();
         if channels != 3 {
-            return Err(Error::WrongColumns { what, columns: 3, shape: coefficients.shape().to_vec() });
+            let (wanted, shape) = ("(n, components, 3)", coefficients.shape().to_vec());
+            return Err(Error::WrongShape { what: "coefficients", wanted, shape });
         }
         if components > self.rank {
-            let other = "values";
-            return Err(Error::LengthMismatch { what, other, wanted: self.rank, seen: components });
+            return Err(Error::OutOfRange {
+                what: "the number of components in coefficients",
+                value: components as f64,
+                least: 0.0,
+                most: self.rank as f64,
+            });
         }
         let tiles = self.values.len().checked_div(self.rank).unwrap_or(0);
         match places.iter().find(|&&place| place >= tiles as i64) {
@@ -168,14 +169,14 @@ impl<T: Kept> WithSimd for Span<'_, T> {
         let components = self.images.first().map_or(0, Vec::len);
         let mut wide = vec![[0.0; TILE]; components];
         for (tile, &place) in self.places.iter().enumerate() {
+            // Find what is kept of the tile, unless it is black.
             let Ok(place) = usize::try_from(place) else { continue };
             let first = self.basis.rank * place;
             let kept = &self.basis.values[first..first + components];
             let scales = &self.basis.scales[first..first + components];
-            // One long loop: the compiler makes vectors of it, and none of many short ones.
-            for (wide, kept) in wide.as_flattened_mut().iter_mut().zip(kept.as_flattened()) {
-                *wide = kept.widen();
-            }
+            // Widen the tile, in one long loop: the compiler makes vectors of it, and none of many short ones.
+            T::widen(kept.as_flattened(), wide.as_flattened_mut());
+            // Scale each half of the tile.
             for (wide, scales) in wide.iter_mut().zip(scales) {
                 for (wide, &scale) in wide.as_chunks_mut::<SHARE>().0.iter_mut().zip(scales) {
                     let scale = simd.splat_f32s(scale);
@@ -184,6 +185,7 @@ impl<T: Kept> WithSimd for Span<'_, T> {
                     }
                 }
             }
+            // Mix the tile of each image.
             for (out, coefficients) in self.out.iter_mut().zip(self.images) {
                 let [red, green, blue] = mixed(simd, &wide, coefficients);
                 for (lane, texel) in out[TILE * tile..TILE * (tile + 1)].iter_mut().enumerate() {
@@ -231,12 +233,12 @@ mod tests {
     /// 1, the least and the largest normal, subnormal ones, both zeros.
     #[test]
     fn halves_are_widened_exactly() {
-        let bits = [0x3c00, 0xc000, 0x0400, 0x7bff, 0x0001, 0x83ff, 0x0000, 0x8000_u16];
+        let kept = [0x3c00, 0xc000, 0x0400, 0x7bff, 0x0001, 0x83ff, 0x0000, 0x8000].map(f16::from_bits);
         let wanted =
             [1.0, -2.0, 2f32.powi(-14), 65504.0, 2f32.powi(-24), -1023.0 * 2f32.powi(-24), 0.0, -0.0];
-        for (bits, wanted) in bits.into_iter().zip(wanted) {
-            assert_eq!(bits.widen().to_bits(), f32::to_bits(wanted), "{bits:#06x}");
-        }
+        let mut wide = [f32::NAN; 8];
+        f16::widen(&kept, &mut wide);
+        assert_eq!(wide.map(f32::to_bits), wanted.map(f32::to_bits));
     }
 
     /// Small whole numbers: the sums are exact. One tile is black, one image stops at two components.
@@ -277,13 +279,17 @@ mod tests {
             frames(values.view(), scales.view(), coefficients.view(), places)
                 .map_or_else(|error| error.to_string(), |_| String::new())
         };
-        assert!(call(&values, 2, &[0]).starts_with("coefficients must have as many rows"));
+        let components = "the number of components in coefficients must be from 0 to 1; got 2";
+        assert_eq!(call(&values, 2, &[0]), components);
         assert_eq!(call(&values, 1, &[2]), "places must be from -1 to 1; got 2");
-        assert!(call(&Array3::zeros((2, 1, 16)), 1, &[0]).contains("(n, 32)"));
-        assert!(call(&Array3::zeros((2, 2, TILE)), 1, &[0]).starts_with("scales"));
+        let tiles = "values must have the shape (tiles, rank, 32); got [2, 1, 16]";
+        assert_eq!(call(&Array3::zeros((2, 1, 16)), 1, &[0]), tiles);
+        let scaled = "scales must have the shape (tiles, rank, 2), as values have it; got [2, 1, 2]";
+        assert_eq!(call(&Array3::zeros((2, 2, TILE)), 1, &[0]), scaled);
         let two = Array3::zeros((1, 1, 2));
-        let seen = frames(values.view(), scales.view(), two.view(), &[0]);
-        assert!(matches!(seen, Err(Error::WrongColumns { what: "coefficients", columns: 3, .. })));
+        let refusal = frames(values.view(), scales.view(), two.view(), &[0]).map_err(|e| e.to_string());
+        let wanted = "coefficients must have the shape (n, components, 3); got [1, 1, 2]";
+        assert_eq!(refusal, Err(wanted.to_owned()));
     }
 
     /// As `numpy` saves them where they were transposed before.

@@ -34,7 +34,7 @@ const PANEL: usize = 32;
 ///
 /// # Errors
 ///
-/// [`crate::error::Error::WrongColumns`], [`crate::error::Error::LengthMismatch`].
+/// [`crate::error::Error::WrongShape`], [`crate::error::Error::LengthMismatch`].
 pub fn gram(images: ArrayView3<'_, f32>, scale: &[f32]) -> Result<(Array2<f64>, Array1<bool>)> {
     rows::check(images, scale)?;
     let width = 3 * scale.len();
@@ -42,8 +42,9 @@ pub fn gram(images: ArrayView3<'_, f32>, scale: &[f32]) -> Result<(Array2<f64>, 
     if images.is_empty() {
         return Ok((Array2::zeros((width, width)), Array1::from_elem(texels, false)));
     }
+    // Read a block of texels at a time, as rows of all images.
     let mut products = Array2::zeros((width, width));
-    let mut lit = Vec::with_capacity(texels);
+    let mut non_black = Vec::with_capacity(texels);
     let mut block = Array2::zeros((BLOCK.min(texels), width));
     for first in (0..texels).step_by(BLOCK) {
         let count = BLOCK.min(texels - first);
@@ -52,10 +53,11 @@ pub fn gram(images: ArrayView3<'_, f32>, scale: &[f32]) -> Result<(Array2<f64>, 
         rows.par_chunks_mut(width * step)
             .enumerate()
             .for_each(|(i, rows)| rows::fill(rows, images, scale, first + i * step));
-        lit.extend(rows.chunks_exact(width).map(|row| row.iter().any(|&value| value != 0.0)));
+        // Note which texels are not black, and add the products of the block.
+        non_black.extend(rows.chunks_exact(width).map(|row| row.iter().any(|&value| value != 0.0)));
         add_products(&mut products, block.slice(s![..count, ..]));
     }
-    Ok((products, lit.into()))
+    Ok((products, non_black.into()))
 }
 
 /// Add the inner products of the columns of `block` (texels, width).
@@ -66,10 +68,12 @@ fn add_products(products: &mut Array2<f64>, block: ArrayView2<'_, f32>) {
     panels.into_par_iter().rev().with_max_len(1).for_each_init(
         || Array2::zeros((PANEL, width)),
         |sums, (i, mut panel)| {
+            // Multiply the rows of the panel with all up to the diagonal, in f32.
             let (first, last) = (i * PANEL, i * PANEL + panel.nrows());
             let mut sums = sums.slice_mut(s![..last - first, ..last]);
             let (ours, all) = (block.slice(s![.., first..last]), block.slice(s![.., ..last]));
             general_mat_mul(1.0, &ours.t(), &all, 0.0, &mut sums);
+            // Add the products in f64.
             Zip::from(panel.slice_mut(s![.., ..last]))
                 .and(&sums)
                 .for_each(|total, &sum| *total += f64::from(sum));
@@ -92,7 +96,7 @@ mod tests {
         images.slice_mut(s![.., BLOCK + 3, ..]).fill(0.0);
         images.slice_mut(s![.., 5, ..]).fill(0.0);
         images[[1, 5, 2]] = 1.0;
-        let (products, lit) = gram(images.view(), &scale).expect("they fit");
+        let (products, non_black) = gram(images.view(), &scale).expect("they fit");
         for (a, b) in (0..39).flat_map(|a| (0..=a).map(move |b| (a, b))) {
             let [one, two] = [a, b].map(|row| (row / 3, row % 3));
             let sum: f64 = (0..images.dim().1)
@@ -102,7 +106,7 @@ mod tests {
             // As much as f32 rounds over a block.
             approx::assert_relative_eq!(products[[a, b]], wanted, max_relative = 1e-5);
         }
-        let black: Vec<usize> = (0..lit.len()).filter(|&t| !lit[t]).collect();
+        let black: Vec<usize> = (0..non_black.len()).filter(|&t| !non_black[t]).collect();
         assert_eq!(black, [5, BLOCK + 3]);
     }
 
@@ -111,7 +115,7 @@ mod tests {
         let images = Array3::zeros((2, 5, 3));
         assert!(gram(images.view(), &[1.0; 3]).is_err());
         assert!(gram(images.slice(s![.., .., ..2]), &[1.0; 2]).is_err());
-        let (products, lit) = gram(images.slice(s![..0, .., ..]), &[]).expect("they fit");
-        assert_eq!((products.dim(), lit.to_vec()), ((0, 0), vec![false; 5]));
+        let (products, non_black) = gram(images.slice(s![..0, .., ..]), &[]).expect("they fit");
+        assert_eq!((products.dim(), non_black.to_vec()), ((0, 0), vec![false; 5]));
     }
 }

@@ -10,11 +10,12 @@ use crate::error::{Error, Result};
 /// Images whose values move together, twelve floats at a time. Of 1, 2, 4 and 8, 4 is fastest.
 const IMAGES: usize = 4;
 
-/// Refuse images (k, texels, 3) that are no RGB, or have not a scale each.
+/// Refuse images of another shape than (k, texels, 3), or another number of scales than of images.
 pub fn check(images: ArrayView3<'_, f32>, scale: &[f32]) -> Result<()> {
     let (wanted, _, channels) = images.dim();
     if channels != 3 {
-        return Err(Error::WrongColumns { what: "images", columns: 3, shape: images.shape().to_vec() });
+        let shape = images.shape().to_vec();
+        return Err(Error::WrongShape { what: "images", wanted: "(k, texels, 3)", shape });
     }
     if scale.len() != wanted {
         return Err(Error::LengthMismatch { what: "scale", other: "images", wanted, seen: scale.len() });
@@ -44,9 +45,10 @@ fn fill_from<const N: usize>(
     let width = 3 * images.dim().0;
     let texels = first..first + rows.len() / width;
     let parts: [_; N] = from_fn(|i| images.slice_move(s![image + i, texels.clone(), ..]));
-    // What does not lie in RGB, as where alpha was dropped, is copied.
+    // Copy what does not lie in RGB, as where alpha was dropped.
     let parts: [_; N] = from_fn(|i| parts[i].as_standard_layout());
     let parts: [&[[f32; 3]]; N] = from_fn(|i| parts[i].as_slice().unwrap_or_default().as_chunks().0);
+    // Write the values of all images of a texel side by side.
     for (t, row) in rows.chunks_exact_mut(width).enumerate() {
         let values: [[f32; 3]; N] = from_fn(|i| parts[i][t].map(|value| value * scale[i]));
         row[3 * image..3 * (image + N)].copy_from_slice(values.as_flattened());

@@ -1,4 +1,4 @@
-//! The sums over each light, in the pixels of the map itself.
+//! The measurement of each light, in the pixels of the map itself.
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
 use std::ops::Range;
@@ -7,28 +7,29 @@ use ndarray::ArrayView3;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
-use super::components::Regions;
-use super::covered::{Columns, Covered, luminance};
-use super::light::Light;
+use super::components::Segments;
+use super::coverage::{Columns, CoveredPixels};
+use super::moments::Light;
 use super::run::{Run, runs};
-use super::summary::Summary;
+use super::working_image::WorkingImage;
+use crate::kernels::image::luminance_f32;
 use crate::kernels::sphere::{Registration, band_heights};
 
-/// Runs that are summed at once.
+/// Runs that one task sums. Another number would add in another order.
 const RUNS_OF_A_PART: usize = 64;
 
-/// Measure each region, before its background.
+/// Measure each segment against its background.
 pub fn measure(
     radiance: ArrayView3<'_, f32>,
     registration: Registration,
-    summary: &Summary,
-    regions: &Regions,
+    working: &WorkingImage,
+    segments: &Segments,
     backgrounds: &[f64],
 ) -> Vec<Light> {
     let radiance = radiance.as_standard_layout();
     let pixels = radiance.as_slice().map_or(&[][..], |samples| samples.as_chunks::<3>().0);
-    let runs: Vec<Vec<Run>> = regions.pixels.iter().map(|region| runs(region, summary.size.1)).collect();
-    let map = Map::new(pixels, radiance.dim(), registration, summary.block, &runs);
+    let runs: Vec<Vec<Run>> = segments.pixels.iter().map(|segment| runs(segment, working.size.1)).collect();
+    let map = Map::new(pixels, radiance.dim(), registration, working.block, &runs);
     let lights = runs.par_iter().zip(backgrounds);
     lights.map(|(runs, &background)| map.measure(runs, background)).collect()
 }
@@ -41,12 +42,12 @@ struct Map<'a> {
     /// Sine and cosine of the polar angle, and `cos theta_top - cos theta_bottom`, of each row.
     rows: Vec<[f64; 3]>,
     columns: Columns<Vec<f64>>,
-    /// Vectors as wide as this processor has.
+    /// The widest vectors of this processor.
     widest: Arch,
 }
 
 impl<'a> Map<'a> {
-    /// Sines and cosines are known only where `runs` lie: most of a map is no light.
+    /// Sines and cosines are computed only where `runs` lie, for most of a map is dark.
     fn new(
         pixels: &'a [[f32; 3]],
         (height, width, _): (usize, usize, usize),
@@ -54,11 +55,13 @@ impl<'a> Map<'a> {
         block: usize,
         runs: &[Vec<Run>],
     ) -> Self {
+        // Mark the rows and columns in which lights lie.
         let (mut is_row_covered, mut is_column_covered) = (vec![false; height], vec![false; width]);
         for run in runs.iter().flatten() {
             is_row_covered[within(run.row..run.row + 1, block, height)].fill(true);
             is_column_covered[within(run.columns.clone(), block, width)].fill(true);
         }
+        // Compute their sines, cosines and sizes.
         let row = |(edges, is_covered): (&[f64], &bool)| {
             if *is_covered {
                 let (sin, cos) = (0.5 * (edges[0] + edges[1])).sin_cos();
@@ -75,7 +78,8 @@ impl<'a> Map<'a> {
         Self { pixels, width, block, rows, columns, widest: Arch::new() }
     }
 
-    /// Part by part: large lights keep all threads busy, and any number of threads adds in one order.
+    /// Measure a light part by part: a large one keeps all threads busy, and any number of threads adds in
+    /// the same order.
     fn measure(&self, runs: &[Run], background: f64) -> Light {
         let parts = runs.par_chunks(RUNS_OF_A_PART);
         let peak = parts.clone().map(|part| self.peak(part)).reduce(|| 0.0, f32::max);
@@ -85,9 +89,10 @@ impl<'a> Map<'a> {
         lights.iter().fold(Light::of_peak(peak), |sum, part| sum.and(part))
     }
 
+    /// Luminance of the brightest pixel.
     fn peak(&self, part: &[Run]) -> f32 {
         let pixels = part.iter().flat_map(|run| self.rows_of(run)).flat_map(|(_, _, pixels)| pixels);
-        pixels.fold(0.0, |peak, &pixel| peak.max(luminance(pixel)))
+        pixels.fold(0.0, |peak, &pixel| peak.max(luminance_f32(pixel)))
     }
 
     /// Rows of the map's pixels behind a run, each with its number and its columns.
@@ -113,7 +118,7 @@ impl WithSimd for Sum<'_> {
     fn with_simd<S: Simd>(self, _: S) -> Light {
         let Self { map, part, peak, background } = self;
         let mut light = Light::of_peak(peak);
-        let mut covered = Covered::default();
+        let mut covered = CoveredPixels::default();
         for (row, columns, pixels) in part.iter().flat_map(|run| map.rows_of(run)) {
             let [sin, cos, band] = map.rows[row];
             let columns = map.columns.at(columns);
@@ -134,7 +139,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn behind_the_last_working_pixel_there_may_be_fewer_of_the_map() {
+    fn the_last_working_pixel_may_hold_fewer_pixels_of_the_map() {
         assert_eq!(within(2..4, 4, 100), 8..16);
         assert_eq!(within(24..25, 4, 98), 96..98);
     }

@@ -1,46 +1,46 @@
 //! Lights of a map as the branches of its component tree.
 //!
-//! [`detect`] is the whole story; each line of it is a room of its own:
+//! [`detect`] calls the steps in this order:
 //!
-//! | step                                     | file              |
-//! |------------------------------------------|-------------------|
-//! | the map in fewer pixels, in one pass     | `summary.rs`      |
-//! | how bright is bright                     | `threshold.rs`    |
-//! | which pixels touch, and in which rows    | `touch.rs`, `run.rs` |
-//! | which pixels hang together, and how well | `components.rs`   |
-//! | which lights only a bar divides          | `gaps.rs`         |
-//! | which pixels lie around each light       | `outline.rs`      |
-//! | what is behind each light                | `surroundings.rs` |
-//! | what each light sends                    | `measure.rs`      |
-//! | - of each pixel                          | `covered.rs`      |
-//! | - in all                                 | `light.rs`        |
-//! | - in wide vectors                        | `lanes.rs`        |
-//! | how many lights there may be             | `budget.rs`       |
+//! | step                                                       | file                 |
+//! |------------------------------------------------------------|----------------------|
+//! | reduce the map to a working image                          | `working_image.rs`   |
+//! | choose the threshold above which a pixel is bright         | `threshold.rs`       |
+//! | which pixels are neighbours, pixels side by side           | `adjacency.rs`, `run.rs` |
+//! | the component tree: segments of connected bright pixels    | `components.rs`      |
+//! | join the segments that only a bar divides                  | `bridging.rs`        |
+//! | trim the segments; the pixels on the outline of each       | `outline.rs`         |
+//! | the local background of each segment                       | `background.rs`      |
+//! | measure each light in the map's own pixels                 | `measure.rs`         |
+//! | - its coverage of each pixel                               | `coverage.rs`        |
+//! | - its moments                                              | `moments.rs`         |
+//! | - dot products in wide vectors                             | `dot_product.rs`     |
+//! | drop the dimmest lights, merge neighbours (Ward's linkage) | `linkage.rs`         |
 
-mod budget;
+mod adjacency;
+mod background;
+mod bridging;
 mod components;
-mod covered;
-#[cfg(test)]
-mod drawn;
-mod gaps;
-mod lanes;
-mod light;
+mod coverage;
+mod dot_product;
+mod linkage;
 mod measure;
+mod moments;
 mod outline;
 mod run;
-mod summary;
-mod surroundings;
+#[cfg(test)]
+mod test_maps;
 mod threshold;
-mod touch;
+mod working_image;
 
 use ndarray::ArrayView3;
 
-use budget::Choice;
-use components::{BrightPixels, Regions};
-pub use light::Light;
-pub use summary::{Summary, summarise};
-pub use threshold::{Reason, Threshold};
-use touch::Sheet;
+use adjacency::Adjacency;
+use components::{BrightPixels, Segments};
+use linkage::Selection;
+pub use moments::Light;
+pub use threshold::{Rule, Threshold};
+pub use working_image::WorkingImage;
 
 use crate::error::Result;
 use crate::kernels::sphere::Registration;
@@ -63,7 +63,7 @@ pub struct Options {
     pub max_lights: usize,
 }
 
-/// Lights, and what was seen on the way to them.
+/// Lights, and how they were found.
 #[derive(Clone, Debug)]
 pub struct Detection {
     /// Most flux first.
@@ -72,14 +72,14 @@ pub struct Detection {
     pub pixels: Vec<u32>,
     /// The light of each of `pixels`.
     pub light_of_pixel: Vec<u32>,
-    /// What was looked at, and what was not.
-    pub seen: Seen,
+    /// How they were found.
+    pub report: Report,
 }
 
-/// What was looked at, and what was not.
+/// How lights were found: the threshold, what was opened, dropped and merged.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seen {
-    /// Above what a pixel is bright.
+pub struct Report {
+    /// Above it a pixel is bright.
     pub threshold: Threshold,
     /// Integral of the map's luminance.
     pub flux: f64,
@@ -99,14 +99,13 @@ pub struct Seen {
 ///
 /// # Errors
 ///
-/// [`crate::error::Error::NotAMap`], [`crate::error::Error::NotFinite`], [`crate::error::Error::Negative`],
-/// [`crate::error::Error::TooBright`].
+/// [`crate::error::Error::NotAMap`], [`crate::error::Error::UnusableSamples`], [`crate::error::Error::TooBright`].
 pub fn detect(
     radiance: ArrayView3<'_, f32>,
     registration: Registration,
     options: &Options,
 ) -> Result<Detection> {
-    // In the thread pool as a whole: from outside, each of the parallel loops would wake it anew.
+    // Run all of it inside the thread pool: from outside, each parallel loop would wake the pool anew.
     rayon::scope(|_| detect_in_pool(radiance, registration, options))
 }
 
@@ -115,49 +114,55 @@ fn detect_in_pool(
     registration: Registration,
     options: &Options,
 ) -> Result<Detection> {
-    let summary = summarise(radiance, registration, options.working_columns)?;
-    let sheet = Sheet::of(&summary);
-    let threshold = threshold::from_histogram(&summary);
-    let bright = components::bright_pixels(&summary, threshold.luminance);
-    let regions = components::regions(&summary, &sheet, &bright, &threshold, options);
-    let regions = gaps::bridge(&summary, &sheet, regions, options.prominence, options.gap);
-    let regions = outline::trim(&sheet, regions);
-    let outline = outline::outline(&sheet, &regions);
-    let backgrounds = surroundings::backgrounds(&summary, &sheet, &regions, &outline);
-    let lights = measure::measure(radiance, registration, &summary, &regions, &backgrounds);
-    let choice = budget::choose(lights, options.min_flux_share * summary.flux, options.max_lights);
-    let seen = Seen::of(&summary, threshold, &bright, &choice);
-    Ok(Detection::new(&regions, choice, seen))
+    let working = WorkingImage::of(radiance, registration, options.working_columns)?;
+    let adjacency = Adjacency::of(&working);
+    let threshold = threshold::from_histogram(&working);
+    let bright = components::bright_pixels(&working, threshold.luminance);
+    let segments =
+        components::segments(&working, &adjacency, &bright, &threshold, options.prominence, options.extent);
+    let segments = bridging::bridge(&working, &adjacency, segments, options.prominence, options.gap);
+    let segments = outline::trim(&adjacency, segments);
+    let outline = outline::outline(&adjacency, &segments);
+    let backgrounds = background::local_backgrounds(&working, &adjacency, &segments, &outline);
+    let lights = measure::measure(radiance, registration, &working, &segments, &backgrounds);
+    let selection = linkage::select(lights, options.min_flux_share * working.flux, options.max_lights);
+    let report = Report::of(&working, threshold, &bright, &selection);
+    Ok(Detection::new(&segments, selection, report))
 }
 
-impl Seen {
-    fn of(summary: &Summary, threshold: Threshold, bright: &BrightPixels, choice: &Choice) -> Self {
+impl Report {
+    fn of(
+        working: &WorkingImage,
+        threshold: Threshold,
+        bright: &BrightPixels,
+        selection: &Selection,
+    ) -> Self {
         Self {
             threshold,
-            flux: summary.flux,
-            working_size: summary.size,
-            tiles: summary.tile_maxima.len(),
+            flux: working.flux,
+            working_size: working.size,
+            tiles: working.tile_maxima.len(),
             opened_tiles: bright.opened_tiles,
-            dropped: choice.dropped,
-            merged: choice.part_of.len() - choice.dropped - choice.lights.len(),
+            dropped: selection.dropped,
+            merged: selection.part_of.len() - selection.dropped - selection.lights.len(),
         }
     }
 }
 
 impl Detection {
-    /// Of each light, whether it is a flat top at the level of the brightest, as where a camera saturates.
+    /// Whether each light is a flat top at the level of the brightest, as where a camera saturates.
     pub fn are_clipped(&self) -> impl Iterator<Item = bool> {
         let brightest = self.lights.iter().map(|light| light.peak).fold(0.0, f64::max);
         self.lights.iter().map(move |light| light.is_clipped(brightest))
     }
 
-    fn new(regions: &Regions, choice: Choice, seen: Seen) -> Self {
+    fn new(segments: &Segments, selection: Selection, report: Report) -> Self {
         let (mut pixels, mut light_of_pixel) = (Vec::new(), Vec::new());
-        for (region, light) in regions.pixels.iter().zip(&choice.part_of) {
+        for (segment, light) in segments.pixels.iter().zip(&selection.part_of) {
             let Some(light) = light else { continue };
-            pixels.extend(region.iter().filter(|&&index| regions.label[index as usize] != 0));
+            pixels.extend(segment.iter().filter(|&&index| segments.label[index as usize] != 0));
             light_of_pixel.resize(pixels.len(), *light as u32);
         }
-        Self { lights: choice.lights, pixels, light_of_pixel, seen }
+        Self { lights: selection.lights, pixels, light_of_pixel, report }
     }
 }

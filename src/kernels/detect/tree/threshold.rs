@@ -1,14 +1,14 @@
-//! How bright is bright: a threshold from the map's own histogram, never an absolute one.
+//! The threshold above which a pixel is bright: from the map's own histogram, never absolute.
 //!
 //! ```text
-//!   T = 2 q90                      twice the luminance that 90 % of the sphere does not reach
+//!   T = 2 q90                      twice the luminance that 90 % of the sphere does not exceed
 //! ```
 //!
-//! Where q90 is itself light (more than 12 times the median: a bright sky over a dark ground, a
-//! wall of windows), a tenth of the sphere is no background. Then the flux-weighted cut of Otsu
-//! (1979) in log luminance divides what shines from what does not, and T is twice the 95 %
-//! quantile of what lies below it. What exceeds 8 q90 counts as 8 q90: a sun many octaves above all
-//! else would draw the cut above the sky or the windows.
+//! Where q90 is more than 12 times the median (a bright sky over a dark ground, a wall of windows), the
+//! brightest tenth of the sphere is itself light. Then the flux-weighted cut of Otsu (1979) in log
+//! luminance divides light from background, and T is twice the 95 % quantile of what lies below the cut.
+//! For the cut, luminance above 8 q90 counts as 8 q90: a sun many octaves above all else would draw the
+//! cut above the sky or the windows.
 //!
 //! The bins are the exponent and the leading bits of the mantissa of luminance over mean luminance:
 //! 1/32 of an octave, no logarithm and no sort, and the same bins whatever the map's scale.
@@ -17,7 +17,7 @@ use std::f64::consts::PI;
 
 use rayon::prelude::*;
 
-use super::summary::Summary;
+use super::working_image::WorkingImage;
 
 /// Bits of an `f32`'s mantissa that a bin ignores.
 const IGNORED_BITS: u32 = 18;
@@ -31,39 +31,53 @@ const PARTS_OF_THE_SPHERE: f64 = (1_u64 << 52) as f64;
 /// Rows that are counted at once.
 const ROWS_AT_ONCE: usize = 64;
 
-/// The share of the sphere that is background, and what a light exceeds it by.
+/// The share of the sphere that is background.
 const BACKGROUND: f64 = 0.9;
-const EXCESS: f64 = 2.0;
-/// A background so far above the median is light itself.
-const MOST_OVER_MEDIAN: f64 = 12.0;
-/// Brighter than this over the 90 % quantile counts as no brighter, where the cut is sought.
-const MOST_OVER_BACKGROUND: f64 = 8.0;
 /// The share of what lies below the cut that is background.
 const BACKGROUND_BELOW_CUT: f64 = 0.95;
+/// A bright pixel exceeds the background by this factor.
+const FACTOR: f64 = 2.0;
+/// A background more than this many times the median is itself light.
+const MOST_OVER_MEDIAN: f64 = 12.0;
+/// For the cut, luminance counts as at most this many times the background.
+const MOST_OVER_BACKGROUND: f64 = 8.0;
 
-/// Where a threshold comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Reason {
-    /// Twice the 90 % quantile.
-    Background,
-    /// Twice the 95 % quantile of what lies below the cut.
-    BelowCut,
+/// Which rule set a threshold, with the numbers of the rule.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rule {
+    /// `factor` times the luminance that `share` of the sphere does not exceed.
+    Background {
+        /// Threshold over background.
+        factor: f64,
+        /// The share of the sphere that is background.
+        share: f64,
+    },
+    /// `factor` times the luminance that `share` of what lies below the cut does not exceed, for the
+    /// brightest `light_share` of the sphere is itself light.
+    BelowCut {
+        /// Threshold over background.
+        factor: f64,
+        /// The share of what lies below the cut that is background.
+        share: f64,
+        /// The share of the sphere that the other rule takes for light.
+        light_share: f64,
+    },
 }
 
-/// Above what a pixel is bright, and why.
+/// The luminance above which a pixel is bright, and why.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Threshold {
     /// In units of the map's luminance.
     pub luminance: f64,
-    /// Where it comes from.
-    pub reason: Reason,
+    /// The rule that set it.
+    pub rule: Rule,
 }
 
 impl Threshold {
     /// The luminance at which a light of the peak `P` ends: at least its share `extent`.
     ///
     /// The edge of a light cuts pixels. One that it covers in the share c has the luminance
-    /// `B + c (P - B)` before the background B. Counting those from `c_0` on adds the background
+    /// `B + c (P - B)` against the background B. Counting those from `c_0` on adds the background
     /// behind them and loses the light in the others; all c are equally frequent, so
     ///
     /// ```text
@@ -72,21 +86,27 @@ impl Threshold {
     ///
     /// cancels both: the geometric mean of background and peak.
     pub fn edge(&self, peak: f64, extent: f64) -> f64 {
-        (self.luminance / EXCESS * peak).sqrt().max(extent * peak)
+        (self.luminance / FACTOR * peak).sqrt().max(extent * peak)
     }
 }
 
-/// The threshold of a map.
-pub fn from_histogram(summary: &Summary) -> Threshold {
-    let mean = summary.flux / (4.0 * PI);
-    let histogram = Histogram::of(summary, mean);
+/// Choose the threshold of a map.
+pub fn from_histogram(working: &WorkingImage) -> Threshold {
+    // Count solid angle by luminance over mean luminance.
+    let mean = working.flux / (4.0 * PI);
+    let histogram = Histogram::of(working, mean);
+    // Take twice the background, where that is no light itself.
     let (median, background) = (histogram.quantile(0.5), histogram.quantile(BACKGROUND));
     if background <= MOST_OVER_MEDIAN * median {
-        return Threshold { luminance: EXCESS * background * mean, reason: Reason::Background };
+        let rule = Rule::Background { factor: FACTOR, share: BACKGROUND };
+        return Threshold { luminance: FACTOR * background * mean, rule };
     }
+    // Else divide light from background and take twice the background below the cut.
     let cut = histogram.clamped(MOST_OVER_BACKGROUND * background).flux_weighted_cut();
     let below = histogram.up_to(cut).quantile(BACKGROUND_BELOW_CUT);
-    Threshold { luminance: EXCESS * below * mean, reason: Reason::BelowCut }
+    let light_share = 1.0 - BACKGROUND;
+    let rule = Rule::BelowCut { factor: FACTOR, share: BACKGROUND_BELOW_CUT, light_share };
+    Threshold { luminance: FACTOR * below * mean, rule }
 }
 
 /// Solid angle by luminance over mean luminance.
@@ -96,11 +116,11 @@ struct Histogram {
 
 impl Histogram {
     /// Integers add up to the same sum in any order.
-    fn of(summary: &Summary, mean: f64) -> Self {
+    fn of(working: &WorkingImage, mean: f64) -> Self {
         let per_mean = if mean > 0.0 { (1.0 / mean) as f32 } else { 0.0 };
-        let width = summary.size.1;
+        let width = working.size.1;
         let parts =
-            summary.luminance.par_chunks(ROWS_AT_ONCE * width).zip(summary.bands.par_chunks(ROWS_AT_ONCE));
+            working.luminance.par_chunks(ROWS_AT_ONCE * width).zip(working.bands.par_chunks(ROWS_AT_ONCE));
         let of_rows = parts.map(|(rows, bands)| parts_of_rows(rows, bands, width, per_mean));
         let plus = |one: Vec<u64>, other: Vec<u64>| one.iter().zip(&other).map(|(a, b)| a + b).collect();
         Self { parts: of_rows.reduce(|| vec![0; BINS], plus) }
@@ -126,14 +146,16 @@ impl Histogram {
     /// variance `(m w - s)^2 / (w (1 - w))` is largest, with `w` the share of flux below the
     /// bin, `s` its first moment and `m` the mean (Otsu 1979).
     fn flux_weighted_cut(&self) -> usize {
+        // Weight each bin by its flux; its number stands for its log luminance.
         let flux: Vec<f64> =
             self.parts.iter().enumerate().map(|(bin, &parts)| parts as f64 * lower_edge(bin)).collect();
         let total: f64 = flux.iter().sum();
         let mean: f64 = flux.iter().enumerate().map(|(bin, flux)| bin as f64 * flux).sum::<f64>() / total;
-        let (mut share, mut moment) = (0.0, 0.0);
-        // Where all flux is in one bin, what is darker lies below it.
+        // Start below the first flux: where all flux is in one bin, darker pixels lie below the cut.
         let first = flux.iter().position(|&flux| flux > 0.0).unwrap_or(0);
         let (mut best, mut most) = (first, 0.0);
+        // Try a cut after each bin and keep the one of the largest variance between the groups.
+        let (mut share, mut moment) = (0.0, 0.0);
         for (bin, flux) in flux.iter().enumerate() {
             share += flux / total;
             moment += bin as f64 * flux / total;
@@ -148,7 +170,7 @@ impl Histogram {
         best
     }
 
-    /// What is brighter than `most` counted as if it were no brighter.
+    /// The same histogram with luminance above `most` counted as `most`.
     fn clamped(&self, most: f64) -> Self {
         let last = bin(most as f32);
         let mut parts = self.parts[..=last].to_vec();
@@ -156,21 +178,25 @@ impl Histogram {
         Self { parts }
     }
 
+    /// The bins below `end`.
     fn up_to(&self, end: usize) -> Self {
         Self { parts: self.parts[..end].to_vec() }
     }
 }
 
+/// Parts of the sphere in each bin, over some rows of the heights `bands`.
 fn parts_of_rows(rows: &[f32], bands: &[f64], width: usize, per_mean: f32) -> Vec<u64> {
-    // Neighbours are often alike: counters of their own do not wait for one another.
+    // Count in four lanes: neighbours are often alike, and counters of their own do not wait for each other.
     let mut parts = vec![[0; 4]; BINS];
     for (row, band) in rows.chunks_exact(width).zip(bands) {
         let share = (band / 2.0 / width as f64 * PARTS_OF_THE_SPHERE) as u64;
         for values in row.chunks(64) {
+            // Find the bins of 64 pixels.
             let mut bins = [0; 64];
             for (bin_of, &value) in bins.iter_mut().zip(values) {
                 *bin_of = bin(value * per_mean) as u32;
             }
+            // Count them.
             let (fours, rest) = bins[..values.len()].as_chunks::<4>();
             for four in fours {
                 for (lane, &bin) in four.iter().enumerate() {
@@ -182,6 +208,7 @@ fn parts_of_rows(rows: &[f32], bands: &[f64], width: usize, per_mean: f32) -> Ve
             }
         }
     }
+    // Add the lanes.
     parts.iter().map(|lanes| lanes.iter().sum()).collect()
 }
 
@@ -205,11 +232,14 @@ fn lower_edge(bin: usize) -> f64 {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
-    use super::super::summary::summarise;
+    use super::super::working_image::WorkingImage;
     use super::*;
     use crate::kernels::sphere::Registration;
     use approx::assert_relative_eq;
     use ndarray::Array3;
+
+    const BACKGROUND_RULE: Rule = Rule::Background { factor: 2.0, share: 0.9 };
+    const BELOW_CUT: Rule = Rule::BelowCut { factor: 2.0, share: 0.95, light_share: 1.0 - 0.9 };
 
     /// The share of the sphere above the latitude of row y of 1000 is (1 - cos theta) / 2.
     fn bright_cap(share: f64, above: f32) -> Threshold {
@@ -217,39 +247,39 @@ mod tests {
             let theta = (y as f64 + 0.5) / 1000.0 * PI;
             if (1.0 - theta.cos()) / 2.0 < share { above } else { 1.0 }
         });
-        from_histogram(&summarise(map.view(), Registration::CellCentred, 2000).unwrap())
+        from_histogram(&WorkingImage::of(map.view(), Registration::CellCentred, 2000).unwrap())
     }
 
     #[test]
-    fn it_is_twice_the_background_up_to_a_tenth_of_light() {
+    fn the_threshold_is_twice_the_background_up_to_a_tenth_of_light() {
         for share in [0.0, 0.05, 0.095] {
             let threshold = bright_cap(share, 100.0);
-            assert_eq!(threshold.reason, Reason::Background);
+            assert_eq!(threshold.rule, BACKGROUND_RULE);
             assert_relative_eq!(threshold.luminance, 2.0, max_relative = 0.04); // a bin's width
         }
     }
 
     #[test]
-    fn beyond_a_tenth_it_is_twice_the_background_below_the_cut() {
+    fn beyond_a_tenth_of_light_it_is_twice_the_background_below_the_cut() {
         for share in [0.11, 0.3, 0.45] {
             let threshold = bright_cap(share, 100.0);
-            assert_eq!(threshold.reason, Reason::BelowCut);
+            assert_eq!(threshold.rule, BELOW_CUT);
             assert_relative_eq!(threshold.luminance, 2.0, max_relative = 0.04);
         }
     }
 
     #[test]
-    fn a_bright_half_that_is_no_light_is_background() {
+    fn a_bright_half_below_twelve_medians_is_background() {
         let threshold = bright_cap(0.4, 8.0);
-        assert_eq!(threshold.reason, Reason::Background);
+        assert_eq!(threshold.rule, BACKGROUND_RULE);
         assert_relative_eq!(threshold.luminance, 16.0, max_relative = 0.04);
     }
 
     /// The luminance that a share of the sphere does not exceed, from all pixels in order.
-    fn sorted_quantile(summary: &Summary, share: f64) -> f64 {
-        let columns = summary.size.1;
-        let pixels = summary.luminance.iter().enumerate();
-        let mut pixels: Vec<(f32, f64)> = pixels.map(|(i, &y)| (y, summary.bands[i / columns])).collect();
+    fn sorted_quantile(working: &WorkingImage, share: f64) -> f64 {
+        let columns = working.size.1;
+        let pixels = working.luminance.iter().enumerate();
+        let mut pixels: Vec<(f32, f64)> = pixels.map(|(i, &y)| (y, working.bands[i / columns])).collect();
         pixels.sort_by(|one, other| one.0.total_cmp(&other.0));
         let wanted = share * pixels.iter().map(|(_, band)| band).sum::<f64>();
         let mut below = 0.0;
@@ -267,25 +297,26 @@ mod tests {
             let chance = ((y * 7919 + x * 104_729) % 1000) as f32 / 1000.0;
             (7.0 * chance * (y as f32 / 20.0).sin().abs()).exp2()
         });
-        let summary = summarise(map.view(), Registration::CellCentred, 128).unwrap();
-        let mean = summary.flux / (4.0 * PI);
-        let histogram = Histogram::of(&summary, mean);
+        let working = WorkingImage::of(map.view(), Registration::CellCentred, 128).unwrap();
+        let mean = working.flux / (4.0 * PI);
+        let histogram = Histogram::of(&working, mean);
         for share in [0.01, 0.1, 0.5, 0.9, 0.95, 0.999] {
-            let (seen, wanted) = (histogram.quantile(share) * mean, sorted_quantile(&summary, share));
-            assert_relative_eq!(seen, wanted, max_relative = 1.0 / 32.0); // the width of a bin
+            let (found, wanted) = (histogram.quantile(share) * mean, sorted_quantile(&working, share));
+            assert_relative_eq!(found, wanted, max_relative = 1.0 / 32.0); // the width of a bin
         }
     }
 
     #[test]
     fn a_sun_does_not_draw_the_cut_above_the_windows() {
-        // A fifth of the sphere at 100 before 1, and one row's cap at 1e6.
+        // A fifth of the sphere at 100 against 1, and one row's cap at 1e6.
         let map = Array3::from_shape_fn((200, 400, 3), |(y, _, _)| match y {
             0 => 1e6_f32,
             1..60 => 100.0,
             _ => 1.0,
         });
-        let threshold = from_histogram(&summarise(map.view(), Registration::CellCentred, 400).unwrap());
-        assert_eq!(threshold.reason, Reason::BelowCut);
+        let threshold =
+            from_histogram(&WorkingImage::of(map.view(), Registration::CellCentred, 400).unwrap());
+        assert_eq!(threshold.rule, BELOW_CUT);
         assert_relative_eq!(threshold.luminance, 2.0, max_relative = 0.04);
     }
 

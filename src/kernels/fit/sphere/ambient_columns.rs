@@ -15,6 +15,7 @@ use std::f64::consts::PI;
 use glam::{DMat3, DVec3};
 
 use crate::kernels::fit::ambient::Ambient;
+use crate::kernels::harmonics::{cosine_lobe, irradiance, irradiance_of_moments};
 
 /// Moments of the radiance of a map, in one channel: its integral, with w, and with w w^T.
 #[derive(Clone, Copy, Debug, Default)]
@@ -31,18 +32,12 @@ pub struct Columns {
     pub has_floor: bool,
 }
 
-/// `A_d` of a clamped cosine, for each of the nine harmonics.
-const COSINE: [f64; 9] = {
-    let (one, two) = (2.0 * PI / 3.0, PI / 4.0);
-    [PI, one, one, one, two, two, two, two, two]
-};
-
 impl Columns {
     /// With each other.
     pub fn gram(self, i: usize, k: usize) -> f64 {
         match self.ambient {
             _ if i != k => 0.0,
-            Ambient::Sh2 => COSINE[i] * COSINE[i],
+            Ambient::Sh2 => cosine_lobe(i) * cosine_lobe(i),
             _ if self.has_floor => 4.0 / 3.0 * PI.powi(3),
             _ => 4.0 * PI.powi(3),
         }
@@ -51,7 +46,7 @@ impl Columns {
     /// With the probe under a map.
     pub fn probe(self, i: usize, map: &Radiance) -> f64 {
         match self.ambient {
-            Ambient::Sh2 => COSINE[i] * Ambient::Sh2.columns(map.whole, map.first, map.second)[i],
+            Ambient::Sh2 => cosine_lobe(i) * irradiance_of_moments(map.whole, map.first, map.second)[i],
             _ if self.has_floor => PI * PI * (map.whole / 2.0 + map.first.y / 3.0),
             _ => PI * PI * map.whole,
         }
@@ -63,7 +58,7 @@ impl Columns {
             Ambient::None => Vec::new(),
             Ambient::Constant if self.has_floor => vec![PI * PI * (l / 2.0 + DVec3::Y / 3.0)],
             Ambient::Constant => vec![PI * PI * l],
-            Ambient::Sh2 => (0..9).map(|i| COSINE[i] * harmonic_gradient(i, l)).collect(),
+            Ambient::Sh2 => (0..9).map(|i| cosine_lobe(i) * harmonic_gradient(i, l)).collect(),
         }
     }
 
@@ -74,13 +69,13 @@ impl Columns {
             Ambient::None => DMat3::ZERO,
             Ambient::Constant => round(weights[0] * PI * PI * if self.has_floor { 0.5 } else { 1.0 }),
             Ambient::Sh2 => {
-                let values = Ambient::Sh2.irradiance(l);
+                let values = irradiance(l);
                 let own = |i: usize| match i {
                     0 => round(values[0]),
                     1..4 => DMat3::ZERO,
                     _ => quadratic(i) * 2.0 - round(values[i]),
                 };
-                (0..9).fold(DMat3::ZERO, |sum, i| sum + own(i) * (weights[i] * COSINE[i]))
+                (0..9).fold(DMat3::ZERO, |sum, i| sum + own(i) * (weights[i] * cosine_lobe(i)))
             }
         }
     }
@@ -88,18 +83,18 @@ impl Columns {
 
 /// Derivative of `A_d |l|^(1 - d) Y_i(l)` at a unit vector.
 fn harmonic_gradient(i: usize, l: DVec3) -> DVec3 {
-    let value = Ambient::Sh2.irradiance(l)[i];
+    let value = irradiance(l)[i];
     match i {
         0 => value * l,
-        1..4 => DVec3::AXES.map(|axis| Ambient::Sh2.irradiance(axis)[i]).into(),
+        1..4 => DVec3::AXES.map(|axis| irradiance(axis)[i]).into(),
         _ => quadratic(i) * l * 2.0 - value * l,
     }
 }
 
 /// B of a harmonic of degree 2, with its factor `A_2`.
 fn quadratic(i: usize) -> DMat3 {
-    let at = |second: DMat3| Ambient::Sh2.columns(0.0, DVec3::ZERO, second)[i];
-    let trace = Ambient::Sh2.columns(1.0, DVec3::ZERO, DMat3::ZERO)[i];
+    let at = |second: DMat3| irradiance_of_moments(0.0, DVec3::ZERO, second)[i];
+    let trace = irradiance_of_moments(1.0, DVec3::ZERO, DMat3::ZERO)[i];
     let entry = |j: usize, k: usize| {
         let mut second = DMat3::ZERO;
         second.col_mut(k)[j] = 0.5;

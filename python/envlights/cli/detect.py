@@ -1,0 +1,56 @@
+"""`envlights detect`: `envlights.detect` on a file."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+import click
+
+from envlights.cli.outputs import check_output, default_of, output_option, say_written
+from envlights.detection.detect import METHODS, detect
+from envlights.detection.lights import DetectedLights
+from envlights.envmap import EnvMap
+from envlights.io.files import PICTURES, write_atomically
+
+
+@click.command("detect")
+@click.argument("map_path", metavar="MAP")
+@click.option(
+    "-n",
+    "--max-lights",
+    type=int,
+    help="Lights, at most: tree merges neighbours, article leaves out the dimmest.",
+)
+@click.option(
+    "--method",
+    type=click.Choice(list(METHODS)),
+    default=default_of(detect, "method"),
+    show_default=True,
+    help="How bright places are found.",
+)
+@output_option("Write the lights (.json) or a picture (.png, .pdf, .svg); may be given again.")
+@click.option("--json", "as_json", is_flag=True, help="Print the lights as JSON.")
+def command(
+    map_path: str, max_lights: int | None, method: str, outputs: Sequence[str], as_json: bool
+) -> None:
+    """Find the bright places of MAP (.hdr, .exr, .png, .jpg, .tif)."""
+    for output in outputs:
+        check_output(output, (".json", *PICTURES), {"the map": map_path})
+    env = EnvMap.open(map_path)
+    lights = detect(env, method, max_lights=max_lights)
+    for output in outputs:
+        _write(env, lights, output)
+    click.echo(json.dumps(lights.to_dict(), indent=2) if as_json else str(lights))
+    say_written(outputs)
+
+
+def _write(env: EnvMap, lights: DetectedLights, output: str) -> None:
+    if Path(output).suffix.lower() == ".json":
+        text = json.dumps(lights.to_dict(), indent=2, allow_nan=False) + "\n"
+        write_atomically(output, lambda beside: beside.write_text(text, encoding="utf-8"))
+        return
+    from envlights import plot
+
+    plot.save(plot.detection_picture(env, lights), output)

@@ -1,0 +1,64 @@
+"""`envlights fit`: `envlights.fit` on a file."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import click
+
+from envlights.cli.outputs import check_output, default_of, output_option, print_rig, say_written
+from envlights.envmap import EnvMap
+from envlights.fitting.fit import AMBIENTS, NORMALS, fit
+from envlights.io.files import PICTURES
+from envlights.rig import Rig
+
+
+@click.command("fit")
+@click.argument("map_path", metavar="MAP")
+@click.option("-n", "--lights", type=int, help="Directional lights, at most; 4 when left out.")
+@click.option("--error", type=float, help="Use the fewest lights with at most this error: 0.01.")
+@click.option(
+    "--ambient",
+    type=click.Choice(list(AMBIENTS)),
+    default=default_of(fit, "ambient"),
+    show_default=True,
+    help="The environment beside the lights; sh2: nine spherical harmonics.",
+)
+@click.option(
+    "--normals",
+    type=click.Choice(NORMALS),
+    default=default_of(fit, "normals"),
+    show_default=True,
+    help="Surfaces that count; upper: those that face up, for things on a floor.",
+)
+@output_option("Write the rig (.json) or a picture (.png, .pdf, .svg); may be given again.")
+@click.option("--json", "as_json", is_flag=True, help="Print the rig as JSON.")
+def command(
+    map_path: str,
+    lights: int | None,
+    error: float | None,
+    ambient: str,
+    normals: str,
+    outputs: Sequence[str],
+    as_json: bool,
+) -> None:
+    """Fit ambient and directional lights to MAP (.hdr, .exr, .png, .jpg, .tif)."""
+    for output in outputs:
+        check_output(output, (".json", *PICTURES), {"the map": map_path})
+    env = EnvMap.open(map_path)
+    rig = fit(env, lights, error=error, ambient=ambient, normals=normals)
+    for output in outputs:
+        _write(env, rig, output)
+    print_rig(rig, as_json)
+    say_written(outputs)
+
+
+def _write(env: EnvMap, rig: Rig, output: str) -> None:
+    if Path(output).suffix.lower() == ".json":
+        rig.save(output)
+        return
+    # Drawing takes a second to import; a rig alone does not need it.
+    from envlights import plot
+
+    plot.save(plot.picture(env, rig), output)

@@ -1,0 +1,23 @@
+"""`envlights transfer apply`: `TransferModel.predict` on a file."""
+
+from __future__ import annotations
+
+import click
+
+from envlights.cli.outputs import check_output, say_written
+from envlights.io.images import read_image, write_exr
+from envlights.transfer.model import TransferModel
+
+
+@click.command("apply")
+@click.argument("model_path", metavar="MODEL")
+@click.argument("direct_path", metavar="DIRECT")
+@click.option("-o", "--output", required=True, metavar="OUT", help="Where the image goes: .exr.")
+def command(model_path: str, direct_path: str, output: str) -> None:
+    """Predict the indirect light for DIRECT (.exr)."""
+    inputs = {"the model": model_path, "the direct light": direct_path}
+    check_output(output, (".exr",), inputs)
+    model = TransferModel.load(model_path)
+    predicted = model.predict(read_image(direct_path).pixels)
+    write_exr(output, predicted.astype("float32", copy=False))
+    say_written([output])

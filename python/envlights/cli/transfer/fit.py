@@ -1,0 +1,67 @@
+"""`envlights transfer fit`: `envlights.TransferModel.fit` on a folder of pairs."""
+
+from __future__ import annotations
+
+import json
+
+import click
+
+from envlights.cli.outputs import default_of, say_written
+from envlights.io.files import check_writable
+from envlights.transfer.archive import check_suffix
+from envlights.transfer.database import read_pairs
+from envlights.transfer.model import TransferModel
+
+
+def _rank(text: str) -> int | float:
+    try:
+        return float(text) if "." in text else int(text)
+    except ValueError:
+        raise click.BadParameter(
+            f"give a whole number, or a share such as 0.99; got {text}"
+        ) from None
+
+
+@click.command("fit")
+@click.argument("folder", metavar="FOLDER")
+@click.option("-o", "--output", required=True, metavar="MODEL", help="Where the model goes: .npz.")
+@click.option(
+    "--rank",
+    type=_rank,
+    default=str(default_of(TransferModel.fit, "rank")),
+    show_default=True,
+    metavar="RANK",
+    help="Directions, at most; or the share of the energy that they hold: 0.99.",
+)
+@click.option(
+    "--ridge",
+    default=str(default_of(TransferModel.fit, "ridge")),
+    show_default=True,
+    help="A number, or loo: the best one.",
+)
+@click.option("--error", type=float, help="Use the fewest directions with at most this error.")
+@click.option("--json", "as_json", is_flag=True, help="Print the report as JSON.")
+def command(
+    folder: str, output: str, rank: int | float, ridge: str, error: float | None, as_json: bool
+) -> None:
+    """Learn a model from the pairs in FOLDER.
+
+    They are called direct_NAME.exr and lightmap_NAME.exr, one pair for each NAME. The images go
+    through a file in TMPDIR: a database may be larger than memory.
+    """
+    check_suffix(output)
+    check_writable(output)
+    pairs = read_pairs(folder, progress=True)
+    for note in pairs.notes:
+        click.echo(f"note: {note}", err=True)
+    model = TransferModel.fit(pairs.direct, pairs.indirect, rank, _ridge(ridge), error=error)
+    model.save(output)
+    click.echo(json.dumps(model.report.to_dict(), indent=2) if as_json else str(model))
+    say_written([output])
+
+
+def _ridge(text: str) -> float | str:
+    try:
+        return float(text)
+    except ValueError:
+        return text

@@ -1,0 +1,11 @@
+"""Bright places of a map, as lights.
+
+| step                                                   | file                |
+|--------------------------------------------------------|---------------------|
+| lights with their measurements, and the report         | `lights.py`         |
+| detection by the component tree                        | `component_tree.py` |
+| detection by the steps of Loghin (2021)                | `loghin.py`         |
+| `detect`: one of them by name                          | `detect.py`         |
+
+Each is a few calls: thresholds and components are in `src/kernels/detect/`.
+"""

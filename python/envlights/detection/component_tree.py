@@ -1,0 +1,144 @@
+"""Detection by the component tree."""
+
+from __future__ import annotations
+
+import math
+import time
+from functools import partial
+
+from numpy.typing import ArrayLike
+
+from envlights import _native
+from envlights._check import LARGEST_COUNT, amount, count
+from envlights.detection.lights import DetectedLights, DetectionReport, Members
+from envlights.envmap import EnvMap, seen_through
+
+
+def detect_tree(
+    env: EnvMap | ArrayLike,
+    *,
+    max_lights: int | None = None,
+    min_flux_share: float = 0.0,
+    prominence: float = 4.0,
+    gap_deg: float = 0.8,
+    extent: float = 0.1,
+    working_width: int = 1024,
+) -> DetectedLights:
+    r"""Bright places of a map: the branches of its component tree.
+
+    The threshold comes from the map's own histogram. From the brightest pixel down, pixels join the
+    components beside them, across the seam and the poles. Where two components meet, the dimmer one
+    stays a light of its own if its peak is `prominence` times the level at which they meet. Each
+    light is then measured in the map's own pixels. The method goes back to Loghin (2021), whose
+    straight line between two samples approximates the path that the tree follows.
+
+    Parameters
+    ----------
+    env : EnvMap or array_like, shape (height, 2 * height, 3)
+        The map.
+    max_lights : int, optional
+        Lights, at most. Neighbours are merged until there are that many, the pair with the least
+        cost first (Ward 1963); no flux is dropped. `detect_article` leaves lights out instead.
+    min_flux_share : float
+        Lights with a smaller share of the map's flux are left out.
+    prominence : float
+        Ratio of a light's peak to its saddle, at least; 1 keeps every local maximum apart.
+    gap_deg : float
+        Dark bars of up to this many degrees do not divide a light.
+    extent : float
+        A light ends where its luminance has fallen to this share of its peak.
+    working_width : int
+        Lights are searched for in a reduction of the map to at most this many columns.
+
+    Returns
+    -------
+    DetectedLights
+        Brightest first; `report` holds the threshold with its reason, and what was skipped.
+
+    Raises
+    ------
+    EnvLightsError
+        If `env` is not a map or an option is out of its range.
+
+    Examples
+    --------
+    Two lamps, the second across the seam:
+
+    >>> import envlights as el
+    >>> lamps = [el.synthetic.Disc((1, 1, 0), 4.0, (9, 9, 9)),
+    ...          el.synthetic.Disc((0, 0, -1), 2.0, (9, 6, 3))]
+    >>> lights = detect_tree(el.synthetic.scene(256, background=[0.1] * 3, shapes=lamps).radiance)
+    >>> lights.direction.round(2) + 0.0
+    array([[ 0.71,  0.71,  0.  ],
+           [ 0.  ,  0.  , -1.  ]])
+    """
+    start = time.perf_counter()
+    most = LARGEST_COUNT if max_lights is None else count("max_lights", max_lights, 1)
+    detect = partial(
+        _native.detect_tree,
+        working_columns=count("working_width", working_width, least=16),
+        prominence=amount("prominence", prominence, least=1.0),
+        extent=amount("extent", extent, most=1.0),
+        gap=math.radians(amount("gap_deg", gap_deg, most=90.0)),
+        min_flux_share=amount("min_flux_share", min_flux_share, most=1.0),
+        max_lights=most,
+    )
+
+    def found_in(world: EnvMap) -> _native.TreeDetection:
+        return detect(world.radiance, border_sampled=world.registration == "border-sampled")
+
+    world, found = seen_through(env, found_in)
+    return _wrapped(found, world.notes, time.perf_counter() - start)
+
+
+def _wrapped(
+    found: _native.TreeDetection, notes: tuple[str, ...], seconds: float
+) -> DetectedLights:
+    report = DetectionReport(
+        method="tree",
+        threshold=found.threshold,
+        reason=_reason(found),
+        working_size=found.working_size,
+        skipped=tuple(_skipped(found)),
+        notes=notes,
+        seconds={"detect": seconds},
+    )
+    return DetectedLights(
+        found.direction,
+        found.irradiance,
+        peak_direction=found.peak_direction,
+        solid_angle=found.solid_angle,
+        elongation=found.elongation,
+        orientation=found.orientation,
+        peak_luminance=found.peak_luminance,
+        flux_share=found.flux / (found.map_flux or 1.0),
+        is_clipped=found.is_clipped,
+        members=Members(found.pixel, found.light_of_pixel),
+        report=report,
+    )
+
+
+def _reason(found: _native.TreeDetection) -> str:
+    """The rule that set the threshold, with its numbers."""
+    factor, share, light_share = found.threshold_rule
+    if light_share is None:
+        return (
+            f"{factor:g} times the luminance that {100 * share:.3g} % of the sphere does not exceed"
+        )
+    return (
+        f"{factor:g} times the {100 * share:.3g} % quantile of what lies below the flux-weighted"
+        f" Otsu cut, for the brightest {100 * light_share:.3g} % of the sphere is itself light"
+    )
+
+
+def _skipped(found: _native.TreeDetection) -> list[str]:
+    """The tiles that were not opened and the lights that were not kept, in words."""
+    dark = found.tiles - found.opened_tiles
+    notes = [f"{dark} of {found.tiles} tiles ({100 * dark / found.tiles:.3g} %) that are dark"]
+    if not len(found.flux) and not found.dropped:
+        notes.append("everything: nothing rises far enough above the threshold")
+    if found.dropped:
+        notes.append(f"{found.dropped} lights below min_flux_share")
+    if found.merged:
+        notes.append(f"the difference between {found.merged} lights and their neighbours")
+    return notes

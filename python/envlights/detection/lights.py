@@ -1,0 +1,181 @@
+"""Lights found in a map, the measurements of each, and the report on how they were found."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights._arrays import sealed
+from envlights._native import EnvLightsError
+from envlights.kernels import sphere
+from envlights.lights import Lights, brightest_first, check_slice, light_arrays
+
+
+@dataclass(frozen=True, eq=False)
+class DetectionReport:
+    """How lights were found, and what was left out."""
+
+    method: str
+    """The detector: "tree" or "article"."""
+
+    threshold: float
+    """Luminance above which a place is bright."""
+
+    reason: str
+    """Why the threshold has this value."""
+
+    working_size: tuple[int, int]
+    """Height and width of the image that was searched for lights."""
+
+    skipped: tuple[str, ...] = ()
+    """Tiles that were not searched and lights that were dropped or merged, with numbers."""
+
+    notes: tuple[str, ...] = ()
+    """What was cleaned or assumed in the map."""
+
+    seconds: Mapping[str, float] = field(default_factory=dict)
+    """Wall time of each stage."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """All but the times as plain numbers, lists and strings: the same for the same map."""
+        return {
+            "method": self.method,
+            "threshold": self.threshold,
+            "reason": self.reason,
+            "working_size": list(self.working_size),
+            "skipped": list(self.skipped),
+            "notes": list(self.notes),
+        }
+
+    def __str__(self) -> str:
+        height, width = self.working_size
+        lines = [
+            f"method {self.method} on {width}x{height} pixels",
+            f"threshold: luminance {self.threshold:.4g}, {self.reason}",
+            *(f"skipped: {note}" for note in self.skipped),
+            *(f"note: {note}" for note in self.notes),
+        ]
+        return "\n".join(lines)
+
+
+@dataclass(frozen=True, eq=False)
+class Members:
+    """The pixels or samples that make up the lights, in the working image of the report."""
+
+    pixel: NDArray[np.int64]
+    """Row and column in the working image, shape (k, 2)."""
+
+    light: NDArray[np.int64]
+    """Index of the light that each belongs to, shape (k,)."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class DetectedLights(Lights):
+    """Lights of a map, brightest first, and the measurements of each.
+
+    Every array holds one row for each light. `lights[:4]` keeps the first four and their members;
+    `report` still describes all that were found.
+
+    Examples
+    --------
+    >>> import envlights as el
+    >>> lamp = el.synthetic.Disc((1, 0, 0), 5.0, (9, 9, 9))
+    >>> lights = el.detect(el.synthetic.scene(128, background=[0.1] * 3, shapes=[lamp]).radiance)
+    >>> len(lights), lights.direction.round(2) + 0.0
+    (1, array([[1., 0., 0.]]))
+    """
+
+    peak_direction: NDArray[np.float64]
+    """Unit vectors towards the brightest place of each light, shape (n, 3)."""
+
+    solid_angle: NDArray[np.float64]
+    """In steradians, shape (n,)."""
+
+    elongation: NDArray[np.float64]
+    """Length over breadth, 1 for a disc, shape (n,)."""
+
+    orientation: NDArray[np.float64]
+    """Unit vectors along each light, at right angles to its direction, shape (n, 3)."""
+
+    peak_luminance: NDArray[np.float64]
+    """Luminance at the peak, shape (n,)."""
+
+    flux_share: NDArray[np.float64]
+    """Share of the luminance flux of the whole map, shape (n,)."""
+
+    is_clipped: NDArray[np.bool_]
+    """Whether the light is a flat top at the map's maximum, as where a camera saturates."""
+
+    members: Members
+    """The pixels or samples that make up the lights."""
+
+    report: DetectionReport
+    """How the lights were found."""
+
+    def __post_init__(self) -> None:
+        arrays = {name: np.asarray(getattr(self, name)) for name in self._per_light()}
+        direction, irradiance = light_arrays(self.direction, self.irradiance)
+        arrays |= {"direction": direction, "irradiance": irradiance}
+        order = brightest_first(irradiance)
+        for name, array in arrays.items():
+            if len(array) != len(order):
+                raise EnvLightsError(
+                    f"{name} must have a row for each light ({len(order)}); got {len(array)}"
+                )
+            object.__setattr__(self, name, sealed(array[order]))
+        rank = np.argsort(order)
+        members = Members(self.members.pixel, sealed(rank[self.members.light]))
+        object.__setattr__(self, "members", members)
+
+    def __getitem__(self, which: slice) -> DetectedLights:
+        """The lights of a slice."""
+        check_slice(which)
+        arrays: dict[str, Any] = {name: getattr(self, name)[which] for name in self._per_light()}
+        kept = np.arange(len(self))[which]
+        place = np.full(len(self), -1)
+        place[kept] = np.arange(len(kept))
+        ours = np.isin(self.members.light, kept)
+        members = Members(self.members.pixel[ours], place[self.members.light[ours]])
+        return DetectedLights(**arrays, members=members, report=self.report)
+
+    @property
+    def angular_radius(self) -> NDArray[np.float64]:
+        """Radius in radians of a disc of the same solid angle, shape (n,)."""
+        radius: NDArray[np.float64] = np.arccos(1 - np.minimum(self.solid_angle / (2 * np.pi), 2))
+        return radius
+
+    def to_dict(self) -> dict[str, Any]:
+        """Lists of numbers and the report, for JSON and the like."""
+        arrays = {name: getattr(self, name).tolist() for name in self._per_light()}
+        return {**arrays, "report": self.report.to_dict()}
+
+    def __str__(self) -> str:
+        together = 100 * self.flux_share.sum()
+        return f"{self._table()}\n\nthe lights hold {together:.3g} % of the flux\n{self.report}"
+
+    def _table(self) -> str:
+        """One line for each light."""
+        if not len(self):
+            return "no light"
+        lines = ["light  azimuth  elevation   share   radius      peak   irradiance (R, G, B)"]
+        uv = sphere.direction_to_uv(self.direction)
+        for i, (u, v) in enumerate(uv):
+            clipped = "  clipped" if self.is_clipped[i] else ""
+            rgb = "".join(f"{value:>11.4g}" for value in self.irradiance[i])
+            lines.append(
+                f"{i + 1:>5}  {360 * u:>6.1f}°  {90 - 180 * v:>+8.1f}°  "
+                f"{100 * self.flux_share[i]:>4.1f} %  {np.rad2deg(self.angular_radius[i]):>5.2f}°  "
+                f"{self.peak_luminance[i]:>8.4g}{rgb}{clipped}"
+            )
+        return "\n".join(lines)
+
+    @classmethod
+    @cache
+    def _per_light(cls) -> tuple[str, ...]:
+        names = (each.name for each in fields(cls))
+        return tuple(name for name in names if name not in ("members", "report"))

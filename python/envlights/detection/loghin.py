@@ -1,0 +1,316 @@
+"""Detection by the steps of Loghin (2021), in order."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from envlights import _native
+from envlights._check import amount, check_choice, count
+from envlights.detection.component_tree import detect_tree
+from envlights.detection.lights import DetectedLights, DetectionReport, Members
+from envlights.envmap import EnvMap, as_envmap
+from envlights.kernels import image as images
+from envlights.kernels import loghin, sampling
+from envlights.kernels.sphere import direction_to_uv, pixel_solid_angles, uv_to_direction
+
+
+@dataclass(frozen=True)
+class _Samples:
+    """Samples near a bright pixel, brightest first."""
+
+    pixel: NDArray[np.int64]
+    luminance: NDArray[np.float32]
+    own_pixel: NDArray[np.int64]
+    """The pixel where each was taken, before it moved to a maximum."""
+
+    taken: int
+    """Number of all samples, dark ones too."""
+
+
+def detect_article(
+    env: EnvMap | ArrayLike,
+    *,
+    max_lights: int | None = None,
+    working_width: int = 1024,
+    reduction: str = "bilinear",
+    blur_px: float = 0.0,
+    samples_per_pixel: float = 0.006,
+    window_px: int = 12,
+    threshold: float = 0.8,
+    suppression_deg: float = 5.0,
+    tolerance: float = 0.15,
+    ceiling: float = 1.25,
+    merge_cap_deg: float | None = None,
+    relative: bool = False,
+    move_to_maximum: bool = False,
+    sphere: bool = False,
+) -> DetectedLights:
+    """Bright places of a map, by the steps of Loghin (2021): the compatibility mode.
+
+    The sphere is sampled with Hammersley points. Samples near a bright pixel are kept, samples near
+    a brighter one are suppressed, and samples that a bright line joins are merged. The defaults are
+    those that the article intends; its slips are corrected (32-bit masks, a line check that ends,
+    ``sum(w p) / sum(w)``, only survivors suppress and merge, pixel centres, the frame of
+    `EnvMap`). `relative`, `move_to_maximum`, `sphere` and `merge_cap_deg` are improvements.
+
+    Parameters
+    ----------
+    env : EnvMap or array_like, shape (height, 2 * height, 3)
+        The map.
+    max_lights : int, optional
+        Lights, at most: those with the most flux are kept, and nothing is merged.
+    working_width : int
+        Columns of the working image, at most; a map is not enlarged.
+    reduction : {"bilinear", "area"}
+        How the map is reduced. Bilinear, the article's, skips pixels.
+    blur_px : float
+        Standard deviation of a blur; 1 to 2 in the article, where it is optional.
+    samples_per_pixel : float
+        Number of samples over the number of pixels of the working image.
+    window_px : int
+        Width of the window around a sample, at 1024 columns, less one.
+    threshold : float
+        Luminance that the brightest pixel of a window exceeds. It is linear, as the map is: 8-bit
+        pictures are decoded from sRGB when they are opened, so 0.8 is the code 0.91 (231 of 255).
+    suppression_deg : float
+        Samples closer to a brighter one are suppressed. The article names no number of pixels; this
+        is 1.5 times the distance between its samples.
+    tolerance, ceiling : float
+        Of the line check; see `kernels.merge_along_lines`.
+    merge_cap_deg : float, optional
+        Samples farther apart are not merged. The article has no cap.
+    relative : bool
+        Whether the threshold is that of `detect_tree`, from the map's histogram; all levels of the
+        line check then keep their ratio to it. The article's are absolute.
+    move_to_maximum : bool
+        Whether a sample moves to the brightest pixel of its window. In the article it stays.
+    sphere : bool
+        Whether windows, distances, lines and means are taken on the sphere, across the seam. In the
+        article they are taken on the image.
+
+    Returns
+    -------
+    DetectedLights
+        Brightest first. Each sample stands for ``4 pi / n`` steradians where it was taken. The
+        irradiance of a light is the sum over its samples: right on average, rough for a light that
+        is smaller than the distance between samples (3.6 degrees at 1024 columns). Its solid angle
+        is that of its samples above the threshold, of one at least.
+
+    Raises
+    ------
+    EnvLightsError
+        If `env` is not a map or an option is out of its range.
+
+    Examples
+    --------
+    >>> import envlights as el
+    >>> lamp = el.synthetic.Disc((1, 1, 0), 8.0, (1, 1, 1))
+    >>> env = el.EnvMap(el.synthetic.scene(256, background=[0.1] * 3, shapes=[lamp]).radiance)
+    >>> detect_article(env).direction.round(1) + 0.0
+    array([[0.7, 0.7, 0. ]])
+    """
+    env = as_envmap(env)
+    start = time.perf_counter()
+    threshold = amount("threshold", threshold)
+    unit = _unit_of_luminance(env, threshold) if relative else 1.0
+    level = unit * threshold
+    image = _working_image(env, working_width, reduction, blur_px)
+    height, width = image.shape
+    reach = int(count("window_px", window_px) * width / 1024) // 2
+    samples = _bright_samples(image, samples_per_pixel, reach, level, move_to_maximum, sphere)
+    points = _points(samples.pixel, image.shape, sphere)
+    apart = _distance("suppression_deg", suppression_deg, width, sphere)
+    survivor_of = loghin.suppress(points, apart)
+    survivors = np.unique(survivor_of)
+    farthest = np.inf
+    if merge_cap_deg is not None:
+        farthest = _distance("merge_cap_deg", merge_cap_deg, width, sphere)
+    merged_into = loghin.merge_along_lines(
+        image,
+        samples.pixel[survivors],
+        tolerance=unit * amount("tolerance", tolerance),
+        ceiling=unit * amount("ceiling", ceiling),
+        bright=unit,
+        points=points[survivors],
+        farthest=farthest,
+        sphere=sphere,
+    )
+    means = loghin.weighted_means(points[survivors], samples.luminance[survivors], merged_into)
+    peaks, light = np.unique(merged_into, return_inverse=True)
+    found = _Found(
+        direction=_directions(means, image.shape),
+        peak=samples.pixel[survivors[peaks]],
+        light=light[np.searchsorted(survivors, survivor_of)],
+    )
+    report = DetectionReport(
+        method="article",
+        threshold=level,
+        reason="that of the tree" if relative else "the article's, which is absolute",
+        working_size=(height, width),
+        skipped=(f"{samples.taken - len(samples.pixel)} of {samples.taken} samples that are dark",),
+        notes=(*env.notes, *_registration_notes(env)),
+        seconds={"detect": time.perf_counter() - start},
+    )
+    lights = _lights(env, image, samples, found, report, reach, sphere)
+    return lights if max_lights is None else lights[: count("max_lights", max_lights, least=1)]
+
+
+@dataclass(frozen=True)
+class _Found:
+    """The lights, and the light to which each sample belongs."""
+
+    direction: NDArray[np.float64]
+    peak: NDArray[np.int64]
+    light: NDArray[np.int64]
+
+
+def _working_image(env: EnvMap, width: int, reduction: str, blur_px: float) -> NDArray[np.float32]:
+    """Steps 1 and 2: luminance in at most `width` columns."""
+    check_choice("reduction", reduction, ("bilinear", "area"))
+    width = min(count("working_width", width, least=16), env.width)
+    if reduction == "area":
+        border_sampled = env.registration == "border-sampled"
+        image = images.reduced_luminance(env.radiance, width, border_sampled=border_sampled)
+    else:
+        image = images.luminance(env.radiance)
+        if width < env.width:
+            image = images.resize_bilinear(image, width // 2, width)
+    return images.blur(image, blur_px) if amount("blur_px", blur_px) > 0 else image
+
+
+def _registration_notes(env: EnvMap) -> tuple[str, ...]:
+    if env.registration == "cell-centred":
+        return ()
+    return ("the article's steps take each pixel as a cell: lights are up to half a pixel off",)
+
+
+def _unit_of_luminance(env: EnvMap, threshold: float) -> float:
+    """The luminance that takes the place of the article's 1: its threshold becomes the tree's."""
+    level = detect_tree(env).report.threshold
+    return level / threshold if level > 0 and threshold > 0 else 1.0
+
+
+def _bright_samples(
+    image: NDArray[np.float32],
+    samples_per_pixel: float,
+    reach: int,
+    threshold: float,
+    move_to_maximum: bool,
+    sphere: bool,
+) -> _Samples:
+    """Steps 3 to 6: samples whose window holds a pixel above the threshold, brightest first."""
+    height, width = image.shape
+    taken = int(amount("samples_per_pixel", samples_per_pixel, most=1.0) * width * height)
+    directions = sampling.uniform_sphere(sampling.hammersley(taken))
+    pixel = images.uv_to_pixel(direction_to_uv(directions), height, width)
+    brightest, place = loghin.neighbour_maximum(image, pixel, reach, sphere=sphere)
+    kept = brightest > threshold
+    own_pixel, pixel = pixel[kept], (place if move_to_maximum else pixel)[kept]
+    luminance = image[pixel[:, 0], pixel[:, 1]]
+    order = np.argsort(-luminance, kind="stable")
+    return _Samples(pixel[order], luminance[order], own_pixel[order], taken)
+
+
+def _points(pixel: NDArray[np.int64], size: tuple[int, ...], sphere: bool) -> NDArray[np.float64]:
+    """Positions of pixels: unit vectors on the sphere, else rows and columns."""
+    if not sphere:
+        return pixel.astype(np.float64)
+    return uv_to_direction((pixel[:, ::-1] + 0.5) / (size[1], size[0]))
+
+
+def _distance(name: str, angle_deg: float, width: int, sphere: bool) -> float:
+    """The distance between two `_points` that are an angle apart."""
+    angle = amount(name, angle_deg, most=180.0)
+    return float(2 * np.sin(np.deg2rad(angle) / 2)) if sphere else angle * width / 360
+
+
+def _directions(means: NDArray[np.float64], size: tuple[int, ...]) -> NDArray[np.float64]:
+    """Unit vectors of `_points` or of their means."""
+    if means.shape[1] == 2:
+        return uv_to_direction((means[:, ::-1] + 0.5) / (size[1], size[0]))
+    return _unit(means)
+
+
+def _lights(
+    env: EnvMap,
+    image: NDArray[np.float32],
+    samples: _Samples,
+    found: _Found,
+    report: DetectionReport,
+    reach: int,
+    sphere: bool,
+) -> DetectedLights:
+    """Measure each light on its samples, each of which stands for 4 pi / n steradians."""
+    lights, each = len(found.direction), 4 * np.pi / max(samples.taken, 1)
+    # Measure where a sample was taken. All samples around a lamp may have moved to its maximum,
+    # where one of 2 degrees would count four times.
+    taken_at = _points(samples.own_pixel, image.shape, sphere=True)
+    place = images.uv_to_pixel(direction_to_uv(taken_at), env.height, env.width)
+    radiance = env.radiance[place[:, 0], place[:, 1]].astype(np.float64)
+    irradiance = each * _sums(radiance, found.light, lights)
+    is_bright = image[samples.own_pixel[:, 0], samples.own_pixel[:, 1]] > report.threshold
+    bright = np.bincount(found.light, is_bright, minlength=lights)
+    elongation, orientation = _shapes(taken_at, found)
+    bands = pixel_solid_angles(image.shape[0], 2)[:, 0] * 2 / image.shape[1]
+    total = float(image.sum(axis=1) @ bands) or 1.0
+    return DetectedLights(
+        found.direction,
+        irradiance,
+        peak_direction=_points(found.peak, image.shape, sphere=True),
+        solid_angle=each * np.maximum(bright, 1.0),
+        elongation=elongation,
+        orientation=orientation,
+        peak_luminance=image[found.peak[:, 0], found.peak[:, 1]].astype(np.float64),
+        flux_share=irradiance @ images.LUMINANCE / total,
+        is_clipped=_are_clipped(env, image.shape, found, reach, sphere),
+        members=Members(samples.pixel, found.light),
+        report=report,
+    )
+
+
+def _are_clipped(
+    env: EnvMap, size: tuple[int, ...], found: _Found, reach: int, sphere: bool
+) -> NDArray[np.bool_]:
+    """Whether each light is a flat top at the maximum, in the window of its brightest sample.
+
+    As in `detect_tree`, the pixels of the map count, not those of its reduction.
+    """
+    height, width = size
+    uv = (found.peak[:, ::-1] + 0.5) / (width, height)
+    place = images.uv_to_pixel(uv, env.height, env.width)
+    reach_in_map = math.ceil((reach + 0.5) * env.width / width)
+    return _native.are_clipped(env.radiance, place, reach_in_map, sphere)
+
+
+def _sums(
+    values: NDArray[np.float64], light: NDArray[np.int64], lights: int
+) -> NDArray[np.float64]:
+    """Sum of the rows of `values` over each light."""
+    columns = [np.bincount(light, column, minlength=lights) for column in values.T]
+    return np.stack(columns, axis=1)
+
+
+def _shapes(
+    taken_at: NDArray[np.float64], found: _Found
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Elongation and long axis of each light, from the second moments of its samples."""
+    offset = taken_at - found.direction[found.light]
+    moments = (offset[:, :, None] * offset[:, None, :]).reshape(-1, 9)
+    matrices = _sums(moments, found.light, len(found.direction)).reshape(-1, 3, 3)
+    values, axes = np.linalg.eigh(matrices)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        elongation = np.sqrt(values[:, 2] / values[:, 1])
+    along = axes[:, :, 2]
+    along = along - np.sum(along * found.direction, axis=1, keepdims=True) * found.direction
+    return np.where(values[:, 1] > 1e-12, elongation, 1.0), _unit(along)
+
+
+def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    unit: NDArray[np.float64] = vectors / np.maximum(lengths, np.finfo(float).tiny)
+    return unit

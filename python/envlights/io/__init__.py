@@ -1,0 +1,18 @@
+"""Images in, and files out.
+
+| step                                              | file        |
+|---------------------------------------------------|-------------|
+| read and write images; a file's colour space      | `images.py` |
+| write any file whole or not at all                | `files.py`  |
+"""
+
+from envlights.io.files import check_writable, write_atomically
+from envlights.io.images import Image, read_image, write_exr
+
+__all__ = [
+    "Image",
+    "check_writable",
+    "read_image",
+    "write_atomically",
+    "write_exr",
+]

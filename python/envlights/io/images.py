@@ -1,0 +1,291 @@
+"""Images in and out, by OpenImageIO: linear radiance, and the assumptions made in reading it."""
+
+from __future__ import annotations
+
+import os
+import struct
+import zlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import OpenImageIO as oiio  # noqa: N813, its own name for itself
+from numpy.typing import NDArray
+
+from envlights._native import EnvLightsError
+from envlights._srgb import decode_srgb
+from envlights.io.files import write_atomically
+
+#: A header with more pixels than this, 65536 x 32768, is taken as damaged.
+_MOST_PIXELS = 2**31
+
+#: The end of every refusal of a file.
+_WANTED = "give a Radiance .hdr, OpenEXR, PNG, JPEG or TIFF image"
+
+#: Sample formats: sRGB codes, and linear radiance.
+_CODED = {"uint8", "uint16"}
+_LINEAR = {"half", "float", "double"}
+
+_PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
+
+#: Primaries and white of Rec.709, as OpenEXR stores them: x and y of red, green, blue, white.
+_REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
+
+
+@dataclass(frozen=True, eq=False)
+class Image:
+    """The content of a file."""
+
+    pixels: NDArray[np.float32]
+    """Linear RGB, (height, width, 3)."""
+
+    border_sampled: bool
+    """Whether the outer pixels lie on the seam and the poles, as the file says."""
+
+    notes: tuple[str, ...]
+    """What was assumed or left out."""
+
+
+def read_image(path: str | os.PathLike[str]) -> Image:
+    """Read the first image of a file at full size.
+
+    Parameters
+    ----------
+    path : path-like
+        Radiance .hdr, OpenEXR, PNG, JPEG, TIFF, or whatever else OpenImageIO reads.
+
+    Returns
+    -------
+    Image
+        Linear RGB. Files of 8 or 16 bit integers are taken as sRGB-coded.
+
+    Raises
+    ------
+    EnvLightsError
+        If the file is missing, damaged, or holds no RGB or grey image.
+    """
+    path, name = _checked_path(path)
+    # PNG alpha is stored beside the colour: left alone, OpenImageIO would multiply it in.
+    config = oiio.ImageSpec()
+    config.attribute("oiio:UnassociatedAlpha", 1)
+    file = oiio.ImageInput.open(path, config)
+    if file is None:
+        reason = _reason(oiio)
+        raise EnvLightsError(f"cannot read {name} as an image: {reason}; {_WANTED}")
+    try:
+        return _read(name, file)
+    except MemoryError:
+        raise EnvLightsError(
+            f"cannot read {name}: its pixels do not fit into memory; give a smaller map"
+        ) from None
+    finally:
+        file.close()
+
+
+def _checked_path(path: str | os.PathLike[str]) -> tuple[str, str]:
+    """`path` and how a sentence writes it, or a refusal where no image can be."""
+    try:
+        text = os.fsdecode(path)
+    except TypeError:
+        raise EnvLightsError(f"a path must be text; got {type(path).__name__}; {_WANTED}") from None
+    name = _printable(text)
+    try:
+        obstacle = _obstacle(text)
+    except (OSError, ValueError) as error:  # a name that is too long, or no Unicode
+        obstacle = _printable(getattr(error, "strerror", None) or str(error))
+    if obstacle:
+        raise EnvLightsError(f"cannot read {name or 'an empty path'}: {obstacle}; {_WANTED}")
+    return text, name
+
+
+def _obstacle(path: str) -> str:
+    """Why no image can be read from `path`; empty where nothing is in the way."""
+    path.encode()
+    if not path or not Path(path).exists():
+        return "there is no such file"
+    if Path(path).is_dir():
+        return "it is a folder"
+    if not Path(path).is_file():
+        return "it is not a regular file"
+    if Path(path).stat().st_size == 0:
+        return "the file is empty"
+    return _png_damage(path)
+
+
+def _png_damage(path: str) -> str:
+    """What is wrong with the chunks of a PNG file: libpng would print it to stderr."""
+    with Path(path).open("rb") as file:
+        if file.read(8) != _PNG_SIGNATURE:
+            return ""
+        while len(head := file.read(8)) == 8:
+            length, kind = struct.unpack(">I4s", head)
+            body, check = file.read(length), file.read(4)
+            if len(check) < 4:
+                break
+            if zlib.crc32(kind + body).to_bytes(4, "big") != check:
+                return f"a chunk of {length} bytes has a wrong checksum; the file is damaged"
+            if kind == b"IEND":
+                return ""
+    return "the file is cut off"
+
+
+def _read(name: str, file: oiio.ImageInput) -> Image:
+    spec = file.spec()
+    _check_spec(name, spec)
+    channels, notes = _colour_channels(name, spec)
+    is_coded = _is_coded(name, spec, channels)
+    first, end = min(channels), max(channels) + 1
+    pixels = file.read_image(0, 0, first, end, oiio.FLOAT)
+    if pixels is None or file.has_error:
+        reason = _reason(file)
+        raise EnvLightsError(f"cannot read all pixels of {name}: {reason}; give an undamaged file")
+    pixels = np.ascontiguousarray(pixels[..., [channel - first for channel in channels]])
+    if is_coded:
+        pixels = decode_srgb(pixels)
+        notes.append("integer samples were taken as sRGB-coded and linearised")
+    pixels = _upright(_in_display_window(pixels, spec, notes), spec, notes)
+    _note_primaries(spec, notes)
+    if spec.get_int_attribute("oiio:subimages", 1) > 1:
+        notes.append("only the first of several images in the file was read")
+    return Image(pixels, bool(spec.getattribute("oiio:sampleborder")), tuple(notes))
+
+
+def _check_spec(name: str, spec: oiio.ImageSpec) -> None:
+    windows = [(spec.width, spec.height), (spec.full_width, spec.full_height)]
+    width, height = max(windows, key=lambda size: size[0] * size[1])
+    refusals = [
+        (
+            width * height > _MOST_PIXELS,
+            f"it claims to hold {width}x{height} pixels, more than {_MOST_PIXELS}; is it damaged?",
+        ),
+        (spec.depth > 1, f"it is a volume of {spec.depth} slices; give a flat image"),
+        (spec.deep, "it is a deep image; give a flattened one"),
+        (
+            "CubeFace" in (spec.getattribute("textureformat") or ""),
+            "it is a cube map; give an equirectangular one",
+        ),
+        (
+            spec.get_int_attribute("Orientation", 1) > 4,
+            "it says that it lies on its side; give it upright",
+        ),
+    ]
+    for is_so, reason in refusals:
+        if is_so:
+            raise EnvLightsError(f"cannot read {name}: {reason}")
+
+
+def _colour_channels(name: str, spec: oiio.ImageSpec) -> tuple[list[int], list[str]]:
+    """Numbers of the channels that are red, green and blue, and notes on the others."""
+    names = list(spec.channelnames)
+    wanted = next(
+        (rgb for rgb in (["R", "G", "B"], ["r", "g", "b"]) if set(rgb) <= set(names)), None
+    )
+    colours = [c for c in names if c not in {"A", "Z"} and c != "Alpha"]
+    notes = []
+    if wanted is None and len(colours) == 1:
+        wanted = colours * 3
+        notes.append(f"the only channel, {colours[0]}, was taken as grey")
+    elif wanted is None:
+        raise EnvLightsError(
+            f"{name} has the channels {', '.join(names)}; R, G, B or one is needed"
+        )
+    ignored = [channel for channel in names if channel not in wanted]
+    if "A" in ignored:
+        notes.append("alpha was ignored")
+    if others := [channel for channel in ignored if channel != "A"]:
+        notes.append(f"other channels were ignored: {', '.join(others)}")
+    return [names.index(channel) for channel in wanted], notes
+
+
+def _is_coded(name: str, spec: oiio.ImageSpec, channels: list[int]) -> bool:
+    """The colour space of a file: integer samples are sRGB codes, floating point is linear."""
+    formats = {str(spec.channelformat(channel)) for channel in channels}
+    if others := formats - _CODED - _LINEAR:
+        found, wanted = ", ".join(sorted(others)), "floating point, uint8 or uint16"
+        raise EnvLightsError(f"cannot read {name}: its samples are {found}; give {wanted}")
+    return bool(formats & _CODED)
+
+
+def _in_display_window(
+    pixels: NDArray[np.float32], spec: oiio.ImageSpec, notes: list[str]
+) -> NDArray[np.float32]:
+    """Pixels of the display window: the data window in its place, black around it."""
+    data = (spec.x, spec.y, spec.width, spec.height)
+    display = (spec.full_x, spec.full_y, spec.full_width, spec.full_height)
+    if data == display:
+        return pixels
+    notes.append(
+        f"the data window {data} was set into the display window {display}, black around it"
+    )
+    whole = np.zeros((spec.full_height, spec.full_width, 3), np.float32)
+    left, top = spec.x - spec.full_x, spec.y - spec.full_y
+    rows = slice(max(top, 0), min(top + spec.height, spec.full_height))
+    columns = slice(max(left, 0), min(left + spec.width, spec.full_width))
+    if rows.start < rows.stop and columns.start < columns.stop:
+        inside = pixels[
+            rows.start - top : rows.stop - top, columns.start - left : columns.stop - left
+        ]
+        whole[rows, columns] = inside
+    return whole
+
+
+def _upright(
+    pixels: NDArray[np.float32], spec: oiio.ImageSpec, notes: list[str]
+) -> NDArray[np.float32]:
+    """The image with row 0 at the top and column 0 at the left, by the header's orientation."""
+    orientation = spec.get_int_attribute("Orientation", 1)
+    if orientation not in (2, 3, 4):
+        return pixels
+    notes.append(f"the image was turned upright from the orientation {orientation} of its header")
+    rows = -1 if orientation in (3, 4) else 1
+    columns = -1 if orientation in (2, 3) else 1
+    return np.ascontiguousarray(pixels[::rows, ::columns])
+
+
+def _note_primaries(spec: oiio.ImageSpec, notes: list[str]) -> None:
+    """Note primaries other than Rec.709; the zeros of Radiance headers do not name any."""
+    primaries = spec.getattribute("chromaticities")
+    if primaries and any(primaries) and not np.allclose(primaries, _REC709, atol=1e-3):
+        notes.append(
+            "the file names primaries other than Rec.709; its values were kept as they are"
+        )
+
+
+def _reason(failed: Any) -> str:
+    """The reason that OpenImageIO, or one of its files, gives for its last failure."""
+    try:
+        message = failed.geterror()
+    except UnicodeDecodeError:  # it repeats the bytes of a damaged header
+        return "its header is damaged"
+    lines = [_printable(line.strip()) for line in message.splitlines()]
+    return "; ".join(filter(None, lines)).rstrip(".?") or "OpenImageIO gives no reason"
+
+
+def _printable(text: str) -> str:
+    """`text` on one line: a path may hold a line break, a damaged file anything."""
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
+
+
+def write_exr(path: str | os.PathLike[str], radiance: NDArray[np.float32]) -> None:
+    """Write linear RGB, (height, width, 3), as a 32-bit OpenEXR file, whole or not at all."""
+    height, width, channels = radiance.shape
+    spec = oiio.ImageSpec(width, height, channels, oiio.FLOAT)
+
+    def write(beside: Path) -> None:
+        file = oiio.ImageOutput.create(str(beside))
+        done = file and file.open(str(beside), spec) and file.write_image(radiance) and file.close()
+        if not done:
+            reason = _reason(file or oiio)
+            raise OSError(reason.replace(str(beside), str(path)))
+        _check_whole(beside)
+
+    write_atomically(path, write)
+
+
+def _check_whole(path: Path) -> None:
+    """Read the file back: OpenImageIO does not notice a disk that was full for the last bytes."""
+    try:
+        read_image(path)
+    except EnvLightsError:
+        raise OSError("not all of it could be written; is the disk full?") from None

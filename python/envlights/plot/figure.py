@@ -1,0 +1,40 @@
+"""A figure, its file, and linear values as colours."""
+
+from __future__ import annotations
+
+import io
+import os
+from typing import Any
+
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from envlights._native import EnvLightsError
+from envlights.io.files import PICTURES, as_path, write_atomically
+
+
+class Picture(Figure):
+    """A figure that any notebook shows, with or without the Matplotlib of `%matplotlib inline`."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(layout="constrained", **options)
+        FigureCanvasAgg(self)
+
+    def _repr_png_(self) -> bytes:
+        return _drawn(self, "png")
+
+
+def save(figure: Figure, path: str | os.PathLike[str]) -> None:
+    """Write a picture as PNG, PDF or SVG, whole or not at all."""
+    suffix = as_path(path).suffix.lower()
+    if suffix not in PICTURES:
+        raise EnvLightsError(f"cannot draw {path}; the suffix must be {', '.join(PICTURES)}")
+    # Drawn in memory: on a full disk, matplotlib breaks while it closes a PDF.
+    drawn = _drawn(figure, suffix[1:])
+    write_atomically(path, lambda beside: beside.write_bytes(drawn))
+
+
+def _drawn(figure: Figure, form: str) -> bytes:
+    drawn = io.BytesIO()
+    figure.savefig(drawn, format=form, dpi=100, bbox_inches="tight")
+    return drawn.getvalue()

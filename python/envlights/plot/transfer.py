@@ -1,0 +1,134 @@
+"""The figure of a transfer model: a predicted frame beside the truth."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import ArrayLike, NDArray
+
+from envlights._native import EnvLightsError
+from envlights._srgb import encode_srgb
+from envlights.kernels.image import LUMINANCE
+from envlights.plot.figure import Picture
+from envlights.transfer import TransferModel
+from envlights.transfer.pairs import image_stack
+
+#: Inches across one image.
+_WIDTH = 2.9
+#: Share of the texels that the exposure and the colours of the difference are made for; the few
+#: brightest would leave the others black.
+_SHARE = 99.0
+
+
+def transfer_picture(model: TransferModel, direct: ArrayLike, indirect: ArrayLike) -> Picture:
+    """Draw the indirect light of a frame: reference, transfer, projection and difference.
+
+    The projection is the best that the basis of the model can do; any further error of the transfer
+    comes from the regression. The titles hold relative errors: the norm of the difference to the
+    reference over the norm of the reference. All three have the same exposure; the difference is of
+    luminance, in percent of the mean of the reference.
+
+    Parameters
+    ----------
+    model : TransferModel
+        The model.
+    direct : array_like, shape (h, w, 3 or 4) or (n, h, w, 3 or 4)
+        Direct light of one frame or of several, which stand one below the other.
+    indirect : array_like, shape (H, W, 3 or 4) or (n, H, W, 3 or 4)
+        The true indirect light.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Shown by Jupyter as it is; `envlights.plot.save` writes it.
+
+    Raises
+    ------
+    EnvLightsError
+        If the images are not of the sizes of the model, not as many, or hold NaN or infinities.
+
+    Examples
+    --------
+    >>> import envlights as el
+    >>> room = el.synthetic.room(24, width=32)
+    >>> model = el.TransferModel.fit(room.direct[:23], room.indirect[:23], rank=16)
+    >>> figure = transfer_picture(model, room.direct[23], room.indirect[23])
+    >>> [axes.get_title().split(":")[0] for axes in figure.axes[:4]]
+    ['reference', 'transfer', 'projection', 'transfer minus reference']
+    """
+    height, width = model.lit.shape
+    reference, _ = image_stack("indirect", indirect, (height, width))
+    lights, _ = image_stack("direct", direct, model.size)
+    if len(lights) != len(reference):
+        raise EnvLightsError(
+            f"direct and indirect must hold as many images; got {len(lights)} and {len(reference)}"
+        )
+    rows = zip(reference, model.predict(lights), _projected(model, lights, reference), strict=True)
+    size = (4 * _WIDTH + 1.2, len(reference) * (_WIDTH * height / width + 0.4) + 0.4)
+    figure = Picture(figsize=size)
+    grid = figure.subplots(len(reference), 4, squeeze=False)
+    for row, (truth, predicted, projected) in zip(grid, rows, strict=True):
+        _draw_images(row[:3], truth, predicted, projected)
+        _draw_difference(figure, row[3], truth, predicted, model.lit)
+    report = model.report
+    figure.suptitle(
+        f"rank {report.rank} from {report.pairs} pairs;"
+        f" unseen lights, leave-one-out: median {100 * report.error:.3g} %"
+    )
+    return figure
+
+
+def _projected(model: TransferModel, lights: NDArray[Any], images: NDArray[Any]) -> NDArray[Any]:
+    """The projection of each image at the scale of the learnt ones, which a mean image needs."""
+    norm = np.linalg.norm(lights.reshape(len(lights), -1), axis=1)
+    scale = np.where(norm > 0, norm, 1)[:, None, None, None]
+    projected: NDArray[Any] = model.project(images / scale) * scale
+    return projected
+
+
+def _draw_images(
+    row: NDArray[Any], truth: NDArray[Any], predicted: NDArray[Any], projected: NDArray[Any]
+) -> None:
+    """Reference, transfer and projection at one exposure."""
+    white = max(float(np.percentile(truth, _SHARE)), np.finfo(float).tiny)
+    titles = (
+        "reference",
+        f"transfer: {_error(predicted, truth)}",
+        f"projection: {_error(projected, truth)}",
+    )
+    for axes, title, image in zip(row, titles, (truth, predicted, projected), strict=True):
+        axes.imshow(encode_srgb(image / white))
+        axes.set_title(title)
+        axes.axis("off")
+
+
+def _draw_difference(
+    figure: Figure,
+    axes: Axes,
+    truth: NDArray[Any],
+    predicted: NDArray[Any],
+    lit: NDArray[np.bool_],
+) -> None:
+    wanted = truth.astype(np.float64) @ LUMINANCE
+    mean = max(float(wanted[lit].mean()), np.finfo(float).tiny)
+    percent = 100 * (predicted.astype(np.float64) @ LUMINANCE - wanted) / mean
+    limit = max(float(np.percentile(np.abs(percent[lit]), _SHARE)), 0.1)
+    # Grey where every image is black; white is no difference.
+    colours = colormaps["RdBu_r"].with_extremes(bad="0.6")
+    drawn = np.where(lit, percent, np.nan)
+    image = axes.imshow(drawn, cmap=colours, vmin=-limit, vmax=limit)
+    axes.set_title("transfer minus reference")
+    axes.axis("off")
+    figure.colorbar(image, ax=axes, label="% of the mean", shrink=0.85, extend="both")
+
+
+def _error(image: NDArray[Any], truth: NDArray[Any]) -> str:
+    """Relative error in percent, or words where the reference is black."""
+    length = float(np.linalg.norm(truth.astype(np.float64)))
+    if length == 0:
+        return "of black"
+    return f"{100 * float(np.linalg.norm(image.astype(np.float64) - truth)) / length:.3g} %"

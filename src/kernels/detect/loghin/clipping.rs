@@ -1,0 +1,100 @@
+//! Lights that a camera has clipped, among those that the steps of Loghin (2021) find.
+
+use ndarray::{ArrayView2, ArrayView3};
+use rayon::prelude::*;
+
+use super::image::{Pixel, pixels_inside};
+use super::windows::Windows;
+use crate::error::Result;
+use crate::kernels::detect::clipping::{TOP, is_clipped};
+use crate::kernels::image::{check_rgb, luminance_f32};
+
+/// Whether each light is clipped, at the maximum of the map. Its pixels are those of the window around each of
+/// `pixels`, (n, 2), one for each light: the steps see the map through such windows.
+///
+/// # Errors
+///
+/// [`crate::error::Error::NotAMap`], [`crate::error::Error::WrongColumns`],
+/// [`crate::error::Error::OutsideImage`].
+pub fn are_clipped(
+    radiance: ArrayView3<'_, f32>,
+    pixels: ArrayView2<'_, i64>,
+    reach: usize,
+    sphere: bool,
+) -> Result<Vec<bool>> {
+    check_rgb(radiance)?;
+    let (height, width, _) = radiance.dim();
+    let places = pixels_inside(pixels, (height, width))?;
+    let samples = radiance.as_standard_layout();
+    let map = samples.as_slice().map_or(&[][..], |samples| samples.as_chunks::<3>().0);
+    let windows = Windows::new((height, width), reach, sphere);
+    // Find the peak of each window and count the pixels at it.
+    let tops: Vec<(f64, usize)> =
+        places.into_par_iter().map(|pixel| top_around(map, width, pixel, &windows)).collect();
+    // Compare each with the brightest of them. What is not clipped beside them is not beside a brighter pixel,
+    // so the map is read only for the others.
+    let beside = |brightest: f64| -> Vec<bool> {
+        tops.iter().map(|&(peak, pixels)| is_clipped(peak, pixels, brightest)).collect()
+    };
+    let clipped = beside(tops.iter().map(|&(peak, _)| peak).fold(0.0, f64::max));
+    if !clipped.contains(&true) {
+        return Ok(clipped);
+    }
+    // Compare each with the brightest pixel of the map.
+    Ok(beside(f64::from(map.par_chunks(width).map(maximum).reduce(|| 0.0, f32::max))))
+}
+
+/// Luminance of the brightest of some pixels, in lanes that do not wait for one another.
+fn maximum(pixels: &[[f32; 3]]) -> f32 {
+    let mut lanes = [0.0_f32; 16];
+    for pixels in pixels.chunks(lanes.len()) {
+        for (lane, &pixel) in lanes.iter_mut().zip(pixels) {
+            let luminance = luminance_f32(pixel);
+            *lane = if luminance > *lane { luminance } else { *lane };
+        }
+    }
+    lanes.into_iter().fold(0.0, f32::max)
+}
+
+/// The peak of the window around `pixel` in a `map` of this `width`, and the number of pixels at it.
+fn top_around(map: &[[f32; 3]], width: usize, pixel: Pixel, windows: &Windows) -> (f64, usize) {
+    let mut values = Vec::new();
+    for row in windows.rows(pixel) {
+        for columns in windows.columns(row, pixel) {
+            values.extend(map[row * width..][columns].iter().copied().map(luminance_f32));
+        }
+    }
+    let peak = f64::from(values.iter().copied().fold(0.0, f32::max));
+    (peak, values.iter().filter(|&&value| f64::from(value) >= TOP * peak).count())
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use ndarray::{Array3, arr2};
+
+    use super::*;
+
+    /// A square of 4 pixels at 1, one of 3 at 1, and one of 4 at 0.9.
+    fn squares() -> Array3<f32> {
+        let mut map = Array3::from_elem((16, 32, 3), 0.1_f32);
+        let pixels =
+            |x: usize, count: usize| [(7, x), (7, x + 1), (8, x), (8, x + 1)].into_iter().take(count);
+        for (value, places) in [(1.0, pixels(4, 4)), (1.0, pixels(14, 3)), (0.9, pixels(24, 4))] {
+            for (row, column) in places {
+                map.slice_mut(ndarray::s![row, column, ..]).fill(value);
+            }
+        }
+        map
+    }
+
+    #[test]
+    fn a_light_is_clipped_where_four_pixels_reach_the_maximum() {
+        let pixels = arr2(&[[7, 4], [7, 14], [7, 24]]);
+        let clipped = |map: Array3<f32>| are_clipped(map.view(), pixels.view(), 2, false).unwrap();
+        assert_eq!(clipped(squares()), [true, false, false]);
+        let mut sunny = squares();
+        sunny.slice_mut(ndarray::s![2, 30, ..]).fill(2.0);
+        assert_eq!(clipped(sunny), [false; 3]);
+    }
+}

@@ -1,0 +1,68 @@
+//! The images, pixels and points that the steps of Loghin (2021) work on.
+
+use glam::DVec3;
+use ndarray::{ArrayView1, ArrayView2, Axis};
+
+use crate::error::{Error, Result};
+use crate::kernels::sphere::check_rows;
+
+/// Row and column.
+pub type Pixel = [usize; 2];
+
+/// A gray image whose pixels are finite, row after row.
+pub struct Image<'a> {
+    pub height: usize,
+    pub width: usize,
+    samples: &'a [f32],
+}
+
+impl<'a> Image<'a> {
+    /// The image that the argument `what` holds, in standard layout.
+    pub fn new(what: &'static str, image: ArrayView2<'a, f32>) -> Result<Self> {
+        let (height, width) = image.dim();
+        if height == 0 || width == 0 {
+            return Err(Error::EmptyImage { height, width });
+        }
+        let samples = image.to_slice().unwrap_or(&[]);
+        for (row, samples) in samples.chunks(width).enumerate() {
+            // Without an early way out the row is tested eight pixels at a time.
+            if !samples.iter().fold(true, |all, value| all & value.is_finite()) {
+                let column = samples.iter().position(|value| !value.is_finite()).unwrap_or(0);
+                return Err(Error::BadPixel { what, row, column, value: samples[column] });
+            }
+        }
+        Ok(Self { height, width, samples })
+    }
+
+    pub fn row(&self, row: usize) -> &'a [f32] {
+        &self.samples[row * self.width..][..self.width]
+    }
+
+    pub fn at(&self, [row, column]: Pixel) -> f32 {
+        self.samples[row * self.width + column]
+    }
+}
+
+/// `pixels`, (n, 2), rows and columns, each inside an image of `size`.
+pub fn pixels_inside(pixels: ArrayView2<'_, i64>, size: (usize, usize)) -> Result<Vec<Pixel>> {
+    if pixels.ncols() != 2 {
+        return Err(Error::WrongColumns { what: "pixels", columns: 2, shape: pixels.shape().to_vec() });
+    }
+    let (height, width) = size;
+    let inside = |(index, row): (usize, ArrayView1<'_, i64>)| {
+        let pixel = [usize::try_from(row[0]), usize::try_from(row[1])];
+        match pixel {
+            [Ok(y), Ok(x)] if y < height && x < width => Ok([y, x]),
+            _ => Err(Error::OutsideImage { index, row: row[0], column: row[1], height, width }),
+        }
+    };
+    pixels.axis_iter(Axis(0)).enumerate().map(inside).collect()
+}
+
+/// `points`, (n, 2) or (n, 3), in space; those of a plane at height 0.
+pub fn points_in_space(points: ArrayView2<'_, f64>) -> Result<Vec<DVec3>> {
+    let columns = if points.ncols() == 3 { 3 } else { 2 };
+    check_rows("points", points, columns)?;
+    let height = |row: ArrayView1<'_, f64>| if columns == 3 { row[2] } else { 0.0 };
+    Ok(points.rows().into_iter().map(|row| DVec3::new(row[0], row[1], height(row))).collect())
+}

@@ -1,0 +1,33 @@
+//! The steps of Loghin (2021), each for itself on a luminance image, plane or equirectangular.
+//! `envlights.detect_article` puts them together for a map.
+//!
+//! | step                                          | file            |
+//! |-----------------------------------------------|-----------------|
+//! | 1: a smaller image                            | `resize.rs`     |
+//! | 2: its luminance                              | `luminance.rs`  |
+//! | 2: optionally, a blur                         | `blur.rs`       |
+//! | 4: the pixels in which samples lie            | `pixels.rs`     |
+//! | 5: the brightest pixel around a sample        | `neighbours.rs` |
+//! | 7: samples near a brighter one                | `suppress.rs`   |
+//! | 8: the line between two samples               | `bresenham.rs`  |
+//! | 8: the samples that a bright line joins       | `merge.rs`      |
+//! | 9: the weighted mean of each light            | `means.rs`      |
+//! | - the lights that a camera has clipped        | `clipping.rs`   |
+//! | - the windows around samples                  | `windows.rs`    |
+//! | - the arguments of all steps                  | `image.rs`      |
+//!
+//! Step 3 is `kernels::sampling`, step 6 a sort.
+
+pub mod blur;
+pub mod bresenham;
+pub mod clipping;
+pub mod luminance;
+pub mod means;
+pub mod merge;
+pub mod neighbours;
+pub mod pixels;
+pub mod resize;
+pub mod suppress;
+
+mod image;
+mod windows;

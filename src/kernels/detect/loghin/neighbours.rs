@@ -1,0 +1,48 @@
+//! Step 5 of Loghin (2021): the brightest pixel around a sample.
+
+use ndarray::ArrayView2;
+use rayon::prelude::*;
+
+use super::image::{Image, Pixel, pixels_inside};
+use super::windows::Windows;
+use crate::error::Result;
+
+/// The brightest pixel within `reach` rows and columns of each of `pixels`, (n, 2), and its value.
+///
+/// On a `sphere`, the window crosses the seam and widens towards the poles, so that it spans the
+/// same angle everywhere: `reach / sin theta` columns. Of equal pixels the first one counts, row by
+/// row, left to right.
+///
+/// # Errors
+///
+/// [`crate::error::Error::EmptyImage`], [`crate::error::Error::BadPixel`],
+/// [`crate::error::Error::WrongColumns`], [`crate::error::Error::OutsideImage`].
+pub fn neighbour_maximum(
+    luminance: ArrayView2<'_, f32>,
+    pixels: ArrayView2<'_, i64>,
+    reach: usize,
+    sphere: bool,
+) -> Result<Vec<(f32, Pixel)>> {
+    let samples = luminance.as_standard_layout();
+    let image = Image::new("luminance", samples.view())?;
+    let pixels = pixels_inside(pixels, luminance.dim())?;
+    let windows = Windows::new(luminance.dim(), reach, sphere);
+    Ok(pixels.into_par_iter().map(|pixel| brightest_around(&image, pixel, &windows)).collect())
+}
+
+/// The brightest pixel of the window around `pixel`, and its value.
+fn brightest_around(image: &Image<'_>, pixel: Pixel, windows: &Windows) -> (f32, Pixel) {
+    let mut best = (f32::NEG_INFINITY, pixel);
+    for row in windows.rows(pixel) {
+        let line = image.row(row);
+        for columns in windows.columns(row, pixel) {
+            let first = columns.start;
+            for (i, &value) in line[columns].iter().enumerate() {
+                if value > best.0 {
+                    best = (value, [row, first + i]);
+                }
+            }
+        }
+    }
+    best
+}

@@ -1,0 +1,50 @@
+//! Step 1 of Loghin (2021): a smaller image.
+
+use ndarray::{Array2, ArrayView2};
+use rayon::prelude::*;
+
+use super::image::Image;
+use crate::error::{Error, Result};
+
+/// Pixels of the largest image: 4 GB.
+const MOST_PIXELS: usize = 1 << 30;
+
+/// An image of `height` x `width` pixels: at each pixel's centre, linear between the four centres
+/// around it. Columns meet at the seam, rows end.
+///
+/// # Errors
+///
+/// [`Error::EmptyImage`], [`Error::BadPixel`], [`Error::HugeImage`].
+pub fn resize_bilinear(image: ArrayView2<'_, f32>, height: usize, width: usize) -> Result<Array2<f32>> {
+    let samples = image.as_standard_layout();
+    let image = Image::new("image", samples.view())?;
+    if height == 0 || width == 0 {
+        return Err(Error::EmptyImage { height, width });
+    }
+    if height.saturating_mul(width) > MOST_PIXELS {
+        return Err(Error::HugeImage { height, width, limit: MOST_PIXELS });
+    }
+    // Find the old pixels around each new centre.
+    let across = between_centres(width, image.width);
+    let down = between_centres(height, image.height);
+    // Interpolate between them, first across and then down.
+    let mut out = Array2::zeros((height, width));
+    out.outer_iter_mut().into_par_iter().zip(down).for_each(|(mut out, (row, low))| {
+        let above = image.row(row.max(0) as usize);
+        let below = image.row((row + 1).min(image.height as isize - 1) as usize);
+        for (out, &(column, left)) in out.iter_mut().zip(&across) {
+            let first = column.rem_euclid(image.width as isize) as usize;
+            let second = (first + 1) % image.width;
+            let top = above[first] + left * (above[second] - above[first]);
+            let bottom = below[first] + left * (below[second] - below[first]);
+            *out = top + low * (bottom - top);
+        }
+    });
+    Ok(out)
+}
+
+/// For each of `new` pixels the last old one before its centre, and the fraction of the way to the next.
+fn between_centres(new: usize, old: usize) -> Vec<(isize, f32)> {
+    let at = |i: usize| (i as f64 + 0.5) * old as f64 / new as f64 - 0.5;
+    (0..new).map(|i| (at(i).floor() as isize, (at(i) - at(i).floor()) as f32)).collect()
+}

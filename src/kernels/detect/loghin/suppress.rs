@@ -1,0 +1,57 @@
+//! Step 7 of Loghin (2021): samples near a brighter one.
+
+use glam::DVec3;
+use ndarray::ArrayView2;
+use rustc_hash::FxHashMap;
+
+use super::image::points_in_space;
+use crate::error::Result;
+
+/// For each of `points`, (n, 2) or (n, 3), brightest first, the survivor that it belongs to: itself,
+/// or the brightest survivor closer than `distance`.
+///
+/// Only survivors suppress. They are kept in cells of the size of `distance`, so a point is compared with
+/// those in its own and the touching cells alone: few, for survivors are far apart.
+///
+/// # Errors
+///
+/// [`crate::error::Error::WrongColumns`], [`crate::error::Error::NotFinite`].
+pub fn suppress(points: ArrayView2<'_, f64>, distance: f64) -> Result<Vec<usize>> {
+    let in_space = points_in_space(points)?;
+    if distance.is_nan() || distance <= 0.0 {
+        return Ok((0..in_space.len()).collect());
+    }
+    let layers: &[f64] = if points.ncols() == 3 { &[-1.0, 0.0, 1.0] } else { &[0.0] };
+    let mut cells: FxHashMap<Cell, Vec<usize>> = FxHashMap::default();
+    let mut survivors = Vec::with_capacity(in_space.len());
+    for (index, point) in in_space.iter().enumerate() {
+        // Find the brightest survivor nearby.
+        let is_near = |&other: &usize| point.distance_squared(in_space[other]) < distance * distance;
+        let cell = (point / distance).floor();
+        let near = layers.iter().flat_map(|&layer| around(cell, layer));
+        let near = near.filter_map(|cell| cells.get(&cell)).flatten().copied().filter(is_near);
+        let survivor = near.min().unwrap_or(index);
+        // Without one, the point survives: put it into its cell.
+        if survivor == index {
+            cells.entry(key(cell)).or_default().push(index);
+        }
+        survivors.push(survivor);
+    }
+    Ok(survivors)
+}
+
+/// The place of a cell, as the bits of its floats: whole numbers would overflow for a tiny `distance`.
+type Cell = (u64, u64, u64);
+
+fn key(cell: DVec3) -> Cell {
+    // Minus zero becomes zero. The last bits of a whole number's float are all 0, and the hash, a product,
+    // keeps them so: the bytes are swapped.
+    let [x, y, z] = (cell + 0.0).to_array().map(|at| at.to_bits().swap_bytes());
+    (x, y, z)
+}
+
+/// A cell and the 8 around it, in the `layer` above, below or its own.
+fn around(cell: DVec3, layer: f64) -> impl Iterator<Item = Cell> {
+    let step = move |i: u8| DVec3::new(f64::from(i % 3) - 1.0, f64::from(i / 3) - 1.0, layer);
+    (0..9).map(move |i| key(cell + step(i)))
+}

@@ -1,0 +1,205 @@
+//! The selection of lights: the dimmest are dropped, then neighbours are merged until few enough are left.
+//!
+//! Mergers follow Ward's linkage (1963) with the flux as weight. Merge the two lights of the lowest cost,
+//!
+//! ```text
+//!   cost = F_1 F_2 / (F_1 + F_2) * |d_1 - d_2|^2
+//! ```
+//!
+//! which is what the merger adds to the flux-weighted sum of squared distances.
+
+use super::moments::Light;
+
+/// Lights beyond this many are merged into the nearest brighter one, for the pairs of lights grow with the
+/// square of their number.
+const MOST_IN_PAIRS: usize = 2048;
+
+/// The lights that are left, and what became of those that were measured.
+pub struct Selection {
+    /// Most flux first.
+    pub lights: Vec<Light>,
+    /// For each light that was measured, the one that it is part of, if any.
+    pub part_of: Vec<Option<usize>>,
+    /// Lights that were dropped.
+    pub dropped: usize,
+}
+
+/// Select at most `most` lights from `measured`, none with less flux than `least_flux`.
+pub fn select(measured: Vec<Light>, least_flux: f64, most: usize) -> Selection {
+    // Drop the dimmest and rank the others.
+    let mut ranked: Vec<usize> = (0..measured.len()).filter(|&i| measured[i].flux >= least_flux).collect();
+    ranked.sort_by(|&i, &j| Light::most_flux_first(&measured[i], &measured[j]));
+    // Merge neighbours.
+    let kept: Vec<Light> = ranked.iter().map(|&i| measured[i].clone()).collect();
+    let (lights, merged_into) = merge(kept, most);
+    // Note for each measured light the one that it became part of.
+    let mut part_of = vec![None; measured.len()];
+    for (&i, light) in ranked.iter().zip(merged_into) {
+        part_of[i] = Some(light);
+    }
+    Selection { lights, part_of, dropped: measured.len() - ranked.len() }
+}
+
+/// Merge `lights`, most flux first, until at most `most` are left. For each of them the one that it became
+/// part of.
+fn merge(lights: Vec<Light>, most: usize) -> (Vec<Light>, Vec<usize>) {
+    let mut linkage = Linkage::new(lights);
+    if linkage.alive > most {
+        linkage.merge_from(MOST_IN_PAIRS.max(most));
+        linkage.find_nearest();
+    }
+    while linkage.alive > most {
+        linkage.merge_nearest();
+    }
+    linkage.finish()
+}
+
+struct Linkage {
+    /// `None` once it is part of another.
+    lights: Vec<Option<Light>>,
+    alive: usize,
+    part_of: Vec<usize>,
+    /// For each light the cost of the cheapest merger with a later one, and which.
+    nearest: Vec<(f64, usize)>,
+}
+
+impl Linkage {
+    fn new(lights: Vec<Light>) -> Self {
+        let alive = lights.len();
+        let lights: Vec<Option<Light>> = lights.into_iter().map(Some).collect();
+        Self { lights, alive, part_of: (0..alive).collect(), nearest: vec![(f64::INFINITY, 0); alive] }
+    }
+
+    /// Merge the lights from `first` on into the nearest of those before it.
+    fn merge_from(&mut self, first: usize) {
+        for i in first..self.lights.len() {
+            let distance = |j: &usize| self.distance_squared(i, *j);
+            if let Some(nearest) = (0..first).min_by(|i, j| distance(i).total_cmp(&distance(j))) {
+                self.merge(nearest, i);
+            }
+        }
+    }
+
+    /// Find the cheapest merger of each light with a later one.
+    fn find_nearest(&mut self) {
+        for i in 0..self.lights.len() {
+            self.nearest[i] = self.nearest_after(i);
+        }
+    }
+
+    fn nearest_after(&self, i: usize) -> (f64, usize) {
+        let later = (i + 1..self.lights.len()).map(|j| (self.cost(i, j), j));
+        later.min_by(|one, other| one.0.total_cmp(&other.0)).unwrap_or((f64::INFINITY, i))
+    }
+
+    /// Merge the two lights whose merger costs least.
+    fn merge_nearest(&mut self) {
+        // Find the cheapest merger.
+        let cheapest =
+            (0..self.lights.len()).min_by(|&i, &j| self.nearest[i].0.total_cmp(&self.nearest[j].0));
+        let Some(i) = cheapest else { return };
+        let j = self.nearest[i].1;
+        self.merge(i, j);
+        // Update the cheapest mergers. With Ward's cost the union is never nearer to a third light than the
+        // nearer of the two was, so only those that pointed to one of the two look again.
+        for other in 0..self.lights.len() {
+            if other == i || other == j || [i, j].contains(&self.nearest[other].1) {
+                self.nearest[other] = self.nearest_after(other);
+            }
+        }
+    }
+
+    /// Merge `other` into `into`.
+    fn merge(&mut self, into: usize, other: usize) {
+        let (Some(one), Some(two)) = (&self.lights[into], &self.lights[other]) else { return };
+        self.lights[into] = Some(one.and(two));
+        self.lights[other] = None;
+        self.part_of[other] = into;
+        self.alive -= 1;
+    }
+
+    fn distance_squared(&self, i: usize, j: usize) -> f64 {
+        match (&self.lights[i], &self.lights[j]) {
+            (Some(one), Some(other)) => one.direction().distance_squared(other.direction()),
+            _ => f64::INFINITY,
+        }
+    }
+
+    fn cost(&self, i: usize, j: usize) -> f64 {
+        match (&self.lights[i], &self.lights[j]) {
+            (Some(one), Some(other)) => {
+                one.flux * other.flux / (one.flux + other.flux) * self.distance_squared(i, j)
+            }
+            _ => f64::INFINITY,
+        }
+    }
+
+    /// The lights that are left, most flux first; and for each light that there was, its place among them.
+    fn finish(self) -> (Vec<Light>, Vec<usize>) {
+        // Rank the lights that are left.
+        let mut left: Vec<(usize, Light)> =
+            self.lights.into_iter().enumerate().filter_map(|(i, light)| Some((i, light?))).collect();
+        left.sort_by(|(_, one), (_, other)| Light::most_flux_first(one, other));
+        let mut place = vec![0; self.part_of.len()];
+        for (rank, (i, _)) in left.iter().enumerate() {
+            place[*i] = rank;
+        }
+        // Follow each merger up to a light that is left.
+        let root = |mut i: usize| {
+            while self.part_of[i] != i {
+                i = self.part_of[i];
+            }
+            place[i]
+        };
+        let merged_into = (0..self.part_of.len()).map(root).collect();
+        (left.into_iter().map(|(_, light)| light).collect(), merged_into)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernels::sphere::direction;
+
+    /// Further along a quarter of a circle for each of its fluxes.
+    fn light(flux: f64) -> Light {
+        Light::towards(direction(1.0 + 0.1 * flux.sqrt(), 2.0), flux)
+    }
+
+    #[test]
+    fn of_two_pairs_of_neighbours_the_dimmer_is_merged_first() {
+        let at = |phi, flux| Light::towards(direction(1.0, phi), flux);
+        let far_and_near = vec![at(0.0, 3.0), at(3.0, 5.0), at(3.1, 2.0), at(0.1, 1.0)];
+        let three = select(far_and_near.clone(), 0.0, 3);
+        assert_eq!(three.part_of, [Some(1), Some(0), Some(2), Some(1)]);
+        let two = select(far_and_near, 0.0, 2);
+        assert_eq!(two.part_of, [Some(1), Some(0), Some(0), Some(1)]);
+        assert!((two.lights[0].flux - 7.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn nothing_is_merged_where_few_enough_are_given() {
+        let selection = select(vec![Light::default(); 3], 0.0, 3);
+        assert_eq!(selection.lights.len(), 3);
+        assert_eq!(selection.part_of, [Some(0), Some(1), Some(2)]);
+    }
+
+    #[test]
+    fn dim_lights_are_dropped_before_the_others_are_merged() {
+        let selection = select(vec![light(1.0), light(5.0), light(0.1), light(2.0)], 0.5, 2);
+        assert_eq!(selection.dropped, 1);
+        assert_eq!(selection.part_of[2], None);
+        assert_eq!(selection.lights.len(), 2);
+        let flux: f64 = selection.lights.iter().map(|light| light.flux).sum();
+        assert!((flux - 8.0).abs() < 1e-12, "{flux}");
+    }
+
+    #[test]
+    fn too_many_lights_to_compare_all_pairs_are_merged_too() {
+        let selection = select((1..=MOST_IN_PAIRS + 500).map(|i| light(i as f64)).collect(), 0.0, 7);
+        assert_eq!(selection.lights.len(), 7);
+        let flux: f64 = selection.lights.iter().map(|light| light.flux).sum();
+        let wanted = (MOST_IN_PAIRS + 500) * (MOST_IN_PAIRS + 501) / 2;
+        assert!((flux - wanted as f64).abs() < 1e-3, "{flux} {wanted}");
+    }
+}

@@ -1,0 +1,238 @@
+//! The moments of a light: sums over its pixels, and what follows from them.
+//!
+//! With the luminance Y, the direction d and the solid angle dw of each pixel:
+//!
+//! ```text
+//!   flux         F = sum Y dw             direction    v / |v|,   v = sum Y d dw
+//!   irradiance       sum L dw  (RGB)      solid angle  F^2 / sum Y^2 dw
+//!   second moments   S = sum Y d d^T dw   elongation   from the eigenvalues of S across the direction
+//! ```
+//!
+//! A pixel adds its own width to the second moments, dw / 12 in every direction, so that a light of one
+//! pixel is round.
+//!
+//! The solid angle is that of a light of constant radiance with the same `F` and the same `sum Y^2 dw`, so
+//! it needs no outline. Moments add up, so lights can be merged without the map.
+#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+
+use std::cmp::Ordering;
+
+use glam::DVec3;
+
+use super::coverage::{Columns, CoveredPixels};
+use super::dot_product::dot;
+use crate::kernels::detect::clipping::{TOP, is_clipped};
+use crate::kernels::sphere::tangents;
+
+/// The moments of one light.
+#[derive(Clone, Debug, Default)]
+pub struct Light {
+    /// Integral of the luminance.
+    pub flux: f64,
+    /// Integral of the radiance: RGB irradiance at normal incidence.
+    pub irradiance: [f64; 3],
+    /// Largest luminance of a pixel.
+    pub peak: f64,
+    /// Pixels at the peak.
+    top_pixels: usize,
+    flux_vector: DVec3,
+    /// Second moments: the diagonal, and the entries xy, yz, zx.
+    second: [DVec3; 2],
+    /// Second moments of the pixels' own widths.
+    width_squared: f64,
+    luminance_squared: f64,
+    top: DVec3,
+}
+
+impl Light {
+    /// A light of this peak, with no pixel added yet.
+    pub fn of_peak(luminance: f32) -> Self {
+        Self { peak: f64::from(luminance), ..Self::default() }
+    }
+
+    /// A point.
+    #[cfg(test)]
+    pub fn towards(direction: DVec3, flux: f64) -> Self {
+        Self { flux, flux_vector: direction * flux, ..Self::default() }
+    }
+
+    /// The order of lights: most flux first.
+    pub fn most_flux_first(one: &Self, other: &Self) -> Ordering {
+        other.flux.total_cmp(&one.flux)
+    }
+
+    /// Flux centroid, a unit vector.
+    pub fn direction(&self) -> DVec3 {
+        self.flux_vector.normalize_or(self.top.normalize_or(DVec3::Y))
+    }
+
+    /// Unit vector towards the centroid of the pixels at the peak.
+    pub fn peak_direction(&self) -> DVec3 {
+        self.top.normalize_or(self.direction())
+    }
+
+    /// Whether it is a flat top at the level of the `brightest` light.
+    pub fn is_clipped(&self, brightest: f64) -> bool {
+        is_clipped(self.peak, self.top_pixels, brightest)
+    }
+
+    /// In steradians.
+    pub fn solid_angle(&self) -> f64 {
+        self.flux * self.flux / self.luminance_squared
+    }
+
+    /// Length over breadth, and the unit vector along the light.
+    ///
+    /// The eigenvalues of the symmetric 2 x 2 matrix `(a b; b c)` of the second moments across the
+    /// direction are `m +- r`, with `m = (a + c) / 2` and `r = hypot((a - c) / 2, b)`; the
+    /// larger one's eigenvector has the angle `atan2(b, (a - c) / 2) / 2`.
+    pub fn elongation(&self) -> (f64, DVec3) {
+        // Project the second moments onto the tangent plane.
+        let [right, up] = tangents(self.direction());
+        let a = self.second_moment(right, right) + self.width_squared;
+        let b = self.second_moment(right, up);
+        let c = self.second_moment(up, up) + self.width_squared;
+        // Take the eigenvalues, and the eigenvector of the larger one.
+        let (middle, radius) = (0.5 * (a + c), (0.5 * (a - c)).hypot(b));
+        let angle = 0.5 * b.atan2(0.5 * (a - c));
+        let along = right * angle.cos() + up * angle.sin();
+        (((middle + radius) / (middle - radius).max(1e-6 * middle)).sqrt(), along)
+    }
+
+    /// `v^T S w`.
+    fn second_moment(&self, v: DVec3, w: DVec3) -> f64 {
+        let [diagonal, off] = self.second;
+        let crossed = v * DVec3::new(w.y, w.z, w.x) + w * DVec3::new(v.y, v.z, v.x);
+        diagonal.dot(v * w) + off.dot(crossed)
+    }
+
+    /// Two lights as one.
+    #[must_use]
+    pub fn and(&self, other: &Self) -> Self {
+        let sum = |i: usize| self.irradiance[i] + other.irradiance[i];
+        // Keep the top of the brighter light, and that of the dimmer one if it is as bright.
+        let (brighter, dimmer) = if self.peak >= other.peak { (self, other) } else { (other, self) };
+        let shares_top = dimmer.peak >= TOP * brighter.peak;
+        let (more, top) = if shares_top { (dimmer.top_pixels, dimmer.top) } else { (0, DVec3::ZERO) };
+        // Add all other sums.
+        Self {
+            flux: self.flux + other.flux,
+            irradiance: [sum(0), sum(1), sum(2)],
+            peak: brighter.peak,
+            top_pixels: brighter.top_pixels + more,
+            flux_vector: self.flux_vector + other.flux_vector,
+            second: [self.second[0] + other.second[0], self.second[1] + other.second[1]],
+            width_squared: self.width_squared + other.width_squared,
+            luminance_squared: self.luminance_squared + other.luminance_squared,
+            top: brighter.top + top,
+        }
+    }
+
+    /// Add the covered pixels of a row at a polar angle of this sine and cosine.
+    ///
+    /// With `d = (sin phi sin theta, cos theta, -cos phi sin theta)` each sum is one over the azimuths,
+    /// times a factor that the row has in common.
+    #[inline(always)]
+    pub fn add(&mut self, row: &CoveredPixels, columns: &Columns<&[f64]>, [sin, cos]: [f64; 2]) {
+        // Sum over the azimuths.
+        let flux = dot(&row.luminance, &row.solid_angle);
+        let [flux_sin, flux_cos] = [columns.sin, columns.cos].map(|of| sin * dot(of, &row.flux));
+        let [sin_sin, sin_cos] = [columns.sin_sin, columns.sin_cos].map(|of| sin * sin * dot(of, &row.flux));
+        // Add to the moments of order 0, 1 and 2.
+        self.flux += flux;
+        for (sum, values) in self.irradiance.iter_mut().zip(&row.rgb) {
+            *sum += dot(values, &row.solid_angle);
+        }
+        self.flux_vector += DVec3::new(flux_sin, flux * cos, -flux_cos);
+        self.second[0] += DVec3::new(sin_sin, flux * cos * cos, flux * sin * sin - sin_sin);
+        self.second[1] += DVec3::new(flux_sin * cos, -flux_cos * cos, -sin_cos);
+        self.width_squared += dot(&row.flux, &row.solid_angle) / 12.0;
+        self.luminance_squared += dot(&row.luminance, &row.flux);
+        self.add_top(row, columns, [sin, cos]);
+    }
+
+    /// Add the pixels of a row that are at the peak.
+    #[inline(always)]
+    fn add_top(&mut self, row: &CoveredPixels, columns: &Columns<&[f64]>, [sin, cos]: [f64; 2]) {
+        let top = TOP * self.peak;
+        let is_top = row.luminance.iter().map(|&y| f64::from(y) >= top);
+        let pixels = is_top.clone().map(usize::from).sum::<usize>();
+        if pixels > 0 {
+            let flags: Vec<f32> = is_top.map(|is_top| if is_top { 1.0 } else { 0.0 }).collect();
+            let top: Vec<f64> =
+                flags.iter().zip(&row.solid_angle).map(|(&flag, angle)| f64::from(flag) * angle).collect();
+            let [top_sin, top_cos] = [columns.sin, columns.cos].map(|of| sin * dot(of, &top));
+            self.top += DVec3::new(top_sin, cos * dot(&flags, &row.solid_angle), -top_cos);
+            self.top_pixels += pixels;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// The light of a row of pixels: with dot products, and pixel after pixel by the formulas above.
+    fn both_ways(pixels: &[[f32; 3]], theta: f64) -> [Light; 2] {
+        const BAND: f64 = 0.02;
+        let (peak, background) = (10.0_f32, 1.0_f32);
+        let edges: Vec<f64> = (0..=pixels.len()).map(|i| 0.03 * i as f64 + 2.0).collect();
+        let mut columns = Columns::default();
+        edges.windows(2).for_each(|edge| columns.push(edge, true));
+        let (mut row, mut light) = (CoveredPixels::default(), Light::of_peak(peak));
+        row.refill(pixels, &columns.width, BAND, peak, background);
+        light.add(&row, &columns.at(0..pixels.len()), theta.sin_cos().into());
+        let mut plain = Light::of_peak(peak);
+        for (pixel, edge) in pixels.iter().zip(edges.windows(2)) {
+            let y = crate::kernels::image::luminance(pixel.map(f64::from));
+            let coverage = ((y - 1.0) / 9.0).min(1.0);
+            if coverage >= 0.05 {
+                let solid_angle = BAND * 0.03 * (y - (1.0 - coverage)) / y;
+                let towards = crate::kernels::sphere::direction(theta, 0.5 * (edge[0] + edge[1]));
+                plain.add_pixel(pixel.map(f64::from), y, towards, solid_angle);
+            }
+        }
+        [light, plain]
+    }
+
+    impl Light {
+        fn add_pixel(&mut self, rgb: [f64; 3], y: f64, d: DVec3, solid_angle: f64) {
+            let flux = y * solid_angle;
+            self.flux += flux;
+            self.irradiance.iter_mut().zip(rgb).for_each(|(sum, value)| *sum += value * solid_angle);
+            self.flux_vector += flux * d;
+            self.second[0] += flux * d * d;
+            self.second[1] += flux * DVec3::new(d.x * d.y, d.y * d.z, d.z * d.x);
+            self.width_squared += flux * solid_angle / 12.0;
+            self.luminance_squared += flux * y;
+            if y >= TOP * self.peak {
+                self.top += solid_angle * d;
+                self.top_pixels += 1;
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn a_row_adds_the_sums_of_its_pixels(
+            levels in prop::collection::vec(prop_oneof![0.0..9.0_f32, Just(9.9999)], 1..40),
+            theta in 0.1..3.0,
+        ) {
+            let pixels: Vec<[f32; 3]> = levels.iter().map(|&level| [level, level, 1.001 * level]).collect();
+            let [light, plain] = both_ways(&pixels, theta);
+            prop_assert_eq!(light.top_pixels, plain.top_pixels);
+            let near = |one: f64, other: f64| (one - other).abs() <= 1e-6 * (plain.flux + plain.luminance_squared) + 1e-12;
+            let numbers = |light: &Light| {
+                let mut all = vec![light.flux, light.width_squared, light.luminance_squared];
+                all.extend(light.irradiance);
+                let vectors = [light.flux_vector, light.second[0], light.second[1], light.top];
+                all.extend(vectors.iter().flat_map(DVec3::to_array));
+                all
+            };
+            for (sum, wanted) in numbers(&light).into_iter().zip(numbers(&plain)) {
+                prop_assert!(near(sum, wanted), "{sum} {wanted}");
+            }
+        }
+    }
+}

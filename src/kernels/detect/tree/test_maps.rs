@@ -1,0 +1,43 @@
+//! Tiny maps drawn by hand, for tests.
+
+use ndarray::Array3;
+
+use super::adjacency::Adjacency;
+use super::components::{self, Segments};
+use super::threshold::{Rule, Threshold};
+use super::working_image::WorkingImage;
+use crate::kernels::sphere::Registration;
+
+/// Pixels of a test map are bright above 0.5, and a light reaches 1.25.
+pub const THRESHOLD: Threshold =
+    Threshold { luminance: 0.5, rule: Rule::Background { factor: 2.0, share: 0.9 } };
+
+/// A map from its drawing: a digit is its luminance, a dot 0.1.
+pub fn drawn(rows: &[&str]) -> WorkingImage {
+    let luminance = |c: u8| if c == b'.' { 0.1 } else { f32::from(c - b'0') };
+    let (height, width) = (rows.len(), rows[0].len());
+    let map = Array3::from_shape_fn((height, width, 3), |(y, x, _)| luminance(rows[y].as_bytes()[x]));
+    #[allow(clippy::unwrap_used, reason = "a drawing is a map")]
+    WorkingImage::of(map.view(), Registration::CellCentred, width).unwrap()
+}
+
+/// `rows` of a drawing between dark ones: 8 rows of 16 pixels, the first in row `top`.
+pub fn drawn_from(top: usize, rows: &[&str]) -> WorkingImage {
+    let dark = ".".repeat(16);
+    let mut all = vec![dark.as_str(); 8];
+    all[top..top + rows.len()].copy_from_slice(rows);
+    drawn(&all)
+}
+
+/// The segments of a test map, before gaps are bridged.
+pub fn segments(working: &WorkingImage, extent: f64) -> Segments {
+    let bright = components::bright_pixels(working, THRESHOLD.luminance);
+    components::segments(working, &Adjacency::of(working), &bright, &THRESHOLD, 4.0, extent)
+}
+
+/// How many pixels each light has, the smallest first.
+pub fn sizes(segments: &Segments) -> Vec<usize> {
+    let mut sizes: Vec<usize> = segments.pixels.iter().map(Vec::len).collect();
+    sizes.sort_unstable();
+    sizes
+}

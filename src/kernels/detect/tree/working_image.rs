@@ -1,0 +1,278 @@
+//! The working image: the luminance of a map in fewer pixels, and the maximum of each tile of them.
+//!
+//! Detection is bound by memory: this pass reads every sample once, what follows reads a
+//! sixteenth of them and less.
+
+use ndarray::{Array2, ArrayView3};
+use rayon::prelude::*;
+
+use super::dot_product::dot;
+use crate::error::{Error, Result};
+use crate::kernels::image::{
+    BlockRow, Grid, LUMINANCE_F32, check_rgb, check_samples, luminance_f32, samples_of,
+};
+use crate::kernels::sphere::{Registration, band_heights};
+
+/// Sides of a tile, in pixels of the working image.
+pub const TILE: usize = 16;
+
+/// A map in fewer pixels, each the mean of a block of the map's.
+#[derive(Clone, Debug)]
+pub struct WorkingImage {
+    /// Rows and columns.
+    pub size: (usize, usize),
+    /// Mean luminance by solid angle, row after row.
+    pub luminance: Vec<f32>,
+    /// Where the pixels lie on the sphere.
+    pub grid: Grid,
+    /// `cos theta_top - cos theta_bottom` of each row.
+    pub bands: Vec<f64>,
+    /// Pixels of the map along each side of a working pixel.
+    pub block: usize,
+    /// Largest luminance in each tile.
+    pub tile_maxima: Array2<f32>,
+    /// Integral of the luminance over the sphere.
+    pub flux: f64,
+}
+
+impl WorkingImage {
+    /// `radiance` as luminance in at most `columns` columns.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotAMap`]; [`Error::UnusableSamples`], with their counts, for samples that are not radiance:
+    /// this pass reads them all; [`Error::TooBright`].
+    pub fn of(radiance: ArrayView3<'_, f32>, registration: Registration, columns: usize) -> Result<Self> {
+        // Cut the map into blocks, one for each working pixel.
+        check_rgb(radiance)?;
+        let (height, width, _) = radiance.dim();
+        let pixels = Grid::of_pixels(height, width, registration);
+        let block = width.div_ceil(columns.max(1));
+        let grid = pixels.in_blocks(block);
+        let reduction = Reduction::new(radiance, &pixels, &grid, block);
+        // Reduce the map, one row of tiles at a time: its luminance, the sum of each row, the maxima.
+        let bands = band_heights(&grid.theta_edges);
+        let widths: Vec<f64> = grid.phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect();
+        let size = (bands.len(), widths.len());
+        let mut luminance = vec![0.0; size.0 * size.1];
+        let mut row_sums = vec![0.0; size.0];
+        let mut tile_maxima = Array2::zeros((size.0.div_ceil(TILE), size.1.div_ceil(TILE)));
+        let mut signs = vec![false; size.0.div_ceil(TILE)];
+        luminance
+            .par_chunks_mut(TILE * size.1)
+            .zip(row_sums.par_chunks_mut(TILE))
+            .zip(tile_maxima.outer_iter_mut().into_par_iter())
+            .zip(&mut signs)
+            .enumerate()
+            .for_each(|(tile_row, (((rows, sums), mut maxima), signs))| {
+                let mut largest = vec![0.0; size.1];
+                for (i, (row, sum)) in rows.chunks_mut(size.1).zip(sums).enumerate() {
+                    *signs |= reduction.fill_row(tile_row * TILE + i, row);
+                    *sum = dot(row, &widths);
+                    raise(&mut largest, row);
+                }
+                for (maximum, columns) in maxima.iter_mut().zip(largest.chunks(TILE)) {
+                    *maximum = columns.iter().copied().fold(0.0, f32::max);
+                }
+            });
+        // Refuse what no light can have: it shows as a minus sign or in the sum over the sphere.
+        let flux: f64 = row_sums.iter().zip(&bands).map(|(sum, band)| sum * band).sum();
+        if signs.contains(&true) || !flux.is_finite() {
+            check_samples(radiance)?;
+        }
+        if !flux.is_finite() {
+            return Err(Error::TooBright);
+        }
+        Ok(Self { size, luminance, grid, bands, block, tile_maxima, flux })
+    }
+
+    /// Height of a row, in radians; the last may be lower.
+    pub fn row_height(&self) -> f64 {
+        let theta = &self.grid.theta_edges;
+        theta[1..].iter().zip(theta).map(|(below, above)| below - above).fold(0.0, f64::max)
+    }
+}
+
+fn raise(largest: &mut [f32], row: &[f32]) {
+    for (largest, &value) in largest.iter_mut().zip(row) {
+        *largest = if value > *largest { value } else { *largest };
+    }
+}
+
+/// How the map's pixels make the pixels of the working image.
+struct Reduction<'a> {
+    radiance: ArrayView3<'a, f32>,
+    block: usize,
+    /// Polar angles between the rows of the map.
+    theta_edges: &'a [f64],
+    /// Widths of the map's first and last pixel, in widths of the others.
+    outer_widths: [f32; 2],
+    /// One over the width of each column of the working image, in widths of the map's pixels.
+    per_width: Vec<f32>,
+}
+
+impl<'a> Reduction<'a> {
+    fn new(radiance: ArrayView3<'a, f32>, pixels: &'a Grid, grid: &Grid, block: usize) -> Self {
+        let width = |edge: &[f64]| ((edge[1] - edge[0]) * pixels.columns_per_radian) as f32;
+        let per_width = grid.phi_edges.windows(2).map(|edge| 1.0 / width(edge)).collect();
+        let phi = &pixels.phi_edges;
+        let outer_widths = [width(&phi[..2]), width(&phi[phi.len() - 2..])];
+        Self { radiance, block, theta_edges: &pixels.theta_edges, outer_widths, per_width }
+    }
+
+    /// Write the luminance of one row of the working image. Tells whether a sample of it has a minus sign.
+    fn fill_row(&self, row: usize, out: &mut [f32]) -> bool {
+        if self.block == 1 {
+            fill_luminance(&samples_of(self.radiance, row..row + 1), out)
+        } else {
+            self.reduce(&BlockRow::new(self.radiance, self.theta_edges, self.block, row), out)
+        }
+    }
+
+    /// Write the mean luminance of each block of a row.
+    fn reduce(&self, pixels: &BlockRow<'_>, out: &mut [f32]) -> bool {
+        let width = self.radiance.dim().1;
+        pixels.mean(|columns, mean| {
+            self.narrow_the_outer(mean, columns.start == 0, columns.end == width);
+            let blocks = columns.start / self.block..columns.end.div_ceil(self.block);
+            let per_width = &self.per_width[blocks.clone()];
+            let sums = mean.chunks(3 * self.block).map(luminance_of_sum);
+            for ((out, sum), per_width) in out[blocks].iter_mut().zip(sums).zip(per_width) {
+                *out = per_width * sum;
+            }
+        })
+    }
+
+    /// Scale the first and the last pixel of a row, which may be narrower than the others.
+    fn narrow_the_outer(&self, mean: &mut [f32], is_first: bool, is_last: bool) {
+        let last = mean.len() - 3;
+        if is_first {
+            mean[..3].iter_mut().for_each(|value| *value *= self.outer_widths[0]);
+        }
+        if is_last {
+            mean[last..].iter_mut().for_each(|value| *value *= self.outer_widths[1]);
+        }
+    }
+}
+
+/// Luminance of the sum of RGB pixels: four of them are twelve samples, three vectors of four lanes.
+fn luminance_of_sum(samples: &[f32]) -> f32 {
+    let [r, g, b] = LUMINANCE_F32;
+    let (fours, rest) = samples.as_chunks::<12>();
+    let mut lanes = [0.0_f32; 4];
+    for four in fours {
+        let weights = [[r, g, b, r], [g, b, r, g], [b, r, g, b]];
+        for (samples, weights) in four.as_chunks::<4>().0.iter().zip(weights) {
+            for (lane, (sample, weight)) in lanes.iter_mut().zip(samples.iter().zip(weights)) {
+                *lane += weight * sample;
+            }
+        }
+    }
+    let rest: f32 = rest.as_chunks::<3>().0.iter().copied().map(luminance_f32).sum();
+    (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]) + rest
+}
+
+/// Write the luminance of each pixel. Tells whether a sample has a minus sign; NaN and infinity show in the
+/// flux.
+fn fill_luminance(samples: &[f32], out: &mut [f32]) -> bool {
+    let mut bits = 0;
+    for (out, &pixel) in out.iter_mut().zip(samples.as_chunks::<3>().0) {
+        // Minus zero becomes zero: floats are compared by their bits.
+        *out = luminance_f32(pixel) + 0.0;
+        bits |= pixel.iter().fold(0, |bits, sample| bits | sample.to_bits());
+    }
+    bits >> 31 == 1
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::kernels::image::luminance;
+    use approx::assert_relative_eq;
+    use ndarray::Array3;
+    use std::f64::consts::PI;
+
+    fn map(height: usize, width: usize) -> Array3<f32> {
+        Array3::from_shape_fn((height, width, 3), |(y, x, c)| ((y * 7 + x * 3 + c) % 11) as f32)
+    }
+
+    /// Sum over the map's own pixels, one by one.
+    fn flux_of(map: &Array3<f32>, registration: Registration) -> f64 {
+        let (height, width, _) = map.dim();
+        let solid_angles = crate::kernels::sphere::pixel_solid_angles(height, width, registration).unwrap();
+        let pixels = solid_angles.indexed_iter();
+        let rgb = |y: usize, x: usize| [0, 1, 2].map(|c| f64::from(map[[y, x, c]]));
+        pixels.map(|((y, x), solid_angle)| luminance(rgb(y, x)) * solid_angle).sum()
+    }
+
+    #[test]
+    fn blocks_of_any_size_keep_the_flux() {
+        for registration in [Registration::CellCentred, Registration::BorderSampled] {
+            for (height, width, columns) in
+                [(30, 60, 60), (30, 60, 16), (37, 74, 10), (9, 18, 1), (150, 300, 1)]
+            {
+                let map = map(height, width);
+                let working = WorkingImage::of(map.view(), registration, columns).unwrap();
+                assert!(working.size.1 <= columns);
+                assert_relative_eq!(working.flux, flux_of(&map, registration), max_relative = 1e-6);
+            }
+        }
+    }
+
+    #[test]
+    fn each_pixel_is_the_mean_of_its_block_by_solid_angle() {
+        for registration in [Registration::CellCentred, Registration::BorderSampled] {
+            for (height, width, block) in [(30, 60, 1), (30, 60, 4), (37, 74, 5), (300, 600, 3)] {
+                let map = map(height, width);
+                let working = WorkingImage::of(map.view(), registration, width.div_ceil(block)).unwrap();
+                assert_eq!(working.block, block);
+                let solid_angles =
+                    crate::kernels::sphere::pixel_solid_angles(height, width, registration).unwrap();
+                let mut sums = vec![(0.0, 0.0); working.luminance.len()];
+                for ((y, x), &solid_angle) in solid_angles.indexed_iter() {
+                    let sum = &mut sums[y / block * working.size.1 + x / block];
+                    let rgb = [0, 1, 2].map(|c| f64::from(map[[y, x, c]]));
+                    *sum = (sum.0 + luminance(rgb) * solid_angle, sum.1 + solid_angle);
+                }
+                for (&mean, (flux, solid_angle)) in working.luminance.iter().zip(sums) {
+                    assert_relative_eq!(f64::from(mean), flux / solid_angle, max_relative = 1e-5);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_constant_map_stays_constant() {
+        let map = Array3::from_elem((50, 100, 3), 0.5_f32);
+        let working = WorkingImage::of(map.view(), Registration::BorderSampled, 30).unwrap();
+        assert!(working.luminance.iter().all(|value| (value - 0.5).abs() < 1e-6));
+        assert_relative_eq!(working.flux, 0.5 * 4.0 * PI, max_relative = 1e-6);
+    }
+
+    #[test]
+    fn a_tile_holds_the_maximum_of_its_pixels() {
+        let working = WorkingImage::of(map(50, 100).view(), Registration::CellCentred, 100).unwrap();
+        for ((row, column), &maximum) in working.tile_maxima.indexed_iter() {
+            let rows = row * TILE..((row + 1) * TILE).min(50);
+            let pixels =
+                rows.flat_map(|y| (column * TILE..((column + 1) * TILE).min(100)).map(move |x| y * 100 + x));
+            let wanted = pixels.map(|i| working.luminance[i]).fold(0.0, f32::max);
+            assert_relative_eq!(maximum, wanted);
+        }
+    }
+
+    #[test]
+    fn a_sample_that_is_not_finite_is_refused() {
+        let mut map = map(8, 16);
+        map[[3, 5, 1]] = f32::NAN;
+        for columns in [16, 2] {
+            let refused = WorkingImage::of(map.view(), Registration::CellCentred, columns);
+            assert!(matches!(refused, Err(Error::UnusableSamples { row: 3, nan: 1, .. })), "{refused:?}");
+        }
+        // Sums of such samples are beyond f32.
+        let refused =
+            WorkingImage::of(Array3::from_elem((8, 16, 3), f32::MAX).view(), Registration::CellCentred, 2);
+        assert!(matches!(refused, Err(Error::TooBright)), "{refused:?}");
+    }
+}

@@ -1,0 +1,97 @@
+//! Blocks of a map's pixels: the one pass over the whole map that every reduction makes.
+//!
+//! A reduction takes the mean of each block in two steps: down the rows of a row of blocks, here, and then
+//! across the columns of each block, where the reductions differ.
+
+use std::borrow::Cow;
+use std::ops::Range;
+
+use ndarray::{ArrayView3, s};
+
+use crate::kernels::sphere::band_heights;
+
+/// Pixels of a row whose means are taken at once: few enough to stay in the first cache.
+const PIXELS_AT_ONCE: usize = 256;
+
+/// The rows of a map behind one row of blocks.
+pub(crate) struct BlockRow<'a> {
+    samples: Cow<'a, [f32]>,
+    /// Pixels along each side of a block.
+    block: usize,
+    /// Share of each row of pixels in the height of the row of blocks.
+    weights: Vec<f32>,
+    /// `cos theta_top - cos theta_bottom` of the row of blocks.
+    pub height: f64,
+}
+
+impl<'a> BlockRow<'a> {
+    /// Row `row` of the blocks of `block` x `block` pixels; `theta_edges` are those of the pixels.
+    pub fn new(radiance: ArrayView3<'a, f32>, theta_edges: &[f64], block: usize, row: usize) -> Self {
+        let rows = row * block..((row + 1) * block).min(theta_edges.len() - 1);
+        let bands = band_heights(&theta_edges[rows.start..=rows.end]);
+        let height = bands.iter().sum();
+        let weights = bands.iter().map(|band| (band / height) as f32).collect();
+        Self { samples: samples_of(radiance, rows), block, weights, height }
+    }
+
+    /// Take the mean of each pixel column, weighted by the heights of the rows, and give it to `visit` in
+    /// strips of whole blocks: the columns of a strip, and their RGB means. Tells whether a sample has a
+    /// minus sign.
+    pub fn mean(&self, mut visit: impl FnMut(Range<usize>, &mut [f32])) -> bool {
+        let rows: Vec<&[f32]> = self.samples.chunks_exact(self.samples.len() / self.weights.len()).collect();
+        let width = rows[0].len() / 3;
+        let at_once = (PIXELS_AT_ONCE / self.block).max(1) * self.block;
+        let mut mean = vec![0.0; 3 * at_once];
+        let mut signs = false;
+        for start in (0..width).step_by(at_once) {
+            let columns = start..(start + at_once).min(width);
+            let mean = &mut mean[..3 * columns.len()];
+            signs |= weighted_mean(&rows, &self.weights, 3 * columns.start..3 * columns.end, mean);
+            visit(columns, mean);
+        }
+        signs
+    }
+}
+
+/// The samples of some rows of a map, row after row.
+pub(crate) fn samples_of(radiance: ArrayView3<'_, f32>, rows: Range<usize>) -> Cow<'_, [f32]> {
+    let rows = radiance.slice_move(s![rows, .., ..]);
+    rows.to_slice().map_or_else(|| Cow::Owned(rows.iter().copied().collect()), Cow::Borrowed)
+}
+
+/// Mean of the `columns` of some rows, four rows at a time: fewer passes over what is summed. Tells
+/// whether a sample has a minus sign.
+fn weighted_mean(rows: &[&[f32]], weights: &[f32], columns: Range<usize>, mean: &mut [f32]) -> bool {
+    let mut bits = 0;
+    let (fours, rest) = rows.as_chunks::<4>();
+    for (i, (rows, weights)) in fours.iter().zip(weights.as_chunks::<4>().0).enumerate() {
+        let rows = rows.map(|row| &row[columns.clone()]);
+        bits |= if i == 0 {
+            add_four::<true>(rows, weights, mean)
+        } else {
+            add_four::<false>(rows, weights, mean)
+        };
+    }
+    if fours.is_empty() {
+        mean.fill(0.0);
+    }
+    for (row, weight) in rest.iter().zip(&weights[4 * fours.len()..]) {
+        for (mean, sample) in mean.iter_mut().zip(&row[columns.clone()]) {
+            *mean += weight * sample;
+            bits |= sample.to_bits();
+        }
+    }
+    bits >> 31 == 1
+}
+
+/// Add four weighted rows to `mean`, or set it to their sum if they are the `FIRST`; the bits of all samples.
+#[inline]
+fn add_four<const FIRST: bool>([a, b, c, d]: [&[f32]; 4], weights: &[f32; 4], mean: &mut [f32]) -> u32 {
+    let mut bits = 0;
+    for ((((mean, a), b), c), d) in mean.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+        let before = if FIRST { 0.0 } else { *mean };
+        *mean = before + ((weights[0] * a + weights[1] * b) + (weights[2] * c + weights[3] * d));
+        bits |= (a.to_bits() | b.to_bits()) | (c.to_bits() | d.to_bits());
+    }
+    bits
+}

@@ -1,0 +1,126 @@
+//! The Jacobian of equations 7 to 9: "tedious but straight forward", says the paper of it.
+//!
+//! With `l_j` at the angles `theta_j`, `phi_j`, and only where the light is in front (`n.l_j > 0`),
+//! the derivatives of the residual of one normal n and one channel are
+//!
+//! ```text
+//!   dr/dL_a     = -k_a C                              dr/dtheta_j = -k_d C L_j (n . dl_j/dtheta)
+//!   dr/dL_j     = -k_d C (n.l_j)                      dr/dphi_j   = -k_d C L_j (n . dl_j/dphi)
+//! ```
+//!
+//! all times the root of the normal's weight. A channel does not depend on the
+//! irradiances of the others. On the terminator, `n.l_j = 0`, the model has a kink and no derivative; 0 is
+//! given there.
+
+use glam::DVec3;
+use ndarray::{Array2, ArrayView1, ArrayViewMut2, Axis};
+use rayon::prelude::*;
+
+use super::parameters::{Light, OF_AMBIENT, OF_LIGHT, Parameters};
+use super::residual::Measured;
+use super::surface::Surface;
+use crate::error::Result;
+use crate::kernels::sphere::{angle_derivatives, direction};
+
+/// A light's irradiance and direction, and the derivatives of the direction by its angles.
+struct Moving {
+    irradiance: DVec3,
+    direction: DVec3,
+    by_angles: [DVec3; 2],
+}
+
+impl Moving {
+    fn of(light: &Light) -> Self {
+        let Light { irradiance, theta, phi } = *light;
+        Self { irradiance, direction: direction(theta, phi), by_angles: angle_derivatives(theta, phi) }
+    }
+}
+
+/// Derivatives, (3n, 3 + 5M), of [`super::residual()`] by each unknown of `x`, (3 + 5M,).
+///
+/// # Errors
+///
+/// [`crate::error::Error::NotParameters`], [`crate::error::Error::NotFinite`].
+pub fn jacobian(x: ArrayView1<'_, f64>, measured: &Measured<'_>, surface: &Surface) -> Result<Array2<f64>> {
+    let lights: Vec<Moving> = Parameters::unpack(x)?.lights.iter().map(Moving::of).collect();
+    let mut out = Array2::zeros((3 * measured.normals.len(), x.len()));
+    out.axis_chunks_iter_mut(Axis(0), 3)
+        .into_par_iter()
+        .zip(measured.normals.par_iter().zip(&measured.roots))
+        .for_each(|(rows, (normal, root))| fill(rows, *normal, *root, &lights, surface));
+    Ok(out)
+}
+
+/// The three rows of one normal, of which only entries that are not zero are written.
+fn fill(mut rows: ArrayViewMut2<'_, f64>, normal: DVec3, root: f64, lights: &[Moving], surface: &Surface) {
+    let ambient = -root * surface.k_a * surface.colour;
+    let diffuse = -root * surface.k_d * surface.colour;
+    // Write the derivatives by the ambient light.
+    for channel in 0..3 {
+        rows[[channel, channel]] = ambient[channel];
+    }
+    for (index, light) in lights.iter().enumerate() {
+        // Skip a light behind the surface.
+        let cosine = normal.dot(light.direction);
+        if cosine <= 0.0 {
+            continue;
+        }
+        // Write those by the irradiance and the angles of the light.
+        let at = OF_AMBIENT + OF_LIGHT * index;
+        let slopes = light.by_angles.map(|by_angle| normal.dot(by_angle));
+        for channel in 0..3 {
+            rows[[channel, at + channel]] = diffuse[channel] * cosine;
+            for (angle, slope) in slopes.iter().enumerate() {
+                rows[[channel, at + 3 + angle]] = diffuse[channel] * light.irradiance[channel] * slope;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::super::residual;
+    use super::*;
+    use crate::kernels::sampling;
+    use ndarray::{Array1, Array2};
+    use proptest::prelude::*;
+    use std::f64::consts::{PI, TAU};
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(32))]
+
+        /// The derivative that is written is the slope that is measured, but for rows whose
+        /// terminator the measurement steps over.
+        #[test]
+        fn rows_match_central_differences(
+            light in [-2.0..2.0, -2.0..2.0, 0.1..2.0, 0.0..PI, 0.0..TAU],
+            surface in [0.0..4.0, 0.1..2.0, 0.1..1.0_f64],
+            weight in 0.1..2.0_f64,
+        ) {
+            let x: Array1<f64> = [0.3, 0.2, 0.1].into_iter().chain(light).collect();
+            let surface = Surface { k_a: surface[0], k_d: surface[1], colour: DVec3::new(1.0, surface[2], 0.5) };
+            let (normals, _) = sampling::icosphere(80).unwrap();
+            let (probe, weights) = (Array2::ones((80, 3)), Array1::from_elem(80, weight));
+            let measured = Measured::new(normals.view(), probe.view(), weights.view()).unwrap();
+            let written = jacobian(x.view(), &measured, &surface).unwrap();
+            let axis = direction(light[3], light[4]);
+            for unknown in 0..x.len() {
+                let step = 1e-6;
+                let (mut ahead, mut behind) = (x.clone(), x.clone());
+                ahead[unknown] += step;
+                behind[unknown] -= step;
+                let rise = residual(ahead.view(), &measured, &surface).unwrap()
+                    - residual(behind.view(), &measured, &surface).unwrap();
+                for (row, rise) in rise.iter().enumerate() {
+                    let (slope, written) = (rise / (2.0 * step), written[[row, unknown]]);
+                    let is_on_terminator = measured.normals[row / 3].dot(axis).abs() < 1e-5;
+                    prop_assert!(
+                        is_on_terminator || (slope - written).abs() < 1e-7,
+                        "row {row}, unknown {unknown}: wrote {written}, measured {slope}"
+                    );
+                }
+            }
+        }
+    }
+}

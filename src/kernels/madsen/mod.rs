@@ -1,0 +1,31 @@
+//! The fit of Madsen, Sørensen and Vittrup (2003) as the paper writes it, for anybody's optimiser.
+//!
+//! [`super::fit`] solves the same problem by another method. Here are the paper's own equations, one file
+//! each, over all of its 3 + 5M unknowns at once:
+//!
+//! | step                                     | equations | file            |
+//! |------------------------------------------|-----------|-----------------|
+//! | a radiance for each face of the scene    |           | `faces.rs`      |
+//! | the probe under K sources                | 1 to 3    | `super::probe`  |
+//! | unknowns <-> lights                      |           | `parameters.rs` |
+//! | the surface of the probe                 |           | `surface.rs`    |
+//! | the probe under ambient and M lights     | 4 to 6    | `model.rs`      |
+//! | the residual of a measured probe         | 7 to 9    | `residual.rs`   |
+//! | its derivative by every unknown          |           | `jacobian.rs`   |
+//!
+//! The paper's sums run over `n.l` as it is written; here, as in every renderer, a light behind
+//! the surface gives nothing: `max(0, n.l)`.
+
+mod faces;
+mod jacobian;
+mod model;
+mod parameters;
+mod residual;
+mod surface;
+
+pub use faces::face_radiance;
+pub use jacobian::jacobian;
+pub use model::model;
+pub use parameters::{Parameters, pack};
+pub use residual::{Measured, residual};
+pub use surface::Surface;

@@ -1,0 +1,77 @@
+//! Equations 7 to 9: the part of the probe that the lights leave unexplained.
+
+use glam::DVec3;
+use ndarray::{Array1, ArrayView1, ArrayView2};
+
+use super::model::model;
+use super::surface::Surface;
+use crate::error::Result;
+use crate::kernels::sphere::check_weighted;
+
+/// Probe values that the lights should reproduce, and how much each counts.
+#[derive(Clone, Debug)]
+pub struct Measured<'a> {
+    rows: ArrayView2<'a, f64>,
+    pub(super) normals: Vec<DVec3>,
+    probe: ArrayView2<'a, f64>,
+    /// Square roots of the weights: a least-squares solver squares its rows.
+    pub(super) roots: Vec<f64>,
+}
+
+impl<'a> Measured<'a> {
+    /// Check and pair up what was measured.
+    ///
+    /// # Inputs
+    ///
+    /// - `normals`: (n, 3) unit vectors; `probe`: (n, 3) radiance at each, RGB.
+    /// - `weights`: (n,), not negative; all 1 in the paper.
+    ///
+    /// # Errors
+    ///
+    /// [`crate::error::Error::WrongColumns`], [`crate::error::Error::LengthMismatch`],
+    /// [`crate::error::Error::NotFinite`], [`crate::error::Error::NotUnit`],
+    /// [`crate::error::Error::Negative`].
+    pub fn new(
+        normals: ArrayView2<'a, f64>,
+        probe: ArrayView2<'a, f64>,
+        weights: ArrayView1<'_, f64>,
+    ) -> Result<Self> {
+        let rows = normals;
+        let normals = check_weighted(normals, ("probe", probe), weights)?;
+        Ok(Self { rows, normals, probe, roots: weights.iter().map(|weight| weight.sqrt()).collect() })
+    }
+}
+
+/// Left sides of equations 7 to 9, (3n,): R, G and B of the first normal, then of the next.
+///
+/// ```text
+///   r_i = sqrt(w_i) (R_i - k_a C L_a - sum_j k_d C L_j max(0, n_i.l_j))
+/// ```
+///
+/// # Errors
+///
+/// [`crate::error::Error::NotParameters`], [`crate::error::Error::NotFinite`].
+pub fn residual(x: ArrayView1<'_, f64>, measured: &Measured<'_>, surface: &Surface) -> Result<Array1<f64>> {
+    let mut residual = &measured.probe - &model(x, measured.rows, surface)?;
+    for (mut row, root) in residual.rows_mut().into_iter().zip(&measured.roots) {
+        row *= *root;
+    }
+    Ok(residual.into_iter().collect())
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use ndarray::array;
+
+    #[test]
+    fn rows_are_normal_by_normal_and_carry_the_root_of_their_weight() {
+        let surface = Surface { k_a: 1.0, k_d: 1.0, colour: DVec3::ONE };
+        let normals = array![[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]];
+        let probe = array![[2.0, 3.0, 4.0], [5.0, 6.0, 7.0]];
+        let measured = Measured::new(normals.view(), probe.view(), array![1.0, 4.0].view()).unwrap();
+        let found = residual(array![1.0, 1.0, 1.0].view(), &measured, &surface).unwrap();
+        assert_eq!(found, array![1.0, 2.0, 3.0, 8.0, 10.0, 12.0]);
+    }
+}

@@ -1,0 +1,213 @@
+"""The command line: one subcommand, one public function, one sentence for a refusal."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from matplotlib.image import imsave
+
+import envlights as el
+from envlights import io
+from envlights.cli import main
+
+
+def run(*arguments):
+    return CliRunner().invoke(main, [str(argument) for argument in arguments])
+
+
+@pytest.fixture(scope="module")
+def hall(tmp_path_factory):
+    path = tmp_path_factory.mktemp("maps") / "hall.exr"
+    io.write_exr(path, el.synthetic.hall(64).radiance)
+    return path
+
+
+def test_python_runs_the_package_as_the_command_line(hall):
+    command = [sys.executable, "-m", "envlights", "fit", hall, "-n", "1"]
+    result = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert "relative RMS error" in result.stdout
+
+
+def test_fit_prints_a_table_and_writes_rig_and_picture(hall, tmp_path):
+    rig, picture = tmp_path / "rig.json", tmp_path / "rig.png"
+    result = run("fit", hall, "-n", 3, "-o", rig, "-o", picture)
+    assert result.exit_code == 0, result.output
+    assert "relative RMS error" in result.stdout
+    assert len(el.Rig.load(rig).lights) == 3
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["rig.json", "rig.png"]
+
+
+def test_fit_takes_ambient_normals_and_error(hall):
+    result = run("fit", hall, "--error", 0.05, "--ambient", "sh2", "--normals", "upper", "--json")
+    assert result.exit_code == 0, result.output
+    rig = json.loads(result.stdout)
+    assert len(rig["ambient"]) == 9
+    assert "upward" in rig["report"]["measured_on"]
+    assert rig["error"] <= 0.05
+
+
+def test_json_is_what_save_writes(hall):
+    result = run("fit", hall, "-n", 2, "--json")
+    assert result.exit_code == 0
+    data = json.loads(result.stdout)
+    expected = el.fit(el.EnvMap.open(hall), lights=2).to_dict()
+    for name in ("ambient", "lights", "error"):
+        assert data[name] == expected[name]
+
+
+def test_demo_writes_map_rig_and_picture(tmp_path):
+    result = run("demo", "-o", tmp_path)
+    assert result.exit_code == 0, result.output
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["hall.exr", "hall.json", "hall.png"]
+    assert el.Rig.load(tmp_path / "hall.json").error < 0.01
+
+
+@pytest.mark.parametrize("method", ["tree", "article"])
+def test_detect_prints_and_writes_what_the_function_finds(hall, tmp_path, method):
+    outputs = ("-o", tmp_path / "lights.json", "-o", tmp_path / "lights.png")
+    result = run("detect", hall, "-n", 2, "--method", method, *outputs)
+    assert result.exit_code == 0, result.output
+    lights = el.detect(el.EnvMap.open(hall), method, max_lights=2)
+    assert result.stdout.startswith(str(lights).split("\n\n")[0])
+    assert json.loads((tmp_path / "lights.json").read_text()) == lights.to_dict()
+    assert (tmp_path / "lights.png").read_bytes().startswith(b"\x89PNG")
+    as_json = run("detect", hall, "-n", 2, "--method", method, "--json")
+    assert json.loads(as_json.stdout) == lights.to_dict()
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no full device")
+def test_files_are_written_even_where_nothing_can_be_printed(hall, tmp_path):
+    command = [sys.executable, "-m", "envlights", "fit", hall, "-n", "1", "-o", tmp_path / "r.json"]
+    with Path("/dev/full").open("w") as full:
+        result = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True)
+    assert len(el.Rig.load(tmp_path / "r.json").lights) == 1
+    assert "Traceback" not in result.stderr
+    assert "cannot print the answer: No space left on device" in result.stderr
+
+
+def test_a_black_map_is_answered(tmp_path):
+    io.write_exr(tmp_path / "black.exr", np.zeros((16, 32, 3), np.float32))
+    result = run("fit", tmp_path / "black.exr", "-o", tmp_path / "black.png")
+    assert result.exit_code == 0, result.output
+    assert "no directional light" in result.stdout
+
+
+def test_refusals_are_a_sentence_and_exit_code_2(hall, tmp_path):
+    read_only = tmp_path / "kept.json"
+    read_only.write_text("kept")
+    read_only.chmod(0o444)
+    cases = {
+        ("fit", tmp_path / "none.exr"): "there is no such file",
+        ("fit", tmp_path): "it is a folder",
+        ("fit", hall, "-n", -1): "lights must be a whole number, 0 or more; got -1",
+        ("fit", hall, "-n", 10**20): "lights must be a whole number up to",
+        ("fit", hall, "-n", 10**9): "at least",
+        ("fit", hall, "-n", 3.5): "'3.5' is not a valid integer",
+        ("fit", hall, "-o", tmp_path / "none" / "rig.json"): "does not exist",
+        ("fit", hall, "-o", read_only): "marked read-only",
+        ("fit", hall, "-o", tmp_path / "rig.yaml"): "the suffix must be one of",
+        ("demo", "-o", tmp_path / "none"): "does not exist",
+    }
+    for arguments, message in cases.items():
+        result = run(*arguments)
+        assert result.exit_code == 2, arguments
+        assert message in result.stderr
+        assert result.stdout == ""
+    assert [path.name for path in tmp_path.iterdir()] == ["kept.json"]
+    assert read_only.read_text() == "kept"
+
+
+def test_the_map_is_never_overwritten_by_its_picture(tmp_path):
+    path, link = tmp_path / "map.png", tmp_path / "link.png"
+    imsave(path, np.full((8, 16, 3), 0.5))
+    before = path.read_bytes()
+    link.symlink_to(path)
+    for output in (path, link):
+        result = run("fit", path, "-o", output)
+        assert result.exit_code == 2
+        assert "it is the map; give another name" in result.stderr
+    assert path.read_bytes() == before
+
+
+def test_outputs_are_checked_before_the_map_is_read(hall, tmp_path, monkeypatch):
+    def read(*_, **__):
+        raise AssertionError("the map was read")
+
+    monkeypatch.setattr(el.EnvMap, "open", read)
+    for command in ("fit", "detect"):
+        for output in (tmp_path / "out.yaml", tmp_path / "none" / "out.json", hall):
+            result = run(command, hall, "-o", tmp_path / "good.json", "-o", output)
+            assert result.exit_code == 2, result.exception
+            assert "cannot write" in result.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "arguments", [("fit", "-n", 10**9), ("fit", "--error", -1), ("detect", "-n", 0)]
+)
+def test_a_refusal_leaves_no_file(hall, tmp_path, arguments):
+    command, *options = arguments
+    outputs = ("-o", tmp_path / "out.json", "-o", tmp_path / "out.png")
+    result = run(command, hall, *options, *outputs)
+    assert result.exit_code == 2
+    assert result.stderr.startswith("envlights: ")
+    assert result.stdout == ""
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("command", ["fit", "detect"])
+def test_where_drawing_fails_nothing_half_drawn_stays_and_nothing_is_printed(
+    hall, tmp_path, monkeypatch, command
+):
+    def savefig(_, target, **__):
+        target.write(b"half")
+        raise RuntimeError("the library broke")
+
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", savefig)
+    (tmp_path / "out.png").write_bytes(b"old")
+    result = run(command, hall, "-o", tmp_path / "out.json", "-o", tmp_path / "out.png")
+    assert "the library broke" in str(result.exception)
+    assert result.output == ""
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["out.json", "out.png"]
+    assert json.loads((tmp_path / "out.json").read_text())
+    assert (tmp_path / "out.png").read_bytes() == b"old"
+
+
+WITHOUT_MATPLOTLIB = """
+import sys
+sys.modules["matplotlib"] = None
+from envlights.cli import main
+main(sys.argv[1:])
+"""
+
+
+@pytest.mark.parametrize("command", ["fit", "detect"])
+def test_json_is_written_without_the_library_that_draws(hall, tmp_path, command):
+    arguments = [command, hall, "-o", tmp_path / "out.json"]
+    subprocess.run([sys.executable, "-c", WITHOUT_MATPLOTLIB, *arguments], check=True)
+    assert json.loads((tmp_path / "out.json").read_text())
+
+
+def test_a_pipe_that_nobody_reads_ends_without_a_traceback(hall, tmp_path):
+    command = [sys.executable, "-m", "envlights", "fit", hall, "-n", "1", "-o", tmp_path / "r.json"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    process.stdout.close()
+    errors = process.stderr.read()
+    process.stderr.close()
+    assert process.wait() == 1
+    assert "Traceback" not in errors
+    assert len(el.Rig.load(tmp_path / "r.json").lights) == 1
+
+
+@pytest.mark.parametrize("name", ["hall.exr", "hall.json", "hall.png"])
+def test_the_demo_writes_nothing_where_one_of_its_files_cannot_be(tmp_path, name):
+    (tmp_path / name).mkdir()
+    result = run("demo", "-o", tmp_path)
+    assert result.exit_code == 2
+    assert f"{name}: it is a folder" in result.stderr
+    assert [path.name for path in tmp_path.iterdir()] == [name]

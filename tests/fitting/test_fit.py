@@ -1,0 +1,535 @@
+"""The fit against known rigs, scipy, and itself under other scales."""
+
+import numpy as np
+import pytest
+
+import envlights as el
+from envlights import kernels
+from tests.conftest import real_maps
+from tests.helpers import EQUIRECTANGULAR
+from tests.reference.madsen import Problem, best_of_random_starts
+from tests.reference.peers import even
+
+NORMALS, SOLID_ANGLES = kernels.icosphere(320)
+
+
+def known_rig():
+    direction = np.array([[0.2, 0.9, 0.3], [-0.8, 0.1, 0.5], [0.4, -0.3, -0.8]])
+    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+    return el.Rig(
+        [0.3, 0.2, 0.1], el.Lights(direction, [[5, 4, 3], [1, 2, 3], [0.5, 0.5, 0.4]]), error=0.0
+    )
+
+
+@pytest.mark.parametrize("scale", [1.0, 1e-9, 1e9])
+def test_known_lights_come_back(scale):
+    rig = known_rig()
+    found = el.fit_probe(NORMALS, scale * rig.probe(NORMALS), lights=3)
+    np.testing.assert_allclose(found.lights.direction, rig.lights.direction, atol=1e-6)
+    np.testing.assert_allclose(found.lights.irradiance / scale, rig.lights.irradiance, rtol=1e-6)
+    np.testing.assert_allclose(found.ambient / scale, rig.ambient, rtol=1e-6)
+    assert found.error < 1e-8
+    assert found.report.stop_reason is el.StopReason.EXACT
+
+
+def test_asking_for_more_lights_than_there_are_gives_no_more():
+    rig = known_rig()
+    found = el.fit_probe(NORMALS, rig.probe(NORMALS), lights=8)
+    assert len(found.lights) == 3
+
+
+def test_weights_decide_between_contradicting_values():
+    normals = np.concatenate([NORMALS, NORMALS])
+    one, two = known_rig().probe(NORMALS), 2 * known_rig().probe(NORMALS)
+    weights = np.repeat([1.0, 0.0], 320)
+    found = el.fit_probe(normals, np.concatenate([one, two]), lights=3, weights=weights)
+    np.testing.assert_allclose(found.probe(NORMALS), one, rtol=1e-6)
+
+
+def test_hall_has_its_lights_at_the_windows_and_the_fourth_towards_the_wall():
+    """The claim of Madsen et al. (2003), section 3.2."""
+    hall = el.synthetic.hall()
+    rig = el.fit(hall.radiance, lights=4)
+    assert rig.error < 0.01
+    nearest = np.rad2deg(np.arccos((hall.lights.direction @ rig.lights.direction.T).max(axis=1)))
+    assert nearest.max() < 3
+    assert rig.lights.direction[3, 2] < -0.9
+    assert rig.report.stop_reason.is_success
+
+
+def test_error_is_that_of_the_rig_against_the_exact_probe_at_other_normals():
+    env = el.EnvMap(el.synthetic.hall(256).radiance)
+    rig = el.fit(env, lights=2)
+    normals, solid_angles = kernels.icosphere(20480)
+    error = kernels.relative_rms(rig.probe(normals), env.probe(normals), solid_angles)
+    assert rig.error == pytest.approx(error, rel=0.02)
+    assert rig.report.errors[2] == rig.error
+    assert len(rig.report.errors) == 3
+
+
+def test_no_light_is_an_answer():
+    radiance = el.synthetic.hall(64).radiance
+    rig = el.fit(radiance, lights=0)
+    assert len(rig.lights) == 0
+    assert (rig.ambient > 0).all()
+    assert rig.report.errors == {0: rig.error}
+
+
+@pytest.mark.parametrize("lights", [0, 4])
+def test_a_black_map_needs_no_light(lights):
+    rig = el.fit(np.zeros((16, 32, 3)), lights=lights)
+    assert len(rig.lights) == 0
+    assert rig.error == 0
+    assert not rig.ambient.any()
+    assert rig.report.stop_reason is el.StopReason.NOTHING_TO_FIT
+
+
+def test_a_constant_map_is_ambient_alone():
+    rig = el.fit(np.full((64, 128, 3), (1.0, 2.0, 3.0)), lights=0)
+    np.testing.assert_allclose(rig.ambient, [1, 2, 3], rtol=1e-3)
+    assert rig.error < 1e-4
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1e6])
+def test_scaling_the_map_scales_the_lights_and_nothing_else(scale):
+    radiance = el.synthetic.hall(128).radiance
+    one, scaled = el.fit(radiance, lights=3), el.fit(radiance * np.float32(scale), lights=3)
+    np.testing.assert_allclose(scaled.lights.direction, one.lights.direction, atol=1e-5)
+    np.testing.assert_allclose(scaled.lights.irradiance / scale, one.lights.irradiance, rtol=1e-4)
+    assert scaled.error == pytest.approx(one.error, rel=1e-4)
+
+
+@pytest.mark.parametrize("lights", [1, 3])
+def test_the_twin_has_the_jacobian_that_it_claims(lights):
+    rng = np.random.default_rng(5)
+    problem = Problem(NORMALS, SOLID_ANGLES, rng.uniform(size=(320, 3)), lights)
+    x = problem.random_start(rng)
+    step = 1e-7
+    for i, slope in enumerate(problem.jacobian(x).T):
+        ahead, behind = x.copy(), x.copy()
+        ahead[i] += step
+        behind[i] -= step
+        measured = (problem.residual(ahead) - problem.residual(behind)) / (2 * step)
+        np.testing.assert_allclose(slope, measured, atol=1e-6)
+
+
+def fitted_error(irradiance, lights):
+    return el.fit_probe(NORMALS, irradiance, lights=lights, weights=SOLID_ANGLES).error
+
+
+@pytest.mark.parametrize("lights", [1, 2, 4])
+def test_the_fit_is_as_good_as_many_random_starts_of_scipy_on_the_hall(lights):
+    irradiance = el.EnvMap(el.synthetic.hall(128).radiance).probe(NORMALS)
+    best = best_of_random_starts(NORMALS, SOLID_ANGLES, irradiance, lights, starts=30, seed=1)
+    assert fitted_error(irradiance, lights) <= 1.02 * best
+
+
+@real_maps("hdr/*.hdr")
+def test_the_fit_is_as_good_as_many_random_starts_of_scipy_on_real_maps(path):
+    env = el.EnvMap.open(path)
+    irradiance = env.probe(NORMALS)
+    irradiance /= irradiance.max()
+    for lights in (1, 2, 4, 8):
+        best = best_of_random_starts(NORMALS, SOLID_ANGLES, irradiance, lights, starts=30, seed=1)
+        ours = fitted_error(irradiance, lights)
+        assert ours <= 1.02 * best, f"{lights} lights: {ours:.6f}, scipy {best:.6f}"
+
+
+@real_maps(*EQUIRECTANGULAR)
+def test_real_maps_give_lights_that_a_renderer_can_use(path):
+    rig = el.fit(el.EnvMap.open(path), lights=4)
+    assert (rig.lights.irradiance >= 0).all()
+    assert (rig.ambient >= 0).all()
+    assert rig.error < 0.06
+    assert rig.error < rig.report.errors[0]
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: el.fit(np.ones((4, 8, 3)), lights=-1), r"lights must be .* 0 or more; got -1"),
+        (lambda: el.fit(np.ones((4, 8, 3)), lights=3.5), r"lights must be a whole .* got 3.5"),
+        (lambda: el.fit(np.ones((4, 8, 3)), lights=True), r"lights must be a whole .* got True"),
+        (lambda: el.fit(np.ones((4, 8)), lights=1), r"shape \(height, width, 3\); got \(4, 8\)"),
+        (
+            lambda: el.fit_probe(NORMALS, np.ones((319, 3))),
+            r"irradiance must have as many rows as normals \(320\); got 319",
+        ),
+        (lambda: el.fit_probe(NORMALS[:5], np.ones((5, 3))), r"at least 8 normals for 4 lights"),
+        (lambda: el.fit_probe(2 * NORMALS, np.ones((320, 3))), r"normal 0 has length 2"),
+        (
+            lambda: el.fit_probe(NORMALS, np.full((320, 3), np.nan)),
+            r"irradiance must be finite; row 0 holds NaN",
+        ),
+        (
+            lambda: el.fit_probe(NORMALS, np.ones((320, 3)), weights=np.zeros(320)),
+            "weights must not all be 0",
+        ),
+        (
+            lambda: el.fit_probe(NORMALS, np.ones((320, 3)), weights=-np.ones(320)),
+            r"weights must not be negative; row 0 holds -1",
+        ),
+    ],
+)
+def test_bad_input_is_refused_by_name(call, message):
+    with pytest.raises(el.EnvLightsError, match=message):
+        call()
+
+
+# How many lights
+
+
+@real_maps("hdr/*.hdr")
+def test_an_error_is_reached_with_the_fewest_lights(path):
+    env = el.EnvMap.open(path)
+    rig = el.fit(env, error=0.02)
+    assert rig.error <= 0.02
+    assert rig.report.stop_reason.is_success
+    fewer = el.fit(env, lights=len(rig.lights) - 1)
+    assert fewer.error > 0.02
+
+
+def test_an_error_that_ambient_reaches_needs_no_light():
+    even = np.full((64, 128, 3), 0.5)
+    even[:32] += 0.01
+    rig = el.fit(even, error=0.05)
+    assert len(rig.lights) == 0
+    assert len(rig.report.errors) == 1
+
+
+def test_an_error_out_of_reach_is_said():
+    rig = el.fit(el.synthetic.hall(128).radiance, lights=1, error=1e-4)
+    assert len(rig.lights) == 1
+    assert rig.report.stop_reason is el.StopReason.ERROR_NOT_REACHED
+    assert not rig.report.stop_reason.is_success
+    assert "note: the error asked for was not reached" in str(rig)
+
+
+# Ambient and starts
+
+
+def test_without_ambient_the_lights_do_it_alone():
+    rig = known_rig()
+    alone = el.Rig([0, 0, 0], rig.lights, error=0.0)
+    found = el.fit_probe(NORMALS, alone.probe(NORMALS), lights=3, ambient="none")
+    np.testing.assert_allclose(found.lights.irradiance, rig.lights.irradiance, rtol=1e-6)
+    hall = el.synthetic.hall(128).radiance
+    for lights in (0, 1, 4):
+        lit = el.fit(hall, lights=lights, ambient="none")
+        assert not lit.ambient.any()
+        assert lit.error >= el.fit(hall, lights=lights).error * (1 - 1e-3)
+    assert el.fit(hall, lights=0, ambient="none").error == 1.0
+
+
+def test_without_ambient_it_is_as_good_as_scipy_without_it():
+    env = el.EnvMap(el.synthetic.hall(256).radiance)
+    wanted = env.probe(NORMALS)
+    rig = el.fit_probe(NORMALS, wanted, lights=3, weights=SOLID_ANGLES, ambient="none")
+    problem = Problem(NORMALS, SOLID_ANGLES, wanted, 3)
+
+    def without_ambient(x):
+        return problem.residual(np.concatenate([np.zeros(3), x]))
+
+    optimize = pytest.importorskip("scipy.optimize")
+    theta, phi = np.pi, 2 * np.pi
+    uv = kernels.direction_to_uv(rig.lights.direction) * (phi, theta)
+    start = np.column_stack([rig.lights.irradiance, uv[:, 1], uv[:, 0]]).ravel()
+    lower = np.tile([0, 0, 0, -np.inf, -np.inf], 3)
+    best = optimize.least_squares(without_ambient, start, bounds=(lower, np.inf), ftol=1e-12)
+    # A polish by another solver from our answer finds nothing to gain.
+    assert np.sum(without_ambient(start) ** 2) <= 2 * best.cost * (1 + 1e-6)
+
+
+@pytest.mark.parametrize("start", ["greedy", "detect", "even"])
+def test_every_start_gives_lights_none_negative(start):
+    rig = el.fit(el.synthetic.hall(256).radiance, lights=4, start=start)
+    assert 1 <= len(rig.lights) <= 4
+    assert (rig.lights.irradiance >= 0).all()
+    assert rig.error < 0.03
+
+
+def test_named_starts_are_those_places():
+    """On a map where they end elsewhere than the search."""
+    env = el.EnvMap(el.synthetic.hall(128).radiance)
+    places = {"even": even(6), "detect": el.detect(env, max_lights=6).direction}
+    searched = el.fit(env, lights=6)
+    for start, directions in places.items():
+        lights = el.Lights(directions, np.linspace(2, 1, len(directions))[:, None] * [1, 1, 1])
+        named, given = el.fit(env, lights=6, start=start), el.fit(env, lights=6, start=lights)
+        assert named.to_dict()["lights"] == given.to_dict()["lights"]
+        assert named.report.steps == given.report.steps
+        assert named.to_dict()["lights"] != searched.to_dict()["lights"]
+
+
+def test_notes_of_the_map_are_those_of_the_rig():
+    radiance = np.array(el.synthetic.hall(64).radiance)
+    radiance[3, 5, 1] = np.nan
+    assert el.fit(radiance, lights=1).notes == ("1 NaN sample set to 0",)
+
+
+def test_an_earlier_rig_is_followed():
+    """A frame later the sun has moved by a degree: each light stays the one it was."""
+    suns = [(0.6, 0.8, 0.0), (-0.5, 0.6, 0.6)]
+    turned = [(0.6 * np.cos(0.02), 0.8, 0.6 * np.sin(0.02)), suns[1]]
+
+    def frame(directions):
+        discs = [el.synthetic.Disc(d, 3, (90, 80, 70)) for d in directions]
+        return el.synthetic.scene(128, background=[0.2] * 3, shapes=discs).radiance
+
+    before = el.fit(frame(suns), lights=2)
+    after = el.fit(frame(turned), lights=2, start=before)
+    fresh = el.fit(frame(turned), lights=2)
+    assert after.error <= fresh.error * (1 + 1e-6)
+    assert after.report.steps < fresh.report.steps
+    moved = np.rad2deg(np.arccos((after.lights.direction * before.lights.direction).sum(axis=1)))
+    assert sorted(moved.round(1)) == pytest.approx([0.0, np.rad2deg(0.02) * 0.6], abs=0.3)
+
+
+def test_a_light_that_starts_where_it_is_black_starts_again():
+    two = el.Rig([0.1] * 3, el.Lights([[0, 1, 0], [1, 0, 0]], [[1] * 3, [0.5] * 3]), 0)
+    start = el.Rig([0] * 3, el.Lights([[0, 1, 0], [0, -1, 0]], np.ones((2, 3))), 0)
+    found = el.fit_probe(NORMALS, two.probe(NORMALS), start=start, weights=SOLID_ANGLES)
+    assert found.error < 1e-9
+    np.testing.assert_allclose(found.lights.direction, two.lights.direction, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"error": -0.1}, "error must be a finite number, from 0 to 1"),
+        ({"error": np.nan}, "error must be a finite number"),
+        ({"ambient": "x"}, "ambient must be 'constant' or 'none' or 'sh2'"),
+        ({"normals": "x"}, "normals must be 'sphere' or 'upper'"),
+        ({"fixed": [[0, 2, 0]]}, "direction 0 has length 2"),
+        ({"fixed": [0, 1, 0]}, "fixed must have 2 axes"),
+        ({"fixed": [[0, 1, 0], [0, 0, 1]], "lights": 1}, "lights must be at least the 2 fixed"),
+        ({"start": "x"}, "start must be 'greedy' or 'detect' or 'even'"),
+    ],
+)
+def test_bad_options_are_refused_by_name(options, message):
+    with pytest.raises(el.EnvLightsError, match=message):
+        el.fit(np.ones((8, 16, 3)), **options)
+
+
+def harmonics(normals):
+    """Irradiance of each harmonic, from scipy's own polynomials on the sphere."""
+    from scipy.special import sph_harm_y
+
+    # The paper's pole is z; scipy's real and imaginary parts make the real harmonics.
+    theta, phi = np.arccos(normals[:, 2].clip(-1, 1)), np.arctan2(normals[:, 1], normals[:, 0])
+    columns = []
+    for n, m in [(0, 0), (1, -1), (1, 0), (1, 1), (2, -2), (2, -1), (2, 0), (2, 1), (2, 2)]:
+        y = sph_harm_y(n, abs(m), theta, phi)
+        part = y.real if m == 0 else np.sqrt(2) * (-1) ** m * (y.imag if m < 0 else y.real)
+        columns.append([np.pi, 2 * np.pi / 3, np.pi / 4][n] * part)
+    return np.stack(columns, axis=1)
+
+
+def test_harmonics_are_those_of_an_independent_library():
+    rng = np.random.default_rng(3)
+    coefficients = rng.normal(size=(9, 3))
+    nothing = np.zeros((0, 3))
+    seen = kernels.rig_irradiance(NORMALS, coefficients, nothing, nothing)
+    np.testing.assert_allclose(seen, harmonics(NORMALS) @ coefficients, atol=1e-12)
+
+
+def test_an_environment_of_harmonics_and_a_light_comes_back():
+    rig = known_rig()
+    coefficients = np.zeros((9, 3))
+    coefficients[0], coefficients[1], coefficients[8] = 1.0, (0.3, 0.2, 0.1), 0.2
+    one = el.Rig(coefficients, rig.lights[:1], 0)
+    found = el.fit_probe(NORMALS, one.probe(NORMALS), lights=1, ambient="sh2")
+    np.testing.assert_allclose(found.ambient, coefficients, atol=1e-6)
+    np.testing.assert_allclose(found.lights.direction, one.lights.direction, atol=1e-6)
+
+
+@real_maps(*EQUIRECTANGULAR)
+def test_harmonics_and_one_light_do_well_and_are_nowhere_negative(path):
+    env = el.EnvMap.open(path)
+    rig = el.fit(env, lights=1, ambient="sh2")
+    assert rig.error <= el.fit(env, lights=1).error
+    assert rig.error < 0.03
+    dense, _ = kernels.icosphere(20480)
+    nothing = np.zeros((0, 3))
+    ambient = kernels.rig_irradiance(dense, rig.ambient, nothing, nothing)
+    assert ambient.min() >= -1e-12 * ambient.max()
+
+
+@pytest.mark.parametrize("spread", [1e-3, 0.0])
+def test_harmonics_are_never_worse_than_the_constant_that_they_hold(spread):
+    """Of normals that look all the same way: nearly nothing tells harmonics apart."""
+    rng = np.random.default_rng(0)
+    normals = [0, 1, 0] + spread * rng.normal(size=(40, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    seen = 1 + 0.1 * rng.normal(size=(40, 3))
+    constant, harmonics = (
+        el.fit_probe(normals, seen, 0, ambient=ambient) for ambient in ("constant", "sh2")
+    )
+    assert 0.1 < harmonics.error <= constant.error * (1 + 1e-9)
+
+
+def test_harmonics_under_their_bound_are_the_best_there_are():
+    """Against scipy on the same problem, the bound imposed at 1280 normals."""
+    optimize = pytest.importorskip("scipy.optimize")
+    # A sun that harmonics ring around: unbounded they would be negative.
+    wanted = kernels.rig_irradiance(NORMALS, [0, 0, 0], [[0, 1, 0]], [[1, 1, 1]])
+    rig = el.fit_probe(NORMALS, wanted, lights=0, weights=SOLID_ANGLES, ambient="sh2")
+    root = np.sqrt(SOLID_ANGLES)[:, None]
+    columns, target = root * harmonics(NORMALS), root[:, 0] * wanted[:, 0]
+    bound = harmonics(kernels.icosphere(1280)[0])
+    best = optimize.minimize(
+        lambda c: np.sum((columns @ c - target) ** 2),
+        rig.ambient[:, 0] + 0.05,
+        jac=lambda c: 2 * columns.T @ (columns @ c - target),
+        constraints={"type": "ineq", "fun": lambda c: bound @ c, "jac": lambda c: bound},
+        method="SLSQP",
+        options={"ftol": 1e-14, "maxiter": 500},
+    )
+    ours = np.sum((columns @ rig.ambient[:, 0] - target) ** 2)
+    free = np.linalg.lstsq(columns, target)[0]
+    assert (bound @ free).min() < 0
+    assert best.fun * (1 - 1e-6) <= ours <= best.fun * (1 + 2e-3)
+
+
+def test_fixed_lights_stay_and_get_their_radiances():
+    rig = known_rig()
+    fixed = rig.lights.direction
+    found = el.fit_probe(NORMALS, rig.probe(NORMALS), fixed=fixed)
+    np.testing.assert_array_equal(found.lights.direction, fixed)
+    np.testing.assert_allclose(found.lights.irradiance, rig.lights.irradiance, rtol=1e-9)
+    assert found.report.direction_errors == (0.0, 0.0, 0.0)
+    away = el.fit_probe(NORMALS, rig.probe(NORMALS), lights=3, fixed=[[0.6, -0.8, 0.0]])
+    assert len(away.lights) >= 3
+    assert (away.lights.direction == [0.6, -0.8, 0.0]).all(axis=1).any()
+
+
+@pytest.mark.parametrize("ambient", ["constant", "sh2"])
+def test_a_normal_on_the_horizon_of_a_fixed_light_tells_how_bright_it_is(ambient):
+    """Each of these normals is on the horizon of one of three lights along the axes."""
+    angle = np.linspace(0.1, 6.2, 12)
+    ring = np.column_stack([np.zeros(12), np.cos(angle), np.sin(angle)])
+    normals = np.concatenate([ring, np.roll(ring, 1, axis=1), np.roll(ring, 2, axis=1)])
+    strength = np.array([[3, 2, 1], [1, 2, 3], [1, 1, 1]])
+    seen = kernels.rig_irradiance(normals, [0.1, 0.1, 0.1], np.eye(3), strength)
+    found = el.fit_probe(normals, seen, fixed=np.eye(3), ambient=ambient)
+    np.testing.assert_allclose(found.lights.irradiance, strength, rtol=1e-12)
+    assert found.report.condition < 100
+    assert np.max(found.report.irradiance_errors) < 1e-12
+
+
+def test_the_report_says_which_lights_were_fixed():
+    """Given with the weakest first, and with one that is found between them."""
+    rig = known_rig()
+    given = rig.lights.direction[[2, 0]]
+    found = el.fit_probe(NORMALS, rig.probe(NORMALS), lights=3, fixed=given)
+    rows = list(found.report.fixed)
+    assert rows == [2, 0]
+    np.testing.assert_array_equal(found.lights.direction[rows], given)
+    assert el.fit_probe(NORMALS, rig.probe(NORMALS), lights=3).report.fixed == ()
+
+
+def test_lights_are_taken_where_directions_are():
+    rig = known_rig()
+    seen = rig.probe(NORMALS)
+    held = el.fit_probe(NORMALS, seen, fixed=rig.lights)
+    np.testing.assert_array_equal(held.lights.direction, rig.lights.direction)
+    started = el.fit_probe(NORMALS, seen, start=rig.lights)
+    assert started.to_dict()["lights"] == el.fit_probe(NORMALS, seen, start=rig).to_dict()["lights"]
+
+
+def test_a_fixed_light_that_is_not_needed_comes_back_black():
+    one = known_rig().lights[:1]
+    rig = el.Rig([0, 0, 0], one, 0)
+    found = el.fit_probe(NORMALS, rig.probe(NORMALS), fixed=[one.direction[0], -one.direction[0]])
+    np.testing.assert_allclose(found.lights.irradiance[1], 0, atol=1e-12)
+    assert len(found.lights) == 2
+
+
+def test_fixed_lights_come_back_from_a_black_map():
+    found = el.fit(np.zeros((16, 32, 3)), fixed=[[0, 1, 0], [1, 0, 0]], error=0.1)
+    assert len(found.lights) == 2
+    assert not found.lights.irradiance.any()
+    assert found.report.stop_reason is el.StopReason.NOTHING_TO_FIT
+
+
+def test_lights_that_only_follow_the_pattern_of_the_normals_are_not_tried():
+    """A coarse constant map: its error is that of its few rows, which no light can mend."""
+    rig = el.fit(np.ones((8, 16, 3)), lights=40, ambient="sh2")
+    assert len(rig.lights) <= 1
+    assert max(rig.report.errors) < 10
+    assert any("were not tried" in note for note in rig.report.skipped)
+
+
+def test_the_smallest_numbers_there_are_do_not_overflow():
+    rig = el.fit_probe(NORMALS, known_rig().probe(NORMALS) * 1e-310, lights=3)
+    assert np.isfinite(rig.lights.irradiance).all()
+    assert rig.error < 1e-3
+
+
+def test_upper_normals_forget_the_light_from_below():
+    lamps = [el.synthetic.Disc((0, y, 0.6), 4, (50, 40, 30)) for y in (0.8, -0.8)]
+    env = el.synthetic.scene(128, background=[0.1] * 3, shapes=lamps).radiance
+    rig = el.fit(env, lights=1, normals="upper")
+    assert rig.lights.direction[0, 1] > 0.5
+    assert rig.report.measured_on == "5120 upward normals that were not fitted"
+    normals, solid_angles = kernels.icosphere(20480)
+    up = normals[:, 1] > 0
+    exact = el.EnvMap(env).probe(normals[up])
+    error = kernels.relative_rms(rig.probe(normals[up]), exact, solid_angles[up])
+    assert rig.error == pytest.approx(error, rel=0.05)
+    assert rig.error < el.fit(env, lights=1).error
+
+
+# The report
+
+
+def test_the_report_holds_the_errors_of_the_rig():
+    env = el.EnvMap(el.synthetic.hall(256).radiance)
+    rig = el.fit(env, lights=3)
+    normals, solid_angles = kernels.icosphere(20480)
+    wanted, weights = env.probe(normals), solid_angles[:, None]
+    difference = rig.probe(normals) - wanted
+    channels = np.sqrt((weights * difference**2).sum(axis=0) / (weights * wanted**2).sum(axis=0))
+    np.testing.assert_allclose(rig.report.channel_errors, channels, rtol=0.05)
+    rms = np.sqrt((weights * wanted**2).sum() / weights.sum() / 3)
+    assert rig.report.max_error == pytest.approx(np.abs(difference).max() / rms, rel=0.1)
+    assert rig.report.max_error >= rig.error
+
+
+def test_standard_errors_are_those_of_many_noisy_probes():
+    rig = known_rig()
+    exact = rig.probe(NORMALS)
+    rng = np.random.default_rng(11)
+    noise = 0.01
+    found = [
+        el.fit_probe(NORMALS, exact + rng.normal(scale=noise, size=exact.shape), start=rig)
+        for _ in range(300)
+    ]
+    direction = np.array([f.lights.direction for f in found])
+    irradiance = np.array([f.lights.irradiance for f in found])
+    stated = found[0].report
+    spread = np.sqrt(((direction - rig.lights.direction) ** 2).sum(axis=2).mean(axis=0))
+    np.testing.assert_allclose(stated.direction_errors, spread, rtol=0.15)
+    spread = np.sqrt(((irradiance - rig.lights.irradiance) ** 2).mean(axis=0))
+    np.testing.assert_allclose(stated.irradiance_errors, spread, rtol=0.2)
+
+
+def test_the_condition_number_tells_lights_that_the_probe_cannot():
+    def condition(directions):
+        exact = kernels.rig_irradiance(NORMALS, [0.1] * 3, directions, np.ones((2, 3)))
+        return el.fit_probe(NORMALS, exact, fixed=directions).report.condition
+
+    apart = condition([[0, 1, 0], [1, 0, 0]])
+    close = condition([[0, 1, 0], [np.sin(1e-3), np.cos(1e-3), 0]])
+    assert 1 < apart < 10
+    assert close > 100 * apart
+
+
+def test_a_grey_map_is_fitted_in_one_channel():
+    grey = el.synthetic.hall(128).radiance[..., :1].repeat(3, axis=2)
+    rig = el.fit(grey, lights=2)
+    assert "2 of 3 channels: black, or the same as another" in rig.report.skipped
+    np.testing.assert_array_equal(rig.lights.irradiance[:, 0], rig.lights.irradiance[:, 2])
+    colour = grey * np.float32([1, 0.5, 0])
+    assert not el.fit(colour, lights=2).lights.irradiance[:, 2].any()
+    assert "1 of 3 channels: black, or the same as another" in el.fit(colour).report.skipped

@@ -1,0 +1,447 @@
+"""The paper's equations and fit against plain sums, other derivatives and other solvers."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import least_squares
+
+import envlights as el
+from envlights import kernels
+from tests.reference.madsen import (
+    cosines,
+    derivatives_by_complex_steps,
+    probe_as_written,
+    probe_of_lit,
+)
+from tests.reference.peers import jax_in_float64
+
+NORMALS, SOLID_ANGLES = kernels.icosphere(80)
+HALL = el.synthetic.hall(256)
+TETRAHEDRON = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]) / np.sqrt(3)
+DOCUMENT = Path(__file__).parents[2] / "docs" / "own_solver.md"
+
+radiances = st.tuples(*[st.floats(-5, 5)] * 3)
+thetas = st.floats(-4, 4) | st.sampled_from([0.0, np.pi])
+lights = st.tuples(radiances, thetas, st.floats(-7, 7)).map(lambda it: [*it[0], *it[1:]])
+unknowns = st.tuples(radiances, st.lists(lights, max_size=4)).map(
+    lambda it: np.array([*it[0], *np.ravel(it[1])])
+)
+surfaces = st.fixed_dictionaries(
+    {"k_a": st.floats(0, 4), "k_d": st.floats(0, 2), "C": st.tuples(*[st.floats(0, 1)] * 3)}
+)
+
+
+# Equations 4 to 9
+
+
+@given(unknowns, surfaces)
+def test_the_model_is_the_sums_of_the_paper(x, surface):
+    received = kernels.probe_model(x, NORMALS[::7], **surface)
+    np.testing.assert_allclose(received, probe_as_written(x, NORMALS[::7], **surface), atol=1e-12)
+
+
+@given(unknowns, surfaces)
+def test_the_residual_is_what_the_model_leaves_by_the_root_of_its_weight(x, surface):
+    probe = NORMALS + 2
+    left = (probe - kernels.probe_model(x, NORMALS, **surface)).ravel()
+    alike = kernels.probe_residual(x, NORMALS, probe, **surface)
+    np.testing.assert_allclose(alike, left, atol=1e-12)
+    weighted = kernels.probe_residual(x, NORMALS, probe, weights=SOLID_ANGLES, **surface)
+    np.testing.assert_allclose(weighted**2, np.repeat(SOLID_ANGLES, 3) * left**2, atol=1e-12)
+
+
+def test_default_coefficients_make_it_the_irradiance_of_a_rig():
+    ambient, directions, irradiance = np.array([0.3, 0.2, 0.1]), TETRAHEDRON, np.eye(4)[:, :3] + 1
+    x = kernels.pack_lights(ambient, directions, irradiance)
+    rig = kernels.rig_irradiance(NORMALS, ambient, directions, irradiance)
+    np.testing.assert_allclose(kernels.probe_model(x, NORMALS), rig, rtol=1e-13)
+
+
+def test_without_lights_there_is_ambient_light_alone():
+    x = np.array([1.0, 2.0, 3.0])
+    np.testing.assert_array_equal(kernels.probe_model(x, NORMALS, k_a=2), np.tile(2 * x, (80, 1)))
+    assert kernels.probe_jacobian(x, NORMALS, NORMALS).shape == (240, 3)
+
+
+# The Jacobian
+
+
+def jacobians_by(how, x, surface, weights):
+    """Ours, the independent one, and the rows that lie on no terminator."""
+    surface = {**surface, "C": np.array(surface["C"])}
+    dot = cosines(x, NORMALS)
+    ours = kernels.probe_jacobian(x, NORMALS, 0 * NORMALS, weights=weights, **surface)
+    theirs = -how(x, surface, dot > 0) * np.sqrt(np.repeat(weights, 3))[:, None]
+    is_smooth = np.repeat((np.abs(dot) > 1e-9).all(axis=1), 3)
+    return ours[is_smooth], theirs[is_smooth]
+
+
+def by_complex_steps(x, surface, lit):
+    return derivatives_by_complex_steps(lambda z: probe_of_lit(z, NORMALS, **surface, lit=lit), x)
+
+
+def by_jax(x, surface, lit):
+    pytest.importorskip("jax")
+    with jax_in_float64() as jax:
+
+        def model(z):
+            return probe_of_lit(z, NORMALS, **surface, lit=lit, xp=jax.numpy).ravel()
+
+        return np.asarray(jax.jacfwd(model)(jax.numpy.asarray(x)))
+
+
+@given(unknowns, surfaces)
+def test_the_jacobian_is_that_of_complex_steps(x, surface):
+    ours, theirs = jacobians_by(by_complex_steps, x, surface, SOLID_ANGLES)
+    assert len(ours) >= 3 * 40 or len(x) > 8  # few rows are on a terminator
+    np.testing.assert_allclose(ours, theirs, atol=1e-10)
+
+
+@settings(max_examples=10)
+@given(unknowns, surfaces)
+def test_the_jacobian_is_that_of_automatic_differentiation(x, surface):
+    ours, theirs = jacobians_by(by_jax, x, surface, np.ones(80))
+    np.testing.assert_allclose(ours, theirs, atol=1e-10)
+
+
+@pytest.mark.parametrize("how", [by_complex_steps, by_jax])
+@pytest.mark.parametrize("theta", [0.0, np.pi])
+def test_a_light_on_a_pole_loses_phi_and_nothing_else(theta, how):
+    x = np.array([0.1, 0.2, 0.3, 3.0, 2.0, 1.0, theta, 0.7])
+    surface = {"k_a": 1.0, "k_d": 0.5, "C": (1.0, 0.9, 0.8)}
+    ours, theirs = jacobians_by(how, x, surface, np.ones(80))
+    np.testing.assert_allclose(ours, theirs, atol=1e-10)
+    np.testing.assert_allclose(ours[:, 7], 0, atol=1e-15)
+    assert np.linalg.matrix_rank(ours, tol=1e-10) == 7
+
+
+def test_a_normal_on_the_terminator_has_the_derivative_of_the_dark_side():
+    x = kernels.pack_lights(np.zeros(3), [[0, 1, 0]], np.ones((1, 3)))
+    on_it, just_lit = [[1.0, 0.0, 0.0]], [[1.0, 1e-9, 0.0]]
+    assert not kernels.probe_jacobian(x, on_it, [[0, 0, 0]])[:, 3:].any()
+    assert kernels.probe_jacobian(x, just_lit, [[0, 0, 0]])[:, 3:].any()
+
+
+# The unknowns
+
+
+@given(st.lists(st.tuples(st.floats(-4, 4), st.floats(-7, 7)), max_size=5), radiances)
+def test_lights_survive_the_way_through_the_unknowns(angles, radiance):
+    x = np.array([*radiance, *np.ravel([[*radiance, *pair] for pair in angles])])
+    once = kernels.unpack_lights(x)
+    again = kernels.unpack_lights(kernels.pack_lights(*once))
+    assert once[1].shape == once[2].shape == (len(angles), 3)
+    for one, two in zip(once, again, strict=True):
+        np.testing.assert_allclose(one, two, atol=1e-14)
+
+
+# Other solvers
+
+
+def blocks(*names):
+    """Run these examples of the documentation, and return what they leave behind."""
+    text = DOCUMENT.read_text(encoding="utf-8")
+    found = dict(re.findall(r"<!-- (\w+) -->\n```python\n(.*?)```", text, re.DOTALL))
+    left: dict[str, object] = {}
+    for name in names:
+        exec(found[name], left)
+    return left
+
+
+def test_scipy_and_jaxopt_end_in_the_same_minimum_as_documented():
+    pytest.importorskip("jaxopt")
+    with jax_in_float64() as jax:
+        left = blocks("both", "scipy", "jaxopt")
+        theirs = np.asarray(left["by_jaxopt"].params)
+        at = left["start"]
+        for differentiate in (jax.jacfwd, jax.jacrev):
+            derived = np.asarray(differentiate(left["residual"])(at))
+            args = left["normals"], left["probe"]
+            wanted = kernels.probe_jacobian(at, *args, weights=left["weights"])
+            np.testing.assert_array_equal(derived, wanted)
+    ours = left["by_scipy"].x
+    for one, two in zip(kernels.unpack_lights(ours), kernels.unpack_lights(theirs), strict=True):
+        np.testing.assert_allclose(one, two, atol=1e-4)
+    # The same sum as that of `fit`, which no light may leave with a negative radiance.
+    rig = el.fit_probe(left["normals"], left["probe"], lights=4, weights=left["weights"])
+    np.testing.assert_allclose(
+        np.sqrt(2 * left["by_scipy"].cost / np.sum(left["weights"] * (left["probe"] ** 2).T)),
+        rig.error,
+        rtol=1e-3,
+    )
+
+
+def test_another_solver_finds_nothing_to_gain_from_the_papers_answer():
+    found = el.fit_paper(HALL.radiance)
+    problem = rendered(HALL.radiance)
+    polished = least_squares(
+        kernels.probe_residual, found.parameters, kernels.probe_jacobian, args=problem, xtol=1e-12
+    )
+    error = np.sqrt(2 * polished.cost) / np.linalg.norm(problem[1])
+    assert error == pytest.approx(found.error, rel=1e-5)
+
+
+# The paper's fit
+
+
+def rendered(radiance):
+    """Normals, and the probe under 5120 sources: equations 1 to 3."""
+    normals, _ = kernels.icosphere(320)
+    sources, solid_angles = kernels.icosphere(5120)
+    scene = kernels.face_radiance(radiance, 5120)
+    return normals, kernels.sum_over_sources(normals, sources, scene, solid_angles)
+
+
+def test_the_papers_scene_lights_the_probe_as_the_whole_map_does():
+    normals, received = rendered(HALL.radiance)
+    exact = el.EnvMap(HALL.radiance).probe(normals)
+    assert kernels.relative_rms(received, exact, np.ones(320)) < 1e-3
+
+
+def test_a_bright_pixel_is_a_bright_face_around_it():
+    centroids, solid_angles = kernels.icosphere(5120)
+    pixels = kernels.pixel_directions(64, 128)
+    for row, column in [(0, 0), (31, 77), (63, 127)]:
+        one = np.zeros((64, 128, 3), np.float32)
+        one[row, column] = 1, 2, 3
+        fluxes = kernels.face_radiance(one) * solid_angles[:, None]
+        (face,) = np.flatnonzero(fluxes.any(axis=1))
+        flux = kernels.pixel_solid_angles(64, 128)[row, column] * np.array([1, 2, 3])
+        np.testing.assert_allclose(fluxes[face], flux, rtol=1e-12)
+        assert centroids[face] @ pixels[row, column] > np.cos(np.deg2rad(2.5))
+
+
+def keeps_the_claim(found):
+    """Whether three lights are within 3 degrees of the windows, and a fourth is the wall's."""
+    cosine = HALL.lights.direction @ found.direction.T
+    (others,) = np.nonzero(~np.isin(np.arange(4), cosine.argmax(axis=1)))
+    return bool(
+        cosine.max(axis=1).min() > np.cos(np.deg2rad(3))
+        and len(others) == 1
+        and found.direction[others[0], 2] < -0.9
+        and (found.irradiance[others[0]] > 0).all()
+    )
+
+
+@pytest.mark.parametrize("scale", [0.3, 1.0, 100.0])
+@pytest.mark.parametrize("height", [64, 256, 512])
+def test_the_claim_of_the_paper_holds_on_its_hall(height, scale):
+    """Section 3.2: sources at the windows, the last at the wall, in about 20 iterations."""
+    hall = el.synthetic.hall(height).radiance * np.float32(scale)
+    found = el.fit_paper(hall, lights=4)
+    assert keeps_the_claim(found)
+    assert found.steps <= 20
+    assert found.stop_reason is el.StopReason.CONVERGED
+    assert found.error < 0.01
+
+
+def test_damped_steps_keep_the_claim_from_many_starts_and_whole_ones_from_few():
+    """What the paper calls "more or less arbitrarily chosen initial guesses" decides."""
+    rng = np.random.default_rng(0)
+    starts = [TETRAHEDRON @ np.linalg.qr(rng.normal(size=(3, 3)))[0].T for _ in range(12)]
+    damped = [el.fit_paper(HALL.radiance, start=start) for start in starts]
+    whole = [el.fit_paper(HALL.radiance, start=start, damped=False) for start in starts]
+    assert all(found.stop_reason.is_success for found in damped)
+    assert sum(map(keeps_the_claim, damped)) >= 5
+    assert sum(map(keeps_the_claim, whole)) <= 3
+
+
+def test_whole_steps_do_as_well_from_where_the_lights_are():
+    """Close to the answer nothing is shortened, and a step that changes nothing is the last."""
+    found = el.fit_paper(HALL.radiance)
+    again = el.fit_paper(HALL.radiance, start=found.direction, damped=False)
+    assert again.stop_reason is el.StopReason.CONVERGED
+    assert again.steps < 10
+    np.testing.assert_allclose(again.parameters, found.parameters, atol=1e-3)
+
+
+def test_damped_steps_never_raise_the_error():
+    for many in (1, 3, 7):
+        found = el.fit_paper(HALL.radiance, lights=many)
+        assert (np.diff(found.errors) <= 0).all()
+        assert len(found.direction) == many
+
+
+def test_two_pixels_in_the_dark_come_back_as_the_faces_that_they_are_in():
+    dark = np.zeros((64, 128, 3), np.float32)
+    dark[20, 30], dark[40, 100] = (900, 800, 700), (300, 400, 500)
+    scene = kernels.face_radiance(dark)
+    centroids, solid_angles = kernels.icosphere(5120)
+    (faces,) = np.flatnonzero(scene.any(axis=1))[None]
+    found = el.fit_paper(dark, lights=2, k_a=0)
+    assert found.stop_reason in (el.StopReason.EXACT, el.StopReason.CONVERGED)
+    order = (found.direction @ centroids[faces].T).argmax(axis=0)
+    np.testing.assert_allclose(found.direction[order], centroids[faces], atol=1e-6)
+    flux = scene[faces] * solid_angles[faces, None]
+    np.testing.assert_allclose(found.irradiance[order], flux, rtol=1e-6)
+    np.testing.assert_array_equal(found.ambient, 0)
+
+
+def test_coefficients_scale_ambient_light_as_equation_4_does_and_leave_the_rig_alone():
+    one = el.fit_paper(HALL.radiance)
+    tenth = el.fit_paper(HALL.radiance, k_a=0.1 * np.pi)
+    np.testing.assert_allclose(tenth.ambient, 10 * one.ambient, rtol=1e-3)
+    # Gray: a colour would weigh the channels against each other.
+    gray = el.fit_paper(HALL.radiance, k_a=1, k_d=0.5, C=(0.8, 0.8, 0.8))
+    for other in (tenth, gray):
+        np.testing.assert_allclose(other.rig().ambient, one.rig().ambient, rtol=1e-3)
+        np.testing.assert_allclose(other.irradiance, one.irradiance, rtol=1e-3)
+
+
+def test_the_rig_is_what_was_found():
+    found = el.fit_paper(HALL.radiance)
+    rig = found.rig()
+    received = kernels.probe_model(found.parameters, NORMALS)
+    np.testing.assert_allclose(rig.probe(NORMALS), received, rtol=1e-12)
+    assert (rig.error, rig.report.steps) == (found.error, found.steps)
+    assert rig.report.measured_on == "the 320 fitted normals"
+
+
+def test_negative_light_is_an_answer_of_the_paper_but_no_rig():
+    below = el.fit_paper(HALL.radiance, start=-HALL.lights.direction, lights=3)
+    assert below.irradiance.min() < 0
+    with pytest.raises(
+        el.EnvLightsError, match=r"must not hold negative light, and the least here is -"
+    ):
+        below.rig()
+
+
+@pytest.mark.parametrize("damped", [True, False])
+def test_a_black_map_is_explained_at_once(damped):
+    found = el.fit_paper(np.zeros((16, 32, 3)), lights=3, damped=damped)
+    assert found.stop_reason is el.StopReason.EXACT
+    np.testing.assert_allclose(found.irradiance, 0, atol=1e-12)
+    np.testing.assert_allclose(found.ambient, 0, atol=1e-12)
+
+
+def test_no_light_is_an_answer():
+    found = el.fit_paper(np.full((64, 128, 3), (1.0, 2.0, 3.0)), lights=0)
+    assert found.stop_reason is el.StopReason.CONVERGED
+    np.testing.assert_allclose(found.ambient, [1, 2, 3], rtol=1e-2)
+
+
+@settings(max_examples=20)
+@given(
+    st.integers(0, 2**32 - 1),
+    st.integers(0, 9),
+    st.sampled_from([1e-30, 1e-3, 1.0, 1e6, 1e38]),
+    st.booleans(),
+)
+def test_any_map_gets_finite_lights(seed, many, scale, damped):
+    rng = np.random.default_rng(seed)
+    radiance = (rng.uniform(size=(8, 16, 3)) ** 8 * scale).astype(np.float32)
+    found = el.fit_paper(radiance, lights=many, damped=damped, max_steps=15)
+    assert found.steps <= 15
+    for part in (found.ambient, found.direction, found.irradiance, found.errors):
+        assert np.isfinite(part).all()
+
+
+def give_steps(monkeypatch, change):
+    """Let each least-squares step be what `change` makes of the right one."""
+    lstsq = np.linalg.lstsq
+
+    def changed(*given, **options):
+        step, *rest = lstsq(*given, **options)
+        return change(step), *rest
+
+    monkeypatch.setattr(np.linalg, "lstsq", changed)
+
+
+def test_a_step_that_cannot_be_computed_leaves_the_lights_before_it(monkeypatch):
+    def fails(*_):
+        raise np.linalg.LinAlgError
+
+    give_steps(monkeypatch, fails)
+    found = el.fit_paper(HALL.radiance)
+    assert found.stop_reason is el.StopReason.RAN_AWAY
+    assert not found.stop_reason.is_success
+    np.testing.assert_array_equal(found.irradiance, 1)
+
+
+def test_a_whole_step_beyond_every_float_leaves_the_lights_before_it(monkeypatch):
+    give_steps(monkeypatch, lambda step: 1e300 * step)
+    found = el.fit_paper(HALL.radiance, damped=False)
+    assert (found.stop_reason, found.steps) == (el.StopReason.RAN_AWAY, 0)
+    np.testing.assert_array_equal(found.irradiance, 1)
+    assert np.isfinite(found.errors).all()
+
+
+def test_a_damped_step_that_only_raises_the_error_is_not_taken(monkeypatch):
+    give_steps(monkeypatch, lambda step: -step)
+    found = el.fit_paper(HALL.radiance)
+    assert (found.stop_reason, found.steps) == (el.StopReason.CONVERGED, 0)
+    np.testing.assert_array_equal(found.irradiance, 1)
+
+
+def test_a_step_that_changes_nothing_is_the_last(monkeypatch):
+    give_steps(monkeypatch, lambda step: 0 * step)
+    for damped in (True, False):
+        found = el.fit_paper(HALL.radiance, damped=damped)
+        assert (found.stop_reason, found.steps) == (el.StopReason.CONVERGED, 1)
+
+
+def test_steps_end_at_their_limit():
+    for most in (0, 1, 3):
+        found = el.fit_paper(HALL.radiance, max_steps=most)
+        assert (found.stop_reason, found.steps) == (el.StopReason.OUT_OF_STEPS, most)
+        assert not found.stop_reason.is_success
+
+
+def test_the_same_map_gives_the_same_bits():
+    one, two = (el.fit_paper(HALL.radiance, lights=5) for _ in range(2))
+    np.testing.assert_array_equal(one.parameters, two.parameters)
+    assert one.errors == two.errors
+
+
+# Refusals
+
+X = [1.0, 1.0, 1.0]
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: kernels.probe_model([1, 2, 3, 4], NORMALS), r"x must hold 3 \+ 5 M .* got 4"),
+        (lambda: kernels.unpack_lights([]), r"3 \+ 5 M numbers .*; got 0"),
+        (lambda: kernels.unpack_lights([0, np.nan, 0]), r"x must be finite; row 1 holds NaN"),
+        (lambda: kernels.unpack_lights([X]), r"x must have 1 axes; got the shape \(1, 3\)"),
+        (lambda: kernels.probe_model(X, [[0, 2, 0]]), r"normal 0 has length 2"),
+        (lambda: kernels.probe_model(X, NORMALS, k_a=-1), r"k_a must be a finite number, 0 or m"),
+        (lambda: kernels.probe_model(X, NORMALS, k_d=np.inf), r"k_d must be a finite number"),
+        (lambda: kernels.probe_model(X, NORMALS, C=(1, 1)), r"C must be three numbers; .*\(2,\)"),
+        (lambda: kernels.probe_residual(X, NORMALS, NORMALS[1:]), r"probe must have as many rows"),
+        (
+            lambda: kernels.probe_jacobian(X, NORMALS, NORMALS, weights=-SOLID_ANGLES),
+            r"weights must not be negative; row 0 holds -0\.",
+        ),
+        (
+            lambda: kernels.pack_lights(X, [[0, 1, 0]], [X, X]),
+            r"irradiance must have as many rows as directions \(1\); got 2",
+        ),
+        (lambda: kernels.pack_lights([1], [[0, 1, 0]], [X]), r"ambient must .*\(3,\); got \[1\]"),
+        (lambda: kernels.face_radiance(np.ones((8, 16, 3)), 100), r"20 \* 4\^k faces .* got 100"),
+        (lambda: kernels.face_radiance(np.ones((8, 16))), r"radiance must have 3 axes"),
+        (
+            lambda: el.fit_paper(np.ones((8, 16, 3)), 192),
+            r"lights must be at most 191, .*; got 192",
+        ),
+        (lambda: el.fit_paper(np.ones((8, 16, 3)), -1), r"lights must be a whole number"),
+        (lambda: el.fit_paper(np.ones((8, 16, 3)), k_d=0), r"k_d and C must be above 0"),
+        (lambda: el.fit_paper(np.ones((8, 16, 3)), C=(1, 0, 1)), r"k_d and C must be above 0"),
+        (
+            lambda: el.fit_paper(np.ones((8, 16, 3)), 2, start=[[0, 1, 0]]),
+            r"start must have the shape \(lights, 3\) = \(2, 3\); got \(1, 3\)",
+        ),
+        (
+            lambda: el.fit_paper(np.ones((8, 16, 3)), 1, start=[[0, 3, 0]]),
+            r"direction 0 has length 3",
+        ),
+    ],
+)
+def test_bad_input_is_refused_by_name(call, message):
+    with pytest.raises(el.EnvLightsError, match=message):
+        call()

@@ -1,0 +1,161 @@
+"""The probe against closed forms, brute force, and a path tracer."""
+
+import numpy as np
+import pytest
+
+import envlights as el
+from envlights import kernels
+from tests.helpers import printed_by_threads
+
+NORMALS, SOLID_ANGLES = kernels.icosphere(320)
+
+
+def sunny_map(height=1024, sun=5e4):
+    """Noise in 22 stops: a gradient, blocks, and a sun of one pixel."""
+    rng = np.random.default_rng(7)
+    blocks = rng.gamma(0.5, 1.0, size=(height // 16, height // 8, 3))
+    radiance = blocks.repeat(16, axis=0).repeat(16, axis=1).astype(np.float32)
+    radiance[height // 3, height // 5] = sun
+    return radiance
+
+
+def brute_force(radiance):
+    """Sum over the centres of all pixels, in float64, as equations 1 to 3 have it."""
+    height, width, _ = radiance.shape
+    return kernels.sum_over_sources(
+        NORMALS,
+        kernels.pixel_directions(height, width).reshape(-1, 3),
+        radiance.reshape(-1, 3),
+        kernels.pixel_solid_angles(height, width).ravel(),
+    )
+
+
+def relative_difference(received, wanted):
+    return kernels.relative_rms(received, wanted, SOLID_ANGLES)
+
+
+def test_intervals_agree_with_brute_force_under_a_sun():
+    radiance = sunny_map()
+    received = el.EnvMap(radiance).probe(NORMALS)
+    assert relative_difference(received, brute_force(radiance)) < 1e-5
+
+
+@pytest.mark.parametrize(("height", "bound"), [(64, 1e-5), (1024, 1e-7)])
+@pytest.mark.parametrize("registration", ["cell-centred", "border-sampled"])
+def test_a_constant_sky_gives_pi(height, bound, registration):
+    sky = np.full((height, 2 * height, 3), 0.25, np.float32)
+    received = el.EnvMap(sky, registration=registration).probe(NORMALS)
+    np.testing.assert_allclose(received, np.pi * 0.25, rtol=bound)
+
+
+def vector_solid_angle(row, column, height, width):
+    """Integral of the direction over a pixel, from the antiderivatives in theta and phi."""
+    t0, t1 = np.pi * np.array([row, row + 1]) / height
+    p0, p1 = 2 * np.pi * np.array([column, column + 1]) / width
+    equatorial = (t1 - t0) / 2 - (np.sin(2 * t1) - np.sin(2 * t0)) / 4
+    polar = (np.sin(t1) ** 2 - np.sin(t0) ** 2) / 2
+    x, z = np.cos(p0) - np.cos(p1), np.sin(p0) - np.sin(p1)
+    return np.array([x * equatorial, polar * (p1 - p0), z * equatorial])
+
+
+@pytest.mark.parametrize(
+    ("row", "column"), [(0, 5), (63, 5), (20, 0), (20, 127), (32, 64), (40, 90)]
+)
+def test_one_pixel_gives_its_flux_times_the_cosine(row, column):
+    radiance = np.zeros((64, 128, 3), np.float32)
+    radiance[row, column] = 1000, 500, 250
+    expected = NORMALS @ vector_solid_angle(row, column, 64, 128)[:, None] * [1000, 500, 250]
+    received = el.EnvMap(radiance).probe(NORMALS)
+    # Only where the horizon cuts the pixel does its part behind it not count.
+    cosine = NORMALS @ kernels.pixel_directions(64, 128)[row, column]
+    clear = np.abs(cosine) > np.pi / 64
+    np.testing.assert_allclose(received[clear], np.maximum(expected, 0)[clear], atol=1e-6)
+    cut = received[~clear] - np.maximum(expected, 0)[~clear]
+    assert (
+        np.abs(cut).max(initial=0)
+        <= np.pi / 64 * kernels.pixel_solid_angles(64, 128)[row, 0] * 1000
+    )
+
+
+def test_probes_on_both_sides_add_up_to_the_whole_sphere():
+    """E(n) - E(-n) = n . F, the vector flux: the horizon drops out."""
+    radiance = sunny_map(256)
+    env = el.EnvMap(radiance)
+    solid_angles = kernels.pixel_solid_angles(256, 512)[..., None]
+    directions = kernels.pixel_directions(256, 512)
+    flux = np.einsum("yxa,yxc->ac", directions, radiance * solid_angles)
+    difference = env.probe(NORMALS) - env.probe(-NORMALS)
+    np.testing.assert_allclose(difference, NORMALS @ flux, atol=1e-4 * np.abs(flux).max())
+
+
+def test_border_sampled_maps_agree_with_their_own_brute_force():
+    radiance = sunny_map(256, sun=50)
+    received = el.EnvMap(radiance, registration="border-sampled").probe(NORMALS)
+    expected = kernels.sum_over_sources(
+        NORMALS,
+        kernels.pixel_directions(256, 512, border_sampled=True).reshape(-1, 3),
+        radiance.reshape(-1, 3),
+        kernels.pixel_solid_angles(256, 512, border_sampled=True).ravel(),
+    )
+    # Half cells at the border hang on one side of their sample; brute force is off by O(h^2).
+    assert relative_difference(received, expected) < 2e-4
+
+
+def test_the_working_map_is_good_to_2e_4_even_under_a_sun():
+    radiance = sunny_map(512)
+    received, sources = kernels.working_irradiance(radiance, NORMALS)
+    assert relative_difference(received, kernels.irradiance(radiance, NORMALS)) < 2e-4
+    assert sources >= 1
+
+
+PROBE_AND_FIT = """
+import numpy as np, envlights as el
+radiance = np.random.default_rng(3).gamma(0.3, 1.0, size=(256, 512, 3)).astype(np.float32)
+radiance[60, 100] = 3e4
+normals, _ = el.kernels.icosphere(320)
+rig = el.fit(radiance, lights=3)
+errors = np.array(list(rig.report.errors.values()))
+found = [rig.ambient, rig.lights.direction, rig.lights.irradiance, errors]
+# Of eight lights that are tried at once, two are needed: the tries are given up.
+two = el.kernels.rig_irradiance(normals, [0, 0, 0], np.eye(3)[:2], [[3, 2, 1], [1, 2, 3]])
+lights = el.fit_probe(normals, two, lights=8).lights
+assert len(lights) == 2
+found += [lights.direction, lights.irradiance]
+for array in [el.EnvMap(radiance).probe(normals), *found]:
+    print(array.tobytes().hex())
+"""
+
+
+def test_any_number_of_threads_gives_the_same_bits():
+    (printed,) = printed_by_threads(PROBE_AND_FIT)
+    assert len(printed) > 1000
+
+
+def test_no_normals_give_no_irradiance():
+    assert el.EnvMap(np.ones((2, 4, 3))).probe(np.zeros((0, 3))).shape == (0, 3)
+
+
+@pytest.mark.parametrize(
+    ("normals", "message"),
+    [
+        ([[0, 2, 0]], r"normal 0 has length 2; it must be a unit vector"),
+        ([[0, np.nan, 0]], r"finite"),
+        ([0, 1, 0], r"normals"),
+        ([[0, 1]], r"\(n, 3\)"),
+    ],
+)
+def test_bad_normals_are_refused(normals, message):
+    with pytest.raises(el.EnvLightsError, match=message):
+        el.EnvMap(np.ones((4, 8, 3))).probe(normals)
+
+
+@pytest.mark.parametrize("given", [np.ndarray.tolist, lambda map: map.astype(">f4"), np.float64])
+def test_kernels_take_maps_of_any_floats(given):
+    map = np.random.default_rng(4).gamma(0.3, size=(8, 16, 3)).astype(np.float32)
+    up = [[0, 1, 0]]
+    for kernel in (
+        lambda radiance: kernels.irradiance(radiance, up),
+        lambda radiance: kernels.working_irradiance(radiance, up)[0],
+        lambda radiance: kernels.reduced_luminance(radiance, 8),
+    ):
+        np.testing.assert_array_equal(kernel(given(map)), kernel(map))

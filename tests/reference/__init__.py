@@ -1,0 +1,1 @@
+"""Slow, plain versions written from the papers, and other people's solvers."""

@@ -1,0 +1,105 @@
+"""Maps from arrays: what is taken as it is, what is cleaned, what is refused."""
+
+import numpy as np
+import pytest
+
+import envlights as el
+
+RADIANCE = np.random.default_rng(1).gamma(0.5, 2.0, size=(16, 32, 3)).astype(np.float32)
+
+
+def test_float32_arrays_are_not_copied():
+    array = RADIANCE.copy()
+    env = el.EnvMap(array)
+    assert np.shares_memory(env.radiance, array)
+    assert not env.radiance.flags.writeable
+    array.flags.writeable = False
+    assert np.shares_memory(el.EnvMap(array).radiance, array)
+
+
+@pytest.mark.parametrize(
+    "array",
+    [
+        RADIANCE.astype(np.float64),
+        RADIANCE.astype(np.longdouble),
+        RADIANCE.astype(">f4"),
+        np.asfortranarray(RADIANCE),
+        RADIANCE.repeat(2, axis=1)[:, ::2],
+        RADIANCE.tolist(),
+    ],
+    ids=["float64", "longdouble", "big-endian", "fortran", "strided", "lists"],
+)
+def test_any_floating_point_array_like_gives_the_same_map(array):
+    env = el.EnvMap(array)
+    assert env.radiance.dtype == np.float32
+    assert env.radiance.flags.c_contiguous
+    assert not env.radiance.flags.writeable
+    np.testing.assert_array_equal(env.radiance, RADIANCE)
+
+
+def test_a_black_map_is_a_map():
+    env = el.EnvMap(np.zeros((4, 8, 3)))
+    assert env.notes == ()
+    np.testing.assert_array_equal(env.probe([[0, 1, 0]]), 0)
+
+
+def test_a_note_may_be_given_as_text():
+    assert el.EnvMap(RADIANCE, notes="from the stage").notes == ("from the stage",)
+
+
+def test_codes_are_read_in_either_byte_order():
+    codes = np.arange(4 * 8 * 3).reshape(4, 8, 3) * 600
+    little, big = (el.EnvMap(codes.astype(order)) for order in ("<u2", ">u2"))
+    np.testing.assert_array_equal(little.radiance, big.radiance)
+    assert little.notes == big.notes == ("uint16 samples were taken as sRGB-coded and linearised",)
+
+
+def test_integer_arrays_are_taken_as_srgb_and_noted():
+    codes = np.full((4, 8, 3), 188, np.uint8)
+    env = el.EnvMap(codes)
+    np.testing.assert_allclose(env.radiance, ((188 / 255 + 0.055) / 1.055) ** 2.4, rtol=1e-6)
+    assert env.notes == ("uint8 samples were taken as sRGB-coded and linearised",)
+
+
+def test_unusable_samples_are_cleaned_and_counted():
+    array = np.ones((4, 8, 3))
+    array[0, 0] = np.nan, np.inf, -1
+    array[1, 1] = -np.inf, 5, 1e300
+    env = el.EnvMap(array)
+    np.testing.assert_array_equal(env.radiance[0, 0], [0, 5, 0])
+    np.testing.assert_array_equal(env.radiance[1, 1], [0, 5, 5])
+    assert env.notes == (
+        "1 NaN sample set to 0",
+        "2 negative samples set to 0",
+        "2 infinite samples set to 5",
+    )
+    assert np.isnan(array[0, 0, 0]), "the caller's array was changed"
+
+
+@pytest.mark.parametrize(
+    ("array", "message"),
+    [
+        (np.ones((4, 8)), r"shape \(height, width, 3\); got \(4, 8\)"),
+        (np.ones((4, 8, 4)), r"got \(4, 8, 4\)"),
+        (np.ones((8, 8, 3)), r"twice as wide as high; got 8x8"),
+        (np.ones((1, 2, 3)), r"at least 4x2 pixels; got 2x1"),
+        (np.ones((2, 1, 3)), r"twice as wide as high; got 1x2"),
+        (np.ones((0, 0, 3)), r"at least 4x2 pixels; got 0x0"),
+        (np.ones((4, 8, 3), complex), r"got the dtype complex128"),
+        (np.ones((4, 8, 3), bool), r"got the dtype bool"),
+        (np.ones((4, 8, 3), np.int32), r"got the dtype int32"),
+        ([[1, 2], [3]], r"a map must be an array of numbers"),
+        ("hall.exr", r"`EnvMap.open` reads files; got 'hall.exr'"),
+        (None, r"got the dtype object"),
+        (np.full((4, 8, 3), np.nan), r"no finite sample"),
+    ],
+)
+def test_arrays_that_are_no_map_are_refused(array, message):
+    with pytest.raises(el.EnvLightsError, match=message):
+        el.EnvMap(array)
+
+
+@pytest.mark.parametrize(("name", "wanted"), [("projection", "cube"), ("registration", "middle")])
+def test_unknown_choices_are_refused(name, wanted):
+    with pytest.raises(el.EnvLightsError, match=rf"{name} must be .*; got '{wanted}'"):
+        el.EnvMap(np.ones((4, 8, 3)), **{name: wanted})

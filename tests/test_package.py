@@ -1,0 +1,63 @@
+"""The package as a whole: what `import envlights` brings, and what imports what."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import envlights as el
+
+FOLDER = Path(el.__file__).parent
+MODULES = sorted(FOLDER.rglob("*.py"))
+SUBPACKAGES = (
+    "cli",
+    "detection",
+    "fitting",
+    "io",
+    "kernels",
+    "plot",
+    "scene",
+    "synthetic",
+    "transfer",
+)
+
+
+def run(code):
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+
+
+@pytest.mark.parametrize("name", SUBPACKAGES)
+def test_a_subpackage_is_reachable_and_completed(name):
+    code = f"import envlights as el; assert {name!r} in dir(el); print(el.{name}.__name__)"
+    assert run(code).stdout.strip() == f"envlights.{name}"
+
+
+def test_public_names_are_completed():
+    assert set(el.__all__) <= set(dir(el))
+    assert {name for name in dir(el) if not hasattr(el, name)} == set()
+
+
+def test_the_import_does_not_wait_for_what_is_used_later():
+    slow = {"matplotlib", "click", "tqdm", "mitsuba", "dask"}
+    assert run(f"import sys, envlights; print({slow} & set(sys.modules))").stdout.strip() == "set()"
+    assert run("import envlights; print(envlights.__version__)").stdout.strip()
+
+
+def test_other_names_are_missing_as_in_any_module():
+    with pytest.raises(AttributeError, match="'envlights' has no attribute 'lamp'"):
+        _ = el.lamp
+
+
+def is_module(name):
+    return name == "_native" or (FOLDER / name).is_dir() or (FOLDER / f"{name}.py").is_file()
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(FOLDER)))
+def test_a_module_imports_the_modules_that_it_uses_and_not_the_root(path):
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            assert "envlights" not in [name.name for name in node.names]
+        if isinstance(node, ast.ImportFrom) and node.module == "envlights":
+            assert all(is_module(name.name) for name in node.names)

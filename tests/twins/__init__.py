@@ -1,1 +1,0 @@
-"""Slow, plain versions written from the papers."""
