@@ -60,6 +60,30 @@ impl FitAnswer {
         self.fitted.judged.largest
     }
 
+    /// How far each light may stand elsewhere before the error grows by a tenth, in radians: under a map.
+    #[getter]
+    fn tolerances(&self) -> Vec<f64> {
+        self.fitted.tolerances.clone()
+    }
+
+    /// Condition number, for measured values.
+    #[getter]
+    fn condition(&self) -> f64 {
+        self.fitted.uncertainty.condition
+    }
+
+    /// Standard errors in radians, for measured values.
+    #[getter]
+    fn direction_errors(&self) -> Vec<f64> {
+        self.fitted.uncertainty.direction.clone()
+    }
+
+    /// Standard errors in each channel, for measured values.
+    #[getter]
+    fn irradiance_errors(&self) -> Vec<[f64; 3]> {
+        self.fitted.uncertainty.irradiance.clone()
+    }
+
     #[getter]
     fn steps(&self) -> usize {
         self.fitted.steps
@@ -91,7 +115,7 @@ fn asked(
     Ok(Asked { ambient, start: unit_vectors("start", start)?, fixed, lights, error, max_steps })
 }
 
-/// See `envlights.fit`.
+/// See `envlights.fit`: at every normal, unless some are given to be `fitted`.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "every option is named once more, on the Python side")]
 pub fn fit_map(
@@ -100,6 +124,8 @@ pub fn fit_map(
     border_sampled: bool,
     columns: usize,
     point_share: f64,
+    fitted: PyReadonlyArray2<'_, f64>,
+    fitted_weights: PyReadonlyArray1<'_, f64>,
     judging: PyReadonlyArray2<'_, f64>,
     judging_weights: PyReadonlyArray1<'_, f64>,
     ambient: usize,
@@ -112,12 +138,18 @@ pub fn fit_map(
     error_floor: f64,
 ) -> PyResult<FitAnswer> {
     let (radiance, start) = (radiance.as_array(), start.as_array());
-    let (judging, weights) = (judging.as_array(), judging_weights.as_array());
+    let fitted = (fitted.as_array(), fitted_weights.as_array());
+    let judging = (judging.as_array(), judging_weights.as_array());
     in_pool(py, || {
         let asked = asked(ambient, start, fixed, lights, error, max_steps)?;
         let map = image::reduce(radiance, registration(border_sampled), columns, point_share)?;
+        let map = if floor { map.above_horizon() } else { map };
         let points = map.sources.dim().0;
-        let fitted = fit::under_map(&map, (judging, weights), &asked, floor, error_floor)?;
+        let fitted = if fitted.1.is_empty() {
+            fit::under_map(&map, judging, &asked, floor, error_floor)?
+        } else {
+            fit::at_normals(&map, fitted, judging, &asked, error_floor)?
+        };
         Ok(FitAnswer { fitted, points })
     })
 }

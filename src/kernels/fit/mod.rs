@@ -97,8 +97,11 @@ pub struct Fitted {
     pub uncertainty: Uncertainty,
 }
 
-/// The best rig for a map, judged at the normals `judging`, (n, 3), with their weights. Where it has a `floor`,
-/// light from below the horizon neither counts nor is used. Errors below `error_floor` are those of rendering.
+/// Normals, (n, 3), and their weights.
+pub type Normals<'a> = (ArrayView2<'a, f64>, ArrayView1<'a, f64>);
+
+/// The best rig for the probe under a map at every normal, judged at some. Where it has a `floor`, light from below
+/// the horizon neither counts nor is used. Errors below `error_floor` are those of rendering.
 ///
 /// # Errors
 ///
@@ -106,20 +109,42 @@ pub struct Fitted {
 /// [`Error::Negative`], [`Error::TooBright`].
 pub fn under_map(
     map: &WorkingMap,
-    (judging, weights): (ArrayView2<'_, f64>, ArrayView1<'_, f64>),
+    judging: Normals<'_>,
     asked: &Asked,
     floor: bool,
     error_floor: f64,
 ) -> Result<Fitted> {
-    let (seen, sphere) = rayon::join(
-        || probe::working_irradiance(map, judging),
-        || Sphere::new(map, asked.ambient, floor),
-    );
-    let judge = Samples::new(judging, weights, seen?.view())?;
+    let (judge, sphere) =
+        rayon::join(|| rendered(map, judging), || Sphere::new(map, asked.ambient, floor));
     let problem = asked.problem(&sphere);
+    let (state, mut fitted) = fit(&problem, &judge?, error_floor)?;
+    fitted.tolerances = uncertainty::tolerances(&problem, &state, fitted.judged.error);
+    Ok(fitted)
+}
+
+/// The best rig for the probe under a map at `fitted` normals, judged at others.
+///
+/// # Errors
+///
+/// As [`under_map`], and [`Error::TooFewNormals`].
+pub fn at_normals(
+    map: &WorkingMap,
+    fitted: Normals<'_>,
+    judging: Normals<'_>,
+    asked: &Asked,
+    error_floor: f64,
+) -> Result<Fitted> {
+    let (samples, judge) = (rendered(map, fitted)?, rendered(map, judging)?);
+    check_unknowns(asked, samples.normals.len())?;
+    let probe = Probe::new(samples, asked.ambient);
+    let problem = asked.problem(&probe);
     let (state, mut fitted) = fit(&problem, &judge, error_floor)?;
     fitted.tolerances = uncertainty::tolerances(&problem, &state, fitted.judged.error);
     Ok(fitted)
+}
+
+fn rendered(map: &WorkingMap, (normals, weights): Normals<'_>) -> Result<Samples> {
+    Samples::new(normals, weights, probe::working_irradiance(map, normals)?.view())
 }
 
 /// The best rig for irradiance at given normals, which judge it as well.

@@ -88,6 +88,8 @@ pub trait Objective: Debug + Sync {
 pub struct Given {
     /// What the rig may have beside the lights.
     pub ambient: Ambient,
+    /// Whether a floor hides what is below the horizon.
+    pub has_floor: bool,
     /// The channels that are fitted: neither black nor the same as one before.
     pub channels: Vec<usize>,
     /// For each of red, green, blue its place in `channels`; none where it is black.
@@ -100,9 +102,9 @@ pub struct Given {
 
 impl Given {
     /// Before anything is known of the probe.
-    pub fn nothing(ambient: Ambient) -> Self {
+    pub fn nothing(ambient: Ambient, has_floor: bool) -> Self {
         let ambient_products = DMatrix::zeros(ambient.coefficients(), ambient.coefficients());
-        Self { ambient, channels: Vec::new(), like: [None; 3], ambient_products, energy: 0.0 }
+        Self { ambient, has_floor, channels: Vec::new(), like: [None; 3], ambient_products, energy: 0.0 }
     }
 
     /// Columns that every light is multiplied with: those of the ambient term, then the irradiance in

@@ -16,6 +16,8 @@ pub struct Rig {
     pub directions: Vec<DVec3>,
     /// Irradiance of each light at normal incidence, RGB.
     pub irradiance: Vec<DVec3>,
+    /// Whether it stands over a floor, which hides the lower half of a constant environment.
+    pub has_floor: bool,
 }
 
 impl Rig {
@@ -38,13 +40,18 @@ impl Rig {
             let (wanted, seen) = (directions.len(), irradiance.len());
             return Err(Error::LengthMismatch { what: "irradiance", other: "directions", wanted, seen });
         }
-        Ok(Self { ambient, directions, irradiance })
+        Ok(Self { ambient, directions, irradiance, has_floor: false })
+    }
+
+    /// Irradiance at `normal` of each ambient coefficient alone.
+    pub fn ambient_columns(&self, normal: DVec3) -> [f64; 9] {
+        let columns = Ambient::with(self.ambient.len()).unwrap_or(Ambient::None).irradiance(normal);
+        if self.has_floor { columns.map(|column| 0.5 * column * (1.0 + normal.y)) } else { columns }
     }
 
     /// Irradiance at `normal`.
     pub fn at(&self, normal: DVec3) -> DVec3 {
-        let columns = Ambient::with(self.ambient.len()).unwrap_or(Ambient::None).irradiance(normal);
-        let ambient = self.ambient.iter().zip(columns).fold(DVec3::ZERO, |sum, (c, column)| sum + c * column);
+        let ambient = self.ambient.iter().zip(self.ambient_columns(normal)).fold(DVec3::ZERO, |sum, (c, column)| sum + c * column);
         let lights = self.directions.iter().zip(&self.irradiance);
         lights.fold(ambient, |sum, (direction, irradiance)| sum + irradiance * normal.dot(*direction).max(0.0))
     }

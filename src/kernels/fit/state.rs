@@ -107,6 +107,7 @@ impl State {
             ambient: (0..ambient).map(rgb).collect(),
             directions: self.moments.directions.clone(),
             irradiance: (ambient..self.x.nrows()).map(rgb).collect(),
+            has_floor: given.has_floor,
         }
     }
 

@@ -212,6 +212,7 @@ mod tests {
             ambient: vec![DVec3::splat(0.2)],
             directions: vec![DVec3::new(1.0, 2.0, 2.0) / 3.0],
             irradiance: vec![DVec3::new(3.0, 2.0, 0.0)],
+            has_floor: false,
         };
         let mut seen = irradiance(&rig, normals.view()).unwrap();
         seen.indexed_iter_mut().for_each(|((i, c), value)| *value += 0.01 * ((i * 7 + c) % 5) as f64);
@@ -249,6 +250,7 @@ mod tests {
             ambient: vec![DVec3::splat(0.1); 9],
             directions: DVec3::AXES.to_vec(),
             irradiance: vec![DVec3::ONE; 3],
+            has_floor: false,
         };
         let seen = irradiance(&rig, normals.view()).unwrap() + 0.01;
         let weights = ndarray::Array1::ones(36);

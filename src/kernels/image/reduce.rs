@@ -1,5 +1,7 @@
 //! A map in fewer cells, for probes that need not be exact.
 
+use std::f64::consts::FRAC_PI_2;
+
 use ndarray::{Array3, ArrayView3, ArrayViewMut2, s};
 use rayon::prelude::*;
 
@@ -18,6 +20,24 @@ pub struct WorkingMap {
     pub grid: Grid,
     /// Vector irradiance of the cells that became sources, (n, 3 axes, 3 channels).
     pub sources: Array3<f64>,
+}
+
+impl WorkingMap {
+    /// The map over a floor, which hides all light from below the horizon. A row that the horizon cuts keeps half
+    /// of its flux.
+    #[must_use]
+    pub fn above_horizon(mut self) -> Self {
+        for (row, edges) in self.grid.theta_edges.windows(2).enumerate() {
+            let kept = ((FRAC_PI_2 - edges[0]) / (edges[1] - edges[0])).clamp(0.0, 1.0) as f32;
+            self.radiance.slice_mut(s![row, .., ..]).mapv_inplace(|value| kept * value);
+        }
+        for mut source in self.sources.outer_iter_mut() {
+            if source.row(1).sum() < 0.0 {
+                source.fill(0.0);
+            }
+        }
+        self
+    }
 }
 
 /// `radiance` reduced to at most `columns` columns, its bright cells kept as point sources.

@@ -4,7 +4,6 @@
 use glam::DVec3;
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::kernels::fit::ambient::Ambient;
 use crate::kernels::fit::rig::Rig;
 
 /// Samples of one block: as many as a word has bits.
@@ -129,12 +128,12 @@ impl Unexplained<'_> {
     /// What is left of a part of `block`, in each channel.
     #[inline(always)]
     fn left(&self, block: &Block, part: usize) -> [[f64; LANES]; 3] {
-        let Rig { ambient, directions, irradiance } = self.rig;
+        let Rig { ambient, directions, irradiance, .. } = self.rig;
         let [x, y, z] = [0, 1, 2].map(|axis| *lanes(&block.normals[axis], part));
         let mut left = [0, 1, 2].map(|channel| *lanes(&block.irradiance[channel], part));
-        if let Some(kind) = Ambient::with(ambient.len()) {
+        if !ambient.is_empty() {
             for i in 0..LANES {
-                let columns = kind.irradiance(DVec3::new(x[i], y[i], z[i]));
+                let columns = self.rig.ambient_columns(DVec3::new(x[i], y[i], z[i]));
                 for (coefficient, column) in ambient.iter().zip(columns) {
                     (0..3).for_each(|channel| left[channel][i] -= coefficient[channel] * column);
                 }
@@ -190,6 +189,7 @@ mod tests {
                 ambient: (0..coefficients).map(|i| DVec3::new(0.1, 0.2, 0.3) / (i + 1) as f64).collect(),
                 irradiance: directions.iter().map(|l| l.abs() + 0.5).collect(),
                 directions,
+                has_floor: false,
             };
             let blocks = Blocks::new(&normals, &weights, &irradiance);
             let squares = normals.iter().zip(&irradiance).map(|(&n, e)| (*e - rig.at(n)).length_squared());

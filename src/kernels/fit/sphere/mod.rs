@@ -61,7 +61,7 @@ impl Sphere {
         let factors = spectrum(harmonics::DEGREE / 2 + 1);
         let field = Field::new(&rest.scaled(&factors));
         let columns = Columns { ambient, has_floor };
-        let given = Given::nothing(ambient);
+        let given = Given::nothing(ambient, has_floor);
         let mut sphere = Self { given, columns, points: Points::new(&points), first: rest.first, field };
         sphere.given = sphere.given_by(&rest, &points, &factors);
         sphere
@@ -85,7 +85,8 @@ impl Sphere {
             }
         });
         let energy = energy.iter().sum();
-        Given { ambient: self.columns.ambient, channels: used, like, ambient_products, energy }
+        let Columns { ambient, has_floor } = self.columns;
+        Given { ambient, has_floor, channels: used, like, ambient_products, energy }
     }
 
     /// `<E, E>` of a channel: the rest by its harmonics, the points with it and with each other.
