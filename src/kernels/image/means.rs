@@ -1,9 +1,11 @@
 //! Rows of a map as one: what a reduction reads the whole map for.
+#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
 use std::ops::Range;
 
 /// Mean of the `columns` of some rows, four rows at a time: fewer passes over what is summed. Whether
 /// a sample has a minus sign is seen on the way.
+#[inline(always)]
 pub(crate) fn weighted_mean(
     rows: &[&[f32]],
     weights: &[f32],
@@ -33,7 +35,7 @@ pub(crate) fn weighted_mean(
 }
 
 /// Add four weighted rows to `mean`, or set it to their sum if they are the `FIRST`; the bits of all samples.
-#[inline]
+#[inline(always)]
 fn add_four<const FIRST: bool>([a, b, c, d]: [&[f32]; 4], weights: &[f32; 4], mean: &mut [f32]) -> u32 {
     let mut bits = 0;
     for ((((mean, a), b), c), d) in mean.iter_mut().zip(a).zip(b).zip(c).zip(d) {
