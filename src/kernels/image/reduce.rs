@@ -149,7 +149,7 @@ fn bright_cells(flux: &Array3<f64>, share: f64) -> Vec<(usize, usize)> {
     let add = |sum: [f64; 3], cell: &[f64; 3]| std::array::from_fn(|channel| sum[channel] + cell[channel]);
     let rows = cells.chunks(columns).map(|row| row.iter().fold([0.0; 3], add));
     let limit = rows.fold([0.0; 3], |sum, row| add(sum, &row)).map(|total| share * total);
-    let is_bright = |cell: &[f64; 3]| (cell[0] > limit[0]) | (cell[1] > limit[1]) | (cell[2] > limit[2]);
+    let is_bright = |cell: &[f64; 3]| cell[0] > limit[0] || cell[1] > limit[1] || cell[2] > limit[2];
     let bright = cells.iter().enumerate().filter(|(_, cell)| is_bright(cell));
     bright.map(|(index, _)| (index / columns, index % columns)).collect()
 }

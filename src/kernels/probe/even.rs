@@ -44,12 +44,11 @@ impl EvenColumns {
         let whole = columns.round();
         let divided = if (columns - whole).abs() < 1e-6 { divided(whole as usize) } else { None };
         // Otherwise lay out new ones, from the seam.
-        let (count, azimuths, seam) = match divided {
-            Some((count, azimuths)) => (count, azimuths, grid.first_column / columns),
-            None => {
-                let least = grid.phi_edges.len() * 2;
-                (least.div_ceil(OTHER_AZIMUTHS) * OTHER_AZIMUTHS, OTHER_AZIMUTHS, 0.0)
-            }
+        let (count, azimuths, seam) = if let Some((count, azimuths)) = divided {
+            (count, azimuths, grid.first_column / columns)
+        } else {
+            let least = 2 * grid.phi_edges.len();
+            (least.next_multiple_of(OTHER_AZIMUTHS), OTHER_AZIMUTHS, 0.0)
         };
         let (width, first_edge) = (TAU / count as f64, -seam * TAU);
         // In the product cos phi dphi keeps its digits.
@@ -83,7 +82,7 @@ impl EvenColumns {
 /// A whole multiple of so many columns, and its least divisor that suits a ring.
 fn divided(columns: usize) -> Option<(usize, usize)> {
     let count = columns * FEWEST_AZIMUTHS.div_ceil(columns);
-    let azimuths = (FEWEST_AZIMUTHS..=MOST_AZIMUTHS).find(|azimuths| count % azimuths == 0);
+    let azimuths = (FEWEST_AZIMUTHS..=MOST_AZIMUTHS).find(|&azimuths| count.is_multiple_of(azimuths));
     azimuths.map(|azimuths| (count, azimuths))
 }
 
