@@ -44,6 +44,12 @@ impl FitAnswer {
         self.fitted.errors.clone()
     }
 
+    /// Channels that were fitted: neither black nor the same as another.
+    #[getter]
+    fn channels(&self) -> usize {
+        self.fitted.channels
+    }
+
     /// That of the rig.
     #[getter]
     fn error(&self) -> f64 {

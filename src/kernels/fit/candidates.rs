@@ -60,7 +60,7 @@ impl<'a> Candidates<'a> {
     /// For an objective.
     pub fn new(objective: &'a dyn Objective) -> Self {
         let places = to_vectors(sampling::even_sphere(TRIED).view());
-        let places: Vec<DVec3> = places.into_iter().filter(|&place| objective.allows(place)).collect();
+        let places: Vec<DVec3> = places.into_iter().map(|place| objective.placed(place)).collect();
         let at = objective.directions(places);
         let sides = objective.side_products(&at);
         let squares = objective.squares(&at);
@@ -107,7 +107,12 @@ impl Beside<'_> {
     }
 
     /// Of a light that has the radiances `x` already, and of what its place gives back at each candidate.
-    fn promises(&self, cost: f64, x: &DVector<f64>, given_back: impl Fn(usize) -> (f64, f64)) -> Vec<Promise> {
+    fn promises(
+        &self,
+        cost: f64,
+        x: &DVector<f64>,
+        given_back: impl Fn(usize) -> (f64, f64),
+    ) -> Vec<Promise> {
         let Candidates { at, squares, objective, .. } = self.candidates;
         let copies: Vec<f64> = (0..x.len()).map(|channel| objective.given().copies(channel)).collect();
         let mut promises = Vec::with_capacity(self.outside.len());

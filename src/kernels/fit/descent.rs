@@ -10,12 +10,13 @@
 use glam::DVec3;
 use nalgebra::DVector;
 
-use super::StopReason;
 use super::newton::{Kink, Quadratic};
 use super::problem::Problem;
-use super::state::{RESOLUTION, State};
+use super::state::{State, StopReason};
 use crate::kernels::sphere::{exponential_map, tangents};
 
+/// Relative cost of rounding alone, where the cost is a difference of inner products.
+const RESOLUTION: f64 = 1e-14;
 /// A light never turns by more than this in one step, in radians: the model is true only nearby.
 const LONGEST_STEP: f64 = 0.5;
 /// Least damping: with less, rounding would choose the way along what the cost hardly depends on.
@@ -83,7 +84,13 @@ impl State {
     }
 
     /// The first step that lowers the cost, with more and more damping, on `kinks` if there are any.
-    fn lower(&self, problem: &Problem<'_>, model: &Quadratic, tolerance: f64, kinks: &[Kink]) -> Option<Self> {
+    fn lower(
+        &self,
+        problem: &Problem<'_>,
+        model: &Quadratic,
+        tolerance: f64,
+        kinks: &[Kink],
+    ) -> Option<Self> {
         let mut damping = self.damping;
         while damping < STIFFEST {
             let Some(step) = model.step(damping, kinks) else {

@@ -3,8 +3,7 @@
 use super::problem::Problem;
 use super::samples::Samples;
 use super::search::{FINE, Search};
-use super::state::State;
-use super::StopReason;
+use super::state::{State, StopReason};
 use crate::error::Result;
 
 /// Share of the error that one light more must take away to be worth it.
@@ -30,7 +29,11 @@ pub fn path(problem: &Problem<'_>, judge: &Samples, floor: f64) -> Result<Vec<(S
         }
     }
     // The last number deserves a search of its own, unless it had one.
-    if problem.error.is_none() && problem.start.len() == problem.fixed && beam.len() > 0 && beam[0].lights() > problem.fixed {
+    if problem.error.is_none()
+        && problem.start.len() == problem.fixed
+        && beam.len() > 0
+        && beam[0].lights() > problem.fixed
+    {
         if let Some(best) = search.best(beam)? {
             path.pop();
             path.push((best.clone(), error(&best)));
@@ -52,7 +55,9 @@ fn next(search: &Search<'_>, beam: Vec<State>) -> Result<Vec<State>> {
         grown.truncate(1);
         return Ok(grown.into_iter().map(|state| state.descend(problem, FINE)).collect());
     }
-    if problem.error.is_some() && let Some(best) = search.best(grown.clone())? {
+    if problem.error.is_some()
+        && let Some(best) = search.best(grown.clone())?
+    {
         grown.insert(0, best);
     }
     Ok(grown)
@@ -97,11 +102,12 @@ fn is_enough(problem: &Problem<'_>, path: &[(State, f64)], floor: f64) -> bool {
         || last.lights() >= best.1.max(problem.fixed) + PATIENCE
 }
 
-/// The place that is worth its lights: the fewest that do as well as any, but none of the fixed and started ones
-/// less.
+/// The place that is worth its lights: the first that reaches the error asked for, or the fewest that do as well as
+/// any, but none of the fixed and started ones less.
 pub fn chosen(problem: &Problem<'_>, path: &[(State, f64)], floor: f64) -> usize {
     let least = path.iter().map(|(_, error)| *error).fold(f64::INFINITY, f64::min);
-    let enough = (least * (1.0 + WORTH_A_LIGHT)).max(floor);
+    let wanted = problem.error.filter(|wanted| least <= *wanted);
+    let enough = wanted.unwrap_or((least * (1.0 + WORTH_A_LIGHT)).max(floor));
     let last = path.len() - 1;
     let given = problem.start.len().min(path[last].0.lights());
     path.iter().position(|(state, error)| *error <= enough && state.lights() >= given).unwrap_or(last)

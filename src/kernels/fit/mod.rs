@@ -39,6 +39,7 @@ pub use problem::Problem;
 pub use rig::{Rig, irradiance};
 pub use samples::{Judged, Probe, Samples};
 pub use sphere::Sphere;
+pub use state::StopReason;
 pub use uncertainty::Uncertainty;
 
 use glam::DVec3;
@@ -49,17 +50,6 @@ use super::image::WorkingMap;
 use super::probe;
 use super::sphere::{check_rows, check_values};
 use crate::error::{Error, Result};
-
-/// Why the solver stopped.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum StopReason {
-    /// The error stopped falling.
-    Converged,
-    /// Nothing is left to explain.
-    Exact,
-    /// The step limit came first.
-    OutOfSteps,
-}
 
 /// What a caller asks for.
 #[derive(Clone, Debug)]
@@ -87,6 +77,8 @@ pub struct Fitted {
     pub judged: Judged,
     /// Relative RMS error by number of lights.
     pub errors: Vec<(usize, f64)>,
+    /// Channels that were fitted: neither black nor the same as another.
+    pub channels: usize,
     /// Steps of the solver on the way there.
     pub steps: usize,
     /// Why it took no more.
@@ -114,10 +106,10 @@ pub fn under_map(
     floor: bool,
     error_floor: f64,
 ) -> Result<Fitted> {
-    let (judge, sphere) =
-        rayon::join(|| rendered(map, judging), || Sphere::new(map, asked.ambient, floor));
-    let problem = asked.problem(&sphere);
-    let (state, mut fitted) = fit(&problem, &judge?, error_floor)?;
+    let (judge, sphere) = rayon::join(|| rendered(map, judging), || Sphere::new(map, asked.ambient, floor));
+    let (judge, problem) = (judge?, asked.problem(&sphere));
+    check_unknowns(asked, judge.normals.len())?;
+    let (state, mut fitted) = fit(&problem, &judge, error_floor)?;
     fitted.tolerances = uncertainty::tolerances(&problem, &state, fitted.judged.error);
     Ok(fitted)
 }
@@ -144,6 +136,12 @@ pub fn at_normals(
 }
 
 fn rendered(map: &WorkingMap, (normals, weights): Normals<'_>) -> Result<Samples> {
+    /// Normals that judge a rig, at least.
+    const JUDGING: usize = 5120;
+    if weights.is_empty() {
+        let probe::Judged { normals, weights, irradiance } = probe::judge(map, JUDGING)?;
+        return Samples::new(normals.view(), weights.view(), irradiance.view());
+    }
     Samples::new(normals, weights, probe::working_irradiance(map, normals)?.view())
 }
 
@@ -170,6 +168,7 @@ fn fit(problem: &Problem<'_>, judge: &Samples, error_floor: f64) -> Result<(Stat
         judged: judge.judged(&rig),
         rig,
         errors: path.iter().map(|(state, error)| (state.lights(), *error)).collect(),
+        channels: problem.objective.given().channels.len(),
         steps: state.steps,
         stop: state.stop.unwrap_or(StopReason::Converged),
         tolerances: Vec::new(),
@@ -220,75 +219,65 @@ pub fn relative_rms(
 }
 
 #[cfg(test)]
-#[allow(clippy::all, clippy::pedantic, missing_docs)]
-mod timing {
+#[allow(clippy::unwrap_used)]
+mod tests {
     use super::*;
-    use crate::kernels::{image, sphere::Registration};
-    use ndarray::Array3;
-    use std::time::Instant;
-    fn best<T>(name: &str, mut f: impl FnMut() -> T) {
-        let mut least = f64::INFINITY;
-        for _ in 0..std::env::var("ROUNDS").map_or(30, |v| v.parse().unwrap()) { let t = Instant::now(); std::hint::black_box(f()); least = least.min(t.elapsed().as_secs_f64()); }
-        print!("{name} {:.3}  ", 1e3 * least);
+    use crate::kernels::sampling;
+    use crate::kernels::sphere::direction;
+    use ndarray::s;
+
+    fn asked(lights: usize, ambient: Ambient) -> Asked {
+        Asked { ambient, start: Vec::new(), fixed: 0, lights, error: None, max_steps: 100 }
     }
+
+    fn found(rig: &Rig, lights: usize) -> Fitted {
+        let (normals, weights) = sampling::icosphere(320).unwrap();
+        let seen = irradiance(rig, normals.view()).unwrap();
+        let samples = Samples::new(normals.view(), weights.view(), seen.view()).unwrap();
+        to_samples(samples, &asked(lights, Ambient::Constant)).unwrap()
+    }
+
     #[test]
-    fn timing() {
-        for name in ["hall", "venice", "warehouse", "kloppenheim"] {
-            let bytes = std::fs::read(format!("/tmp/w/q/{name}.raw")).unwrap();
-            let values: Vec<f32> = bytes.chunks(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
-            let map = Array3::from_shape_vec((512, 1024, 3), values).unwrap();
-            let w = image::reduce(map.view(), Registration::CellCentred, 256, 2e-3).unwrap();
-            print!("{name} sources {} ", w.sources.dim().0);
-            best("reduce", || image::reduce(map.view(), Registration::CellCentred, 256, 2e-3).unwrap());
-            best("sphere", || Sphere::new(&w, Ambient::Constant, false));
-            let sphere = Sphere::new(&w, Ambient::Constant, false);
-            if let Ok(mode) = std::env::var("MODE") {
-                if name != "venice" { continue; }
-                let problem = Problem { objective: &sphere, start: &[], fixed: 0, lights: 8, error: None, max_steps: 100 };
-                let path = light_count::path(&problem, &Samples::of(vec![DVec3::Y], vec![1.0], vec![DVec3::Y]), 0.0).unwrap();
-                let state = path.last().unwrap().0.clone();
-                let c = candidates::Candidates::new(&sphere);
-                match mode.as_str() {
-                    "sphere" => for _ in 0..3000 { std::hint::black_box(Sphere::new(&w, Ambient::Constant, false)); },
-                    "search" => for _ in 0..500 {
-                        let search = search::Search::new(&problem);
-                        let mut beam = vec![State::new(&sphere, &[])];
-                        for _ in 0..8 { beam = search.grown(&beam); }
-                        std::hint::black_box(search.best(beam).unwrap());
-                    },
-                    "newton" => for _ in 0..300000 { std::hint::black_box(newton::Quadratic::around(&problem, &state, true)); },
-                    "state" => for _ in 0..600000 { std::hint::black_box(State::new(&sphere, &state.moments.directions)); },
-                    _ => for _ in 0..100000 { std::hint::black_box(c.beside(&state).unwrap().moved(3)); },
-                }
-                continue;
-            }
-            best("candidates", || candidates::Candidates::new(&sphere));
-            for lights in [4, 8] {
-                let problem = Problem { objective: &sphere, start: &[], fixed: 0, lights, error: None, max_steps: 100 };
-                state::PLACES.store(0, std::sync::atomic::Ordering::Relaxed);
-                let search = || {
-                    let search = search::Search::new(&problem);
-                    let mut beam = vec![State::new(&sphere, &[])];
-                    for _ in 0..lights { beam = search.grown(&beam); }
-                    let grown = state::PLACES.load(std::sync::atomic::Ordering::Relaxed);
-                    (grown, search.best(beam).unwrap())
-                };
-                let (grown, _) = search();
-                let places = state::PLACES.load(std::sync::atomic::Ordering::Relaxed);
-                best(&format!("{lights} lights: places {grown} + {}", places - grown), search);
-                let state = search().1.unwrap();
-                let (a, b) = (state.moments.directions.clone(), sphere.moments(state.moments.directions.clone()));
-                best("moments", || sphere.moments(a.clone()));
-                best("state", || State::new(&sphere, &a));
-                best("gauss", || newton::Quadratic::around(&problem, &state, false));
-                best("newton", || newton::Quadratic::around(&problem, &state, true));
-                let model = newton::Quadratic::around(&problem, &state, true);
-                best("step", || model.step(1e-3, &[]));
-                let c = candidates::Candidates::new(&sphere);
-                best("beside", || c.beside(&state).unwrap().added());
-                let _ = b;
-            }
-            println!();
+    fn three_lights_and_ambient_come_back() {
+        let rig = Rig {
+            ambient: vec![DVec3::new(0.2, 0.1, 0.3)],
+            directions: vec![direction(0.4, 1.0), direction(1.3, 3.5), direction(2.5, 5.0)],
+            irradiance: vec![DVec3::new(3.0, 2.5, 2.0), DVec3::new(0.5, 1.0, 1.5), DVec3::splat(0.7)],
+            has_floor: false,
+        };
+        let found = found(&rig, 3).rig;
+        for (wanted, irradiance) in rig.directions.iter().zip(&rig.irradiance) {
+            let nearest = found.directions.iter().zip(&found.irradiance);
+            let (l, e) =
+                nearest.min_by(|a, b| (a.0 - wanted).length().total_cmp(&(b.0 - wanted).length())).unwrap();
+            assert!((l - wanted).length() < 1e-9, "{l} {wanted}");
+            assert!((e - irradiance).length() < 1e-8, "{e} {irradiance}");
         }
+        assert!((found.ambient[0] - rig.ambient[0]).length() < 1e-9);
+    }
+
+    #[test]
+    fn there_must_be_as_many_equations_as_unknowns() {
+        let (normals, weights) = sampling::icosphere(320).unwrap();
+        let enough = |ambient, count: usize, lights| {
+            let normals = normals.slice(s![..count, ..]);
+            let samples = Samples::new(normals, weights.slice(s![..count]), normals).unwrap();
+            check_unknowns(&asked(lights, ambient), samples.normals.len()).is_ok()
+        };
+        for (ambient, unknowns) in [(Ambient::None, 0), (Ambient::Constant, 3), (Ambient::Sh2, 27)] {
+            for lights in 0..4 {
+                let least = (1..20).find(|&count| enough(ambient, count, lights)).unwrap();
+                assert!(3 * least >= unknowns + 5 * lights && least >= 1);
+                assert!(least == 1 || 3 * (least - 1) < unknowns + 5 * lights);
+            }
+        }
+    }
+
+    #[test]
+    fn black_needs_no_light() {
+        let found = found(&Rig::default(), 4);
+        assert_eq!(found.errors.len(), 1);
+        assert_eq!(found.rig.ambient, [DVec3::ZERO]);
+        assert!(found.rig.directions.is_empty());
     }
 }

@@ -14,7 +14,6 @@
 //! coordinates of two lights. Without Lambda and the last term this is the step of Gauss and Newton in Kaufman's
 //! form (1975), which needs no second derivatives, and is never bent downwards.
 
-
 use glam::DVec3;
 use nalgebra::{DMatrix, DVector};
 
@@ -51,7 +50,8 @@ impl Quadratic {
         let residual = &derivatives.rhs - &derivatives.model * &state.x;
         let bend = is_exact.then(|| bend(problem, state, &derivatives)).flatten();
         let (mut gradient, mut shares) = (DVector::zeros(size), DMatrix::zeros(size / 2, size / 2));
-        let mut insides = DMatrix::zeros(size, state.supports.iter().map(|support| support.columns.len()).sum());
+        let mut insides =
+            DMatrix::zeros(size, state.supports.iter().map(|support| support.columns.len()).sum());
         let (first, mut filled) = (given.ambient.coefficients() + problem.fixed, 0);
         for (channel, (support, dark)) in state.supports.iter().zip(&state.dark).enumerate() {
             let copies = given.copies(channel);
@@ -71,7 +71,8 @@ impl Quadratic {
             insides.columns_mut(filled, inside.ncols()).copy_from(&inside);
             filled += inside.ncols();
         }
-        let mut hessian = DMatrix::from_fn(size, size, |i, k| shares[(i / 2, k / 2)] * derivatives.gram[(i, k)]);
+        let mut hessian =
+            DMatrix::from_fn(size, size, |i, k| shares[(i / 2, k / 2)] * derivatives.gram[(i, k)]);
         hessian.gemm(-1.0, &insides, &insides.transpose(), 1.0);
         let scale = hessian.diagonal().map(|value| value.max(0.0));
         if let Some(bend) = bend {
@@ -177,8 +178,14 @@ mod tests {
             let sphere = sphere(ambient);
             let lights = [DVec3::new(0.2, 0.9, 0.1), DVec3::new(-1.0, 0.3, 0.2), DVec3::new(0.5, -0.2, 1.0)];
             let start = lights.map(DVec3::normalize);
-            let problem =
-                Problem { objective: &sphere, start: &start, fixed: 1, lights: 3, error: None, max_steps: 10 };
+            let problem = Problem {
+                objective: &sphere,
+                start: &start,
+                fixed: 1,
+                lights: 3,
+                error: None,
+                max_steps: 10,
+            };
             let state = State::new(&sphere, &start);
             let model = Quadratic::around(&problem, &state, true);
             let frames = state.moments.derivatives(sphere.given(), 1).frames;
@@ -193,7 +200,10 @@ mod tests {
                 };
                 let slope = (cost(STEP) - cost(-STEP)) / (2.0 * STEP);
                 let wanted = 2.0 * model.gradient.dot(&way);
-                assert!((slope - wanted).abs() < 1e-5 * sphere.given().energy, "{ambient:?}: {slope} {wanted}");
+                assert!(
+                    (slope - wanted).abs() < 1e-5 * sphere.given().energy,
+                    "{ambient:?}: {slope} {wanted}"
+                );
                 let bend = (cost(STEP) - 2.0 * cost(0.0) + cost(-STEP)) / (STEP * STEP);
                 let wanted = 2.0 * way.dot(&(&model.hessian * &way));
                 // The residual of the first kind is what second derivatives are about: most of the bend.

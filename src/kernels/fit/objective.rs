@@ -27,8 +27,8 @@ use std::fmt::Debug;
 use glam::{DMat3, DVec3};
 use nalgebra::{DMatrix, DVectorViewMut};
 
-use super::Rig;
 use super::ambient::Ambient;
+use super::rig::Rig;
 use crate::kernels::sphere::tangents;
 
 /// The error of a rig, and all that a fit needs to know of it.
@@ -77,8 +77,9 @@ pub trait Objective: Debug + Sync {
         true
     }
 
-    /// Where a light may stand instead.
-    fn nearest_allowed(&self, direction: DVec3) -> DVec3 {
+    /// A direction of a fixed pattern, such as an even start, in a frame that turns with what is fitted, so that the
+    /// answer does too; where no light may stand, its mirror image.
+    fn placed(&self, direction: DVec3) -> DVec3 {
         direction
     }
 }
@@ -234,7 +235,8 @@ impl Moments {
             for (k, &other) in self.directions.iter().enumerate() {
                 let moment = self.pair(fixed + j, k);
                 set(model.column_mut(ambient + k), j, frame, moment * other);
-                for (column, &tangent) in frames.get(k.wrapping_sub(fixed)).into_iter().flatten().enumerate() {
+                for (column, &tangent) in frames.get(k.wrapping_sub(fixed)).into_iter().flatten().enumerate()
+                {
                     set(gram.column_mut(2 * (k - fixed) + column), j, frame, moment * tangent);
                 }
             }

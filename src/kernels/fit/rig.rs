@@ -51,9 +51,14 @@ impl Rig {
 
     /// Irradiance at `normal`.
     pub fn at(&self, normal: DVec3) -> DVec3 {
-        let ambient = self.ambient.iter().zip(self.ambient_columns(normal)).fold(DVec3::ZERO, |sum, (c, column)| sum + c * column);
+        let ambient = self
+            .ambient
+            .iter()
+            .zip(self.ambient_columns(normal))
+            .fold(DVec3::ZERO, |sum, (c, column)| sum + c * column);
         let lights = self.directions.iter().zip(&self.irradiance);
-        lights.fold(ambient, |sum, (direction, irradiance)| sum + irradiance * normal.dot(*direction).max(0.0))
+        lights
+            .fold(ambient, |sum, (direction, irradiance)| sum + irradiance * normal.dot(*direction).max(0.0))
     }
 }
 

@@ -9,11 +9,10 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::candidates::Candidates;
-use super::moves::{self, Move};
+use super::moves;
 use super::multistart;
 use super::problem::Problem;
-use super::state::State;
-use super::StopReason;
+use super::state::{State, StopReason};
 use crate::error::Result;
 
 /// Relative fall of the cost in one step at which a start has shown what it is worth.
@@ -22,90 +21,159 @@ const ROUGH: f64 = 3e-2;
 const CLOSE: f64 = 1e-3;
 /// Relative fall of the cost in one step at which an answer is final.
 pub const FINE: f64 = 1e-9;
-/// Relative fall of the cost for which a light is exchanged.
+/// Relative fall of the cost for which a light is exchanged. Starts that differ by less end in the same place.
 const WORTH_AN_EXCHANGE: f64 = 2e-3;
 /// Relative fall of the cost for which lights are perturbed once more.
 const WORTH_A_ROUND: f64 = 1e-6;
-/// Sets of lights that grow side by side.
-const BEAM: usize = 4;
-/// Places where a light is added to each, and exchanges that are tried together.
-const ADDED: usize = 2;
-const EXCHANGED: usize = 2;
-/// Even starts, and how many of them go on.
-const STARTS: usize = 8;
-const PROMISING: usize = 4;
+/// An exchange that is not near the best after rough steps, by this factor of its cost, is given up.
+const NEAR: f64 = 1.2;
 
-fn var(name: &str, default: usize) -> usize { std::env::var(name).map_or(default, |v| v.parse().unwrap()) }
-fn fvar(name: &str, default: f64) -> f64 { std::env::var(name).map_or(default, |v| v.parse().unwrap()) }
+/// How many ways are tried side by side.
+#[derive(Clone, Copy, Debug)]
+struct Breadth {
+    /// Sets of lights that grow side by side, places where a light is added to each, and how many of the sets
+    /// with one light more go downhill.
+    beam: usize,
+    added: usize,
+    descended: usize,
+    /// Even starts for each light, lights that they have to spare at first, of how many one goes on after rough steps,
+    /// and how many places exchange lights.
+    starts: usize,
+    spare: usize,
+    one_in: usize,
+    promising: usize,
+    /// Exchanges that are tried together.
+    exchanged: usize,
+}
+
+impl Breadth {
+    /// Where a candidate's promise is nearly its cost.
+    const USUAL: Self =
+        Self { beam: 2, added: 2, descended: 4, starts: 3, spare: 0, one_in: 2, promising: 6, exchanged: 2 };
+    /// With harmonics that may not turn negative, a promise says little, and there are more valleys.
+    const HARMONICS: Self = Self {
+        beam: 12,
+        added: 6,
+        descended: 24,
+        starts: 12,
+        spare: 0,
+        one_in: 1,
+        promising: 32,
+        exchanged: 8,
+    };
+    /// Even starts at most: more lights take longer each.
+    const MOST_STARTS: usize = 96;
+    /// Over given normals each valley holds many small ones, and what is lowest shows late.
+    const KINKS: Self =
+        Self { beam: 4, added: 4, descended: 8, starts: 6, spare: 1, one_in: 2, promising: 12, exchanged: 6 };
+    /// Lights of all even starts together, at most.
+    const MOST_STARTED: usize = 768;
+
+    fn of(problem: &Problem<'_>) -> Self {
+        match problem.objective.given().free() {
+            0 if problem.objective.has_kinks() => Self::KINKS,
+            0 => Self::USUAL,
+            _ => Self::HARMONICS,
+        }
+    }
+}
 
 /// The search for the best lights of one problem.
 #[derive(Debug)]
 pub struct Search<'a> {
     pub problem: &'a Problem<'a>,
     candidates: Candidates<'a>,
+    breadth: Breadth,
 }
 
 impl<'a> Search<'a> {
     /// For any number of lights.
     pub fn new(problem: &'a Problem<'a>) -> Self {
-        Self { problem, candidates: Candidates::new(problem.objective) }
+        let (candidates, breadth) = (Candidates::new(problem.objective), Breadth::of(problem));
+        Self { problem, candidates, breadth }
     }
 
     /// The best sets with one light more than those of `beam`, best first; none where no light helps.
     pub fn grown(&self, beam: &[State]) -> Vec<State> {
-        let added = |(set, state): (usize, &State)| {
-            let moves = moves::added(&self.candidates, state, var("ADDED", ADDED));
-            moves.into_iter().map(move |one| (set, one)).collect::<Vec<(usize, Move)>>()
+        let Breadth { beam: width, added, descended, .. } = self.breadth;
+        let added = |state: &State| {
+            let moves = moves::added(&self.candidates, state, added);
+            moves.iter().map(|one| one.from(self.problem.objective, state)).collect::<Vec<State>>()
         };
-        let mut moves: Vec<(usize, Move)> = beam.iter().enumerate().flat_map(added).collect();
-        moves.sort_by(|a, b| a.1.promise.total_cmp(&b.1.promise));
-        let grown = moves.par_iter().map(|(set, one)| one.from(self.problem.objective, &beam[*set]));
-        let grown = best_of(grown.collect(), var("HALVED", BEAM));
-        let grown = grown.into_par_iter().map(|state| state.descend(self.problem, fvar("ROUGH", ROUGH)).resumed());
-        let mut grown: Vec<State> = grown.collect();
+        let grown = best_of(beam.par_iter().flat_map_iter(added).collect(), descended);
+        let mut grown: Vec<State> = grown.into_par_iter().map(|state| self.descended(state, ROUGH)).collect();
         grown.retain(|state| state.cost < beam[0].cost);
-        best_of(grown, var("BEAM", BEAM))
+        best_of(grown, width)
     }
 
     /// The best lights, from the `beam` of as many.
     pub fn best(&self, beam: Vec<State>) -> Result<Option<State>> {
         let Some(lights) = beam.first().map(State::lights) else { return Ok(None) };
-        let mut starts = best_of(self.even(lights)?, var("GOING", 12));
+        let starts = self.even(lights)?;
+        let going_on = starts.len().div_ceil(self.breadth.one_in);
+        let mut starts = best_of(starts, going_on);
         starts.extend(beam);
-        let close = starts.into_par_iter().map(|state| state.descend(self.problem, fvar("CLOSE", CLOSE)).resumed());
-        let distinct = distinct(close.collect(), fvar("APART", 3e-3), var("PROMISING", PROMISING));
-        let settled = distinct.into_par_iter().map(|state| self.settled(state)).collect::<Vec<State>>();
-        let best = best_of(settled, 1).pop().map(|best| best.resumed().descend(self.problem, FINE));
+        let close = starts.into_par_iter().map(|state| self.descended(state, CLOSE)).collect();
+        let settled =
+            distinct(close, self.breadth.promising).into_par_iter().map(|state| self.settled(state));
+        // At the bottom of their valleys the best may change places.
+        let mut settled = best_of(settled.collect(), self.breadth.promising);
+        settled.retain({
+            let least = settled.first().map_or(0.0, |best| best.cost);
+            let self_close = if self.problem.objective.has_kinks() { 1e-2 } else { CLOSE };
+            move |state| state.cost <= least * (1.0 + self_close)
+        });
+        let finest = settled.into_par_iter().map(|state| state.descend(self.problem, FINE));
+        let best = best_of(finest.collect(), 1).pop();
         best.map(|best| self.from_perturbed(best)).transpose()
     }
 
     /// Where even starts lead to, roughly.
     fn even(&self, lights: usize) -> Result<Vec<State>> {
         let Problem { objective, start, fixed, .. } = *self.problem;
-        let starts = multistart::even(var("STARTS", STARTS), lights - fixed)?;
+        let most = Breadth::MOST_STARTS.min(Breadth::MOST_STARTED / lights.max(1)).max(1);
+        let count = (self.breadth.starts * lights).clamp(1, most);
         let descend = |start_of: &Vec<DVec3>| {
-            let directions = [&start[..fixed], start_of].concat();
-            let directions = directions.into_iter().map(|l| objective.nearest_allowed(l)).collect::<Vec<_>>();
-            State::new(objective, &directions).descend(self.problem, fvar("ROUGH", ROUGH)).resumed()
+            let placed = start_of.iter().map(|&l| objective.placed(l));
+            let directions: Vec<DVec3> = start[..fixed].iter().copied().chain(placed).collect();
+            let mut state = State::new(objective, &directions);
+            state = self.descended(state, ROUGH);
+            while state.lights() > lights {
+                state = self.descended(self.without_one(&state), ROUGH);
+            }
+            state
         };
-        Ok(starts.par_iter().map(descend).collect())
+        Ok(multistart::even(count, lights - fixed + self.breadth.spare)?.par_iter().map(descend).collect())
     }
 
-    /// Downhill, with lights taken out and put elsewhere while that pays.
-    fn settled(&self, state: State) -> State {
-        let mut best = state;
+    /// Without the light that is needed least.
+    fn without_one(&self, state: &State) -> State {
+        let without = |gone: usize| {
+            let kept: Vec<usize> = (0..state.lights()).filter(|&light| light != gone).collect();
+            state.exchanged(self.problem.objective, &kept, &[])
+        };
+        let reduced = (self.problem.fixed..state.lights()).map(without).collect();
+        best_of(reduced, 1).pop().unwrap_or_else(|| state.clone())
+    }
+
+    /// With lights taken out and put elsewhere while that pays.
+    fn settled(&self, mut best: State) -> State {
+        let Problem { objective, fixed, .. } = *self.problem;
         loop {
-            let moves = moves::exchanged(&self.candidates, &best, self.problem.fixed, var("EXCHANGED", EXCHANGED));
-            let rough = moves.iter().map(|one| {
-                one.from(self.problem.objective, &best).descend(self.problem, fvar("ROUGH", ROUGH)).resumed()
-            });
-            let near = rough.filter(|state| state.cost < best.cost * fvar("NEAR", 1.3));
-            let exchanged = near.map(|state| state.descend(self.problem, fvar("CLOSE", CLOSE)).resumed());
-            match best_of(exchanged.collect(), 1).pop() {
-                Some(next) if is_lower(&next, &best, fvar("WORTH_AN_EXCHANGE", WORTH_AN_EXCHANGE)) => best = next,
+            let moves = moves::exchanged(&self.candidates, &best, fixed, self.breadth.exchanged);
+            let rough = moves.iter().map(|one| self.descended(one.from(objective, &best), ROUGH));
+            let near = rough.filter(|state| state.cost < NEAR * best.cost);
+            let exchanged = near.map(|state| self.descended(state, CLOSE)).collect();
+            match best_of(exchanged, 1).pop() {
+                Some(next) if is_lower(&next, &best, WORTH_AN_EXCHANGE) => best = next,
                 _ => return best,
             }
         }
+    }
+
+    /// Downhill, and ready to go on.
+    fn descended(&self, state: State, tolerance: f64) -> State {
+        state.descend(self.problem, tolerance).resumed()
     }
 
     /// All lights turned a little and downhill again, while that pays: where the cost has kinks.
@@ -132,7 +200,7 @@ impl<'a> Search<'a> {
         let starts = multistart::perturbed(best, fixed, count, round)?;
         let settled = starts
             .into_par_iter()
-            .map(|directions| best.turned_to(objective, directions).descend(self.problem, fvar("CLOSE", CLOSE)).resumed());
+            .map(|directions| self.descended(best.turned_to(objective, directions), CLOSE));
         let lowest = best_of(settled.collect(), 1).pop();
         Ok(lowest.map(|lowest| lowest.descend(self.problem, FINE)))
     }
@@ -146,9 +214,10 @@ fn best_of(mut places: Vec<State>, count: usize) -> Vec<State> {
     places
 }
 
-fn distinct(mut places: Vec<State>, apart: f64, count: usize) -> Vec<State> {
+/// The `count` best of some places that are not the same, best first.
+fn distinct(mut places: Vec<State>, count: usize) -> Vec<State> {
     places.sort_by_key(rounded_cost);
-    places.dedup_by(|next, last| next.cost <= last.cost * (1.0 + apart));
+    places.dedup_by(|next, last| !is_lower(last, next, WORTH_AN_EXCHANGE));
     places.truncate(count);
     places
 }

@@ -5,7 +5,6 @@ use std::sync::Arc;
 use glam::DVec3;
 use nalgebra::{DMatrix, DMatrixView, Dyn, U1};
 
-use super::StopReason;
 use super::nnls::Support;
 use super::objective::{Given, Moments, Objective};
 use super::problem::Problem;
@@ -14,10 +13,19 @@ use super::rig::Rig;
 
 /// Relative cost of rounding alone, where the cost is summed from residuals.
 const EXACT: f64 = 1e-26;
-/// The same where it is a difference of inner products.
-pub const RESOLUTION: f64 = 1e-14;
 /// Relative cost below which it is summed from the residuals, where that can be.
 const SMALL: f64 = 1e-5;
+
+/// Why the solver stopped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StopReason {
+    /// The error stopped falling.
+    Converged,
+    /// Nothing is left to explain.
+    Exact,
+    /// The step limit came first.
+    OutOfSteps,
+}
 
 /// One place of the search.
 #[derive(Clone, Debug)]
@@ -40,9 +48,6 @@ pub struct State {
     pub stop: Option<StopReason>,
 }
 
-#[cfg(test)]
-pub static PLACES: std::sync::atomic::AtomicUsize = std::sync::atomic::AtomicUsize::new(0);
-
 impl State {
     /// The best radiances of lights in `directions`.
     pub fn new(objective: &dyn Objective, directions: &[DVec3]) -> Self {
@@ -54,14 +59,13 @@ impl State {
     pub fn at(objective: &dyn Objective, moments: Moments, steps: usize, guess: &[Arc<Support>]) -> Self {
         /// Damping of a first step.
         const FIRST_DAMPING: f64 = 1e-3;
-        #[cfg(test)]
-        PLACES.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         let given = objective.given();
         let Radiances { x, supports, dark } = radiances::solve(given, &moments.gram, &moments.rhs, guess);
         let cost = cost(given, &moments.gram, &moments.rhs, &x);
         let (damping, gain) = (FIRST_DAMPING, f64::INFINITY);
         let mut state = Self { moments, x, supports, dark, cost, damping, gain, steps, stop: None };
-        let exact_cost = (cost <= SMALL * given.energy).then(|| objective.exact_cost(&state.rig(given))).flatten();
+        let exact_cost =
+            (cost <= SMALL * given.energy).then(|| objective.exact_cost(&state.rig(given))).flatten();
         state.cost = exact_cost.unwrap_or(cost);
         if state.cost <= given.energy * if exact_cost.is_some() { EXACT } else { 0.0 } {
             state.stop = Some(StopReason::Exact);
@@ -94,7 +98,8 @@ impl State {
     pub fn without_black(&self, problem: &Problem<'_>) -> Option<Self> {
         let is_used = |&light: &usize| light < problem.fixed || self.irradiance().row(light).amax() > 0.0;
         let kept: Vec<usize> = (0..self.lights()).filter(is_used).collect();
-        (kept.len() < self.lights()).then(|| Self { stop: self.stop, ..self.exchanged(problem.objective, &kept, &[]) })
+        (kept.len() < self.lights())
+            .then(|| Self { stop: self.stop, ..self.exchanged(problem.objective, &kept, &[]) })
     }
 
     /// All three channels of the lights.

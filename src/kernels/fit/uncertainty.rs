@@ -57,7 +57,7 @@ pub fn tolerances(problem: &Problem<'_>, state: &State, error: f64) -> Vec<f64> 
 }
 
 /// What the covariance says of a rig.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Uncertainty {
     /// Ratio of the greatest to the least singular value of J, its columns brought to length 1:
     /// infinite where the probe does not tell two unknowns apart.
@@ -66,6 +66,13 @@ pub struct Uncertainty {
     pub direction: Vec<f64>,
     /// Standard error of each light's irradiance in each channel: 0 where it is held at zero.
     pub irradiance: Vec<[f64; 3]>,
+}
+
+impl Default for Uncertainty {
+    /// Of what was not measured.
+    fn default() -> Self {
+        Self { condition: 1.0, direction: Vec::new(), irradiance: Vec::new() }
+    }
 }
 
 /// Of the lights of `rig`, of which the first `fixed` keep their directions.
@@ -89,7 +96,8 @@ fn of_evidence(probe: &Probe, rig: &Rig, fixed: usize) -> Uncertainty {
     };
     let normal = products(DMat3::IDENTITY);
     let length = normal.diagonal().map(|square| square.sqrt().max(f64::MIN_POSITIVE));
-    let scaled = |matrix: DMatrix<f64>| DMatrix::from_fn(count, count, |i, k| matrix[(i, k)] / length[i] / length[k]);
+    let scaled =
+        |matrix: DMatrix<f64>| DMatrix::from_fn(count, count, |i, k| matrix[(i, k)] / length[i] / length[k]);
     let normal = scaled(normal);
     let condition = condition(&normal);
     let error = match normal.cholesky() {

@@ -29,6 +29,7 @@
 //! | - columns of one width                  | `even.rs`     |
 //! | - the horizon of a ring of normals      | `strips.rs`   |
 //! | - what a ring sees of a run of rows     | `runs.rs`     |
+//! | lights that are kept as points          | `sources.rs`  |
 
 mod band;
 mod even;
@@ -37,11 +38,12 @@ mod opposite;
 mod rings;
 mod rows;
 mod runs;
+mod sources;
 mod strips;
 mod table;
 
 use glam::DVec3;
-use ndarray::{Array2, Array3, ArrayView1, ArrayView2, ArrayView3, Axis};
+use ndarray::{Array2, ArrayView1, ArrayView2, ArrayView3, Axis};
 use rayon::prelude::*;
 
 use super::image::{self, Grid, WorkingMap};
@@ -51,6 +53,7 @@ use band::{Band, Columns};
 use horizon::{Normal, Steps};
 use opposite::VectorFlux;
 pub use rings::{Judged, judge};
+use sources::under_sources;
 
 /// Rows are summed in runs of their own, whatever the number of threads: the same bits everywhere.
 const MOST_RUNS: usize = 64;
@@ -104,21 +107,6 @@ pub fn working_irradiance(map: &WorkingMap, normals: ArrayView2<'_, f64>) -> Res
     let (kept, axes) = irradiance.split_at(pairs.kept.len());
     let flux = opposite::flux_of_axes(axes);
     Ok(sphere::from_vectors(pairs.restore(kept, &flux).into_iter()))
-}
-
-/// Irradiance of point sources, (n, 3 axes, 3 channels): `E(n) = sum of max(0, n.F)`, for each channel its
-/// own F.
-fn under_sources(sources: &Array3<f64>, normals: &[DVec3]) -> Vec<DVec3> {
-    let flux = |source: ArrayView2<'_, f64>| {
-        [0, 1, 2].map(|channel| DVec3::new(source[[0, channel]], source[[1, channel]], source[[2, channel]]))
-    };
-    let sources: Vec<[DVec3; 3]> = sources.outer_iter().map(flux).collect();
-    let under_all = |normal: &DVec3| {
-        sources.iter().fold(DVec3::ZERO, |sum, flux| {
-            sum + DVec3::from_array(flux.map(|flux| normal.dot(flux))).max(DVec3::ZERO)
-        })
-    };
-    normals.par_iter().map(under_all).collect()
 }
 
 /// Equations 1 to 3 of Madsen et al. 2003: `R_i = sum_j k_d C L_j (n_i . l_j)` over K sources.

@@ -15,9 +15,10 @@ use pulp::Arch;
 use rayon::prelude::*;
 
 use super::even::EvenColumns;
+use super::opposite;
 use super::runs::{Run, Sums};
+use super::sources::under_sources;
 use super::strips::{Ring, View};
-use super::{opposite, under_sources};
 use crate::error::{Error, Result};
 use crate::kernels::image::WorkingMap;
 use crate::kernels::sphere;

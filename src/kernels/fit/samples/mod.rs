@@ -1,174 +1,24 @@
-//! Given normals: irradiance that was measured, or rendered elsewhere, and how far a rig is from it.
+//! Given normals: the objective as sums over them.
 //!
-//! | step                                       | file         |
-//! |--------------------------------------------|--------------|
-//! | what runs over all normals                 | `blocks.rs`  |
-//! | sums over the normals that see two lights  | `visible.rs` |
+//! | step                                       | file          |
+//! |--------------------------------------------|---------------|
+//! | irradiance at normals                      | `measured.rs` |
+//! | what runs over all normals                 | `blocks.rs`   |
+//! | inner products that no light changes       | `probe.rs`    |
+//! | sums over the normals that see two lights  | `visible.rs`  |
 
 mod blocks;
+mod measured;
+mod probe;
 mod visible;
 
 use glam::{DMat3, DVec3};
 use nalgebra::DMatrix;
-use ndarray::{ArrayView1, ArrayView2};
 
-use self::blocks::Blocks;
-use super::Rig;
-use super::ambient::Ambient;
-use super::objective::{Directions, Given, Moments, Objective, distinct_channels};
-use crate::error::Result;
-use crate::kernels::sphere::{check_weighted, to_vectors};
-
-/// Irradiance at normals, each with a weight.
-#[derive(Clone, Debug)]
-pub struct Samples {
-    pub(super) normals: Vec<DVec3>,
-    pub(super) weights: Vec<f64>,
-    pub(super) irradiance: Vec<DVec3>,
-    /// The same, side by side.
-    blocks: Blocks,
-    /// Weighted sum of squares of the irradiance: the cost of no light at all.
-    pub(super) energy: f64,
-}
-
-impl Samples {
-    /// Check and pair up what was measured.
-    ///
-    /// # Inputs
-    ///
-    /// - `normals`: (n, 3) unit vectors; `weights`: (n,), not negative.
-    /// - `irradiance`: (n, 3) RGB, finite.
-    ///
-    /// # Errors
-    ///
-    /// [`crate::error::Error::WrongColumns`], [`crate::error::Error::LengthMismatch`],
-    /// [`crate::error::Error::NotFinite`], [`crate::error::Error::NotUnit`],
-    /// [`crate::error::Error::Negative`].
-    pub fn new(
-        normals: ArrayView2<'_, f64>,
-        weights: ArrayView1<'_, f64>,
-        irradiance: ArrayView2<'_, f64>,
-    ) -> Result<Self> {
-        let normals = check_weighted(normals, ("irradiance", irradiance), weights)?;
-        Ok(Self::of(normals, weights.to_vec(), to_vectors(irradiance)))
-    }
-
-    pub(super) fn of(normals: Vec<DVec3>, weights: Vec<f64>, irradiance: Vec<DVec3>) -> Self {
-        let blocks = Blocks::new(&normals, &weights, &irradiance);
-        let energy = blocks.cost(&Rig::default());
-        Self { normals, weights, irradiance, blocks, energy }
-    }
-
-    /// Those at the normals that `are_kept`; none where all are.
-    pub fn only(&self, are_kept: impl Fn(DVec3) -> bool) -> Option<Self> {
-        let kept: Vec<usize> = (0..self.normals.len()).filter(|&i| are_kept(self.normals[i])).collect();
-        (kept.len() < self.normals.len()).then(|| {
-            let normals = kept.iter().map(|&i| self.normals[i]).collect();
-            let weights = kept.iter().map(|&i| self.weights[i]).collect();
-            Self::of(normals, weights, kept.iter().map(|&i| self.irradiance[i]).collect())
-        })
-    }
-
-    /// Weighted sum of squares of what `rig` leaves unexplained.
-    pub fn cost(&self, rig: &Rig) -> f64 {
-        self.blocks.cost(rig)
-    }
-
-    /// How far `rig` is from them.
-    pub fn judged(&self, rig: &Rig) -> Judged {
-        let (mut difference, mut whole, mut largest) = (DVec3::ZERO, DVec3::ZERO, 0.0_f64);
-        for ((&n, &weight), &e) in self.normals.iter().zip(&self.weights).zip(&self.irradiance) {
-            let off = (rig.at(n) - e).abs();
-            difference += weight * off * off;
-            whole += weight * e * e;
-            largest = largest.max(off.max_element());
-        }
-        let weights: f64 = self.weights.iter().sum();
-        let rms = (whole.element_sum() / weights / 3.0).sqrt();
-        let relative = |c: usize| (difference[c] / if whole[c] > 0.0 { whole[c] } else { 1.0 }).sqrt();
-        Judged {
-            error: self.error(rig),
-            channels: [0, 1, 2].map(relative),
-            largest: largest / if rms > 0.0 { rms } else { 1.0 },
-        }
-    }
-
-    /// Relative RMS error of `rig`; absolute where all is black.
-    pub fn error(&self, rig: &Rig) -> f64 {
-        let cost = self.cost(rig);
-        if self.energy > 0.0 { (cost / self.energy).sqrt() } else { cost.sqrt() }
-    }
-}
-
-/// How far a rig is from a probe.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Judged {
-    /// Relative RMS error over all channels.
-    pub error: f64,
-    /// That of each channel, relative to its own irradiance.
-    pub channels: [f64; 3],
-    /// The greatest difference at any normal and in any channel, relative to the RMS irradiance.
-    pub largest: f64,
-}
-
-/// Samples to be reproduced, and all that a fit needs to know of them beforehand.
-#[derive(Clone, Debug)]
-pub struct Probe {
-    pub(super) samples: Samples,
-    given: Given,
-    /// `w n n^T` of each normal.
-    outer: Vec<DMat3>,
-    /// `w n y` of each normal, for each side y.
-    by_side: Vec<DVec3>,
-}
-
-impl Probe {
-    /// `samples` that lights and an `ambient` term may explain.
-    pub fn new(samples: Samples, ambient: Ambient) -> Self {
-        let weighted = samples.normals.iter().zip(&samples.weights);
-        let outer = weighted.map(|(&n, &w)| DMat3::from_cols(n * n.x, n * n.y, n * n.z) * w).collect();
-        let seen = &samples.irradiance;
-        let (channels, like) = distinct_channels(
-            |channel| seen.iter().all(|e| e[channel] == 0.0),
-            |a, b| seen.iter().all(|e| e[a].to_bits() == e[b].to_bits()),
-        );
-        let columns = ambient.coefficients();
-        let ambient_products = DMatrix::zeros(columns, columns + channels.len());
-        let energy = samples.energy;
-        let given = Given { ambient, has_floor: false, channels, like, ambient_products, energy };
-        let mut probe = Self { samples, given, outer, by_side: Vec::new() };
-        probe.sum_sides();
-        probe
-    }
-
-    /// The sides themselves: a row for each normal.
-    fn side_columns(&self) -> DMatrix<f64> {
-        let ambient = self.given.ambient.coefficients();
-        DMatrix::from_fn(self.samples.normals.len(), self.given.sides(), |i, side| {
-            if side < ambient {
-                self.given.ambient.irradiance(self.samples.normals[i])[side]
-            } else {
-                self.samples.irradiance[i][self.given.channels[side - ambient]]
-            }
-        })
-    }
-
-    fn sum_sides(&mut self) {
-        let ambient = self.given.ambient.coefficients();
-        for (i, &normal) in self.samples.normals.iter().enumerate() {
-            let columns = self.given.ambient.irradiance(normal);
-            let channels = self.given.channels.iter().map(|&channel| self.samples.irradiance[i][channel]);
-            let sides: Vec<f64> = columns[..ambient].iter().copied().chain(channels).collect();
-            let weight = self.samples.weights[i];
-            self.by_side.extend(sides.iter().map(|y| normal * (weight * y)));
-            for (a, column) in columns[..ambient].iter().enumerate() {
-                for (b, y) in sides.iter().enumerate() {
-                    self.given.ambient_products[(a, b)] += weight * column * y;
-                }
-            }
-        }
-    }
-}
+pub use self::measured::{Judged, Samples};
+pub use self::probe::Probe;
+use super::objective::{Directions, Given, Moments, Objective};
+use super::rig::Rig;
 
 impl Objective for Probe {
     fn given(&self) -> &Given {

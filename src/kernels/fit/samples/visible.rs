@@ -10,8 +10,8 @@
 
 use glam::{DMat3, DVec3};
 
-use super::Probe;
 use super::blocks::SAMPLES;
+use super::probe::Probe;
 use crate::kernels::fit::objective::{Moments, pair};
 
 /// The moments of the lights `kept` of `before`, and of others in the directions `new` after them.
@@ -96,9 +96,8 @@ impl Sums {
 
 /// The normals whose bits differ, with the sign of the change.
 fn changes(before: u64, now: u64, word: usize) -> impl Iterator<Item = (usize, f64)> {
-    members(before ^ now, word).map(move |normal| {
-        (normal, if now >> (normal % SAMPLES) & 1 == 1 { 1.0 } else { -1.0 })
-    })
+    members(before ^ now, word)
+        .map(move |normal| (normal, if now >> (normal % SAMPLES) & 1 == 1 { 1.0 } else { -1.0 }))
 }
 
 /// The normals whose bits of a word are set.

@@ -14,7 +14,7 @@ use std::sync::LazyLock;
 use glam::{DMat3, DVec3};
 use pulp::{Arch, Simd, WithSimd};
 
-use super::harmonics::{Coefficients, DEGREE, KINDS, Legendre, orders};
+use super::harmonics::{Coefficients, DEGREE, KINDS, Legendre, orders, turned};
 use crate::kernels::sphere::angles;
 
 /// Cells from the middle of a face to its edge. Twice as many lower the error sixteen times: at ten it is a
@@ -31,32 +31,48 @@ const OTHERS: [[usize; 2]; 3] = [[1, 2], [2, 0], [0, 1]];
 #[derive(Clone, Debug)]
 pub struct Field {
     faces: Vec<[f64; 4]>,
+    /// Cosine and sine of the azimuth towards which the cube is turned.
+    turn: [f64; 2],
 }
 
 impl Field {
-    /// Of a function in harmonics.
-    pub fn new(harmonics: &Coefficients) -> Self {
+    /// Of a function in harmonics, on a cube that is turned towards an `azimuth`. With one that turns with the
+    /// function the table does too, and its error.
+    pub fn new(harmonics: Coefficients, azimuth: f64) -> Self {
+        let harmonics = turned(harmonics, azimuth);
         let mut faces = vec![[0.0; 4]; 3 * SIDE * SIDE];
-        for (kind, (matrix, harmonics)) in SPLINES.iter().zip(harmonics).enumerate() {
-            let mut quarter = vec![[0.0; 4]; 3 * KNOTS * KNOTS];
+        for (kind, (matrix, harmonics)) in SPLINES.iter().zip(&harmonics).enumerate() {
+            let mut quarter = [(); 3].map(|()| vec![0.0; 3 * KNOTS * KNOTS]);
             Arch::new().dispatch(Product { matrix, harmonics, out: &mut quarter });
-            for (i, &value) in quarter.iter().enumerate() {
+            for i in 0..3 * KNOTS * KNOTS {
                 let (face, u, v) = (i / (KNOTS * KNOTS), i / KNOTS % KNOTS, i % KNOTS);
                 let [flips_u, flips_v] = OTHERS[face].map(|axis| KINDS[kind][axis]);
                 for (u, sign_u) in both_sides(u, flips_u) {
                     for (v, sign_v) in both_sides(v, flips_v) {
                         let place = &mut faces[(face * SIDE + u) * SIDE + v];
-                        (0..3).for_each(|c| place[c] += sign_u * sign_v * value[c]);
+                        (0..3).for_each(|c| place[c] += sign_u * sign_v * quarter[c][i]);
                     }
                 }
             }
         }
-        Self { faces }
+        Self { faces, turn: [azimuth.cos(), azimuth.sin()] }
+    }
+
+    /// A direction in the frame of the cube.
+    fn inward(&self, l: DVec3) -> DVec3 {
+        let [cos, sin] = self.turn;
+        DVec3::new(l.x * cos + l.z * sin, l.y, l.z * cos - l.x * sin)
+    }
+
+    /// A vector in the frame of the map.
+    pub fn outward(&self, v: DVec3) -> DVec3 {
+        let [cos, sin] = self.turn;
+        DVec3::new(v.x * cos - v.z * sin, v.y, v.z * cos + v.x * sin)
     }
 
     /// Gradients at the unit vector `l`, by channel; the value is `l.gradient`, for the degree is 1.
     pub fn gradient(&self, l: DVec3) -> [DVec3; 3] {
-        let place = Place::of(l);
+        let place = Place::of(self.inward(l));
         let [bu, bv] = [place.u, place.v].map(weights);
         let [du, dv] = [place.u, place.v].map(slopes);
         let (mut value, mut by_u, mut by_v) = ([0.0; 4], [0.0; 4], [0.0; 4]);
@@ -75,12 +91,12 @@ impl Field {
                 by_v[c] += bu[i] * slope[c];
             }
         }
-        [0, 1, 2].map(|c| place.gradient(value[c], by_u[c], by_v[c]))
+        [0, 1, 2].map(|c| self.outward(place.gradient(value[c], by_u[c], by_v[c])))
     }
 
     /// The second derivative at the unit vector `l` of the sum of the channels with these `shares`.
     pub fn second_derivative(&self, l: DVec3, shares: [f64; 3]) -> DMat3 {
-        let place = Place::of(l);
+        let place = Place::of(self.inward(l));
         let [bu, bv] = [place.u, place.v].map(weights);
         let [du, dv] = [place.u, place.v].map(slopes);
         let [cu, cv] = [place.u, place.v].map(bends);
@@ -93,7 +109,14 @@ impl Field {
                 vv += bu[i] * cv[j] * value;
             }
         }
-        place.second_derivative(uu, uv, vv)
+        let second = place.second_derivative(uu, uv, vv);
+        // R H R^T, a column at a time.
+        let half = DMat3::from_cols_array_2d(
+            &second.to_cols_array_2d().map(|column| self.outward(column.into()).into()),
+        );
+        DMat3::from_cols_array_2d(
+            &half.transpose().to_cols_array_2d().map(|column| self.outward(column.into()).into()),
+        )
     }
 
     fn row(&self, place: &Place, i: usize) -> &[[f64; 4]; 4] {
@@ -144,7 +167,8 @@ impl Place {
     fn second_derivative(&self, uu: f64, uv: f64, vv: f64) -> DMat3 {
         let [uu, uv, vv] = [uu, uv, vv].map(|bend| bend * (HALF * HALF) as f64 / self.height);
         let [u, v] = self.ratios;
-        let own = self.vector(u * u * uu + 2.0 * u * v * uv + v * v * vv, -(u * uu + v * uv), -(u * uv + v * vv));
+        let own =
+            self.vector(u * u * uu + 2.0 * u * v * uv + v * v * vv, -(u * uu + v * uv), -(u * uv + v * vv));
         let by_u = self.vector(-(u * uu + v * uv), uu, uv);
         let by_v = self.vector(-(u * uv + v * vv), uv, vv);
         let mut columns = [DVec3::ZERO; 3];
@@ -181,11 +205,11 @@ fn bends(t: f64) -> [f64; 4] {
     [s, t - 2.0 * s, s - 2.0 * t, t]
 }
 
-/// `matrix harmonics`, in wide vectors.
+/// `matrix harmonics` for each channel, in wide vectors.
 struct Product<'a> {
     matrix: &'a [Vec<f64>],
     harmonics: &'a [[f64; 3]],
-    out: &'a mut [[f64; 4]],
+    out: &'a mut [Vec<f64>; 3],
 }
 
 impl WithSimd for Product<'_> {
@@ -194,11 +218,14 @@ impl WithSimd for Product<'_> {
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
     fn with_simd<S: Simd>(self, _: S) {
-        for (column, &[r, g, b]) in self.matrix.iter().zip(self.harmonics) {
-            let harmonic = [r, g, b, 0.0];
-            for (out, &entry) in self.out.iter_mut().zip(column) {
-                for c in 0..4 {
-                    out[c] += entry * harmonic[c];
+        // Two harmonics at once: half as many passes over the sums.
+        for (columns, harmonics) in self.matrix.chunks(2).zip(self.harmonics.chunks(2)) {
+            let (first, last) = (&columns[0], &columns[columns.len() - 1]);
+            for (channel, out) in self.out.iter_mut().enumerate() {
+                let one = harmonics[0][channel];
+                let other = if harmonics.len() > 1 { harmonics[1][channel] } else { 0.0 };
+                for ((out, a), b) in out.iter_mut().zip(first).zip(last) {
+                    *out += a * one + b * other;
                 }
             }
         }
@@ -232,7 +259,8 @@ static SPLINES: LazyLock<[Vec<Vec<f64>>; 4]> = LazyLock::new(|| {
                 };
                 let values = row.iter().zip(&azimuths).zip(&knots);
                 // Of degree 1: at the knots, which lie outside of the unit sphere, as long as they are.
-                let values: Vec<f64> = values.map(|((p, &phi), place)| p * turn(phi) * place.length()).collect();
+                let values: Vec<f64> =
+                    values.map(|((p, &phi), place)| p * turn(phi) * place.length()).collect();
                 splines[kind].push(quarters(&values, kind, SAMPLED));
             }
         }

@@ -166,6 +166,13 @@ impl Spectrum {
         DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz])
     }
 
+    /// Azimuth of the map's vector irradiance: it turns with the map. 0 where that is all but vertical.
+    pub fn azimuth(&self) -> f64 {
+        let whole: f64 = (0..3).map(|channel| self.whole(channel)).sum();
+        let first: DVec3 = self.first.iter().sum();
+        if first.with_y(0.0).length() > 1e-6 * whole { angles(first).1 } else { 0.0 }
+    }
+
     /// Degree l times the l/2-th of these `factors`.
     pub fn scaled(&self, factors: &[f64]) -> Coefficients {
         let mut out = self.even.clone();
@@ -177,6 +184,21 @@ impl Spectrum {
         }
         out
     }
+}
+
+/// The coefficients of what stands at `azimuth`, once it is turned to 0.
+pub fn turned(mut harmonics: Coefficients, azimuth: f64) -> Coefficients {
+    let [even_cosines, odd_cosines, even_sines, odd_sines] = &mut harmonics;
+    let cosines = even_cosines.iter_mut().skip(degrees(0).count()).chain(odd_cosines);
+    let sines = even_sines.iter_mut().chain(odd_sines);
+    let orders = [2, 3].into_iter().flat_map(orders).flat_map(|order| degrees(order).map(move |_| order));
+    for ((cosine, sine), order) in cosines.zip(sines).zip(orders) {
+        let (sin, cos) = (order as f64 * azimuth).sin_cos();
+        for (a, b) in cosine.iter_mut().zip(sine) {
+            (*a, *b) = (*a * cos + *b * sin, *b * cos - *a * sin);
+        }
+    }
+    harmonics
 }
 
 /// The coefficients of even degree.
@@ -215,7 +237,11 @@ fn azimuthal(radiance: ArrayView3<'_, f32>, edges: &[f64]) -> Azimuthal {
     let are_alike = edges.windows(2).all(|edge| ((edge[1] - edge[0]) / width - 1.0).abs() < 1e-9);
     let samples = radiance.as_standard_layout();
     let samples = samples.as_slice().unwrap_or(&[]).as_chunks::<3>().0; // the standard layout is a slice
-    let cells = if are_alike && columns.is_multiple_of(4) { folded(samples, columns) } else { whole(samples, columns) };
+    let cells = if are_alike && columns.is_multiple_of(4) {
+        folded(samples, columns)
+    } else {
+        whole(samples, columns)
+    };
     let mut values = vec![[0.0; 6]; rows * ORDERS];
     for (kind, cells) in cells.iter().enumerate() {
         let sums = integrals(kind, &edges[..=cells.nrows()]) * cells;
@@ -266,7 +292,8 @@ fn folded(samples: &[[f32; 3]], columns: usize) -> [DMatrix<f64>; 4] {
             let mut folded = out.each_mut().map(|kind| kind.column_mut(3 * row + channel));
             for x in 0..length {
                 let at = |x: usize| f64::from(cells[x][channel]);
-                let (first, second, third, fourth) = (at(x), at(half - 1 - x), at(half + x), at(columns - 1 - x));
+                let (first, second, third, fourth) =
+                    (at(x), at(half - 1 - x), at(half + x), at(columns - 1 - x));
                 folded[0][x] = first + second + third + fourth;
                 folded[1][x] = first - second - third + fourth;
                 folded[2][x] = first - second + third - fourth;
@@ -336,7 +363,8 @@ impl Bands {
                 let sine = (1.0 - height * height).sqrt();
                 for (row, height) in [(Some(*row), *height), (*mirrored, -height)] {
                     let Some(row) = row else { continue };
-                    let (zeroth, first) = (azimuthal.values[row * ORDERS], azimuthal.values[row * ORDERS + 1]);
+                    let (zeroth, first) =
+                        (azimuthal.values[row * ORDERS], azimuthal.values[row * ORDERS + 1]);
                     for (channel, out) in out.iter_mut().enumerate() {
                         let (x, z) = (sine * first[channel + 3], -sine * first[channel]);
                         *out += DVec3::new(x, height * zeroth[channel], z) * *weight;

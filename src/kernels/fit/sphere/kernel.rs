@@ -92,7 +92,8 @@ pub struct Pair {
 pub fn pairs(l: DVec3, others: &[DVec3]) -> impl Iterator<Item = Pair> {
     others.chunks(4).flat_map(move |others| {
         let angles = angle(l, &Lanes::new(others));
-        let [cosine, rest, slope, bend] = [angles.cosine, angles.rest(), angles.slope, angles.bend()].map(f64x4::to_array);
+        let [cosine, rest, slope, bend] =
+            [angles.cosine, angles.rest(), angles.slope, angles.bend()].map(f64x4::to_array);
         let pair = move |i: usize| Pair { cosine: cosine[i], rest: rest[i], slope: slope[i], bend: bend[i] };
         (0..others.len()).map(pair)
     })

@@ -24,16 +24,16 @@ mod points;
 
 use glam::{DMat3, DVec3};
 use nalgebra::DMatrix;
-use ndarray::{Axis, ArrayView2};
+use ndarray::{ArrayView2, Axis};
 
 use self::ambient_columns::{Columns, Radiance};
 use self::field::Field;
 use self::harmonics::Spectrum;
 use self::kernel::{LINEAR, Lanes, angle, outer, pairs, spectrum};
 use self::points::{Point, Points};
-use super::Rig;
 use super::ambient::Ambient;
 use super::objective::{Directions, Given, Moments, Objective, distinct_channels, pair};
+use super::rig::Rig;
 use crate::kernels::image::WorkingMap;
 
 /// Points that are kept at most, the brightest: beyond, harmonics are as good.
@@ -59,7 +59,7 @@ impl Sphere {
         let mut rest = Spectrum::new(map.radiance.view(), &map.grid).with_points(&faint);
         (0..3).for_each(|channel| rest.first[channel] += aside[channel]);
         let factors = spectrum(harmonics::DEGREE / 2 + 1);
-        let field = Field::new(&rest.scaled(&factors));
+        let field = Field::new(rest.scaled(&factors), rest.azimuth());
         let columns = Columns { ambient, has_floor };
         let given = Given::nothing(ambient, has_floor);
         let mut sphere = Self { given, columns, points: Points::new(&points), first: rest.first, field };
@@ -78,12 +78,11 @@ impl Sphere {
         };
         let (used, like) = distinct_channels(|channel| channels[channel].whole == 0.0, are_same);
         let ambient = self.columns.ambient.coefficients();
-        let ambient_products = DMatrix::from_fn(ambient, ambient + used.len(), |i, side| {
-            match side.checked_sub(ambient) {
+        let ambient_products =
+            DMatrix::from_fn(ambient, ambient + used.len(), |i, side| match side.checked_sub(ambient) {
                 None => self.columns.gram(i, side),
                 Some(channel) => self.columns.probe(i, &channels[used[channel]]),
-            }
-        });
+            });
         let energy = energy.iter().sum();
         let Columns { ambient, has_floor } = self.columns;
         Given { ambient, has_floor, channels: used, like, ambient_products, energy }
@@ -132,7 +131,8 @@ impl Objective for Sphere {
         let mut moments = Vec::with_capacity(pair(directions.len(), 0));
         for (j, &l) in directions.iter().enumerate() {
             let others = &directions[..=j];
-            moments.extend(pairs(l, others).zip(others).map(|(pair, &other)| pair.mixed_derivative(l, other)));
+            moments
+                .extend(pairs(l, others).zip(others).map(|(pair, &other)| pair.mixed_derivative(l, other)));
         }
         Moments::new(&self.given, directions, sides, moments)
     }
@@ -158,7 +158,11 @@ impl Objective for Sphere {
         let sides = self.columns.second_derivative(l, ambient) + map;
         let directions: Vec<DVec3> = lights.iter().map(|light| light.1).collect();
         let pairs = pairs(l, &directions).zip(lights);
-        Some(pairs.fold(sides, |sum, (pair, (weight, other))| sum + pair.second_derivative(l, *other) * *weight))
+        Some(
+            pairs.fold(sides, |sum, (pair, (weight, other))| {
+                sum + pair.second_derivative(l, *other) * *weight
+            }),
+        )
     }
 
     fn light_products(&self, at: &Directions, lights: &[DVec3]) -> DMatrix<f64> {
@@ -192,9 +196,9 @@ impl Objective for Sphere {
         !self.columns.has_floor || direction.y >= 0.0
     }
 
-    fn nearest_allowed(&self, direction: DVec3) -> DVec3 {
-        // Even starts fill the half above a floor as they are, those below it mirrored.
-        if self.allows(direction) { direction } else { direction.with_y(-direction.y) }
+    fn placed(&self, direction: DVec3) -> DVec3 {
+        let turned = self.field.outward(direction);
+        if self.allows(turned) { turned } else { turned.with_y(-turned.y) }
     }
 
     fn has_kinks(&self) -> bool {
@@ -270,7 +274,8 @@ mod tests {
         for registration in [Registration::CellCentred, Registration::BorderSampled] {
             let (map, samples) = worlds(registration);
             for ambient in [Ambient::None, Ambient::Constant, Ambient::Sh2] {
-                let (closed, summed) = (Sphere::new(&map, ambient, false), Probe::new(samples.clone(), ambient));
+                let (closed, summed) =
+                    (Sphere::new(&map, ambient, false), Probe::new(samples.clone(), ambient));
                 let energy = closed.given.energy / summed.given().energy - 1.0;
                 assert!(energy.abs() < 1e-4, "{energy:e}");
                 let [a, b] = [&closed as &dyn Objective, &summed].map(|o| o.moments(directions()));
@@ -290,15 +295,22 @@ mod tests {
     fn gradients_and_second_derivatives_are_the_slopes_that_are_measured() {
         let (map, _) = worlds(Registration::CellCentred);
         const STEP: f64 = 1e-4;
-        for (ambient, has_floor) in
-            [(Ambient::None, false), (Ambient::Constant, false), (Ambient::Constant, true), (Ambient::Sh2, false)]
-        {
+        for (ambient, has_floor) in [
+            (Ambient::None, false),
+            (Ambient::Constant, false),
+            (Ambient::Constant, true),
+            (Ambient::Sh2, false),
+        ] {
             let sphere = Sphere::new(&map, ambient, has_floor);
             let others = [(0.7, DVec3::new(2.0, 3.0, 6.0) / 7.0), (-0.4, DVec3::NEG_Z)];
             let weights: Vec<f64> = (0..sphere.given.sides()).map(|i| 0.3 + 0.1 * i as f64).collect();
             let value = |l: DVec3| -> f64 {
                 let sides: f64 = sphere.sides_at(l).zip(&weights).map(|(g, w)| w * g.dot(l)).sum();
-                sides + others.iter().map(|(w, other)| w * pairs(l, &[*other]).next().unwrap().value()).sum::<f64>()
+                sides
+                    + others
+                        .iter()
+                        .map(|(w, other)| w * pairs(l, &[*other]).next().unwrap().value())
+                        .sum::<f64>()
             };
             for l in directions() {
                 let [s, t] = tangents(l);

@@ -23,7 +23,9 @@ impl Points {
     pub fn new(points: &[Point]) -> Self {
         let four = |points: &[Point]| {
             let irradiance = |channel: usize| {
-                f64x4::from(std::array::from_fn::<f64, 4, _>(|i| points.get(i).map_or(0.0, |point| point.irradiance[channel])))
+                f64x4::from(std::array::from_fn::<f64, 4, _>(|i| {
+                    points.get(i).map_or(0.0, |point| point.irradiance[channel])
+                }))
             };
             let directions: Vec<DVec3> = points.iter().map(|point| point.direction).collect();
             (Lanes::new(&directions), [0, 1, 2].map(irradiance))
@@ -54,7 +56,8 @@ impl Points {
         let mut products = [f64x4::ZERO; 6];
         for (points, irradiance) in &self.fours {
             let angle = angle(l, points);
-            let weight = (0..3).fold(f64x4::ZERO, |sum, channel| sum + irradiance[channel] * f64x4::splat(shares[channel]));
+            let weight = (0..3)
+                .fold(f64x4::ZERO, |sum, channel| sum + irradiance[channel] * f64x4::splat(shares[channel]));
             round += weight * angle.rest();
             let bend = weight * angle.bend();
             // Of the points only what lies in the tangent plane, for k'' may be large.

@@ -1,0 +1,105 @@
+//! What was measured: irradiance at normals, and how far a rig is from it.
+
+use glam::DVec3;
+use ndarray::{ArrayView1, ArrayView2};
+
+use super::blocks::Blocks;
+use crate::error::Result;
+use crate::kernels::fit::rig::Rig;
+use crate::kernels::sphere::{check_weighted, to_vectors};
+
+/// Irradiance at normals, each with a weight.
+#[derive(Clone, Debug)]
+pub struct Samples {
+    pub(in crate::kernels::fit) normals: Vec<DVec3>,
+    pub(in crate::kernels::fit) weights: Vec<f64>,
+    pub(in crate::kernels::fit) irradiance: Vec<DVec3>,
+    /// The same, side by side.
+    pub(super) blocks: Blocks,
+    /// Weighted sum of squares of the irradiance: the cost of no light at all.
+    pub(in crate::kernels::fit) energy: f64,
+}
+
+impl Samples {
+    /// Check and pair up what was measured.
+    ///
+    /// # Inputs
+    ///
+    /// - `normals`: (n, 3) unit vectors; `weights`: (n,), not negative.
+    /// - `irradiance`: (n, 3) RGB, finite.
+    ///
+    /// # Errors
+    ///
+    /// [`crate::error::Error::WrongColumns`], [`crate::error::Error::LengthMismatch`],
+    /// [`crate::error::Error::NotFinite`], [`crate::error::Error::NotUnit`],
+    /// [`crate::error::Error::Negative`].
+    pub fn new(
+        normals: ArrayView2<'_, f64>,
+        weights: ArrayView1<'_, f64>,
+        irradiance: ArrayView2<'_, f64>,
+    ) -> Result<Self> {
+        let normals = check_weighted(normals, ("irradiance", irradiance), weights)?;
+        Ok(Self::of(normals, weights.to_vec(), to_vectors(irradiance)))
+    }
+
+    pub(in crate::kernels::fit) fn of(
+        normals: Vec<DVec3>,
+        weights: Vec<f64>,
+        irradiance: Vec<DVec3>,
+    ) -> Self {
+        let blocks = Blocks::new(&normals, &weights, &irradiance);
+        let energy = blocks.cost(&Rig::default());
+        Self { normals, weights, irradiance, blocks, energy }
+    }
+
+    /// Those at the normals that `are_kept`; none where all are.
+    pub fn only(&self, are_kept: impl Fn(DVec3) -> bool) -> Option<Self> {
+        let kept: Vec<usize> = (0..self.normals.len()).filter(|&i| are_kept(self.normals[i])).collect();
+        (kept.len() < self.normals.len()).then(|| {
+            let normals = kept.iter().map(|&i| self.normals[i]).collect();
+            let weights = kept.iter().map(|&i| self.weights[i]).collect();
+            Self::of(normals, weights, kept.iter().map(|&i| self.irradiance[i]).collect())
+        })
+    }
+
+    /// Weighted sum of squares of what `rig` leaves unexplained.
+    pub fn cost(&self, rig: &Rig) -> f64 {
+        self.blocks.cost(rig)
+    }
+
+    /// How far `rig` is from them.
+    pub fn judged(&self, rig: &Rig) -> Judged {
+        let (mut difference, mut whole, mut largest) = (DVec3::ZERO, DVec3::ZERO, 0.0_f64);
+        for ((&n, &weight), &e) in self.normals.iter().zip(&self.weights).zip(&self.irradiance) {
+            let off = (rig.at(n) - e).abs();
+            difference += weight * off * off;
+            whole += weight * e * e;
+            largest = largest.max(off.max_element());
+        }
+        let weights: f64 = self.weights.iter().sum();
+        let rms = (whole.element_sum() / weights / 3.0).sqrt();
+        let relative = |c: usize| (difference[c] / if whole[c] > 0.0 { whole[c] } else { 1.0 }).sqrt();
+        Judged {
+            error: self.error(rig),
+            channels: [0, 1, 2].map(relative),
+            largest: largest / if rms > 0.0 { rms } else { 1.0 },
+        }
+    }
+
+    /// Relative RMS error of `rig`; absolute where all is black.
+    pub fn error(&self, rig: &Rig) -> f64 {
+        let cost = self.cost(rig);
+        if self.energy > 0.0 { (cost / self.energy).sqrt() } else { cost.sqrt() }
+    }
+}
+
+/// How far a rig is from a probe.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Judged {
+    /// Relative RMS error over all channels.
+    pub error: f64,
+    /// That of each channel, relative to its own irradiance.
+    pub channels: [f64; 3],
+    /// The greatest difference at any normal and in any channel, relative to the RMS irradiance.
+    pub largest: f64,
+}
