@@ -121,5 +121,5 @@ def _above_horizon(env: EnvMap) -> EnvMap:
     """`env`, black where its pixels look down."""
     is_border_sampled = env.registration == "border-sampled"
     towards = sphere.pixel_directions(env.height, env.width, border_sampled=is_border_sampled)
-    radiance = np.where(towards[..., 1:] < 0, np.float32(0), env.radiance)
+    radiance = np.where(towards[..., 1:2] < 0, np.float32(0), env.radiance)
     return EnvMap(radiance, registration=env.registration)
