@@ -28,6 +28,7 @@ __all__ = [
     "harmonic_radiance",
     "icosphere",
     "irradiance",
+    "judging_irradiance",
     "luminance",
     "merge_along_lines",
     "neighbour_maximum",
@@ -207,6 +208,13 @@ def resize_bilinear(image: _Image, height: int, width: int) -> _Image: ...
 def rig_irradiance(
     normals: _Reals, ambient: _Reals, directions: _Reals, irradiance: _Reals
 ) -> _Reals: ...
+def judging_irradiance(
+    radiance: _Image,
+    fewest: int,
+    border_sampled: bool,
+    columns: int,
+    source_share: float,
+) -> tuple[_Reals, _Reals, _Reals, int]: ...
 def sum_over_sources(
     normals: _Reals,
     directions: _Reals,

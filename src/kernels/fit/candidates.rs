@@ -98,28 +98,28 @@ impl Beside<'_> {
         let row = self.state.x.nrows() - self.state.lights() + light;
         let own = self.inverse[(row, row)];
         let x = self.state.x.row(row).transpose();
-        let without: f64 = (0..x.len()).map(|c| self.copies(c) * x[c] * x[c]).sum::<f64>() / own;
+        let given = self.candidates.objective.given();
+        let without: f64 = (0..x.len()).map(|c| given.copies(c) * x[c] * x[c]).sum::<f64>() / own;
         self.promises(self.state.cost + without, &x, |i| {
             let along = self.along[(row, i)];
             (along / own, along * along / own)
         })
     }
 
+    /// Of a light that has the radiances `x` already, and of what its place gives back at each candidate.
     fn promises(&self, cost: f64, x: &DVector<f64>, given_back: impl Fn(usize) -> (f64, f64)) -> Vec<Promise> {
-        let candidates = self.candidates;
-        let promise = |i: usize| {
+        let Candidates { at, squares, objective, .. } = self.candidates;
+        let copies: Vec<f64> = (0..x.len()).map(|channel| objective.given().copies(channel)).collect();
+        let mut promises = Vec::with_capacity(self.outside.len());
+        for (i, &outside) in self.outside.iter().enumerate() {
             let (share, length) = given_back(i);
-            let outside = self.outside[i] + length;
-            let explained = |c: usize| self.copies(c) * (self.residual[(i, c)] + x[c] * share).max(0.0).powi(2);
-            let explained: f64 = (0..x.len()).map(explained).sum();
-            (outside > DEPENDENT * candidates.squares[i])
-                .then(|| (cost - explained / outside, candidates.at.directions[i]))
-        };
-        let promises = (0..self.outside.len()).filter_map(promise);
-        promises.filter(|promise| promise.0 < self.state.cost).collect()
-    }
-
-    fn copies(&self, channel: usize) -> f64 {
-        self.candidates.objective.given().copies(channel)
+            let outside = outside + length;
+            let explained = |c: usize| copies[c] * (self.residual[(i, c)] + x[c] * share).max(0.0).powi(2);
+            let left = cost - (0..x.len()).map(explained).sum::<f64>() / outside;
+            if left < self.state.cost && outside > DEPENDENT * squares[i] {
+                promises.push((left, at.directions[i]));
+            }
+        }
+        promises
     }
 }

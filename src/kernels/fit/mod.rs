@@ -242,6 +242,26 @@ mod timing {
             best("reduce", || image::reduce(map.view(), Registration::CellCentred, 256, 2e-3).unwrap());
             best("sphere", || Sphere::new(&w, Ambient::Constant, false));
             let sphere = Sphere::new(&w, Ambient::Constant, false);
+            if let Ok(mode) = std::env::var("MODE") {
+                if name != "venice" { continue; }
+                let problem = Problem { objective: &sphere, start: &[], fixed: 0, lights: 8, error: None, max_steps: 100 };
+                let path = light_count::path(&problem, &Samples::of(vec![DVec3::Y], vec![1.0], vec![DVec3::Y]), 0.0).unwrap();
+                let state = path.last().unwrap().0.clone();
+                let c = candidates::Candidates::new(&sphere);
+                match mode.as_str() {
+                    "sphere" => for _ in 0..3000 { std::hint::black_box(Sphere::new(&w, Ambient::Constant, false)); },
+                    "search" => for _ in 0..500 {
+                        let search = search::Search::new(&problem);
+                        let mut beam = vec![State::new(&sphere, &[])];
+                        for _ in 0..8 { beam = search.grown(&beam); }
+                        std::hint::black_box(search.best(beam).unwrap());
+                    },
+                    "newton" => for _ in 0..300000 { std::hint::black_box(newton::Quadratic::around(&problem, &state, true)); },
+                    "state" => for _ in 0..600000 { std::hint::black_box(State::new(&sphere, &state.moments.directions)); },
+                    _ => for _ in 0..100000 { std::hint::black_box(c.beside(&state).unwrap().moved(3)); },
+                }
+                continue;
+            }
             best("candidates", || candidates::Candidates::new(&sphere));
             for lights in [4, 8] {
                 let problem = Problem { objective: &sphere, start: &[], fixed: 0, lights, error: None, max_steps: 100 };

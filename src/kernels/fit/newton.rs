@@ -15,10 +15,8 @@
 //! form (1975), which needs no second derivatives, and is never bent downwards.
 
 
-use std::sync::Arc;
-
 use glam::DVec3;
-use nalgebra::{DMatrix, DVector, DVectorView};
+use nalgebra::{DMatrix, DVector};
 
 use super::ambient::Ambient;
 use super::nnls::Support;
@@ -51,55 +49,35 @@ impl Quadratic {
         let derivatives = state.moments.derivatives(given, problem.fixed);
         let size = derivatives.gram.nrows();
         let residual = &derivatives.rhs - &derivatives.model * &state.x;
-        let zero = DVector::zeros(size);
-        let mut sum = Self { hessian: DMatrix::zeros(size, size), gradient: zero.clone(), scale: zero };
         let bend = is_exact.then(|| bend(problem, state, &derivatives)).flatten();
-        let first = given.ambient.coefficients() + problem.fixed;
-        let mut shared: Option<(&Arc<Support>, DMatrix<f64>)> = None;
+        let (mut gradient, mut shares) = (DVector::zeros(size), DMatrix::zeros(size / 2, size / 2));
+        let mut insides = DMatrix::zeros(size, state.supports.iter().map(|support| support.columns.len()).sum());
+        let (first, mut filled) = (given.ambient.coefficients() + problem.fixed, 0);
         for (channel, (support, dark)) in state.supports.iter().zip(&state.dark).enumerate() {
-            let irradiance = state.irradiance();
-            let of = DVector::from_fn(size, |i, _| irradiance[(problem.fixed + i / 2, channel)]);
-            sum.add_slope(given.copies(channel), &of, &residual.column(channel));
+            let copies = given.copies(channel);
+            let of = state.irradiance().column(channel).rows_range(problem.fixed..).into_owned();
+            // Slope: the radiance of each light times what its derivatives have in common with the residual.
+            (0..size).for_each(|i| gradient[i] -= copies * of[i / 2] * residual[(i, channel)]);
+            shares.ger(copies, &of, &of, 1.0);
+            // What the radiances follow when a light turns.
+            let mut products = derivatives.model.clone();
+            for mut column in products.column_iter_mut() {
+                column.iter_mut().enumerate().for_each(|(i, product)| *product *= of[i / 2]);
+            }
             if bend.is_some() {
-                let mut products = derivatives.model.clone();
-                for i in 0..size {
-                    products.row_mut(i).scale_mut(of[i]);
-                    products[(i, first + i / 2)] -= residual[(i, channel)];
-                }
-                let inside = inside(products, support, dark);
-                sum.hessian.gemm(-given.copies(channel), &inside, &inside.transpose(), 1.0);
-                sum.add_scaled(given.copies(channel), &of, &derivatives.gram);
-                continue;
+                (0..size).for_each(|i| products[(i, first + i / 2)] -= residual[(i, channel)]);
             }
-            // Channels that use the same lights share the projection.
-            if !dark.is_empty() || shared.as_ref().is_none_or(|(last, _)| !Arc::ptr_eq(last, support)) {
-                let inside = inside(derivatives.model.clone(), support, dark);
-                let mut outside = derivatives.gram.clone();
-                outside.gemm(-1.0, &inside, &inside.transpose(), 1.0);
-                shared = Some((support, outside));
-            }
-            if let Some((_, outside)) = &shared {
-                sum.add_scaled(given.copies(channel), &of, outside);
-            }
+            let inside = inside(products, support, dark) * copies.sqrt();
+            insides.columns_mut(filled, inside.ncols()).copy_from(&inside);
+            filled += inside.ncols();
         }
-        sum.scale.copy_from(&sum.hessian.diagonal().map(|value| value.max(0.0)));
+        let mut hessian = DMatrix::from_fn(size, size, |i, k| shares[(i / 2, k / 2)] * derivatives.gram[(i, k)]);
+        hessian.gemm(-1.0, &insides, &insides.transpose(), 1.0);
+        let scale = hessian.diagonal().map(|value| value.max(0.0));
         if let Some(bend) = bend {
-            sum.hessian += bend;
+            hessian += bend;
         }
-        sum
-    }
-
-    /// Add the gradient of a channel, of which there are so many `copies`.
-    fn add_slope(&mut self, copies: f64, of: &DVector<f64>, residual: &DVectorView<'_, f64>) {
-        self.gradient.zip_zip_apply(of, residual, |sum, of, residual| *sum -= copies * of * residual);
-    }
-
-    /// Add inner products of derivatives, scaled by the radiances of their lights.
-    fn add_scaled(&mut self, copies: f64, of: &DVector<f64>, products: &DMatrix<f64>) {
-        for (a, mut column) in self.hessian.column_iter_mut().enumerate() {
-            let own = copies * of[a];
-            column.zip_zip_apply(of, &products.column(a), |sum, of, product| *sum += own * of * product);
-        }
+        Self { hessian, gradient, scale }
     }
 
     /// What the cost falls by with `step`.

@@ -25,11 +25,19 @@
 //! | flux of a band of rows up to an azimuth | `band.rs`     |
 //! | the part of a band before a normal      | `horizon.rs`  |
 //! | the same for many normals, few cells    | `table.rs`    |
+//! | the same at normals that judge a rig    | `rings.rs`    |
+//! | - columns of one width                  | `even.rs`     |
+//! | - the horizon of a ring of normals      | `strips.rs`   |
+//! | - what a ring sees of a run of rows     | `runs.rs`     |
 
 mod band;
+mod even;
 mod horizon;
 mod opposite;
+mod rings;
 mod rows;
+mod runs;
+mod strips;
 mod table;
 
 use glam::DVec3;
@@ -42,6 +50,7 @@ use crate::error::{Error, Result};
 use band::{Band, Columns};
 use horizon::{Normal, Steps};
 use opposite::VectorFlux;
+pub use rings::{Judged, judge};
 
 /// Rows are summed in runs of their own, whatever the number of threads: the same bits everywhere.
 const MOST_RUNS: usize = 64;

@@ -54,7 +54,7 @@ impl Pairs {
 }
 
 /// `n.F` of each channel, rounded once for each term.
-fn dot(n: DVec3, flux: &VectorFlux) -> DVec3 {
+pub fn dot(n: DVec3, flux: &VectorFlux) -> DVec3 {
     let [x, y, z] = *flux;
     z.mul_add(DVec3::splat(n.z), y.mul_add(DVec3::splat(n.y), x * n.x))
 }

@@ -10,9 +10,10 @@
 //! coefficients come in two steps: integrals over azimuth row by row, then over the height of the rows.
 
 use std::f64::consts::{FRAC_PI_4, PI};
+use std::ops::Range;
 
 use glam::{DMat3, DVec3};
-use nalgebra::DMatrix;
+use nalgebra::{Complex, DMatrix};
 use ndarray::ArrayView3;
 
 use super::points::Point;
@@ -186,8 +187,10 @@ fn even(bands: &Bands, azimuthal: &Azimuthal) -> Coefficients {
         let sums = bands.sums(azimuthal, order);
         for row in legendre.rows() {
             let mut sum = [0.0; 6];
-            for (p, values) in row.iter().zip(&sums) {
-                (0..6).for_each(|i| sum[i] += p * values[i]);
+            for (band, values) in bands.rows.iter().zip(&sums) {
+                let weighted = row[band.nodes.clone()].iter().zip(&bands.nodes[band.nodes.clone()]);
+                let integral: f64 = weighted.map(|(p, node)| p * node.weight).sum();
+                (0..6).for_each(|i| sum[i] += integral * values[i]);
             }
             let [cosine, sine] = [0, 3].map(|i| [sum[i], sum[i + 1], sum[i + 2]]);
             out[order % 2].push(cosine);
@@ -229,15 +232,28 @@ fn azimuthal(radiance: ArrayView3<'_, f32>, edges: &[f64]) -> Azimuthal {
 /// `integral of cos m phi` or `sin m phi` over each column, for each order of a kind.
 fn integrals(kind: usize, edges: &[f64]) -> DMatrix<f64> {
     let orders: Vec<usize> = orders(kind).collect();
-    DMatrix::from_fn(orders.len(), edges.len() - 1, |i, x| {
-        let m = orders[i] as f64;
-        let (low, high) = (edges[x], edges[x + 1]);
-        match kind {
-            _ if orders[i] == 0 => high - low,
-            0 | 1 => ((m * high).sin() - (m * low).sin()) / m,
-            _ => ((m * low).cos() - (m * high).cos()) / m,
+    let mut out = DMatrix::zeros(orders.len(), edges.len() - 1);
+    let mut low = turns(edges[0]);
+    for (mut column, edge) in out.column_iter_mut().zip(edges.windows(2)) {
+        let high = turns(edge[1]);
+        for (value, &m) in column.iter_mut().zip(&orders) {
+            *value = match kind {
+                _ if m == 0 => edge[1] - edge[0],
+                0 | 1 => (high[m].im - low[m].im) / m as f64,
+                _ => (low[m].re - high[m].re) / m as f64,
+            };
         }
-    })
+        low = high;
+    }
+    out
+}
+
+/// `exp(i m phi)` for each order m, each from the one before.
+fn turns(phi: f64) -> [Complex<f64>; ORDERS] {
+    let turn = Complex::from_polar(1.0, phi);
+    let mut turns = [Complex::ONE; ORDERS];
+    (1..ORDERS).for_each(|m| turns[m] = turns[m - 1] * turn);
+    turns
 }
 
 /// The four quarters of each row laid upon each other, for each kind with the signs that its functions have in
@@ -271,15 +287,21 @@ fn whole(samples: &[[f32; 3]], columns: usize) -> [DMatrix<f64>; 4] {
 /// Heights at which the rows are integrated.
 struct Bands {
     nodes: Vec<Node>,
+    rows: Vec<Row>,
 }
 
+/// A node of an integral over theta.
 struct Node {
     /// cos theta
     height: f64,
     weight: f64,
+}
+
+/// A row, and the one at the same angle from the other pole where there is one.
+struct Row {
     row: usize,
-    /// The row at the same angle from the other pole.
     mirrored: Option<usize>,
+    nodes: Range<usize>,
 }
 
 impl Bands {
@@ -288,49 +310,52 @@ impl Bands {
         const HIGHEST: f64 = FRAC_PI_4 / 16.0;
         let rows = edges.len() - 1;
         let is_symmetric = (0..=rows).all(|i| (edges[i] + edges[rows - i] - PI).abs() < 1e-12);
-        let mut nodes = Vec::new();
+        let mut bands = Self { nodes: Vec::new(), rows: Vec::new() };
         for row in 0..if is_symmetric { rows.div_ceil(2) } else { rows } {
-            let (low, high) = (edges[row], edges[row + 1]);
+            let (low, high, first) = (edges[row], edges[row + 1], bands.nodes.len());
             let parts = ((high - low) / HIGHEST).ceil().max(1.0);
             let half = 0.5 * (high - low) / parts;
-            let mirrored = (is_symmetric && rows - 1 - row != row).then(|| rows - 1 - row);
             for part in 0..parts as usize {
                 let middle = low + half * (2 * part + 1) as f64;
                 for side in [-1.0, 1.0] {
                     let (sine, height) = (middle + side * half / 3.0_f64.sqrt()).sin_cos();
-                    nodes.push(Node { height, weight: half * sine, row, mirrored });
+                    bands.nodes.push(Node { height, weight: half * sine });
                 }
             }
+            let mirrored = (is_symmetric && rows - 1 - row != row).then(|| rows - 1 - row);
+            bands.rows.push(Row { row, mirrored, nodes: first..bands.nodes.len() });
         }
-        Self { nodes }
+        bands
     }
 
     /// `integral of L w dw`, by channel.
     fn first_moments(&self, azimuthal: &Azimuthal) -> [DVec3; 3] {
         let mut out = [DVec3::ZERO; 3];
-        for node in &self.nodes {
-            let sine = (1.0 - node.height * node.height).sqrt();
-            for (row, height) in [(Some(node.row), node.height), (node.mirrored, -node.height)] {
-                let Some(row) = row else { continue };
-                let (zeroth, first) = (azimuthal.values[row * ORDERS], azimuthal.values[row * ORDERS + 1]);
-                for (channel, out) in out.iter_mut().enumerate() {
-                    let along = DVec3::new(sine * first[channel + 3], height * zeroth[channel], -sine * first[channel]);
-                    *out += along * node.weight;
+        for Row { row, mirrored, nodes } in &self.rows {
+            for Node { height, weight } in &self.nodes[nodes.clone()] {
+                let sine = (1.0 - height * height).sqrt();
+                for (row, height) in [(Some(*row), *height), (*mirrored, -height)] {
+                    let Some(row) = row else { continue };
+                    let (zeroth, first) = (azimuthal.values[row * ORDERS], azimuthal.values[row * ORDERS + 1]);
+                    for (channel, out) in out.iter_mut().enumerate() {
+                        let (x, z) = (sine * first[channel + 3], -sine * first[channel]);
+                        *out += DVec3::new(x, height * zeroth[channel], z) * *weight;
+                    }
                 }
             }
         }
         out
     }
 
-    /// The weighted integrals over azimuth of one order at each node, both rows of it together.
+    /// The integrals over azimuth of one order for each row and the mirrored one together.
     fn sums(&self, azimuthal: &Azimuthal, order: usize) -> Vec<[f64; 6]> {
         // Mirrored at the equator, harmonics of even degree and odd order change sign.
         let sign = if order.is_multiple_of(2) { 1.0 } else { -1.0 };
         let of = |row: usize| azimuthal.values[row * ORDERS + order];
-        let sum = |node: &Node| {
-            let (own, other) = (of(node.row), node.mirrored.map_or([0.0; 6], of));
-            std::array::from_fn(|i| node.weight * (own[i] + sign * other[i]))
+        let sum = |row: &Row| {
+            let (own, other) = (of(row.row), row.mirrored.map_or([0.0; 6], of));
+            std::array::from_fn(|i| own[i] + sign * other[i])
         };
-        self.nodes.iter().map(sum).collect()
+        self.rows.iter().map(sum).collect()
     }
 }
