@@ -70,7 +70,9 @@ def test_the_fewest_lights_are_chosen_then_the_simplest(background, options, cho
 def test_the_figures_of_each_are_those_of_its_own_fit(options):
     radiance = el.synthetic.hall(128).radiance
     rig = el.fit(radiance, ambient="auto", **options)
-    alone = {name: el.fit(radiance, ambient=name, **options) for name in ("none", "constant", "sh2")}
+    alone = {
+        name: el.fit(radiance, ambient=name, **options) for name in ("none", "constant", "sh2")
+    }
     assert rig.report.ambients == {name: (len(r.lights), r.error) for name, r in alone.items()}
     if all(each.error > options.get("error", 0) for each in alone.values()):
         assert rig.error <= (1 + 1e-3) * min(each.error for each in alone.values())

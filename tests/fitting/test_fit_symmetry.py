@@ -6,14 +6,20 @@ import pytest
 import envlights as el
 from envlights import kernels
 from tests.conftest import real_maps
-from tests.helpers import printed_by_threads
+from tests.helpers import NORMALS, printed_by_threads
+
+#: The probe under the map is looked up on the faces of a cube, which do not turn with the map but
+#: at every quarter: lights move within what the table leaves out.
+TURNED = 2e-3
+#: Rounding alone.
+EXACT = 1e-9
 
 
-def maps(width):
-    """Small ones, whose optimum is well determined."""
-    yield el.synthetic.hall(width).radiance
+def maps(height):
+    """Maps whose lights are well determined: four leave more than the error of the rendering."""
+    yield el.synthetic.hall(height).radiance
     for seed in el.synthetic.JUDGING[:3]:
-        yield el.synthetic.plain(seed, width).radiance
+        yield el.synthetic.hard(seed, height).radiance
 
 
 def by_place(lights):
@@ -22,60 +28,74 @@ def by_place(lights):
     return lights.direction[order], lights.irradiance[order]
 
 
-def assert_same(rig, directions, wanted, atol=1e-6):
+def assert_same(rig, directions, wanted, atol):
     """`rig` has the lights of `wanted`, but in these `directions`."""
     moved = el.Lights(directions, wanted.lights.irradiance)
     for ours, theirs in zip(by_place(rig.lights), by_place(moved), strict=True):
         np.testing.assert_allclose(ours, theirs, atol=atol * max(np.abs(theirs).max(), 1))
-    np.testing.assert_allclose(rig.ambient, wanted.ambient, rtol=1e-5)
-    assert rig.error == pytest.approx(wanted.error, rel=1e-2)
+    np.testing.assert_allclose(rig.ambient, wanted.ambient, rtol=100 * atol)
+    # The normals that measure the error do not turn with the map.
+    assert rig.error == pytest.approx(wanted.error, rel=2e-2)
 
 
 def turned(directions, columns, width):
-    """Directions after the map has moved to the right by so many columns."""
+    """Directions after the map has moved to the right by that many columns."""
     angle = 2 * np.pi * columns / width
     sin, cos = np.sin(angle), np.cos(angle)
     return directions @ np.array([[cos, 0, sin], [0, 1, 0], [-sin, 0, cos]])
 
 
 @pytest.mark.parametrize(
-    ("width", "columns"), [(128, 1), (128, 37), (256, 101), (512, 2), (512, 254), (1024, 388)]
+    ("height", "columns"),
+    [(128, 1), (128, 64), (128, 101), (256, 2), (256, 254), (512, 388), (512, 768)],
 )
-def test_turning_the_map_turns_the_lights(width, columns):
+def test_turning_the_map_turns_the_lights(height, columns):
     """By any number of columns, or by whole cells of the working map where it is wider."""
-    for radiance in maps(width):
+    atol = EXACT if columns * 2 % height == 0 else TURNED
+    for radiance in maps(height):
         one = el.fit(radiance, 4)
         rig = el.fit(np.roll(radiance, columns, axis=1), 4)
-        assert_same(rig, turned(one.lights.direction, columns, width), one)
+        assert_same(rig, turned(one.lights.direction, columns, 2 * height), one, atol)
 
 
 @pytest.mark.parametrize("floor", [False, True])
 def test_mirroring_the_map_mirrors_the_lights(floor):
-    for radiance in maps(256):
+    for radiance in maps(128):
         one, rig = (el.fit(each, 4, floor=floor) for each in (radiance, radiance[:, ::-1]))
-        assert_same(rig, one.lights.direction * [-1, 1, 1], one)
+        assert_same(rig, one.lights.direction * [-1, 1, 1], one, EXACT)
 
 
 def test_turning_the_map_upside_down_turns_the_lights_upside_down():
-    for radiance in maps(256):
+    for radiance in maps(128):
         one, rig = el.fit(radiance, 4), el.fit(radiance[::-1], 4)
-        assert_same(rig, one.lights.direction * [1, -1, 1], one)
+        assert_same(rig, one.lights.direction * [1, -1, 1], one, EXACT)
 
 
 @pytest.mark.parametrize("scale", [2.0**-20, 2.0**30, 1e-6, 1e9])
-@pytest.mark.parametrize("options", [{}, {"ambient": "sh2"}, {"floor": True}, {"normals": "upper"}])
+@pytest.mark.parametrize("options", [{}, {"floor": True}, {"normals": "upper"}])
 def test_scaling_the_map_scales_the_lights(scale, options):
-    """Float32 samples are rounded anew by a factor that is no power of 2."""
-    for radiance in maps(256):
+    """By a power of 2 to the bit; other factors round float32 samples anew, 6e-8 of each."""
+    atol = 1e-7 if scale in (1e-6, 1e9) else EXACT
+    for radiance in maps(128):
         one = el.fit(radiance, 4, **options)
         scaled = el.fit(radiance * np.float32(scale), 4, **options)
-        assert len(scaled.lights) == len(one.lights)
-        atol = 1e-9 if scale in (2.0**-20, 2.0**30) else 1e-5
-        np.testing.assert_allclose(scaled.lights.direction, one.lights.direction, atol=atol)
-        np.testing.assert_allclose(
-            scaled.lights.irradiance / scale, one.lights.irradiance, rtol=10 * atol
-        )
-        assert scaled.error == pytest.approx(one.error, rel=1e-4)
+        lights = el.Lights(scaled.lights.direction, scaled.lights.irradiance / scale)
+        for ours, theirs in zip(by_place(lights), by_place(one.lights), strict=True):
+            np.testing.assert_allclose(ours, theirs, atol=10 * atol * max(theirs.max(), 1))
+        np.testing.assert_allclose(scaled.ambient / scale, one.ambient, atol=1e-6)
+        assert scaled.error == pytest.approx(one.error, rel=1e-5)
+
+
+@pytest.mark.parametrize("scale", [2.0**-20, 2.0**30, 1e-6, 1e9])
+def test_scaling_the_map_scales_what_lights_and_harmonics_give_together(scale):
+    """A light and its opposite differ by harmonics of order 1, so rounding may turn one round."""
+    for radiance in maps(128):
+        one = el.fit(radiance, 4, ambient="sh2")
+        scaled = el.fit(radiance * np.float32(scale), 4, ambient="sh2")
+        wanted = one.probe(NORMALS)
+        difference = scaled.probe(NORMALS) / scale - wanted
+        assert np.abs(difference).max() < 1e-6 * wanted.max()
+        assert scaled.error == pytest.approx(one.error, rel=1e-5)
 
 
 @real_maps("hdr/*.hdr")

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 import envlights as el
-from envlights import kernels
 from tests.fitting import worst_cases
 from tests.helpers import NORMALS, SOLID_ANGLES
 
 
 def moved(direction, angle, turn):
     """`direction` turned by `angle` towards one of its sides."""
+    direction = np.asarray(direction)
     side = np.cross(direction, np.eye(3)[np.argmin(np.abs(direction))])
     side /= np.linalg.norm(side)
     other = np.cross(direction, side)
@@ -35,11 +35,12 @@ def arrays(lights):
 @pytest.mark.parametrize("seed", el.synthetic.JUDGING[:3])
 @pytest.mark.parametrize("options", [{}, {"ambient": "sh2"}])
 def test_moved_by_its_tolerance_a_light_costs_a_tenth_of_the_error(seed, options):
-    radiance = el.synthetic.plain(seed, 128).radiance
+    """On maps that three lights leave far above the error of the rendering."""
+    radiance = el.synthetic.hard(seed, 128).radiance
     rig = el.fit(radiance, 3, **options)
     assert len(rig.report.direction_tolerances) == 3
     for light, tolerance in enumerate(rig.report.direction_tolerances):
-        if tolerance < np.deg2rad(15):  # to second order only
+        if tolerance < np.deg2rad(10):  # to second order only
             # It is that of the side on which the error grows least.
             least = min(growths(radiance, rig, light, **options))
             assert 0.05 < least < 0.15, f"light {light}: {least}"
@@ -48,17 +49,18 @@ def test_moved_by_its_tolerance_a_light_costs_a_tenth_of_the_error(seed, options
 def test_over_a_floor_too():
     radiance = el.synthetic.hall(128).radiance
     rig = el.fit(radiance, 3, floor=True)
+    tolerances = np.array(rig.report.direction_tolerances)
+    assert (rig.lights.direction[:, 1] > np.sin(tolerances)).all()
     for light in range(3):
-        above = rig.lights.direction[light, 1] > np.sin(rig.report.direction_tolerances[light])
-        assert above
         assert 0.05 < min(growths(radiance, rig, light, floor=True)) < 0.15
 
 
 def test_upward_surfaces_too():
+    """Of a sum over normals only the steps of Gauss and Newton are known: a little too small."""
     radiance = el.synthetic.hall(128).radiance
     rig = el.fit(radiance, 3, normals="upper")
     least = [min(growths(radiance, rig, light, normals="upper")) for light in range(3)]
-    assert all(0.05 < growth < 0.15 for growth in least), least
+    assert all(0.03 < growth < 0.15 for growth in least), least
 
 
 def test_a_fixed_light_has_no_tolerance_and_each_figure_its_light():
@@ -88,15 +90,14 @@ def test_a_map_has_no_standard_errors_and_a_probe_no_tolerances():
     assert "a tenth" not in str(measured)
 
 
-def test_a_light_that_nothing_holds_may_stand_far_off():
-    """A light of a hundredth of the flux beside one that shines through the same window."""
-    lamps = [el.synthetic.Disc((0.6, 0.64, 0.48), 3, (90, 80, 70))]
-    radiance = el.synthetic.scene(128, background=[0.2] * 3, shapes=lamps).radiance
-    sharp = el.fit(radiance, 1).report.direction_tolerances[0]
-    split = el.Lights([moved([0.6, 0.64, 0.48], 1e-4, 0), [0.6, 0.64, 0.48]], np.ones((2, 3)))
-    loose = el.fit(radiance, start=split)
-    if len(loose.lights) == 2:
-        assert max(loose.report.direction_tolerances) > 2 * sharp
+def test_lights_that_share_a_lamp_may_stand_far_off():
+    """Two lights in one broad window hold each other less than one alone is held."""
+    window = [el.synthetic.Disc((0.6, 0.64, 0.48), 25, (9, 8, 7))]
+    radiance = el.synthetic.scene(128, background=[0.2] * 3, shapes=window).radiance
+    one, two = el.fit(radiance, 1), el.fit(radiance, 2)
+    assert len(two.lights) == 2
+    relative = [np.array(rig.report.direction_tolerances) / rig.error for rig in (one, two)]
+    assert relative[1].min() > 2 * relative[0].max()
 
 
 # Standard errors
@@ -135,19 +136,17 @@ def test_standard_errors_are_right_for_noise_that_the_channels_share(rig, shared
         np.testing.assert_allclose(stated, spread, rtol=0.2)
 
 
-def test_two_lights_too_close_to_be_told_apart_have_no_finite_standard_error():
-    """A hundredth of a degree apart: the condition is beyond what rounding leaves of the digits."""
+@pytest.mark.parametrize("noise", [1e-6, 1e-3])
+def test_two_lights_a_hundredth_of_a_degree_apart_are_not_claimed_to_be_known(noise):
     exact = worst_cases.cases()["two lights 0.01 degrees apart"]
-    towards = np.array([[0, 1, 0], [np.deg2rad(0.01), 1, 0]])
-    towards /= np.linalg.norm(towards, axis=1, keepdims=True)
-    rng = np.random.default_rng(3)
-    noisy = exact * (1 + 1e-6 * rng.normal(size=exact.shape))
-    rig = el.fit_probe(NORMALS, noisy, start=el.Lights(towards, np.ones((2, 3))))
-    for report in (rig.report, el.fit_probe(NORMALS, noisy, fixed=towards).report):
-        if np.isinf(report.condition):
-            moving = [row for row in range(len(report.direction_errors)) if row not in report.fixed]
-            assert np.isinf(np.array(report.direction_errors)[moving]).all()
-            assert np.isinf(report.irradiance_errors).any()
+    noisy = exact * (1 + noise * np.random.default_rng(3).normal(size=exact.shape))
+    apart = [moved([0, 1, 0], 6e-4, turn) for turn in (0, np.pi)]
+    rig = el.fit_probe(NORMALS, noisy, start=el.Lights(apart, np.ones((2, 3))))
+    assert len(rig.lights) == 2
+    assert rig.report.condition == np.inf
+    assert np.isinf(rig.report.direction_errors).all()
+    is_lit = rig.lights.irradiance > 0
+    assert np.isinf(np.array(rig.report.irradiance_errors)[is_lit]).all()
 
 
 def test_where_the_condition_is_infinite_every_standard_error_is():
@@ -161,8 +160,6 @@ def test_where_the_condition_is_infinite_every_standard_error_is():
 
 
 def test_infinite_standard_errors_are_saved(tmp_path):
-    probe = kernels.rig_irradiance(NORMALS, [0.1] * 3, [[0, 1, 0], [0, 1, 0]], np.ones((2, 3)))
-    rig = el.fit_probe(NORMALS, probe, fixed=[[0, 1, 0], [0, 1, 0]])
-    assert rig.report.condition == np.inf
+    rig = el.fit_probe(NORMALS, worst_cases.cases()["opposite lights"], 4, weights=SOLID_ANGLES)
     rig.save(tmp_path / "rig.json")
     assert el.Rig.load(tmp_path / "rig.json").report == rig.report
