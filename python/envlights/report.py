@@ -187,7 +187,8 @@ def _percent(share: float) -> str:
 
 
 def _degrees(angles: tuple[float, ...]) -> str:
-    return "  ".join(f"{np.degrees(angle):.2g}°" for angle in angles)
+    degrees = np.degrees(angles)
+    return "  ".join(f"{each:.2g}°" if each < 100 else f"{each:.0f}°" for each in degrees)
 
 
 def _finite(value: float) -> float | str:

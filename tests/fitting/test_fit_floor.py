@@ -29,7 +29,7 @@ def above_horizon(radiance):
 
 @cache
 def cosines(height):
-    """Of the angles between NORMALS and the pixels above the horizon, 0 where that is beyond 90°."""
+    """Of NORMALS with the pixels above the horizon, 0 for those behind."""
     towards = kernels.pixel_directions(height, 2 * height)[: height // 2].reshape(-1, 3)
     return np.maximum(NORMALS @ towards.T, 0)
 
