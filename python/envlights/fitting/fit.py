@@ -193,9 +193,12 @@ def fit_probe(
 ) -> Rig:
     """Ambient and at most `lights` directional lights from probe values measured elsewhere.
 
-    The same fit as `fit`, on irradiance that was measured or rendered by another program. Without a
-    map the rig cannot be judged at other normals: its error is the one at `normals`, which is too
-    low where they are few.
+    The same fit as `fit`, on irradiance that was measured or rendered by another program: the
+    squared error is summed over `normals`. The horizon of each normal puts a kink into that sum, so
+    the search ends with descents from perturbed lights. Without a map the rig cannot be judged at
+    other normals: its error is the one at `normals`, which is too low where they are few. The
+    values are taken as measured, with noise that the channels may share: `report` holds standard
+    errors and a condition number.
 
     Parameters
     ----------
@@ -225,6 +228,14 @@ def fit_probe(
         If shapes do not fit, a value is not finite, a normal is not a unit vector, a weight is
         negative or all are 0, or there are fewer equations than unknowns: 5 for each light, and 3
         for "constant" or 27 for "sh2".
+
+    See Also
+    --------
+    fit : the fit to a map, at every normal.
+
+    References
+    ----------
+    Madsen, Sørensen and Vittrup (2003), section 3; Golub and Pereyra (1973); see `fit`.
 
     Examples
     --------
