@@ -7,6 +7,7 @@ import pytest
 
 import envlights as el
 from envlights import kernels
+from envlights.fitting.asked import asked
 from tests.conftest import real_maps
 
 NORMALS, SOLID_ANGLES = kernels.icosphere(5120)
@@ -136,6 +137,20 @@ def test_named_starts_stay_above_the_horizon(start):
     rig = el.fit(radiance, lights=3, start=start, floor=True)
     assert (rig.lights.direction[:, 1] >= 0).all()
     assert rig.error < 0.02
+
+
+@pytest.mark.parametrize("start", ["even", "detect"])
+def test_named_starts_are_places_above_the_horizon(start):
+    """The lamp below is the brighter one: of one light that is detected it would be the place."""
+    lamp = np.array([-0.5, 0.4, 0.2])
+    shapes = [LAMP_BELOW, el.synthetic.Disc(lamp, 5, (30, 30, 30))]
+    env = el.EnvMap(el.synthetic.scene(256, background=[0.1] * 3, shapes=shapes).radiance)
+    for lights in (1, 5):
+        places = asked(lights, None, start, None).first_directions_under(env, 100, True)
+        assert (places[:, 1] >= 0).all()
+        assert len(places) == (lights if start == "even" else 1)
+    if start == "detect":
+        np.testing.assert_allclose(places[0], lamp / np.linalg.norm(lamp), atol=0.01)
 
 
 def test_a_rig_over_a_floor_is_followed():
