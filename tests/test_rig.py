@@ -3,6 +3,7 @@
 import copy
 import json
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -23,8 +24,11 @@ def a_rig():
         stop_reason=el.StopReason.CONVERGED,
         seconds={"fit": 0.5},
         measured_on="5 normals",
+        ambient="constant",
+        ambients={"none": (3, 0.5), "constant": (2, 0.25)},
         channel_errors=(0.2, 0.25, 0.3),
         max_error=0.5,
+        direction_tolerances=(np.deg2rad(1.2), np.pi),
         condition=np.inf,
         direction_errors=(0.01, 0.0),
         irradiance_errors=((0.1, 0.2, np.inf), (0.0, 0.0, 0.0)),
@@ -54,6 +58,28 @@ def test_reports_and_notes_are_saved(tmp_path):
     again = el.Rig.load(tmp_path / "rig.json")
     assert again.report == a_rig().report
     assert again.notes == a_rig().notes
+
+
+#: As the package wrote it before a report had tolerances and a choice of the ambient term.
+OLDER = """{
+  "format": "envlights rig", "version": 2, "frame": "", "units": "", "ambient": [0.1, 0.2, 0.3],
+  "lights": {"direction": [[0.0, 1.0, 0.0]], "irradiance": [[3.0, 2.0, 1.0]]}, "error": 0.01,
+  "report": {"errors": {"0": 0.5, "1": 0.01}, "steps": 7, "stop_reason": "CONVERGED",
+    "seconds": {"fit": 0.5}, "measured_on": "5120 normals that were not fitted",
+    "channel_errors": [0.01, 0.01, 0.01], "max_error": 0.02, "condition": "infinite",
+    "direction_errors": [0.001], "irradiance_errors": [[0.1, "infinite", 0.0]],
+    "skipped": []}, "notes": []}"""
+
+
+def test_files_of_older_reports_are_read(tmp_path):
+    (tmp_path / "rig.json").write_text(OLDER)
+    rig = el.Rig.load(tmp_path / "rig.json")
+    assert rig.report.condition == np.inf
+    assert rig.report.direction_errors == (0.001,)
+    assert rig.report.direction_tolerances == ()
+    assert (rig.report.ambient, rig.report.ambients) == ("", {})
+    rig.save(tmp_path / "again.json")
+    assert el.Rig.load(tmp_path / "again.json").report == rig.report
 
 
 def test_lights_are_sorted_and_sliced():
@@ -97,7 +123,11 @@ def test_the_table_says_where_each_light_is_and_how_wrong_the_rig_is():
     report = str(a_rig().report)
     assert "0: 50 %  1: 25 %" in report
     assert "red, green, blue: 20 %  25 %  30 %; at most 50 % at any normal" in report
-    assert "standard error of the directions: 0.57°  0°" in report
+    assert "ambient chosen: constant, of  none: 3 lights, 50 %  constant: 2 lights, 25 %" in report
+    assert "may stand this far off before the error grows by a tenth: 1.2°  180°" in report
+    measured = str(replace(a_rig().report, direction_tolerances=()))
+    assert "condition number inf" in measured
+    assert "standard error of the directions: 0.57°  0°" in measured
     assert "no directional light" in str(
         el.Rig([1, 1, 1], el.Lights(np.zeros((0, 3)), np.zeros((0, 3))), 0)
     )
@@ -162,12 +192,17 @@ REPORT = a_rig().to_dict()["report"]
         {"report": {**REPORT, "errors": {"1": float("nan")}}},
         {"report": {**REPORT, "steps": "x"}},
         {"report": {**REPORT, "seconds": {"fit": -1}}},
+        {"report": {**REPORT, "direction_tolerances": [-1]}},
+        {"report": {**REPORT, "ambients": {"none": {"lights": 0.5, "error": 0}}}},
     ],
 )
 def test_files_with_impossible_numbers_are_refused(tmp_path, change):
     path = tmp_path / "rig.json"
     path.write_text(json.dumps({**a_rig().to_dict(), **change}))
-    with pytest.raises(el.EnvLightsError, match=r"holds an impossible rig: (error|steps|seconds)"):
+    with pytest.raises(
+        el.EnvLightsError,
+        match=r"holds an impossible rig: (error|steps|seconds|direction_tol|lights)",
+    ):
         el.Rig.load(path)
 
 

@@ -51,6 +51,20 @@ def test_fit_takes_ambient_normals_and_error(hall):
     assert rig["error"] <= 0.05
 
 
+def test_fit_takes_a_floor_and_chooses_the_ambient_term(hall):
+    result = run("fit", hall, "-n", 2, "--floor", "--ambient", "auto", "--json")
+    assert result.exit_code == 0, result.output
+    report = json.loads(result.stdout)["report"]
+    assert "over a floor" in report["measured_on"]
+    assert set(report["ambients"]) == {"none", "constant"}
+    text = run("fit", hall, "-n", 2, "--ambient", "auto").stdout
+    assert "ambient chosen: sh2, of  none: 2 lights, " in text
+    assert "before the error grows by a tenth: " in text
+    refused = run("fit", hall, "--floor", "--normals", "upper")
+    assert refused.exit_code == 2
+    assert "normals must be 'sphere' where there is a floor" in refused.stderr
+
+
 def test_json_is_what_save_writes(hall):
     result = run("fit", hall, "-n", 2, "--json")
     assert result.exit_code == 0
