@@ -8,7 +8,7 @@
 //!   cost - sum_c max(0, <a_d, r_c>)^2 / o
 //! ```
 //!
-//! and the light j, of radiance x_j, taken from its place and put at d at least
+//! and the light j, of radiance `x_j`, taken from its place and put at d at least
 //!
 //! ```text
 //!   cost + sum_c x_jc^2 / R_jj - sum_c max(0, <a_d, r_c> + x_jc z_j / R_jj)^2 / (o + z_j^2 / R_jj)

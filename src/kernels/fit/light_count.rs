@@ -14,42 +14,36 @@ const WORTH_A_LIGHT: f64 = 1e-3;
 /// Below the error `floor`, what is left is the error of the rendering, and no light is added.
 pub fn path(problem: &Problem<'_>, judge: &Samples, floor: f64) -> Result<Vec<(State, f64)>> {
     let search = Search::new(problem);
-    let error = |state: &State| judge.error(&state.rig(problem.objective.given()));
+    let judged = |state: &State| (state.clone(), judge.error(&state.rig(problem.objective.given())));
     let mut beam = vec![started(problem, 0)];
-    let mut path: Vec<(State, f64)> = Vec::new();
-    loop {
-        let state = beam[0].clone();
-        path.push((state.clone(), error(&state)));
-        if state.lights() >= problem.lights || is_enough(problem, &path, floor) {
-            break;
-        }
-        beam = next(&search, beam)?;
-        if beam.is_empty() {
-            break;
-        }
+    let mut path = vec![judged(&beam[0])];
+    while beam[0].lights() < problem.lights && !is_enough(problem, &path, floor) {
+        let next = next(&search, &beam)?;
+        let Some(best) = next.first() else { break };
+        path.push(judged(best));
+        beam = next;
     }
     // The last number deserves a search of its own, unless it had one.
-    if problem.error.is_none()
-        && problem.start.len() == problem.fixed
-        && beam.len() > 0
+    let has_search = problem.error.is_none() && problem.start.len() == problem.fixed;
+    if has_search
         && beam[0].lights() > problem.fixed
+        && let Some(best) = search.best(beam)?
     {
-        if let Some(best) = search.best(beam)? {
-            path.pop();
-            path.push((best.clone(), error(&best)));
-        }
+        path.pop();
+        path.push(judged(&best));
     }
     Ok(path)
 }
 
-fn next(search: &Search<'_>, beam: Vec<State>) -> Result<Vec<State>> {
+/// The sets with more lights than those of `beam`, best first; none where no light helps.
+fn next(search: &Search<'_>, beam: &[State]) -> Result<Vec<State>> {
     let problem = search.problem;
     let count = beam[0].lights();
     if count < problem.start.len() {
         let next = if problem.error.is_some() { problem.fixed.max(count + 1) } else { problem.start.len() };
         return Ok(vec![refilled(search, started(problem, next.min(problem.lights)))]);
     }
-    let mut grown = search.grown(&beam);
+    let mut grown = search.grown(beam);
     if problem.start.len() > problem.fixed {
         // Lights that were given a start stay near it.
         grown.truncate(1);

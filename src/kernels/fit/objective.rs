@@ -199,12 +199,11 @@ impl Moments {
         for (j, &l) in directions.iter().enumerate() {
             let row = ambient + j;
             for (side, sum) in sides[j * given.sides()..(j + 1) * given.sides()].iter().enumerate() {
-                match side.checked_sub(ambient) {
-                    Some(channel) => rhs[(row, channel)] = sum.dot(l),
-                    None => {
-                        gram[(row, side)] = sum.dot(l);
-                        gram[(side, row)] = gram[(row, side)];
-                    }
+                if let Some(channel) = side.checked_sub(ambient) {
+                    rhs[(row, channel)] = sum.dot(l);
+                } else {
+                    gram[(row, side)] = sum.dot(l);
+                    gram[(side, row)] = gram[(row, side)];
                 }
             }
             for (k, &other) in directions[..=j].iter().enumerate() {

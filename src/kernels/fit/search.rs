@@ -125,7 +125,7 @@ impl<'a> Search<'a> {
         });
         let finest = settled.into_par_iter().map(|state| state.descend(self.problem, FINE));
         let best = best_of(finest.collect(), 1).pop();
-        best.map(|best| self.from_perturbed(best)).transpose()
+        best.map(|best| self.perturbed_on(best)).transpose()
     }
 
     /// Where even starts lead to, roughly.
@@ -177,12 +177,12 @@ impl<'a> Search<'a> {
     }
 
     /// All lights turned a little and downhill again, while that pays: where the cost has kinks.
-    fn from_perturbed(&self, mut best: State) -> Result<State> {
+    fn perturbed_on(&self, mut best: State) -> Result<State> {
         for round in 0.. {
             if !self.problem.objective.has_kinks() || best.stop == Some(StopReason::Exact) {
                 break;
             }
-            match self.perturbed(&best, round)? {
+            match self.perturbed_once(&best, round)? {
                 Some(next) if is_lower(&next, &best, WORTH_A_ROUND) => best = next,
                 _ => break,
             }
@@ -191,7 +191,7 @@ impl<'a> Search<'a> {
     }
 
     /// The lowest place that a perturbation of all lights leads to.
-    fn perturbed(&self, best: &State, round: usize) -> Result<Option<State>> {
+    fn perturbed_once(&self, best: &State, round: usize) -> Result<Option<State>> {
         /// Perturbations that are tried together at least, and how many lights they turn together at least.
         const PERTURBED: usize = 16;
         const PERTURBED_LIGHTS: usize = 64;

@@ -212,7 +212,7 @@ mod tests {
     use crate::kernels::sampling;
     use glam::DVec3;
 
-    /// Against the Jacobian itself, by differences, and the inverse of its square.
+    /// Against the Jacobian itself, by differences, the inverse of its square, and the noise that channels share.
     #[test]
     fn the_errors_are_those_of_the_jacobian() {
         let (normals, _) = sampling::icosphere(80).unwrap();
@@ -238,8 +238,14 @@ mod tests {
         };
         let jacobian =
             DMatrix::from_fn(240, 7, |row, column| entry(probe.samples.normals[row / 3], row % 3, column));
-        let variance = probe.samples.cost(&rig) / 233.0;
-        let covariance = jacobian.tr_mul(&jacobian).try_inverse().unwrap() * variance;
+        let off = |row: usize| probe.samples.irradiance[row / 3] - rig.at(probe.samples.normals[row / 3]);
+        let shared = |row: usize, other: usize| {
+            let products = (0..80).map(|n| off(3 * n)[row % 3] * off(3 * n)[other % 3]);
+            if row / 3 == other / 3 { products.sum::<f64>() * 3.0 / 233.0 } else { 0.0 }
+        };
+        let noise = DMatrix::from_fn(240, 240, shared);
+        let inverse = jacobian.tr_mul(&jacobian).try_inverse().unwrap();
+        let covariance = &inverse * jacobian.transpose() * noise * &jacobian * &inverse;
         let direction = (covariance[(5, 5)] + covariance[(6, 6)]).sqrt();
         approx::assert_relative_eq!(found.direction[0], direction, max_relative = 1e-9);
         approx::assert_relative_eq!(found.irradiance[0][1], covariance[(4, 4)].sqrt(), max_relative = 1e-9);

@@ -44,13 +44,14 @@ impl Field {
         for (kind, (matrix, harmonics)) in SPLINES.iter().zip(&harmonics).enumerate() {
             let mut quarter = [(); 3].map(|()| vec![0.0; 3 * KNOTS * KNOTS]);
             Arch::new().dispatch(Product { matrix, harmonics, out: &mut quarter });
-            for i in 0..3 * KNOTS * KNOTS {
+            let [red, green, blue] = &quarter;
+            for (i, value) in red.iter().zip(green).zip(blue).map(|((r, g), b)| [*r, *g, *b]).enumerate() {
                 let (face, u, v) = (i / (KNOTS * KNOTS), i / KNOTS % KNOTS, i % KNOTS);
                 let [flips_u, flips_v] = OTHERS[face].map(|axis| KINDS[kind][axis]);
                 for (u, sign_u) in both_sides(u, flips_u) {
                     for (v, sign_v) in both_sides(v, flips_v) {
                         let place = &mut faces[(face * SIDE + u) * SIDE + v];
-                        (0..3).for_each(|c| place[c] += sign_u * sign_v * quarter[c][i]);
+                        (0..3).for_each(|c| place[c] += sign_u * sign_v * value[c]);
                     }
                 }
             }

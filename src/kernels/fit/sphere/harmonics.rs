@@ -69,7 +69,7 @@ impl Legendre {
     pub fn rows(&self) -> Vec<Vec<f64>> {
         let m = self.order as f64;
         let a = |l: f64| ((l * l - m * m) / (4.0 * l * l - 1.0)).sqrt();
-        let first = if self.order % 2 == 0 {
+        let first = if self.order.is_multiple_of(2) {
             self.sectoral.clone()
         } else {
             self.sectoral.iter().zip(&self.heights).map(|(p, x)| p * x / a(m + 1.0)).collect()
@@ -179,7 +179,7 @@ impl Spectrum {
         for (kind, out) in out.iter_mut().enumerate() {
             let degrees = orders(kind).flat_map(degrees);
             for (value, degree) in out.iter_mut().zip(degrees) {
-                value.iter_mut().for_each(|value| *value *= factors[degree / 2]);
+                *value = value.map(|value| value * factors[degree / 2]);
             }
         }
         out
@@ -285,19 +285,19 @@ fn turns(phi: f64) -> [Complex<f64>; ORDERS] {
 /// The four quarters of each row laid upon each other, for each kind with the signs that its functions have in
 /// them: a column for each row and channel.
 fn folded(samples: &[[f32; 3]], columns: usize) -> [DMatrix<f64>; 4] {
+    /// By kind, in the quarters at phi, pi - phi, pi + phi and 2 pi - phi.
+    const SIGNS: [[f64; 4]; 4] =
+        [[1.0, 1.0, 1.0, 1.0], [1.0, -1.0, -1.0, 1.0], [1.0, -1.0, 1.0, -1.0], [1.0, 1.0, -1.0, -1.0]];
     let (length, half) = (columns / 4, columns / 2);
     let mut out = [(); 4].map(|()| DMatrix::zeros(length, 3 * samples.len() / columns));
-    for (row, cells) in samples.chunks_exact(columns).enumerate() {
-        for channel in 0..3 {
-            let mut folded = out.each_mut().map(|kind| kind.column_mut(3 * row + channel));
-            for x in 0..length {
-                let at = |x: usize| f64::from(cells[x][channel]);
-                let (first, second, third, fourth) =
-                    (at(x), at(half - 1 - x), at(half + x), at(columns - 1 - x));
-                folded[0][x] = first + second + third + fourth;
-                folded[1][x] = first - second - third + fourth;
-                folded[2][x] = first - second + third - fourth;
-                folded[3][x] = first + second - third - fourth;
+    for column in 0..out[0].ncols() {
+        let (row, channel) = (&samples[column / 3 * columns..][..columns], column % 3);
+        let at = |x: usize| f64::from(row[x][channel]);
+        let mut folded = out.each_mut().map(|kind| kind.column_mut(column));
+        for x in 0..length {
+            let quarters = [at(x), at(half - 1 - x), at(half + x), at(columns - 1 - x)];
+            for (folded, signs) in folded.iter_mut().zip(SIGNS) {
+                folded[x] = (0..4).map(|quarter| signs[quarter] * quarters[quarter]).sum();
             }
         }
     }
@@ -326,7 +326,7 @@ struct Node {
 
 /// A row, and the one at the same angle from the other pole where there is one.
 struct Row {
-    row: usize,
+    index: usize,
     mirrored: Option<usize>,
     nodes: Range<usize>,
 }
@@ -350,7 +350,7 @@ impl Bands {
                 }
             }
             let mirrored = (is_symmetric && rows - 1 - row != row).then(|| rows - 1 - row);
-            bands.rows.push(Row { row, mirrored, nodes: first..bands.nodes.len() });
+            bands.rows.push(Row { index: row, mirrored, nodes: first..bands.nodes.len() });
         }
         bands
     }
@@ -358,10 +358,10 @@ impl Bands {
     /// `integral of L w dw`, by channel.
     fn first_moments(&self, azimuthal: &Azimuthal) -> [DVec3; 3] {
         let mut out = [DVec3::ZERO; 3];
-        for Row { row, mirrored, nodes } in &self.rows {
+        for Row { index, mirrored, nodes } in &self.rows {
             for Node { height, weight } in &self.nodes[nodes.clone()] {
                 let sine = (1.0 - height * height).sqrt();
-                for (row, height) in [(Some(*row), *height), (*mirrored, -height)] {
+                for (row, height) in [(Some(*index), *height), (*mirrored, -height)] {
                     let Some(row) = row else { continue };
                     let (zeroth, first) =
                         (azimuthal.values[row * ORDERS], azimuthal.values[row * ORDERS + 1]);
@@ -381,7 +381,7 @@ impl Bands {
         let sign = if order.is_multiple_of(2) { 1.0 } else { -1.0 };
         let of = |row: usize| azimuthal.values[row * ORDERS + order];
         let sum = |row: &Row| {
-            let (own, other) = (of(row.row), row.mirrored.map_or([0.0; 6], of));
+            let (own, other) = (of(row.index), row.mirrored.map_or([0.0; 6], of));
             std::array::from_fn(|i| own[i] + sign * other[i])
         };
         self.rows.iter().map(sum).collect()

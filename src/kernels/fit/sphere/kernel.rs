@@ -53,11 +53,11 @@ pub struct Angles {
 /// The kernel between l and four others. The angle comes from both legs, which keeps the digits of small ones.
 #[inline]
 pub fn angle(l: DVec3, others: &Lanes) -> Angles {
-    let [x, y, z] = others.axes;
-    let [a, b, c] = l.to_array().map(f64x4::splat);
-    let cosine = a * x + b * y + c * z;
-    let across = [b * z - c * y, c * x - a * z, a * y - b * x];
-    let sine = (across[0] * across[0] + across[1] * across[1] + across[2] * across[2]).sqrt();
+    let (other, l) = (others.axes, l.to_array().map(f64x4::splat));
+    let dot = |a: [f64x4; 3], b: [f64x4; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let cosine = dot(l, other);
+    let cross = [(1, 2), (2, 0), (0, 1)].map(|(i, k)| l[i] * other[k] - l[k] * other[i]);
+    let sine = dot(cross, cross).sqrt();
     let slope = (f64x4::splat(PI) - sine.atan2(cosine)) * f64x4::splat(2.0 / 3.0);
     Angles { cosine, sine, slope }
 }
@@ -100,11 +100,6 @@ pub fn pairs(l: DVec3, others: &[DVec3]) -> impl Iterator<Item = Pair> {
 }
 
 impl Pair {
-    /// k
-    pub fn value(&self) -> f64 {
-        self.rest + self.slope * self.cosine
-    }
-
     /// Twice by a, on its tangent plane: of b only what lies in it, for k'' may be large.
     pub fn second_derivative(&self, a: DVec3, b: DVec3) -> DMat3 {
         let across = b - a * self.cosine;

@@ -72,9 +72,10 @@ impl Sphere {
         let channels = [0, 1, 2].map(|channel| radiance(rest, points, channel));
         let energy = [0, 1, 2].map(|channel| self.energy(rest, points, factors, channel));
         let are_same = |a: usize, b: usize| {
-            rest.even.iter().flatten().all(|value| value[a] == value[b])
+            let is_same = |rgb: &[f64; 3]| rgb[a].to_bits() == rgb[b].to_bits();
+            rest.even.iter().flatten().all(is_same)
                 && rest.first[a] == rest.first[b]
-                && points.iter().all(|point| point.irradiance[a] == point.irradiance[b])
+                && points.iter().all(|point| is_same(&point.irradiance))
         };
         let (used, like) = distinct_channels(|channel| channels[channel].whole == 0.0, are_same);
         let ambient = self.columns.ambient.coefficients();
@@ -309,7 +310,7 @@ mod tests {
                 sides
                     + others
                         .iter()
-                        .map(|(w, other)| w * pairs(l, &[*other]).next().unwrap().value())
+                        .map(|(w, other)| w * angle(l, &Lanes::new(&[*other])).value().to_array()[0])
                         .sum::<f64>()
             };
             for l in directions() {
