@@ -283,10 +283,11 @@ mod tests {
                 assert_near(&a.gram, &b.gram, 1e-4);
                 assert_near(&a.rhs, &b.rhs, 1e-4);
                 let [a, b] = [a.derivatives(&closed.given, 0), b.derivatives(summed.given(), 0)];
-                assert_near(&a.gram, &b.gram, 1e-3);
-                assert_near(&a.rhs, &b.rhs, 1e-3);
+                // A derivative jumps at its light's horizon, which 20480 normals resolve to this.
+                assert_near(&a.gram, &b.gram, 2e-3);
+                assert_near(&a.rhs, &b.rhs, 2e-3);
                 if a.model.ncols() > 0 {
-                    assert_near(&a.model, &b.model, 1e-3);
+                    assert_near(&a.model, &b.model, 2e-3);
                 }
             }
         }
@@ -294,8 +295,8 @@ mod tests {
 
     #[test]
     fn gradients_and_second_derivatives_are_the_slopes_that_are_measured() {
-        let (map, _) = worlds(Registration::CellCentred);
         const STEP: f64 = 1e-4;
+        let (map, _) = worlds(Registration::CellCentred);
         for (ambient, has_floor) in [
             (Ambient::None, false),
             (Ambient::Constant, false),
