@@ -96,6 +96,13 @@ def check_choice(name: str, value: object, choices: tuple[str, ...]) -> None:
         raise EnvLightsError(f"{name} must be {wanted}; got {shown(value)}")
 
 
+def flag(name: str, value: object) -> bool:
+    """`value` as a bool, or a refusal that names it."""
+    if not isinstance(value, bool | np.bool_):
+        raise EnvLightsError(f"{name} must be True or False; got {shown(value)}")
+    return bool(value)
+
+
 def float_image(name: str, values: ArrayLike, ndim: int) -> NDArray[np.float32]:
     """`values` as a C-contiguous float32 array of `ndim` axes, or a refusal that names it."""
     is_ready = isinstance(values, np.ndarray) and values.dtype == np.float32

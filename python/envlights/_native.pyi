@@ -20,7 +20,8 @@ __all__ = [
     "direction_to_uv",
     "even_sphere",
     "face_radiance",
-    "fit_lights",
+    "fit_map",
+    "fit_samples",
     "halton",
     "hammersley",
     "harmonic_irradiance",
@@ -90,17 +91,24 @@ class TreeDetection:
 
 @final
 class FitAnswer:
-    lights: int
+    points: int
+    channels: int
+    errors: list[tuple[int, float]]
     error: float
+    channel_errors: list[float]
+    max_error: float
     steps: int
     stop: str
+    tolerances: list[float]
+    condition: float
+    direction_errors: list[float]
+    irradiance_errors: list[list[float]]
     @property
     def ambient(self) -> _Reals: ...
     @property
     def directions(self) -> _Reals: ...
     @property
     def irradiance(self) -> _Reals: ...
-    def uncertainty(self) -> tuple[float, list[float], list[list[float]]]: ...
 
 def are_clipped(
     radiance: _Image, pixels: _Indices, reach: int, sphere: bool
@@ -120,14 +128,34 @@ def detect_tree(
 def direction_to_uv(direction: _Reals) -> _Reals: ...
 def even_sphere(count: int) -> _Reals: ...
 def face_radiance(radiance: _Image, faces: int, border_sampled: bool) -> _Reals: ...
-def fit_lights(
-    fitted: tuple[_Reals, _Reals, _Reals],
-    goal: tuple[tuple[_Reals, _Reals, _Reals], float | None],
+def fit_map(
+    radiance: _Image,
+    border_sampled: bool,
+    columns: int,
+    point_share: float,
+    fitted: _Reals,
+    fitted_weights: _Reals,
+    judging: _Reals,
+    judging_weights: _Reals,
     ambient: int,
-    start: tuple[_Reals, int],
+    start: _Reals,
+    fixed: int,
+    lights: int,
+    error: float | None,
+    max_steps: int,
+    floor: bool,
+    error_floor: float,
+) -> FitAnswer: ...
+def fit_samples(
+    normals: _Reals,
+    weights: _Reals,
+    irradiance: _Reals,
+    ambient: int,
+    start: _Reals,
+    fixed: int,
     lights: int,
     max_steps: int,
-) -> list[FitAnswer]: ...
+) -> FitAnswer: ...
 def halton(count: int, bases: list[int]) -> _Reals: ...
 def hammersley(count: int) -> _Reals: ...
 def harmonic_irradiance(normals: _Reals) -> _Reals: ...

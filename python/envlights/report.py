@@ -48,7 +48,13 @@ class FitReport:
     """Wall time of each stage."""
 
     measured_on: str = ""
-    """The normals on which the errors were measured."""
+    """The normals on which the errors were measured, and whether over a floor."""
+
+    ambient: str = ""
+    """The environment beside the lights: "none", "constant" or "sh2"."""
+
+    ambients: Mapping[str, tuple[int, float]] = field(default_factory=dict)
+    """Where ``ambient="auto"`` chose: lights and error with each that was tried."""
 
     channel_errors: tuple[float, ...] = ()
     """Relative RMS error in red, green and blue, each relative to its own irradiance."""
@@ -57,15 +63,24 @@ class FitReport:
     """Greatest difference at any normal and in any channel, relative to the RMS irradiance, as
     `Rig.error` is."""
 
+    direction_tolerances: tuple[float, ...] = ()
+    """For a map: how far each light may stand elsewhere, in radians and in whichever direction
+    matters least, before the error grows by a tenth, all else fitted anew. 0 where the light was
+    fixed, pi where nothing holds it. To second order: where a tolerance is more than some 20
+    degrees, it is the order of magnitude that counts."""
+
     condition: float = 1.0
-    """Condition number of the Jacobian, its columns scaled to the same length. Large where
-    several unknowns change the probe in almost the same way, infinite where in the same way."""
+    """For a measured probe: condition number of the Jacobian, its columns scaled to the same
+    length. Large where several unknowns change the probe in almost the same way, infinite where in
+    the same way."""
 
     direction_errors: tuple[float, ...] = ()
-    """Standard error of each light's direction, in radians; 0 where it was fixed."""
+    """For a measured probe: standard error of each light's direction, in radians; 0 where it was
+    fixed, infinite where `condition` is. A map has no noise, so it has no standard errors."""
 
     irradiance_errors: tuple[tuple[float, float, float], ...] = ()
-    """Standard error of each light's irradiance, RGB; 0 where the bound at zero is active."""
+    """For a measured probe: standard error of each light's irradiance, RGB; 0 where the bound at
+    zero is active, infinite where `condition` is."""
 
     fixed: tuple[int, ...] = ()
     """Row of each of the `fixed` lights in `Rig.lights`, where the brightest comes first:
@@ -82,8 +97,14 @@ class FitReport:
             "stop_reason": self.stop_reason.name,
             "seconds": dict(self.seconds),
             "measured_on": self.measured_on,
+            "ambient": self.ambient,
+            "ambients": {
+                name: {"lights": lights, "error": error}
+                for name, (lights, error) in self.ambients.items()
+            },
             "channel_errors": list(self.channel_errors),
             "max_error": self.max_error,
+            "direction_tolerances": list(self.direction_tolerances),
             "condition": _finite(self.condition),
             "direction_errors": [_finite(error) for error in self.direction_errors],
             "irradiance_errors": [[_finite(e) for e in rgb] for rgb in self.irradiance_errors],
@@ -93,15 +114,23 @@ class FitReport:
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> FitReport:
-        """The report that `to_dict` wrote."""
+        """The report that `to_dict` wrote; what older versions did not write is left out."""
         return cls(
             errors={int(n): amount("errors", error) for n, error in data["errors"].items()},
             steps=count("steps", data["steps"]),
             stop_reason=_stop_reason(data["stop_reason"]),
             seconds={str(stage): amount("seconds", s) for stage, s in data["seconds"].items()},
             measured_on=str(data["measured_on"]),
+            ambient=str(data.get("ambient", "")),
+            ambients={
+                str(name): (count("lights", tried["lights"]), amount("error", tried["error"]))
+                for name, tried in data.get("ambients", {}).items()
+            },
             channel_errors=tuple(amount("channel_errors", e) for e in data["channel_errors"]),
             max_error=amount("max_error", data["max_error"]),
+            direction_tolerances=tuple(
+                amount("direction_tolerances", t) for t in data.get("direction_tolerances", ())
+            ),
             condition=_number(data["condition"]),
             direction_errors=tuple(_number(error) for error in data["direction_errors"]),
             irradiance_errors=tuple(_rgb(rgb) for rgb in data["irradiance_errors"]),
@@ -110,14 +139,14 @@ class FitReport:
         )
 
     def __str__(self) -> str:
-        curve = "  ".join(f"{lights}: {100 * error:.3g} %" for lights, error in self.errors.items())
-        angles = "  ".join(f"{np.degrees(error):.2g}°" for error in self.direction_errors)
+        curve = "  ".join(f"{lights}: {_percent(error)}" for lights, error in self.errors.items())
         steps = f"{self.steps} steps; " if self.steps else ""
         lines = [
             f"error by number of lights: {curve}" if curve else "",
             f"measured on {self.measured_on}" if self.measured_on else "",
             *self._by_channel(),
-            f"standard error of the directions: {angles}" if angles else "",
+            *self._choice(),
+            *self._determined(),
             f"{steps}{self.stop_reason.value}",
             *(f"skipped: {note}" for note in self.skipped),
         ]
@@ -126,11 +155,39 @@ class FitReport:
     def _by_channel(self) -> tuple[str, ...]:
         if not self.channel_errors:
             return ()
-        channels = "  ".join(f"{100 * error:.3g} %" for error in self.channel_errors)
-        return (
-            f"red, green, blue: {channels}; at most {100 * self.max_error:.3g} % at any normal",
-            f"condition number {self.condition:.3g}",
+        channels = "  ".join(_percent(error) for error in self.channel_errors)
+        return (f"red, green, blue: {channels}; at most {_percent(self.max_error)} at any normal",)
+
+    def _choice(self) -> tuple[str, ...]:
+        """The ambient term that was chosen, and the figures of each."""
+        if not self.ambients:
+            return ()
+        tried = "  ".join(
+            f"{name}: {lights} light{'' if lights == 1 else 's'}, {_percent(error)}"
+            for name, (lights, error) in self.ambients.items()
         )
+        return (f"ambient chosen: {self.ambient}, of  {tried}",)
+
+    def _determined(self) -> tuple[str, ...]:
+        """How far the lights are determined."""
+        if self.direction_tolerances:
+            angles = _degrees(self.direction_tolerances)
+            each = "each light may stand this far off before the error grows by a tenth"
+            return (f"{each}: {angles}",)
+        if self.direction_errors:
+            return (
+                f"condition number {self.condition:.3g}",
+                f"standard error of the directions: {_degrees(self.direction_errors)}",
+            )
+        return ()
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.3g} %"
+
+
+def _degrees(angles: tuple[float, ...]) -> str:
+    return "  ".join(f"{np.degrees(angle):.2g}°" for angle in angles)
 
 
 def _finite(value: float) -> float | str:

@@ -86,8 +86,9 @@ def test_a_black_map_needs_no_light(lights):
 
 def test_a_constant_map_is_ambient_alone():
     rig = el.fit(np.full((64, 128, 3), (1.0, 2.0, 3.0)), lights=0)
-    np.testing.assert_allclose(rig.ambient, [1, 2, 3], rtol=1e-3)
-    assert rig.error < 1e-4
+    np.testing.assert_allclose(rig.ambient, [1, 2, 3], rtol=1e-8)
+    # The probes that measure the error are rendered from 64 rows of cells.
+    assert rig.error < 1.3e-4
 
 
 @pytest.mark.parametrize("scale", [1e-6, 1e6])
@@ -298,7 +299,7 @@ def test_a_light_that_starts_where_it_is_black_starts_again():
     [
         ({"error": -0.1}, "error must be a finite number, from 0 to 1"),
         ({"error": np.nan}, "error must be a finite number"),
-        ({"ambient": "x"}, "ambient must be 'constant' or 'none' or 'sh2'"),
+        ({"ambient": "x"}, "ambient must be 'none' or 'constant' or 'sh2' or 'auto'"),
         ({"normals": "x"}, "normals must be 'sphere' or 'upper'"),
         ({"fixed": [[0, 2, 0]]}, "direction 0 has length 2"),
         ({"fixed": [0, 1, 0]}, "fixed must have 2 axes"),

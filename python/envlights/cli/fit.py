@@ -9,7 +9,7 @@ import click
 
 from envlights.cli.outputs import check_output, default_of, output_option, print_rig, say_written
 from envlights.envmap import EnvMap
-from envlights.fitting.fit import AMBIENTS, NORMALS, fit
+from envlights.fitting.fit import AMBIENTS, AUTO, NORMALS, fit
 from envlights.io.files import PICTURES
 from envlights.rig import Rig
 
@@ -20,17 +20,20 @@ from envlights.rig import Rig
 @click.option("--error", type=float, help="Use the fewest lights with at most this error: 0.01.")
 @click.option(
     "--ambient",
-    type=click.Choice(list(AMBIENTS)),
+    type=click.Choice([*AMBIENTS, AUTO]),
     default=default_of(fit, "ambient"),
     show_default=True,
-    help="The environment beside the lights; sh2: nine spherical harmonics.",
+    help="The environment beside the lights; sh2: nine spherical harmonics; auto: what pays.",
 )
 @click.option(
     "--normals",
     type=click.Choice(NORMALS),
     default=default_of(fit, "normals"),
     show_default=True,
-    help="Surfaces that count; upper: those that face up, for things on a floor.",
+    help="Surfaces that count; upper: those that face up.",
+)
+@click.option(
+    "--floor", is_flag=True, help="A floor in the scene hides all light from below the horizon."
 )
 @output_option("Write the rig (.json) or a picture (.png, .pdf, .svg); may be given again.")
 @click.option("--json", "as_json", is_flag=True, help="Print the rig as JSON.")
@@ -40,6 +43,7 @@ def command(
     error: float | None,
     ambient: str,
     normals: str,
+    floor: bool,
     outputs: Sequence[str],
     as_json: bool,
 ) -> None:
@@ -47,7 +51,7 @@ def command(
     for output in outputs:
         check_output(output, (".json", *PICTURES), {"the map": map_path})
     env = EnvMap.open(map_path)
-    rig = fit(env, lights, error=error, ambient=ambient, normals=normals)
+    rig = fit(env, lights, error=error, ambient=ambient, normals=normals, floor=floor)
     for output in outputs:
         _write(env, rig, output)
     print_rig(rig, as_json)

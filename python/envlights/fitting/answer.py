@@ -1,0 +1,61 @@
+"""The kernel's answer, as a rig with its report."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights._native import FitAnswer
+from envlights.fitting.asked import Asked
+from envlights.lights import Lights, brightest_first
+from envlights.report import FitReport, StopReason
+from envlights.rig import Rig
+
+
+def rig_of(answer: FitAnswer, asked: Asked, scale: float = 1.0) -> Rig:
+    """The rig of an `answer` whose irradiance is in units of `scale`."""
+    irradiance = answer.irradiance * scale
+    # Sort once, in the final units: rounding in other units could exchange lights that are alike.
+    order = brightest_first(irradiance)
+    ambient = answer.ambient * scale
+    report = FitReport(
+        errors=dict(answer.errors),
+        steps=answer.steps,
+        stop_reason=_stop_reason(answer, asked.error),
+        channel_errors=tuple(answer.channel_errors),
+        max_error=answer.max_error,
+        condition=answer.condition,
+        direction_errors=_sorted(answer.direction_errors, order),
+        irradiance_errors=_sorted_rgb(answer.irradiance_errors, order, scale),
+        direction_tolerances=_sorted(answer.tolerances, order),
+        fixed=tuple(np.argsort(order)[: len(asked.fixed)].tolist()),
+    )
+    return Rig(
+        ambient if len(ambient) > 1 else ambient.sum(axis=0),
+        Lights(answer.directions[order], irradiance[order]),
+        answer.error,
+        report,
+    )
+
+
+def _sorted(figures: list[float], order: NDArray[np.intp]) -> tuple[float, ...]:
+    """A figure for each light, if there are any, in the `order` of the lights."""
+    return tuple(figures[light] for light in order) if figures else ()
+
+
+def _sorted_rgb(
+    figures: list[list[float]], order: NDArray[np.intp], scale: float
+) -> tuple[tuple[float, float, float], ...]:
+    """The same for three figures of each light, in units of `scale`."""
+    if not figures:
+        return ()
+    return tuple((red * scale, g * scale, b * scale) for red, g, b in (figures[i] for i in order))
+
+
+def _stop_reason(answer: FitAnswer, error: float | None) -> StopReason:
+    """Why there are no more lights, given the `error` that was asked for."""
+    if not answer.ambient.any() and not answer.irradiance.any() and answer.error == 0:
+        return StopReason.NOTHING_TO_FIT
+    if error is not None and answer.error > error:
+        return StopReason.ERROR_NOT_REACHED
+    return StopReason[answer.stop]
