@@ -78,7 +78,13 @@ def images(emitter, paths):
         return np.array(
             [
                 [
-                    mi.render(scene, sensor=sensor(mi, view), integrator=integrator, spp=paths, seed=int(seed))
+                    mi.render(
+                        scene,
+                        sensor=sensor(mi, view),
+                        integrator=integrator,
+                        spp=paths,
+                        seed=int(seed),
+                    )
                     for view, seed in zip(VIEWS, some, strict=True)
                 ]
                 for some in seeds
