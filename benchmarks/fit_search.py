@@ -64,10 +64,12 @@ class Case:
         return max(errors["fit"], FLOOR) / max(errors[least], FLOOR), least
 
     def on_dense(self, start="greedy"):
+        """The fit to 5120 normals."""
         given = {"weights": DENSE[1], "ambient": self.ambient, "start": start}
         return el.fit_probe(DENSE[0], self.dense, self.lights, **given)
 
     def random(self, rng):
+        """Lights in random directions."""
         return directions(kernels.uniform_sphere(rng.uniform(size=(self.lights, 2))))
 
     def best_of_scipy(self, rng, starts):
@@ -82,6 +84,7 @@ class Case:
         return directions(towards)
 
     def error(self, rig):
+        """Relative error at the judging normals."""
         return kernels.relative_rms(rig.probe(JUDGING[0]), self.judging, JUDGING[1])
 
 

@@ -76,12 +76,10 @@ def beside_peers(maps, lights):
         for name, value in of_search_and_peers(env, lights).items():
             seconds[name].append(value)
     print(f"\n{lights} lights and ambient, {len(maps)} maps, medians; peers from one even start")
-    print(
-        f"{'':<36}{'time':>8}{'over search and field':>23}{'least':>8}{'over search':>23}{'least':>8}"
-    )
+    print(f"{'':<36}{'time':>8}{'over search and field':>25}{'over the search alone':>25}")
     for name, values in seconds.items():
         over = [np.divide(values, seconds[base]) for base in ("search and field", "search")]
-        ratios = "".join(f"{np.median(some):>21.1f} x{some.min():>6.1f} x" for some in over)
+        ratios = "".join(f"{np.median(r):>10.1f} x, least{r.min():>5.1f} x" for r in over)
         print(f"{name:<36}{1e3 * np.median(values):>5.2f} ms{ratios}", flush=True)
 
 
@@ -119,10 +117,8 @@ def block_means(radiance, columns=256):
     """Means of equal blocks of pixels, in at most that many columns."""
     size = -(-radiance.shape[1] // columns)
     height = radiance.shape[0] // size
-    blocks = radiance[: height * size, : 2 * height * size].reshape(
-        height, size, 2 * height, size, 3
-    )
-    return blocks.mean(axis=(1, 3))
+    blocks = radiance[: height * size, : 2 * height * size]
+    return blocks.reshape(height, size, 2 * height, size, 3).mean(axis=(1, 3))
 
 
 def by_lights():
@@ -197,9 +193,8 @@ def within_one_percent(before):
     ratios = np.array([ours[path] / theirs[path] for path in ours])
     totals = sum(ours.values()), sum(theirs.values())
     print(f"{title}: {1e3 * totals[0]:.0f} ms, before {1e3 * totals[1]:.0f} ms")
-    print(
-        f"  of its time{totals[0] / totals[1]:>7.3f}; by map{np.median(ratios):>7.3f}{ratios.max():>7.3f} at most"
-    )
+    by_map = f"by map {np.median(ratios):.3f}, at most {ratios.max():.3f}"
+    print(f"  share of the time before: {totals[0] / totals[1]:.3f}; {by_map}")
 
 
 def next_frame():

@@ -93,6 +93,7 @@ class Case:
         return self.error(self.scale * kernels.probe_model(self.problem.whole(x), JUDGING[0]))
 
     def error(self, irradiance):
+        """Relative error of the irradiance at the judging normals."""
         return kernels.relative_rms(irradiance, self.judging, JUDGING[1])
 
 
