@@ -1,9 +1,10 @@
 """A ball and a box on a floor, rendered by Mitsuba: error of the image under a rig.
 
 The truth is the image under the map itself: shadows and one bounce, from two views. The scene is
-turned four times: where a shadow falls on one scene is chance. `worst` is the highest ratio of one
-turn. Each image is rendered twice, and the squared error is the mean product of both differences, so that noise, which
-they do not share, does not count. `noise` is that of the mean of the two, relative RMS.
+turned four times, as it is chance where a shadow falls in one; `worst` is the ratio of the worst
+turn. Each image is rendered twice, and the squared error is the mean product of both differences,
+so that noise, which they do not share, does not count. `noise` is that of the mean of the two
+images, relative RMS.
 
 Some minutes. Usage: python benchmarks/fit_floor.py MAP...
 """
