@@ -34,9 +34,8 @@ DEPTH = 3
 def table(paths):
     under_one = images({"type": "constant", "radiance": rgb([1.0] * 3)}, AMBIENT_PATHS)
     print("relative RMS error of images, fitted without a floor and over one")
-    print(
-        f"{'map':<28}{'noise':>8}{'lights':>8}{'without':>10}{'over':>10}{'ratio':>8}{'worst':>8}  noise"
-    )
+    columns = f"{'without':>10}{'over':>10}{'ratio':>8}{'worst':>8}{'noise':>8}"
+    print(f"{'map':<28}{'noise':>8}{'lights':>8}{columns}")
     for path in paths:
         env = el.EnvMap.open(path)
         truth = images({"type": "envmap", "bitmap": as_mitsuba_takes_it(env)}, MAP_PATHS)
