@@ -1,10 +1,10 @@
 """The fit beside scipy's and jaxopt's, in one run: how good, how fast, how steady.
 
 Usage: python benchmarks/fit.py [tradeoff] [starts] [search] [speed] [stability]
-           [--peer scipy] [--starts N] [--every N]
+           [--every N] [--starts N] [--scipy N] [--before PYTHON]
 
-With `ENVLIGHTS_MAPS` set to a folder of maps, on those as well. `--every 1 --peer scipy` is the
-whole comparison with scipy's best of 100 random starts on all maps, and takes half an hour.
+With `ENVLIGHTS_MAPS` set to a folder of maps, on those as well. `search --every 1 --scipy 100` is
+the whole comparison with wider searches, and takes hours.
 """
 
 import argparse
@@ -25,8 +25,8 @@ import fit_tradeoff
 PARTS = {
     "tradeoff": lambda options: fit_tradeoff.table(options.every),
     "starts": lambda options: fit_starts.table(options.every),
-    "search": lambda options: fit_search.table(options.every, options.peer, options.starts),
-    "speed": lambda options: fit_speed.tables(),
+    "search": lambda options: fit_search.table(options.every, options.starts, options.scipy),
+    "speed": lambda options: fit_speed.tables(options.every, options.before),
     "stability": lambda options: fit_stability.table(),
 }
 
@@ -35,8 +35,9 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("parts", nargs="*", metavar="part", help=f"of {', '.join(PARTS)}")
     parser.add_argument("--every", type=int, default=3, help="take each n-th map; 1 is all")
-    parser.add_argument("--peer", choices=fit_search.PEERS, default="ours")
-    parser.add_argument("--starts", type=int, help="random starts of the peer")
+    parser.add_argument("--starts", type=int, default=100, help="random starts of fit in `search`")
+    parser.add_argument("--scipy", type=int, default=5, help="those of scipy in `search`")
+    parser.add_argument("--before", help="a Python that has another build, for `speed`")
     options = parser.parse_args()
     threads = os.environ.get("RAYON_NUM_THREADS", os.cpu_count())
     print(f"{threads} threads for the fit, {os.environ['OPENBLAS_NUM_THREADS']} for BLAS")

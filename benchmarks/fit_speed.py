@@ -1,54 +1,151 @@
-"""Run time of the fit: beside scipy's and jaxopt's from one start, and as its input grows."""
+"""Run time of the fit: beside scipy's and jaxopt's descents, and as its input grows.
+
+The search is timed on a map of 256 columns, where 80 normals measure the error instead of 5120.
+The time for the same irradiance by `working_irradiance` is taken off: that is the reduction of the
+map and the measuring normals. Taken off the time on no lights, it leaves the field of the map.
+"""
+
+import functools
+import json
+import os
+import subprocess
+import sys
+from collections import defaultdict
 
 import numpy as np
 import probes
-from stopwatch import compare
+from stopwatch import compare, least_seconds
 from tests.helpers import NORMALS, SOLID_ANGLES
 from tests.reference import peers
 
 import envlights as el
-from envlights import kernels
+from envlights import _native, kernels
 
 LIGHTS = (1, 2, 4, 8, 16, 32)
+#: Normals that measure the error where that is not to count.
+FEW = kernels.icosphere(80)
 NORMAL_COUNTS = (80, 320, 1280, 5120, 20480)
 HEIGHTS = (64, 256, 512, 1024, 2048)
 
+#: The fit within 1 % of each of some maps from scratch; takes their paths and prints seconds.
+WITHIN_ONE_PERCENT = """
+import json, sys, time
+import envlights as el
 
-def tables():
-    hall = el.EnvMap(el.synthetic.hall(512).radiance)
-    irradiance = probes.probe(hall)
+def seconds(env):
+    start = time.perf_counter()
+    el.fit(env, error=0.01)
+    return time.perf_counter() - start
+
+maps = {path: el.EnvMap.open(path) for path in sys.argv[1:]}
+print(json.dumps({path: min(seconds(env) for _ in range(3)) for path, env in maps.items()}))
+"""
+
+#: Fits of ever more lights; prints seconds.
+BY_LIGHTS = """
+import json, sys, time
+import envlights as el
+
+def seconds(lights):
+    start = time.perf_counter()
+    el.fit(radiance, lights)
+    return time.perf_counter() - start
+
+radiance = el.synthetic.hall(512).radiance
+counts = map(int, sys.argv[1:])
+print(json.dumps({m: min(seconds(m) for _ in range(9)) for m in counts}))
+"""
+
+
+def tables(every, before=None):
+    maps = dict(list(probes.maps().items())[::every])
     for lights in (4, 8):
-        beside_peers(irradiance, lights)
-    growth(hall, irradiance)
-    large_map()
+        beside_peers(maps, lights)
+    by_lights()
+    growth(probes.generated()["hall"])
+    for size in ((512, 1024), (2048, 4096)):
+        beside_one_pass(*size)
+    within_one_percent(before)
     next_frame()
 
 
-def beside_peers(irradiance, lights):
+def beside_peers(maps, lights):
     """Even starts with the best radiances for them; each peer stops where it does by default."""
-    problem = peers.Problem(NORMALS, SOLID_ANGLES, irradiance, lights)
-    directions = peers.even(lights)
-    start = problem.unknowns(peers.ours(problem, fixed=directions))
+    seconds = defaultdict(list)
+    for env in maps.values():
+        for name, value in of_search_and_peers(env, lights).items():
+            seconds[name].append(value)
+    print(f"\n{lights} lights and ambient, {len(maps)} maps, medians; peers from one even start")
+    print(f"{'':<36}{'time':>8}{'over search and field':>25}{'over the search alone':>25}")
+    for name, values in seconds.items():
+        over = [np.divide(values, seconds[base]) for base in ("search and field", "search")]
+        ratios = "".join(f"{np.median(r):>10.1f} x, least{r.min():>5.1f} x" for r in over)
+        print(f"{name:<36}{1e3 * np.median(values):>5.2f} ms{ratios}", flush=True)
+
+
+def of_search_and_peers(env, lights):
+    """Least seconds of each on one map."""
+    small = block_means(env.radiance)
+    problem = peers.Problem(NORMALS, SOLID_ANGLES, probes.probe(env), lights)
+    start = problem.unknowns(peers.ours(problem, fixed=peers.even(lights)))
     with peers.jax_in_float64():
         jaxopt = peers.compiled_jaxopt(problem, start, tolerance=1e-8)
         jaxopt()  # compiles
         by_scipy = {"has_bounds": True, "tolerance": 1e-8}
         work = {
-            "fit_probe, the whole search": lambda: peers.ours(problem),
-            "fit_probe from the start": lambda: peers.ours_from(problem, directions),
+            "all": lambda: kernel(small, lights),
+            "no lights": lambda: kernel(small, 0),
+            "no fit": lambda: kernels.working_irradiance(small, FEW[0]),
+            "fit_probe, 320 normals": lambda: peers.ours(problem),
             "scipy, bounded, analytic Jacobian": lambda: peers.by_scipy(problem, start, **by_scipy),
             "jaxopt, compiled": jaxopt,
         }
-        compare(f"{lights} lights, 320 normals, one start", work)
+        least = least_seconds(work, rounds=15, patience=4.0)
+    everything, none, no_fit = (least.pop(name) for name in ("all", "no lights", "no fit"))
+    return {"search and field": everything - no_fit, "search": everything - none, **least}
 
 
-def growth(hall, irradiance):
-    given = {"weights": SOLID_ANGLES}
-    compare(
-        "fit_probe, 320 normals, by the number of lights",
-        {f"{m} lights": lambda m=m: el.fit_probe(NORMALS, irradiance, m, **given) for m in LIGHTS},
-        base="4 lights",
-    )
+def kernel(radiance, lights):
+    """The whole search for lights and a constant ambient term, few normals measuring the error."""
+    nowhere, point_share, most_steps, rendering_error = np.zeros((0, 3)), 2e-3, 100, 1e-4
+    given = (radiance, False, radiance.shape[1], point_share, nowhere, np.zeros(0), *FEW)
+    wanted = (1, nowhere, 0, lights, None, most_steps)
+    return _native.fit_map(*given, *wanted, False, rendering_error)
+
+
+def block_means(radiance, columns=256):
+    """Means of equal blocks of pixels, in at most that many columns."""
+    size = -(-radiance.shape[1] // columns)
+    height = radiance.shape[0] // size
+    blocks = radiance[: height * size, : 2 * height * size]
+    return blocks.reshape(height, size, 2 * height, size, 3).mean(axis=(1, 3))
+
+
+def by_lights():
+    """Time of `fit` by the number of lights, two threads beside one."""
+    runs = {threads: [] for threads in (1, 2)}
+    for _ in range(3):
+        for threads, seconds in runs.items():
+            seconds.append(run(sys.executable, BY_LIGHTS, LIGHTS, RAYON_NUM_THREADS=threads))
+    one, two = (least(run) for run in runs.values())
+    print(f"\nfit(array, lights) of 1024x512, the hall\n{'lights':>8}{'1 thread':>12}{'2':>12}")
+    for lights in map(str, LIGHTS):
+        ratio = f"{one[lights] / two[lights]:>8.2f} x"
+        print(f"{lights:>8}{1e3 * one[lights]:>9.2f} ms{1e3 * two[lights]:>9.2f} ms{ratio}")
+
+
+def run(python, code, arguments, **environment):
+    """Run `code` in a new process; return what it prints as JSON."""
+    environment = os.environ | {name: str(value) for name, value in environment.items()}
+    command = [python, "-c", code, *map(str, arguments)]
+    return json.loads(subprocess.check_output(command, env=environment, text=True))
+
+
+def least(runs):
+    return {name: min(run[name] for run in runs) for name in runs[0]}
+
+
+def growth(hall):
     work = {}
     for count in NORMAL_COUNTS:
         normals, weights = kernels.icosphere(count)
@@ -63,18 +160,41 @@ def growth(hall, irradiance):
     )
 
 
-def large_map():
+def beside_one_pass(height, width):
     """Compare the fit with one pass over the map."""
     rng = np.random.default_rng(0)
-    radiance = rng.gamma(0.5, size=(2048, 4096, 3)).astype(np.float32)
-    radiance[700, 1000] = 5e4
-    hall = el.synthetic.hall(2048).radiance
+    radiance = rng.gamma(0.5, size=(height, width, 3)).astype(np.float32)
+    radiance[height // 3, width // 4] = 5e4
+    hall = el.synthetic.hall(height).radiance
     for name, array in {"noise and a sun": radiance, "the hall": hall}.items():
         work = {
             "array.max()": array.max,
-            "el.fit(array, lights=4)": lambda a=array: el.fit(a, 4),
+            "fit(array, lights=4)": lambda a=array: el.fit(a, 4),
+            "fit(array, lights=8)": lambda a=array: el.fit(a, 8),
         }
-        compare(f"4096x2048 float32, {name}", work)
+        compare(f"{width}x{height} float32, {name}", work)
+
+
+def within_one_percent(before):
+    """`fit(env, error=0.01)` of all real maps, and by the build `before` if its Python is given."""
+    paths = probes.paths()
+    if not paths:
+        return
+    now = functools.partial(run, sys.executable, WITHIN_ONE_PERCENT, paths)
+    runs = [now()]
+    title = f"\nfit(env, error=0.01), {len(paths)} real maps in turn"
+    if before is None:
+        print(f"{title}: {1e3 * sum(runs[0].values()):.0f} ms")
+        return
+    # Without its path, that Python finds its own build.
+    theirs = [run(before, WITHIN_ONE_PERCENT, paths, PYTHONPATH="")]
+    runs.append(now())
+    ours, theirs = least(runs), least(theirs)
+    ratios = np.array([ours[path] / theirs[path] for path in ours])
+    totals = sum(ours.values()), sum(theirs.values())
+    print(f"{title}: {1e3 * totals[0]:.0f} ms, before {1e3 * totals[1]:.0f} ms")
+    by_map = f"by map {np.median(ratios):.3f}, at most {ratios.max():.3f}"
+    print(f"  share of the time before: {totals[0] / totals[1]:.3f}; {by_map}")
 
 
 def next_frame():
@@ -86,13 +206,11 @@ def next_frame():
         room = el.synthetic.hall(256).radiance
         return el.EnvMap(room + el.synthetic.scene(256, background=[0] * 3, shapes=discs).radiance)
 
-    before = el.fit(frame(0.0), 4)
-    after = frame(np.deg2rad(1) / 0.6).probe(NORMALS)
-    given = {"weights": SOLID_ANGLES}
+    before, after = el.fit(frame(0.0), 4), frame(np.deg2rad(1) / 0.6)
     work = {
-        "afresh": lambda: el.fit_probe(NORMALS, after, 4, **given),
-        "start=rig": lambda: el.fit_probe(NORMALS, after, 4, start=before, **given),
+        "afresh": lambda: el.fit(after, 4),
+        "start=rig": lambda: el.fit(after, 4, start=before),
     }
-    compare("a frame later, 4 lights, 320 normals", work)
+    compare("a frame later, 4 lights, 512x256", work)
     errors = ", ".join(f"{name} {100 * fit().error:.4f} %" for name, fit in work.items())
     print(f"  errors: {errors}")

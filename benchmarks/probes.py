@@ -1,4 +1,4 @@
-"""White probes under maps of all kinds: what the fits are compared on."""
+"""Maps of all kinds, and white probes under them: what the fits are compared on."""
 
 from tests.helpers import EQUIRECTANGULAR, NORMALS, paths_of_real_maps
 
@@ -9,16 +9,15 @@ from envlights import synthetic
 GENERATED = 4
 
 
-def real_and_generated():
+def maps():
     """Each third is a fair sample: neighbours are of one kind."""
-    return {**real(), **generated()}
+    return {**{path.name: el.EnvMap.open(path) for path in paths()}, **generated()}
 
 
-def real():
-    """Maps in the folder that `ENVLIGHTS_MAPS` names; none without it."""
+def paths():
+    """Those in the folder that `ENVLIGHTS_MAPS` names; none without it."""
     # Pattern by pattern, so that neighbours are of one kind.
-    found = (path for pattern in EQUIRECTANGULAR for path in paths_of_real_maps(pattern))
-    return {path.name: probe(el.EnvMap.open(path)) for path in found}
+    return [path for pattern in EQUIRECTANGULAR for path in paths_of_real_maps(pattern)]
 
 
 def generated():
@@ -27,7 +26,12 @@ def generated():
     for seed in synthetic.JUDGING[:GENERATED]:
         for make in (synthetic.plain, synthetic.hard):
             worlds[f"{make.__name__} {seed}"] = make(seed, 256)
-    return {name: probe(el.EnvMap(world.radiance)) for name, world in worlds.items()}
+    return {name: el.EnvMap(world.radiance) for name, world in worlds.items()}
+
+
+def real_and_generated():
+    """The probe under each map."""
+    return {name: probe(env) for name, env in maps().items()}
 
 
 def probe(env):
