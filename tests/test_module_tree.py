@@ -8,10 +8,6 @@ import pytest
 
 SOURCE = Path(__file__).parents[1] / "src"
 
-#: Folders whose files still import each other: types of `fit/mod.rs` stand above their users, and
-#: `solver.rs` and `quadratic.rs` need each other, until `fit/` is built anew; then this goes.
-KNOWN_CYCLES = {"kernels::fit"}
-
 Tree = dict[str, str]
 
 
@@ -113,10 +109,7 @@ ARROWS = arrows_of(TREE)
 
 
 def test_no_two_files_import_each_other():
-    """One folder is known to: when it no longer does, this fails, and its exception goes."""
-    cycles = in_cycles(ARROWS)
-    assert {module for module in cycles if not module.startswith(tuple(KNOWN_CYCLES))} == set()
-    assert {folder for folder in KNOWN_CYCLES if folder in cycles} == KNOWN_CYCLES
+    assert in_cycles(ARROWS) == set()
 
 
 def test_a_step_uses_only_the_steps_before_it():

@@ -28,7 +28,6 @@ __all__ = [
     "harmonic_radiance",
     "icosphere",
     "irradiance",
-    "judging_irradiance",
     "luminance",
     "merge_along_lines",
     "neighbour_maximum",
@@ -134,16 +133,13 @@ def fit_map(
     border_sampled: bool,
     columns: int,
     point_share: float,
-    fitted: _Reals,
-    fitted_weights: _Reals,
-    judging: _Reals,
-    judging_weights: _Reals,
     ambient: int,
     start: _Reals,
     fixed: int,
     lights: int,
     error: float | None,
     max_steps: int,
+    upward: bool,
     floor: bool,
     error_floor: float,
 ) -> FitAnswer: ...
@@ -208,13 +204,6 @@ def resize_bilinear(image: _Image, height: int, width: int) -> _Image: ...
 def rig_irradiance(
     normals: _Reals, ambient: _Reals, directions: _Reals, irradiance: _Reals
 ) -> _Reals: ...
-def judging_irradiance(
-    radiance: _Image,
-    fewest: int,
-    border_sampled: bool,
-    columns: int,
-    source_share: float,
-) -> tuple[_Reals, _Reals, _Reals, int]: ...
 def sum_over_sources(
     normals: _Reals,
     directions: _Reals,

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use super::pool::in_pool;
 use super::sphere::registration;
 use crate::error::Result;
-use crate::kernels::fit::{self, Ambient, Asked, Fitted, Rig, Samples, StopReason};
+use crate::kernels::fit::{self, Ambient, Asked, Fitted, Rig, Samples, StopReason, World};
 use crate::kernels::image;
 use crate::kernels::sphere::{from_vectors, unit_vectors};
 
@@ -54,6 +54,12 @@ impl FitAnswer {
     #[getter]
     fn error(&self) -> f64 {
         self.fitted.judged.error
+    }
+
+    /// Normals that the errors were measured at.
+    #[getter]
+    fn judging(&self) -> usize {
+        self.fitted.judging
     }
 
     #[getter]
@@ -121,7 +127,7 @@ fn asked(
     Ok(Asked { ambient, start: unit_vectors("start", start)?, fixed, lights, error, max_steps })
 }
 
-/// See `envlights.fit`: at every normal, unless some are given to be `fitted`.
+/// See `envlights.fit`: all surfaces count, or those that face `upward`; or all over a `floor`.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "every option is named once more, on the Python side")]
 pub fn fit_map(
@@ -130,32 +136,28 @@ pub fn fit_map(
     border_sampled: bool,
     columns: usize,
     point_share: f64,
-    fitted: PyReadonlyArray2<'_, f64>,
-    fitted_weights: PyReadonlyArray1<'_, f64>,
-    judging: PyReadonlyArray2<'_, f64>,
-    judging_weights: PyReadonlyArray1<'_, f64>,
     ambient: usize,
     start: PyReadonlyArray2<'_, f64>,
     fixed: usize,
     lights: usize,
     error: Option<f64>,
     max_steps: usize,
+    upward: bool,
     floor: bool,
     error_floor: f64,
 ) -> PyResult<FitAnswer> {
     let (radiance, start) = (radiance.as_array(), start.as_array());
-    let fitted = (fitted.as_array(), fitted_weights.as_array());
-    let judging = (judging.as_array(), judging_weights.as_array());
+    let world = match (upward, floor) {
+        (_, true) => World::Floor,
+        (true, _) => World::Upward,
+        _ => World::Open,
+    };
     in_pool(py, || {
         let asked = asked(ambient, start, fixed, lights, error, max_steps)?;
         let map = image::reduce(radiance, registration(border_sampled), columns, point_share)?;
-        let map = if floor { map.above_horizon() } else { map };
+        let map = if world == World::Floor { map.above_horizon() } else { map };
         let points = map.sources.dim().0;
-        let fitted = if fitted.1.is_empty() {
-            fit::under_map(&map, judging, &asked, floor, error_floor)?
-        } else {
-            fit::at_normals(&map, fitted, judging, &asked, error_floor)?
-        };
+        let fitted = fit::under_map(&map, world, &asked, error_floor)?;
         Ok(FitAnswer { fitted, points })
     })
 }

@@ -1,6 +1,6 @@
 //! `kernels::probe` for Python.
 
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
+use numpy::{IntoPyArray, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 
 use super::pool::in_pool;
@@ -36,31 +36,6 @@ pub fn working_irradiance<'py>(
         probe::working_irradiance(&map, normals).map(|out| (out, map.sources.dim().0))
     })?;
     Ok((out.into_pyarray(py), sources))
-}
-
-/// Normals that judge a rig, (n, 3), the solid angle of each, (n,), and the irradiance there, (n, 3), of a
-/// working map and its sources, whose number comes last.
-#[pyfunction]
-#[expect(clippy::type_complexity, reason = "arrays, in the order of the page")]
-pub fn judging_irradiance<'py>(
-    py: Python<'py>,
-    radiance: PyReadonlyArray3<'py, f32>,
-    fewest: usize,
-    border_sampled: bool,
-    columns: usize,
-    source_share: f64,
-) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>, usize)> {
-    let radiance = radiance.as_array();
-    let (judged, sources) = in_pool(py, || {
-        let map = image::reduce(radiance, registration(border_sampled), columns, source_share)?;
-        probe::judge(&map, fewest).map(|judged| (judged, map.sources.dim().0))
-    })?;
-    Ok((
-        judged.normals.into_pyarray(py),
-        judged.weights.into_pyarray(py),
-        judged.irradiance.into_pyarray(py),
-        sources,
-    ))
 }
 
 /// See `envlights.kernels.sum_over_sources`.

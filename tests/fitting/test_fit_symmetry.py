@@ -74,16 +74,21 @@ def test_turning_the_map_upside_down_turns_the_lights_upside_down():
 @pytest.mark.parametrize("scale", [2.0**-20, 2.0**30, 1e-6, 1e9])
 @pytest.mark.parametrize("options", [{}, {"floor": True}, {"normals": "upper"}])
 def test_scaling_the_map_scales_the_lights(scale, options):
-    """By a power of 2 to the bit; other factors round float32 samples anew, 6e-8 of each."""
-    atol = 1e-7 if scale in (1e-6, 1e9) else EXACT
+    """By a power of 2 to the bit; other factors round float32 samples anew, 6e-8 of each.
+
+    Upward normals are given ones: between the kinks of 2560 horizons that rounding decides how far
+    a light goes, up to 2e-3 where the cost hardly changes.
+    """
+    rounded = 3e-4 if options.get("normals") == "upper" else 1e-7
+    atol = rounded if scale in (1e-6, 1e9) else EXACT
     for radiance in maps(128):
         one = el.fit(radiance, 4, **options)
         scaled = el.fit(radiance * np.float32(scale), 4, **options)
         lights = el.Lights(scaled.lights.direction, scaled.lights.irradiance / scale)
         for ours, theirs in zip(by_place(lights), by_place(one.lights), strict=True):
             np.testing.assert_allclose(ours, theirs, atol=10 * atol * max(theirs.max(), 1))
-        np.testing.assert_allclose(scaled.ambient / scale, one.ambient, atol=1e-6)
-        assert scaled.error == pytest.approx(one.error, rel=1e-5)
+        np.testing.assert_allclose(scaled.ambient / scale, one.ambient, atol=10 * atol)
+        assert scaled.error == pytest.approx(one.error, rel=max(1e-5, atol))
 
 
 @pytest.mark.parametrize("scale", [2.0**-20, 2.0**30, 1e-6, 1e9])

@@ -27,6 +27,9 @@ MOST_LIGHTS = 32
 #: Steps after which a descent gives up.
 MAX_STEPS = 100
 
+#: Even starts that are placed at most: the kernel refuses as many lights under a map.
+MOST_STARTED = 10240
+
 _NOWHERE = np.zeros((0, 3))
 
 
@@ -52,17 +55,16 @@ class Asked(NamedTuple):
         # The kernel refuses more than `most` lights; there is no need to place them before.
         return _native.even_sphere(min(others, most)) if self.start == "even" else _NOWHERE
 
-    def first_directions_under(
-        self, env: EnvMap, most: int, has_floor: bool
-    ) -> NDArray[np.float64]:
+    def first_directions_under(self, env: EnvMap, has_floor: bool) -> NDArray[np.float64]:
         """The same under a map, and none below the horizon where it `has_floor`."""
         others = self.lights - len(self.fixed)
         if self.start == "detect" and others:
             return detect(_above_horizon(env) if has_floor else env, max_lights=others).direction
         if self.start == "even" and has_floor:
             # The points come from the top down.
-            return _native.even_sphere(2 * min(others, most))[: min(others, most)]
-        return self.first_directions(most)
+            count = min(others, MOST_STARTED)
+            return _native.even_sphere(2 * count)[:count]
+        return self.first_directions(MOST_STARTED)
 
     def check_above_horizon(self) -> None:
         """Refuse lights that a floor would hide."""

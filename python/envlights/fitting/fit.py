@@ -15,7 +15,6 @@ from envlights._native import EnvLightsError, FitAnswer
 from envlights.envmap import EnvMap, seen_through
 from envlights.fitting.answer import rig_of
 from envlights.fitting.asked import MAX_STEPS, STARTS_WITHOUT_MAP, Asked, asked
-from envlights.fitting.normals import NO_NORMALS, fitted_upward, judging
 from envlights.kernels.probe import WORKING_COLUMNS
 from envlights.lights import Lights
 from envlights.rig import Rig
@@ -154,7 +153,7 @@ def fit(
     clock = _Clock()
 
     def answers_under(world: EnvMap) -> dict[str, FitAnswer]:
-        first = wanted.first_directions_under(world, len(judging(False).weights), floor)
+        first = wanted.first_directions_under(world, floor)
         clock.lap("start")
         return {name: _answer(world, wanted, first, name, normals, floor) for name in names}
 
@@ -167,7 +166,7 @@ def fit(
     report = replace(
         rig.report,
         seconds=clock.laps,
-        measured_on=_measured_on(normals, floor),
+        measured_on=_measured_on(answer.judging, normals, floor),
         ambient=chosen,
         ambients={name: (len(one.directions), one.error) for name, one in answers.items()}
         if ambient == AUTO
@@ -314,20 +313,18 @@ def _answer(
     env: EnvMap, wanted: Asked, first: NDArray[np.float64], ambient: str, normals: str, floor: bool
 ) -> FitAnswer:
     """The best rig under `env` with one kind of `ambient` term."""
-    fitted = fitted_upward() if normals == "upper" else NO_NORMALS
     return _native.fit_map(
         env.radiance,
         env.registration == "border-sampled",
         WORKING_COLUMNS,
         POINT_SHARE,
-        *fitted,
-        *judging(normals == "upper"),
         AMBIENTS[ambient],
         np.concatenate([wanted.fixed, first]),
         len(wanted.fixed),
         wanted.lights,
         wanted.error,
         MAX_STEPS,
+        normals == "upper",
         floor,
         RENDERING_ERROR,
     )
@@ -350,9 +347,8 @@ def _chosen(answers: Mapping[str, FitAnswer], error: float | None) -> str:
     return next(name for name, answer in answers.items() if answer.error <= enough)
 
 
-def _measured_on(normals: str, floor: bool) -> str:
+def _measured_on(count: int, normals: str, floor: bool) -> str:
     """The normals on which the error was measured."""
-    count = len(judging(normals == "upper").weights)
     if normals == "upper":
         return f"{count} upward normals that were not fitted"
     return f"{count} normals over a floor" if floor else f"{count} normals"

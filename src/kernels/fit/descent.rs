@@ -12,11 +12,9 @@ use nalgebra::DVector;
 
 use super::newton::{Kink, Quadratic};
 use super::problem::Problem;
-use super::state::{State, StopReason};
+use super::state::{RESOLUTION, State, StopReason};
 use crate::kernels::sphere::{exponential_map, tangents};
 
-/// Relative cost of rounding alone, where the cost is a difference of inner products.
-const RESOLUTION: f64 = 1e-14;
 /// A light never turns by more than this in one step, in radians: the model is true only nearby.
 const LONGEST_STEP: f64 = 0.5;
 /// Least damping: with less, rounding would choose the way along what the cost hardly depends on.

@@ -75,6 +75,8 @@ pub struct Fitted {
     pub rig: Rig,
     /// How far it is from the probe.
     pub judged: Judged,
+    /// Normals that this was measured at.
+    pub judging: usize,
     /// Relative RMS error by number of lights.
     pub errors: Vec<(usize, f64)>,
     /// Channels that were fitted: neither black nor the same as another.
@@ -89,60 +91,47 @@ pub struct Fitted {
     pub uncertainty: Uncertainty,
 }
 
-/// Normals, (n, 3), and their weights.
-pub type Normals<'a> = (ArrayView2<'a, f64>, ArrayView1<'a, f64>);
+/// Surfaces that count, and light that reaches them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum World {
+    /// All surfaces, and all light.
+    Open,
+    /// Those that face up, and all light.
+    Upward,
+    /// All surfaces, over a floor that hides what is below the horizon: no light comes or may stand there.
+    Floor,
+}
 
-/// The best rig for the probe under a map at every normal, judged at some. Where it has a `floor`, light from below
-/// the horizon neither counts nor is used. Errors below `error_floor` are those of rendering.
+/// The best rig for the probe under a map. Errors below `error_floor` are those of rendering.
 ///
 /// # Errors
 ///
-/// [`Error::WrongColumns`], [`Error::LengthMismatch`], [`Error::NotFinite`], [`Error::NotUnit`],
-/// [`Error::Negative`], [`Error::TooBright`].
-pub fn under_map(
-    map: &WorkingMap,
-    judging: Normals<'_>,
-    asked: &Asked,
-    floor: bool,
-    error_floor: f64,
-) -> Result<Fitted> {
-    let (judge, sphere) = rayon::join(|| rendered(map, judging), || Sphere::new(map, asked.ambient, floor));
-    let (judge, problem) = (judge?, asked.problem(&sphere));
-    check_unknowns(asked, judge.normals.len())?;
-    let (state, mut fitted) = fit(&problem, &judge, error_floor)?;
-    fitted.tolerances = uncertainty::tolerances(&problem, &state, fitted.judged.error);
-    Ok(fitted)
-}
-
-/// The best rig for the probe under a map at `fitted` normals, judged at others.
-///
-/// # Errors
-///
-/// As [`under_map`], and [`Error::TooFewNormals`].
-pub fn at_normals(
-    map: &WorkingMap,
-    fitted: Normals<'_>,
-    judging: Normals<'_>,
-    asked: &Asked,
-    error_floor: f64,
-) -> Result<Fitted> {
-    let (samples, judge) = (rendered(map, fitted)?, rendered(map, judging)?);
-    check_unknowns(asked, samples.normals.len())?;
-    let probe = Probe::new(samples, asked.ambient);
-    let problem = asked.problem(&probe);
-    let (state, mut fitted) = fit(&problem, &judge, error_floor)?;
-    fitted.tolerances = uncertainty::tolerances(&problem, &state, fitted.judged.error);
-    Ok(fitted)
-}
-
-fn rendered(map: &WorkingMap, (normals, weights): Normals<'_>) -> Result<Samples> {
+/// [`Error::TooFewNormals`], [`Error::TooBright`].
+pub fn under_map(map: &WorkingMap, world: World, asked: &Asked, error_floor: f64) -> Result<Fitted> {
     /// Normals that judge a rig, at least.
     const JUDGING: usize = 5120;
-    if weights.is_empty() {
-        let probe::Judged { normals, weights, irradiance } = probe::judge(map, JUDGING)?;
-        return Samples::new(normals.view(), weights.view(), irradiance.view());
+    if world == World::Upward {
+        let (judge, fitted) = (rendered(map, 2 * JUDGING)?.upward(), rendered(map, JUDGING)?.upward());
+        return judged(&Probe::new(fitted, asked.ambient), &judge, asked, error_floor);
     }
-    Samples::new(normals, weights, probe::working_irradiance(map, normals)?.view())
+    let sphere = || Sphere::new(map, asked.ambient, world == World::Floor);
+    let (judge, sphere) = rayon::join(|| rendered(map, JUDGING), sphere);
+    judged(&sphere, &judge?, asked, error_floor)
+}
+
+/// The probe under a map at normals that are quickly looked at.
+fn rendered(map: &WorkingMap, fewest: usize) -> Result<Samples> {
+    let probe::Judged { normals, weights, irradiance } = probe::judge(map, fewest)?;
+    Samples::new(normals.view(), weights.view(), irradiance.view())
+}
+
+/// The best rig for an objective, and how far its lights may stand elsewhere.
+fn judged(objective: &dyn Objective, judge: &Samples, asked: &Asked, error_floor: f64) -> Result<Fitted> {
+    check_unknowns(asked, judge.normals.len())?;
+    let problem = asked.problem(objective);
+    let (state, mut fitted) = fit(&problem, judge, error_floor)?;
+    fitted.tolerances = uncertainty::tolerances(&problem, &state, fitted.judged.error);
+    Ok(fitted)
 }
 
 /// The best rig for irradiance at given normals, which judge it as well.
@@ -161,13 +150,18 @@ pub fn to_samples(samples: Samples, asked: &Asked) -> Result<Fitted> {
 /// The best place, and what the caller sees of it.
 fn fit(problem: &Problem<'_>, judge: &Samples, error_floor: f64) -> Result<(State, Fitted)> {
     let path = light_count::path(problem, judge, error_floor)?;
-    let state = path[light_count::chosen(problem, &path, error_floor)].0.clone().polished(problem);
+    let chosen = light_count::chosen(problem, &path, error_floor);
+    let state = path[chosen].0.clone().polished(problem);
     let state = state.without_black(problem).unwrap_or(state);
     let rig = state.rig(problem.objective.given());
+    let judged = judge.judged(&rig);
+    let mut errors: Vec<(usize, f64)> = path.iter().map(|(state, error)| (state.lights(), *error)).collect();
+    errors[chosen].1 = judged.error;
     let fitted = Fitted {
-        judged: judge.judged(&rig),
         rig,
-        errors: path.iter().map(|(state, error)| (state.lights(), *error)).collect(),
+        judged,
+        judging: judge.normals.len(),
+        errors,
         channels: problem.objective.given().channels.len(),
         steps: state.steps,
         stop: state.stop.unwrap_or(StopReason::Converged),

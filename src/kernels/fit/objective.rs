@@ -66,6 +66,16 @@ pub trait Objective: Debug + Sync {
         Directions { directions, weighted: DMatrix::zeros(0, 0) }
     }
 
+    /// Places where lights are likely, the likeliest first.
+    fn likely(&self) -> &[DVec3] {
+        &[]
+    }
+
+    /// A fall of the cost that says nothing, as a share of the energy: what the objective itself is off by.
+    fn noise(&self) -> f64 {
+        0.0
+    }
+
     /// Whether the cost has many small valleys between kinks.
     fn has_kinks(&self) -> bool;
 

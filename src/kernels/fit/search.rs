@@ -25,6 +25,8 @@ pub const FINE: f64 = 1e-9;
 const WORTH_AN_EXCHANGE: f64 = 2e-3;
 /// Relative fall of the cost for which lights are perturbed once more.
 const WORTH_A_ROUND: f64 = 1e-6;
+/// Places from which lights are perturbed.
+const PERTURBED_ON: usize = 6;
 /// An exchange that is not near the best after rough steps, by this factor of its cost, is given up.
 const NEAR: f64 = 1.2;
 
@@ -44,12 +46,23 @@ struct Breadth {
     promising: usize,
     /// Exchanges that are tried together.
     exchanged: usize,
+    /// Share of the least cost above which a place that has settled is given up.
+    settled: f64,
 }
 
 impl Breadth {
     /// Where a candidate's promise is nearly its cost.
-    const USUAL: Self =
-        Self { beam: 2, added: 2, descended: 4, starts: 3, spare: 0, one_in: 2, promising: 6, exchanged: 2 };
+    const USUAL: Self = Self {
+        beam: 2,
+        added: 2,
+        descended: 4,
+        starts: 3,
+        spare: 0,
+        one_in: 2,
+        promising: 6,
+        exchanged: 2,
+        settled: 1e-3,
+    };
     /// With harmonics that may not turn negative, a promise says little, and there are more valleys.
     const HARMONICS: Self = Self {
         beam: 12,
@@ -60,12 +73,22 @@ impl Breadth {
         one_in: 1,
         promising: 32,
         exchanged: 8,
+        settled: 1e-3,
     };
     /// Even starts at most: more lights take longer each.
     const MOST_STARTS: usize = 96;
     /// Over given normals each valley holds many small ones, and what is lowest shows late.
-    const KINKS: Self =
-        Self { beam: 4, added: 4, descended: 8, starts: 6, spare: 1, one_in: 2, promising: 12, exchanged: 6 };
+    const KINKS: Self = Self {
+        beam: 4,
+        added: 4,
+        descended: 12,
+        starts: 8,
+        spare: 1,
+        one_in: 2,
+        promising: 16,
+        exchanged: 8,
+        settled: 1e-2,
+    };
     /// Lights of all even starts together, at most.
     const MOST_STARTED: usize = 768;
 
@@ -102,7 +125,8 @@ impl<'a> Search<'a> {
         };
         let grown = best_of(beam.par_iter().flat_map_iter(added).collect(), descended);
         let mut grown: Vec<State> = grown.into_par_iter().map(|state| self.descended(state, ROUGH)).collect();
-        grown.retain(|state| state.cost < beam[0].cost);
+        let noise = self.problem.objective.noise() * self.problem.objective.given().energy;
+        grown.retain(|state| state.cost < beam[0].cost - noise);
         best_of(grown, width)
     }
 
@@ -112,20 +136,32 @@ impl<'a> Search<'a> {
         let starts = self.even(lights)?;
         let going_on = starts.len().div_ceil(self.breadth.one_in);
         let mut starts = best_of(starts, going_on);
-        starts.extend(beam);
+        starts.extend(self.likely(lights).into_iter().chain(beam));
         let close = starts.into_par_iter().map(|state| self.descended(state, CLOSE)).collect();
         let settled =
             distinct(close, self.breadth.promising).into_par_iter().map(|state| self.settled(state));
+        let settled = best_of(settled.collect(), self.breadth.promising);
+        let least = settled.first().map_or(0.0, |best| best.cost);
         // At the bottom of their valleys the best may change places.
-        let mut settled = best_of(settled.collect(), self.breadth.promising);
-        settled.retain({
-            let least = settled.first().map_or(0.0, |best| best.cost);
-            let self_close = if self.problem.objective.has_kinks() { 1e-2 } else { CLOSE };
-            move |state| state.cost <= least * (1.0 + self_close)
-        });
-        let finest = settled.into_par_iter().map(|state| state.descend(self.problem, FINE));
-        let best = best_of(finest.collect(), 1).pop();
-        best.map(|best| self.perturbed_on(best)).transpose()
+        let near = settled.into_iter().filter(|state| state.cost <= least * (1.0 + self.breadth.settled));
+        let near: Vec<State> = near.chain(self.paper_start(lights)?).collect();
+        let finest = near.into_par_iter().map(|state| state.descend(self.problem, FINE));
+        let best = best_of(finest.collect(), PERTURBED_ON).into_iter().map(|state| self.perturbed_on(state));
+        Ok(best_of(best.collect::<Result<Vec<State>>>()?, 1).pop())
+    }
+
+    /// Lights where they are likeliest, if there are as many such places.
+    fn likely(&self, lights: usize) -> Option<State> {
+        let Problem { objective, start, fixed, .. } = *self.problem;
+        let likely = objective.likely().get(..lights - fixed)?;
+        Some(State::new(objective, &[&start[..fixed], likely].concat()))
+    }
+
+    /// Even lights as they are (Madsen et al. 2003, section 3.2), where a valley may be too small for others to meet.
+    fn paper_start(&self, lights: usize) -> Result<Option<State>> {
+        let Problem { objective, start, fixed, .. } = *self.problem;
+        let even = multistart::even(1, lights - fixed)?.pop().filter(|_| objective.has_kinks());
+        Ok(even.map(|even| State::new(objective, &[&start[..fixed], even.as_slice()].concat())))
     }
 
     /// Where even starts lead to, roughly.
@@ -193,7 +229,7 @@ impl<'a> Search<'a> {
     /// The lowest place that a perturbation of all lights leads to.
     fn perturbed_once(&self, best: &State, round: usize) -> Result<Option<State>> {
         /// Perturbations that are tried together at least, and how many lights they turn together at least.
-        const PERTURBED: usize = 16;
+        const PERTURBED: usize = 24;
         const PERTURBED_LIGHTS: usize = 64;
         let Problem { objective, fixed, .. } = *self.problem;
         let count = PERTURBED.max(PERTURBED_LIGHTS / (best.lights() - fixed).max(1));

@@ -13,6 +13,8 @@ use super::rig::Rig;
 
 /// Relative cost of rounding alone, where the cost is summed from residuals.
 const EXACT: f64 = 1e-26;
+/// The same where it is a difference of inner products.
+pub const RESOLUTION: f64 = 1e-13;
 /// Relative cost below which it is summed from the residuals, where that can be.
 const SMALL: f64 = 1e-5;
 
@@ -66,8 +68,9 @@ impl State {
         let mut state = Self { moments, x, supports, dark, cost, damping, gain, steps, stop: None };
         let exact_cost =
             (cost <= SMALL * given.energy).then(|| objective.exact_cost(&state.rig(given))).flatten();
-        state.cost = exact_cost.unwrap_or(cost);
-        if state.cost <= given.energy * if exact_cost.is_some() { EXACT } else { 0.0 } {
+        // Rounding may leave less than nothing.
+        state.cost = exact_cost.unwrap_or(cost).max(0.0);
+        if state.cost <= given.energy * if exact_cost.is_some() { EXACT } else { RESOLUTION } {
             state.stop = Some(StopReason::Exact);
         }
         state

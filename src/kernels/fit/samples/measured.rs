@@ -11,13 +11,13 @@ use crate::kernels::sphere::{check_weighted, to_vectors};
 /// Irradiance at normals, each with a weight.
 #[derive(Clone, Debug)]
 pub struct Samples {
-    pub(in crate::kernels::fit) normals: Vec<DVec3>,
-    pub(in crate::kernels::fit) weights: Vec<f64>,
-    pub(in crate::kernels::fit) irradiance: Vec<DVec3>,
+    pub(crate) normals: Vec<DVec3>,
+    pub(crate) weights: Vec<f64>,
+    pub(crate) irradiance: Vec<DVec3>,
     /// The same, side by side.
     pub(super) blocks: Blocks,
     /// Weighted sum of squares of the irradiance: the cost of no light at all.
-    pub(in crate::kernels::fit) energy: f64,
+    pub(crate) energy: f64,
 }
 
 impl Samples {
@@ -42,11 +42,7 @@ impl Samples {
         Ok(Self::of(normals, weights.to_vec(), to_vectors(irradiance)))
     }
 
-    pub(in crate::kernels::fit) fn of(
-        normals: Vec<DVec3>,
-        weights: Vec<f64>,
-        irradiance: Vec<DVec3>,
-    ) -> Self {
+    pub(crate) fn of(normals: Vec<DVec3>, weights: Vec<f64>, irradiance: Vec<DVec3>) -> Self {
         let blocks = Blocks::new(&normals, &weights, &irradiance);
         let energy = blocks.cost(&Rig::default());
         Self { normals, weights, irradiance, blocks, energy }
@@ -60,6 +56,12 @@ impl Samples {
             let weights = kept.iter().map(|&i| self.weights[i]).collect();
             Self::of(normals, weights, kept.iter().map(|&i| self.irradiance[i]).collect())
         })
+    }
+
+    /// Those of surfaces that face up.
+    #[must_use]
+    pub fn upward(self) -> Self {
+        self.only(|normal| normal.y > 0.0).unwrap_or(self)
     }
 
     /// Weighted sum of squares of what `rig` leaves unexplained.

@@ -10,7 +10,7 @@ use crate::kernels::fit::objective::{Given, distinct_channels};
 /// Samples to be reproduced, and all that a fit needs to know of them beforehand.
 #[derive(Clone, Debug)]
 pub struct Probe {
-    pub(in crate::kernels::fit) samples: Samples,
+    pub(crate) samples: Samples,
     pub(super) given: Given,
     /// `w n n^T` of each normal.
     pub(super) outer: Vec<DMat3>,

@@ -45,6 +45,8 @@ pub struct Sphere {
     given: Given,
     columns: Columns,
     points: Points,
+    /// Towards them, brightest first.
+    likely: Vec<DVec3>,
     /// `integral of L w dw` of the rest, by channel.
     first: [DVec3; 3],
     /// The even part of F under the rest.
@@ -62,7 +64,9 @@ impl Sphere {
         let field = Field::new(rest.scaled(&factors), rest.azimuth());
         let columns = Columns { ambient, has_floor };
         let given = Given::nothing(ambient, has_floor);
-        let mut sphere = Self { given, columns, points: Points::new(&points), first: rest.first, field };
+        let likely = points.iter().map(|point| point.direction).collect();
+        let mut sphere =
+            Self { given, columns, points: Points::new(&points), likely, first: rest.first, field };
         sphere.given = sphere.given_by(&rest, &points, &factors);
         sphere
     }
@@ -200,6 +204,16 @@ impl Objective for Sphere {
     fn placed(&self, direction: DVec3) -> DVec3 {
         let turned = self.field.outward(direction);
         if self.allows(turned) { turned } else { turned.with_y(-turned.y) }
+    }
+
+    fn likely(&self) -> &[DVec3] {
+        &self.likely
+    }
+
+    fn noise(&self) -> f64 {
+        /// Of the table in `field.rs`: 1e-8 of the energy at least, which lights would follow.
+        const TABLE: f64 = 1e-9;
+        TABLE
     }
 
     fn has_kinks(&self) -> bool {
