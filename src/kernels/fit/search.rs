@@ -75,8 +75,6 @@ impl Breadth {
         exchanged: 8,
         settled: 1e-3,
     };
-    /// Even starts at most: more lights take longer each.
-    const MOST_STARTS: usize = 96;
     /// Over given normals each valley holds many small ones, and what is lowest shows late.
     const KINKS: Self = Self {
         beam: 4,
@@ -89,7 +87,8 @@ impl Breadth {
         exchanged: 8,
         settled: 1e-2,
     };
-    /// Lights of all even starts together, at most.
+    /// Even starts at most, and lights of all of them together: more lights take longer each.
+    const MOST_STARTS: usize = 96;
     const MOST_STARTED: usize = 768;
 
     fn of(problem: &Problem<'_>) -> Self {
