@@ -96,7 +96,7 @@ def test_an_answer_in_a_crease_is_at_the_bottom_of_it():
     """There no step across leads down, but one along it may: of a bent cost only half is known."""
     creased = 0
     for irradiance in some_generated().values():
-        for problem in problems(irradiance, (3, 6, 8)):
+        for problem in problems(irradiance, range(3, 9)):
             rig = ours(problem)
             if lies_in_a_crease(rig):
                 assert_no_peer_improves(rig, problem, SCIPY)

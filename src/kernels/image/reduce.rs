@@ -116,10 +116,13 @@ fn add_across(
     })
 }
 
-/// Cells that hold more than `share` of all flux of a channel.
+/// Cells that hold more than `share` of all flux of a channel, and stand out: of few cells each holds much.
 fn bright_cells(flux: &Array3<f64>, share: f64) -> Vec<(usize, usize)> {
+    /// Times the flux of a usual cell.
+    const STANDS_OUT: f64 = 8.0;
     let total: Vec<f64> = (0..3).map(|channel| flux.slice(s![.., .., channel]).sum()).collect();
     let (rows, columns, _) = flux.dim();
+    let share = share.max(STANDS_OUT / (rows * columns) as f64);
     let is_bright = |&(row, column): &(usize, usize)| {
         (0..3).any(|channel| flux[[row, column, channel]] > share * total[channel])
     };
