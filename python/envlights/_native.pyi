@@ -97,6 +97,7 @@ class FitAnswer:
     error: float
     channel_errors: list[float]
     max_error: float
+    judging: int
     steps: int
     stop: str
     tolerances: list[float]
