@@ -1,6 +1,8 @@
 """Models as files: what comes back, what is refused, and what a full disk leaves."""
 
 import json
+import os
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -8,9 +10,12 @@ import pytest
 import envlights as el
 from tests.conftest import fills_a_disk
 from tests.helpers import cuts, disk_that_is_full_after
+from tests.mutations import mutated_npz
 
 ROOM = el.synthetic.room(64, width=32)
 SCENE = ROOM.direct, ROOM.indirect
+#: Damaged files of each kind; `ENVLIGHTS_FUZZ` asks for more.
+FILES = int(os.environ.get("ENVLIGHTS_FUZZ", "200"))
 
 
 @pytest.fixture(scope="module")
@@ -117,3 +122,50 @@ def test_a_model_with_damaged_bytes_is_read_or_refused(tmp_path, seed):
         except el.EnvLightsError:
             refused += 1
     assert refused > 100
+
+
+@pytest.mark.parametrize("compressed", [False, True])
+def test_damaged_files_are_refused_or_predict(model, tmp_path, compressed):
+    whole, damaged = tmp_path / "model.npz", tmp_path / "damaged.npz"
+    (model.compressed(0.05) if compressed else model).save(whole)
+    refused = 0
+    for seed in range(FILES):
+        damaged.write_bytes(mutated_npz(whole, np.random.default_rng(seed)))
+        try:
+            again = el.TransferModel.load(damaged)
+            assert np.isfinite(again.predict(SCENE[0][:1])).all()
+            assert str(again)
+        except el.EnvLightsError:
+            refused += 1
+    # Damage to the numbers of a basis, or to what the archive says beside them, does not show.
+    assert refused > FILES / 2
+
+
+@pytest.mark.parametrize(
+    "size", [[2.5, 2.5], [2**32, 1], [np.inf, 1], ["a", "b"], [True, False], [[16, 16]], 3]
+)
+def test_impossible_sizes_are_refused(model, tmp_path, size):
+    model.save(tmp_path / "model.npz")
+    with np.load(tmp_path / "model.npz") as file:
+        np.savez(tmp_path / "bad.npz", **{**file, "size": np.array(size)})
+    with pytest.raises(el.EnvLightsError, match="does not hold a model"):
+        el.TransferModel.load(tmp_path / "bad.npz")
+
+
+def test_only_what_a_model_has_is_unpacked(model, tmp_path):
+    """Beside the model, and in place of a part of it, 64 MB of zeros that pack to 64 kB."""
+    model.save(tmp_path / "model.npz")
+    with np.load(tmp_path / "model.npz") as file:
+        arrays = dict(file)
+    zeros = np.zeros(2**23)
+    np.savez_compressed(tmp_path / "beside.npz", **arrays, more=zeros)
+    tracemalloc.start()
+    try:
+        again = el.TransferModel.load(tmp_path / "beside.npz")
+        assert tracemalloc.get_traced_memory()[1] < zeros.nbytes / 4
+    finally:
+        tracemalloc.stop()
+    np.testing.assert_array_equal(again.predict(SCENE[0]), model.predict(SCENE[0]))
+    np.savez_compressed(tmp_path / "within.npz", **{**arrays, "mean": zeros})
+    with pytest.raises(el.EnvLightsError, match=r"would unpack to 6.* numbers of a model do not"):
+        el.TransferModel.load(tmp_path / "within.npz")

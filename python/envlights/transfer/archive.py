@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import math
 import os
+import struct
+import tokenize
 import zipfile
 import zlib
 from collections.abc import Callable, Mapping
@@ -11,6 +14,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
+from numpy.lib.format import read_array_header_1_0, read_array_header_2_0
 from numpy.typing import NDArray
 
 from envlights._native import EnvLightsError
@@ -25,15 +29,32 @@ _DAMAGE = (
     EOFError,
     KeyError,
     MemoryError,
+    NotImplementedError,
+    OverflowError,
     RuntimeError,
+    SyntaxError,
     TypeError,
     ValueError,
+    struct.error,
+    tokenize.TokenError,
     zipfile.BadZipFile,
     zlib.error,
 )
 
 _FORMAT = "envlights transfer model"
 _VERSION = 1
+
+#: What a model consists of beside its format and version; `scales` where its basis is compact.
+_NAMES = (
+    *("basis", "scales", "lit", "transfer", "mean", "size"),
+    *("direct", "coefficients", "outside", "energy"),
+    *("parameters", "report"),
+)
+#: Bytes of a member that says format or version, at most.
+_LONGEST_HEAD = 4096
+#: Times that a file may grow when it is unpacked: of numbers in floating point even black ones are
+#: few, and 1000 is what the packing reaches at most.
+_MOST_PACKED = 100
 
 _Model = TypeVar("_Model")
 
@@ -75,7 +96,6 @@ def check_suffix(path: str | os.PathLike[str]) -> None:
 def load(path: str | os.PathLike[str], model: Callable[..., _Model]) -> _Model:
     """Read the fields that `save` wrote and call `model` with them, or refuse the file."""
     data = _read(path)
-    _check_version(path, data)
     try:
         _check_finite(data)
         return model(**_fields(data))
@@ -84,22 +104,59 @@ def load(path: str | os.PathLike[str], model: Callable[..., _Model]) -> _Model:
 
 
 def _read(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
-    """All arrays of the file."""
+    """The arrays of a model; others that the file may hold are not unpacked."""
     try:
-        # numpy leaves a file open that it opened and cannot read.
-        with as_path(path).open("rb") as file, np.load(file, allow_pickle=False) as arrays:
-            return {name: arrays[name] for name in arrays.files}
+        with as_path(path).open("rb") as file, zipfile.ZipFile(file) as archive:
+            _check_version(path, archive)
+            names = [name for name in _NAMES if f"{name}.npy" in archive.namelist()]
+            _check_size(path, archive, names)
+            return {name: _array(archive, name) for name in names}
     except OSError as error:
         raise EnvLightsError(f"cannot read {path}: {error.strerror or error}") from None
+    except EnvLightsError:
+        raise
     except _DAMAGE as error:
-        raise EnvLightsError(f"{path} is not a complete .npz file: {error}") from None
+        raise EnvLightsError(f"{path} is not a complete .npz file: {_reason(error)}") from None
 
 
-def _check_version(path: object, data: Mapping[str, Any]) -> None:
-    if str(data.get("format")) != _FORMAT:
+def _check_version(path: object, archive: zipfile.ZipFile) -> None:
+    """Refuse another file than a model, or an unknown version, before all else is read."""
+    said = {}
+    for name in ("format", "version"):
+        is_there = f"{name}.npy" in archive.namelist()
+        is_short = is_there and archive.getinfo(f"{name}.npy").file_size <= _LONGEST_HEAD
+        said[name] = str(_array(archive, name)) if is_short else ""
+    if said["format"] != _FORMAT:
         raise EnvLightsError(f"{path} is not a model: it does not say 'format': '{_FORMAT}'")
-    if (found := str(data.get("version"))) != str(_VERSION):
+    if said["version"] != str(_VERSION):
+        found = said["version"] or "an unknown kind"
         raise EnvLightsError(f"{path} is a model of version {found}; this package reads {_VERSION}")
+
+
+def _check_size(path: object, archive: zipfile.ZipFile, names: list[str]) -> None:
+    """Refuse arrays that would fill the memory: `save` does not compress."""
+    unpacked = sum(archive.getinfo(f"{name}.npy").file_size for name in names)
+    packed = sum(archive.getinfo(f"{name}.npy").compress_size for name in names)
+    if unpacked > _MOST_PACKED * packed:
+        raise EnvLightsError(
+            f"{path} does not hold a model: {packed} bytes would unpack to {unpacked}, more than"
+            f" {_MOST_PACKED} times as many; numbers of a model do not pack so well"
+        )
+
+
+def _array(archive: zipfile.ZipFile, name: str) -> NDArray[Any]:
+    """A member, where it holds as many bytes as its own header says."""
+    member = f"{name}.npy"
+    with archive.open(member) as file:
+        version = np.lib.format.read_magic(file)
+        head = {(1, 0): read_array_header_1_0, (2, 0): read_array_header_2_0}
+        shape, _, dtype = head[version](file)
+        said, held = dtype.itemsize * math.prod(shape), archive.getinfo(member).file_size
+        if said != held - file.tell():
+            raise ValueError(f"{name} says that it holds {said} bytes, and holds others")
+    with archive.open(member) as file:
+        array: NDArray[Any] = np.lib.format.read_array(file, allow_pickle=False)
+    return array
 
 
 def _check_finite(data: Mapping[str, NDArray[Any]]) -> None:
@@ -113,7 +170,7 @@ def _fields(data: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
     return {
         "basis": _basis(data),
         **{name: data[name] for name in ("lit", "transfer", "mean")},
-        "size": tuple(np.ravel(data["size"]).tolist()),
+        "size": tuple(data["size"].tolist()),
         "learnt": Learnt(data["direct"], data["coefficients"], data["outside"], data["energy"]),
         "parameters": json.loads(str(data["parameters"])),
         "report": TransferReport.from_dict(json.loads(str(data["report"]))),
