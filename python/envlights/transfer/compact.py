@@ -40,6 +40,11 @@ class CompactBasis:
     places: NDArray[np.int64]
     """For each tile of the image the place of its values, or -1 where it is black."""
 
+    @property
+    def dtype(self) -> np.dtype[np.float32]:
+        """The type of the images that it expands to."""
+        return self.scales.dtype
+
     def expand(
         self,
         coefficients: NDArray[np.float64],

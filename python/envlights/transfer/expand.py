@@ -41,6 +41,24 @@ def expand(
     return out.reshape(images, *lit.shape, 3)
 
 
+def check_range(
+    coefficients: NDArray[np.float64], norm: NDArray[np.float64], mean: NDArray[Any], dtype: Any
+) -> None:
+    """Refuse frames that may hold values beyond the range of `dtype`.
+
+    The columns of the basis are orthonormal: no texel, and no part of its sum, is larger than the
+    norm of its coefficients. A rounded basis is so within a factor far below 2.
+    """
+    largest = np.linalg.norm(coefficients, axis=2).max(initial=0.0)
+    largest += norm.max(initial=0.0) * np.abs(mean).max(initial=0.0)
+    most = float(np.finfo(dtype).max) / 2
+    if not largest <= most:
+        raise EnvLightsError(
+            f"direct is too bright: the images may reach {largest:.3g}, and the model holds values"
+            f" up to {most:.3g}; divide direct by a scale and multiply the images by it"
+        )
+
+
 def project(
     images: NDArray[Any], basis: NDArray[Any], lit: NDArray[np.bool_], mean: NDArray[Any]
 ) -> NDArray[np.float64]:

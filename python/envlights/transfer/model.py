@@ -18,7 +18,7 @@ from envlights.transfer import archive, grow
 from envlights.transfer.basis import Wanted
 from envlights.transfer.compact import LARGEST, CompactBasis, rounded
 from envlights.transfer.consistency import check_fields
-from envlights.transfer.expand import expand, project, region_mask, truncated
+from envlights.transfer.expand import check_range, expand, project, region_mask, truncated
 from envlights.transfer.learnt import Learnt
 from envlights.transfer.pairs import as_array, image_stack, pairs_of, rgb_rows
 from envlights.transfer.report import TransferReport
@@ -224,6 +224,7 @@ class TransferModel(Result):
         norm: NDArray[np.float64],
         wanted: NDArray[np.bool_] | None,
     ) -> NDArray[Any]:
+        check_range(coefficients, norm, self.mean, self.basis.dtype)
         if isinstance(self.basis, CompactBasis):
             return self.basis.expand(coefficients, self._shape, wanted)
         return expand(coefficients, self.basis, self.lit, self.mean, norm, wanted)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from envlights._native import EnvLightsError
 from envlights.transfer import cluster, leave_one_out
 from envlights.transfer.basis import Wanted, basis, directions, outside
+from envlights.transfer.copies import Distinct, distinct
 from envlights.transfer.gram import gram
 from envlights.transfer.learnt import Learnt
 from envlights.transfer.pairs import Pairs
@@ -59,20 +60,24 @@ def solved(
     learnt: Learnt, ridge: float | str, channelwise: bool, notes: tuple[str, ...]
 ) -> tuple[NDArray[np.float64], TransferReport]:
     """The matrix from direct light to coefficients, and its errors; "loo" finds the best ridge."""
-    solver = regression(learnt.direct, channelwise)
-    chosen = _best_ridge(solver, learnt) if isinstance(ridge, str) else ridge
-    transfer = solver.transfer(chosen, learnt.coefficients)
-    return transfer, _report(solver, chosen, learnt, notes)
+    apart = distinct(learnt)
+    solver = regression(apart.learnt.direct, channelwise)
+    chosen = _best_ridge(solver, apart) if isinstance(ridge, str) else ridge
+    if apart.copies:
+        notes = (*notes, f"{apart.copies} pairs are copies of others: left out together with them")
+    transfer = solver.transfer(chosen, apart.learnt.coefficients)
+    return transfer, _report(solver, chosen, apart, notes)
 
 
-def _best_ridge(solver: Regression, learnt: Learnt) -> float:
+def _best_ridge(solver: Regression, apart: Distinct) -> float:
     """The ridge with the least mean of leave-one-out errors."""
-    return float(min(RIDGES, key=lambda each: float(np.mean(_left_out(solver, each, learnt)))))
+    return float(min(RIDGES, key=lambda each: float(np.mean(_left_out(solver, each, apart)))))
 
 
 def _report(
-    solver: Regression, ridge: float, learnt: Learnt, notes: tuple[str, ...]
+    solver: Regression, ridge: float, apart: Distinct, notes: tuple[str, ...]
 ) -> TransferReport:
+    learnt = apart.learnt
     # Split the energy of the images into that inside and that outside of the basis.
     inside = np.sum(learnt.coefficients**2)
     left = np.trace(learnt.outside, axis1=1, axis2=2)
@@ -80,25 +85,27 @@ def _report(
     missed = solver.residual(ridge, learnt.coefficients)
     squares = np.sum(missed**2, axis=(1, 2)) + left
     return TransferReport(
-        pairs=len(learnt.direct),
+        pairs=len(apart.group),
         rank=learnt.coefficients.shape[2],
         energy=float(inside / (inside + left.sum())),
         ridge=ridge,
-        unseen_errors=tuple(_left_out(solver, ridge, learnt).tolist()),
-        training_errors=tuple(_relative(squares, learnt.energy).tolist()),
+        unseen_errors=tuple(_left_out(solver, ridge, apart).tolist()),
+        training_errors=tuple(_relative(squares, apart).tolist()),
         notes=notes,
     )
 
 
-def _left_out(solver: Regression, ridge: float, learnt: Learnt) -> NDArray[np.float64]:
+def _left_out(solver: Regression, ridge: float, apart: Distinct) -> NDArray[np.float64]:
     """Leave-one-out error of each image that is not black."""
+    learnt = apart.learnt
     missed = solver.left_out(ridge, learnt.coefficients)
     squares = leave_one_out.squares(learnt.coefficients, learnt.outside, missed)
-    return _relative(squares, learnt.energy)
+    return _relative(squares, apart)
 
 
-def _relative(squares: NDArray[np.float64], energy: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Relative error of each image that is not black."""
+def _relative(squares: NDArray[np.float64], apart: Distinct) -> NDArray[np.float64]:
+    """Relative error of each image that is not black, copies among them."""
+    squares, energy = squares[apart.group], apart.learnt.energy[apart.group]
     is_bright = energy > 0
     errors: NDArray[np.float64] = np.sqrt(np.maximum(squares[is_bright], 0) / energy[is_bright])
     return errors
