@@ -1,6 +1,9 @@
 """Files are written whole or not at all."""
 
 import os
+import signal
+import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -104,6 +107,49 @@ def test_the_longest_name_is_written_and_impossible_names_are_refused(tmp_path):
     for name in ("n" * 300 + ".json", "a\0b.json"):
         with pytest.raises(el.EnvLightsError, match="cannot write"):
             check_writable(tmp_path / name)
+
+
+KILLED = """
+import os, signal, sys
+from envlights.io.files import write_atomically
+
+def die(beside):
+    beside.write_text("half")
+    os.kill(os.getpid(), signal.SIGKILL)
+
+write_atomically(sys.argv[1], die)
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="nobody is killed so on Windows")
+def test_what_a_killed_process_left_is_cleared_but_not_what_another_writes(tmp_path):
+    target = tmp_path / "rig.json"
+    target.write_text("old")
+    killed = subprocess.run([sys.executable, "-c", KILLED, str(target)], check=False)
+    assert killed.returncode == -signal.SIGKILL
+    assert target.read_text() == "old"
+    assert len(list(tmp_path.iterdir())) == 2
+
+    def write_both(beside):
+        write_atomically(target, lambda other: other.write_text("inner"))
+        beside.write_text("outer")
+
+    write_atomically(target, write_both)
+    assert target.read_text() == "outer"
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_a_file_is_on_the_disk_before_it_has_its_name(tmp_path, monkeypatch):
+    target = tmp_path / "rig.json"
+    flushed = []
+
+    def fsync(file):
+        flushed.append(target.exists())
+
+    monkeypatch.setattr(os, "fsync", fsync)
+    write_atomically(target, lambda beside: beside.write_text("new"))
+    # First the file, then the folder that names it.
+    assert flushed[:2] == [False, True]
 
 
 def test_threads_that_write_one_file_do_not_disturb_each_other(tmp_path):

@@ -7,10 +7,16 @@ import os
 import secrets
 import shutil
 import stat
-from collections.abc import Callable
+import zlib
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from envlights._native import EnvLightsError
+
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None  # type: ignore[assignment]
 
 #: Formats of pictures; here, so that the command line can check them without loading Matplotlib.
 PICTURES = (".png", ".pdf", ".svg")
@@ -67,18 +73,72 @@ def _has_write_mark(path: Path) -> bool:
 def write_atomically(path: str | os.PathLike[str], write: Callable[[Path], object]) -> None:
     """Let `write` fill a file beside `path`, then move it into place in one step.
 
-    The temporary name keeps the suffix, from which image libraries take the format.
+    The temporary name keeps the suffix, from which image libraries take the format. What a process
+    left there that was killed while it wrote `path` is cleared away.
     """
     target = check_writable(path)
-    # A short random name: `path` may have the longest name there is, and threads do not collide.
-    beside = target.with_name(f".{secrets.token_hex(8)}{target.suffix}")
     try:
-        write(beside)
-        if target.exists():
-            shutil.copymode(target, beside)
-        beside.replace(target)
+        with _file_beside(target) as beside:
+            write(beside)
+            if target.exists():
+                shutil.copymode(target, beside)
+            # All of it must be on the disk before it takes the place of the old file.
+            _flush(beside)
+            beside.replace(target)
+        _flush(target.parent)
     except OSError as error:
         raise EnvLightsError(f"cannot write {path}: {error.strerror or error}") from error
+
+
+@contextlib.contextmanager
+def _file_beside(target: Path) -> Iterator[Path]:
+    """The name of a new file in the folder of `target`, which is gone in the end."""
+    # A short name: that of `target` may have all letters there can be.
+    mark = f".{zlib.crc32(target.name.encode(errors='surrogateescape')):08x}"
+    token = secrets.token_hex(8)
+    new = target.with_name(f".{token}{target.suffix}")
+    beside = target.with_name(f"{mark}-{token[:7]}{target.suffix}")
+    for stale in target.parent.glob(f"{mark}-*"):
+        _clear(stale)
+    try:
+        with _locked_file(new, beside):
+            yield beside
     finally:
         with contextlib.suppress(OSError):
             beside.unlink()
+
+
+@contextlib.contextmanager
+def _locked_file(new: Path, beside: Path) -> Iterator[None]:
+    """An empty file `beside`, locked as long as this process lives and writes it.
+
+    It is made as `new`: only what is locked gets a name by which others look for stale files.
+    Windows, which can neither lock so nor rename what is open, does without.
+    """
+    if fcntl is None:
+        yield
+        return
+    with new.open("xb") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        new.rename(beside)
+        yield
+
+
+def _clear(stale: Path) -> None:
+    """Remove a file on which nobody holds a lock: the process that wrote it was killed."""
+    if fcntl is None:
+        return
+    with contextlib.suppress(OSError), stale.open("rb") as file:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        stale.unlink()
+
+
+def _flush(path: Path) -> None:
+    """Wait until a file, or the names in a folder, are on the disk, where the system can."""
+    if path.is_dir() and os.name == "nt":  # Windows opens no folder
+        return
+    file = os.open(path, os.O_RDWR if path.is_file() else os.O_RDONLY)
+    try:
+        os.fsync(file)
+    finally:
+        os.close(file)
