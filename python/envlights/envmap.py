@@ -13,7 +13,7 @@ from envlights import _native
 from envlights._check import check_choice, shown
 from envlights._native import EnvLightsError, UnusableSamplesError
 from envlights._srgb import decode_srgb
-from envlights.io.images import read_image
+from envlights.io.images import MOST_PIXELS, read_image
 from envlights.kernels.probe import irradiance
 
 PROJECTIONS = ("equirectangular",)
@@ -83,7 +83,13 @@ class EnvMap:
         return env
 
     @classmethod
-    def open(cls, path: str | os.PathLike[str], *, registration: str | None = None) -> EnvMap:
+    def open(
+        cls,
+        path: str | os.PathLike[str],
+        *,
+        registration: str | None = None,
+        max_pixels: int = MOST_PIXELS,
+    ) -> EnvMap:
         """Read a map from a file.
 
         Parameters
@@ -93,6 +99,9 @@ class EnvMap:
             8 or 16 bit integers are linearised from sRGB; alpha and extra channels are ignored.
         registration : {"cell-centred", "border-sampled"}, optional
             As above. When left out, the metadata of the file decides.
+        max_pixels : int
+            A file whose header claims more pixels is refused before memory is taken. 32768x16384
+            when left out.
 
         Returns
         -------
@@ -104,7 +113,7 @@ class EnvMap:
         EnvLightsError
             If the file cannot be read or holds no equirectangular map.
         """
-        image = read_image(path)
+        image = read_image(path, max_pixels=max_pixels)
         if registration is None:
             registration = REGISTRATIONS[image.border_sampled]
         try:

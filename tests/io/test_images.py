@@ -2,6 +2,9 @@
 
 import os
 import struct
+import subprocess
+import sys
+import tracemalloc
 import zlib
 from pathlib import Path
 from types import SimpleNamespace
@@ -388,3 +391,74 @@ def test_a_map_beyond_memory_is_refused_and_its_file_closed(tmp_path, monkeypatc
     with pytest.raises(el.EnvLightsError, match=r"map\.exr: its pixels do not fit into memory"):
         el.EnvMap.open(path)
     assert file.is_closed
+
+
+FORKED = """
+import os, signal, sys
+import numpy as np
+from envlights import io
+
+image = np.random.default_rng(0).random((256, 512, 3), dtype=np.float32)
+io.write_exr(sys.argv[1], image)
+child = os.fork()
+if child == 0:
+    signal.alarm(20)
+    io.write_exr(sys.argv[2], image)
+    os._exit(0 if np.array_equal(io.read_image(sys.argv[2]).pixels, image) else 1)
+sys.exit(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system does not fork")
+def test_a_forked_process_writes_what_its_parent_wrote_before(tmp_path):
+    paths = [str(tmp_path / name) for name in ("parent.exr", "child.exr")]
+    assert subprocess.run([sys.executable, "-c", FORKED, *paths], check=False).returncode == 0
+
+
+def png_chunk(kind, body, length=None):
+    length = len(body) if length is None else length
+    return struct.pack(">I", length) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+
+
+def png_of(width, height, data=b"", **length):
+    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    chunks = (
+        png_chunk(b"IHDR", header) + png_chunk(b"IDAT", data, **length) + png_chunk(b"IEND", b"")
+    )
+    return b"\x89PNG\r\n\x1a\n" + chunks
+
+
+def test_a_header_that_claims_too_many_pixels_is_refused_before_memory_is_taken(tmp_path):
+    path = tmp_path / "huge.png"
+    path.write_bytes(png_of(60000, 30000, bytes(10**6)))
+    with pytest.raises(
+        el.EnvLightsError, match=r"60000x30000 pixels, more than 536870912; .*max_pix"
+    ):
+        el.EnvMap.open(path)
+    write(tmp_path / "small.exr", RADIANCE)
+    with pytest.raises(el.EnvLightsError, match=r"32x16 pixels, more than 511; "):
+        el.EnvMap.open(tmp_path / "small.exr", max_pixels=511)
+    assert el.EnvMap.open(tmp_path / "small.exr", max_pixels=512).width == 32
+
+
+def test_the_length_of_a_chunk_is_not_trusted(tmp_path):
+    path = tmp_path / "chunk.png"
+    path.write_bytes(png_of(4, 2, b"x", length=2**32 - 1))
+    tracemalloc.start()
+    try:
+        with pytest.raises(el.EnvLightsError, match="the file is cut off"):
+            io.read_image(path)
+        assert tracemalloc.get_traced_memory()[1] < 2**20
+    finally:
+        tracemalloc.stop()
+
+
+def test_tiles_of_float64_are_refused(tmp_path):
+    """OpenImageIO gives freed memory for them; for all others, what the file holds."""
+    for name, file_format, tile in (("t64", oiio.DOUBLE, 16), ("s64", oiio.DOUBLE, 0)):
+        write(tmp_path / f"{name}.tif", RADIANCE, file_format, **({"tile": tile} if tile else {}))
+    with pytest.raises(el.EnvLightsError, match="tiles of float64, which OpenImageIO misreads"):
+        io.read_image(tmp_path / "t64.tif")
+    np.testing.assert_array_equal(io.read_image(tmp_path / "s64.tif").pixels, RADIANCE)
+    write(tmp_path / "t32.tif", RADIANCE, tile=16)
+    np.testing.assert_array_equal(io.read_image(tmp_path / "t32.tif").pixels, RADIANCE)

@@ -13,12 +13,14 @@ import numpy as np
 import OpenImageIO as oiio  # noqa: N813, its own name for itself
 from numpy.typing import NDArray
 
+from envlights._check import count
 from envlights._native import EnvLightsError
 from envlights._srgb import decode_srgb
 from envlights.io.files import write_atomically
 
-#: A header with more pixels than this, 65536 x 32768, is taken as damaged.
-_MOST_PIXELS = 2**31
+#: Pixels of an image at most, 32768 x 16384, unless a caller takes more: a few damaged bytes of a
+#: header ask for all memory.
+MOST_PIXELS = 2**29
 
 #: The end of every refusal of a file.
 _WANTED = "give a Radiance .hdr, OpenEXR, PNG, JPEG or TIFF image"
@@ -28,9 +30,17 @@ _CODED = {"uint8", "uint16"}
 _LINEAR = {"half", "float", "double"}
 
 _PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
+#: Bytes around the content of a chunk: length, kind, checksum.
+_PNG_FRAME = 12
 
 #: Primaries and white of Rec.709, as OpenEXR stores them: x and y of red, green, blue, white.
 _REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
+
+
+# The threads of OpenEXR stay in the parent of a forked process, which would wait for them for ever:
+# it writes by itself.
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=lambda: oiio.attribute("exr_threads", -1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,13 +57,15 @@ class Image:
     """What was assumed or left out."""
 
 
-def read_image(path: str | os.PathLike[str]) -> Image:
+def read_image(path: str | os.PathLike[str], *, max_pixels: int = MOST_PIXELS) -> Image:
     """Read the first image of a file at full size.
 
     Parameters
     ----------
     path : path-like
         Radiance .hdr, OpenEXR, PNG, JPEG, TIFF, or whatever else OpenImageIO reads.
+    max_pixels : int
+        A file whose header claims more is refused before memory is taken.
 
     Returns
     -------
@@ -63,8 +75,9 @@ def read_image(path: str | os.PathLike[str]) -> Image:
     Raises
     ------
     EnvLightsError
-        If the file is missing, damaged, or holds no RGB or grey image.
+        If the file is missing, damaged, too large, or holds no RGB or grey image.
     """
+    count("max_pixels", max_pixels, least=1)
     path, name = _checked_path(path)
     # PNG alpha is stored beside the colour: left alone, OpenImageIO would multiply it in.
     config = oiio.ImageSpec()
@@ -74,6 +87,7 @@ def read_image(path: str | os.PathLike[str]) -> Image:
         reason = _reason(oiio)
         raise EnvLightsError(f"cannot read {name} as an image: {reason}; {_WANTED}")
     try:
+        _check_spec(name, file.spec(), max_pixels)
         return _read(name, file)
     except MemoryError:
         raise EnvLightsError(
@@ -118,11 +132,13 @@ def _png_damage(path: str) -> str:
     with Path(path).open("rb") as file:
         if file.read(8) != _PNG_SIGNATURE:
             return ""
-        while len(head := file.read(8)) == 8:
-            length, kind = struct.unpack(">I4s", head)
-            body, check = file.read(length), file.read(4)
-            if len(check) < 4:
+        left = os.fstat(file.fileno()).st_size - 8
+        while left >= _PNG_FRAME:
+            length, kind = struct.unpack(">I4s", file.read(8))
+            left -= length + _PNG_FRAME
+            if left < 0:  # before that much memory is asked for
                 break
+            body, check = file.read(length), file.read(4)
             if zlib.crc32(kind + body).to_bytes(4, "big") != check:
                 return f"a chunk of {length} bytes has a wrong checksum; the file is damaged"
             if kind == b"IEND":
@@ -132,7 +148,6 @@ def _png_damage(path: str) -> str:
 
 def _read(name: str, file: oiio.ImageInput) -> Image:
     spec = file.spec()
-    _check_spec(name, spec)
     channels, notes = _colour_channels(name, spec)
     is_coded = _is_coded(name, spec, channels)
     first, end = min(channels), max(channels) + 1
@@ -151,13 +166,19 @@ def _read(name: str, file: oiio.ImageInput) -> Image:
     return Image(pixels, bool(spec.getattribute("oiio:sampleborder")), tuple(notes))
 
 
-def _check_spec(name: str, spec: oiio.ImageSpec) -> None:
+def _check_spec(name: str, spec: oiio.ImageSpec, max_pixels: int) -> None:
     windows = [(spec.width, spec.height), (spec.full_width, spec.full_height)]
     width, height = max(windows, key=lambda size: size[0] * size[1])
     refusals = [
         (
-            width * height > _MOST_PIXELS,
-            f"it claims to hold {width}x{height} pixels, more than {_MOST_PIXELS}; is it damaged?",
+            width * height > max_pixels,
+            f"it claims to hold {width}x{height} pixels, more than {max_pixels}; if it is not"
+            " damaged, give a higher max_pixels",
+        ),
+        (
+            # OpenImageIO 3.2.2 gives freed memory for it.
+            spec.tile_width > 0 and spec.format == oiio.DOUBLE,
+            "it holds tiles of float64, which OpenImageIO misreads; give float32, or no tiles",
         ),
         (spec.depth > 1, f"it is a volume of {spec.depth} slices; give a flat image"),
         (spec.deep, "it is a deep image; give a flattened one"),
