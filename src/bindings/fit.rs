@@ -5,7 +5,7 @@ use numpy::ndarray::ArrayView2;
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 
-use super::pool::in_pool;
+use super::pool::{detached, in_pool};
 use super::sphere::registration;
 use crate::error::Result;
 use crate::kernels::fit::{self, Ambient, Asked, Fitted, Rig, Samples, StopReason, World};
@@ -196,7 +196,7 @@ pub fn rig_irradiance<'py>(
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let (normals, ambient) = (normals.as_array(), ambient.as_array());
     let (directions, irradiance) = (directions.as_array(), irradiance.as_array());
-    let out = py.detach(|| {
+    let out = detached(py, || {
         let rig = Rig::new(ambient, directions, irradiance)?;
         fit::irradiance(&rig, normals)
     })?;
@@ -212,5 +212,5 @@ pub fn relative_rms(
     weights: PyReadonlyArray1<'_, f64>,
 ) -> PyResult<f64> {
     let (seen, wanted, weights) = (seen.as_array(), wanted.as_array(), weights.as_array());
-    Ok(py.detach(|| fit::relative_rms(seen, wanted, weights))?)
+    detached(py, || fit::relative_rms(seen, wanted, weights))
 }

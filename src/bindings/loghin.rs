@@ -4,7 +4,7 @@ use numpy::ndarray::{Array1, Array2};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 
-use super::pool::in_pool;
+use super::pool::{detached, in_pool};
 use crate::kernels::detect::loghin::bresenham::{self, LineRule};
 use crate::kernels::detect::loghin::{
     blur as smoothing, clipping, luminance as light, means, merge, neighbours, pixels as places, resize,
@@ -56,7 +56,7 @@ pub fn uv_to_pixel<'py>(
     width: usize,
 ) -> PyResult<Bound<'py, PyArray2<i64>>> {
     let uv = uv.as_array();
-    let out = py.detach(|| places::uv_to_pixel(uv, height, width))?;
+    let out = detached(py, || places::uv_to_pixel(uv, height, width))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -101,14 +101,14 @@ pub fn suppress<'py>(
     distance: f64,
 ) -> PyResult<Bound<'py, PyArray1<i64>>> {
     let points = points.as_array();
-    let out = py.detach(|| suppression::suppress(points, distance))?;
+    let out = detached(py, || suppression::suppress(points, distance))?;
     Ok(indices(py, &out))
 }
 
 /// See `envlights.kernels.bresenham_line`.
 #[pyfunction]
 pub fn bresenham_line(py: Python<'_>, start: [i64; 2], end: [i64; 2]) -> PyResult<Bound<'_, PyArray2<i64>>> {
-    let pixels = py.detach(|| bresenham::line(start, end))?;
+    let pixels = detached(py, || bresenham::line(start, end))?;
     Ok(Array2::from(pixels).into_pyarray(py))
 }
 
@@ -128,7 +128,7 @@ pub fn merge_along_lines<'py>(
 ) -> PyResult<Bound<'py, PyArray1<i64>>> {
     let (luminance, pixels, points) = (luminance.as_array(), pixels.as_array(), points.as_array());
     let rule = LineRule { tolerance, ceiling, bright };
-    let out = py.detach(|| merge::merge(luminance, pixels, points, farthest, &rule, sphere))?;
+    let out = detached(py, || merge::merge(luminance, pixels, points, farthest, &rule, sphere))?;
     Ok(indices(py, &out))
 }
 
@@ -141,7 +141,7 @@ pub fn weighted_means<'py>(
     light: PyReadonlyArray1<'py, i64>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let (points, weights, light) = (points.as_array(), weights.as_array(), light.as_array());
-    let out = py.detach(|| means::weighted_means(points, weights, light))?;
+    let out = detached(py, || means::weighted_means(points, weights, light))?;
     Ok(out.into_pyarray(py))
 }
 

@@ -3,7 +3,7 @@
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 
-use super::pool::in_pool;
+use super::pool::{detached, in_pool};
 use super::sphere::registration;
 use crate::kernels::madsen::{self, Measured, Parameters, Surface};
 
@@ -30,7 +30,7 @@ pub fn pack_lights<'py>(
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let (ambient, directions) = (ambient.as_array(), directions.as_array());
     let irradiance = irradiance.as_array();
-    let out = py.detach(|| madsen::pack(ambient, directions, irradiance))?;
+    let out = detached(py, || madsen::pack(ambient, directions, irradiance))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -56,7 +56,7 @@ pub fn probe_model<'py>(
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let (x, normals) = (x.as_array(), normals.as_array());
     let surface = Surface { k_a, k_d, colour: colour.into() };
-    let out = py.detach(|| madsen::model(x, normals, &surface))?;
+    let out = detached(py, || madsen::model(x, normals, &surface))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -76,7 +76,7 @@ pub fn probe_residual<'py>(
     let (x, normals, probe, weights) =
         (x.as_array(), normals.as_array(), probe.as_array(), weights.as_array());
     let surface = Surface { k_a, k_d, colour: colour.into() };
-    let out = py.detach(|| {
+    let out = detached(py, || {
         let measured = Measured::new(normals, probe, weights)?;
         madsen::residual(x, &measured, &surface)
     })?;

@@ -1,7 +1,7 @@
 //! The stair between Python and the kernels: borrow, detach, call, wrap. No arithmetic lives here.
 //!
-//! A kernel that uses several threads is called by [`pool::in_pool`], which detaches as well: rayon's own
-//! threads do not live on in a forked process.
+//! A kernel is called by [`pool::detached`], and one that uses several threads by [`pool::in_pool`]: rayon's own
+//! threads do not live on in a forked process. Both turn a panic into a refusal.
 
 mod detect;
 mod error;

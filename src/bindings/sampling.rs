@@ -3,6 +3,7 @@
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 
+use super::pool::detached;
 use crate::kernels::sampling;
 
 /// See `envlights.kernels.radical_inverse`.
@@ -14,14 +15,14 @@ pub fn radical_inverse(index: u64, base: u64) -> PyResult<f64> {
 /// See `envlights.kernels.hammersley`.
 #[pyfunction]
 pub fn hammersley(py: Python<'_>, count: usize) -> PyResult<Bound<'_, PyArray2<f64>>> {
-    let out = py.detach(|| sampling::hammersley(count))?;
+    let out = detached(py, || sampling::hammersley(count))?;
     Ok(out.into_pyarray(py))
 }
 
 /// See `envlights.kernels.halton`.
 #[pyfunction]
 pub fn halton(py: Python<'_>, count: usize, bases: Vec<u64>) -> PyResult<Bound<'_, PyArray2<f64>>> {
-    let out = py.detach(|| sampling::halton(count, &bases))?;
+    let out = detached(py, || sampling::halton(count, &bases))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -32,7 +33,7 @@ pub fn uniform_sphere<'py>(
     uv: PyReadonlyArray2<'py, f64>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let uv = uv.as_array();
-    let out = py.detach(|| sampling::uniform_sphere(uv))?;
+    let out = detached(py, || sampling::uniform_sphere(uv))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -47,6 +48,6 @@ type Faces<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>);
 /// See `envlights.kernels.icosphere`.
 #[pyfunction]
 pub fn icosphere(py: Python<'_>, faces: usize) -> PyResult<Faces<'_>> {
-    let (centroids, solid_angles) = py.detach(|| sampling::icosphere(faces))?;
+    let (centroids, solid_angles) = detached(py, || sampling::icosphere(faces))?;
     Ok((centroids.into_pyarray(py), solid_angles.into_pyarray(py)))
 }

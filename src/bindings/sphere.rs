@@ -3,6 +3,7 @@
 use numpy::{IntoPyArray, PyArray2, PyArray3, PyReadonlyArray2};
 use pyo3::prelude::*;
 
+use super::pool::detached;
 use crate::kernels::sphere::{self, Registration};
 
 /// The kernels' name of a registration.
@@ -17,7 +18,7 @@ pub fn uv_to_direction<'py>(
     uv: PyReadonlyArray2<'py, f64>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let uv = uv.as_array();
-    let out = py.detach(|| sphere::uv_to_direction(uv))?;
+    let out = detached(py, || sphere::uv_to_direction(uv))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -28,7 +29,7 @@ pub fn direction_to_uv<'py>(
     direction: PyReadonlyArray2<'py, f64>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let direction = direction.as_array();
-    let out = py.detach(|| sphere::direction_to_uv(direction))?;
+    let out = detached(py, || sphere::direction_to_uv(direction))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -40,7 +41,7 @@ pub fn pixel_directions(
     width: usize,
     border_sampled: bool,
 ) -> PyResult<Bound<'_, PyArray3<f64>>> {
-    let out = py.detach(|| sphere::pixel_directions(height, width, registration(border_sampled)))?;
+    let out = detached(py, || sphere::pixel_directions(height, width, registration(border_sampled)))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -52,6 +53,6 @@ pub fn pixel_solid_angles(
     width: usize,
     border_sampled: bool,
 ) -> PyResult<Bound<'_, PyArray2<f64>>> {
-    let out = py.detach(|| sphere::pixel_solid_angles(height, width, registration(border_sampled)))?;
+    let out = detached(py, || sphere::pixel_solid_angles(height, width, registration(border_sampled)))?;
     Ok(out.into_pyarray(py))
 }
