@@ -6,6 +6,7 @@ import contextlib
 import math
 import numbers
 import os
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -35,6 +36,14 @@ def shown(value: object) -> str:
     return f"an object of the type {type(value).__name__}"
 
 
+def for_kernels(array: ArrayLike, dtype: type[Any]) -> NDArray[Any]:
+    """`array` as kernels read it: row after row, each number at a multiple of its size.
+
+    NumPy takes numbers at any address, as in a view of bytes; compiled code must not.
+    """
+    return np.require(array, dtype, ["C_CONTIGUOUS", "ALIGNED"])
+
+
 def reals(name: str, values: ArrayLike, ndim: int) -> NDArray[np.float64]:
     """`values` as a C-contiguous float64 array of `ndim` axes, or a refusal that names it."""
     try:
@@ -45,7 +54,7 @@ def reals(name: str, values: ArrayLike, ndim: int) -> NDArray[np.float64]:
         raise EnvLightsError(f"{name} must hold real numbers; got the dtype {array.dtype}")
     if array.ndim != ndim:
         raise EnvLightsError(f"{name} must have {ndim} axes; got the shape {array.shape}")
-    return np.ascontiguousarray(array, dtype=np.float64)
+    return for_kernels(array, np.float64)
 
 
 def count(name: str, value: object, least: int = 0) -> int:
@@ -58,6 +67,15 @@ def count(name: str, value: object, least: int = 0) -> int:
             f"{name} must be a whole number up to {LARGEST_COUNT}; got {shown(value)}"
         )
     return int(value)  # type: ignore[call-overload, no-any-return]
+
+
+def counts(name: str, values: object) -> list[int]:
+    """`values` as a list of ints of at least 0, or a refusal that names them."""
+    if isinstance(values, str | bytes) or not isinstance(values, Iterable):
+        raise EnvLightsError(
+            f"{name} must be whole numbers, one after another; got {shown(values)}"
+        )
+    return [count(name, value) for value in values]
 
 
 def amount(name: str, value: object, least: float = 0.0, most: float = math.inf) -> float:
@@ -103,13 +121,22 @@ def flag(name: str, value: object) -> bool:
     return bool(value)
 
 
+def texts(name: str, values: object) -> list[str]:
+    """`values`, one text or several, as a list, or a refusal that names them."""
+    each = [values] if isinstance(values, str) or not isinstance(values, Iterable) else [*values]
+    for text in each:
+        if not isinstance(text, str):
+            raise EnvLightsError(f"{name} must be text; got {shown(text)}")
+    return [str(text) for text in each]
+
+
 def float_image(name: str, values: ArrayLike, ndim: int) -> NDArray[np.float32]:
     """`values` as a C-contiguous float32 array of `ndim` axes, or a refusal that names it."""
     is_ready = isinstance(values, np.ndarray) and values.dtype == np.float32
     array = values if is_ready else reals(name, values, ndim)
     if np.ndim(array) != ndim:
         raise EnvLightsError(f"{name} must have {ndim} axes; got the shape {np.shape(array)}")
-    return np.ascontiguousarray(array, dtype=np.float32)
+    return for_kernels(array, np.float32)
 
 
 def whole_pixels(values: ArrayLike) -> NDArray[np.int64]:
@@ -123,7 +150,7 @@ def whole_pixels(values: ArrayLike) -> NDArray[np.int64]:
             f"pixels must be whole numbers of the shape (n, 2);"
             f" got the dtype {array.dtype} and the shape {array.shape}"
         )
-    return np.ascontiguousarray(array, dtype=np.int64)
+    return for_kernels(array, np.int64)
 
 
 def whole_numbers(name: str, values: ArrayLike) -> NDArray[np.int64]:
@@ -137,4 +164,4 @@ def whole_numbers(name: str, values: ArrayLike) -> NDArray[np.int64]:
             f"{name} must hold whole numbers along one axis;"
             f" got the dtype {array.dtype} and the shape {array.shape}"
         )
-    return np.ascontiguousarray(array, dtype=np.int64)
+    return for_kernels(array, np.int64)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
-from envlights._check import check_choice, shown
+from envlights._check import check_choice, for_kernels, shown, texts
 from envlights._native import EnvLightsError, UnusableSamplesError
 from envlights._srgb import decode_srgb
 from envlights.io.images import MOST_PIXELS, read_image
@@ -69,7 +69,7 @@ class EnvMap:
     ) -> None:
         check_choice("projection", projection, PROJECTIONS)
         check_choice("registration", registration, REGISTRATIONS)
-        self._notes = [notes] if isinstance(notes, str) else list(notes)
+        self._notes = texts("notes", notes)
         self._projection, self._registration = projection, registration
         self._radiance = _read_only(self._cleaned(self._linear(_as_map(radiance))))
 
@@ -189,7 +189,7 @@ class EnvMap:
         if array.dtype.kind == "f":
             # A float64 sample beyond float32 becomes infinite and is cleaned as such.
             with np.errstate(over="ignore"):
-                return np.ascontiguousarray(array, dtype=np.float32)
+                return for_kernels(array, np.float32)
         self._notes.append(f"{array.dtype.name} samples were taken as sRGB-coded and linearised")
         codes = np.arange(np.iinfo(array.dtype).max + 1)
         return np.ascontiguousarray(decode_srgb(codes / codes[-1])[array])

@@ -33,6 +33,8 @@ _SMALL_FALL = 1e-9
 _EXACT = 1e-12
 #: Halvings of a damped step before the error counts as the lowest.
 _HALVINGS = 30
+#: Reflection of the surface at most, in any unit: squares of it and of radiances stay finite.
+_STRONGEST = 1e100
 
 _Reals = NDArray[np.float64]
 
@@ -325,10 +327,12 @@ def _sizes(lights: object, max_steps: object) -> tuple[int, int]:
 
 
 def _surface(k_a: object, k_d: object, C: ArrayLike) -> _Surface:  # noqa: N803, the paper's name
-    numbers = [amount("k_d", k_d), *colour("C", C)]
+    numbers = [amount("k_d", k_d, most=_STRONGEST), *colour("C", C)]
     if min(numbers) == 0:
         raise EnvLightsError("k_d and C must be above 0; a black probe shows no light")
-    return _Surface(amount("k_a", k_a), numbers[0], tuple(numbers[1:]))
+    if max(numbers) > _STRONGEST:
+        raise EnvLightsError(f"C must be at most {_STRONGEST:g}; got {max(numbers):g}")
+    return _Surface(amount("k_a", k_a, most=_STRONGEST), numbers[0], tuple(numbers[1:]))
 
 
 def _start(start: ArrayLike, lights: int) -> _Reals:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
-from envlights._check import amount, count, float_image, reals
+from envlights._check import amount, count, flag, float_image, reals
 
 #: Rec.709 weights of linear red, green and blue in luminance.
 LUMINANCE = np.array(_native.LUMINANCE)
@@ -100,7 +100,9 @@ def reduced_luminance(
     (22, 43)
     """
     image = float_image("radiance", radiance, 3)
-    return _native.reduced_luminance(image, count("columns", columns, least=1), border_sampled)
+    return _native.reduced_luminance(
+        image, count("columns", columns, least=1), flag("border_sampled", border_sampled)
+    )
 
 
 def blur(image: ArrayLike, sigma: float) -> NDArray[np.float32]:

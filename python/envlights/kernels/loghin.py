@@ -28,7 +28,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
-from envlights._check import amount, count, float_image, reals, whole_numbers, whole_pixels
+from envlights._check import amount, count, flag, float_image, reals, whole_numbers, whole_pixels
 
 
 def neighbour_maximum(
@@ -68,7 +68,7 @@ def neighbour_maximum(
     """
     image = float_image("luminance", luminance, 2)
     return _native.neighbour_maximum(
-        image, whole_pixels(pixels), count("reach", reach), bool(sphere)
+        image, whole_pixels(pixels), count("reach", reach), flag("sphere", sphere)
     )
 
 
@@ -182,7 +182,7 @@ def merge_along_lines(
     where = reals("points", pixels if points is None else points, 2)
     limit = np.inf if farthest == np.inf else amount("farthest", farthest)
     levels = amount("tolerance", tolerance), amount("ceiling", ceiling), amount("bright", bright)
-    return _native.merge_along_lines(image, pixels, where, limit, *levels, bool(sphere))
+    return _native.merge_along_lines(image, pixels, where, limit, *levels, flag("sphere", sphere))
 
 
 def weighted_means(points: ArrayLike, weights: ArrayLike, light: ArrayLike) -> NDArray[np.float64]:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
-from envlights._check import amount, colour, count, float_image, reals
+from envlights._check import amount, colour, count, flag, float_image, reals
 
 _WHITE = (1.0, 1.0, 1.0)
 
@@ -42,7 +42,9 @@ def face_radiance(
     array([1., 1., 1.])
     """
     image = float_image("radiance", radiance, 3)
-    return _native.face_radiance(image, count("faces", faces), border_sampled)
+    return _native.face_radiance(
+        image, count("faces", faces), flag("border_sampled", border_sampled)
+    )
 
 
 def pack_lights(

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
-from envlights._check import amount, colour, count, float_image, reals
+from envlights._check import amount, colour, count, flag, float_image, reals
 from envlights._native import EnvLightsError
 
 #: Width of the map that `working_irradiance` makes when it is not told another.
@@ -42,7 +42,9 @@ def irradiance(
     array([[3.1416, 3.1416, 3.1416]])
     """
     image = float_image("radiance", radiance, 3)
-    return _native.irradiance(image, reals("normals", normals, 2), border_sampled)
+    return _native.irradiance(
+        image, reals("normals", normals, 2), flag("border_sampled", border_sampled)
+    )
 
 
 def working_irradiance(
@@ -83,7 +85,9 @@ def working_irradiance(
     normals = reals("normals", normals, 2)
     columns = count("columns", columns, least=2)
     share = amount("source_share", source_share)
-    return _native.working_irradiance(image, normals, border_sampled, columns, share)
+    return _native.working_irradiance(
+        image, normals, flag("border_sampled", border_sampled), columns, share
+    )
 
 
 def sum_over_sources(

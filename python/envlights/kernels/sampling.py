@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
-from envlights._check import count, reals
+from envlights._check import count, counts, reals
 
 
 def radical_inverse(index: int, base: int = 2) -> float:
@@ -78,7 +78,7 @@ def halton(n: int, bases: Sequence[int] = (2, 3)) -> NDArray[np.float64]:
            [0.5  , 0.333],
            [0.25 , 0.667]])
     """
-    return _native.halton(count("n", n), [count("base", base) for base in bases])
+    return _native.halton(count("n", n), counts("bases", bases))
 
 
 def uniform_sphere(uv: ArrayLike) -> NDArray[np.float64]:

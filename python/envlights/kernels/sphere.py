@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
-from envlights._check import count, reals
+from envlights._check import count, flag, reals
 
 
 def uv_to_direction(uv: ArrayLike) -> NDArray[np.float64]:
@@ -83,7 +83,7 @@ def pixel_directions(
     array([ 0.5  ,  0.707, -0.5  ])
     """
     size = count("height", height), count("width", width)
-    return _native.pixel_directions(*size, border_sampled)
+    return _native.pixel_directions(*size, flag("border_sampled", border_sampled))
 
 
 def pixel_solid_angles(
@@ -109,4 +109,4 @@ def pixel_solid_angles(
     1.0
     """
     size = count("height", height), count("width", width)
-    return _native.pixel_solid_angles(*size, border_sampled)
+    return _native.pixel_solid_angles(*size, flag("border_sampled", border_sampled))
