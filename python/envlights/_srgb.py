@@ -6,6 +6,8 @@ the codes of pictures.
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,3 +25,16 @@ def decode_srgb(coded: NDArray[np.floating]) -> NDArray[np.float32]:
     coded = np.asarray(coded, dtype=np.float64)
     linear = np.where(coded <= 0.04045, coded / 12.92, ((coded + 0.055) / 1.055) ** 2.4)
     return linear.astype(np.float32)
+
+
+def decode_codes(codes: NDArray[np.unsignedinteger]) -> NDArray[np.float32]:
+    """Linear values of sRGB codes of 8 or 16 bits, of which the largest is white."""
+    white = np.iinfo(codes.dtype).max
+    linear: NDArray[np.float32] = _linear_of(white)[codes]
+    return linear
+
+
+@cache
+def _linear_of(white: int) -> NDArray[np.float32]:
+    """Linear values of all codes up to `white`."""
+    return decode_srgb(np.arange(white + 1) / white)

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights import _native
 from envlights._check import check_choice, for_kernels, shown, texts
 from envlights._native import EnvLightsError, UnusableSamplesError
-from envlights._srgb import decode_srgb
+from envlights._srgb import decode_codes
 from envlights.io.images import MOST_PIXELS, read_image
 from envlights.kernels.probe import irradiance
 
@@ -191,8 +191,7 @@ class EnvMap:
             with np.errstate(over="ignore"):
                 return for_kernels(array, np.float32)
         self._notes.append(f"{array.dtype.name} samples were taken as sRGB-coded and linearised")
-        codes = np.arange(np.iinfo(array.dtype).max + 1)
-        return np.ascontiguousarray(decode_srgb(codes / codes[-1])[array])
+        return np.ascontiguousarray(decode_codes(array))
 
     def _cleaned(self, linear: NDArray[np.float32]) -> NDArray[np.float32]:
         nan, infinite, negative = _native.unusable(linear)

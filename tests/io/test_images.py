@@ -337,7 +337,7 @@ class FailingFile:
     def spec(self):
         return oiio.ImageSpec(32, 16, 3, oiio.FLOAT)
 
-    def read_image(self, *_):
+    def read_scanlines(self, *_):
         raise MemoryError
 
     def close(self):
@@ -462,3 +462,50 @@ def test_tiles_of_float64_are_refused(tmp_path):
     np.testing.assert_array_equal(io.read_image(tmp_path / "s64.tif").pixels, RADIANCE)
     write(tmp_path / "t32.tif", RADIANCE, tile=16)
     np.testing.assert_array_equal(io.read_image(tmp_path / "t32.tif").pixels, RADIANCE)
+
+
+PEAK = """
+import re, sys
+from pathlib import Path
+import numpy as np
+import envlights as el
+
+def kilobytes(name):
+    return int(re.search(name + r":\\s+(\\d+) kB", Path("/proc/self/status").read_text())[1])
+
+el.EnvMap.open(sys.argv[2])  # loads the library
+before = kilobytes("VmRSS")
+env = el.EnvMap.open(sys.argv[1])
+print((kilobytes("VmHWM") - before) * 1024 / env.radiance.nbytes)
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere peaks are not told so")
+@pytest.mark.parametrize(
+    ("name", "file_format", "most"),
+    [
+        ("map.png", oiio.UINT8, 1.5),
+        ("map.png", oiio.UINT16, 1.5),
+        ("map.jpg", oiio.UINT8, 1.5),
+        ("map.exr", oiio.HALF, 1.3),
+        ("map.hdr", oiio.FLOAT, 1.3),
+    ],
+)
+def test_a_map_is_opened_in_hardly_more_memory_than_its_own(tmp_path, name, file_format, most):
+    pixels = np.tile(RADIANCE, (128, 128, 1)).clip(0, 1)
+    write(tmp_path / name, pixels, file_format)
+    small = write(tmp_path / f"small_{name}", RADIANCE.clip(0, 1), file_format)
+    run = [sys.executable, "-c", PEAK, str(tmp_path / name), str(small)]
+    assert float(subprocess.check_output(run, text=True)) < most
+
+
+@pytest.mark.parametrize("tile", [0, 16, 48])
+@pytest.mark.parametrize("height", [127, 128, 300])
+def test_rows_that_are_read_at_once_make_the_whole(tmp_path, height, tile):
+    pixels = np.random.default_rng(height).random((height, 40, 3), dtype=np.float32)
+    write(tmp_path / "map.exr", pixels, tile=tile)
+    np.testing.assert_array_equal(io.read_image(tmp_path / "map.exr").pixels, pixels)
+    codes = (255 * pixels).astype(np.uint8)
+    write(tmp_path / "map.tif", codes, oiio.UINT8, tile=tile)
+    expected = decode_srgb(codes / 255)
+    np.testing.assert_array_equal(io.read_image(tmp_path / "map.tif").pixels, expected)

@@ -15,12 +15,15 @@ from numpy.typing import NDArray
 
 from envlights._check import count
 from envlights._native import EnvLightsError
-from envlights._srgb import decode_srgb
+from envlights._srgb import decode_codes
 from envlights.io.files import write_atomically
 
 #: Pixels of an image at most, 32768 x 16384, unless a caller takes more: a few damaged bytes of a
 #: header ask for all memory.
 MOST_PIXELS = 2**29
+
+#: Rows that are read at once, or more where tiles are taller.
+_ROWS_AT_ONCE = 128
 
 #: The end of every refusal of a file.
 _WANTED = "give a Radiance .hdr, OpenEXR, PNG, JPEG or TIFF image"
@@ -150,20 +153,49 @@ def _read(name: str, file: oiio.ImageInput) -> Image:
     spec = file.spec()
     channels, notes = _colour_channels(name, spec)
     is_coded = _is_coded(name, spec, channels)
-    first, end = min(channels), max(channels) + 1
-    pixels = file.read_image(0, 0, first, end, oiio.FLOAT)
-    if pixels is None or file.has_error:
-        reason = _reason(file)
-        raise EnvLightsError(f"cannot read all pixels of {name}: {reason}; give an undamaged file")
-    pixels = np.ascontiguousarray(pixels[..., [channel - first for channel in channels]])
+    pixels = _pixels(name, file, channels)
     if is_coded:
-        pixels = decode_srgb(pixels)
         notes.append("integer samples were taken as sRGB-coded and linearised")
     pixels = _upright(_in_display_window(pixels, spec, notes), spec, notes)
     _note_primaries(spec, notes)
     if spec.get_int_attribute("oiio:subimages", 1) > 1:
         notes.append("only the first of several images in the file was read")
     return Image(pixels, bool(spec.getattribute("oiio:sampleborder")), tuple(notes))
+
+
+def _pixels(name: str, file: oiio.ImageInput, channels: list[int]) -> NDArray[np.float32]:
+    """The `channels` of the data window as linear light, read a few rows at a time.
+
+    So a map takes hardly more memory than its own pixels while it is opened.
+    """
+    spec = file.spec()
+    pixels = np.empty((spec.height, spec.width, len(channels)), np.float32)
+    # Rows of tiles are read whole.
+    rows = -(-_ROWS_AT_ONCE // max(spec.tile_height, 1)) * max(spec.tile_height, 1)
+    for top in range(0, spec.height, rows):
+        part = pixels[top : top + rows]
+        block = _samples(file, top, len(part), (min(channels), max(channels) + 1))
+        if block is None or file.has_error:
+            raise EnvLightsError(
+                f"cannot read all pixels of {name}: {_reason(file)}; give an undamaged file"
+            )
+        for place, channel in enumerate(channels):
+            samples = block.reshape(*part.shape[:2], -1)[..., channel - min(channels)]
+            part[..., place] = samples if samples.dtype.kind == "f" else decode_codes(samples)
+    return pixels
+
+
+def _samples(
+    file: oiio.ImageInput, top: int, height: int, channels: tuple[int, int]
+) -> NDArray[Any] | None:
+    """Some rows of the data window, and channels from one to another, or None where it fails."""
+    spec = file.spec()
+    as_type = spec.format if str(spec.format) in _CODED else oiio.FLOAT
+    rows = (spec.y + top, spec.y + top + height)
+    if spec.tile_width:
+        columns = (spec.x, spec.x + spec.width)
+        return file.read_tiles(0, 0, *columns, *rows, 0, 1, *channels, as_type)
+    return file.read_scanlines(0, 0, *rows, 0, *channels, as_type)
 
 
 def _check_spec(name: str, spec: oiio.ImageSpec, max_pixels: int) -> None:
