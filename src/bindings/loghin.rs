@@ -101,7 +101,7 @@ pub fn suppress<'py>(
     distance: f64,
 ) -> PyResult<Bound<'py, PyArray1<i64>>> {
     let points = points.as_array();
-    let out = detached(py, || suppression::suppress(points, distance))?;
+    let out = in_pool(py, || suppression::suppress(points, distance))?;
     Ok(indices(py, &out))
 }
 
@@ -128,7 +128,7 @@ pub fn merge_along_lines<'py>(
 ) -> PyResult<Bound<'py, PyArray1<i64>>> {
     let (luminance, pixels, points) = (luminance.as_array(), pixels.as_array(), points.as_array());
     let rule = LineRule { tolerance, ceiling, bright };
-    let out = detached(py, || merge::merge(luminance, pixels, points, farthest, &rule, sphere))?;
+    let out = in_pool(py, || merge::merge(luminance, pixels, points, farthest, &rule, sphere))?;
     Ok(indices(py, &out))
 }
 

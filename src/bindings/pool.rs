@@ -7,27 +7,79 @@
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::OnceLock;
+use std::sync::{OnceLock, mpsc};
+use std::time::Duration;
 
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::error::EnvLightsError;
 use crate::error::Result;
+use crate::interrupt::{self, Interrupted};
 
-/// Run `work` without the GIL, with all threads of this process.
-pub fn in_pool<T: Send>(py: Python<'_>, work: impl FnOnce() -> Result<T> + Send) -> PyResult<T> {
+/// Run `work` without the GIL, with all threads of this process; a signal such as that of Ctrl-C ends it.
+pub fn in_pool<T: Send>(py: Python<'_>, work: impl Fn() -> Result<T> + Send + Sync) -> PyResult<T> {
     static FIRST: OnceLock<Box<Pool>> = OnceLock::new();
-    detached(py, || match of_process(std::process::id(), &FIRST) {
-        Some(threads) => threads.install(work),
-        None => in_this_thread(work),
+    let Some(threads) = py.detach(|| of_process(std::process::id(), &FIRST)) else {
+        return detached(py, || in_this_thread(&work));
+    };
+    loop {
+        let (done, signal) = py.detach(|| watched(threads, &work));
+        if let Some(signal) = signal {
+            return Err(signal);
+        }
+        match done {
+            // Another thread of Python was interrupted, and all work with it.
+            Err(payload) if payload.is::<Interrupted>() => {}
+            done => return answer(done),
+        }
+    }
+}
+
+/// Run `work` without the GIL, in this thread: for kernels that take no time worth an interruption.
+pub fn detached<T: Send>(py: Python<'_>, work: impl FnOnce() -> Result<T> + Send) -> PyResult<T> {
+    answer(py.detach(|| caught(work)))
+}
+
+/// The answer of a kernel, or what it unwound with.
+type Done<T> = std::result::Result<Result<T>, Box<dyn Any + Send>>;
+
+/// What a panic leaves half done is not looked at again: kernels own all that they change.
+fn caught<T>(work: impl FnOnce() -> Result<T>) -> Done<T> {
+    catch_unwind(AssertUnwindSafe(work))
+}
+
+/// Run `work` in the pool while this thread looks for signals; the one that ended it, if one came.
+fn watched<T: Send>(
+    threads: &ThreadPool,
+    work: &(impl Fn() -> Result<T> + Sync),
+) -> (Done<T>, Option<PyErr>) {
+    /// Between two looks: a person does not notice, and it costs nothing.
+    const BETWEEN: Duration = Duration::from_millis(50);
+    threads.in_place_scope(|scope| {
+        let (sender, receiver) = mpsc::channel();
+        scope.spawn(move |_| sender.send(caught(work)).expect("the receiver waits"));
+        let mut signal = None;
+        let done = loop {
+            if let Ok(done) = receiver.recv_timeout(BETWEEN) {
+                break done;
+            }
+            if signal.is_none() {
+                signal = Python::attach(|py| py.check_signals()).err();
+                if signal.is_some() {
+                    interrupt::ask();
+                }
+            }
+        };
+        if signal.is_some() {
+            interrupt::clear();
+        }
+        (done, signal)
     })
 }
 
-/// Run `work` without the GIL, in this thread. A panic is a mistake in the kernels, and is told as such.
-pub fn detached<T: Send>(py: Python<'_>, work: impl FnOnce() -> Result<T> + Send) -> PyResult<T> {
-    // What a panic leaves half done is not looked at again: kernels own all that they change.
-    let done = py.detach(|| catch_unwind(AssertUnwindSafe(work)));
+/// An answer or a refusal. A panic is a mistake in the kernels, and is told as such.
+fn answer<T>(done: Done<T>) -> PyResult<T> {
     done.map_err(|panic| EnvLightsError::new_err(told(panic.as_ref())))?.map_err(PyErr::from)
 }
 

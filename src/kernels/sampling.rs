@@ -7,6 +7,7 @@ use ndarray::{Array1, Array2, ArrayView2};
 
 use super::sphere::{check_memory, check_rows, direction, from_vectors};
 use crate::error::{Error, Result};
+use crate::interrupt;
 
 /// Faces of the finest icosphere that is made: 8 subdivisions.
 const MOST_FACES: usize = 20 << 16;
@@ -49,6 +50,7 @@ fn mirrored_digits(mut index: u64, base: u64) -> f64 {
 pub fn hammersley(count: usize) -> Result<Array2<f64>> {
     check_memory(&[count, 2])?;
     Ok(Array2::from_shape_fn((count, 2), |(i, axis)| {
+        interrupt::check();
         if axis == 0 { i as f64 / count as f64 } else { mirrored_digits(i as u64, 2) }
     }))
 }
@@ -63,7 +65,10 @@ pub fn halton(count: usize, bases: &[u64]) -> Result<Array2<f64>> {
         return Err(Error::BadBase { base });
     }
     check_memory(&[count, bases.len()])?;
-    Ok(Array2::from_shape_fn((count, bases.len()), |(i, axis)| mirrored_digits(i as u64, bases[axis])))
+    Ok(Array2::from_shape_fn((count, bases.len()), |(i, axis)| {
+        interrupt::check();
+        mirrored_digits(i as u64, bases[axis])
+    }))
 }
 
 /// Points of the unit square, (n, 2), laid on the sphere so that equal areas stay equal: (n, 3).

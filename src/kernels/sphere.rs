@@ -19,6 +19,7 @@ use glam::DVec3;
 use ndarray::{Array2, Array3, ArrayView1, ArrayView2};
 
 use crate::error::{Error, Result};
+use crate::interrupt;
 
 /// The way in which pixels lie on the sphere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -281,7 +282,11 @@ pub(crate) fn to_vectors(rows: ArrayView2<'_, f64>) -> Vec<DVec3> {
 
 /// Vectors as the rows of an array.
 pub(crate) fn from_vectors(vectors: impl Iterator<Item = DVec3>) -> Array2<f64> {
-    let rows: Vec<[f64; 3]> = vectors.map(|vector| vector.to_array()).collect();
+    let row = |vector: DVec3| {
+        interrupt::check();
+        vector.to_array()
+    };
+    let rows: Vec<[f64; 3]> = vectors.map(row).collect();
     Array2::from(rows)
 }
 

@@ -10,6 +10,7 @@ use super::objective::{Given, Moments, Objective};
 use super::problem::Problem;
 use super::radiances::{self, Radiances};
 use super::rig::Rig;
+use crate::interrupt;
 
 /// Relative cost of rounding alone, where the cost is summed from residuals.
 const EXACT: f64 = 1e-26;
@@ -61,6 +62,7 @@ impl State {
     pub fn at(objective: &dyn Objective, moments: Moments, steps: usize, guess: &[Arc<Support>]) -> Self {
         /// Damping of a first step.
         const FIRST_DAMPING: f64 = 1e-3;
+        interrupt::check();
         let given = objective.given();
         let Radiances { x, supports, dark } = radiances::solve(given, &moments.gram, &moments.rhs, guess);
         let cost = cost(given, &moments.gram, &moments.rhs, &x);

@@ -49,6 +49,7 @@ use rayon::prelude::*;
 use super::image::{self, Grid, WorkingMap};
 use super::sphere::{self, Registration, check_lengths, check_rows, unit_vectors};
 use crate::error::{Error, Result};
+use crate::interrupt;
 use band::{Band, Columns};
 use horizon::{Normal, Steps};
 use opposite::VectorFlux;
@@ -139,6 +140,7 @@ pub fn sum_over_sources(
     check_lengths("directions", directions.len(), lengths)?;
     let mut out = Array2::zeros((normals.len(), 3));
     out.outer_iter_mut().into_par_iter().zip(&normals).for_each(|(mut row, normal)| {
+        interrupt::check();
         for ((direction, source), solid_angle) in directions.iter().zip(radiance.rows()).zip(solid_angles) {
             let cosine = normal.dot(*direction).max(0.0) * solid_angle * k_d;
             for channel in 0..3 {
@@ -232,6 +234,7 @@ fn sum_run<'a>(
     let mut sums = Sums::new(normals.len());
     let mut half_widths = Vec::with_capacity(normals.len());
     for (i, rows) in rows.chunks(steps.rows).enumerate() {
+        interrupt::check();
         // Skip what is black.
         if rows.iter().all(|row| row.as_flattened().iter().all(|&sample| sample == 0.0)) {
             continue;

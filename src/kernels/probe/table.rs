@@ -22,6 +22,7 @@ use wide::f32x8;
 
 use super::horizon::{Normal, Slice, Steps, cut};
 use crate::error::{Error, Result};
+use crate::interrupt;
 use crate::kernels::image::{Grid, WorkingMap};
 
 /// Rows of the map that one task sums.
@@ -100,6 +101,7 @@ impl Table<'_> {
         self.fill(row);
         let (_, slices) = cut(&self.map.grid.theta_edges[row..=row + 1], Steps::ONE_NODE.nodes);
         for slice in slices {
+            interrupt::check();
             Arch::new().dispatch(LookUps { table: self, slice, normals, sums });
         }
     }

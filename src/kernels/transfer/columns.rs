@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::rows;
 use crate::error::{Error, Result};
+use crate::interrupt;
 
 /// Texels of a task: their rows stay in the second-level cache for some hundred images.
 const SPAN: usize = 512;
@@ -55,6 +56,7 @@ pub fn columns(
     parts.into_par_iter().zip(non_black.par_chunks(SPAN)).enumerate().for_each_init(
         || Array2::zeros((SPAN, width)),
         |block, (span, (mut out, non_black))| {
+            interrupt::check();
             let rows = &mut block.as_slice_mut().unwrap_or_default()[..width * non_black.len()];
             rows::fill(rows, images, scale, SPAN * span);
             keep(rows, width, non_black);

@@ -21,6 +21,7 @@ use pulp::{Arch, Simd, WithSimd};
 use rayon::slice::ParallelSlice;
 
 use crate::error::{Error, Result};
+use crate::interrupt;
 
 /// Texels of a tile: with more the sums leave the registers.
 pub const TILE: usize = 32;
@@ -92,6 +93,7 @@ pub fn frames<T: Kept>(
     let arch = Arch::new();
     out.axis_chunks_iter_mut(Axis(1), TILE * SPAN).into_par_iter().zip(places.par_chunks(SPAN)).for_each(
         |(mut out, places)| {
+            interrupt::check();
             let mut out: Vec<_> = out
                 .outer_iter_mut()
                 .map(|image| image.into_slice().unwrap_or_default().as_chunks_mut::<3>().0)

@@ -7,6 +7,7 @@ use rayon::slice::ParallelSliceMut;
 
 use super::rows;
 use crate::error::Result;
+use crate::interrupt;
 
 /// Texels whose products are summed in f32, before they are added to the others in f64: over so few
 /// the sum is wrong by 2e-8 of the largest eigenvalue.
@@ -47,6 +48,7 @@ pub fn gram(images: ArrayView3<'_, f32>, scale: &[f32]) -> Result<(Array2<f64>, 
     let mut non_black = Vec::with_capacity(texels);
     let mut block = Array2::zeros((BLOCK.min(texels), width));
     for first in (0..texels).step_by(BLOCK) {
+        interrupt::check();
         let count = BLOCK.min(texels - first);
         let rows = &mut block.as_slice_mut().unwrap_or_default()[..width * count];
         let step = count.div_ceil(rayon::current_num_threads());

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::image::Image;
 use crate::error::{Error, Result};
+use crate::interrupt;
 
 /// A Gaussian blur of standard deviation `sigma` pixels. Columns meet at the seam, rows end.
 ///
@@ -31,6 +32,7 @@ fn along_rows(image: &Image<'_>, weights: &[f32]) -> Array2<f32> {
         let first = (image.width - reach % image.width) % image.width;
         let around: Vec<f32> = row.iter().cycle().skip(first).take(row.len() + 2 * reach).copied().collect();
         for (window, weight) in around.windows(row.len()).zip(weights) {
+            interrupt::check();
             out.iter_mut().zip(window).for_each(|(out, value)| *out += weight * value);
         }
     });
@@ -42,6 +44,7 @@ fn along_columns(image: &Array2<f32>, weights: &[f32]) -> Array2<f32> {
     let mut out = Array2::zeros(image.dim());
     out.outer_iter_mut().into_par_iter().enumerate().for_each(|(row, mut out)| {
         for (offset, &weight) in weights.iter().enumerate() {
+            interrupt::check();
             out.scaled_add(weight, &image.row((row + offset).saturating_sub(reach).min(last)));
         }
     });

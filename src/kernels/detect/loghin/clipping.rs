@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::image::{Pixel, pixels_inside};
 use super::windows::Windows;
 use crate::error::Result;
+use crate::interrupt;
 use crate::kernels::detect::clipping::{TOP, is_clipped};
 use crate::kernels::image::{check_rgb, luminance_f32};
 
@@ -60,6 +61,7 @@ fn maximum(pixels: &[[f32; 3]]) -> f32 {
 fn top_around(map: &[[f32; 3]], width: usize, pixel: Pixel, windows: &Windows) -> (f64, usize) {
     let mut values = Vec::new();
     for row in windows.rows(pixel) {
+        interrupt::check();
         for columns in windows.columns(row, pixel) {
             values.extend(map[row * width..][columns].iter().copied().map(luminance_f32));
         }

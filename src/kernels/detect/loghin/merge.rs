@@ -5,6 +5,7 @@ use ndarray::ArrayView2;
 use super::bresenham::{LineRule, is_bright};
 use super::image::{Image, pixels_inside, points_in_space};
 use crate::error::{Error, Result};
+use crate::interrupt;
 
 /// For each of `pixels`, (n, 2), brightest first, the one that it is merged into: itself, or the
 /// brightest one that a bright line joins to it.
@@ -41,6 +42,7 @@ pub fn merge(
     let mut open = light.clone();
     while let Some(&start) = open.first() {
         open.retain(|&end| {
+            interrupt::check();
             let is_near = points[start].distance_squared(points[end]) <= farthest * farthest;
             let joined =
                 end == start || (is_near && is_bright(&image, pixels[start], pixels[end], rule, sphere));

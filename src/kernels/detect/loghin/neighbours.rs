@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::image::{Image, Pixel, pixels_inside};
 use super::windows::Windows;
 use crate::error::Result;
+use crate::interrupt;
 
 /// The brightest pixel within `reach` rows and columns of each of `pixels`, (n, 2), and its value.
 ///
@@ -34,6 +35,7 @@ pub fn neighbour_maximum(
 fn brightest_around(image: &Image<'_>, pixel: Pixel, windows: &Windows) -> (f32, Pixel) {
     let mut best = (f32::NEG_INFINITY, pixel);
     for row in windows.rows(pixel) {
+        interrupt::check();
         let line = image.row(row);
         for columns in windows.columns(row, pixel) {
             let first = columns.start;

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::image::Image;
 use crate::error::{Error, Result};
+use crate::interrupt;
 
 /// Pixels of the largest image: 4 GB.
 const MOST_PIXELS: usize = 1 << 30;
@@ -30,6 +31,7 @@ pub fn resize_bilinear(image: ArrayView2<'_, f32>, height: usize, width: usize) 
     // Interpolate between them, first across and then down.
     let mut out = Array2::zeros((height, width));
     out.outer_iter_mut().into_par_iter().zip(down).for_each(|(mut out, (row, low))| {
+        interrupt::check();
         let above = image.row(row.max(0) as usize);
         let below = image.row((row + 1).min(image.height as isize - 1) as usize);
         for (out, &(column, left)) in out.iter_mut().zip(&across) {

@@ -6,6 +6,7 @@ use rustc_hash::FxHashMap;
 
 use super::image::points_in_space;
 use crate::error::Result;
+use crate::interrupt;
 
 /// For each of `points`, (n, 2) or (n, 3), brightest first, the survivor that it belongs to: itself,
 /// or the brightest survivor closer than `distance`.
@@ -25,6 +26,7 @@ pub fn suppress(points: ArrayView2<'_, f64>, distance: f64) -> Result<Vec<usize>
     let mut cells: FxHashMap<Cell, Vec<usize>> = FxHashMap::default();
     let mut survivors = Vec::with_capacity(in_space.len());
     for (index, point) in in_space.iter().enumerate() {
+        interrupt::check();
         // Find the brightest survivor nearby.
         let is_near = |&other: &usize| point.distance_squared(in_space[other]) < distance * distance;
         let cell = (point / distance).floor();
