@@ -20,7 +20,7 @@ LONG = {
     "fit_probe": "el.fit_probe(*probe, 30)",
     "fit_paper": "el.fit_paper(image, 100, max_steps=10**6)",
     "detect": "[el.detect(image, method='article') for _ in range(1000)]",
-    "predict": "model.predict(np.tile(room.direct, (2000, 1, 1, 1)))",
+    "predict": "[model.predict(np.tile(room.direct, (30, 1, 1, 1))) for _ in range(1000)]",
 }
 CODE = """
 import signal, sys, threading, time, os
