@@ -11,7 +11,7 @@ use ndarray::{ArrayView3, s};
 use crate::kernels::sphere::band_heights;
 
 /// Pixels of a row whose means are taken at once: few enough to stay in the first cache.
-const PIXELS_AT_ONCE: usize = 256;
+const PIXELS_AT_ONCE: usize = 128;
 
 /// The rows of a map behind one row of blocks.
 pub(crate) struct BlockRow<'a> {

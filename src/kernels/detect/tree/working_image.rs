@@ -135,10 +135,17 @@ impl<'a> Reduction<'a> {
         pixels.mean(|columns, mean| {
             self.narrow_the_outer(mean, columns.start == 0, columns.end == width);
             let blocks = columns.start / self.block..columns.end.div_ceil(self.block);
-            let per_width = &self.per_width[blocks.clone()];
-            let sums = mean.chunks(3 * self.block).map(luminance_of_sum);
-            for ((out, sum), per_width) in out[blocks].iter_mut().zip(sums).zip(per_width) {
-                *out = per_width * sum;
+            let (out, per_width) = (&mut out[blocks.clone()], &self.per_width[blocks]);
+            // Sum the whole blocks apart from a last one that is cut short: to ask each for its length took a
+            // tenth of the time, with blocks of two pixels a fifth.
+            let whole = mean.chunks_exact(3 * self.block);
+            if let ([_, ..], Some(out), Some(per_width)) =
+                (whole.remainder(), out.last_mut(), per_width.last())
+            {
+                *out = per_width * luminance_of_sum(whole.remainder());
+            }
+            for ((out, samples), per_width) in out.iter_mut().zip(whole).zip(per_width) {
+                *out = per_width * luminance_of_sum(samples);
             }
         })
     }
