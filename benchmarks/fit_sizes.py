@@ -22,7 +22,7 @@ from tests.reference.mitsuba_images import noise_of
 import envlights as el
 
 #: Number of lights, and the objectives of the sizes; none for points.
-RIGS = {4: (None, "shadows", "probe", "both"), 8: (None, "shadows", "probe", "both"), 16: (None,)}
+RIGS = {4: (None, "shadows", "mixed"), 8: (None, "shadows", "mixed"), 16: (None,)}
 
 
 def table(paths):
