@@ -1,6 +1,6 @@
 //! Refusals of the kernels, as Python's exception.
 
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyMemoryError, PyValueError};
 use pyo3::{PyErr, create_exception};
 
 use crate::error::Error;
@@ -24,6 +24,8 @@ impl From<Error> for PyErr {
         let message = error.to_string();
         match error {
             Error::UnusableSamples { .. } => UnusableSamplesError::new_err(message),
+            // As NumPy does for its arrays.
+            Error::NoMemory { .. } => PyMemoryError::new_err(message),
             _ => EnvLightsError::new_err(message),
         }
     }

@@ -20,7 +20,7 @@ use super::parameters::{Light, OF_AMBIENT, OF_LIGHT, Parameters};
 use super::residual::Measured;
 use super::surface::Surface;
 use crate::error::Result;
-use crate::kernels::sphere::{angle_derivatives, direction};
+use crate::kernels::sphere::{angle_derivatives, check_memory, direction};
 
 /// A light's irradiance and direction, and the derivatives of the direction by its angles.
 struct Moving {
@@ -40,9 +40,11 @@ impl Moving {
 ///
 /// # Errors
 ///
-/// [`crate::error::Error::NotParameters`], [`crate::error::Error::NotFinite`].
+/// [`crate::error::Error::NotParameters`], [`crate::error::Error::NotFinite`],
+/// [`crate::error::Error::NoMemory`].
 pub fn jacobian(x: ArrayView1<'_, f64>, measured: &Measured<'_>, surface: &Surface) -> Result<Array2<f64>> {
     let lights: Vec<Moving> = Parameters::unpack(x)?.lights.iter().map(Moving::of).collect();
+    check_memory(&[3 * measured.normals.len(), x.len()])?;
     let mut out = Array2::zeros((3 * measured.normals.len(), x.len()));
     out.axis_chunks_iter_mut(Axis(0), 3)
         .into_par_iter()

@@ -22,6 +22,7 @@ use rayon::slice::ParallelSlice;
 
 use crate::error::{Error, Result};
 use crate::interrupt;
+use crate::kernels::sphere::check_memory;
 
 /// Texels of a tile: with more the sums leave the registers.
 pub const TILE: usize = 32;
@@ -73,7 +74,7 @@ impl Kept for f16 {
 /// # Errors
 ///
 /// [`Error::WrongShape`] for tiles of another size or coefficients that are no RGB, [`Error::OutOfRange`] for
-/// more components than the basis has, or a place that is not in `values`.
+/// more components than the basis has, or a place that is not in `values`; [`Error::NoMemory`].
 pub fn frames<T: Kept>(
     values: ArrayView3<'_, T>,
     scales: ArrayView3<'_, f32>,
@@ -83,6 +84,7 @@ pub fn frames<T: Kept>(
     let (values, scales) = (values.as_standard_layout(), scales.as_standard_layout());
     let basis = Basis::new(values.view(), scales.view())?;
     basis.check(coefficients, places)?;
+    check_memory(&[3 * coefficients.dim().0, TILE * places.len().div_ceil(2)])?; // 4 bytes each
     // Copy the coefficients of each image in rows of RGB.
     let images: Vec<Vec<[f32; 3]>> = coefficients
         .outer_iter()

@@ -6,18 +6,22 @@ use rayon::prelude::*;
 use super::image::Image;
 use crate::error::{Error, Result};
 use crate::interrupt;
+use crate::kernels::sphere::check_memory;
 
 /// A Gaussian blur of standard deviation `sigma` pixels. Columns meet at the seam, rows end.
 ///
 /// # Errors
 ///
-/// [`Error::EmptyImage`], [`Error::BadPixel`], [`Error::OutOfRange`] for a `sigma` beyond the width.
+/// [`Error::EmptyImage`], [`Error::BadPixel`], [`Error::OutOfRange`] for a `sigma` beyond the width,
+/// [`Error::NoMemory`].
 pub fn blur(image: ArrayView2<'_, f32>, sigma: f64) -> Result<Array2<f32>> {
     let samples = image.as_standard_layout();
     let image = Image::new("image", samples.view())?;
     if !(0.0..=image.width as f64).contains(&sigma) {
         return Err(Error::OutOfRange { what: "sigma", value: sigma, least: 0.0, most: image.width as f64 });
     }
+    // Two images of 4 bytes a pixel.
+    check_memory(&[image.height, image.width])?;
     let weights = gaussian(sigma);
     let across = along_rows(&image, &weights);
     Ok(along_columns(&across, &weights))

@@ -2,6 +2,7 @@
 
 use super::image::{Image, Pixel};
 use crate::error::{Error, Result};
+use crate::kernels::sphere::check_memory;
 
 /// Pixels of the first line too long to list: no image that fits into memory is that wide.
 const LONGEST: u64 = 1 << 24;
@@ -73,12 +74,14 @@ impl Iterator for Steps {
 ///
 /// # Errors
 ///
-/// [`Error::LongLine`].
+/// [`Error::LongLine`], [`Error::NoMemory`].
 pub fn line(start: [i64; 2], end: [i64; 2]) -> Result<Vec<[i64; 2]>> {
     let length = start[0].abs_diff(end[0]).max(start[1].abs_diff(end[1]));
     if length >= LONGEST {
         return Err(Error::LongLine { start, end, limit: LONGEST });
     }
+    // The pixels, as they grow, and as an array for the caller.
+    check_memory(&[length as usize, 8])?;
     Ok(std::iter::once(start).chain(Steps::new(start, end)).collect())
 }
 

@@ -7,6 +7,7 @@ use super::image::{Image, Pixel, pixels_inside};
 use super::windows::Windows;
 use crate::error::Result;
 use crate::interrupt;
+use crate::kernels::sphere::check_memory;
 
 /// The brightest pixel within `reach` rows and columns of each of `pixels`, (n, 2), and its value.
 ///
@@ -17,13 +18,16 @@ use crate::interrupt;
 /// # Errors
 ///
 /// [`crate::error::Error::EmptyImage`], [`crate::error::Error::BadPixel`],
-/// [`crate::error::Error::WrongColumns`], [`crate::error::Error::OutsideImage`].
+/// [`crate::error::Error::WrongColumns`], [`crate::error::Error::OutsideImage`],
+/// [`crate::error::Error::NoMemory`].
 pub fn neighbour_maximum(
     luminance: ArrayView2<'_, f32>,
     pixels: ArrayView2<'_, i64>,
     reach: usize,
     sphere: bool,
 ) -> Result<Vec<(f32, Pixel)>> {
+    // Each pixel; the brightest around it, here and for the caller.
+    check_memory(&[pixels.nrows(), 8])?;
     let samples = luminance.as_standard_layout();
     let image = Image::new("luminance", samples.view())?;
     let pixels = pixels_inside(pixels, luminance.dim())?;

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::image::Image;
 use crate::error::{Error, Result};
 use crate::interrupt;
+use crate::kernels::sphere::check_memory;
 
 /// Pixels of the largest image: 4 GB.
 const MOST_PIXELS: usize = 1 << 30;
@@ -15,7 +16,7 @@ const MOST_PIXELS: usize = 1 << 30;
 ///
 /// # Errors
 ///
-/// [`Error::EmptyImage`], [`Error::BadPixel`], [`Error::HugeImage`].
+/// [`Error::EmptyImage`], [`Error::BadPixel`], [`Error::HugeImage`], [`Error::NoMemory`].
 pub fn resize_bilinear(image: ArrayView2<'_, f32>, height: usize, width: usize) -> Result<Array2<f32>> {
     let samples = image.as_standard_layout();
     let image = Image::new("image", samples.view())?;
@@ -28,6 +29,7 @@ pub fn resize_bilinear(image: ArrayView2<'_, f32>, height: usize, width: usize) 
     // Find the old pixels around each new centre.
     let across = between_centres(width, image.width);
     let down = between_centres(height, image.height);
+    check_memory(&[height, width.div_ceil(2)])?; // 4 bytes a pixel
     // Interpolate between them, first across and then down.
     let mut out = Array2::zeros((height, width));
     out.outer_iter_mut().into_par_iter().zip(down).for_each(|(mut out, (row, low))| {

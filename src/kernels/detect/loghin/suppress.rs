@@ -7,6 +7,7 @@ use rustc_hash::FxHashMap;
 use super::image::points_in_space;
 use crate::error::Result;
 use crate::interrupt;
+use crate::kernels::sphere::check_memory;
 
 /// For each of `points`, (n, 2) or (n, 3), brightest first, the survivor that it belongs to: itself,
 /// or the brightest survivor closer than `distance`.
@@ -16,8 +17,10 @@ use crate::interrupt;
 ///
 /// # Errors
 ///
-/// [`crate::error::Error::WrongColumns`], [`crate::error::Error::NotFinite`].
+/// [`crate::error::Error::WrongColumns`], [`crate::error::Error::NotFinite`], [`crate::error::Error::NoMemory`].
 pub fn suppress(points: ArrayView2<'_, f64>, distance: f64) -> Result<Vec<usize>> {
+    // Each point in space, its survivor, and its place in a cell.
+    check_memory(&[points.nrows(), 32])?;
     let in_space = points_in_space(points)?;
     if distance.is_nan() || distance <= 0.0 {
         return Ok((0..in_space.len()).collect());

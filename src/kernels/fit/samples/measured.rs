@@ -6,7 +6,7 @@ use ndarray::{ArrayView1, ArrayView2};
 use super::blocks::Blocks;
 use crate::error::Result;
 use crate::kernels::fit::rig::Rig;
-use crate::kernels::sphere::{check_weighted, to_vectors};
+use crate::kernels::sphere::{check_memory, check_weighted, to_vectors};
 
 /// Irradiance at normals, each with a weight.
 #[derive(Clone, Debug)]
@@ -32,12 +32,14 @@ impl Samples {
     ///
     /// [`crate::error::Error::WrongColumns`], [`crate::error::Error::LengthMismatch`],
     /// [`crate::error::Error::NotFinite`], [`crate::error::Error::NotUnit`],
-    /// [`crate::error::Error::Negative`].
+    /// [`crate::error::Error::Negative`], [`crate::error::Error::NoMemory`].
     pub fn new(
         normals: ArrayView2<'_, f64>,
         weights: ArrayView1<'_, f64>,
         irradiance: ArrayView2<'_, f64>,
     ) -> Result<Self> {
+        // Each value twice, and what a search keeps at each normal.
+        check_memory(&[normals.nrows(), 64])?;
         let normals = check_weighted(normals, ("irradiance", irradiance), weights)?;
         Ok(Self::of(normals, weights.to_vec(), to_vectors(irradiance)))
     }
