@@ -5,6 +5,7 @@
 //! | directions, pixels, solid angles               | `sphere.rs`    |
 //! | low-discrepancy points, icospheres             | `sampling.rs`  |
 //! | spherical harmonics, and irradiance under them | `harmonics.rs` |
+//! | irradiance of a disc of uniform radiance       | `disc.rs`      |
 //! | unusable samples, reduction to a working size  | `image/`       |
 //! | exact irradiance of a white probe              | `probe/`       |
 //! | bright places of a map                         | `detect/`      |
@@ -13,6 +14,7 @@
 //! | indirect light from direct light               | `transfer/`    |
 
 pub mod detect;
+pub mod disc;
 pub mod fit;
 pub mod harmonics;
 pub mod image;

@@ -1,0 +1,174 @@
+//! Irradiance of a light that is a disc of uniform radiance, at any normal.
+//!
+//! A disc of the angular radius a around the direction l, with the irradiance E at normal incidence, has the
+//! radiance `E / (pi sin^2 a)`. A normal n at the angle t to l sees all of it, a part, or nothing:
+//!
+//! ```text
+//!   cos t >=  sin a     the whole disc is above the horizon: as if it were a point
+//!   cos t <= -sin a     the whole disc is below it
+//!   else                the horizon cuts the disc
+//! ```
+//!
+//! For the last case, Lambert's formula adds up the boundary of the part in front (Snyder 1996, "Area light
+//! sources for real-time graphics", MSR-TR-96-11; Lagarde and de Rousiers 2014, "Moving Frostbite to physically
+//! based rendering", listing 7). With `q = cos t / sin a` and `s = sqrt(1 - q^2)`,
+//!
+//! ```text
+//!   pi E(n) / E = cos t atan2(s, -q cos a)  +  atan2(s sin a, cos a) / sin^2 a  -  s cos a / sin a
+//! ```
+
+use std::f64::consts::PI;
+
+/// Radius below which the last two terms of the formula cancel: each is `s / a`, and their sum `s a`.
+const SMALL: f64 = 1e-2;
+
+/// Irradiance of a disc at a normal, over its irradiance at normal incidence.
+///
+/// `cosine` is that of the angle between the normal and the centre of the disc, `radius` the angular radius in
+/// 0 ..= pi / 2. A radius of 0 is a point: `max(0, cosine)`.
+pub fn irradiance_share(cosine: f64, radius: f64) -> f64 {
+    let (sin_radius, cos_radius) = radius.sin_cos();
+    if cosine.abs() >= sin_radius {
+        return cosine.max(0.0);
+    }
+    let q = cosine / sin_radius;
+    let s = ((1.0 - q) * (1.0 + q)).sqrt();
+    (cosine * s.atan2(-q * cos_radius) + along_horizon(s, radius)) / PI
+}
+
+/// The last two terms of the formula: what the edges of the visible part add.
+///
+/// With `u = s tan a`, they are `u - (u - atan u) / sin^2 a`, of which a small radius leaves a series.
+fn along_horizon(s: f64, radius: f64) -> f64 {
+    let (sin_radius, cos_radius) = radius.sin_cos();
+    if radius < SMALL {
+        let u = s * radius.tan();
+        let v = u * u;
+        return u - u * (s / cos_radius).powi(2) * (1.0 / 3.0 - v * (1.0 / 5.0 - v * (1.0 / 7.0 - v / 9.0)));
+    }
+    (s * sin_radius).atan2(cos_radius) / sin_radius.powi(2) - s * cos_radius / sin_radius
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{FRAC_PI_2, TAU};
+
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// The sum of the cosine over a disc, in rings of the same solid angle around its centre. Each ring is
+    /// turned by a golden section of a sector, so that the horizon meets all parts of sectors alike.
+    fn brute_force(cosine: f64, radius: f64) -> f64 {
+        const RINGS: usize = 1000;
+        const SECTORS: usize = 2000;
+        let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+        // 1 - cos a, without the cancellation for a small radius.
+        let cap = 2.0 * (radius / 2.0).sin().powi(2);
+        let (mut seen, mut whole) = (0.0, 0.0);
+        for ring in 0..RINGS {
+            let depth = cap * (ring as f64 + 0.5) / RINGS as f64;
+            let (along, across) = (1.0 - depth, (depth * (2.0 - depth)).sqrt());
+            whole += along * SECTORS as f64;
+            let turn = (ring as f64 * 0.618_033_988_749_894_9).fract();
+            for sector in 0..SECTORS {
+                let azimuth = TAU * (sector as f64 + turn) / SECTORS as f64;
+                seen += (along * cosine + across * sine * azimuth.cos()).max(0.0);
+            }
+        }
+        seen / whole
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(48))]
+        #[test]
+        fn the_share_is_the_integral_over_the_disc(cosine in -1.0..=1.0_f64, radius in 1e-3..=FRAC_PI_2) {
+            let (seen, wanted) = (irradiance_share(cosine, radius), brute_force(cosine, radius));
+            prop_assert!((seen - wanted).abs() < 5e-7, "{seen} {wanted}");
+        }
+
+        /// The same where the horizon cuts the disc, which small ones rarely meet by chance.
+        #[test]
+        fn a_disc_on_the_horizon_is_integrated_too(q in -1.2..=1.2_f64, radius in -16.0..=0.4_f64) {
+            let radius = radius.exp();
+            let cosine = (q * radius.sin()).clamp(-1.0, 1.0);
+            let (seen, wanted) = (irradiance_share(cosine, radius), brute_force(cosine, radius));
+            prop_assert!((seen - wanted).abs() < 5e-7 * radius.max(1e-3), "{seen} {wanted}");
+        }
+    }
+
+    #[test]
+    fn a_disc_of_radius_zero_is_a_point() {
+        for cosine in [-1.0, -0.3, -1e-300, -0.0, 0.0, 1e-300, 0.3, 1.0] {
+            assert_eq!(irradiance_share(cosine, 0.0).to_bits(), f64::max(cosine, 0.0).to_bits());
+        }
+    }
+
+    #[test]
+    fn half_the_sky_lights_by_how_much_of_it_is_seen() {
+        for step in -100..=100 {
+            let cosine = f64::from(step) / 100.0;
+            let seen = irradiance_share(cosine, FRAC_PI_2);
+            assert!((seen - (1.0 + cosine) / 2.0).abs() < 1e-15, "{cosine}: {seen}");
+        }
+    }
+
+    /// A tiny disc on the horizon is a flat one: `pi E = a (q acos(-q) + s - s^3 / 3)`.
+    #[test]
+    fn a_tiny_disc_is_flat() {
+        for radius in [1e-12, 1e-9, 1e-6, 1e-4] {
+            for step in -9..=9 {
+                let q = f64::from(step) / 10.0;
+                let s = (1.0 - q * q).sqrt();
+                let flat = radius * (q * (-q).acos() + s - s.powi(3) / 3.0) / PI;
+                let seen = irradiance_share(q * radius.sin(), radius);
+                assert!(
+                    (seen / flat - 1.0).abs() < 10.0 * radius * radius + 1e-12,
+                    "{radius} {q}: {seen} {flat}"
+                );
+            }
+        }
+    }
+
+    /// Both sides of every border agree: those of the horizon, and that of the series.
+    #[test]
+    fn borders_do_not_show() {
+        for step in 1..=900 {
+            let radius = (f64::from(step) / 10.0).to_radians();
+            for border in [radius.sin(), -radius.sin()] {
+                let seen = irradiance_share(border.next_toward_zero(), radius);
+                assert!((seen - border.max(0.0)).abs() < 1e-14, "{radius} {border}: {seen}");
+            }
+        }
+        for step in 0..=100 {
+            let s = f64::from(step) / 100.0;
+            let (below, above) = (along_horizon(s, SMALL * (1.0 - 1e-15)), along_horizon(s, SMALL));
+            assert!((below - above).abs() < 1e-13, "{s}: {below} {above}");
+        }
+    }
+
+    trait NextTowardZero {
+        fn next_toward_zero(self) -> Self;
+    }
+
+    impl NextTowardZero for f64 {
+        fn next_toward_zero(self) -> Self {
+            if self > 0.0 { self.next_down() } else { self.next_up() }
+        }
+    }
+
+    /// Each direction of the disc lights all normals together by pi, so they tell its solid angle.
+    #[test]
+    fn all_normals_together_receive_the_solid_angle() {
+        const NORMALS: usize = 200_000;
+        for degrees in [0.01_f64, 0.27, 5.0, 30.0, 75.0, 90.0] {
+            let radius = degrees.to_radians();
+            let sum: f64 = (0..NORMALS)
+                .map(|k| irradiance_share(2.0 * (k as f64 + 0.5) / NORMALS as f64 - 1.0, radius))
+                .sum();
+            let wanted = TAU / (1.0 + radius.cos());
+            let seen = 2.0 * TAU * sum / NORMALS as f64;
+            assert!((seen / wanted - 1.0).abs() < 1e-9, "{degrees}: {seen} {wanted}");
+        }
+    }
+}
