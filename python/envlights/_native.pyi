@@ -18,6 +18,8 @@ __all__ = [
     "bresenham_line",
     "detect_tree",
     "direction_to_uv",
+    "disc_irradiance",
+    "disc_map",
     "even_sphere",
     "face_radiance",
     "fit_map",
@@ -127,6 +129,10 @@ def detect_tree(
     max_lights: int,
 ) -> TreeDetection: ...
 def direction_to_uv(direction: _Reals) -> _Reals: ...
+def disc_irradiance(
+    normals: _Reals, sky: _Reals, directions: _Reals, irradiance: _Reals, radii: _Reals
+) -> _Reals: ...
+def disc_map(height: int, directions: _Reals, irradiance: _Reals, radii: _Reals) -> _Reals: ...
 def even_sphere(count: int) -> _Reals: ...
 def face_radiance(radiance: _Image, faces: int, border_sampled: bool) -> _Reals: ...
 def fit_map(

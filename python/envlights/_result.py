@@ -25,5 +25,6 @@ class Result(ABC):
         printer.text(str(self))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        names = (each.name for each in fields(self))  # type: ignore[arg-type]
+        given = (each for each in fields(self) if each.init)  # type: ignore[arg-type]
+        names = (each.name for each in given)
         return type(self), tuple(getattr(self, name) for name in names)

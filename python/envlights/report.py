@@ -63,6 +63,10 @@ class FitReport:
     """Greatest difference at any normal and in any channel, relative to the RMS irradiance, as
     `Rig.error` is."""
 
+    shadow_error: float | None = None
+    """Relative RMS error where things stand in the way: of the irradiance at every normal, with all
+    hidden that lies behind a plane, over all planes. None where it was not measured."""
+
     direction_tolerances: tuple[float, ...] = ()
     """For a map: how far each light may stand elsewhere, in radians and in whichever direction
     matters least, before the error grows by a tenth, all else fitted anew. 0 where the light was
@@ -104,6 +108,7 @@ class FitReport:
             },
             "channel_errors": list(self.channel_errors),
             "max_error": self.max_error,
+            "shadow_error": self.shadow_error,
             "direction_tolerances": list(self.direction_tolerances),
             "condition": _finite(self.condition),
             "direction_errors": [_finite(error) for error in self.direction_errors],
@@ -128,6 +133,7 @@ class FitReport:
             },
             channel_errors=tuple(amount("channel_errors", e) for e in data["channel_errors"]),
             max_error=amount("max_error", data["max_error"]),
+            shadow_error=_optional("shadow_error", data.get("shadow_error")),
             direction_tolerances=tuple(
                 amount("direction_tolerances", t) for t in data.get("direction_tolerances", ())
             ),
@@ -145,12 +151,17 @@ class FitReport:
             f"error by number of lights: {curve}" if curve else "",
             f"measured on {self.measured_on}" if self.measured_on else "",
             *self._by_channel(),
+            self.with_shadows(),
             *self._choice(),
             *self._determined(),
             f"{steps}{self.stop_reason.value}",
             *(f"skipped: {note}" for note in self.skipped),
         ]
         return "\n".join(line for line in lines if line)
+
+    def with_shadows(self) -> str:
+        """The error with shadows in words; nothing where it was not measured."""
+        return "" if self.shadow_error is None else f"with shadows {_percent(self.shadow_error)}"
 
     def _by_channel(self) -> tuple[str, ...]:
         if not self.channel_errors:
@@ -199,6 +210,10 @@ def _finite(value: float) -> float | str:
 def _stop_reason(name: object) -> StopReason:
     check_choice("stop_reason", name, tuple(StopReason.__members__))
     return StopReason[str(name)]
+
+
+def _optional(name: str, value: float | None) -> float | None:
+    return None if value is None else amount(name, value)
 
 
 def _number(value: float | str) -> float:

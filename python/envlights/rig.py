@@ -11,16 +11,19 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._arrays import frozen
-from envlights._check import amount, shown
+from envlights._check import amount, flag, shown
 from envlights._native import EnvLightsError
 from envlights._result import Result
+from envlights.envmap import EnvMap
 from envlights.io.files import as_path, write_atomically
-from envlights.kernels import probe
+from envlights.kernels import harmonics, probe, sphere
 from envlights.lights import Lights
 from envlights.report import FitReport, StopReason
 
 _FORMAT = "envlights rig"
-_VERSION = 2
+_VERSION = 3
+#: Version 2 had neither sizes nor floors.
+_READ = (2, 3)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -52,8 +55,13 @@ class Rig(Result):
     notes: tuple[str, ...] = ()
     """What was cleaned or assumed in the map."""
 
+    floor: bool = False
+    """Whether a floor hides the ambient light from below the horizon."""
+
     def __post_init__(self) -> None:
         object.__setattr__(self, "ambient", frozen(_ambient(self.ambient)))
+        if flag("floor", self.floor) and self.ambient.ndim == 2:
+            raise EnvLightsError("ambient must be one radiance where there is a floor; got (9, 3)")
         object.__setattr__(self, "error", amount("error", self.error))
 
     def probe(self, normals: ArrayLike) -> NDArray[np.float64]:
@@ -68,11 +76,47 @@ class Rig(Result):
         -------
         ndarray, shape (n, 3)
             ``pi * ambient + sum_j irradiance_j * max(0, n . direction_j)``; Madsen et al. (2003),
-            equations 4 to 6.
+            equations 4 to 6. Lights with a size are discs of one radiance, in closed form; over a
+            floor the ambient light counts ``(1 + n_y) / 2`` times.
         """
+        lights = self.lights
         return probe.rig_irradiance(
-            normals, self.ambient, self.lights.direction, self.lights.irradiance
+            normals,
+            self.ambient,
+            lights.direction,
+            lights.irradiance,
+            lights.angular_radius,
+            floor=self.floor,
         )
+
+    def to_map(self, height: int) -> EnvMap:
+        """The rig as a map: its lights as discs before its ambient term.
+
+        Over a floor, the ambient radiance fills the upper half alone. Harmonics that are negative
+        somewhere are cut off there.
+
+        Parameters
+        ----------
+        height : int
+            Rows; the map is twice as wide.
+
+        Returns
+        -------
+        EnvMap
+
+        See Also
+        --------
+        Lights.to_map : how discs are drawn, and points.
+
+        Examples
+        --------
+        >>> rig = Rig([0.1, 0.1, 0.1], Lights([[0, 1, 0]], [[2, 2, 2]], [0.2]), error=0.0)
+        >>> rig.to_map(64).probe([[0, 1, 0], [0, -1, 0]]).round(3)
+        array([[2.314, 2.314, 2.314],
+               [0.314, 0.314, 0.314]])
+        """
+        discs = self.lights.to_map(height).radiance
+        return EnvMap(discs + _sky(self.ambient, height, self.floor).astype(np.float32))
 
     def to_dict(self) -> dict[str, Any]:
         """Everything as plain numbers, lists and strings: what `save` writes."""
@@ -80,12 +124,14 @@ class Rig(Result):
             "format": _FORMAT,
             "version": _VERSION,
             "frame": "right-handed, +y up; image centre +z, left quarter +x; towards the light",
-            "units": "ambient: radiance; irradiance: at normal incidence; linear Rec.709 RGB",
+            "units": "ambient: radiance; irradiance: at normal incidence; linear Rec.709 RGB;"
+            " angular_radius: radians",
             "ambient": self.ambient.tolist(),
             "lights": self.lights.to_dict(),
             "error": self.error,
             "report": self.report.to_dict(),
             "notes": list(self.notes),
+            "floor": self.floor,
         }
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -132,6 +178,7 @@ class Rig(Result):
         lines = [
             str(self.lights),
             *_ambient_lines(self.ambient),
+            "a floor hides the ambient light from below the horizon" if self.floor else "",
             error_line(self),
             "" if stop.is_success or stop is StopReason.NOT_FITTED else f"note: {stop.value}",
             *(f"note: {note}" for note in self.notes),
@@ -148,7 +195,8 @@ def error_line(rig: Rig) -> str:
     """The error, and the normals on which it was measured, if it was."""
     measured_on = rig.report.measured_on
     where = f" on {measured_on}" if measured_on else ", as given"
-    return f"relative RMS error {100 * rig.error:.3g} %{where}"
+    shadows = rig.report.with_shadows()
+    return f"relative RMS error {100 * rig.error:.3g} %{where}{', ' if shadows else ''}{shadows}"
 
 
 def _ambient(values: ArrayLike) -> NDArray[np.float64]:
@@ -159,6 +207,20 @@ def _ambient(values: ArrayLike) -> NDArray[np.float64]:
     if len(rows) == 1 and (rows < 0).any():
         raise EnvLightsError(f"ambient must not be negative; got {rows[0].tolist()}")
     return rows.reshape(np.shape(values))
+
+
+def _sky(ambient: NDArray[np.float64], height: int, floor: bool) -> NDArray[np.float64]:
+    """Radiance of an ambient term, (height, 2 * height, 3), nowhere negative."""
+    if ambient.ndim == 2:
+        directions = sphere.pixel_directions(height, 2 * height).reshape(-1, 3)
+        radiance = harmonics.harmonic_radiance(directions) @ ambient
+        return np.maximum(radiance, 0).reshape(height, 2 * height, 3)
+    sky = np.broadcast_to(ambient, (height, 2 * height, 3)).copy()
+    if floor:
+        # Of an odd number of rows, half of the middle one is above the horizon.
+        sky[(height + 1) // 2 :] = 0
+        sky[height // 2 : (height + 1) // 2] /= 2
+    return sky
 
 
 def _ambient_lines(ambient: NDArray[np.float64]) -> list[str]:
@@ -173,9 +235,9 @@ def _ambient_lines(ambient: NDArray[np.float64]) -> list[str]:
 def _check_version(path: object, data: Any) -> None:
     if not isinstance(data, dict) or data.get("format") != _FORMAT:
         raise EnvLightsError(f"{path} is not a rig: it does not say 'format': '{_FORMAT}'")
-    if data.get("version") != _VERSION:
-        version = shown(data.get("version"))
-        raise EnvLightsError(f"{path} is a rig of version {version}; this package reads {_VERSION}")
+    if data.get("version") not in _READ:
+        version, read = shown(data.get("version")), " and ".join(map(str, _READ))
+        raise EnvLightsError(f"{path} is a rig of version {version}; this package reads {read}")
 
 
 def _from_dict(data: dict[str, Any]) -> Rig:
@@ -185,8 +247,9 @@ def _from_dict(data: dict[str, Any]) -> Rig:
     irradiance = np.reshape(lights["irradiance"], (-1, 3))
     return Rig(
         data["ambient"],
-        Lights(direction, irradiance),
+        Lights(direction, irradiance, lights.get("angular_radius")),
         data["error"],
         FitReport.from_dict(data["report"]),
         tuple(data["notes"]),
+        data.get("floor", False),
     )

@@ -1,11 +1,12 @@
 //! `kernels::probe` for Python.
 
-use numpy::{IntoPyArray, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
+use numpy::{IntoPyArray, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 
 use super::pool::in_pool;
 use super::sphere::registration;
-use crate::kernels::{image, probe};
+use crate::kernels::disc::{self, Discs};
+use crate::kernels::{disc_map as map_of_discs, image, probe};
 
 /// See `envlights.kernels.irradiance`.
 #[pyfunction]
@@ -53,5 +54,35 @@ pub fn sum_over_sources<'py>(
     let (radiance, solid_angles) = (radiance.as_array(), solid_angles.as_array());
     let out =
         in_pool(py, || probe::sum_over_sources(normals, directions, radiance, solid_angles, k_d, colour))?;
+    Ok(out.into_pyarray(py))
+}
+
+/// See `envlights.kernels.rig_irradiance`: the lights, added to the irradiance of a sky.
+#[pyfunction]
+pub fn disc_irradiance<'py>(
+    py: Python<'py>,
+    normals: PyReadonlyArray2<'py, f64>,
+    sky: PyReadonlyArray2<'py, f64>,
+    directions: PyReadonlyArray2<'py, f64>,
+    irradiance: PyReadonlyArray2<'py, f64>,
+    radii: PyReadonlyArray1<'py, f64>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let (normals, sky, radii) = (normals.as_array(), sky.as_array(), radii.as_array());
+    let (directions, irradiance) = (directions.as_array(), irradiance.as_array());
+    let out = in_pool(py, || disc::irradiance(&Discs::new(directions, irradiance, radii)?, normals, sky))?;
+    Ok(out.into_pyarray(py))
+}
+
+/// See `envlights.kernels.disc_map`.
+#[pyfunction]
+pub fn disc_map<'py>(
+    py: Python<'py>,
+    height: usize,
+    directions: PyReadonlyArray2<'py, f64>,
+    irradiance: PyReadonlyArray2<'py, f64>,
+    radii: PyReadonlyArray1<'py, f64>,
+) -> PyResult<Bound<'py, PyArray3<f64>>> {
+    let (directions, irradiance, radii) = (directions.as_array(), irradiance.as_array(), radii.as_array());
+    let out = in_pool(py, || map_of_discs::drawn(&Discs::new(directions, irradiance, radii)?, height))?;
     Ok(out.into_pyarray(py))
 }

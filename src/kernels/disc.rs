@@ -17,7 +17,14 @@
 //!   pi E(n) / E = cos t atan2(s, -q cos a)  +  atan2(s sin a, cos a) / sin^2 a  -  s cos a / sin a
 //! ```
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use glam::DVec3;
+use ndarray::{Array2, ArrayView1, ArrayView2};
+use rayon::prelude::*;
+
+use super::sphere::{check_lengths, from_vectors, unit_vectors, vectors};
+use crate::error::{Error, Result};
 
 /// Radius below which the last two terms of the formula cancel: each is `s / a`, and their sum `s a`.
 const SMALL: f64 = 1e-2;
@@ -49,9 +56,71 @@ fn along_horizon(s: f64, radius: f64) -> f64 {
     (s * sin_radius).atan2(cos_radius) / sin_radius.powi(2) - s * cos_radius / sin_radius
 }
 
+/// Discs of uniform radiance, each with a direction, an irradiance at normal incidence and a radius.
+#[derive(Clone, Debug)]
+pub struct Discs {
+    /// Towards the centre of each.
+    pub directions: Vec<DVec3>,
+    /// RGB.
+    pub irradiance: Vec<DVec3>,
+    /// Angular radii, in 0 ..= pi / 2.
+    pub radii: Vec<f64>,
+}
+
+impl Discs {
+    /// Discs of (m, 3) `directions`, (m, 3) `irradiance` and (m,) `radii`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::WrongColumns`], [`Error::NotFinite`], [`Error::NotUnit`], [`Error::LengthMismatch`],
+    /// [`Error::OutOfRange`] for a radius.
+    pub fn new(
+        directions: ArrayView2<'_, f64>,
+        irradiance: ArrayView2<'_, f64>,
+        radii: ArrayView1<'_, f64>,
+    ) -> Result<Self> {
+        let (directions, irradiance) =
+            (unit_vectors("direction", directions)?, vectors("irradiance", irradiance)?);
+        let lengths = [("irradiance", irradiance.len()), ("angular_radius", radii.len())];
+        check_lengths("directions", directions.len(), lengths)?;
+        let radii = radii.to_vec();
+        match radii.iter().find(|radius| !(0.0..=FRAC_PI_2).contains(*radius)) {
+            None => Ok(Self { directions, irradiance, radii }),
+            Some(&value) => {
+                Err(Error::OutOfRange { what: "angular_radius", value, least: 0.0, most: FRAC_PI_2 })
+            }
+        }
+    }
+
+    /// Irradiance of all at `normal`, on top of `sky`.
+    fn add_at(&self, normal: DVec3, sky: DVec3) -> DVec3 {
+        let places = self.directions.iter().zip(&self.radii);
+        places.zip(&self.irradiance).fold(sky, |sum, ((direction, &radius), irradiance)| {
+            sum + irradiance * irradiance_share(normal.dot(*direction), radius)
+        })
+    }
+}
+
+/// Irradiance at `normals`, (n, 3), of `discs` and of a `sky` that adds its own, (n, 3).
+///
+/// # Errors
+///
+/// [`Error::WrongColumns`], [`Error::NotFinite`], [`Error::NotUnit`], [`Error::LengthMismatch`].
+pub fn irradiance(
+    discs: &Discs,
+    normals: ArrayView2<'_, f64>,
+    sky: ArrayView2<'_, f64>,
+) -> Result<Array2<f64>> {
+    let (normals, sky) = (unit_vectors("normal", normals)?, vectors("sky", sky)?);
+    check_lengths("normals", normals.len(), [("sky", sky.len())])?;
+    let places = normals.par_iter().zip(&sky);
+    let received: Vec<DVec3> = places.map(|(&normal, &sky)| discs.add_at(normal, sky)).collect();
+    Ok(from_vectors(received.into_iter()))
+}
+
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::{FRAC_PI_2, TAU};
+    use std::f64::consts::TAU;
 
     use proptest::prelude::*;
 
@@ -109,7 +178,7 @@ mod tests {
         for step in -100..=100 {
             let cosine = f64::from(step) / 100.0;
             let seen = irradiance_share(cosine, FRAC_PI_2);
-            assert!((seen - (1.0 + cosine) / 2.0).abs() < 1e-15, "{cosine}: {seen}");
+            assert!((seen - f64::midpoint(1.0, cosine)).abs() < 1e-15, "{cosine}: {seen}");
         }
     }
 

@@ -6,6 +6,7 @@
 //! | low-discrepancy points, icospheres             | `sampling.rs`  |
 //! | spherical harmonics, and irradiance under them | `harmonics.rs` |
 //! | irradiance of a disc of uniform radiance       | `disc.rs`      |
+//! | such discs drawn into a map                    | `disc_map.rs`  |
 //! | unusable samples, reduction to a working size  | `image/`       |
 //! | exact irradiance of a white probe              | `probe/`       |
 //! | bright places of a map                         | `detect/`      |
@@ -15,6 +16,7 @@
 
 pub mod detect;
 pub mod disc;
+pub mod disc_map;
 pub mod fit;
 pub mod harmonics;
 pub mod image;

@@ -223,10 +223,10 @@ pub(crate) fn check_rows(what: &'static str, rows: ArrayView2<'_, f64>, columns:
 }
 
 /// Refuse arrays that have not as many rows as `other` has, `wanted`.
-pub(crate) fn check_lengths(
+pub(crate) fn check_lengths<const N: usize>(
     other: &'static str,
     wanted: usize,
-    lengths: [(&'static str, usize); 2],
+    lengths: [(&'static str, usize); N],
 ) -> Result<()> {
     match lengths.into_iter().find(|&(_, seen)| seen != wanted) {
         Some((what, seen)) => Err(Error::LengthMismatch { what, other, wanted, seen }),

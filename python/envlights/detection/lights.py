@@ -90,6 +90,9 @@ class DetectedLights(Lights):
     (1, array([[1., 0., 0.]]))
     """
 
+    angular_radius: NDArray[np.float64] = field(init=False)
+    """Radius in radians of a disc of the same solid angle, shape (n,)."""
+
     peak_direction: NDArray[np.float64]
     """Unit vectors towards the brightest place of each light, shape (n, 3)."""
 
@@ -118,7 +121,7 @@ class DetectedLights(Lights):
     """How the lights were found."""
 
     def __post_init__(self) -> None:
-        arrays = {name: np.asarray(getattr(self, name)) for name in self._per_light()}
+        arrays = {name: np.asarray(getattr(self, name)) for name in self._given()}
         direction, irradiance = light_arrays(self.direction, self.irradiance)
         arrays |= {"direction": direction, "irradiance": irradiance}
         order = brightest_first(irradiance)
@@ -128,6 +131,8 @@ class DetectedLights(Lights):
                     f"{name} must have a row for each light ({len(order)}); got {len(array)}"
                 )
             object.__setattr__(self, name, sealed(array[order]))
+        radius = 2 * np.arcsin(np.sqrt(np.clip(self.solid_angle / (4 * np.pi), 0, 1)))
+        object.__setattr__(self, "angular_radius", sealed(radius))
         rank = np.argsort(order)
         members = Members(self.members.pixel, sealed(rank[self.members.light]))
         object.__setattr__(self, "members", members)
@@ -135,7 +140,7 @@ class DetectedLights(Lights):
     def __getitem__(self, which: slice) -> DetectedLights:
         """The lights of a slice."""
         check_slice(which)
-        arrays: dict[str, Any] = {name: getattr(self, name)[which] for name in self._per_light()}
+        arrays: dict[str, Any] = {name: getattr(self, name)[which] for name in self._given()}
         kept = np.arange(len(self))[which]
         place = np.full(len(self), -1)
         place[kept] = np.arange(len(kept))
@@ -143,15 +148,24 @@ class DetectedLights(Lights):
         members = Members(self.members.pixel[ours], place[self.members.light[ours]])
         return DetectedLights(**arrays, members=members, report=self.report)
 
-    @property
-    def angular_radius(self) -> NDArray[np.float64]:
-        """Radius in radians of a disc of the same solid angle, shape (n,)."""
-        radius: NDArray[np.float64] = np.arccos(1 - np.minimum(self.solid_angle / (2 * np.pi), 2))
-        return radius
+    def discs(self) -> Lights:
+        r"""The lights as discs of the same flux and solid angle.
+
+        Returns
+        -------
+        Lights
+            A detected irradiance is the flux, :math:`\int L \, d\omega`. A disc gives
+            :math:`(1 + \cos a) / 2` of it at normal incidence. Above half the sphere, a disc of half
+            the sphere stands for the light.
+        """
+        radius = np.minimum(self.angular_radius, np.pi / 2)
+        at_normal = self.irradiance * np.cos(radius[:, None] / 2) ** 2
+        return Lights(self.direction, at_normal, radius)
 
     def to_dict(self) -> dict[str, Any]:
         """Lists of numbers and the report, for JSON and the like."""
-        arrays = {name: getattr(self, name).tolist() for name in self._per_light()}
+        names = (each.name for each in fields(self) if each.name not in ("members", "report"))
+        arrays = {name: getattr(self, name).tolist() for name in names}
         return {**arrays, "report": self.report.to_dict()}
 
     def __str__(self) -> str:
@@ -176,6 +190,7 @@ class DetectedLights(Lights):
 
     @classmethod
     @cache
-    def _per_light(cls) -> tuple[str, ...]:
-        names = (each.name for each in fields(cls))
+    def _given(cls) -> tuple[str, ...]:
+        """Names of the arrays that are given, with a row for each light."""
+        names = (each.name for each in fields(cls) if each.init)
         return tuple(name for name in names if name not in ("members", "report"))

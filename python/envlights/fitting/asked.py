@@ -59,7 +59,7 @@ class Asked(NamedTuple):
         """The same under a map, and none below the horizon where it `has_floor`."""
         others = self.lights - len(self.fixed)
         if self.start == "detect" and others:
-            return detect(_above_horizon(env) if has_floor else env, max_lights=others).direction
+            return detect(above_horizon(env) if has_floor else env, max_lights=others).direction
         if self.start == "even" and has_floor:
             # The points come from the top down.
             count = min(others, MOST_STARTED)
@@ -119,7 +119,7 @@ def _most_lights(lights: int | None, error: float | None, fixed: int, started: i
     return started or LIGHTS
 
 
-def _above_horizon(env: EnvMap) -> EnvMap:
+def above_horizon(env: EnvMap) -> EnvMap:
     """`env`, black where its pixels look down."""
     is_border_sampled = env.registration == "border-sampled"
     towards = sphere.pixel_directions(env.height, env.width, border_sampled=is_border_sampled)

@@ -100,8 +100,8 @@ def fit(
         Whether there is a floor in the scene, which hides what is below the horizon. Then light
         from there neither counts nor is used: all lights stand above the horizon, and the `ambient`
         radiance lights a normal n by ``pi / 2 (1 + n_y)`` times itself. The error is that over a
-        floor. A renderer hides the lower half itself once the floor is in its scene; `Rig.probe`,
-        which knows no floor, gives the irradiance without one.
+        floor, and `Rig.probe` gives the irradiance over one. A renderer hides the lower half itself
+        once the floor is in its scene.
 
     Returns
     -------
@@ -177,7 +177,7 @@ def fit(
             *_counts(rig, wanted, RENDERING_ERROR),
         ),
     )
-    return replace(rig, report=report, notes=world.notes)
+    return replace(rig, report=report, notes=world.notes, floor=floor)
 
 
 def fit_probe(

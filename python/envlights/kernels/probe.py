@@ -14,6 +14,8 @@ from envlights._native import EnvLightsError
 #: Width of the map that `working_irradiance` makes when it is not told another.
 WORKING_COLUMNS = 256
 
+_NO_LIGHTS = np.zeros((0, 3))
+
 
 def irradiance(
     radiance: ArrayLike, normals: ArrayLike, *, border_sampled: bool = False
@@ -132,9 +134,20 @@ def sum_over_sources(
 
 
 def rig_irradiance(
-    normals: ArrayLike, ambient: ArrayLike, directions: ArrayLike, irradiance: ArrayLike
+    normals: ArrayLike,
+    ambient: ArrayLike,
+    directions: ArrayLike,
+    irradiance: ArrayLike,
+    angular_radius: ArrayLike | None = None,
+    *,
+    floor: bool = False,
 ) -> NDArray[np.float64]:
     r"""Irradiance under ambient and directional lights: equations 4 to 6 of Madsen et al. (2003).
+
+    Lights with a size are discs of one radiance. Where the horizon of a normal cuts a disc, the
+    part in front is summed in closed form (Snyder 1996, "Area light sources for real-time
+    graphics"; Lagarde and de Rousiers 2014, "Moving Frostbite to physically based rendering",
+    listing 7).
 
     Parameters
     ----------
@@ -148,20 +161,38 @@ def rig_irradiance(
         Unit vectors towards the lights.
     irradiance : array_like, shape (m, 3)
         Of each light at normal incidence.
+    angular_radius : array_like, shape (m,), optional
+        Of each light, in radians from 0 to pi / 2. All are points when left out.
+    floor : bool
+        Whether a floor hides the lower half of a constant environment.
 
     Returns
     -------
     ndarray, shape (n, 3)
         :math:`\pi L_a + \sum_j E_j \max(0, n \cdot l_j)`; harmonics of order 0, 1, 2 count
-        :math:`\pi`, :math:`2 \pi / 3`, :math:`\pi / 4` times.
+        :math:`\pi`, :math:`2 \pi / 3`, :math:`\pi / 4` times. Over a floor, the ambient light
+        counts :math:`(1 + n_y) / 2` times.
 
     Examples
     --------
     >>> rig_irradiance([[0, 1, 0]], [0, 0, 0], [[0, 1, 0]], [[1, 2, 3]])
     array([[1., 2., 3.]])
+
+    Of a disc on the horizon, the half above it:
+
+    >>> rig_irradiance([[0, 1, 0]], [0, 0, 0], [[0, 0, 1]], [[1, 2, 3]], [0.5]).round(4)
+    array([[0.1098, 0.2195, 0.3293]])
     """
+    normals, ambient = reals("normals", normals, 2), coefficients(ambient)
+    if flag("floor", floor) and len(ambient) > 1:
+        raise EnvLightsError("ambient must have the shape (3,) where there is a floor; got (9, 3)")
     lights = reals("directions", directions, 2), reals("irradiance", irradiance, 2)
-    return _native.rig_irradiance(reals("normals", normals, 2), coefficients(ambient), *lights)
+    points = np.zeros(len(lights[0]))
+    radii = points if angular_radius is None else reals("angular_radius", angular_radius, 1)
+    sky = _native.rig_irradiance(normals, ambient, _NO_LIGHTS, _NO_LIGHTS)
+    if floor:
+        sky *= (1 + normals[:, 1:2]) / 2
+    return _native.disc_irradiance(normals, sky, *lights, radii)
 
 
 def coefficients(ambient: ArrayLike) -> NDArray[np.float64]:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from envlights._srgb import encode_srgb
 from envlights.envmap import EnvMap
+from envlights.fitting.asked import above_horizon
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
 from envlights.rig import Rig
@@ -29,7 +30,9 @@ def draw_probes(figure: Figure, axes: Sequence[Axes], env: EnvMap, rig: Rig) -> 
     """
     eye = _viewpoint(rig)
     normals, inside = _visible_normals(eye)
-    under_map, under_rig = env.probe(normals), rig.probe(normals)
+    # A floor hides the same from both.
+    world = above_horizon(env) if rig.floor else env
+    under_map, under_rig = world.probe(normals), rig.probe(normals)
     white = max(float((under_map @ LUMINANCE).max()), np.finfo(float).tiny)
     for axis, name, irradiance in zip(axes, ("map", "rig"), (under_map, under_rig), strict=False):
         axis.imshow(_image(inside, encode_srgb(irradiance / white), background=1.0))

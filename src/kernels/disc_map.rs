@@ -1,0 +1,260 @@
+//! Discs of uniform radiance, drawn into an equirectangular map.
+//!
+//! On the parallel theta, a disc of radius a around (`theta_0`, `phi_0`) covers the azimuths `phi_0 -+ D`, with
+//!
+//! ```text
+//!   cos D = (cos a - cos theta cos theta_0) / (sin theta sin theta_0)
+//! ```
+//!
+//! all of the parallel for `cos D <= -1` and nothing of it for `cos D >= 1`. So the share of each pixel that a
+//! disc covers is exact along a row, and a sum over a few parallels from row to row.
+//!
+//! Pixels on the rim are as bright as their share. That moves the light of the rim to whole pixels, and with it
+//! the vector irradiance of the disc, `integral of L(w) w dw`. A radiance that is linear in the direction, small
+//! beside that of the disc, puts it right: at every normal that has the disc before it, the map has the
+//! irradiance of the light.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::{DMat3, DVec3};
+use ndarray::{Array3, Axis};
+use rayon::prelude::*;
+
+use super::disc::Discs;
+use super::sphere::{self, Registration, angles, band_heights};
+use crate::error::Result;
+
+/// Parallels in each row at which its pixels are measured.
+const PARALLELS: usize = 16;
+/// Radius, in rows, of the smallest disc that is drawn: wherever its centre, the pixels that it covers lie
+/// around it, so that they can tell its direction.
+const SMALLEST: f64 = 0.75;
+
+/// Radiance, (height, 2 x height, 3), of `discs` before a black sky; points as the smallest discs that keep
+/// their irradiance and direction.
+///
+/// # Errors
+///
+/// [`crate::error::Error::TooFewPixels`], [`crate::error::Error::NoMemory`].
+pub fn drawn(discs: &Discs, height: usize) -> Result<Array3<f64>> {
+    let map = Map::new(height)?;
+    let mut radiance = Array3::zeros((height, 2 * height, 3));
+    let places = discs.directions.iter().zip(&discs.radii);
+    for ((&direction, &radius), irradiance) in places.zip(&discs.irradiance) {
+        let disc = Disc { direction, radius: radius.max(SMALLEST * PI / height as f64) };
+        let unit = disc.radiance(&map);
+        radiance.outer_iter_mut().into_par_iter().zip(&unit).for_each(|(mut row, unit)| {
+            for (mut pixel, share) in row.axis_iter_mut(Axis(0)).zip(unit) {
+                pixel.iter_mut().zip(irradiance.to_array()).for_each(|(sum, e)| *sum += share * e);
+            }
+        });
+    }
+    Ok(radiance)
+}
+
+/// Rows and columns of a map, twice as wide as high.
+struct Map {
+    theta_edges: Vec<f64>,
+    /// `cos theta_top - cos theta_bottom` of each row.
+    bands: Vec<f64>,
+    /// Width of a column in radians.
+    column: f64,
+    width: usize,
+}
+
+impl Map {
+    fn new(height: usize) -> Result<Self> {
+        let width = 2 * height;
+        sphere::check_size(height, width)?;
+        sphere::check_memory(&[height, width, 6])?;
+        let theta_edges = Registration::CellCentred.theta_edges(height);
+        let bands = band_heights(&theta_edges);
+        Ok(Self { theta_edges, bands, column: TAU / width as f64, width })
+    }
+
+    /// Integral of the direction over a pixel, and the direction of its centre.
+    fn pixel(&self, row: usize, column: usize) -> (DVec3, DVec3) {
+        let (top, bottom) = (self.theta_edges[row], self.theta_edges[row + 1]);
+        let (middle, half) = (0.5 * (top + bottom), 0.5 * (bottom - top));
+        let phi = (column as f64 + 0.5) * self.column;
+        // Integrals of sin^2 theta and of sin theta cos theta over the row.
+        let across = half - 0.5 * (2.0 * middle).cos() * (2.0 * half).sin();
+        let along = self.bands[row] * middle.cos() * half.cos();
+        // Integral of the cosine of the azimuth around the centre of the pixel.
+        let chord = 2.0 * (0.5 * self.column).sin();
+        let integral =
+            DVec3::new(phi.sin() * chord * across, self.column * along, -phi.cos() * chord * across);
+        (integral, sphere::direction(middle, phi))
+    }
+}
+
+struct Disc {
+    direction: DVec3,
+    radius: f64,
+}
+
+impl Disc {
+    /// Radiance of each pixel, rows of columns, for an irradiance of 1 at normal incidence.
+    fn radiance(&self, map: &Map) -> Vec<Vec<f64>> {
+        let uniform = 1.0 / (PI * self.radius.sin().powi(2));
+        let mut rows: Vec<Vec<f64>> =
+            (0..map.bands.len()).into_par_iter().map(|row| self.covered(map, row)).collect();
+        // Sum the covered pixels, and their products with the linear radiance, in the order of rows.
+        let moments: Vec<(DVec3, DMat3)> =
+            rows.par_iter().enumerate().map(|(row, shares)| moments(map, row, shares)).collect();
+        let (vector, products) =
+            moments.into_iter().fold((DVec3::ZERO, DMat3::ZERO), |sum, row| (sum.0 + row.0, sum.1 + row.1));
+        // Find the linear radiance that is missing, and add it.
+        let slope = products.inverse() * (self.direction - uniform * vector);
+        rows.par_iter_mut().enumerate().for_each(|(row, shares)| {
+            for (column, share) in shares.iter_mut().enumerate() {
+                *share *= uniform + slope.dot(map.pixel(row, column).1);
+            }
+        });
+        rows
+    }
+
+    /// Share of each pixel of a row that the disc covers; no pixels where it covers none.
+    fn covered(&self, map: &Map, row: usize) -> Vec<f64> {
+        let (theta, phi) = angles(self.direction);
+        let (top, bottom) = (map.theta_edges[row], map.theta_edges[row + 1]);
+        if bottom <= theta - self.radius || top >= theta + self.radius {
+            return Vec::new();
+        }
+        let mut shares = vec![0.0; map.width];
+        let parallels: [f64; PARALLELS] =
+            std::array::from_fn(|k| top + (bottom - top) * (k as f64 + 0.5) / PARALLELS as f64);
+        let whole: f64 = parallels.iter().map(|theta| theta.sin()).sum();
+        for parallel in parallels {
+            let half = self.half_width(theta, parallel);
+            let (left, right) = ((phi - half) / map.column, (phi + half) / map.column);
+            add_interval(&mut shares, left, right, parallel.sin() / whole);
+        }
+        shares
+    }
+
+    /// Half the azimuths of a parallel that a disc around `theta` covers.
+    fn half_width(&self, theta: f64, parallel: f64) -> f64 {
+        let above = self.radius.cos() - parallel.cos() * theta.cos();
+        let scale = parallel.sin() * theta.sin();
+        if above >= scale {
+            0.0
+        } else if above <= -scale {
+            PI
+        } else {
+            (above / scale).acos()
+        }
+    }
+}
+
+/// Add `weight` times the part of each column between `left` and `right`, in columns, across the seam.
+fn add_interval(shares: &mut [f64], left: f64, right: f64, weight: f64) {
+    let width = shares.len() as i64;
+    for column in left.floor() as i64..right.ceil() as i64 {
+        let inside = right.min((column + 1) as f64) - left.max(column as f64);
+        shares[column.rem_euclid(width) as usize] += weight * inside;
+    }
+}
+
+/// Integral of the direction over the covered part of a row, and of its product with the centres of pixels.
+fn moments(map: &Map, row: usize, shares: &[f64]) -> (DVec3, DMat3) {
+    let mut sums = (DVec3::ZERO, DMat3::ZERO);
+    for (column, &share) in shares.iter().enumerate().filter(|(_, share)| **share > 0.0) {
+        let (integral, centre) = map.pixel(row, column);
+        let integral = share * integral;
+        sums.0 += integral;
+        sums.1 += DMat3::from_cols(integral * centre.x, integral * centre.y, integral * centre.z);
+    }
+    sums
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use ndarray::{Array1, Array2};
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn one(direction: DVec3, radius: f64) -> Discs {
+        Discs {
+            directions: vec![direction],
+            irradiance: vec![DVec3::new(1.0, 2.0, 4.0)],
+            radii: vec![radius],
+        }
+    }
+
+    /// Sum of radiance times direction over a map, in red, and the sum of its radiance.
+    fn flux(radiance: &Array3<f64>) -> (DVec3, f64) {
+        let map = Map::new(radiance.dim().0).unwrap();
+        let mut sums = (DVec3::ZERO, 0.0);
+        for ((row, column, _), value) in radiance.indexed_iter().filter(|((.., channel), _)| *channel == 0) {
+            sums.0 += value * map.pixel(row, column).0;
+            sums.1 += value * map.bands[row] * map.column;
+        }
+        sums
+    }
+
+    #[test]
+    fn pixels_add_up_to_the_sphere_and_its_second_moment() {
+        let map = Map::new(64).unwrap();
+        let shares = vec![1.0; map.width];
+        let sums = (0..64)
+            .map(|row| moments(&map, row, &shares))
+            .fold((DVec3::ZERO, DMat3::ZERO), |sum, row| (sum.0 + row.0, sum.1 + row.1));
+        assert!(sums.0.length() < 1e-12);
+        let third = DMat3::from_diagonal(DVec3::splat(4.0 * PI / 3.0));
+        assert!(sums.1.abs_diff_eq(third, 2e-3), "{}", sums.1);
+    }
+
+    proptest! {
+        #[test]
+        fn a_disc_keeps_irradiance_direction_and_flux(
+            y in -1.0..=1.0_f64, azimuth in 0.0..TAU, radius in 0.0..=1.5_f64, narrow in proptest::bool::ANY,
+            height in 16_usize..80,
+        ) {
+            let across = (1.0 - y * y).sqrt();
+            let direction = DVec3::new(across * azimuth.sin(), y, -across * azimuth.cos());
+            let radius = if narrow { radius.powi(6) / 100.0 } else { radius };
+            let radiance = drawn(&one(direction, radius), height).unwrap();
+            let (vector, whole) = flux(&radiance);
+            prop_assert!(vector.distance(direction) < 1e-12, "{vector}");
+            prop_assert!(radiance.iter().all(|&value| value >= 0.0));
+            // The flux follows, as the vector of a disc is the mean cosine times it.
+            let radius = radius.max(SMALLEST * PI / height as f64);
+            let wanted = 2.0 / (1.0 + radius.cos());
+            prop_assert!((whole / wanted - 1.0).abs() < 0.1 / height as f64, "{whole} {wanted}");
+        }
+
+        /// Pixels inside are uniform, but for the small linear part; those outside are black.
+        #[test]
+        fn a_disc_is_uniform(y in -1.0..=1.0_f64, azimuth in 0.0..TAU, radius in 0.2..=1.5_f64) {
+            let across = (1.0 - y * y).sqrt();
+            let direction = DVec3::new(across * azimuth.sin(), y, -across * azimuth.cos());
+            let radiance = drawn(&one(direction, radius), 64).unwrap();
+            let map = Map::new(64).unwrap();
+            for ((row, column, channel), value) in radiance.indexed_iter() {
+                let away = map.pixel(row, column).1.dot(direction).clamp(-1.0, 1.0).acos();
+                let wanted = f64::from(1 << channel) / (PI * radius.sin().powi(2));
+                if away > radius + 0.04 {
+                    prop_assert_eq!(*value, 0.0);
+                } else if away < radius - 0.04 {
+                    prop_assert!((value / wanted - 1.0).abs() < 2.5e-3 / radius, "{value} {wanted}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn discs_add_up_across_poles_and_seam() {
+        let directions = Array2::from(vec![[0.0, 1.0, 0.0], [0.0, 0.0, -1.0], [0.0, -1.0, 0.0]]);
+        let irradiance = Array2::from_elem((3, 3), 1.0);
+        let radii = Array1::from(vec![0.3, 0.2, 0.0]);
+        let discs = Discs::new(directions.view(), irradiance.view(), radii.view()).unwrap();
+        let radiance = drawn(&discs, 32).unwrap();
+        assert!(flux(&radiance).0.distance(DVec3::new(0.0, 0.0, -1.0)) < 1e-12);
+        for (row, column) in [(0, 5), (0, 40), (16, 0), (16, 63), (31, 7)] {
+            assert!(radiance[[row, column, 0]] > 0.0, "{row} {column}");
+        }
+    }
+}
