@@ -19,7 +19,7 @@ from envlights.kernels.image import LUMINANCE
 
 #: Angular radius of the sun, in radians: 0.267 degrees at its mean distance.
 SUN_RADIUS = 0.00465
-#: Steps that find the sharpness of a lobe: from the start taken, 4 suffice from the sun to a half sky.
+#: Steps that find the sharpness of a lobe; from the start taken, 4 suffice for any disc.
 _NEWTON_STEPS = 6
 
 
@@ -114,9 +114,9 @@ class Lights(Result):
         """The lights as discs before a black sky: labels to learn from, and a way to any renderer.
 
         Pixels on the rim of a disc are as bright as the share of them that it covers. Surfaces that
-        have all of a disc before them receive exactly its irradiance, up to single precision. A
-        point becomes a disc of three quarters of a pixel, the smallest that keeps its irradiance and
-        its direction wherever it stands.
+        have all of a disc before them receive exactly its irradiance, up to single precision.
+        A point becomes a disc with a radius of three quarters of a pixel, the smallest that keeps
+        its irradiance and its direction wherever it stands.
 
         Parameters
         ----------

@@ -41,9 +41,26 @@ def each_emitter(rig):
         yield {"type": "envmap", "bitmap": sky(rig.ambient)}, 16
     else:
         yield {"type": "constant", "radiance": rgb(rig.ambient)}, 16
-    for direction, irradiance in zip(rig.lights.direction, rig.lights.irradiance, strict=True):
+    lights = rig.lights
+    rows = zip(lights.direction, lights.irradiance, lights.angular_radius, strict=True)
+    for direction, irradiance, radius in rows:
+        if radius:
+            yield far_sphere(direction, irradiance, radius), 16
+            continue
         light = {"type": "directional", "direction": list(-direction)}
         yield {**light, "irradiance": rgb(irradiance)}, 1
+
+
+def far_sphere(direction, irradiance, radius, distance=1e5):
+    """A disc as a sphere so far away that it looks the same from everywhere in the courtyard."""
+    sine = np.sin(radius)
+    return {
+        "type": "sphere",
+        "center": list(distance * direction),
+        "radius": float(distance * sine),
+        "bsdf": {"type": "diffuse", "reflectance": rgb([0, 0, 0])},
+        "emitter": {"type": "area", "radiance": rgb(irradiance / (np.pi * sine**2))},
+    }
 
 
 def sensors_above(surface):

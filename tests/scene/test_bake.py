@@ -10,6 +10,8 @@ from envlights import kernels
 
 mi = pytest.importorskip("mitsuba")
 
+from envlights.scene.emitters import emitters  # noqa: E402, needs Mitsuba
+from envlights.scene.renderer import mitsuba  # noqa: E402, needs Mitsuba
 from tests.reference.mitsuba_images import noise_of, relative, texels_by_mitsuba  # noqa: E402, needs Mitsuba
 
 NO_LIGHTS = el.Lights(np.zeros((0, 3)), np.zeros((0, 3)))
@@ -95,6 +97,42 @@ def test_a_light_alone_is_mitsubas_to_rounding(yard):
         assert relative(light.image(rig), seen) < 0.01
 
 
+def test_discs_are_mitsubas_in_every_direction():
+    """Irradiance of the emitters at 320 normals: that of the probe in closed form, within noise."""
+    normals, _ = kernels.icosphere(320)
+    square = kernels.hammersley(16384)
+    with mitsuba() as mi:
+        for number, radius in enumerate([0.27, 3, 25, 70, 90]):
+            at = kernels.uniform_sphere(np.random.default_rng(number).random((1, 2)))
+            lamp = el.Lights(at, [[1, 2, 4]], [np.deg2rad(radius)])
+            rig = el.Rig(np.zeros(3), lamp, 0.0)
+            ((weight, emitter),) = emitters(mi, rig)
+            ball = {"type": "sphere", "radius": 1e-3}
+            scene = mi.load_dict({"type": "scene", "ball": ball, **emitter}, optimize=False)
+            place = mi.SurfaceInteraction3f()
+            samples = [
+                scene.sample_emitter_direction(place, mi.Point2f(*each), False) for each in square
+            ]
+            towards = np.array([list(sample.d) for sample, _ in samples])
+            strength = np.array([list(colour) for _, colour in samples])
+            towards, strength = (each[strength.any(axis=1)] for each in (towards, strength))
+            seen = weight * np.maximum(normals @ towards.T, 0) @ strength / len(square)
+            assert relative(seen, rig.probe(normals)) < 1e-3, radius
+
+
+def test_direct_light_of_discs_is_mitsubas(yard):
+    """With shadows of soft edges, over points and an ambient term beside the discs."""
+    strong = el.Lights(
+        NEW[2].lights.direction, NEW[2].lights.irradiance, [0.02, 0.3, 0.0][: len(NEW[2].lights)]
+    )
+    rigs = [el.Rig([0.02, 0.03, 0.05], strong, 0.0), el.Rig(NEW[1].ambient, strong, 0.0)]
+    for rig, images in zip(rigs, texels_by_mitsuba(yard.points, rigs, depth=2), strict=True):
+        images = [yard.points.means(image, 16) for image in images]
+        noise, difference = noise_of(*images), relative(yard.direct(rig), sum(images) / 2)
+        assert noise < 0.02
+        assert difference < 0.03, f"difference {difference:.3f}, noise {noise:.3f}"
+
+
 def test_direct_and_indirect_light_are_what_mitsuba_sees(yard):
     """All light, computed twice: direct and indirect light, or sensors above the texels."""
     ((one, two),) = texels_by_mitsuba(yard.lightmap, NEW[2:3], depth=-1, effort=64)
@@ -168,8 +206,7 @@ def test_lights_alone_are_rigs_without_an_ambient_term(yard):
 
 def test_detected_lights_are_lights(yard):
     found = el.detect(el.synthetic.hall(64).radiance)
-    lights = el.Lights(found.direction, found.irradiance)
-    one, other = (el.bake(yard, [each], samples=8) for each in (found, lights))
+    one, other = (el.bake(yard, [each], samples=8) for each in (found, found.discs()))
     np.testing.assert_array_equal(one.direct, other.direct)
     assert one.direct.any()
 

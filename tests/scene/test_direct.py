@@ -1,6 +1,7 @@
 """Direct light on surfaces: closed forms, independent computations, refusals."""
 
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -74,6 +75,58 @@ def test_an_open_surface_is_a_probe():
     ball = el.DirectLight.of(surface(DARK, normals, np.pi), nothing)
     for each in el.synthetic.rigs(5):
         np.testing.assert_allclose(ball.image(each)[0], each.probe(normals), rtol=1e-12)
+
+
+def discs(radii, seed=0):
+    """A rig of lights with these radii in degrees, anywhere."""
+    rng = np.random.default_rng(seed)
+    at = kernels.uniform_sphere(rng.random((len(radii), 2)))
+    return el.Rig(DARK, el.Lights(at, rng.random((len(radii), 3)), np.deg2rad(radii)), error=0.0)
+
+
+def test_discs_on_an_open_surface_have_no_noise():
+    """They are the probe in closed form, whatever part of a disc the horizon cuts."""
+    normals = kernels.icosphere(320)[0]
+    ball = el.DirectLight.of(surface(DARK, normals, np.pi), nothing)
+    rig = discs([0, 0.3, 5, 30, 60, 90])
+    np.testing.assert_allclose(ball.image(rig)[0], rig.probe(normals), rtol=1e-12)
+
+
+def test_the_part_of_a_disc_behind_a_wall_is_a_map_painted_black():
+    height = 512
+    flat = kernels.pixel_directions(height, 2 * height).reshape(-1, 3)
+    behind = wall(2.0)(np.zeros_like(flat), flat).reshape(height, -1, 1)
+    normals = np.array([UP, [0.6, 0.8, 0], [0, 0.8, 0.6], [0.48, 0.6, -0.64]])
+    light = el.DirectLight.of(surface(DARK, normals, np.pi), wall(2.0), 1)
+    light = replace(light, rays=4096)
+    for radius in (3, 10, 30, 60):
+        for elevation in (55, 63.4, 75):
+            lamp = el.Lights([towards(elevation, 20)], [[1, 2, 3]], [np.deg2rad(radius)])
+            painted = np.where(behind, np.float32(0), lamp.to_map(height).radiance)
+            truth = el.EnvMap(painted).probe(normals)
+            np.testing.assert_allclose(light.image(lamp)[0], truth, rtol=0.02, atol=0.02)
+
+
+def test_shadows_of_a_disc_are_black_inside_and_end_where_its_rim_does():
+    """Below the rim's lowest ray all is black, above its highest all is lit, between it grows."""
+    x = np.linspace(-8, 0.99, 900)
+    floor = surface(np.stack([x, 0 * x, 0 * x], axis=1), UP, np.pi)
+    lamp = el.Lights([towards(45)], [[1, 1, 1]], [np.deg2rad(10)])
+    share = el.DirectLight.of(floor, wall(2.0)).image(lamp)[0, :, 0] / np.sin(np.deg2rad(45))
+    rises = np.rad2deg(np.arctan2(2.0, 1 - x))  # to the top of the wall
+    np.testing.assert_array_equal(share[rises > 55.1], 0)
+    np.testing.assert_allclose(share[rises < 34.9], 1, rtol=1e-12)
+    between = share[(rises > 40) & (rises < 50)]
+    assert ((between > 0) & (between < 1)).all()
+    # Means over 15 neighbours have 240 rays.
+    assert (np.diff(between[: len(between) // 15 * 15].reshape(-1, 15).mean(axis=1)) < 0.01).all()
+
+
+def test_detected_lights_light_as_the_discs_that_they_are():
+    found = el.detect(el.synthetic.hall(128).radiance)
+    floor = surface(DARK, UP)
+    one, other = (el.DirectLight.of(floor, nothing).image(each) for each in (found, found.discs()))
+    np.testing.assert_array_equal(one, other)
 
 
 @pytest.mark.parametrize("elevation", [20, 45, 70])

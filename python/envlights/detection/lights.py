@@ -155,8 +155,8 @@ class DetectedLights(Lights):
         -------
         Lights
             A detected irradiance is the flux, :math:`\int L \, d\omega`. A disc gives
-            :math:`(1 + \cos a) / 2` of it at normal incidence. Above half the sphere, a disc of half
-            the sphere stands for the light.
+            :math:`(1 + \cos a) / 2` of it at normal incidence. For a light of more than half the
+            sphere, a disc of half the sphere stands.
         """
         radius = np.minimum(self.angular_radius, np.pi / 2)
         at_normal = self.irradiance * np.cos(radius[:, None] / 2) ** 2

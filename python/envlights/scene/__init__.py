@@ -4,6 +4,7 @@
 |---------------------------------------------------|--------------------|
 | the surfaces of a scene as a lightmap             | `surface.py`       |
 | the visible part of an ambient term               | `sky.py`           |
+| the visible part of a light                       | `disc.py`          |
 | direct light of any rig, with shadows             | `direct.py`        |
 | pairs to learn from                               | `bake.py`          |
 | with Mitsuba: a scene under the light of rigs     | `mitsuba_scene.py` |

@@ -7,23 +7,29 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights import kernels
 from envlights._check import count
 from envlights._native import EnvLightsError
 from envlights.detection.lights import DetectedLights
 from envlights.lights import Lights
 from envlights.rig import Rig
-from envlights.scene.sky import Blocked, are_blocked, sky_transfer
+from envlights.scene.disc import visible_share
+from envlights.scene.sky import Blocked, sky_transfer
 from envlights.scene.surface import Surface
 
 #: A rig, or lights that stand for one without an ambient term.
 AnyLights = Rig | Lights | DetectedLights
 
+#: No ambient light.
+DARK = np.zeros(3)
+
 
 @dataclass(frozen=True, eq=False)
 class DirectLight:
-    """Direct light of any rig on a surface, with one shadow ray for each light and texel.
+    """Direct light of any rig on a surface, with shadows.
 
-    For the ambient term, the visible part of the sky is traced once for each texel.
+    A light without a size takes one shadow ray for each texel, a disc several to points on it. For
+    the ambient term, the visible part of the sky is traced once for each texel.
 
     Examples
     --------
@@ -47,6 +53,10 @@ class DirectLight:
 
     sky: NDArray[np.float64]
     """Irradiance of each covered texel under each spherical harmonic, (n, 9)."""
+
+    rays: int = 16
+    """Shadow rays from each texel to a light that has a size. They differ from texel to texel, so a
+    mean over several texels is as accurate as all their rays together."""
 
     @classmethod
     def of(cls, surface: Surface, blocked: Blocked, directions: int = 64) -> DirectLight:
@@ -81,18 +91,22 @@ class DirectLight:
         ndarray, shape (H, W, 3)
             :math:`\frac{albedo}{\pi} (E_a + \sum_j V_j E_j \max(0, n \cdot l_j))` with the
             visibility :math:`V_j` of each light, and the irradiance :math:`E_a` of the visible part
-            of the ambient term.
+            of the ambient term. Of a disc, the irradiance without shadows is known in closed form,
+            and :math:`V_j` is the share of it that the rays find visible.
         """
         rig = as_rig(rig)
         irradiance = self.sky @ _harmonic(rig.ambient)
         # Add each light to the texels that face it and are not in its shadow.
         origins, normals = self.surface.lifted()
-        for direction, strength in zip(rig.lights.direction, rig.lights.irradiance, strict=True):
-            cosine = np.maximum(normals @ direction, 0)
-            faces = np.flatnonzero(cosine)
-            towards = np.broadcast_to(direction, (len(faces), 3))
-            cosine[faces[are_blocked(self.blocked, origins[faces], towards)]] = 0
-            irradiance += cosine[:, None] * strength
+        lights = rig.lights
+        rows = zip(lights.direction, lights.irradiance, lights.angular_radius, strict=True)
+        for direction, strength, radius in rows:
+            received = kernels.rig_irradiance(normals, DARK, [direction], [strength], [radius])
+            faces = np.flatnonzero(received.any(axis=1))
+            seen = visible_share(
+                self.blocked, origins[faces], normals[faces], direction, radius, self.rays
+            )
+            irradiance[faces] += seen[:, None] * received[faces]
         return self.surface.reflected(irradiance)
 
 
@@ -105,7 +119,7 @@ def as_rig(lights: AnyLights) -> Rig:
             "a rig must be a Rig, Lights or DetectedLights;"
             f" got an object of the type {type(lights).__name__}"
         )
-    return Rig(np.zeros(3), Lights(lights.direction, lights.irradiance), error=0.0)
+    return Rig(DARK, lights.discs(), error=0.0)
 
 
 def _harmonic(ambient: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -118,7 +118,7 @@ class MitsubaScene:
         """Direct light as a small image, from which a `TransferModel` predicts.
 
         The first call traces the visible part of the sky. After that, each light takes one shadow
-        ray for each point.
+        ray for each point, and 16 if it has a size.
 
         Parameters
         ----------
