@@ -28,6 +28,7 @@ def a_rig():
         ambients={"none": (3, 0.5), "constant": (2, 0.25)},
         channel_errors=(0.2, 0.25, 0.3),
         max_error=0.5,
+        shadow_error=0.031,
         direction_tolerances=(np.deg2rad(1.2), np.pi),
         condition=np.inf,
         direction_errors=(0.01, 0.0),
@@ -35,21 +36,24 @@ def a_rig():
         fixed=(1,),
         skipped=("a",),
     )
-    lights = el.Lights([[0, 1, 0], [1, 0, 0]], [[1, 1, 1], [5, 4, 3]])
-    return el.Rig([0.1, 0.2, 0.3], lights, 0.25, report, ("alpha was ignored",))
+    lights = el.Lights([[0, 1, 0], [1, 0, 0]], [[1, 1, 1], [5, 4, 3]], [0.0, 0.5])
+    return el.Rig([0.1, 0.2, 0.3], lights, 0.25, report, ("alpha was ignored",), floor=True)
 
 
-@given(RGB, st.lists(st.tuples(UNIT, RGB), max_size=4))
-def test_saved_rigs_come_back_to_the_bit(tmp_path_factory, ambient, lights):
-    direction = el.kernels.uniform_sphere(np.reshape([uv for uv, _ in lights], (-1, 2)))
-    irradiance = np.reshape([rgb for _, rgb in lights], (-1, 3))
-    rig = el.Rig(ambient, el.Lights(direction, irradiance), error=0.125)
+@given(RGB, st.lists(st.tuples(UNIT, RGB, st.floats(0, np.pi / 2)), max_size=4), st.booleans())
+def test_saved_rigs_come_back_to_the_bit(tmp_path_factory, ambient, lights, floor):
+    direction = el.kernels.uniform_sphere(np.reshape([uv for uv, *_ in lights], (-1, 2)))
+    irradiance = np.reshape([rgb for _, rgb, _ in lights], (-1, 3))
+    radius = [radius for *_, radius in lights]
+    rig = el.Rig(ambient, el.Lights(direction, irradiance, radius), error=0.125, floor=floor)
     path = tmp_path_factory.mktemp("rig") / "rig.json"
     rig.save(path)
     again = el.Rig.load(path)
     np.testing.assert_array_equal(again.ambient, rig.ambient)
     np.testing.assert_array_equal(again.lights.direction, rig.lights.direction)
     np.testing.assert_array_equal(again.lights.irradiance, rig.lights.irradiance)
+    np.testing.assert_array_equal(again.lights.angular_radius, rig.lights.angular_radius)
+    assert again.floor is floor
     assert again.to_dict() == rig.to_dict()
 
 
@@ -60,7 +64,8 @@ def test_reports_and_notes_are_saved(tmp_path):
     assert again.notes == a_rig().notes
 
 
-#: As the package wrote it before a report had tolerances and a choice of the ambient term.
+#: As the package wrote it before a report had tolerances and a choice of the ambient term, and
+#: before lights had sizes.
 OLDER = """{
   "format": "envlights rig", "version": 2, "frame": "", "units": "", "ambient": [0.1, 0.2, 0.3],
   "lights": {"direction": [[0.0, 1.0, 0.0]], "irradiance": [[3.0, 2.0, 1.0]]}, "error": 0.01,
@@ -78,6 +83,9 @@ def test_files_of_older_reports_are_read(tmp_path):
     assert rig.report.direction_errors == (0.001,)
     assert rig.report.direction_tolerances == ()
     assert (rig.report.ambient, rig.report.ambients) == ("", {})
+    assert rig.report.shadow_error is None
+    assert rig.lights.angular_radius.tolist() == [0.0]
+    assert rig.floor is False
     rig.save(tmp_path / "again.json")
     assert el.Rig.load(tmp_path / "again.json").report == rig.report
 
@@ -86,7 +94,11 @@ def test_lights_are_sorted_and_sliced():
     lights = a_rig().lights
     np.testing.assert_array_equal(lights.direction[0], [1, 0, 0])
     assert len(lights[:1]) == 1
-    assert lights[1:].to_dict() == {"direction": [[0, 1, 0]], "irradiance": [[1, 1, 1]]}
+    assert lights[1:].to_dict() == {
+        "direction": [[0, 1, 0]],
+        "irradiance": [[1, 1, 1]],
+        "angular_radius": [0],
+    }
     with pytest.raises(ValueError, match="read-only"):
         lights.direction[0] = 0
 
@@ -113,15 +125,19 @@ def test_what_nobody_measured_is_not_claimed():
     assert str(rig.report) == "not fitted"
     assert not rig.report.stop_reason.is_success
     assert "note" not in str(rig)
+    assert "shadows" not in str(rig)
+    assert "floor" not in str(rig)
 
 
 def test_the_table_says_where_each_light_is_and_how_wrong_the_rig_is():
     text = str(a_rig())
     assert "  90.0°      +0.0°  80.5 %" in text
-    assert "relative RMS error 25 %" in text
+    assert "relative RMS error 25 % on 5 normals, with shadows 3.1 %" in text
+    assert "a floor hides the ambient light from below the horizon" in text
     assert "note: alpha was ignored" in text
     report = str(a_rig().report)
     assert "0: 50 %  1: 25 %" in report
+    assert "\nwith shadows 3.1 %\n" in report
     assert "red, green, blue: 20 %  25 %  30 %; at most 50 % at any normal" in report
     assert "ambient chosen: constant, of  none: 3 lights, 50 %  constant: 2 lights, 25 %" in report
     assert "may stand this far off before the error grows by a tenth: 1.2°  180°" in report
@@ -137,7 +153,14 @@ def test_the_table_says_where_each_light_is_and_how_wrong_the_rig_is():
     ("change", "message"),
     [
         ({"format": "another"}, "is not a rig"),
-        ({"version": 1}, "version 1; this package reads 2"),
+        ({"version": 1}, "version 1; this package reads 2 and 3"),
+        ({"version": 4}, "version 4; this package reads 2 and 3"),
+        ({"floor": 1}, "floor must be True or False; got 1"),
+        (
+            {"lights": {**a_rig().lights.to_dict(), "angular_radius": [0.1]}},
+            r"a row for each light \(2\); got 1",
+        ),
+        ({"lights": {**a_rig().lights.to_dict(), "angular_radius": [0.1, 2]}}, "row 1 holds 2"),
         ({"ambient": [0, 0, -1]}, "ambient must"),
         ({"ambient": [0, 0, float("nan")]}, "ambient must be"),
         ({"lights": {"direction": [[0, 2, 0]], "irradiance": [[1, 1, 1]]}}, "unit vector"),
@@ -193,6 +216,7 @@ REPORT = a_rig().to_dict()["report"]
         {"report": {**REPORT, "steps": "x"}},
         {"report": {**REPORT, "seconds": {"fit": -1}}},
         {"report": {**REPORT, "direction_tolerances": [-1]}},
+        {"report": {**REPORT, "shadow_error": -0.1}},
         {"report": {**REPORT, "ambients": {"none": {"lights": 0.5, "error": 0}}}},
     ],
 )
@@ -201,7 +225,7 @@ def test_files_with_impossible_numbers_are_refused(tmp_path, change):
     path.write_text(json.dumps({**a_rig().to_dict(), **change}))
     with pytest.raises(
         el.EnvLightsError,
-        match=r"holds an impossible rig: (error|steps|seconds|direction_tol|lights)",
+        match=r"holds an impossible rig: (error|steps|seconds|direction_tol|lights|shadow_error)",
     ):
         el.Rig.load(path)
 
@@ -236,3 +260,26 @@ def test_harmonics_are_saved_and_shown(tmp_path):
 def test_impossible_ambient_terms_are_refused(ambient):
     with pytest.raises(el.EnvLightsError, match="ambient must"):
         el.Rig(ambient, a_rig().lights, 0)
+
+
+NORMALS, _ = el.kernels.icosphere(1280)
+
+
+def test_a_floor_hides_the_lower_half_of_the_ambient_term():
+    """The probe of a map that is black below the horizon, beside a light that is not hidden."""
+    lights = el.Lights([[0.6, 0.8, 0]], [[3, 2, 1]], [0.2])
+    rig = el.Rig([0.1, 0.2, 0.3], lights, 0.0, floor=True)
+    for height in (128, 129):
+        drawn = rig.to_map(height)
+        np.testing.assert_allclose(drawn.probe(NORMALS), rig.probe(NORMALS), atol=1e-3)
+    assert not drawn.radiance[65:].any()
+    without = replace(rig, floor=False)
+    np.testing.assert_allclose(without.probe([[0, 1, 0]]), rig.probe([[0, 1, 0]]), rtol=1e-12)
+    np.testing.assert_allclose(rig.probe([[0, -1, 0]]), 0, atol=1e-12)
+
+
+def test_harmonics_over_a_floor_are_refused():
+    with pytest.raises(el.EnvLightsError, match="one radiance where there is a floor"):
+        el.Rig(np.zeros((9, 3)), a_rig().lights, 0.0, floor=True)
+    with pytest.raises(el.EnvLightsError, match=r"shape \(3,\) where there is a floor"):
+        el.kernels.rig_irradiance(NORMALS, np.zeros((9, 3)), [], [], floor=True)

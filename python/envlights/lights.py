@@ -115,8 +115,8 @@ class Lights(Result):
 
         Pixels on the rim of a disc are as bright as the share of them that it covers. Surfaces that
         have all of a disc before them receive exactly its irradiance, up to single precision.
-        A point becomes a disc with a radius of three quarters of a pixel, the smallest that keeps
-        its irradiance and its direction wherever it stands.
+        A point becomes a disc with a radius of one pixel, the smallest that keeps its irradiance
+        and its direction wherever it stands, and in which `detect` finds them again.
 
         Parameters
         ----------

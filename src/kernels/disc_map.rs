@@ -28,7 +28,10 @@ use crate::error::Result;
 const PARALLELS: usize = 16;
 /// Radius, in rows, of the smallest disc that is drawn: wherever its centre, the pixels that it covers lie
 /// around it, so that they can tell its direction.
-const SMALLEST: f64 = 0.75;
+const SMALLEST: f64 = 1.0;
+/// A pixel of which a disc covers less stays black: a detector takes so little for noise, and would miss several
+/// per cent of the smallest discs.
+const LEAST_SHARE: f64 = 0.08;
 
 /// Radiance, (height, 2 x height, 3), of `discs` before a black sky; points as the smallest discs that keep
 /// their irradiance and direction.
@@ -130,6 +133,7 @@ impl Disc {
             let (left, right) = ((phi - half) / map.column, (phi + half) / map.column);
             add_interval(&mut shares, left, right, parallel.sin() / whole);
         }
+        shares.iter_mut().filter(|share| **share < LEAST_SHARE).for_each(|share| *share = 0.0);
         shares
     }
 
@@ -218,12 +222,12 @@ mod tests {
             let radius = if narrow { radius.powi(6) / 100.0 } else { radius };
             let radiance = drawn(&one(direction, radius), height).unwrap();
             let (vector, whole) = flux(&radiance);
-            prop_assert!(vector.distance(direction) < 1e-12, "{vector}");
+            prop_assert!(vector.distance(direction) < 1e-10, "{vector}");
             prop_assert!(radiance.iter().all(|&value| value >= 0.0));
             // The flux follows, as the vector of a disc is the mean cosine times it.
             let radius = radius.max(SMALLEST * PI / height as f64);
             let wanted = 2.0 / (1.0 + radius.cos());
-            prop_assert!((whole / wanted - 1.0).abs() < 0.1 / height as f64, "{whole} {wanted}");
+            prop_assert!((whole / wanted - 1.0).abs() < 0.2 / height as f64, "{whole} {wanted}");
         }
 
         /// Pixels inside are uniform, but for the small linear part; those outside are black.
@@ -239,7 +243,7 @@ mod tests {
                 if away > radius + 0.04 {
                     prop_assert_eq!(*value, 0.0);
                 } else if away < radius - 0.04 {
-                    prop_assert!((value / wanted - 1.0).abs() < 2.5e-3 / radius, "{value} {wanted}");
+                    prop_assert!((value / wanted - 1.0).abs() < 4e-3 / radius, "{value} {wanted}");
                 }
             }
         }

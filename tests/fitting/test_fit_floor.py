@@ -183,3 +183,11 @@ BELOW = el.Lights([[0, 0.6, 0.8], [0.6, -0.8, 0]], [[2, 2, 2], [1, 1, 1]])
 def test_what_a_floor_does_not_allow_is_refused(options, message):
     with pytest.raises(el.EnvLightsError, match=message):
         el.fit(np.ones((8, 16, 3)), **{"floor": True, **options})
+
+
+def test_a_rig_over_a_floor_says_so_and_its_probe_is_that_over_one():
+    rig = el.fit(hall(), lights=3, floor=True)
+    assert rig.floor
+    assert not el.fit(hall(), lights=3).floor
+    wanted = probe_over_floor(rig, hall().shape)
+    np.testing.assert_allclose(rig.probe(NORMALS), wanted, rtol=1e-3, atol=1e-3 * wanted.max())

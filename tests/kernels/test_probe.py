@@ -121,6 +121,9 @@ two = el.kernels.rig_irradiance(normals, [0, 0, 0], np.eye(3)[:2], [[3, 2, 1], [
 lights = el.fit_probe(normals, two, lights=8).lights
 assert len(lights) == 2
 found += [lights.direction, lights.irradiance]
+discs = el.kernels.rig_irradiance(normals, [0, 0, 0], np.eye(3), np.eye(3), [0.1, 0.7, 1.4])
+drawn = el.Lights(np.eye(3), np.eye(3), [0.1, 0.7, 1.4]).to_map(64).radiance
+found += [discs, drawn]
 for array in [el.EnvMap(radiance).probe(normals), *found]:
     print(array.tobytes().hex())
 """

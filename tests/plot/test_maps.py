@@ -1,6 +1,7 @@
 """Pictures of a map with its lights: what they take, and that any notebook shows them."""
 
 import io
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -32,6 +33,25 @@ def test_the_title_says_which_normals_the_error_is_of():
         "ambient + 1 light: relative RMS error 50 %, as given"
         in plot.picture(HALL, rig).get_suptitle()
     )
+
+
+def test_the_title_has_the_error_with_shadows_where_it_was_measured():
+    rig = el.fit(HALL, lights=1)
+    told = replace(rig, report=replace(rig.report, shadow_error=0.0312))
+    assert "normals, with shadows 3.12 %" in plot.picture(HALL, told).get_suptitle()
+
+
+def test_over_a_floor_the_probe_is_compared_with_the_map_that_the_floor_cuts():
+    """A map that is bright below the horizon, and the rig that its upper half asks for."""
+    radiance = np.full((64, 128, 3), 0.5)
+    radiance[32:] = 9
+    rig = el.fit(radiance, lights=0, floor=True)
+    assert rig.floor
+    for floor, most in ((True, 0.5), (False, 1e3)):
+        _, _, _, difference, _ = plot.picture(radiance, replace(rig, floor=floor)).axes
+        greatest = np.nanmax(np.abs(difference.images[0].get_array()))
+        assert greatest < most
+    assert greatest > 50
 
 
 def test_outlines_run_along_the_borders_of_pixels():
