@@ -54,6 +54,19 @@ def test_over_a_floor_the_probe_is_compared_with_the_map_that_the_floor_cuts():
     assert greatest > 50
 
 
+@pytest.mark.parametrize("direction", [(0, 0, 1), (0, 0, -1), (0, 1, 0), (0.6, 0, 0.8)])
+def test_the_rim_of_a_light_is_drawn_where_it_is(direction):
+    lights = el.Lights([direction], [[1, 1, 1]], [0.4])
+    on_map = plot.picture(HALL, el.Rig([1, 1, 1], lights, error=0.5)).axes[0]
+    (rim,) = (line.get_xydata() for line in on_map.lines)
+    seen = rim[~np.isnan(rim).any(axis=1)]
+    assert len(seen) > 350
+    towards = el.kernels.uv_to_direction((seen - (0, 90)) / (360, -180))
+    np.testing.assert_allclose(towards @ direction, np.cos(0.4), atol=1e-9)
+    # No line runs across the map.
+    assert np.nanmax(np.abs(np.diff(rim[:, 0]))) < 180
+
+
 def test_outlines_run_along_the_borders_of_pixels():
     radiance = np.full((32, 64, 3), 0.1, np.float32)
     radiance[5:9, 20:26] = 9

@@ -15,6 +15,7 @@ from envlights.kernels.image import LUMINANCE
 from envlights.plot.figure import Picture
 from envlights.plot.probe import draw_probes
 from envlights.rig import Rig, error_line
+from envlights.scene.surface import tangent_frames
 
 
 def picture(env: EnvMap | ArrayLike, rig: Rig) -> Picture:
@@ -101,14 +102,29 @@ def detection_picture(env: EnvMap | ArrayLike, lights: DetectedLights) -> Pictur
 
 
 def _draw_map(axes: Axes, env: EnvMap, rig: Rig) -> None:
-    """Draw the map, exposed for its median, and a numbered ring at each light."""
+    """Draw the map, exposed for its median, and each light with its number: its rim, or a ring."""
     _draw_exposed(axes, env)
-    for number, at in enumerate(_degrees(rig.lights.direction), start=1):
-        # A ring, so that the lamp inside it shows; whole also on the seam.
-        axes.plot(*at, "o", ms=22, mew=2, mec="crimson", mfc="none", clip_on=False)
+    lights = rig.lights
+    for number, at in enumerate(_degrees(lights.direction), start=1):
+        direction, radius = lights.direction[number - 1], lights.angular_radius[number - 1]
+        if radius:
+            axes.plot(*_rim(direction, radius).T, color="crimson", lw=2)
+        else:
+            # A ring, so that the lamp inside it shows; whole also on the seam.
+            axes.plot(*at, "o", ms=22, mew=2, mec="crimson", mfc="none", clip_on=False)
         axes.annotate(
             str(number), at, (0, 12), textcoords="offset points", ha="center", color="crimson"
         )
+
+
+def _rim(direction: NDArray[np.float64], radius: float) -> NDArray[np.float64]:
+    """Azimuth and elevation along the rim of a disc, with gaps where it crosses the seam."""
+    angle = np.linspace(0, 2 * np.pi, 361)
+    circle = np.sin(radius) * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    (frame,) = tangent_frames(direction[None])
+    rim = _degrees(circle @ frame[:2] + np.cos(radius) * direction)
+    rim[1:][np.abs(np.diff(rim[:, 0])) > 180] = np.nan
+    return rim
 
 
 def _draw_exposed(axes: Axes, env: EnvMap) -> None:

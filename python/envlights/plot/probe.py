@@ -28,7 +28,7 @@ def draw_probes(figure: Figure, axes: Sequence[Axes], env: EnvMap, rig: Rig) -> 
     azimuth, elevation : float
         Where the probe is looked at from, in degrees.
     """
-    eye = _viewpoint(rig)
+    eye = viewpoint(rig)
     normals, inside = _visible_normals(eye)
     # A floor hides the same from both.
     world = above_horizon(env) if rig.floor else env
@@ -61,7 +61,7 @@ def _draw_difference(
     figure.colorbar(image, ax=axes, label="% of the mean", shrink=0.85)
 
 
-def _viewpoint(rig: Rig) -> NDArray[np.float64]:
+def viewpoint(rig: Rig) -> NDArray[np.float64]:
     """Direction from the probe to the eye: level with it, 60 degrees aside of the main light."""
     if not len(rig.lights):
         return np.array([0.0, 0.0, -1.0])

@@ -11,6 +11,7 @@
 | its shapes side by side in a lightmap             | `charts.py`        |
 | a rig as its emitters                             | `emitters.py`      |
 | a sensor on each texel                            | `meters.py`        |
+| a ball and a box on a floor, as an image          | `still_life.py`    |
 | Mitsuba, imported when it is needed               | `renderer.py`      |
 
 Images hold the radiance that a surface reflects, albedo / pi times irradiance. So direct and

@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import kernels
+from envlights._native import EnvLightsError
+from envlights.envmap import EnvMap
 from envlights.lights import Lights
 from envlights.rig import Rig
 
@@ -40,6 +42,14 @@ def emitters(mi: Any, rig: Rig) -> list[tuple[float, dict[str, Any]]]:
     return sets
 
 
+def environment(mi: Any, env: EnvMap) -> dict[str, Any]:
+    """A map as an emitter; its cells are so fine that Mitsuba's interpolation hardly blurs it."""
+    if env.registration != "cell-centred":
+        raise EnvLightsError(f"the map must be cell-centred to be rendered; got {env.registration}")
+    times = -(-_MOST_DISC_ROWS // env.height)
+    return _map(mi, _between_rows(env.radiance.repeat(times, axis=0).repeat(times, axis=1)))
+
+
 def _some(lights: Lights, which: NDArray[np.bool_]) -> Lights:
     arrays = lights.direction, lights.irradiance, lights.angular_radius
     return Lights(*(array[which] for array in arrays))
@@ -64,7 +74,11 @@ def _discs(lights: Lights) -> NDArray[np.float64]:
         return np.zeros((_ROWS, 2 * _ROWS, 3))
     rows = int(_DISC_ROWS * np.pi / lights.angular_radius.min())
     cells = lights.to_map(min(max(rows, _LEAST_DISC_ROWS), _MOST_DISC_ROWS)).radiance
-    # The rows of Mitsuba lie on the edges of ours, the first and the last on the poles.
+    return _between_rows(cells)
+
+
+def _between_rows(cells: NDArray[np.float32]) -> NDArray[np.float64]:
+    """A map of cells as Mitsuba reads it: its rows lie on the edges of ours, two on the poles."""
     edges = np.concatenate([cells[:1], cells, cells[-1:]]).astype(np.float64)
     return (edges[1:] + edges[:-1]) / 2
 
