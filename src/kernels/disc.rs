@@ -129,8 +129,8 @@ mod tests {
     /// The sum of the cosine over a disc, in rings of the same solid angle around its centre. Each ring is
     /// turned by a golden section of a sector, so that the horizon meets all parts of sectors alike.
     fn brute_force(cosine: f64, radius: f64) -> f64 {
-        const RINGS: usize = 1000;
-        const SECTORS: usize = 2000;
+        const RINGS: usize = 1500;
+        const SECTORS: usize = 3000;
         let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
         // 1 - cos a, without the cancellation for a small radius.
         let cap = 2.0 * (radius / 2.0).sin().powi(2);
@@ -149,11 +149,11 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig::with_cases(48))]
+        #![proptest_config(ProptestConfig::with_cases(24))]
         #[test]
         fn the_share_is_the_integral_over_the_disc(cosine in -1.0..=1.0_f64, radius in 1e-3..=FRAC_PI_2) {
             let (seen, wanted) = (irradiance_share(cosine, radius), brute_force(cosine, radius));
-            prop_assert!((seen - wanted).abs() < 5e-7, "{seen} {wanted}");
+            prop_assert!((seen - wanted).abs() < 1e-6, "{seen} {wanted}");
         }
 
         /// The same where the horizon cuts the disc, which small ones rarely meet by chance.
@@ -162,7 +162,7 @@ mod tests {
             let radius = radius.exp();
             let cosine = (q * radius.sin()).clamp(-1.0, 1.0);
             let (seen, wanted) = (irradiance_share(cosine, radius), brute_force(cosine, radius));
-            prop_assert!((seen - wanted).abs() < 5e-7 * radius.max(1e-3), "{seen} {wanted}");
+            prop_assert!((seen - wanted).abs() < 1e-6 * radius.max(1e-3), "{seen} {wanted}");
         }
     }
 
