@@ -8,14 +8,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights import _native
 from envlights._arrays import sealed
-from envlights._check import count, reals, shown
+from envlights._check import reals, shown
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights.envmap import EnvMap
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
+from envlights.kernels.probe import disc_map
 
 #: Angular radius of the sun, in radians: 0.267 degrees at its mean distance.
 SUN_RADIUS = 0.00465
@@ -135,7 +135,7 @@ class Lights(Result):
         """
         discs = self.discs()
         arrays = discs.direction, discs.irradiance, discs.angular_radius
-        return EnvMap(_native.disc_map(count("height", height, least=2), *arrays))
+        return EnvMap(disc_map(height, *arrays))
 
     def spherical_gaussians(self) -> SphericalGaussians:
         r"""The lights as lobes for engines that take those.

@@ -24,23 +24,23 @@ def relative(seen, wanted):
 
 def test_a_rig_and_its_map_give_the_same_image():
     """Lights one at a time and added, or all at once in a map."""
-    under_map = still_life(RIG.to_map(256), 1.0, 16, 0)
-    under_rig = still_life(RIG, 1.0, 16, 1)
+    under_map = still_life(RIG.to_map(256), 1.0, 32, 0)
+    under_rig = still_life(RIG, 1.0, 32, 1)
     assert under_rig.noise < 0.05
     assert under_rig.error(under_map) < 0.01
     points = el.Rig(RIG.ambient, el.Lights(LIGHTS.direction, LIGHTS.irradiance), error=0.0)
-    assert still_life(points, 1.0, 16, 1).error(under_map) > 0.03
+    assert still_life(points, 1.0, 32, 1).error(under_map) > 0.03
 
 
 def test_noise_is_not_taken_for_an_error():
     """Few paths and many: the noise falls, the error stays what it is."""
-    truth = still_life(RIG, 0.0, 32, 0)
+    truth = still_life(RIG, 0.0, 64, 0)
     brighter = el.Rig(
         1.1 * RIG.ambient,
         el.Lights(LIGHTS.direction, 1.1 * LIGHTS.irradiance, LIGHTS.angular_radius),
         0.0,
     )
-    few, many = (still_life(brighter, 0.0, samples, 5) for samples in (2, 32))
+    few, many = (still_life(brighter, 0.0, samples, 5) for samples in (4, 64))
     assert many.noise < 0.5 * few.noise
     for still in (few, many):
         assert still.error(truth) == pytest.approx(0.1, rel=0.06)

@@ -1,6 +1,7 @@
 """A courtyard under rigs: Mitsuba's own numbers, pairs, and the steps from a rig to a lightmap."""
 
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -122,10 +123,8 @@ def test_discs_are_mitsubas_in_every_direction():
 
 def test_direct_light_of_discs_is_mitsubas(yard):
     """With shadows of soft edges, over points and an ambient term beside the discs."""
-    strong = el.Lights(
-        NEW[2].lights.direction, NEW[2].lights.irradiance, [0.02, 0.3, 0.0][: len(NEW[2].lights)]
-    )
-    rigs = [el.Rig([0.02, 0.03, 0.05], strong, 0.0), el.Rig(NEW[1].ambient, strong, 0.0)]
+    lights = el.Lights(NEW[4].lights.direction, NEW[4].lights.irradiance, [0.02, 0.3, 0.0])
+    rigs = [el.Rig([0.02, 0.03, 0.05], lights, 0.0), el.Rig(NEW[1].ambient, lights, 0.0)]
     for rig, images in zip(rigs, texels_by_mitsuba(yard.points, rigs, depth=2), strict=True):
         images = [yard.points.means(image, 16) for image in images]
         noise, difference = noise_of(*images), relative(yard.direct(rig), sum(images) / 2)
@@ -133,11 +132,16 @@ def test_direct_light_of_discs_is_mitsubas(yard):
         assert difference < 0.03, f"difference {difference:.3f}, noise {noise:.3f}"
 
 
-def test_direct_and_indirect_light_are_what_mitsuba_sees(yard):
+@pytest.mark.parametrize("radius", [0.0, 0.3])
+def test_direct_and_indirect_light_are_what_mitsuba_sees(yard, radius):
     """All light, computed twice: direct and indirect light, or sensors above the texels."""
-    ((one, two),) = texels_by_mitsuba(yard.lightmap, NEW[2:3], depth=-1, effort=64)
-    direct = el.DirectLight.of(yard.lightmap, yard.blocked, 512).image(NEW[2])
-    indirect = yard.indirect(NEW[2], samples=4096)
+    lights = NEW[2].lights
+    radii = np.full(len(lights), radius)
+    rig = el.Rig(NEW[2].ambient, el.Lights(lights.direction, lights.irradiance, radii), 0.0)
+    ((one, two),) = texels_by_mitsuba(yard.lightmap, [rig], depth=-1, effort=64)
+    light = el.DirectLight.of(yard.lightmap, yard.blocked, 512)
+    direct = replace(light, rays=64).image(rig)
+    indirect = yard.indirect(rig, samples=4096)
     truth = (one + two) / 2
     noise = noise_of(one, two)
     noise += indirect.noise * np.linalg.norm(indirect.image) / np.linalg.norm(truth)

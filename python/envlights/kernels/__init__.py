@@ -31,6 +31,7 @@ from envlights.kernels.madsen import (
 )
 from envlights.kernels.probe import (
     WORKING_COLUMNS,
+    disc_map,
     irradiance,
     relative_rms,
     rig_irradiance,
@@ -56,6 +57,7 @@ __all__ = [
     "blur",
     "bresenham_line",
     "direction_to_uv",
+    "disc_map",
     "face_radiance",
     "halton",
     "hammersley",

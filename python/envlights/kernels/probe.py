@@ -195,6 +195,40 @@ def rig_irradiance(
     return _native.disc_irradiance(normals, sky, *lights, radii)
 
 
+def disc_map(
+    height: int, directions: ArrayLike, irradiance: ArrayLike, angular_radius: ArrayLike
+) -> NDArray[np.float64]:
+    r"""Discs of one radiance each, drawn into an equirectangular map.
+
+    Parameters
+    ----------
+    height : int
+        Rows; the map is twice as wide.
+    directions : array_like, shape (m, 3)
+        Unit vectors towards the discs.
+    irradiance : array_like, shape (m, 3)
+        Of each disc at normal incidence: its radiance is this over :math:`\pi \sin^2 a`.
+    angular_radius : array_like, shape (m,)
+        In radians from 0 to pi / 2. No disc is drawn with a radius below that of a pixel.
+
+    Returns
+    -------
+    ndarray, shape (height, 2 * height, 3)
+        Radiance. Pixels on a rim are as bright as the share of them that is covered, black below
+        0.08. A radiance that is linear in the direction, small beside that of the disc, keeps
+        :math:`\int L(\omega)\, \omega\, d\omega`.
+
+    Examples
+    --------
+    >>> sky = disc_map(64, [[0, 1, 0]], [[1, 1, 1]], [0.5])
+    >>> float(sky[0, 0, 0].round(2)), round(1 / (np.pi * np.sin(0.5) ** 2), 2)
+    (1.39, 1.38)
+    """
+    discs = reals("directions", directions, 2), reals("irradiance", irradiance, 2)
+    radii = reals("angular_radius", angular_radius, 1)
+    return _native.disc_map(count("height", height, least=2), *discs, radii)
+
+
 def coefficients(ambient: ArrayLike) -> NDArray[np.float64]:
     """Coefficients of an ambient term as rows of RGB, or a refusal."""
     try:

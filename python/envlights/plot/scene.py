@@ -21,7 +21,7 @@ from envlights.scene.still_life import Still, still_life
 _WHITE = 0.99
 
 
-def scene(env: EnvMap | ArrayLike, *rigs: Rig, samples: int = 64, seed: int = 0) -> Picture:
+def scene(env: EnvMap | ArrayLike, *rigs: Rig, samples: int = 128, seed: int = 0) -> Picture:
     """Draw a ball and a box on a floor under the map and under rigs, and their differences.
 
     All images have the same exposure; a difference is of luminance, in percent of the mean. The
@@ -38,8 +38,7 @@ def scene(env: EnvMap | ArrayLike, *rigs: Rig, samples: int = 64, seed: int = 0)
         One or more, such as a fit without sizes and one with them. The floor hides what is below
         the horizon: ``el.fit(..., floor=True)`` is made for such a scene.
     samples : int
-        Paths through each pixel for each light, rounded up; the map gets eight times as many.
-        A map and two rigs of four lights take about a minute on two cores.
+        Paths through each pixel for each light, rounded up; the map gets four times as many.
     seed : int
         Seed of the paths.
 

@@ -58,7 +58,7 @@ def still_life(light: EnvMap | Rig, azimuth: float, samples: int, seed: int) -> 
 
     Lights and ambient term are rendered one at a time and added, because Mitsuba picks one emitter
     at random for each path, and that pick is most of the noise of many emitters. `samples` are the
-    paths through each pixel for each light.
+    paths through each pixel for each light, half of them for each of the two images.
     """
     seeds = iter(np.random.SeedSequence(seed).generate_state(2 * (2 + _lights(light))))
     images = np.zeros((2, _SIZE[1], _SIZE[0], 3))
@@ -68,7 +68,7 @@ def still_life(light: EnvMap | Rig, azimuth: float, samples: int, seed: int) -> 
         for weight, lit, effort in _parts(mi, light):
             scene = mi.load_dict({"type": "scene", **shapes, **lit}, optimize=False)
             for image in images:
-                spp, own = effort * samples, int(next(seeds))
+                spp, own = effort * -(-samples // 2), int(next(seeds))
                 image += weight * np.array(mi.render(scene, integrator=paths, spp=spp, seed=own))
     return Still(*images)
 
