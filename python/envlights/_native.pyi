@@ -94,6 +94,8 @@ class TreeDetection:
 @final
 class FitAnswer:
     points: int
+    angular_radii: list[float]
+    shadow_error: float
     channels: int
     errors: list[tuple[int, float]]
     error: float
@@ -145,6 +147,8 @@ def fit_map(
     fixed: int,
     lights: int,
     error: float | None,
+    shadow_error: float | None,
+    sizes: str | None,
     max_steps: int,
     upward: bool,
     floor: bool,

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use super::pool::{detached, in_pool};
 use super::sphere::registration;
 use crate::error::Result;
-use crate::kernels::fit::{self, Ambient, Asked, Fitted, Rig, Samples, StopReason, World};
+use crate::kernels::fit::{self, Ambient, Asked, Comparison, Fitted, Rig, Samples, StopReason, World};
 use crate::kernels::image;
 use crate::kernels::sphere::{from_vectors, unit_vectors};
 
@@ -36,6 +36,18 @@ impl FitAnswer {
     #[getter]
     fn irradiance<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         rows(py, &self.fitted.rig.irradiance)
+    }
+
+    /// Angular radius of each light, in radians: 0 for a point.
+    #[getter]
+    fn angular_radii(&self) -> Vec<f64> {
+        self.fitted.radii.clone()
+    }
+
+    /// Relative RMS error of the irradiance where things stand in the way, under a map.
+    #[getter]
+    fn shadow_error(&self) -> f64 {
+        self.fitted.shadow_error
     }
 
     /// Relative RMS error by number of lights.
@@ -124,7 +136,17 @@ fn asked(
     max_steps: usize,
 ) -> Result<Asked> {
     let ambient = Ambient::of(ambient)?;
-    Ok(Asked { ambient, start: unit_vectors("start", start)?, fixed, lights, error, max_steps })
+    let start = unit_vectors("start", start)?;
+    Ok(Asked { ambient, start, fixed, lights, error, shadow_error: None, sizes: None, max_steps })
+}
+
+/// By its name in Python, where it is checked.
+fn comparison(objective: &str) -> Comparison {
+    match objective {
+        "probe" => Comparison::Probe,
+        "mixed" => Comparison::Mixed,
+        _ => Comparison::Shadows,
+    }
 }
 
 /// See `envlights.fit`: all surfaces count, or those that face `upward`; or all over a `floor`.
@@ -141,6 +163,8 @@ pub fn fit_map(
     fixed: usize,
     lights: usize,
     error: Option<f64>,
+    shadow_error: Option<f64>,
+    sizes: Option<&str>,
     max_steps: usize,
     upward: bool,
     floor: bool,
@@ -152,8 +176,10 @@ pub fn fit_map(
         (true, _) => World::Upward,
         _ => World::Open,
     };
+    let sizes = sizes.map(comparison);
     in_pool(py, || {
         let asked = asked(ambient, start, fixed, lights, error, max_steps)?;
+        let asked = Asked { shadow_error, sizes, ..asked };
         let map = image::reduce(radiance, registration(border_sampled), columns, point_share)?;
         let map = if world == World::Floor { map.above_horizon() } else { map };
         let points = map.sources.dim().0;

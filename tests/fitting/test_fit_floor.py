@@ -45,8 +45,11 @@ def summed_probe_over_floor(radiance):
 def probe_over_floor(rig, shape):
     """Irradiance under a rig over a floor: its ambient term is a map that the floor cuts."""
     ambient = summed_probe_over_floor(np.broadcast_to(rig.ambient, shape))
-    cosine = np.maximum(NORMALS @ rig.lights.direction.T, 0)
-    return ambient + cosine @ rig.lights.irradiance
+    return ambient + kernels.rig_irradiance(NORMALS, np.zeros(3), *arrays(rig.lights))
+
+
+def arrays(lights):
+    return lights.direction, lights.irradiance, lights.angular_radius
 
 
 def errors_over_floor(rig, radiance):

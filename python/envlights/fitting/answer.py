@@ -21,7 +21,7 @@ def rig_of(answer: FitAnswer, asked: Asked, scale: float = 1.0) -> Rig:
     report = FitReport(
         errors=dict(answer.errors),
         steps=answer.steps,
-        stop_reason=_stop_reason(answer, asked.error),
+        stop_reason=_stop_reason(answer, asked),
         channel_errors=tuple(answer.channel_errors),
         max_error=answer.max_error,
         condition=answer.condition,
@@ -32,7 +32,7 @@ def rig_of(answer: FitAnswer, asked: Asked, scale: float = 1.0) -> Rig:
     )
     return Rig(
         ambient if len(ambient) > 1 else ambient.sum(axis=0),
-        Lights(answer.directions[order], irradiance[order]),
+        Lights(answer.directions[order], irradiance[order], np.take(answer.angular_radii, order)),
         answer.error,
         report,
     )
@@ -52,10 +52,11 @@ def _sorted_rgb(
     return tuple((red * scale, g * scale, b * scale) for red, g, b in (figures[i] for i in order))
 
 
-def _stop_reason(answer: FitAnswer, error: float | None) -> StopReason:
-    """Why there are no more lights, given the `error` that was asked for."""
+def _stop_reason(answer: FitAnswer, asked: Asked) -> StopReason:
+    """Why there are no more lights, given the errors that were asked for."""
     if not answer.ambient.any() and not answer.irradiance.any() and answer.error == 0:
         return StopReason.NOTHING_TO_FIT
-    if error is not None and answer.error > error:
+    has_goal = asked.error is not None or asked.shadow_error is not None
+    if has_goal and not asked.is_reached(answer.error, answer.shadow_error):
         return StopReason.ERROR_NOT_REACHED
     return StopReason[answer.stop]

@@ -40,6 +40,8 @@ class Asked(NamedTuple):
     """How many at most, the fixed ones among them."""
     error: float | None
     """Relative RMS error that is good enough."""
+    shadow_error: float | None
+    """The same where things stand in the way."""
     fixed: NDArray[np.float64]
     """Directions of lights that stay where they are."""
     given: NDArray[np.float64]
@@ -66,6 +68,13 @@ class Asked(NamedTuple):
             return _native.even_sphere(2 * count)[:count]
         return self.first_directions(MOST_STARTED)
 
+    def is_reached(self, error: float, shadow_error: float) -> bool:
+        """Whether these are good enough, where any error was asked for."""
+        wanted = ((self.error, error), (self.shadow_error, shadow_error))
+        return any(most is not None for most, _ in wanted) and all(
+            most is None or seen <= most for most, seen in wanted
+        )
+
     def check_above_horizon(self) -> None:
         """Refuse lights that a floor would hide."""
         for name, towards in (("fixed", self.fixed), ("start", self.given)):
@@ -83,6 +92,7 @@ def asked(
     start: str | Rig | Lights,
     fixed: ArrayLike | Lights | None,
     starts: tuple[str, ...] = STARTS,
+    shadow_error: float | None = None,
 ) -> Asked:
     """The arguments of a fit, checked; `starts` are the names that `start` may have."""
     fixed_directions, given = _fixed(fixed), _NOWHERE
@@ -91,8 +101,12 @@ def asked(
         start = "greedy"
     check_choice("start", start, starts)
     started = len(fixed_directions) + len(given)
-    most = _most_lights(lights, error, len(fixed_directions), started)
-    return Asked(most, error, fixed_directions, given, start)
+    for name, wanted in (("error", error), ("shadow_error", shadow_error)):
+        if wanted is not None:
+            amount(name, wanted, most=1.0)
+    has_goal = error is not None or shadow_error is not None
+    most = _most_lights(lights, has_goal, len(fixed_directions), started)
+    return Asked(most, error, shadow_error, fixed_directions, given, start)
 
 
 def _fixed(fixed: ArrayLike | Lights | None) -> NDArray[np.float64]:
@@ -106,15 +120,13 @@ def _fixed(fixed: ArrayLike | Lights | None) -> NDArray[np.float64]:
     return directions
 
 
-def _most_lights(lights: int | None, error: float | None, fixed: int, started: int) -> int:
+def _most_lights(lights: int | None, has_goal: bool, fixed: int, started: int) -> int:
     """How many lights there may be, of which `fixed` are fixed and `started` have a start."""
-    if error is not None:
-        amount("error", error, most=1.0)
     if lights is not None:
         if count("lights", lights) < fixed:
             raise EnvLightsError(f"lights must be at least the {fixed} fixed ones; got {lights}")
         return int(lights)
-    if error is not None:
+    if has_goal:
         return max(MOST_LIGHTS, fixed)
     return started or LIGHTS
 

@@ -24,6 +24,8 @@ from envlights.rig import Rig
 AMBIENTS = {"none": 0, "constant": 1, "sh2": 9}
 #: The one of them that the map asks for.
 AUTO = "auto"
+#: What lights with sizes are fitted to.
+OBJECTIVES = ("mixed", "shadows", "probe")
 #: Surfaces whose irradiance is fitted.
 NORMALS = ("sphere", "upper")
 
@@ -41,13 +43,16 @@ def fit(
     lights: int | None = None,
     *,
     error: float | None = None,
+    shadow_error: float | None = None,
+    sizes: bool = True,
+    objective: str = "mixed",
     ambient: str = "constant",
     start: str | Rig | Lights = "greedy",
     fixed: ArrayLike | Lights | None = None,
     normals: str = "sphere",
     floor: bool = False,
 ) -> Rig:
-    """Ambient and a few directional lights that light a white probe as `env` does.
+    """Ambient and a few lights that light a scene as `env` does.
 
     The squared difference of two white Lambertian probes, under the map and under the lights, is
     integrated over all normals in closed form. The lights are found by variable projection with
@@ -56,6 +61,11 @@ def fit(
     lights while that pays. Each descent takes Gauss-Newton steps, then exact Newton steps. No light
     is added below an error of 1e-4, which is that of the reduced map. The error is measured on
     probes at 5120 normals.
+
+    A last descent gives every light a size: it becomes a disc of uniform radiance, whose direction,
+    radius and radiance are found together. It minimises an error that sees shadows: the irradiance
+    at every normal, with everything hidden that is behind a plane, over all planes. That error has
+    a closed form too, and `report` tells it beside the error of the probe.
 
     For objects that stand on a floor, give ``floor=True``: the floor hides the light from below,
     from the objects and from itself. For objects in the air, or with nothing below them in the
@@ -67,13 +77,22 @@ def fit(
     env : EnvMap or array_like, shape (height, 2 * height, 3)
         The map; an array is taken as `EnvMap` takes it.
     lights : int, optional
-        How many directional lights at most, 0 or more. Fewer come back where more would not lower
-        the error. Left out: 4, or as many as `fixed` or `start` have, or up to 32 where an `error`
-        is asked for.
+        How many lights at most, 0 or more. Fewer come back where more would not lower the error.
+        Left out: 4, or as many as `fixed` or `start` have, or up to 32 where an `error` or a
+        `shadow_error` is asked for.
     error : float, optional
         Relative RMS error that is good enough: the fewest lights that reach it come back, which
         may be none. `report` holds the error for each number that was tried, and says whether
         `lights` were enough.
+    shadow_error : float, optional
+        The same for the error that sees shadows. With both, the fewest lights that reach both.
+    sizes : bool
+        Whether lights become discs. Their angular radii are at most 75 degrees; over a `floor`, at
+        most their elevation. A radius of 0 is a point. Without sizes all lights are points. Lights
+        for ``normals="upper"`` have no sizes.
+    objective : {"mixed", "shadows", "probe"}
+        What the discs are fitted to: the error with shadows, that of the probe with nothing in the
+        way, or a mean of both, which is nearly as good as either alone.
     ambient : {"constant", "none", "sh2", "auto"}
         "constant": beside the lights, an environment of one radiance. "none": lights alone. "sh2":
         an environment of nine spherical harmonics, the form that real-time engines take; its
@@ -90,8 +109,8 @@ def fit(
         give `lights` and `ambient` for every frame. Lights are matched by their directions: their
         order is that of the brightness in this frame.
     fixed : array_like, shape (k, 3), or Lights, optional
-        Unit vectors towards lights that stay where they are; only their radiances are fitted. They
-        count among `lights`, and are returned even if black. `report.fixed` holds their rows among
+        Unit vectors towards lights that stay where they are; only their radiances and sizes are
+        fitted. They count among `lights`, and are returned even if black. `report.fixed` holds their rows among
         the lights of the rig.
     normals : {"sphere", "upper"}
         Which surfaces count, in the fit and in the error: all, or those that face up. Upward
@@ -111,9 +130,10 @@ def fit(
     Raises
     ------
     EnvLightsError
-        If `env` is not a map, `lights` not a count or fewer than `fixed`, `error` not a share, a
-        `fixed` direction not a unit vector, or `ambient`, `start` or `normals` not known; with a
-        `floor`, for "sh2", for "upper", and for `fixed` or `start` lights below the horizon.
+        If `env` is not a map, `lights` not a count or fewer than `fixed`, `error` or `shadow_error`
+        not a share, a `fixed` direction not a unit vector, or `objective`, `ambient`, `start` or
+        `normals` not known; with a `floor`, for "sh2", for "upper", and for `fixed` or `start`
+        lights below the horizon.
 
     See Also
     --------
@@ -146,7 +166,9 @@ def fit(
     """
     check_choice("ambient", ambient, (*AMBIENTS, AUTO))
     check_choice("normals", normals, NORMALS)
-    wanted = asked(lights, error, start, fixed)
+    check_choice("objective", objective, OBJECTIVES)
+    wanted = asked(lights, error, start, fixed, shadow_error=shadow_error)
+    of_discs = objective if flag("sizes", sizes) and normals != "upper" else None
     if flag("floor", floor):
         _check_over_floor(ambient, normals, wanted)
     names = tuple(AMBIENTS)[: 2 if floor else 3] if ambient == AUTO else (ambient,)
@@ -155,11 +177,11 @@ def fit(
     def answers_under(world: EnvMap) -> dict[str, FitAnswer]:
         first = wanted.first_directions_under(world, floor)
         clock.lap("start")
-        return {name: _answer(world, wanted, first, name, normals, floor) for name in names}
+        return {name: _answer(world, wanted, first, name, of_discs, normals, floor) for name in names}
 
     world, answers = seen_through(env, answers_under)
     clock.lap("fit")
-    chosen = _chosen(answers, error)
+    chosen = _chosen(answers, wanted)
     answer = answers[chosen]
     rig = rig_of(answer, wanted)
     clock.lap("report")
@@ -167,6 +189,7 @@ def fit(
         rig.report,
         seconds=clock.laps,
         measured_on=_measured_on(answer.judging, normals, floor),
+        shadow_error=answer.shadow_error,
         ambient=chosen,
         ambients={name: (len(one.directions), one.error) for name, one in answers.items()}
         if ambient == AUTO
@@ -174,6 +197,7 @@ def fit(
         skipped=(
             *_working_map(world, answer.points),
             *_channels(answer),
+            *_sizes(sizes, normals),
             *_counts(rig, wanted, RENDERING_ERROR),
         ),
     )
@@ -310,9 +334,15 @@ def _check_over_floor(ambient: str, normals: str, wanted: Asked) -> None:
 
 
 def _answer(
-    env: EnvMap, wanted: Asked, first: NDArray[np.float64], ambient: str, normals: str, floor: bool
+    env: EnvMap,
+    wanted: Asked,
+    first: NDArray[np.float64],
+    ambient: str,
+    objective: str | None,
+    normals: str,
+    floor: bool,
 ) -> FitAnswer:
-    """The best rig under `env` with one kind of `ambient` term."""
+    """The best rig under `env` with one kind of `ambient` term; of points without an `objective`."""
     return _native.fit_map(
         env.radiance,
         env.registration == "border-sampled",
@@ -323,6 +353,8 @@ def _answer(
         len(wanted.fixed),
         wanted.lights,
         wanted.error,
+        wanted.shadow_error,
+        objective,
         MAX_STEPS,
         normals == "upper",
         floor,
@@ -330,15 +362,15 @@ def _answer(
     )
 
 
-def _chosen(answers: Mapping[str, FitAnswer], error: float | None) -> str:
-    """The ambient term that reaches the `error` with the fewest lights; else that of least error.
+def _chosen(answers: Mapping[str, FitAnswer], wanted: Asked) -> str:
+    """The ambient term that is good enough with the fewest lights; else that of least error.
 
     `answers` hold the simplest first, which is chosen where several do as well.
     """
     reached = {
         name: len(answer.directions)
         for name, answer in answers.items()
-        if error is not None and answer.error <= error
+        if wanted.is_reached(answer.error, answer.shadow_error)
     }
     if reached:
         return min(reached, key=lambda name: reached[name])
@@ -370,12 +402,17 @@ def _channels(answer: FitAnswer) -> tuple[str, ...]:
     return (f"{left_out} of 3 channels: black, or the same as another",) if left_out else ()
 
 
+def _sizes(sizes: bool, normals: str) -> tuple[str, ...]:
+    """A note where lights have no sizes though they may."""
+    return ("sizes: lights for upward normals are points",) if sizes and normals == "upper" else ()
+
+
 def _counts(rig: Rig, wanted: Asked, rendering_error: float) -> tuple[str, ...]:
     """Why there are fewer lights than there may be."""
     used, most, tried = len(rig.lights), wanted.lights, max(rig.report.errors)
     if used >= most:
         return ()
-    if wanted.error is not None and rig.error <= wanted.error:
+    if wanted.is_reached(rig.error, rig.report.shadow_error or 0.0):
         why = "fewer are good enough"
     elif rig.error <= rendering_error:
         why = f"the error is below that of rendering, {rendering_error:.0e}"

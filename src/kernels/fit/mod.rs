@@ -13,11 +13,13 @@
 //! | what a light in a new place would explain       | `candidates.rs`, `moves.rs`        |
 //! | best set of a number of lights                  | `search.rs`, `multistart.rs`       |
 //! | which number                                    | `light_count.rs`                   |
+//! | lights with a size, right in shadows            | `discs/`                           |
 //! | how well the probe determines them              | `uncertainty.rs`                   |
 
 mod ambient;
 mod candidates;
 mod descent;
+mod discs;
 mod light_count;
 mod moves;
 mod multistart;
@@ -34,6 +36,7 @@ mod state;
 mod uncertainty;
 
 pub use ambient::Ambient;
+pub use discs::Comparison;
 pub use objective::Objective;
 pub use problem::Problem;
 pub use rig::{Rig, irradiance};
@@ -45,6 +48,8 @@ pub use uncertainty::Uncertainty;
 use glam::DVec3;
 use ndarray::{ArrayView1, ArrayView2, Zip};
 
+use self::discs::{Sized, Sizes};
+use self::light_count::Tried;
 use self::state::State;
 use super::image::WorkingMap;
 use super::probe;
@@ -64,6 +69,10 @@ pub struct Asked {
     pub lights: usize,
     /// Relative RMS error that is good enough.
     pub error: Option<f64>,
+    /// The same where things stand in the way.
+    pub shadow_error: Option<f64>,
+    /// By which comparison the lights get sizes; none: they are points.
+    pub sizes: Option<Comparison>,
     /// Steps after which a descent gives up.
     pub max_steps: usize,
 }
@@ -73,8 +82,12 @@ pub struct Asked {
 pub struct Fitted {
     /// Ambient and lights, those that were fixed first.
     pub rig: Rig,
+    /// Angular radius of each light, in radians: 0 for a point.
+    pub radii: Vec<f64>,
     /// How far it is from the probe.
     pub judged: Judged,
+    /// Relative RMS error of the irradiance where things stand in the way, under a map: `discs/`.
+    pub shadow_error: f64,
     /// Normals that this was measured at.
     pub judging: usize,
     /// Relative RMS error by number of lights.
@@ -112,11 +125,11 @@ pub fn under_map(map: &WorkingMap, world: World, asked: &Asked, error_floor: f64
     const JUDGING: usize = 5120;
     if world == World::Upward {
         let (judge, fitted) = (rendered(map, 2 * JUDGING)?.upward(), rendered(map, JUDGING)?.upward());
-        return judged(&Probe::new(fitted, asked.ambient), &judge, asked, error_floor);
+        return judged(&Probe::new(fitted, asked.ambient), &judge, map, asked, error_floor);
     }
     let sphere = || Sphere::new(map, asked.ambient, world == World::Floor);
     let (judge, sphere) = rayon::join(|| rendered(map, JUDGING), sphere);
-    judged(&sphere, &judge?, asked, error_floor)
+    judged(&sphere, &judge?, map, asked, error_floor)
 }
 
 /// The probe under a map at normals that are quickly looked at.
@@ -126,12 +139,16 @@ fn rendered(map: &WorkingMap, fewest: usize) -> Result<Samples> {
 }
 
 /// The best rig for an objective, and how far its lights may stand elsewhere.
-fn judged(objective: &dyn Objective, judge: &Samples, asked: &Asked, error_floor: f64) -> Result<Fitted> {
+fn judged(
+    objective: &dyn Objective,
+    judge: &Samples,
+    map: &WorkingMap,
+    asked: &Asked,
+    error_floor: f64,
+) -> Result<Fitted> {
     check_unknowns(asked, judge.normals.len())?;
-    let problem = asked.problem(objective);
-    let (state, mut fitted) = fit(&problem, judge, error_floor)?;
-    fitted.tolerances = uncertainty::tolerances(&problem, &state, fitted.judged.error);
-    Ok(fitted)
+    let sizes = Sizes::new(map, objective.given(), asked.sizes.unwrap_or(Comparison::Shadows));
+    fit(&asked.problem(objective), &Figures { judge, sizes: Some(sizes), asked }, error_floor)
 }
 
 /// The best rig for irradiance at given normals, which judge it as well.
@@ -142,33 +159,78 @@ fn judged(objective: &dyn Objective, judge: &Samples, asked: &Asked, error_floor
 pub fn to_samples(samples: Samples, asked: &Asked) -> Result<Fitted> {
     check_unknowns(asked, samples.normals.len())?;
     let probe = Probe::new(samples, asked.ambient);
-    let (_, mut fitted) = fit(&asked.problem(&probe), &probe.samples, 0.0)?;
+    let mut fitted =
+        fit(&asked.problem(&probe), &Figures { judge: &probe.samples, sizes: None, asked }, 0.0)?;
     fitted.uncertainty = uncertainty::uncertainty(&probe, &fitted.rig, asked.fixed);
     Ok(fitted)
 }
 
+/// What judges a place of the search.
+struct Figures<'a> {
+    judge: &'a Samples,
+    /// What knows of shadows, under a map.
+    sizes: Option<Sizes<'a>>,
+    asked: &'a Asked,
+}
+
+impl Figures<'_> {
+    /// On the way to a number of lights: in full only where an error was asked for.
+    fn on_the_way(&self, problem: &Problem<'_>, state: State) -> Tried {
+        if self.asked.error.is_some() || self.asked.shadow_error.is_some() {
+            return self.full(problem, state).0;
+        }
+        let error = self.judge.error(&state.rig(problem.objective.given()));
+        Tried { state, error, shadow_error: 0.0 }
+    }
+
+    /// The rig, with sizes where these were asked for, and its errors.
+    fn full(&self, problem: &Problem<'_>, state: State) -> (Tried, Sized, Judged) {
+        let given = problem.objective.given();
+        let rig = state.rig(given);
+        let found = match (&self.sizes, self.asked.sizes) {
+            (Some(sizes), Some(_)) => sizes.fitted(given, &rig, problem.fixed, problem.max_steps),
+            _ => Sized::points(rig),
+        };
+        let judged = match self.asked.sizes {
+            Some(_) => discs::judged(self.judge, &found.rig, &found.radii),
+            None => self.judge.judged(&found.rig),
+        };
+        let shadow_error =
+            self.sizes.as_ref().map_or(0.0, |sizes| sizes.shadow_error(given, &found.rig, &found.radii));
+        (Tried { state, error: judged.error, shadow_error }, found, judged)
+    }
+}
+
 /// The best place, and what the caller sees of it.
-fn fit(problem: &Problem<'_>, judge: &Samples, error_floor: f64) -> Result<(State, Fitted)> {
-    let path = light_count::path(problem, judge, error_floor)?;
-    let chosen = light_count::chosen(problem, &path, error_floor);
-    let state = path[chosen].0.clone().polished(problem);
+fn fit(problem: &Problem<'_>, figures: &Figures<'_>, error_floor: f64) -> Result<Fitted> {
+    let goal = light_count::Goal { error: problem.error, shadow_error: figures.asked.shadow_error };
+    let judge = |state: &State| figures.on_the_way(problem, state.clone());
+    let path = light_count::path(problem, &goal, &judge, error_floor)?;
+    let chosen = light_count::chosen(problem, &goal, &path, error_floor);
+    let state = path[chosen].state.clone().polished(problem);
     let state = state.without_black(problem).unwrap_or(state);
-    let rig = state.rig(problem.objective.given());
-    let judged = judge.judged(&rig);
-    let mut errors: Vec<(usize, f64)> = path.iter().map(|(state, error)| (state.lights(), *error)).collect();
+    let (tried, found, judged) = figures.full(problem, state);
+    let mut errors: Vec<(usize, f64)> =
+        path.iter().map(|tried| (tried.state.lights(), tried.error)).collect();
     errors[chosen].1 = judged.error;
-    let fitted = Fitted {
-        rig,
+    let state = tried.state;
+    // Measured values have standard errors instead.
+    let is_map = figures.sizes.is_some();
+    let of_points = || is_map.then(|| uncertainty::tolerances(problem, &state, judged.error));
+    let tolerances = found.tolerances.or_else(of_points).unwrap_or_default();
+    Ok(Fitted {
+        rig: found.rig,
+        radii: found.radii,
         judged,
-        judging: judge.normals.len(),
+        shadow_error: tried.shadow_error,
+        judging: figures.judge.normals.len(),
         errors,
         channels: problem.objective.given().channels.len(),
-        steps: state.steps,
-        stop: state.stop.unwrap_or(StopReason::Converged),
-        tolerances: Vec::new(),
+        steps: state.steps + found.steps,
+        stop: found.stop.or(state.stop).unwrap_or(StopReason::Converged),
+        tolerances,
         uncertainty: Uncertainty::default(),
-    };
-    Ok((state, fitted))
+    })
 }
 
 impl Asked {
@@ -221,7 +283,16 @@ mod tests {
     use ndarray::s;
 
     fn asked(lights: usize, ambient: Ambient) -> Asked {
-        Asked { ambient, start: Vec::new(), fixed: 0, lights, error: None, max_steps: 100 }
+        Asked {
+            ambient,
+            start: Vec::new(),
+            fixed: 0,
+            lights,
+            error: None,
+            shadow_error: None,
+            sizes: None,
+            max_steps: 100,
+        }
     }
 
     fn found(rig: &Rig, lights: usize) -> Fitted {

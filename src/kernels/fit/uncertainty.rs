@@ -32,7 +32,7 @@ use super::samples::{Probe, Samples};
 use super::state::State;
 
 /// Growth of the error at which a light has gone too far.
-const GROWTH: f64 = 1.1;
+pub const GROWTH: f64 = 1.1;
 
 /// How far each light of `state` may stand elsewhere before the relative RMS error, now `error`, grows by a tenth,
 /// in radians: 0 where it is fixed, pi where nothing holds it.

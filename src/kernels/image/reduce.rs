@@ -20,6 +20,8 @@ pub struct WorkingMap {
     pub grid: Grid,
     /// Vector irradiance of the cells that became sources, (n, 3 axes, 3 channels).
     pub sources: Array3<f64>,
+    /// How far the light of each is spread: the mean of 1 - cos of the angle to its middle.
+    pub spreads: Vec<f64>,
 }
 
 impl WorkingMap {
@@ -66,6 +68,11 @@ pub fn reduce(
     let cells = bright_cells(&flux, source_share);
     let sources: Vec<[[f64; 3]; 3]> =
         cells.iter().map(|&(row, column)| vector_irradiance(radiance, &pixels, block, row, column)).collect();
+    let spreads = cells.iter().zip(&sources).map(|(&(row, column), source)| {
+        let flux = flux.slice(s![row, column, ..]).sum();
+        (spread(source, flux) - pixel_spread(&pixels, (row * block, column * block))).max(0.0)
+    });
+    let spreads = spreads.collect();
     for &(row, column) in &cells {
         flux.slice_mut(s![row, column, ..]).fill(0.0);
     }
@@ -73,6 +80,7 @@ pub fn reduce(
         radiance: mean_radiance(&flux, &grid),
         grid,
         sources: Array3::from_shape_fn((cells.len(), 3, 3), |(i, axis, channel)| sources[i][axis][channel]),
+        spreads,
     })
 }
 
@@ -155,6 +163,20 @@ fn vector_irradiance(
         }
     }
     sum
+}
+
+/// Mean of 1 - cos of the angle to the middle, of a source and its whole `flux`: light that comes from several
+/// directions has a vector irradiance that is shorter.
+fn spread(source: &[[f64; 3]; 3], flux: f64) -> f64 {
+    let length = source.iter().map(|axis| axis.iter().sum::<f64>().powi(2)).sum::<f64>().sqrt();
+    if flux > 0.0 { (1.0 - length / flux).max(0.0) } else { 0.0 }
+}
+
+/// The same of one pixel, even all over: for the sides v and h, `1 - cos` is half the mean of `x^2 + y^2`.
+fn pixel_spread(pixels: &Grid, (row, column): (usize, usize)) -> f64 {
+    let (theta, phi) = (&pixels.theta_edges[row..row + 2], &pixels.phi_edges[column..column + 2]);
+    let width = (phi[1] - phi[0]) * (0.5 * (theta[0] + theta[1])).sin();
+    ((theta[1] - theta[0]).powi(2) + width.powi(2)) / 24.0
 }
 
 fn mean_radiance(flux: &Array3<f64>, grid: &Grid) -> Array3<f32> {

@@ -80,14 +80,7 @@ impl Samples {
             whole += weight * e * e;
             largest = largest.max(off.max_element());
         }
-        let weights: f64 = self.weights.iter().sum();
-        let rms = (whole.element_sum() / weights / 3.0).sqrt();
-        let relative = |c: usize| (difference[c] / if whole[c] > 0.0 { whole[c] } else { 1.0 }).sqrt();
-        Judged {
-            error: self.error(rig),
-            channels: [0, 1, 2].map(relative),
-            largest: largest / if rms > 0.0 { rms } else { 1.0 },
-        }
+        Judged { error: self.error(rig), ..Judged::of(difference, whole, largest, self.weights.iter().sum()) }
     }
 
     /// Relative RMS error of `rig`; absolute where all is black.
@@ -106,4 +99,19 @@ pub struct Judged {
     pub channels: [f64; 3],
     /// The greatest difference at any normal and in any channel, relative to the RMS irradiance.
     pub largest: f64,
+}
+
+impl Judged {
+    /// From sums over normals of the squared difference and of the squared irradiance, each with a weight, the largest
+    /// difference, and the sum of the weights.
+    pub fn of(difference: DVec3, whole: DVec3, largest: f64, weights: f64) -> Self {
+        let rms = (whole.element_sum() / weights / 3.0).sqrt();
+        let relative =
+            |difference: f64, whole: f64| (difference / if whole > 0.0 { whole } else { 1.0 }).sqrt();
+        Self {
+            error: relative(difference.element_sum(), whole.element_sum()),
+            channels: [0, 1, 2].map(|c| relative(difference[c], whole[c])),
+            largest: largest / if rms > 0.0 { rms } else { 1.0 },
+        }
+    }
 }

@@ -1,0 +1,146 @@
+//! Lights with a size: discs of uniform radiance, fitted so that the rig is right where things stand in the way.
+//!
+//! The error is `<D, D>` of the difference D of two distributions of radiance, under the map and under the rig, with a
+//! kernel that sees shadows (`zonal.rs`). [`Sizes::fitted`] starts from lights without a size:
+//!
+//! | step                                                  | file            |
+//! |-------------------------------------------------------|-----------------|
+//! | kernels, and discs, in Legendre polynomials           | `zonal.rs`      |
+//! | numbers with derivatives                              | `jet.rs`        |
+//! | the cone of the kernel, between two discs             | `chord.rs`      |
+//! | the map in harmonics                                  | `harmonics.rs`  |
+//! | inner products of discs, the map and the ambient term | `target.rs`     |
+//! | radii to start from                                   | `start.rs`      |
+//! | best fluxes, and the cost to second order             | `state.rs`, `newton.rs` |
+//! | downhill                                              | `descent.rs`    |
+//! | the error at normals                                  | `judge.rs`      |
+
+mod chord;
+mod descent;
+mod harmonics;
+mod jet;
+mod judge;
+mod newton;
+mod start;
+mod state;
+mod target;
+mod zonal;
+
+pub use judge::judged;
+pub use zonal::Comparison;
+
+use glam::DVec3;
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+use self::descent::{Descended, descend};
+use self::newton::Quadratic;
+use self::state::{Problem, State};
+use self::target::{Disc, Picture, Target};
+use super::objective::Given;
+use super::rig::Rig;
+use super::state::StopReason;
+use super::uncertainty::GROWTH;
+use crate::kernels::image::WorkingMap;
+
+/// Relative fall of the cost in one step at which a start has shown what it is worth, and at which an answer is final.
+const ROUGH: f64 = 1e-2;
+const FINE: f64 = 1e-9;
+
+/// A rig whose lights have angular radii, and how it was found.
+#[derive(Clone, Debug)]
+pub struct Sized {
+    pub rig: Rig,
+    pub radii: Vec<f64>,
+    /// How far each light may stand elsewhere; none where that was not asked here.
+    pub tolerances: Option<Vec<f64>>,
+    pub steps: usize,
+    /// Why the descent ended, where there was one.
+    pub stop: Option<StopReason>,
+}
+
+impl Sized {
+    /// Lights without a size.
+    pub fn points(rig: Rig) -> Self {
+        Self { radii: vec![0.0; rig.directions.len()], rig, tolerances: None, steps: 0, stop: None }
+    }
+}
+
+/// A map, ready to be compared with lights that have sizes.
+#[derive(Clone, Debug)]
+pub struct Sizes<'a> {
+    map: &'a WorkingMap,
+    shadows: Target,
+    /// Another kernel to fit by.
+    other: Option<Target>,
+}
+
+impl<'a> Sizes<'a> {
+    /// For a `map`, over a floor or not, and for fits by one comparison.
+    pub fn new(map: &'a WorkingMap, given: &Given, comparison: Comparison) -> Self {
+        let picture = Picture::new(map);
+        let target = |comparison| Target::new(&picture, comparison, given.ambient, given.has_floor);
+        let other = (comparison != Comparison::Shadows).then(|| target(comparison));
+        Self { map, shadows: target(Comparison::Shadows), other }
+    }
+
+    /// Relative RMS error of the irradiance behind every plane, under a rig whose lights have these radii.
+    pub fn shadow_error(&self, given: &Given, rig: &Rig, radii: &[f64]) -> f64 {
+        let lights = rig.directions.iter().zip(radii);
+        let discs: Vec<Disc> = lights
+            .map(|(&direction, radius)| Disc::new(direction, radius.max(state::LEAST_RADIUS)))
+            .collect();
+        let (gram, rhs) = self.shadows.products(&discs);
+        let flux =
+            rig.irradiance.iter().zip(&discs).map(|(&irradiance, disc)| irradiance / (1.0 - disc.share));
+        let x: Vec<DVec3> = rig.ambient.iter().copied().chain(flux).collect();
+        let x = DMatrix::from_fn(x.len(), 3, |i, c| x[i][c]);
+        let used = &gram * &x;
+        let left = |c: usize| {
+            self.shadows.energy[c] + used.column(c).dot(&x.column(c)) - 2.0 * rhs.column(c).dot(&x.column(c))
+        };
+        let counted = |c: &usize| given.like[*c].is_some();
+        let left: f64 = (0..3).filter(counted).map(left).sum();
+        let energy: f64 = (0..3).filter(counted).map(|c| self.shadows.energy[c]).sum();
+        if energy > 0.0 { (left.max(0.0) / energy).sqrt() } else { left.max(0.0).sqrt() }
+    }
+
+    /// The best rig near one without sizes, whose first `fixed` lights keep their directions.
+    pub fn fitted(&self, given: &Given, rig: &Rig, fixed: usize, max_steps: usize) -> Sized {
+        let target = self.other.as_ref().unwrap_or(&self.shadows);
+        let problem = Problem { target, given, fixed, max_steps };
+        let starts = start::starts(&problem, self.map, rig);
+        let is_only = starts.len() == 1;
+        let descended = |state: State| descend(&problem, state, if is_only { FINE } else { ROUGH });
+        let rough: Vec<Descended> = starts.into_par_iter().map(descended).collect();
+        let before: usize = rough.iter().map(|one| one.steps).sum();
+        let best = rough.into_iter().min_by(|a, b| a.state.cost.total_cmp(&b.state.cost));
+        let Some(best) = best else { return Sized::points(rig.clone()) };
+        let Descended { state, steps, stop } =
+            if is_only { Descended { steps: 0, ..best } } else { descend(&problem, best.state, FINE) };
+        let steps = before + steps;
+        let state = state.without_black(&problem);
+        let growth = (GROWTH * GROWTH - 1.0) * state.cost.max(0.0);
+        let tolerances = Some(Quadratic::around(&problem, &state).tolerances(growth));
+        let (rig, radii) = rig_of(given, &state);
+        Sized { rig, radii, tolerances, steps, stop: Some(stop) }
+    }
+}
+
+/// The rig of a state.
+fn rig_of(given: &Given, state: &State) -> (Rig, Vec<f64>) {
+    let ambient = given.ambient.coefficients();
+    let rgb = |row: usize| {
+        DVec3::from_array(given.like.map(|like| like.map_or(0.0, |channel| state.x[(row, channel)])))
+    };
+    // A disc seen from the front gives less than its flux.
+    let irradiance = |(light, disc): (usize, &Disc)| rgb(ambient + light) * (1.0 - disc.share);
+    let radius = |disc: &Disc| if disc.radius > state::LEAST_RADIUS { disc.radius } else { 0.0 };
+    let rig = Rig {
+        ambient: (0..ambient).map(rgb).collect(),
+        directions: state.discs.iter().map(|disc| disc.direction).collect(),
+        irradiance: state.discs.iter().enumerate().map(irradiance).collect(),
+        has_floor: given.has_floor,
+    };
+    (rig, state.discs.iter().map(radius).collect())
+}

@@ -1,0 +1,90 @@
+//! Discs to start from: lights without a size, as wide as the light is spread that each stands for.
+//!
+//! Above the ambient radiance, each direction of the map is given to its nearest light. The disc of the same mean of
+//! 1 - cos of the angle to its centre has `cos a = 1 - 2 mean(1 - cos)`.
+//!
+//! Beside harmonics, this says little: they hold some of the spread light, and the probe hardly tells a light from
+//! its opposite, for the difference is nearly a harmonic of degree 1. Shadows do. So small discs are tried as well,
+//! and every light on the side that is better.
+
+use glam::DVec3;
+
+use super::state::{Problem, State};
+use crate::kernels::fit::ambient::Ambient;
+use crate::kernels::fit::rig::Rig;
+use crate::kernels::image::WorkingMap;
+use crate::kernels::sphere::direction;
+
+/// States to start from, near a `rig` of lights without a size.
+pub fn starts(problem: &Problem<'_>, map: &WorkingMap, rig: &Rig) -> Vec<State> {
+    /// Less than the spread, for a sun in a bright sky counts more than the sky.
+    const PART: f64 = 0.65;
+    /// Radii of small discs.
+    const SMALL: [f64; 2] = [0.05, 0.3];
+    let spread = spread(map, rig).into_iter().map(|radius| PART * radius).collect();
+    let mut starts: Vec<Vec<f64>> = vec![spread];
+    if problem.given.ambient == Ambient::Sh2 {
+        starts.extend(SMALL.map(|radius| vec![radius; rig.directions.len()]));
+    }
+    let state = |radii: &Vec<f64>| {
+        let lights = rig.directions.iter().zip(radii);
+        let discs = lights.map(|(&direction, &radius)| problem.disc(direction, radius)).collect();
+        let state = State::new(problem, discs, &[]);
+        if problem.given.ambient == Ambient::Sh2 { on_better_sides(problem, state) } else { state }
+    };
+    starts.iter().map(state).collect()
+}
+
+/// With each light, one after the other, on the opposite side where that is better.
+fn on_better_sides(problem: &Problem<'_>, mut state: State) -> State {
+    for light in problem.fixed..state.discs.len() {
+        let mut discs = state.discs.clone();
+        discs[light] = problem.disc(-discs[light].direction, discs[light].radius);
+        let opposite = State::new(problem, discs, &[]);
+        if opposite.cost < state.cost {
+            state = opposite;
+        }
+    }
+    state
+}
+
+/// Radius of the disc that is spread like the light around each light.
+fn spread(map: &WorkingMap, rig: &Rig) -> Vec<f64> {
+    let ambient = if rig.ambient.len() == 1 { rig.ambient[0].element_sum() } else { 0.0 };
+    let mut sums = vec![[0.0; 2]; rig.directions.len()];
+    let mut add = |towards: DVec3, flux: f64| {
+        let mut nearest = (f64::NEG_INFINITY, 0);
+        for (light, direction) in rig.directions.iter().enumerate() {
+            let cosine = direction.dot(towards);
+            if cosine > nearest.0 {
+                nearest = (cosine, light);
+            }
+        }
+        if let Some(sum) = sums.get_mut(nearest.1) {
+            sum[0] += flux;
+            sum[1] += flux * (1.0 - nearest.0);
+        }
+    };
+    let (thetas, phis) = (&map.grid.theta_edges, &map.grid.phi_edges);
+    for (row, edges) in map.radiance.outer_iter().zip(thetas.windows(2)) {
+        let (theta, band) = (0.5 * (edges[0] + edges[1]), edges[0].cos() - edges[1].cos());
+        for (cell, edges) in row.outer_iter().zip(phis.windows(2)) {
+            let above = f64::from(cell[0] + cell[1] + cell[2]) - ambient;
+            if above > 0.0 {
+                add(direction(theta, 0.5 * (edges[0] + edges[1])), above * band * (edges[1] - edges[0]));
+            }
+        }
+    }
+    for source in map.sources.outer_iter() {
+        let vector = DVec3::new(source.row(0).sum(), source.row(1).sum(), source.row(2).sum());
+        let flux = vector.length();
+        if flux > 0.0 {
+            add(vector / flux, flux);
+        }
+    }
+    let radius = |[flux, spread]: &[f64; 2]| {
+        let mean = if *flux > 0.0 { spread / flux } else { 0.0 };
+        (1.0 - 2.0 * mean).clamp(-1.0, 1.0).acos()
+    };
+    sums.iter().map(radius).collect()
+}

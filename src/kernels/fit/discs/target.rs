@@ -1,0 +1,341 @@
+//! The map to which lights are compared, and their inner products with it and with each other.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use glam::DVec3;
+use nalgebra::DMatrix;
+use ndarray::Axis;
+
+use super::chord::mean_distance;
+use super::harmonics::{Harmonics, Place, Sum};
+use super::jet::Jet;
+use super::zonal::{Comparison, DEGREE, Factors, Kernel, factors};
+use crate::kernels::fit::ambient::Ambient;
+use crate::kernels::harmonics::{cosine_lobe, irradiance_of_moments, radiance};
+use crate::kernels::image::WorkingMap;
+
+/// A light of uniform radiance within an angular radius.
+#[derive(Clone, Copy, Debug)]
+pub struct Disc {
+    pub direction: DVec3,
+    pub radius: f64,
+    /// A = sin^2(radius / 2): its vector irradiance is 1 - A times its flux.
+    pub share: f64,
+    place: Place,
+    factors: Factors,
+}
+
+impl Disc {
+    pub fn new(direction: DVec3, radius: f64) -> Self {
+        let share = (0.5 * radius).sin().powi(2);
+        Self { direction, radius, share, place: Place::new(direction), factors: factors(share) }
+    }
+
+    /// Two tangents: the first two coordinates of derivatives; the third is A.
+    pub fn frame(&self) -> [DVec3; 2] {
+        self.place.frame
+    }
+}
+
+/// A bright cell of the map, as a disc of the same spread.
+#[derive(Clone, Copy, Debug)]
+struct Patch {
+    direction: DVec3,
+    share: f64,
+    flux: [f64; 3],
+}
+
+/// The map as bright cells and harmonics of the rest.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    rest: Harmonics,
+    patches: Vec<Patch>,
+    /// The harmonics of the patches.
+    bright: Harmonics,
+    /// By channel: what the harmonics of the rest leave out of the integral of its square.
+    fine: [f64; 3],
+}
+
+impl Picture {
+    /// Of a map.
+    pub fn new(map: &WorkingMap) -> Self {
+        /// The brightest sources that are kept apart; harmonics take the others.
+        const MOST_PATCHES: usize = 128;
+        let mut rest = Harmonics::of_cells(map.radiance.view(), &map.grid);
+        let mut patches = patches(map, &mut rest);
+        let power = |patch: &Patch| patch.flux.iter().sum::<f64>();
+        patches.sort_by(|a, b| power(b).total_cmp(&power(a)));
+        for patch in patches.split_off(MOST_PATCHES.min(patches.len())) {
+            rest.add_disc(patch.direction, &factors(patch.share), patch.flux);
+        }
+        let mut bright = Harmonics::zero();
+        for patch in &patches {
+            bright.add_disc(patch.direction, &factors(patch.share), patch.flux);
+        }
+        let fine = fine(map, &rest);
+        Self { rest, patches, bright, fine }
+    }
+}
+
+/// The sources of the map as discs. Where their channels have their middles aside of each other, the first degree of
+/// the `rest` takes the difference.
+fn patches(map: &WorkingMap, rest: &mut Harmonics) -> Vec<Patch> {
+    /// The least spread: a distance between two points of no size has no derivatives.
+    const LEAST_SHARE: f64 = 1e-9;
+    let mut patches = Vec::new();
+    for (source, share) in map.sources.axis_iter(Axis(0)).zip(&map.spreads) {
+        let vectors = [0, 1, 2].map(|c| DVec3::new(source[[0, c]], source[[1, c]], source[[2, c]]));
+        let Some(direction) = vectors.iter().sum::<DVec3>().try_normalize() else { continue };
+        let along = vectors.map(|vector| vector.dot(direction).max(0.0));
+        for c in 0..3 {
+            rest.add_first(c, vectors[c] - along[c] * direction);
+        }
+        let share = share.max(LEAST_SHARE);
+        patches.push(Patch { direction, share, flux: along.map(|vector| vector / (1.0 - share)) });
+    }
+    patches
+}
+
+/// The integral of the square of the cells beyond that of their harmonics, by channel.
+fn fine(map: &WorkingMap, rest: &Harmonics) -> [f64; 3] {
+    let mut whole = [0.0; 3];
+    let (thetas, phis) = (&map.grid.theta_edges, &map.grid.phi_edges);
+    for (row, edges) in map.radiance.outer_iter().zip(thetas.windows(2)) {
+        let band = edges[0].cos() - edges[1].cos();
+        for (cell, edges) in row.outer_iter().zip(phis.windows(2)) {
+            let solid_angle = band * (edges[1] - edges[0]);
+            (0..3).for_each(|c| whole[c] += solid_angle * f64::from(cell[c]).powi(2));
+        }
+    }
+    let known = rest.product(rest, &[1.0; DEGREE + 1]);
+    [0, 1, 2].map(|c| (whole[c] - known[c]).max(0.0))
+}
+
+/// The map under one kernel, and the ambient term that may explain it.
+#[derive(Clone, Debug)]
+pub struct Target {
+    kernel: Kernel,
+    ambient: Ambient,
+    /// The sky over a floor, where there is one.
+    half_sky: Option<Disc>,
+    patches: Vec<Patch>,
+    /// The map times the kernel, but for the cones of the patches.
+    field: Harmonics,
+    /// `<L, L>` by channel.
+    pub energy: [f64; 3],
+    /// Products of the ambient columns with each other, and with the three channels.
+    ambient_products: DMatrix<f64>,
+}
+
+impl Target {
+    pub fn new(picture: &Picture, comparison: Comparison, ambient: Ambient, has_floor: bool) -> Self {
+        let Picture { rest, patches, bright, .. } = picture;
+        let kernel = Kernel::new(comparison);
+        let field = rest.scaled_sum(&kernel.whole, bright, &kernel.smooth);
+        let half_sky = (has_floor && ambient == Ambient::Constant).then(|| Disc::new(DVec3::Y, FRAC_PI_2));
+        let ambient_products = DMatrix::zeros(ambient.coefficients(), ambient.coefficients() + 3);
+        let (patches, energy) = (patches.clone(), [0.0; 3]);
+        let mut target = Self { kernel, ambient, half_sky, patches, field, energy, ambient_products };
+        target.energy = target.energy(picture);
+        target.set_ambient_products(picture);
+        target
+    }
+
+    /// `<L, L>`. What is finer than the harmonics of the rest falls off with the degree as `k^-2`, and the kernel as
+    /// `k^-3`: it counts a quarter of what it would in the last degree.
+    fn energy(&self, picture: &Picture) -> [f64; 3] {
+        let Picture { rest, bright, fine, .. } = picture;
+        let Kernel { whole, smooth, cone } = &self.kernel;
+        let [rests, mixed, brights] =
+            [rest.product(rest, whole), rest.product(bright, whole), bright.product(bright, smooth)];
+        let last = 0.5 * (whole[DEGREE] + whole[DEGREE - 1]);
+        let mut energy = [0, 1, 2].map(|c| rests[c] + 2.0 * mixed[c] + brights[c] + 0.25 * last * fine[c]);
+        for (i, one) in self.patches.iter().enumerate() {
+            for (k, other) in self.patches[..=i].iter().enumerate() {
+                let cosine = if i == k { 1.0 } else { one.direction.dot(other.direction) };
+                let [c, a, b] = [cosine, one.share, other.share].map(Jet::<0>::constant);
+                let weight = cone * mean_distance(c, a, b).value * if i == k { 1.0 } else { 2.0 };
+                (0..3).for_each(|c| energy[c] -= weight * one.flux[c] * other.flux[c]);
+            }
+        }
+        energy
+    }
+
+    fn set_ambient_products(&mut self, picture: &Picture) {
+        let ambient = self.ambient.coefficients();
+        let mut out = DMatrix::zeros(ambient, ambient + 3);
+        for channel in 0..3 {
+            let [rest, bright] = [&picture.rest, &picture.bright].map(|part| part.moments(channel));
+            let (whole, first, second) = (rest.0 + bright.0, rest.1 + bright.1, rest.2 + bright.2);
+            let harmonics = irradiance_of_moments(whole, first, second);
+            for i in 0..ambient {
+                out[(i, ambient + channel)] = match (&self.half_sky, self.ambient) {
+                    (Some(sky), _) => 2.0 * PI * self.sides(sky)[channel],
+                    (_, Ambient::Sh2) => self.kernel.whole[degree(i)] * harmonics[i] / cosine_lobe(i),
+                    _ => self.kernel.whole[0] * whole,
+                };
+            }
+        }
+        for i in 0..ambient {
+            out[(i, i)] = match (&self.half_sky, self.ambient) {
+                (Some(sky), _) => (2.0 * PI).powi(2) * self.square(sky.share).value,
+                (_, Ambient::Sh2) => self.kernel.whole[degree(i)],
+                _ => 4.0 * PI * self.kernel.whole[0],
+            };
+        }
+        self.ambient_products = out;
+    }
+
+    /// Gram matrix of the ambient columns and of `discs` of flux 1, and their products with the three channels.
+    pub fn products(&self, discs: &[Disc]) -> (DMatrix<f64>, DMatrix<f64>) {
+        let ambient = self.ambient.coefficients();
+        let size = ambient + discs.len();
+        let (mut gram, mut rhs) = (DMatrix::zeros(size, size), DMatrix::zeros(size, 3));
+        gram.view_mut((0, 0), (ambient, ambient)).copy_from(&self.ambient_products.columns(0, ambient));
+        rhs.rows_mut(0, ambient).copy_from(&self.ambient_products.columns(ambient, 3));
+        for (j, disc) in discs.iter().enumerate() {
+            let row = ambient + j;
+            for (channel, side) in self.sides(disc).into_iter().enumerate() {
+                rhs[(row, channel)] = side;
+            }
+            for (column, product) in self.with_ambient(disc).iter().enumerate() {
+                (gram[(row, column)], gram[(column, row)]) = (product.value, product.value);
+            }
+            gram[(row, row)] = self.square(disc.share).value;
+            for (k, other) in discs[..j].iter().enumerate() {
+                let product = self.pair(disc, other).value;
+                (gram[(row, ambient + k)], gram[(ambient + k, row)]) = (product, product);
+            }
+        }
+        (gram, rhs)
+    }
+
+    /// Products of a disc with the map, by channel.
+    fn sides(&self, disc: &Disc) -> [f64; 3] {
+        let mut sides = self.field.value(&disc.place, &disc.factors);
+        if self.kernel.cone > 0.0 {
+            for patch in &self.patches {
+                let variables = [disc.direction.dot(patch.direction), disc.share, patch.share];
+                let [c, a, b] = variables.map(Jet::<0>::constant);
+                let product = self.kernel.cone * mean_distance(c, a, b).value;
+                (0..3).for_each(|channel| sides[channel] -= product * patch.flux[channel]);
+            }
+        }
+        sides
+    }
+
+    /// The same with first derivatives, and second ones of the channels with these `shares`.
+    pub fn sides_around(&self, disc: &Disc, shares: [f64; 3]) -> Sum {
+        let mut sum = self.field.sum(&disc.place, &disc.factors, shares);
+        if self.kernel.cone > 0.0 {
+            for patch in &self.patches {
+                let cosine = disc.direction.dot(patch.direction);
+                let product = mean_distance(
+                    Jet::<2>::variable(cosine, 0),
+                    Jet::variable(disc.share, 1),
+                    Jet::constant(patch.share),
+                ) * -self.kernel.cone;
+                let product = on_tangents(&product, disc, patch.direction, cosine);
+                let weight: f64 = (0..3).map(|channel| shares[channel] * patch.flux[channel]).sum();
+                for i in 0..3 {
+                    (0..3).for_each(|c| sum.first[i][c] += product.first[i] * patch.flux[c]);
+                    (0..3).for_each(|k| sum.second[i][k] += product.second[i][k] * weight);
+                }
+            }
+        }
+        sum
+    }
+
+    /// Product of a disc of flux 1 with itself, as a function of A.
+    pub fn square(&self, share: f64) -> Jet<1> {
+        let factors = factors(share);
+        let own = self.kernel.smooth_product(1.0, &factors, &factors);
+        // Both discs grow.
+        let slope = own.first[1] + own.first[2];
+        let bend = own.second[1][1] + 2.0 * own.second[1][2] + own.second[2][2];
+        let smooth = Jet { value: own.value, first: [slope], second: [[bend]] };
+        let a = Jet::<1>::variable(share, 0);
+        smooth - mean_distance(Jet::constant(1.0), a, a) * self.kernel.cone
+    }
+
+    /// Product of two discs of flux 1, and its derivatives by the cosine between them and by the A of each.
+    pub fn pair(&self, one: &Disc, other: &Disc) -> Jet<3> {
+        let cosine = one.direction.dot(other.direction);
+        let smooth = self.kernel.smooth_product(cosine, &one.factors, &other.factors);
+        let [c, a, b] =
+            [(cosine, 0), (one.share, 1), (other.share, 2)].map(|(v, i)| Jet::<3>::variable(v, i));
+        smooth - mean_distance(c, a, b) * self.kernel.cone
+    }
+
+    /// Products of a disc of flux 1 with each ambient column, and their derivatives by its coordinates.
+    pub fn with_ambient(&self, disc: &Disc) -> Vec<Jet<3>> {
+        match (&self.half_sky, self.ambient) {
+            (_, Ambient::None) => Vec::new(),
+            (Some(sky), _) => {
+                let product = self.pair(disc, sky) * (2.0 * PI);
+                let [c, a, _] = [0, 1, 2];
+                let own = Jet {
+                    value: product.value,
+                    first: [product.first[c], product.first[a]],
+                    second: [c, a].map(|i| [c, a].map(|k| product.second[i][k])),
+                };
+                vec![on_tangents(&own, disc, sky.direction, disc.direction.dot(sky.direction))]
+            }
+            (_, Ambient::Constant) => vec![Jet::constant(self.kernel.whole[0])],
+            (_, Ambient::Sh2) => {
+                let harmonics = harmonics_around(disc);
+                let of_degree = |i: usize| {
+                    let [value, slope, bend] = disc.factors[degree(i)];
+                    let mut factor = Jet::variable(value, 2);
+                    (factor.first[2], factor.second[2][2]) = (slope, bend);
+                    harmonics[i] * factor * self.kernel.whole[degree(i)]
+                };
+                (0..9).map(of_degree).collect()
+            }
+        }
+    }
+}
+
+/// Degree of the i-th harmonic of [`Ambient::Sh2`].
+fn degree(i: usize) -> usize {
+    i.isqrt()
+}
+
+/// A function of the cosine with a fixed direction and of A, by the coordinates of a disc: along a tangent t, the
+/// cosine changes by `t.other`, and by `-cosine / 2` to second order.
+fn on_tangents(product: &Jet<2>, disc: &Disc, other: DVec3, cosine: f64) -> Jet<3> {
+    let [s, t] = disc.frame().map(|tangent| tangent.dot(other));
+    let [by_cosine, by_a] = product.first;
+    let [[cc, ca], [_, aa]] = product.second;
+    let round = -by_cosine * cosine;
+    Jet {
+        value: product.value,
+        first: [by_cosine * s, by_cosine * t, by_a],
+        second: [
+            [cc * s * s + round, cc * s * t, ca * s],
+            [cc * s * t, cc * t * t + round, ca * t],
+            [ca * s, ca * t, aa],
+        ],
+    }
+}
+
+/// The nine harmonics by the tangent coordinates of a disc. They are polynomials of degree 2, so differences are exact.
+fn harmonics_around(disc: &Disc) -> [Jet<3>; 9] {
+    let (l, [s, t]) = (disc.direction, disc.frame());
+    let [here, there, origin] = [radiance(l), radiance(2.0 * l), radiance(DVec3::ZERO)];
+    let ahead = [s, t].map(|along| radiance(l + along));
+    let behind = [s, t].map(|along| radiance(l - along));
+    let both = radiance(l + s + t);
+    std::array::from_fn(|i| {
+        let first = [0, 1].map(|k| 0.5 * (ahead[k][i] - behind[k][i]));
+        let bend = [0, 1].map(|k| ahead[k][i] + behind[k][i] - 2.0 * here[i]);
+        let mixed = both[i] - ahead[0][i] - ahead[1][i] + here[i];
+        // The sphere bends away from its tangents, where the polynomial has this slope outward.
+        let outward = 0.5 * (there[i] - origin[i]);
+        Jet {
+            value: here[i],
+            first: [first[0], first[1], 0.0],
+            second: [[bend[0] - outward, mixed, 0.0], [mixed, bend[1] - outward, 0.0], [0.0; 3]],
+        }
+    })
+}
