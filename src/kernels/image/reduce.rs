@@ -2,6 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use glam::DVec3;
 use ndarray::{Array3, ArrayView3, ArrayViewMut2, s};
 use rayon::prelude::*;
 
@@ -9,7 +10,7 @@ use super::blocks::BlockRow;
 use super::grid::Grid;
 use super::samples::{check_rgb, check_samples};
 use crate::error::Result;
-use crate::kernels::sphere::{Registration, band_heights, direction};
+use crate::kernels::sphere::{Registration, angles, band_heights, direction};
 
 /// A map in fewer cells, for probes that need not be exact.
 #[derive(Clone, Debug)]
@@ -22,9 +23,36 @@ pub struct WorkingMap {
     pub sources: Array3<f64>,
     /// How far the light of each is spread: the mean of 1 - cos of the angle to its middle.
     pub spreads: Vec<f64>,
+    /// Sides of a pixel of the map itself.
+    pub pixel: Pixel,
+}
+
+/// The sides of a pixel, in radians: along theta, and along phi at the horizon.
+#[derive(Clone, Copy, Debug)]
+pub struct Pixel {
+    height: f64,
+    width: f64,
+}
+
+impl Pixel {
+    /// Of a row in the middle.
+    fn of(grid: &Grid) -> Self {
+        let side = |edges: &[f64]| edges[edges.len() / 2] - edges[edges.len() / 2 - 1];
+        Self { height: side(&grid.theta_edges), width: side(&grid.phi_edges) }
+    }
+
+    /// Mean of 1 - cos of the angle to the middle of a pixel at a polar angle: half the mean of `x^2 + y^2`.
+    fn spread(self, theta: f64) -> f64 {
+        (self.height.powi(2) + (self.width * theta.sin()).powi(2)) / 24.0
+    }
 }
 
 impl WorkingMap {
+    /// How far the light of one pixel of the map itself is spread, in a direction: the mean of 1 - cos.
+    pub fn pixel_spread(&self, direction: DVec3) -> f64 {
+        self.pixel.spread(angles(direction).0)
+    }
+
     /// The map over a floor, which hides all light from below the horizon. A row that the horizon cuts keeps half
     /// of its flux.
     #[must_use]
@@ -68,9 +96,10 @@ pub fn reduce(
     let cells = bright_cells(&flux, source_share);
     let sources: Vec<[[f64; 3]; 3]> =
         cells.iter().map(|&(row, column)| vector_irradiance(radiance, &pixels, block, row, column)).collect();
+    let pixel = Pixel::of(&pixels);
     let spreads = cells.iter().zip(&sources).map(|(&(row, column), source)| {
-        let flux = flux.slice(s![row, column, ..]).sum();
-        (spread(source, flux) - pixel_spread(&pixels, (row * block, column * block))).max(0.0)
+        let theta = 0.5 * (grid.theta_edges[row] + grid.theta_edges[row + 1]);
+        spread(source, flux.slice(s![row, column, ..]).sum()) + pixel.spread(theta)
     });
     let spreads = spreads.collect();
     for &(row, column) in &cells {
@@ -81,6 +110,7 @@ pub fn reduce(
         grid,
         sources: Array3::from_shape_fn((cells.len(), 3, 3), |(i, axis, channel)| sources[i][axis][channel]),
         spreads,
+        pixel,
     })
 }
 
@@ -170,13 +200,6 @@ fn vector_irradiance(
 fn spread(source: &[[f64; 3]; 3], flux: f64) -> f64 {
     let length = source.iter().map(|axis| axis.iter().sum::<f64>().powi(2)).sum::<f64>().sqrt();
     if flux > 0.0 { (1.0 - length / flux).max(0.0) } else { 0.0 }
-}
-
-/// The same of one pixel, even all over: for the sides v and h, `1 - cos` is half the mean of `x^2 + y^2`.
-fn pixel_spread(pixels: &Grid, (row, column): (usize, usize)) -> f64 {
-    let (theta, phi) = (&pixels.theta_edges[row..row + 2], &pixels.phi_edges[column..column + 2]);
-    let width = (phi[1] - phi[0]) * (0.5 * (theta[0] + theta[1])).sin();
-    ((theta[1] - theta[0]).powi(2) + width.powi(2)) / 24.0
 }
 
 fn mean_radiance(flux: &Array3<f64>, grid: &Grid) -> Array3<f32> {

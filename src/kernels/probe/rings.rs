@@ -216,7 +216,13 @@ mod tests {
         let radiance =
             Array3::from_shape_fn((rows * parts, columns, 3), |(y, x, c)| map.radiance[[y / parts, x, c]]);
         let grid = image::Grid { theta_edges: (0..=rows * parts).map(edge).collect(), ..map.grid.clone() };
-        WorkingMap { radiance, grid, sources: map.sources.clone(), spreads: map.spreads.clone() }
+        WorkingMap {
+            radiance,
+            grid,
+            sources: map.sources.clone(),
+            spreads: map.spreads.clone(),
+            pixel: map.pixel,
+        }
     }
 
     #[test]

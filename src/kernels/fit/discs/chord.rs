@@ -42,8 +42,8 @@ const GREATEST_SCALE: f64 = 1.0;
 
 /// The mean distance, from c, A and B; A + B must not be 0.
 #[inline]
-pub fn mean_distance<const N: usize>(cosine: Jet<N>, a: Jet<N>, b: Jet<N>) -> Jet<N> {
-    let (p, product) = (a + b, a * b);
+pub fn mean_distance<const N: usize>(cosine: Jet<N>, share: Jet<N>, other: Jet<N>) -> Jet<N> {
+    let (p, product) = (share + other, share * other);
     let square = (Jet::constant(1.0) - (Jet::constant(1.0) - p + product) * cosine) * 2.0;
     let distance = square.sqrt();
     let scale = p.recip();
@@ -136,8 +136,8 @@ fn rho_at_nodes(r: f64, p: f64) -> Vec<f64> {
             let fade = (5.0 * (1.0 - k as f64 / TERMS as f64)).min(1.0);
             (2 * k + 1) as f64 / (4.0 * PI)
                 * chord_factor(k)
-                * of_a[k]
-                * of_b[k]
+                * ones[k]
+                * others[k]
                 * fade
                 * fade
                 * (3.0 - 2.0 * fade)

@@ -432,14 +432,14 @@ mod tests {
                         "{l} {i} {c} {slope} {sum:?}"
                     );
                 }
-                for k in 0..3 {
+                for (k, other_step) in STEPS.into_iter().enumerate() {
                     let corner = |a: f64, b: f64| weighted(along(a, k, b));
                     let bend = if i == k {
                         (weighted(along(1.0, i, 0.0)) + weighted(along(-1.0, i, 0.0)) - 2.0 * here)
-                            / (STEPS[i] * STEPS[k])
+                            / (STEPS[i] * other_step)
                     } else {
                         (corner(1.0, 1.0) - corner(1.0, -1.0) - corner(-1.0, 1.0) + corner(-1.0, -1.0))
-                            / (4.0 * STEPS[i] * STEPS[k])
+                            / (4.0 * STEPS[i] * other_step)
                     };
                     let error = (bend - sum.second[i][k]).abs();
                     assert!(error < 1e-3 * (1.0 + bend.abs()), "{l} {i} {k} {bend} {sum:?}");

@@ -122,25 +122,32 @@ impl<'a> Sizes<'a> {
         let state = state.without_black(&problem);
         let growth = (GROWTH * GROWTH - 1.0) * state.cost.max(0.0);
         let tolerances = Some(Quadratic::around(&problem, &state).tolerances(growth));
-        let (rig, radii) = rig_of(given, &state);
+        let (rig, radii) = rig_of(given, &state, self.map);
         Sized { rig, radii, tolerances, steps, stop: Some(stop) }
     }
 }
 
 /// The rig of a state.
-fn rig_of(given: &Given, state: &State) -> (Rig, Vec<f64>) {
+///
+/// A pixel is a mean over its square, and shows it as a square: what stands in the map is wider than what was seen, by
+/// twice the spread of a pixel.
+fn rig_of(given: &Given, state: &State, map: &WorkingMap) -> (Rig, Vec<f64>) {
     let ambient = given.ambient.coefficients();
     let rgb = |row: usize| {
         DVec3::from_array(given.like.map(|like| like.map_or(0.0, |channel| state.x[(row, channel)])))
     };
+    let shares: Vec<f64> = state
+        .discs
+        .iter()
+        .map(|disc| (disc.share - 2.0 * map.pixel_spread(disc.direction)).max(0.0))
+        .collect();
     // A disc seen from the front gives less than its flux.
-    let irradiance = |(light, disc): (usize, &Disc)| rgb(ambient + light) * (1.0 - disc.share);
-    let radius = |disc: &Disc| if disc.radius > state::LEAST_RADIUS { disc.radius } else { 0.0 };
+    let irradiance = |(light, share): (usize, &f64)| rgb(ambient + light) * (1.0 - share);
     let rig = Rig {
         ambient: (0..ambient).map(rgb).collect(),
         directions: state.discs.iter().map(|disc| disc.direction).collect(),
-        irradiance: state.discs.iter().enumerate().map(irradiance).collect(),
+        irradiance: shares.iter().enumerate().map(irradiance).collect(),
         has_floor: given.has_floor,
     };
-    (rig, state.discs.iter().map(radius).collect())
+    (rig, shares.iter().map(|share| 2.0 * share.sqrt().asin()).collect())
 }

@@ -297,7 +297,9 @@ mod tests {
         let size = model.gradient.len();
         let cost = |moves: &[(usize, f64)]| {
             let mut step = vec![0.0; size];
-            moves.iter().for_each(|(i, by)| step[*i] += by);
+            for (i, by) in moves {
+                step[*i] += by;
+            }
             state.moved(problem, &step).cost
         };
         let scale = model.hessian.amax();

@@ -80,17 +80,14 @@ impl Picture {
 /// The sources of the map as discs. Where their channels have their middles aside of each other, the first degree of
 /// the `rest` takes the difference.
 fn patches(map: &WorkingMap, rest: &mut Harmonics) -> Vec<Patch> {
-    /// The least spread: a distance between two points of no size has no derivatives.
-    const LEAST_SHARE: f64 = 1e-9;
     let mut patches = Vec::new();
-    for (source, share) in map.sources.axis_iter(Axis(0)).zip(&map.spreads) {
+    for (source, &share) in map.sources.axis_iter(Axis(0)).zip(&map.spreads) {
         let vectors = [0, 1, 2].map(|c| DVec3::new(source[[0, c]], source[[1, c]], source[[2, c]]));
         let Some(direction) = vectors.iter().sum::<DVec3>().try_normalize() else { continue };
         let along = vectors.map(|vector| vector.dot(direction).max(0.0));
         for c in 0..3 {
             rest.add_first(c, vectors[c] - along[c] * direction);
         }
-        let share = share.max(LEAST_SHARE);
         patches.push(Patch { direction, share, flux: along.map(|vector| vector / (1.0 - share)) });
     }
     patches
