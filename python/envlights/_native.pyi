@@ -13,10 +13,13 @@ __all__ = [
     "FitAnswer",
     "TreeDetection",
     "UnusableSamplesError",
+    "WhiteDetection",
     "are_clipped",
     "blur",
     "bresenham_line",
+    "clipped_share",
     "detect_tree",
+    "detect_white",
     "direction_to_uv",
     "disc_irradiance",
     "disc_map",
@@ -92,6 +95,15 @@ class TreeDetection:
     merged: int
 
 @final
+class WhiteDetection:
+    tree: TreeDetection
+    direction_uncertainty: _Reals
+    plateau_radius: _Reals
+    weight: _Reals
+    ending: tuple[str, float]
+    clipped_share: float
+
+@final
 class FitAnswer:
     points: int
     angular_radii: list[float]
@@ -116,10 +128,13 @@ class FitAnswer:
     def irradiance(self) -> _Reals: ...
 
 def are_clipped(
-    radiance: _Image, pixels: _Indices, reach: int, sphere: bool
+    radiance: _Image, pixels: _Indices, reach: int, sphere: bool, white: float | None
 ) -> NDArray[np.bool_]: ...
 def blur(image: _Image, sigma: float) -> _Image: ...
 def bresenham_line(start: list[int], end: list[int]) -> _Indices: ...
+def clipped_share(
+    radiance: _Image, border_sampled: bool, white: float | None
+) -> tuple[float, float]: ...
 def detect_tree(
     radiance: _Image,
     border_sampled: bool,
@@ -130,6 +145,17 @@ def detect_tree(
     min_flux_share: float,
     max_lights: int,
 ) -> TreeDetection: ...
+def detect_white(
+    radiance: _Image,
+    border_sampled: bool,
+    white: float,
+    working_columns: int,
+    prominence: float,
+    extent: float,
+    gap: float,
+    min_flux_share: float,
+    max_lights: int,
+) -> WhiteDetection: ...
 def direction_to_uv(direction: _Reals) -> _Reals: ...
 def disc_irradiance(
     normals: _Reals, sky: _Reals, directions: _Reals, irradiance: _Reals, radii: _Reals

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
-from envlights._check import check_choice, for_kernels, shown, texts
+from envlights._check import amount, check_choice, for_kernels, shown, texts
 from envlights._native import EnvLightsError, UnusableSamplesError
 from envlights._srgb import decode_codes
 from envlights.io.images import MOST_PIXELS, read_image
@@ -44,6 +44,10 @@ class EnvMap:
         the `envmap` attribute.
     notes : str or iterable of str
         Remarks on the map's origin.
+    white : float, optional
+        The value at which the radiance was cut off, such as 1.0 for a picture that was linearised
+        elsewhere. It is known for uint8 and uint16. Detection treats what is at white as lost, not
+        as dim; see `detect_tree`.
 
     Raises
     ------
@@ -66,9 +70,12 @@ class EnvMap:
         projection: str = "equirectangular",
         registration: str = "cell-centred",
         notes: str | Iterable[str] = (),
+        white: float | None = None,
     ) -> None:
         check_choice("projection", projection, PROJECTIONS)
         check_choice("registration", registration, REGISTRATIONS)
+        self._white = None if white is None else checked_white(white)
+        self._clipped: tuple[float, float] | None = None
         self._notes = texts("notes", notes)
         self._projection, self._registration = projection, registration
         self._radiance = _read_only(self._cleaned(self._linear(_as_map(radiance))))
@@ -79,6 +86,7 @@ class EnvMap:
         env = cls.__new__(cls)
         env._notes = []
         env._projection, env._registration = PROJECTIONS[0], REGISTRATIONS[0]
+        env._white, env._clipped = None, None
         env._radiance = _read_only(env._linear(_as_map(radiance)))
         return env
 
@@ -88,6 +96,7 @@ class EnvMap:
         path: str | os.PathLike[str],
         *,
         registration: str | None = None,
+        white: float | None = None,
         max_pixels: int = MOST_PIXELS,
     ) -> EnvMap:
         """Read a map from a file.
@@ -99,6 +108,8 @@ class EnvMap:
             8 or 16 bit integers are linearised from sRGB; alpha and extra channels are ignored.
         registration : {"cell-centred", "border-sampled"}, optional
             As above. When left out, the metadata of the file decides.
+        white : float, optional
+            As above. It is known for files of integers.
         max_pixels : int
             A file whose header claims more pixels is refused before memory is taken. 32768x16384
             when left out.
@@ -117,7 +128,12 @@ class EnvMap:
         if registration is None:
             registration = REGISTRATIONS[image.border_sampled]
         try:
-            return cls(image.pixels, registration=registration, notes=image.notes)
+            return cls(
+                image.pixels,
+                registration=registration,
+                notes=image.notes,
+                white=image.white if white is None else white,
+            )
         except EnvLightsError as refusal:
             raise EnvLightsError(f"{os.fspath(path)}: {refusal}") from None
 
@@ -140,6 +156,31 @@ class EnvMap:
     def notes(self) -> tuple[str, ...]:
         """What was cleaned or assumed."""
         return tuple(self._notes)
+
+    @property
+    def white(self) -> float | None:
+        """The largest value that the radiance can hold; None where that is not known.
+
+        1.0 for files and arrays of integers.
+        """
+        return self._white
+
+    @property
+    def clipped_share(self) -> float:
+        """Share of the sphere whose radiance was cut off.
+
+        Where `white` is known: the pixels with a channel at white, from code 254 of 255 on. Else
+        those that hold the map's largest sample, if there are several; one is the peak of a light.
+        """
+        return self._clipped_shares()[0]
+
+    @property
+    def clipped_flux_share(self) -> float:
+        """Share of the map's luminance flux in the pixels of `clipped_share`.
+
+        What a fit makes of that share is a lower bound.
+        """
+        return self._clipped_shares()[1]
 
     @property
     def height(self) -> int:
@@ -179,11 +220,20 @@ class EnvMap:
     def __repr__(self) -> str:
         size = f"{self.width}x{self.height}"
         notes = f", notes: {'; '.join(self._notes)}" if self._notes else ""
-        return f"EnvMap({size} {self._projection}, {self._registration}{notes})"
+        share = 0.0 if self._white is None else self.clipped_share
+        clipped = f", {100 * share:.2g} % of the sphere at white" if share else ""
+        return f"EnvMap({size} {self._projection}, {self._registration}{clipped}{notes})"
 
     def __reduce__(self) -> tuple[Any, ...]:
         # A copy is looked through again: only its constructor closes the array to writing.
-        return _copied, (self._radiance, self._projection, self._registration, self._notes)
+        arguments = self._projection, self._registration, self._notes, self._white
+        return _copied, (self._radiance, *arguments)
+
+    def _clipped_shares(self) -> tuple[float, float]:
+        if self._clipped is None:
+            is_border = self._registration == "border-sampled"
+            self._clipped = _native.clipped_share(self._radiance, is_border, self._white)
+        return self._clipped
 
     def _linear(self, array: NDArray[Any]) -> NDArray[np.float32]:
         if array.dtype.kind == "f":
@@ -191,6 +241,7 @@ class EnvMap:
             with np.errstate(over="ignore"):
                 return for_kernels(array, np.float32)
         self._notes.append(f"{array.dtype.name} samples were taken as sRGB-coded and linearised")
+        self._white = 1.0 if self._white is None else self._white
         return np.ascontiguousarray(decode_codes(array))
 
     def _cleaned(self, linear: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -219,9 +270,23 @@ def _read_only(array: NDArray[np.float32]) -> NDArray[np.float32]:
 
 
 def _copied(
-    radiance: NDArray[np.float32], projection: str, registration: str, notes: list[str]
+    radiance: NDArray[np.float32],
+    projection: str,
+    registration: str,
+    notes: list[str],
+    white: float | None = None,
 ) -> EnvMap:
-    return EnvMap(radiance, projection=projection, registration=registration, notes=notes)
+    return EnvMap(
+        radiance, projection=projection, registration=registration, notes=notes, white=white
+    )
+
+
+def checked_white(white: float) -> float:
+    """A white, or a refusal of what none can be."""
+    value = amount("white", white)
+    if value == 0:
+        raise EnvLightsError("white must be above 0; got 0")
+    return value
 
 
 def as_envmap(env: EnvMap | ArrayLike) -> EnvMap:

@@ -6,7 +6,9 @@ use pyo3::prelude::*;
 
 use super::pool::in_pool;
 use super::sphere::registration;
+use crate::kernels::detect::clipped_share as clipped;
 use crate::kernels::detect::tree::{self, Detection, Light, Options, Rule, WorkingImage};
+use crate::kernels::detect::white::{self, Ending};
 
 /// The lights of `detect_tree`, and how they were found; see `envlights.detect_tree`.
 #[pyclass(frozen, get_all)]
@@ -62,7 +64,69 @@ pub fn detect_tree(
     let radiance = radiance.as_array();
     let options = Options { working_columns, prominence, extent, gap, min_flux_share, max_lights };
     let found = in_pool(py, || tree::detect(radiance, registration(border_sampled), &options))?;
-    Ok(TreeDetection::new(py, &found))
+    Ok(TreeDetection::new(py, &found, None))
+}
+
+/// The lights of `detect_white`, beside those of the tree; see `envlights.detect_tree`.
+#[pyclass(frozen, get_all)]
+pub struct WhiteDetection {
+    tree: Py<TreeDetection>,
+    direction_uncertainty: Py<PyArray1<f64>>,
+    plateau_radius: Py<PyArray1<f64>>,
+    weight: Py<PyArray1<f64>>,
+    ending: (&'static str, f64),
+    clipped_share: f64,
+}
+
+/// See `envlights.detect_tree`.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "every option is named once more, on the Python side")]
+pub fn detect_white(
+    py: Python<'_>,
+    radiance: PyReadonlyArray3<'_, f32>,
+    border_sampled: bool,
+    white: f64,
+    working_columns: usize,
+    prominence: f64,
+    extent: f64,
+    gap: f64,
+    min_flux_share: f64,
+    max_lights: usize,
+) -> PyResult<WhiteDetection> {
+    let radiance = radiance.as_array();
+    let options = Options { working_columns, prominence, extent, gap, min_flux_share, max_lights };
+    let found = in_pool(py, || white::detect(radiance, registration(border_sampled), white, &options))?;
+    let numbers = |values: Vec<f64>| Array1::from(values).into_pyarray(py).unbind();
+    Ok(WhiteDetection {
+        tree: Py::new(py, TreeDetection::new(py, &found.detection, Some(white as f32)))?,
+        direction_uncertainty: numbers(found.places.iter().map(|place| place.uncertainty).collect()),
+        plateau_radius: numbers(found.places.iter().map(|place| place.plateau_radius).collect()),
+        weight: numbers(found.weights),
+        ending: ending(found.ending),
+        clipped_share: found.clipped_share,
+    })
+}
+
+/// See `envlights.EnvMap.clipped_share`: of the sphere, and of the flux.
+#[pyfunction]
+pub fn clipped_share(
+    py: Python<'_>,
+    radiance: PyReadonlyArray3<'_, f32>,
+    border_sampled: bool,
+    white: Option<f32>,
+) -> PyResult<(f64, f64)> {
+    let radiance = radiance.as_array();
+    let share = in_pool(py, || clipped::clipped_share(radiance, registration(border_sampled), white))?;
+    Ok((share.sphere, share.flux))
+}
+
+/// The name of an ending, and its luminance.
+fn ending(ending: Ending) -> (&'static str, f64) {
+    match ending {
+        Ending::White(luminance) => ("white", luminance),
+        Ending::Peak(luminance) => ("peak", luminance),
+        Ending::Whole(luminance) => ("whole", luminance),
+    }
 }
 
 /// Factor and share of the rule that set a threshold; where the cut was needed, also the share of the sphere
@@ -75,7 +139,7 @@ fn rule(rule: Rule) -> (f64, f64, Option<f64>) {
 }
 
 impl TreeDetection {
-    fn new(py: Python<'_>, found: &Detection) -> Self {
+    fn new(py: Python<'_>, found: &Detection, white: Option<f32>) -> Self {
         let lights = &found.lights;
         let numbers =
             |of: fn(&Light) -> f64| lights.iter().map(of).collect::<Array1<f64>>().into_pyarray(py).unbind();
@@ -96,7 +160,7 @@ impl TreeDetection {
             elongation: numbers(|light| light.elongation().0),
             peak_luminance: numbers(|light| light.peak),
             flux: numbers(|light| light.flux),
-            is_clipped: found.are_clipped().collect::<Array1<bool>>().into_pyarray(py).unbind(),
+            is_clipped: found.are_clipped(white).collect::<Array1<bool>>().into_pyarray(py).unbind(),
             pixel: Array2::from(pixels).into_pyarray(py).unbind(),
             light_of_pixel: indices(found.light_of_pixel.iter().map(|&light| i64::from(light)).collect()),
             threshold: found.report.threshold.luminance,

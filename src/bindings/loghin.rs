@@ -87,9 +87,10 @@ pub fn are_clipped<'py>(
     pixels: PyReadonlyArray2<'py, i64>,
     reach: usize,
     sphere: bool,
+    white: Option<f32>,
 ) -> PyResult<Bound<'py, PyArray1<bool>>> {
     let (radiance, pixels) = (radiance.as_array(), pixels.as_array());
-    let out = in_pool(py, || clipping::are_clipped(radiance, pixels, reach, sphere))?;
+    let out = in_pool(py, || clipping::are_clipped(radiance, pixels, reach, sphere, white))?;
     Ok(out.into_pyarray(py))
 }
 

@@ -32,7 +32,9 @@ mod _native {
     const BASIS_TILE: usize = crate::kernels::transfer::TILE;
 
     #[pymodule_export]
-    use super::detect::{TreeDetection, detect_tree, reduced_luminance};
+    use super::detect::{
+        TreeDetection, WhiteDetection, clipped_share, detect_tree, detect_white, reduced_luminance,
+    };
     #[pymodule_export]
     use super::error::{EnvLightsError, UnusableSamplesError};
     #[pymodule_export]

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 import time
-from functools import partial
+from typing import Any, NamedTuple
 
 from numpy.typing import ArrayLike
 
 from envlights import _native
 from envlights._check import LARGEST_COUNT, amount, count
 from envlights.detection.lights import DetectedLights, DetectionReport, Members
-from envlights.envmap import EnvMap, seen_through
+from envlights.envmap import EnvMap, checked_white, seen_through
 
 
 def detect_tree(
@@ -23,6 +23,7 @@ def detect_tree(
     gap_deg: float = 0.8,
     extent: float = 0.1,
     working_width: int = 1024,
+    white: float | None = None,
 ) -> DetectedLights:
     r"""Bright places of a map: the branches of its component tree.
 
@@ -49,6 +50,8 @@ def detect_tree(
         A light ends where its luminance has fallen to this share of its peak.
     working_width : int
         Lights are searched for in a reduction of the map to at most this many columns.
+    white : float, optional
+        The value at which the map was cut off, in place of `EnvMap.white`.
 
     Returns
     -------
@@ -59,6 +62,23 @@ def detect_tree(
     ------
     EnvLightsError
         If `env` is not a map or an option is out of its range.
+
+    Notes
+    -----
+    Maps that end at a white, as those of integers do, are treated differently, for their threshold
+    would often lie above white. Luminance :math:`y`, in units of white, is expanded to
+    :math:`y / (1.02 - y)` first: white becomes 50. Pixels of 0.985 and more form a plateau, and a
+    pixel's depth is its angle to the rim. A light is divided where its plateau has a neck of less
+    than half its depth, and points to the centroid of its plateau, weighted by the square of the
+    depth. Lights are ordered by `DetectedLights.weight`, expanded flux over the 3/4 power of the
+    solid angle times :math:`e^{1.5 \sin}` of the elevation, because white has made their flux
+    alike. Those with less than 1 % of all weight and white floors are left out. Their
+    `direction_uncertainty` is calibrated on pictures of HDR maps. Irradiance is what is in the map:
+    a lower bound. The rule is ours; the expansion is that of Schlick (1994), backwards.
+
+    A picture that ends in a small peak between 0.7 of white and white was tone-mapped to end there,
+    and that peak takes the place of white. One that ends lower, or in an even top, has lost nothing
+    to white and is treated as any other map.
 
     Examples
     --------
@@ -74,30 +94,42 @@ def detect_tree(
     """
     start = time.perf_counter()
     most = LARGEST_COUNT if max_lights is None else count("max_lights", max_lights, 1)
-    detect = partial(
-        _native.detect_tree,
-        working_columns=count("working_width", working_width, least=16),
-        prominence=amount("prominence", prominence, least=1.0),
-        extent=amount("extent", extent, most=1.0),
-        gap=math.radians(amount("gap_deg", gap_deg, most=90.0)),
-        min_flux_share=amount("min_flux_share", min_flux_share, most=1.0),
-        max_lights=most,
-    )
+    options: dict[str, Any] = {
+        "working_columns": count("working_width", working_width, least=16),
+        "prominence": amount("prominence", prominence, least=1.0),
+        "extent": amount("extent", extent, most=1.0),
+        "gap": math.radians(amount("gap_deg", gap_deg, most=90.0)),
+        "min_flux_share": amount("min_flux_share", min_flux_share, most=1.0),
+        "max_lights": most,
+    }
 
-    def found_in(world: EnvMap) -> _native.TreeDetection:
-        return detect(world.radiance, border_sampled=world.registration == "border-sampled")
+    given = None if white is None else checked_white(white)
+
+    def found_in(world: EnvMap) -> _Found:
+        end = world.white if given is None else given
+        where = world.radiance, world.registration == "border-sampled"
+        if end is None:
+            return _Found(_native.detect_tree(*where, **options), None)
+        behind_white = _native.detect_white(*where, white=end, **options)
+        return _Found(behind_white.tree, behind_white)
 
     world, found = seen_through(env, found_in)
     return _wrapped(found, world.notes, time.perf_counter() - start)
 
 
-def _wrapped(
-    found: _native.TreeDetection, notes: tuple[str, ...], seconds: float
-) -> DetectedLights:
+class _Found(NamedTuple):
+    """What the kernel found in a map; the second is None where the map has no white."""
+
+    tree: _native.TreeDetection
+    behind_white: _native.WhiteDetection | None
+
+
+def _wrapped(both: _Found, notes: tuple[str, ...], seconds: float) -> DetectedLights:
+    found, behind_white = both
     report = DetectionReport(
         method="tree",
         threshold=found.threshold,
-        reason=_reason(found),
+        reason=_reason(found) if behind_white is None else _reason_at_white(behind_white),
         working_size=found.working_size,
         skipped=tuple(_skipped(found)),
         notes=notes,
@@ -115,6 +147,24 @@ def _wrapped(
         is_clipped=found.is_clipped,
         members=Members(found.pixel, found.light_of_pixel),
         report=report,
+        weight=None if behind_white is None else behind_white.weight,
+        direction_uncertainty=None if behind_white is None else behind_white.direction_uncertainty,
+    )
+
+
+def _reason_at_white(found: _native.WhiteDetection) -> str:
+    """Where the map ends, and the rule that this led to."""
+    ending, end = found.ending
+    if ending == "whole":
+        return (
+            f"{_reason(found.tree)}; the map ends at {end:.3g}, below white, and has lost nothing"
+        )
+    at = f"in a peak of {end:.3g} below white"
+    if ending == "white":
+        at = f"at white, which {100 * found.clipped_share:.2g} % of the sphere reaches"
+    return (
+        f"{_reason(found.tree)}, of expanded luminance: the map ends {at}, so lights are told"
+        " apart by the depth of their plateau"
     )
 
 

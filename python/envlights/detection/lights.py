@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,9 @@ from envlights._arrays import sealed
 from envlights._native import EnvLightsError
 from envlights.kernels import sphere
 from envlights.lights import Lights, brightest_first, check_slice, light_arrays
+
+#: Solid angle, in steradians, above which a light is broad.
+_BROAD = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +114,9 @@ class DetectedLights(Lights):
     """Share of the luminance flux of the whole map, shape (n,)."""
 
     is_clipped: NDArray[np.bool_]
-    """Whether the light is a flat top at the map's maximum, as where a camera saturates."""
+    """Whether the light was cut off: at the map's white, or as a flat top at its largest sample.
+
+    Its irradiance is then a lower bound."""
 
     members: Members
     """The pixels or samples that make up the lights."""
@@ -120,11 +124,21 @@ class DetectedLights(Lights):
     report: DetectionReport
     """How the lights were found."""
 
+    weight: NDArray[np.float64] | None = None
+    """Weights that order the lights of a map with a white, shape (n,); see `detect_tree`.
+
+    None where flux does: the map has no white."""
+
+    direction_uncertainty: NDArray[np.float64] | None = None
+    """Angles in radians that two thirds of such lights are off at most, shape (n,).
+
+    None for maps without a white: the direction is the flux centroid of what is in the map."""
+
     def __post_init__(self) -> None:
         arrays = {name: np.asarray(getattr(self, name)) for name in self._given()}
         direction, irradiance = light_arrays(self.direction, self.irradiance)
         arrays |= {"direction": direction, "irradiance": irradiance}
-        order = brightest_first(irradiance)
+        order = self._order(irradiance)
         for name, array in arrays.items():
             if len(array) != len(order):
                 raise EnvLightsError(
@@ -136,6 +150,12 @@ class DetectedLights(Lights):
         rank = np.argsort(order)
         members = Members(self.members.pixel, sealed(rank[self.members.light]))
         object.__setattr__(self, "members", members)
+
+    def _order(self, irradiance: NDArray[np.float64]) -> NDArray[np.intp]:
+        """The brightest first; behind white, the likeliest to be."""
+        if self.weight is None:
+            return brightest_first(irradiance)
+        return np.argsort(-np.asarray(self.weight), kind="stable")
 
     def __getitem__(self, which: slice) -> DetectedLights:
         """The lights of a slice."""
@@ -162,10 +182,15 @@ class DetectedLights(Lights):
         at_normal = self.irradiance * np.cos(radius[:, None] / 2) ** 2
         return Lights(self.direction, at_normal, radius)
 
+    @property
+    def is_broad(self) -> NDArray[np.bool_]:
+        """Whether each light is a bright part of the sphere rather than a lamp: above 0.5 sr."""
+        broad: NDArray[np.bool_] = self.solid_angle > _BROAD
+        return broad
+
     def to_dict(self) -> dict[str, Any]:
         """Lists of numbers and the report, for JSON and the like."""
-        names = (each.name for each in fields(self) if each.name not in ("members", "report"))
-        arrays = {name: getattr(self, name).tolist() for name in names}
+        arrays = {name: getattr(self, name).tolist() for name in (*self._given(), "angular_radius")}
         return {**arrays, "report": self.report.to_dict()}
 
     def __str__(self) -> str:
@@ -180,6 +205,9 @@ class DetectedLights(Lights):
         uv = sphere.direction_to_uv(self.direction)
         for i, (u, v) in enumerate(uv):
             clipped = "  clipped" if self.is_clipped[i] else ""
+            clipped += "  broad" if self.is_broad[i] else ""
+            if self.direction_uncertainty is not None:
+                clipped += f"  within {np.rad2deg(self.direction_uncertainty[i]):.2g}°"
             rgb = "".join(f"{value:>11.4g}" for value in self.irradiance[i])
             lines.append(
                 f"{i + 1:>5}  {360 * u:>6.1f}°  {90 - 180 * v:>+8.1f}°  "
@@ -188,9 +216,8 @@ class DetectedLights(Lights):
             )
         return "\n".join(lines)
 
-    @classmethod
-    @cache
-    def _given(cls) -> tuple[str, ...]:
-        """Names of the arrays that are given, with a row for each light."""
-        names = (each.name for each in fields(cls) if each.init)
-        return tuple(name for name in names if name not in ("members", "report"))
+    def _given(self) -> tuple[str, ...]:
+        """Names of the arrays that were given, with a row for each light."""
+        names = (each.name for each in fields(self) if each.init)
+        arrays = (name for name in names if name not in ("members", "report"))
+        return tuple(name for name in arrays if getattr(self, name) is not None)

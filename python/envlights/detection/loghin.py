@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
 from envlights._check import amount, check_choice, count
+from envlights._srgb import encode_srgb
 from envlights.detection.component_tree import detect_tree
 from envlights.detection.lights import DetectedLights, DetectionReport, Members
 from envlights.envmap import EnvMap, as_envmap
@@ -150,7 +151,7 @@ def detect_article(
     report = DetectionReport(
         method="article",
         threshold=level,
-        reason="that of the tree" if relative else "the article's, which is absolute",
+        reason=_reason(env, level, relative),
         working_size=(height, width),
         skipped=(f"{samples.taken - len(samples.pixel)} of {samples.taken} samples that are dark",),
         notes=(*env.notes, *_registration_notes(env)),
@@ -181,6 +182,18 @@ def _working_image(env: EnvMap, width: int, reduction: str, blur_px: float) -> N
         if width < env.width:
             image = images.resize_bilinear(image, width // 2, width)
     return images.blur(image, blur_px) if amount("blur_px", blur_px) > 0 else image
+
+
+def _reason(env: EnvMap, level: float, relative: bool) -> str:
+    """Where the threshold comes from, and where it lies among the codes of a file."""
+    reason = "that of the tree" if relative else "the article's, which is absolute"
+    if env.white is None:
+        return reason
+    share = level / env.white
+    if share >= 1:
+        return f"{reason}; it lies above white"
+    code = 255 * float(encode_srgb(np.array(share)))
+    return f"{reason}; {100 * share:.3g} % of white, the code {code:.0f} of 255 in sRGB"
 
 
 def _registration_notes(env: EnvMap) -> tuple[str, ...]:
@@ -284,7 +297,7 @@ def _are_clipped(
     uv = (found.peak[:, ::-1] + 0.5) / (width, height)
     place = images.uv_to_pixel(uv, env.height, env.width)
     reach_in_map = math.ceil((reach + 0.5) * env.width / width)
-    return _native.are_clipped(env.radiance, place, reach_in_map, sphere)
+    return _native.are_clipped(env.radiance, place, reach_in_map, sphere, env.white)
 
 
 def _sums(

@@ -59,6 +59,9 @@ class Image:
     notes: tuple[str, ...]
     """What was assumed or left out."""
 
+    white: float | None = None
+    """The largest value that the samples can hold; None for floating point."""
+
 
 def read_image(path: str | os.PathLike[str], *, max_pixels: int = MOST_PIXELS) -> Image:
     """Read the first image of a file at full size.
@@ -160,7 +163,8 @@ def _read(name: str, file: oiio.ImageInput) -> Image:
     _note_primaries(spec, notes)
     if spec.get_int_attribute("oiio:subimages", 1) > 1:
         notes.append("only the first of several images in the file was read")
-    return Image(pixels, bool(spec.getattribute("oiio:sampleborder")), tuple(notes))
+    border_sampled = bool(spec.getattribute("oiio:sampleborder"))
+    return Image(pixels, border_sampled, tuple(notes), 1.0 if is_coded else None)
 
 
 def _pixels(name: str, file: oiio.ImageInput, channels: list[int]) -> NDArray[np.float32]:

@@ -1,11 +1,80 @@
-//! Lights that a camera has clipped: flat tops at the level of the brightest light.
+//! Lights that a camera has clipped.
+//!
+//! Where the white of a map is known, a light is clipped if one of its samples is at white. Else a light is
+//! clipped if several of its pixels hold the map's largest sample: a flat top, as a camera or a file format
+//! leaves it. Of an evenly lit window one pixel is the brightest.
 
-/// Pixels that reach this share of a light's peak are its top.
-pub const TOP: f64 = 0.99;
+/// White starts at this share of it: code 254 of 255. JPEG lets white ring below it.
+pub const LEAST_WHITE: f64 = 0.985;
 /// A top of this many pixels or more is flat.
 const FLAT_TOP_PIXELS: usize = 4;
 
-/// Whether a light is clipped: as bright as the brightest light, with many pixels at its peak.
-pub fn is_clipped(peak: f64, top_pixels: usize, brightest: f64) -> bool {
-    peak >= TOP * brightest && top_pixels >= FLAT_TOP_PIXELS
+/// Where the samples of a map end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Ceiling {
+    /// At a white that is known.
+    White(f32),
+    /// At the map's largest sample.
+    Maximum(f32),
+}
+
+/// The largest sample of some pixels, and how many of them hold it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Top {
+    /// The largest of red, green and blue.
+    pub sample: f32,
+    pixels: usize,
+}
+
+impl Top {
+    /// The top of some pixels.
+    pub fn of<'a>(pixels: impl Iterator<Item = &'a [f32; 3]>) -> Self {
+        pixels.fold(Self::default(), |top, &[r, g, b]| top.and(Self { sample: r.max(g).max(b), pixels: 1 }))
+    }
+
+    /// The top of both.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        let (higher, lower) = if self.sample >= other.sample { (self, other) } else { (other, self) };
+        let more = if lower.sample == higher.sample { lower.pixels } else { 0 };
+        Self { sample: higher.sample, pixels: higher.pixels + more }
+    }
+
+    /// Whether the samples are cut off at this ceiling.
+    pub fn is_clipped(self, ceiling: Ceiling) -> bool {
+        match ceiling {
+            Ceiling::White(white) => f64::from(self.sample) >= LEAST_WHITE * f64::from(white),
+            Ceiling::Maximum(maximum) => self.sample >= maximum && self.pixels >= FLAT_TOP_PIXELS,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn top(samples: &[f32]) -> Top {
+        let pixels: Vec<[f32; 3]> = samples.iter().map(|&sample| [0.1, sample, 0.2]).collect();
+        Top::of(pixels.iter())
+    }
+
+    #[test]
+    fn four_pixels_at_the_maximum_are_a_flat_top() {
+        let ceiling = Ceiling::Maximum(4096.0);
+        assert!(top(&[4096.0, 3.0, 4096.0, 4096.0, 4096.0]).is_clipped(ceiling));
+        assert!(!top(&[4096.0, 4096.0, 4096.0]).is_clipped(ceiling));
+        assert!(!top(&[4000.0; 9]).is_clipped(ceiling), "the map is brighter elsewhere");
+    }
+
+    #[test]
+    fn an_evenly_lit_window_is_not_clipped() {
+        let window: Vec<f32> = (0..100).map(|i| 9.0 + 1e-3 * i as f32).collect();
+        assert!(!top(&window).is_clipped(Ceiling::Maximum(window[99])));
+    }
+
+    #[test]
+    fn one_sample_at_a_known_white_is_clipped() {
+        assert!(top(&[0.2, 0.99]).is_clipped(Ceiling::White(1.0)));
+        assert!(!top(&[0.2, 0.98]).is_clipped(Ceiling::White(1.0)));
+    }
 }

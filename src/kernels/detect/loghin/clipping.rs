@@ -7,11 +7,12 @@ use super::image::{Pixel, pixels_inside};
 use super::windows::Windows;
 use crate::error::Result;
 use crate::interrupt;
-use crate::kernels::detect::clipping::{TOP, is_clipped};
-use crate::kernels::image::{check_rgb, luminance_f32};
+use crate::kernels::detect::clipping::{Ceiling, Top};
+use crate::kernels::image::check_rgb;
 
-/// Whether each light is clipped, at the maximum of the map. Its pixels are those of the window around each of
-/// `pixels`, (n, 2), one for each light: the steps see the map through such windows.
+/// Whether each light is clipped: at `white` where that is known, else at the map's largest sample. Its pixels are
+/// those of the window around each of `pixels`, (n, 2), one for each light: the steps see the map through such
+/// windows.
 ///
 /// # Errors
 ///
@@ -22,78 +23,59 @@ pub fn are_clipped(
     pixels: ArrayView2<'_, i64>,
     reach: usize,
     sphere: bool,
+    white: Option<f32>,
 ) -> Result<Vec<bool>> {
     check_rgb(radiance)?;
     let (height, width, _) = radiance.dim();
     let places = pixels_inside(pixels, (height, width))?;
     let samples = radiance.as_standard_layout();
-    let samples = samples.as_slice().unwrap_or(&[]); // the standard layout is a slice
-    let map = samples.as_chunks::<3>().0;
+    let map = samples.as_slice().map_or(&[][..], |samples| samples.as_chunks::<3>().0);
     let windows = Windows::new((height, width), reach, sphere);
-    // Find the peak of each window and count the pixels at it.
-    let tops: Vec<(f64, usize)> =
+    // Find the largest sample of each window.
+    let tops: Vec<Top> =
         places.into_par_iter().map(|pixel| top_around(map, width, pixel, &windows)).collect();
-    // Compare each with the brightest of them. What is not clipped beside them is not beside a brighter pixel,
-    // so the map is read only for the others.
-    let beside = |brightest: f64| -> Vec<bool> {
-        tops.iter().map(|&(peak, pixels)| is_clipped(peak, pixels, brightest)).collect()
-    };
-    let brightest = tops.iter().map(|&(peak, _)| peak).fold(0.0, f64::max);
-    let clipped = beside(brightest);
-    let peaks = tops.iter().zip(&clipped).filter(|(_, clipped)| **clipped).map(|((peak, _), _)| *peak);
-    let Some(dimmest) = peaks.reduce(f64::min) else { return Ok(clipped) };
-    // Compare each with the brightest pixel of the map, where one is too bright for the dimmest of them.
-    let level = dimmest / TOP;
-    let rows = samples.par_chunks(3 * width).map(|row| maximum_above(level, row));
-    Ok(beside(brightest.max(f64::from(rows.reduce(|| 0.0, f32::max)))))
+    let at = |ceiling| -> Vec<bool> { tops.iter().map(|top| top.is_clipped(ceiling)).collect() };
+    if let Some(white) = white {
+        return Ok(at(Ceiling::White(white)));
+    }
+    // Compare each with the largest of them. What is not clipped beside them is not beside a larger sample, so
+    // the map is read only for the others.
+    let clipped = at(Ceiling::Maximum(tops.iter().map(|top| top.sample).fold(0.0, f32::max)));
+    if !clipped.contains(&true) {
+        return Ok(clipped);
+    }
+    // Compare each with the largest sample of the map.
+    Ok(at(Ceiling::Maximum(map.par_chunks(width).map(|row| largest(row.as_flattened())).reduce(|| 0.0, f32::max))))
 }
 
-/// Luminance of the brightest pixel of some `samples` if it is above `level`; else that or less.
-///
-/// A luminance is at most the largest sample of its pixel, up to rounding. That takes half the
-/// time to find, so the luminance is computed only where it may be above.
-fn maximum_above(level: f64, samples: &[f32]) -> f32 {
-    /// Samples that are looked at together: 64 pixels.
-    const AT_ONCE: usize = 3 * 64;
-    /// More than what rounding adds to a luminance.
-    const ROUNDING: f64 = 1e-6;
-    let may_be_above = |samples: &&[f32]| f64::from(largest(samples)) > (1.0 - ROUNDING) * level;
-    let luminances =
-        |samples: &[f32]| samples.as_chunks::<3>().0.iter().copied().map(luminance_f32).fold(0.0, f32::max);
-    samples.chunks(AT_ONCE).filter(may_be_above).map(luminances).fold(0.0, f32::max)
-}
-
-/// The largest of some values, in lanes that do not wait for one another.
-fn largest(values: &[f32]) -> f32 {
-    let (most, rest) = values.as_chunks::<16>();
+/// The largest of some samples, in lanes that do not wait for one another.
+fn largest(samples: &[f32]) -> f32 {
+    let (most, rest) = samples.as_chunks::<16>();
     let mut lanes = [0.0_f32; 16];
-    for values in most {
-        for (lane, &value) in lanes.iter_mut().zip(values) {
-            *lane = if value > *lane { value } else { *lane };
+    for samples in most {
+        for (lane, &sample) in lanes.iter_mut().zip(samples) {
+            *lane = if sample > *lane { sample } else { *lane };
         }
     }
     lanes.iter().chain(rest).copied().fold(0.0, f32::max)
 }
 
-/// The peak of the window around `pixel` in a `map` of this `width`, and the number of pixels at it.
-fn top_around(map: &[[f32; 3]], width: usize, pixel: Pixel, windows: &Windows) -> (f64, usize) {
-    let mut values = Vec::new();
+/// The top of the window around `pixel` in a `map` of this `width`.
+fn top_around(map: &[[f32; 3]], width: usize, pixel: Pixel, windows: &Windows) -> Top {
+    let mut top = Top::default();
     for row in windows.rows(pixel) {
         interrupt::check();
         for columns in windows.columns(row, pixel) {
-            values.extend(map[row * width..][columns].iter().copied().map(luminance_f32));
+            top = top.and(Top::of(map[row * width..][columns].iter()));
         }
     }
-    let peak = f64::from(values.iter().copied().fold(0.0, f32::max));
-    (peak, values.iter().filter(|&&value| f64::from(value) >= TOP * peak).count())
+    top
 }
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
     use ndarray::{Array3, arr2};
-    use proptest::collection::vec;
-    use proptest::prelude::*;
 
     use super::*;
 
@@ -113,32 +95,10 @@ mod tests {
     #[test]
     fn a_light_is_clipped_where_four_pixels_reach_the_maximum() {
         let pixels = arr2(&[[7, 4], [7, 14], [7, 24]]);
-        let clipped = |map: Array3<f32>| are_clipped(map.view(), pixels.view(), 2, false).unwrap();
+        let clipped = |map: Array3<f32>| are_clipped(map.view(), pixels.view(), 2, false, None).unwrap();
         assert_eq!(clipped(squares()), [true, false, false]);
-        // A brighter pixel elsewhere counts by its luminance, wherever in the row it stands.
-        let with_sun = |column: usize, rgb: [f32; 3]| {
-            let mut map = squares();
-            map.slice_mut(ndarray::s![2, column, ..]).assign(&ndarray::arr1(&rgb));
-            clipped(map)
-        };
-        for column in [0, 20, 31] {
-            assert_eq!(with_sun(column, [2.0; 3]), [false; 3]);
-            assert_eq!(with_sun(column, [1.02 / TOP as f32; 3]), [false; 3]);
-            assert_eq!(with_sun(column, [0.99 / TOP as f32; 3]), [true, false, false]);
-            assert_eq!(with_sun(column, [0.0, 0.0, 9.0]), [true, false, false]);
-        }
-    }
-
-    proptest! {
-        #[test]
-        fn the_maximum_above_a_level_is_the_maximum(
-            samples in vec(0.0..1.0_f32, 0..400).prop_map(|mut all| { all.truncate(all.len() / 3 * 3); all }),
-            level in 0.0..1.1_f64,
-        ) {
-            let luminances = samples.as_chunks::<3>().0.iter().copied().map(luminance_f32);
-            let wanted = luminances.fold(0.0, f32::max);
-            let found = maximum_above(level, &samples);
-            prop_assert!(found <= wanted && (found >= wanted || f64::from(wanted) <= level), "{found} {wanted}");
-        }
+        let mut sunny = squares();
+        sunny.slice_mut(ndarray::s![2, 30, ..]).fill(2.0);
+        assert_eq!(clipped(sunny), [false; 3]);
     }
 }

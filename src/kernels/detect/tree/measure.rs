@@ -12,6 +12,7 @@ use super::coverage::{Columns, CoveredPixels};
 use super::moments::Light;
 use super::run::{Run, runs};
 use super::working_image::WorkingImage;
+use crate::kernels::detect::clipping::Top;
 use crate::kernels::image::luminance_f32;
 use crate::kernels::sphere::{Registration, band_heights};
 
@@ -83,16 +84,23 @@ impl<'a> Map<'a> {
     fn measure(&self, runs: &[Run], background: f64) -> Light {
         let parts = runs.par_chunks(RUNS_OF_A_PART);
         let peak = parts.clone().map(|part| self.peak(part)).reduce(|| 0.0, f32::max);
+        let largest = parts.clone().map(|part| Top::of(self.pixels_of(part))).reduce(Top::default, Top::and);
         let background = background as f32;
         let sum = |part| self.widest.dispatch(Sum { map: self, part, peak, background });
         let lights: Vec<Light> = parts.map(sum).collect();
-        lights.iter().fold(Light::of_peak(peak), |sum, part| sum.and(part))
+        let mut light = lights.iter().fold(Light::of_peak(peak), |sum, part| sum.and(part));
+        light.largest = largest;
+        light
     }
 
     /// Luminance of the brightest pixel.
     fn peak(&self, part: &[Run]) -> f32 {
-        let pixels = part.iter().flat_map(|run| self.rows_of(run)).flat_map(|(_, _, pixels)| pixels);
-        pixels.fold(0.0, |peak, &pixel| peak.max(luminance_f32(pixel)))
+        self.pixels_of(part).fold(0.0, |peak, &pixel| peak.max(luminance_f32(pixel)))
+    }
+
+    /// The map's pixels behind a part.
+    fn pixels_of(&self, part: &[Run]) -> impl Iterator<Item = &[f32; 3]> {
+        part.iter().flat_map(|run| self.rows_of(run)).flat_map(|(_, _, pixels)| pixels)
     }
 
     /// Rows of the map's pixels behind a run, each with its number and its columns.

@@ -17,21 +17,21 @@
 //! | - dot products in wide vectors                             | `dot_product.rs`     |
 //! | drop the dimmest lights, merge neighbours (Ward's linkage) | `linkage.rs`         |
 
-mod adjacency;
-mod background;
-mod bridging;
-mod components;
+pub(super) mod adjacency;
+pub(super) mod background;
+pub(super) mod bridging;
+pub(super) mod components;
 mod coverage;
 mod dot_product;
-mod linkage;
-mod measure;
-mod moments;
-mod outline;
+pub(super) mod linkage;
+pub(super) mod measure;
+pub(super) mod moments;
+pub(super) mod outline;
 mod run;
 #[cfg(test)]
 mod test_maps;
-mod threshold;
-mod working_image;
+pub(super) mod threshold;
+pub(super) mod working_image;
 
 use ndarray::ArrayView3;
 
@@ -42,6 +42,7 @@ pub use moments::Light;
 pub use threshold::{Rule, Threshold};
 pub use working_image::WorkingImage;
 
+use super::clipping::Ceiling;
 use crate::error::Result;
 use crate::kernels::sphere::Registration;
 
@@ -131,7 +132,7 @@ fn detect_in_pool(
 }
 
 impl Report {
-    fn of(
+    pub(super) fn of(
         working: &WorkingImage,
         threshold: Threshold,
         bright: &BrightPixels,
@@ -150,13 +151,14 @@ impl Report {
 }
 
 impl Detection {
-    /// Whether each light is a flat top at the level of the brightest, as where a camera saturates.
-    pub fn are_clipped(&self) -> impl Iterator<Item = bool> {
-        let brightest = self.lights.iter().map(|light| light.peak).fold(0.0, f64::max);
-        self.lights.iter().map(move |light| light.is_clipped(brightest))
+    /// Whether each light is clipped: at `white` where that is known, else at the map's largest sample.
+    pub fn are_clipped(&self, white: Option<f32>) -> impl Iterator<Item = bool> {
+        let maximum = self.lights.iter().map(|light| light.largest.sample).fold(0.0, f32::max);
+        let ceiling = white.map_or(Ceiling::Maximum(maximum), Ceiling::White);
+        self.lights.iter().map(move |light| light.is_clipped(ceiling))
     }
 
-    fn new(segments: &Segments, selection: Selection, report: Report) -> Self {
+    pub(super) fn new(segments: &Segments, selection: Selection, report: Report) -> Self {
         let (mut pixels, mut light_of_pixel) = (Vec::new(), Vec::new());
         for (segment, light) in segments.pixels.iter().zip(&selection.part_of) {
             let Some(light) = light else { continue };

@@ -21,8 +21,11 @@ use glam::DVec3;
 
 use super::coverage::{Columns, CoveredPixels};
 use super::dot_product::dot;
-use crate::kernels::detect::clipping::{TOP, is_clipped};
+use crate::kernels::detect::clipping::{Ceiling, Top};
 use crate::kernels::sphere::tangents;
+
+/// Pixels that reach this share of a light's peak are its top.
+const TOP: f64 = 0.99;
 
 /// The moments of one light.
 #[derive(Clone, Debug, Default)]
@@ -33,8 +36,8 @@ pub struct Light {
     pub irradiance: [f64; 3],
     /// Largest luminance of a pixel.
     pub peak: f64,
-    /// Pixels at the peak.
-    top_pixels: usize,
+    /// Its largest sample, and how many pixels hold that.
+    pub largest: Top,
     flux_vector: DVec3,
     /// Second moments: the diagonal, and the entries xy, yz, zx.
     second: [DVec3; 2],
@@ -66,14 +69,20 @@ impl Light {
         self.flux_vector.normalize_or(self.top.normalize_or(DVec3::Y))
     }
 
+    /// The same light with the flux centroid in another `direction`, a unit vector.
+    #[must_use]
+    pub fn turned_to(self, direction: DVec3) -> Self {
+        Self { flux_vector: direction * self.flux_vector.length(), ..self }
+    }
+
     /// Unit vector towards the centroid of the pixels at the peak.
     pub fn peak_direction(&self) -> DVec3 {
         self.top.normalize_or(self.direction())
     }
 
-    /// Whether it is a flat top at the level of the `brightest` light.
-    pub fn is_clipped(&self, brightest: f64) -> bool {
-        is_clipped(self.peak, self.top_pixels, brightest)
+    /// Whether its samples are cut off at this ceiling.
+    pub fn is_clipped(&self, ceiling: Ceiling) -> bool {
+        self.largest.is_clipped(ceiling)
     }
 
     /// In steradians.
@@ -113,13 +122,13 @@ impl Light {
         // Keep the top of the brighter light, and that of the dimmer one if it is as bright.
         let (brighter, dimmer) = if self.peak >= other.peak { (self, other) } else { (other, self) };
         let shares_top = dimmer.peak >= TOP * brighter.peak;
-        let (more, top) = if shares_top { (dimmer.top_pixels, dimmer.top) } else { (0, DVec3::ZERO) };
+        let top = if shares_top { dimmer.top } else { DVec3::ZERO };
         // Add all other sums.
         Self {
             flux: self.flux + other.flux,
             irradiance: [sum(0), sum(1), sum(2)],
             peak: brighter.peak,
-            top_pixels: brighter.top_pixels + more,
+            largest: self.largest.and(other.largest),
             flux_vector: self.flux_vector + other.flux_vector,
             second: [self.second[0] + other.second[0], self.second[1] + other.second[1]],
             width_squared: self.width_squared + other.width_squared,
@@ -156,14 +165,12 @@ impl Light {
     fn add_top(&mut self, row: &CoveredPixels, columns: &Columns<&[f64]>, [sin, cos]: [f64; 2]) {
         let top = TOP * self.peak;
         let is_top = row.luminance.iter().map(|&y| f64::from(y) >= top);
-        let pixels = is_top.clone().map(usize::from).sum::<usize>();
-        if pixels > 0 {
+        if is_top.clone().any(|is_top| is_top) {
             let flags: Vec<f32> = is_top.map(|is_top| if is_top { 1.0 } else { 0.0 }).collect();
             let top: Vec<f64> =
                 flags.iter().zip(&row.solid_angle).map(|(&flag, angle)| f64::from(flag) * angle).collect();
             let [top_sin, top_cos] = [columns.sin, columns.cos].map(|of| sin * dot(of, &top));
             self.top += DVec3::new(top_sin, cos * dot(&flags, &row.solid_angle), -top_cos);
-            self.top_pixels += pixels;
         }
     }
 }

@@ -86,6 +86,31 @@ impl WorkingImage {
         Ok(Self { size, luminance, grid, bands, block, tile_maxima, flux })
     }
 
+    /// The same pixels with another luminance.
+    pub fn with_luminance(&self, luminance: Vec<f32>) -> Self {
+        let width = self.size.1;
+        let widths: Vec<f64> = self.grid.phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect();
+        let mut tile_maxima = Array2::zeros(self.tile_maxima.dim());
+        let mut row_sums = vec![0.0; self.size.0];
+        luminance
+            .par_chunks(TILE * width)
+            .zip(row_sums.par_chunks_mut(TILE))
+            .zip(tile_maxima.outer_iter_mut().into_par_iter())
+            .for_each(|((rows, sums), mut maxima)| {
+                let mut largest = vec![0.0; width];
+                for (row, sum) in rows.chunks(width).zip(sums) {
+                    *sum = dot(row, &widths);
+                    raise(&mut largest, row);
+                }
+                for (maximum, columns) in maxima.iter_mut().zip(largest.chunks(TILE)) {
+                    *maximum = columns.iter().copied().fold(0.0, f32::max);
+                }
+            });
+        let flux = row_sums.iter().zip(&self.bands).map(|(sum, band)| sum * band).sum();
+        let (grid, bands) = (self.grid.clone(), self.bands.clone());
+        Self { luminance, tile_maxima, flux, grid, bands, ..*self }
+    }
+
     /// Height of a row, in radians; the last may be lower.
     pub fn row_height(&self) -> f64 {
         let theta = &self.grid.theta_edges;

@@ -1,0 +1,110 @@
+//! How much of a map is clipped: of its sphere, and of its flux.
+
+use ndarray::ArrayView3;
+use rayon::prelude::*;
+
+use super::clipping::{Ceiling, LEAST_WHITE, Top};
+use crate::error::Result;
+use crate::kernels::image::{check_rgb, luminance_f32, samples_of};
+use crate::kernels::sphere::{Registration, band_heights};
+
+/// A largest sample on more than this share of the sphere is no top.
+const MOSTLY_EVEN: f64 = 0.5;
+
+/// The part of a map that is clipped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClippedShare {
+    /// Share of the sphere with a sample at the ceiling.
+    pub sphere: f64,
+    /// Share of the luminance flux in those pixels.
+    pub flux: f64,
+}
+
+/// The part of an equirectangular map, (height, width, 3), that is clipped: at `white` where that is known, else
+/// at a flat top at the map's largest sample.
+///
+/// # Errors
+///
+/// [`crate::error::Error::NotAMap`] when the array is not (height, width, 3) or smaller than 2 x 2.
+pub fn clipped_share(
+    radiance: ArrayView3<'_, f32>,
+    registration: Registration,
+    white: Option<f32>,
+) -> Result<ClippedShare> {
+    check_rgb(radiance)?;
+    let none = ClippedShare { sphere: 0.0, flux: 0.0 };
+    let (height, width, _) = radiance.dim();
+    // Find the least sample that is clipped.
+    let least = if let Some(white) = white {
+        (LEAST_WHITE * f64::from(white)) as f32
+    } else {
+        let top_of_row = |row| Top::of(samples_of(radiance, row..row + 1).as_chunks::<3>().0.iter());
+        let top = (0..height).into_par_iter().map(top_of_row).reduce(Top::default, Top::and);
+        if !top.is_clipped(Ceiling::Maximum(top.sample)) || top.sample <= 0.0 {
+            return Ok(none);
+        }
+        top.sample
+    };
+    // Sum row by row: clipped solid angle, clipped flux, flux.
+    let widths: Vec<f64> = registration.phi_edges(width).windows(2).map(|edge| edge[1] - edge[0]).collect();
+    let bands = band_heights(&registration.theta_edges(height));
+    let sums_of_row = |row: usize| {
+        let samples = samples_of(radiance, row..row + 1);
+        let mut sums = [0.0; 3];
+        for (&pixel, width) in samples.as_chunks::<3>().0.iter().zip(&widths) {
+            let flux = f64::from(luminance_f32(pixel)) * width;
+            if pixel.iter().any(|&sample| sample >= least) {
+                sums[0] += width;
+                sums[1] += flux;
+            }
+            sums[2] += flux;
+        }
+        sums.map(|sum| sum * bands[row])
+    };
+    let rows: Vec<[f64; 3]> = (0..height).into_par_iter().map(sums_of_row).collect();
+    let [clipped, clipped_flux, flux] =
+        [0, 1, 2].map(|sum: usize| rows.iter().map(|row| row[sum]).sum::<f64>());
+    let sphere = clipped / (4.0 * std::f64::consts::PI);
+    // A map that is even on most of the sphere has no top.
+    if white.is_none() && sphere > MOSTLY_EVEN {
+        return Ok(none);
+    }
+    Ok(ClippedShare { sphere, flux: if flux > 0.0 { clipped_flux / flux } else { 0.0 } })
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use approx::assert_relative_eq;
+    use ndarray::{Array3, s};
+
+    use super::*;
+
+    /// The upper half at `value`, the lower at a quarter.
+    fn halves(value: f32) -> Array3<f32> {
+        let mut map = Array3::from_elem((16, 32, 3), 0.25_f32);
+        map.slice_mut(s![..8, .., ..]).fill(value);
+        map
+    }
+
+    #[test]
+    fn half_a_sphere_at_white_is_half_of_it_and_four_fifths_of_the_flux() {
+        for white in [Some(1.0), None] {
+            let share = clipped_share(halves(1.0).view(), Registration::CellCentred, white).unwrap();
+            assert_relative_eq!(share.sphere, 0.5, max_relative = 1e-12);
+            assert_relative_eq!(share.flux, 0.8, max_relative = 1e-6);
+        }
+    }
+
+    #[test]
+    fn nothing_is_clipped_below_white_or_in_the_dark() {
+        let none = ClippedShare { sphere: 0.0, flux: 0.0 };
+        let share =
+            |map: Array3<f32>, white| clipped_share(map.view(), Registration::CellCentred, white).unwrap();
+        assert_eq!(share(halves(0.9), Some(1.0)), none);
+        assert_eq!(share(Array3::zeros((4, 8, 3)), None), none);
+        let mut sun = halves(0.9);
+        sun[[3, 3, 1]] = 7.0;
+        assert_eq!(share(sun, None), none);
+    }
+}

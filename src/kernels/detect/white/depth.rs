@@ -1,0 +1,140 @@
+//! The depth of a pixel of the plateau: the angle to the nearest pixel outside of it.
+//!
+//! Pixels hand on the nearest outer pixel that they know, from neighbour to neighbour, in sweeps over the
+//! sphere (Danielsson 1980): a few comparisons for each pixel, however deep it lies. Distances are those
+//! between directions, so they hold at the seam and the poles.
+
+use super::super::tree::working_image::WorkingImage;
+
+/// The depth of each of the pixels `plateau` in radians, as an image; 0 outside.
+pub fn depths(working: &WorkingImage, plateau: &[u32]) -> Vec<f32> {
+    let (height, width) = working.size;
+    let sphere = Sphere::new(working);
+    let mut nearest = Nearest { sphere: &sphere, of: vec![OUTSIDE; height * width], height, width };
+    for &pixel in plateau {
+        nearest.of[pixel as usize] = UNKNOWN;
+    }
+    // Where the plateau crosses the seam or a pole, what one sweep finds must go around once more.
+    let touches = |pixel: u32| {
+        let (row, column) = (pixel as usize / width, pixel as usize % width);
+        row == 0 || row + 1 == height || column == 0 || column + 1 == width
+    };
+    for _ in 0..if plateau.iter().any(|&pixel| touches(pixel)) { 2 } else { 1 } {
+        nearest.sweep_down(plateau);
+        nearest.sweep_up(plateau);
+    }
+    let mut depth = vec![0.0; height * width];
+    for &pixel in plateau {
+        let outer = nearest.of[pixel as usize];
+        let cosine = if outer == UNKNOWN { -1.0 } else { sphere.cosine(pixel, outer) };
+        depth[pixel as usize] = (2.0 * (0.5 * (1.0 - cosine)).max(0.0).sqrt().min(1.0).asin()) as f32;
+    }
+    depth
+}
+
+/// In place of the nearest outer pixel: this one is outside itself.
+const OUTSIDE: u32 = u32::MAX;
+/// In place of the nearest outer pixel: none is known yet.
+const UNKNOWN: u32 = u32::MAX - 1;
+
+/// The nearest outer pixel that each pixel knows.
+struct Nearest<'a> {
+    sphere: &'a Sphere,
+    of: Vec<u32>,
+    height: usize,
+    width: usize,
+}
+
+impl Nearest<'_> {
+    /// From above, and along each row both ways.
+    fn sweep_down(&mut self, plateau: &[u32]) {
+        let width = self.width;
+        for row in plateau.chunk_by(|&one, &other| one as usize / width == other as usize / width) {
+            self.ask_row(row, (row[0] as usize / width).saturating_sub(1));
+        }
+    }
+
+    /// From below, and along each row both ways.
+    fn sweep_up(&mut self, plateau: &[u32]) {
+        let (last, width) = (self.height - 1, self.width);
+        let rows: Vec<&[u32]> =
+            plateau.chunk_by(|&one, &other| one as usize / width == other as usize / width).collect();
+        for row in rows.into_iter().rev() {
+            self.ask_row(row, (row[0] as usize / width + 1).min(last));
+        }
+    }
+
+    /// Let the pixels of a row ask those of the row `beside`, then one another.
+    fn ask_row(&mut self, row: &[u32], beside: usize) {
+        let width = self.width;
+        let first = row[0] as usize / width * width;
+        let left = |column: usize| if column == 0 { width - 1 } else { column - 1 };
+        let right = |column: usize| if column + 1 == width { 0 } else { column + 1 };
+        for &pixel in row {
+            let column = pixel as usize - first;
+            let others = [left(column), column, right(column)].map(|column| beside * width + column);
+            self.ask(pixel, [others[0], others[1], others[2], first + left(column)]);
+        }
+        for &pixel in row.iter().rev() {
+            self.ask(pixel, [first + right(pixel as usize - first)]);
+        }
+    }
+
+    /// Take over the nearest outer pixel that one of the `others` knows or is.
+    fn ask<const N: usize>(&mut self, pixel: u32, others: [usize; N]) {
+        let mut best = self.of[pixel as usize];
+        let mut largest = if best == UNKNOWN { f64::NEG_INFINITY } else { self.sphere.cosine(pixel, best) };
+        for other in others {
+            let outer = match self.of[other] {
+                UNKNOWN => continue,
+                OUTSIDE => other as u32,
+                outer => outer,
+            };
+            if outer == best {
+                continue;
+            }
+            let cosine = self.sphere.cosine(pixel, outer);
+            if cosine > largest {
+                (best, largest) = (outer, cosine);
+            }
+        }
+        self.of[pixel as usize] = best;
+    }
+}
+
+/// The directions of pixels, by row and column.
+pub struct Sphere {
+    width: usize,
+    /// Sine and cosine of the polar angle of each row.
+    rows: Vec<(f64, f64)>,
+    /// Sine and cosine of the azimuth of each column.
+    columns: Vec<(f64, f64)>,
+}
+
+impl Sphere {
+    /// The centres of the pixels of an image.
+    pub fn new(working: &WorkingImage) -> Self {
+        let centres =
+            |edges: &[f64]| edges.windows(2).map(|edge| (0.5 * (edge[0] + edge[1])).sin_cos()).collect();
+        let grid = &working.grid;
+        Self { width: working.size.1, rows: centres(&grid.theta_edges), columns: centres(&grid.phi_edges) }
+    }
+
+    /// Unit vector towards a pixel, in the frame of [`crate::kernels::sphere`].
+    pub fn direction(&self, pixel: u32) -> glam::DVec3 {
+        let ((sin, cos), (sin_phi, cos_phi)) = self.at(pixel);
+        glam::DVec3::new(sin * sin_phi, cos, -sin * cos_phi)
+    }
+
+    /// Cosine of the angle between two pixels.
+    fn cosine(&self, one: u32, other: u32) -> f64 {
+        let ((sin, cos), (sin_phi, cos_phi)) = self.at(one);
+        let ((other_sin, other_cos), (other_sin_phi, other_cos_phi)) = self.at(other);
+        sin * other_sin * (sin_phi * other_sin_phi + cos_phi * other_cos_phi) + cos * other_cos
+    }
+
+    fn at(&self, pixel: u32) -> ((f64, f64), (f64, f64)) {
+        let pixel = pixel as usize;
+        (self.rows[pixel / self.width], self.columns[pixel % self.width])
+    }
+}

@@ -1,0 +1,154 @@
+//! Lights of maps whose values end at a known white, as those of 8-bit pictures do.
+//!
+//! The threshold of [`super::tree`] is twice the luminance that most of the sphere does not exceed. In a
+//! picture of usual exposure that is above white. Here the tree works on expanded luminance, and what white
+//! has made equal is told apart by its shape. [`detect`] calls the steps in this order:
+//!
+//! | step                                                            | file           |
+//! |-----------------------------------------------------------------|----------------|
+//! | the value at which the picture ends                             | `ending.rs`    |
+//! | expand luminance below it                                       | `expansion.rs` |
+//! | threshold, component tree, bridging                             | `../tree/`     |
+//! | the plateau of white pixels, its bars closed                    | `plateau.rs`   |
+//! | the depth of each of its pixels                                 | `depth.rs`     |
+//! | divide segments at the necks of the plateau                     | `necks.rs`     |
+//! | the direction of each light, and how uncertain it is            | `placement.rs` |
+//! | which lights are kept, and their order                          | `order.rs`     |
+
+mod depth;
+mod ending;
+mod expansion;
+mod necks;
+mod order;
+mod placement;
+mod plateau;
+
+use ndarray::ArrayView3;
+
+pub use ending::Ending;
+pub use placement::Place;
+
+use super::clipping::LEAST_WHITE;
+use super::tree::adjacency::Adjacency;
+use super::tree::components::Segments;
+use super::tree::linkage::Selection;
+use super::tree::threshold;
+use super::tree::working_image::WorkingImage;
+use super::tree::{Detection, Options, Report, background, bridging, components, linkage, measure, outline};
+use crate::error::Result;
+use crate::kernels::sphere::Registration;
+
+/// Lights of a map that ends at white, and how they were found.
+#[derive(Clone, Debug)]
+pub struct WhiteDetection {
+    /// The lights as the tree measures them: their flux is what white has left of it. Its threshold is that
+    /// of the map's luminance.
+    pub detection: Detection,
+    /// Where each light is.
+    pub places: Vec<Place>,
+    /// How much each light is likely to give: the order of lights.
+    pub weights: Vec<f64>,
+    /// Where the picture ends.
+    pub ending: Ending,
+    /// Share of the sphere at white.
+    pub clipped_share: f64,
+}
+
+/// Lights of an equirectangular map of radiance, (height, width, 3), finite and not negative, of which `white`
+/// is the largest luminance that it can hold.
+///
+/// # Errors
+///
+/// [`crate::error::Error::NotAMap`], [`crate::error::Error::UnusableSamples`], [`crate::error::Error::TooBright`].
+pub fn detect(
+    radiance: ArrayView3<'_, f32>,
+    registration: Registration,
+    white: f64,
+    options: &Options,
+) -> Result<WhiteDetection> {
+    // Run all of it inside the thread pool: from outside, each parallel loop would wake the pool anew.
+    rayon::scope(|_| detect_in_pool(radiance, registration, white, options))
+}
+
+fn detect_in_pool(
+    radiance: ArrayView3<'_, f32>,
+    registration: Registration,
+    white: f64,
+    options: &Options,
+) -> Result<WhiteDetection> {
+    // Find where the picture ends. One that ends far below white has lost nothing to it.
+    let working = WorkingImage::of(radiance, registration, options.working_columns)?;
+    let ending = Ending::of(&working, white);
+    let clipped_share = ending::share_above(&working, LEAST_WHITE * white);
+    let Some(end) = ending.luminance() else {
+        let detection = super::tree::detect(radiance, registration, options)?;
+        return Ok(WhiteDetection::measured(detection, ending, clipped_share));
+    };
+    // Find the segments of lights in the expanded image.
+    let adjacency = Adjacency::of(&working);
+    let expanded = expansion::expanded(&working, end);
+    let mut level = threshold::from_histogram(&expanded);
+    level.luminance =
+        expansion::below_white(level.luminance, ending::share_above(&working, LEAST_WHITE * end));
+    let bright = components::bright_pixels(&expanded, level.luminance);
+    let segments =
+        components::segments(&expanded, &adjacency, &bright, &level, options.prominence, options.extent);
+    let segments = bridging::bridge(&expanded, &adjacency, segments, options.prominence, options.gap);
+    // Divide them at the necks of the plateau.
+    let plateau = plateau::closed(&working, &bright.indices, end, options.gap);
+    let depth = depth::depths(&working, &plateau);
+    let parts = necks::parts(&working, &plateau, &depth);
+    let segments = necks::divide(&adjacency, segments, &parts, &working.luminance);
+    // Place the lights, weigh them and leave out the least.
+    let places = placement::places(&working, &expanded, &segments, &depth);
+    let weights = order::weights(&expanded, &segments, &places);
+    let (segments, places, weights) = order::without_the_least(segments, places, weights);
+    // Measure them in the map's own pixels.
+    let segments = outline::trim(&adjacency, segments);
+    let outline = outline::outline(&adjacency, &segments);
+    let backgrounds = background::local_backgrounds(&working, &adjacency, &segments, &outline);
+    let lights = measure::measure(radiance, registration, &working, &segments, &backgrounds);
+    let lights: Vec<_> =
+        lights.into_iter().zip(&places).map(|(light, place)| light.turned_to(place.direction)).collect();
+    let selection = linkage::select(lights, options.min_flux_share * working.flux, options.max_lights);
+    level.luminance = expansion::compressed(level.luminance, end);
+    let report = Report::of(&working, level, &bright, &selection);
+    Ok(WhiteDetection::new(&segments, selection, report, &places, &weights, ending, clipped_share))
+}
+
+impl WhiteDetection {
+    /// Lights of a picture that has lost nothing to white.
+    fn measured(detection: Detection, ending: Ending, clipped_share: f64) -> Self {
+        let places = detection.lights.iter().map(Place::measured).collect();
+        let weights = detection.lights.iter().map(|light| light.flux).collect();
+        Self { detection, places, weights, ending, clipped_share }
+    }
+
+    fn new(
+        segments: &Segments,
+        selection: Selection,
+        report: Report,
+        places: &[Place],
+        weights: &[f64],
+        ending: Ending,
+        clipped_share: f64,
+    ) -> Self {
+        // Join the places and the weights of the lights that were merged.
+        let mut joined: Vec<Option<Place>> = vec![None; selection.lights.len()];
+        let mut sums = vec![0.0; selection.lights.len()];
+        for ((place, weight), light) in places.iter().zip(weights).zip(&selection.part_of) {
+            let Some(light) = *light else { continue };
+            let whole = joined[light].get_or_insert_with(|| place.clone());
+            *whole = whole.and(place, selection.lights[light].direction());
+            sums[light] += weight;
+        }
+        let places = joined.into_iter().flatten().collect();
+        Self {
+            detection: Detection::new(segments, selection, report),
+            places,
+            weights: sums,
+            ending,
+            clipped_share,
+        }
+    }
+}

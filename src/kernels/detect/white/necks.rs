@@ -1,0 +1,116 @@
+//! Necks: where a plateau is narrow, it divides lights that have run into one another.
+//!
+//! The glow of a sun runs into a white horizon, a window into a white wall. The component tree of depth finds
+//! the deepest places and the narrowest neck on the widest way between two of them. They are parts of their
+//! own if, with the depths of the shallower one and of the neck,
+//!
+//! ```text
+//!   (depth + 1 degree) / (neck + 1 degree) >= 2
+//! ```
+
+use std::collections::VecDeque;
+
+use super::super::tree::adjacency::Adjacency;
+use super::super::tree::components::{self, BrightPixels, Segments};
+use super::super::tree::threshold::{Rule, Threshold};
+use super::super::tree::working_image::WorkingImage;
+
+/// Depth over neck, at least; both one degree deeper than they are.
+const PROMINENCE: f64 = 2.0;
+/// What is added to depths, in radians: a plateau of a few pixels has no necks.
+const MORE_DEPTH: f32 = std::f32::consts::PI / 180.0;
+
+/// For each pixel its part of the `plateau` plus 1, 0 outside.
+pub fn parts(working: &WorkingImage, plateau: &[u32], depth: &[f32]) -> Vec<u32> {
+    let mut level = vec![0.0; depth.len()];
+    for &pixel in plateau {
+        level[pixel as usize] = depth[pixel as usize] + MORE_DEPTH;
+    }
+    let level = working.with_luminance(level);
+    let pixels = BrightPixels { indices: plateau.to_vec(), opened_tiles: 0 };
+    // Each part counts, however shallow.
+    let none = Threshold { luminance: 0.0, rule: Rule::Background { factor: 0.0, share: 0.0 } };
+    components::segments(&level, &Adjacency::of(&level), &pixels, &none, PROMINENCE, 0.0).label
+}
+
+/// Divide each segment among the parts of the plateau that it holds. A pixel outside of them joins the part that
+/// is nearest on a way through the segment. New peaks are those of `luminance`.
+pub fn divide(adjacency: &Adjacency, segments: Segments, parts: &[u32], luminance: &[f32]) -> Segments {
+    let mut divided = Segments { pixels: Vec::new(), peaks: Vec::new(), label: segments.label };
+    let mut owner = vec![0; parts.len()];
+    for pixels in segments.pixels {
+        // Number the parts of the segment, in the order of their first pixels.
+        let mut held: Vec<u32> = Vec::new();
+        for &pixel in pixels.iter().filter(|&&pixel| divided.label[pixel as usize] != 0) {
+            let part = parts[pixel as usize];
+            if part != 0 && !held.contains(&part) {
+                held.push(part);
+            }
+        }
+        let first = divided.pixels.len() as u32 + 1;
+        if held.len() < 2 {
+            divided.push(pixels, luminance, |_| first);
+            continue;
+        }
+        grow(adjacency, &pixels, &divided.label, parts, &held, &mut owner);
+        for part in 0..held.len() as u32 {
+            let own = pixels.iter().copied().filter(|&pixel| owner[pixel as usize] == part + 1);
+            divided.push(own.collect(), luminance, |_| first + part);
+        }
+        for pixel in pixels {
+            owner[pixel as usize] = 0;
+        }
+    }
+    divided
+}
+
+/// Write into `owner` the place, plus 1, among the parts `held` of the part that each pixel joins.
+fn grow(
+    adjacency: &Adjacency,
+    pixels: &[u32],
+    label: &[u32],
+    parts: &[u32],
+    held: &[u32],
+    owner: &mut [u32],
+) {
+    // Start from the plateau, and mark the pixels that are free.
+    const FREE: u32 = u32::MAX;
+    let mut front = VecDeque::new();
+    for &pixel in pixels {
+        let part = if label[pixel as usize] == 0 { 0 } else { parts[pixel as usize] };
+        owner[pixel as usize] =
+            held.iter().position(|&own| own == part).map_or(FREE, |place| place as u32 + 1);
+        if owner[pixel as usize] != FREE {
+            front.push_back(pixel as usize);
+        }
+    }
+    // Grow over the free pixels, all parts at the same pace.
+    while let Some(pixel) = front.pop_front() {
+        for other in adjacency.around(pixel) {
+            if owner[other] == FREE {
+                owner[other] = owner[pixel];
+                front.push_back(other);
+            }
+        }
+    }
+    // Give what lies behind a gap to the first part.
+    for &pixel in pixels {
+        if owner[pixel as usize] == FREE {
+            owner[pixel as usize] = 1;
+        }
+    }
+}
+
+impl Segments {
+    /// Add a segment of these `pixels`; those that are labelled get a new label.
+    fn push(&mut self, pixels: Vec<u32>, luminance: &[f32], new: impl Fn(u32) -> u32) {
+        let mut peak = 0.0_f32;
+        for &pixel in &pixels {
+            peak = peak.max(luminance[pixel as usize]);
+            let label = &mut self.label[pixel as usize];
+            *label = if *label == 0 { 0 } else { new(pixel) };
+        }
+        self.pixels.push(pixels);
+        self.peaks.push(peak);
+    }
+}

@@ -1,0 +1,79 @@
+//! Which lights are kept, and their order.
+//!
+//! White makes all lights equal, so their flux says little about which one is the strongest. A small light at
+//! white is more often a lamp, a large one a wall; and light comes from above. With the expanded flux F', the
+//! solid angle W and the elevation e,
+//!
+//! ```text
+//!   weight = F' / W^(3/4) exp(1.5 sin e)
+//! ```
+//!
+//! lies between the flux and the mean radiance. The powers are chosen on pictures of HDR maps, by the lights
+//! that are found, and by the flux in those that are none.
+
+use std::f64::consts::TAU;
+
+use super::super::tree::components::Segments;
+use super::super::tree::working_image::WorkingImage;
+use super::placement::Place;
+
+/// The power of the solid angle.
+const SMALLNESS: f64 = 0.75;
+/// How much more a light at the zenith counts than one on the horizon, as a power of e.
+const UPWARDS: f64 = 1.5;
+/// Lights with a smaller share of the sum of all weights are left out.
+const LEAST_SHARE: f64 = 0.01;
+/// A place of more than this, in steradians, so far below the horizon is a white floor.
+const FLOOR: f64 = 0.5;
+/// Sine of the elevation below which a floor may lie.
+const FLOOR_BELOW: f64 = -0.3;
+
+/// The weight of each segment: of two, the one with more is the stronger light, most likely. That of a floor
+/// is 0.
+pub fn weights(expanded: &WorkingImage, segments: &Segments, places: &[Place]) -> Vec<f64> {
+    let width = expanded.size.1;
+    let weight = |(pixels, place): (&Vec<u32>, &Place)| {
+        // Sum solid angle and expanded flux.
+        let (mut solid_angle, mut flux) = (0.0, 0.0);
+        for pixel in pixels.iter().map(|&pixel| pixel as usize) {
+            if segments.label[pixel] != 0 {
+                let pixel_solid_angle = expanded.bands[pixel / width] * TAU / width as f64;
+                solid_angle += pixel_solid_angle;
+                flux += f64::from(expanded.luminance[pixel]) * pixel_solid_angle;
+            }
+        }
+        // Weigh them.
+        let sine = place.direction.y;
+        let is_floor = solid_angle > FLOOR && sine < FLOOR_BELOW;
+        if is_floor { 0.0 } else { flux / solid_angle.powf(SMALLNESS) * (UPWARDS * sine).exp() }
+    };
+    segments.pixels.iter().zip(places).map(weight).collect()
+}
+
+/// Segments, places and weights without those of the least weight; of many equal ones none.
+pub fn without_the_least(
+    segments: Segments,
+    places: Vec<Place>,
+    weights: Vec<f64>,
+) -> (Segments, Vec<Place>, Vec<f64>) {
+    let largest = weights.iter().copied().fold(0.0, f64::max);
+    let least = (LEAST_SHARE * weights.iter().sum::<f64>()).min(largest);
+    let mut kept = Segments { pixels: Vec::new(), peaks: Vec::new(), label: segments.label };
+    let (mut kept_places, mut kept_weights) = (Vec::new(), Vec::new());
+    let segments = segments.pixels.into_iter().zip(segments.peaks);
+    for (((pixels, peak), place), weight) in segments.zip(places).zip(weights) {
+        // Give its pixels the label of its new place, or none.
+        let label = if weight < least { 0 } else { kept.pixels.len() as u32 + 1 };
+        for &pixel in &pixels {
+            let own = &mut kept.label[pixel as usize];
+            *own = if *own == 0 { 0 } else { label };
+        }
+        if label != 0 {
+            kept.pixels.push(pixels);
+            kept.peaks.push(peak);
+            kept_places.push(place);
+            kept_weights.push(weight);
+        }
+    }
+    (kept, kept_places, kept_weights)
+}

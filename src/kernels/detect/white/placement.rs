@@ -1,0 +1,85 @@
+//! The direction of a light behind white, and how uncertain it is.
+//!
+//! Inside a plateau the picture says nothing, but glow is even around a sun: its centre is the centroid of the
+//! plateau, weighted by depth so that spurs count little. Without a plateau it is the centroid of the squared
+//! expanded luminance.
+
+use glam::DVec3;
+
+use super::super::tree::components::Segments;
+use super::super::tree::moments::Light;
+use super::super::tree::working_image::WorkingImage;
+use super::depth::Sphere;
+
+/// Where a light is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Place {
+    /// Unit vector.
+    pub direction: DVec3,
+    /// Angle from the deepest place of its plateau to the rim, in radians; 0 without a plateau.
+    pub plateau_radius: f64,
+    /// Two thirds of all lights of this kind are within this angle of their direction, in radians.
+    pub uncertainty: f64,
+}
+
+impl Place {
+    /// The place of a light that is not behind white: all of it is in the picture.
+    pub fn measured(light: &Light) -> Self {
+        Self { direction: light.direction(), plateau_radius: 0.0, uncertainty: 0.0 }
+    }
+
+    fn new(direction: DVec3, plateau_radius: f64, radius: f64) -> Self {
+        Self { direction, plateau_radius, uncertainty: uncertainty(plateau_radius, radius) }
+    }
+
+    /// The place of two lights as one that points to `direction`.
+    #[must_use]
+    pub fn and(&self, other: &Self, direction: DVec3) -> Self {
+        let apart = |place: &Self| place.direction.angle_between(direction);
+        Self {
+            direction,
+            plateau_radius: self.plateau_radius.max(other.plateau_radius),
+            uncertainty: self.uncertainty.max(other.uncertainty).max(apart(self)).max(apart(other)),
+        }
+    }
+}
+
+/// The angle within which two thirds of all lights of a kind are, with the plateau's radius R and the light's r:
+///
+/// ```text
+///   u = max(0.7 (R + 0.2 degrees), 0.3 r)
+/// ```
+///
+/// Calibrated on pictures of HDR maps, whose lights are known, by classes of R.
+fn uncertainty(plateau_radius: f64, radius: f64) -> f64 {
+    (0.7 * (plateau_radius + 0.2_f64.to_radians())).max(0.3 * radius)
+}
+
+/// The place of each segment. `depth` is that of the plateau, as an image.
+pub fn places(
+    working: &WorkingImage,
+    expanded: &WorkingImage,
+    segments: &Segments,
+    depth: &[f32],
+) -> Vec<Place> {
+    let sphere = Sphere::new(working);
+    let width = working.size.1;
+    let place = |pixels: &Vec<u32>| {
+        let (mut on_plateau, mut outside, mut deepest, mut solid_angle) =
+            (DVec3::ZERO, DVec3::ZERO, 0.0_f32, 0.0);
+        for &pixel in pixels.iter().filter(|&&pixel| segments.label[pixel as usize] != 0) {
+            let index = pixel as usize;
+            let towards = sphere.direction(pixel) * working.bands[index / width];
+            deepest = deepest.max(depth[index]);
+            on_plateau += towards * f64::from(depth[index]).powi(2);
+            outside += towards * f64::from(expanded.luminance[index]).powi(2);
+            solid_angle += working.bands[index / width];
+        }
+        let sum = if deepest > 0.0 { on_plateau } else { outside };
+        // The rim lies between the last pixel of the plateau and the first outside of it.
+        let rim = 0.5 * working.row_height();
+        let radius = (1.0 - solid_angle / width as f64).max(-1.0).acos();
+        Place::new(sum.normalize_or(DVec3::Y), (f64::from(deepest) - rim).max(0.0), radius)
+    };
+    segments.pixels.iter().map(place).collect()
+}

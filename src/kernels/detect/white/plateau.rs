@@ -1,0 +1,76 @@
+//! The plateau: pixels at white, with the bars across them closed.
+
+use std::f64::consts::{PI, TAU};
+
+use super::super::clipping::LEAST_WHITE;
+use super::super::tree::working_image::WorkingImage;
+
+/// Flat indices of the pixels on the plateau of the picture that ends at `end`, in ascending order. `bright`
+/// are those that may lie on it.
+///
+/// Bars of up to `gap` radians between two of its pixels, along a row or a column, are closed: else a window
+/// falls into panes.
+pub fn closed(working: &WorkingImage, bright: &[u32], end: f64, gap: f64) -> Vec<u32> {
+    let least = (LEAST_WHITE * end) as f32;
+    let (height, width) = working.size;
+    let mut is_white = vec![false; height * width];
+    let white = bright.iter().copied().filter(|&pixel| working.luminance[pixel as usize] >= least);
+    let white: Vec<u32> = white.collect();
+    for &pixel in &white {
+        is_white[pixel as usize] = true;
+    }
+    // The centres of the pixels on both sides of a bar are its width and one pixel apart.
+    let reach = gap + working.row_height();
+    let mut all = white.clone();
+    close_rows(working, &white, reach, &mut is_white, &mut all);
+    let by_rows = all.clone();
+    close_columns(working, &by_rows, reach, &mut is_white, &mut all);
+    all.sort_unstable();
+    all
+}
+
+/// Close the gaps between pixels of a row, across the seam too.
+fn close_rows(working: &WorkingImage, white: &[u32], reach: f64, is_white: &mut [bool], all: &mut Vec<u32>) {
+    let width = working.size.1;
+    for row in white.chunk_by(|one, other| *one as usize / width == *other as usize / width) {
+        let first = row[0] as usize / width * width;
+        let theta = &working.grid.theta_edges;
+        let sine = (0.5 * (theta[first / width] + theta[first / width + 1])).sin();
+        let most = ((reach / (TAU * sine) * width as f64) as usize).min(width / 2);
+        let next = row[1..].iter().copied().chain([row[0] + width as u32]);
+        for (&one, other) in row.iter().zip(next) {
+            if ((other - one) as usize) <= most {
+                for pixel in one + 1..other {
+                    let pixel = first + (pixel as usize - first) % width;
+                    if !is_white[pixel] {
+                        is_white[pixel] = true;
+                        all.push(pixel as u32);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Close the gaps between pixels of a column.
+fn close_columns(
+    working: &WorkingImage,
+    white: &[u32],
+    reach: f64,
+    is_white: &mut [bool],
+    all: &mut Vec<u32>,
+) {
+    let (height, width) = working.size;
+    let most = (reach / PI * height as f64) as usize;
+    for pixel in white.iter().map(|&pixel| pixel as usize) {
+        if is_white.get(pixel + width) != Some(&false) {
+            continue; // the last row, or no gap below
+        }
+        let below = (2..=most).map(|rows| pixel + rows * width).take_while(|&other| other < height * width);
+        let Some(other) = below.into_iter().find(|&other| is_white[other]) else { continue };
+        for between in (pixel + width..other).step_by(width) {
+            is_white[between] = true;
+            all.push(between as u32);
+        }
+    }
+}
