@@ -18,6 +18,8 @@ __all__ = [
     "blur",
     "bresenham_line",
     "clipped_share",
+    "decoded_16",
+    "decoded_8",
     "detect_tree",
     "detect_white",
     "direction_to_uv",
@@ -135,6 +137,8 @@ def bresenham_line(start: list[int], end: list[int]) -> _Indices: ...
 def clipped_share(
     radiance: _Image, border_sampled: bool, white: float | None
 ) -> tuple[float, float]: ...
+def decoded_16(codes: NDArray[np.uint16], table: NDArray[np.float32]) -> _Image: ...
+def decoded_8(codes: NDArray[np.uint8], table: NDArray[np.float32]) -> _Image: ...
 def detect_tree(
     radiance: _Image,
     border_sampled: bool,

@@ -7,9 +7,12 @@ the codes of pictures.
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from envlights import _native
 
 
 def encode_srgb(linear: NDArray[np.floating]) -> NDArray[np.floating]:
@@ -27,14 +30,15 @@ def decode_srgb(coded: NDArray[np.floating]) -> NDArray[np.float32]:
     return linear.astype(np.float32)
 
 
-def decode_codes(codes: NDArray[np.unsignedinteger]) -> NDArray[np.float32]:
-    """Linear values of sRGB codes of 8 or 16 bits, of which the largest is white."""
-    white = np.iinfo(codes.dtype).max
-    linear: NDArray[np.float32] = _linear_of(white)[codes]
-    return linear
+def decode_codes(codes: NDArray[Any]) -> NDArray[np.float32]:
+    """Linear value of each sRGB code of 8 or 16 bits, of which the largest is white, (h, w, 3)."""
+    if codes.dtype.itemsize == 1:
+        return _native.decoded_8(np.ascontiguousarray(codes, dtype=np.uint8), _values(8))
+    return _native.decoded_16(np.ascontiguousarray(codes, dtype=np.uint16), _values(16))
 
 
 @cache
-def _linear_of(white: int) -> NDArray[np.float32]:
-    """Linear values of all codes up to `white`."""
-    return decode_srgb(np.arange(white + 1) / white)
+def _values(bits: int) -> NDArray[np.float32]:
+    """The linear value of each code."""
+    codes = np.arange(1 << bits)
+    return decode_srgb(codes / codes[-1])

@@ -242,7 +242,7 @@ class EnvMap:
                 return for_kernels(array, np.float32)
         self._notes.append(f"{array.dtype.name} samples were taken as sRGB-coded and linearised")
         self._white = 1.0 if self._white is None else self._white
-        return np.ascontiguousarray(decode_codes(array))
+        return decode_codes(array)
 
     def _cleaned(self, linear: NDArray[np.float32]) -> NDArray[np.float32]:
         nan, infinite, negative = _native.unusable(linear)

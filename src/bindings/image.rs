@@ -1,6 +1,6 @@
 //! `kernels::image` for Python.
 
-use numpy::PyReadonlyArray3;
+use numpy::{IntoPyArray, PyArray3, PyReadonlyArray1, PyReadonlyArray3};
 use pyo3::prelude::*;
 
 use super::pool::in_pool;
@@ -12,4 +12,28 @@ pub fn unusable(py: Python<'_>, radiance: PyReadonlyArray3<'_, f32>) -> PyResult
     let radiance = radiance.as_array();
     let counts = in_pool(py, || image::unusable(radiance))?;
     Ok((counts.nan, counts.infinite, counts.negative))
+}
+
+/// See `envlights.EnvMap`: codes of 8 bits by a table of their values.
+#[pyfunction]
+pub fn decoded_8<'py>(
+    py: Python<'py>,
+    codes: PyReadonlyArray3<'py, u8>,
+    table: PyReadonlyArray1<'py, f32>,
+) -> PyResult<Bound<'py, PyArray3<f32>>> {
+    let (codes, table) = (codes.as_array(), table.as_slice()?);
+    let values = in_pool(py, || Ok(image::decoded(codes, table)))?;
+    Ok(values.into_pyarray(py))
+}
+
+/// See `envlights.EnvMap`: codes of 16 bits by a table of their values.
+#[pyfunction]
+pub fn decoded_16<'py>(
+    py: Python<'py>,
+    codes: PyReadonlyArray3<'py, u16>,
+    table: PyReadonlyArray1<'py, f32>,
+) -> PyResult<Bound<'py, PyArray3<f32>>> {
+    let (codes, table) = (codes.as_array(), table.as_slice()?);
+    let values = in_pool(py, || Ok(image::decoded(codes, table)))?;
+    Ok(values.into_pyarray(py))
 }

@@ -14,6 +14,13 @@ from envlights.detection.lights import DetectedLights, DetectionReport, Members
 from envlights.envmap import EnvMap, checked_white, seen_through
 
 
+#: The narrowest working image.
+_LEAST_COLUMNS = 16
+
+#: Behind white, the working image has fewer columns by this factor.
+_FEWER_COLUMNS = 2
+
+
 def detect_tree(
     env: EnvMap | ArrayLike,
     *,
@@ -49,7 +56,8 @@ def detect_tree(
     extent : float
         A light ends where its luminance has fallen to this share of its peak.
     working_width : int
-        Lights are searched for in a reduction of the map to at most this many columns.
+        Lights are searched for in a reduction of the map to at most this many columns; to half of
+        them where it has a white, for a plateau has no fine detail.
     white : float, optional
         The value at which the map was cut off, in place of `EnvMap.white`.
 
@@ -95,7 +103,7 @@ def detect_tree(
     start = time.perf_counter()
     most = LARGEST_COUNT if max_lights is None else count("max_lights", max_lights, 1)
     options: dict[str, Any] = {
-        "working_columns": count("working_width", working_width, least=16),
+        "working_columns": count("working_width", working_width, least=_LEAST_COLUMNS),
         "prominence": amount("prominence", prominence, least=1.0),
         "extent": amount("extent", extent, most=1.0),
         "gap": math.radians(amount("gap_deg", gap_deg, most=90.0)),
@@ -110,7 +118,9 @@ def detect_tree(
         where = world.radiance, world.registration == "border-sampled"
         if end is None:
             return _Found(_native.detect_tree(*where, **options), None)
-        behind_white = _native.detect_white(*where, white=end, **options)
+        columns = max(options["working_columns"] // _FEWER_COLUMNS, _LEAST_COLUMNS)
+        reduced = options | {"working_columns": columns}
+        behind_white = _native.detect_white(*where, white=end, **reduced)
         return _Found(behind_white.tree, behind_white)
 
     world, found = seen_through(env, found_in)

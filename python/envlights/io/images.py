@@ -183,9 +183,9 @@ def _pixels(name: str, file: oiio.ImageInput, channels: list[int]) -> NDArray[np
             raise EnvLightsError(
                 f"cannot read all pixels of {name}: {_reason(file)}; give an undamaged file"
             )
-        for place, channel in enumerate(channels):
-            samples = block.reshape(*part.shape[:2], -1)[..., channel - min(channels)]
-            part[..., place] = samples if samples.dtype.kind == "f" else decode_codes(samples)
+        places = [channel - min(channels) for channel in channels]
+        samples = block.reshape(*part.shape[:2], -1)[..., places]
+        part[:] = samples if samples.dtype.kind == "f" else decode_codes(samples)
     return pixels
 
 

@@ -2,6 +2,7 @@
 //!
 //! | step                                          | file           |
 //! |-----------------------------------------------|----------------|
+//! | codes of integer images, decoded              | `codes.rs`     |
 //! | samples that no light can have                | `samples.rs`   |
 //! | the cells of an image on the sphere           | `grid.rs`      |
 //! | luminance                                     | `luminance.rs` |
@@ -9,12 +10,14 @@
 //! | the one pass over blocks of pixels            | `blocks.rs`    |
 
 mod blocks;
+mod codes;
 mod grid;
 mod luminance;
 mod reduce;
 mod samples;
 
 pub(crate) use blocks::{BlockRow, samples_of};
+pub use codes::decoded;
 pub use grid::Grid;
 pub use luminance::{LUMINANCE, LUMINANCE_F32, luminance, luminance_f32};
 pub use reduce::{WorkingMap, reduce};

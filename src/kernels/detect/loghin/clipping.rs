@@ -45,7 +45,9 @@ pub fn are_clipped(
         return Ok(clipped);
     }
     // Compare each with the largest sample of the map.
-    Ok(at(Ceiling::Maximum(map.par_chunks(width).map(|row| largest(row.as_flattened())).reduce(|| 0.0, f32::max))))
+    Ok(at(Ceiling::Maximum(
+        map.par_chunks(width).map(|row| largest(row.as_flattened())).reduce(|| 0.0, f32::max),
+    )))
 }
 
 /// The largest of some samples, in lanes that do not wait for one another.

@@ -7,38 +7,60 @@
 //!   y  = (1 + e) y' / (1 + y')
 //! ```
 
+use ndarray::ArrayView3;
 use rayon::prelude::*;
 
 use super::super::tree::working_image::WorkingImage;
+use crate::kernels::image::{luminance_f32, samples_of};
+use crate::kernels::sphere::{Registration, band_heights};
 
 /// White becomes one over this.
 const DISTANCE: f32 = 0.02;
 /// The threshold is at most the expansion of this share of the end.
-const HIGHEST_THRESHOLD: f64 = 0.97;
+const HIGHEST_THRESHOLD: f32 = 0.97;
 /// A sphere with more than this share at white has no light that stands out.
 const MOSTLY_WHITE: f64 = 0.5;
-/// Pixels that are expanded at once.
-const PIXELS_AT_ONCE: usize = 1 << 14;
 
-/// The image in expanded luminance; `end` becomes 50.
-pub fn expanded(working: &WorkingImage, end: f64) -> WorkingImage {
+/// The working image in expanded luminance; `end` becomes 50.
+///
+/// Each pixel of the map is expanded before blocks are averaged: a lamp that is smaller than a block stays as
+/// bright as its share of the block.
+pub fn expanded(
+    radiance: ArrayView3<'_, f32>,
+    registration: Registration,
+    working: &WorkingImage,
+    end: f64,
+) -> WorkingImage {
+    let (height, width, _) = radiance.dim();
+    let block = working.block;
+    let bands = band_heights(&registration.theta_edges(height));
     let per_end = (1.0 / end) as f32;
     let mut luminance = vec![0.0; working.luminance.len()];
-    luminance.par_chunks_mut(PIXELS_AT_ONCE).zip(working.luminance.par_chunks(PIXELS_AT_ONCE)).for_each(
-        |(out, luminance)| {
-            for (out, &luminance) in out.iter_mut().zip(luminance) {
-                let share = luminance * per_end;
-                let share = if share < 1.0 { share } else { 1.0 };
-                *out = share / (1.0 + DISTANCE - share);
+    luminance.par_chunks_mut(working.size.1).enumerate().for_each(|(row, out)| {
+        let rows = row * block..((row + 1) * block).min(height);
+        let height: f64 = bands[rows.clone()].iter().sum();
+        let samples = samples_of(radiance, rows.clone());
+        for (samples, band) in samples.chunks_exact(3 * width).zip(&bands[rows]) {
+            let weight = (band / height) as f32;
+            for (out, pixels) in out.iter_mut().zip(samples.as_chunks::<3>().0.chunks(block)) {
+                let sum: f32 = pixels.iter().map(|&pixel| expand(luminance_f32(pixel) * per_end)).sum();
+                *out += weight * sum / pixels.len() as f32;
             }
-        },
-    );
+        }
+    });
     working.with_luminance(luminance)
+}
+
+/// The expansion of a share of the end.
+#[inline]
+pub fn expand(share: f32) -> f32 {
+    let share = if share < 1.0 { share } else { 1.0 };
+    share / (1.0 + DISTANCE - share)
 }
 
 /// The threshold, but below white where most of the sphere is: a light at white must be able to exceed it.
 pub fn below_white(threshold: f64, share_at_white: f64) -> f64 {
-    let highest = HIGHEST_THRESHOLD / (1.0 + f64::from(DISTANCE) - HIGHEST_THRESHOLD);
+    let highest = f64::from(expand(HIGHEST_THRESHOLD));
     if share_at_white < MOSTLY_WHITE { threshold.min(highest) } else { threshold }
 }
 

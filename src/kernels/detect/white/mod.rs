@@ -78,7 +78,7 @@ fn detect_in_pool(
 ) -> Result<WhiteDetection> {
     // Find where the picture ends. One that ends far below white has lost nothing to it.
     let working = WorkingImage::of(radiance, registration, options.working_columns)?;
-    let ending = Ending::of(&working, white);
+    let ending = Ending::of(radiance, &working, white);
     let clipped_share = ending::share_above(&working, LEAST_WHITE * white);
     let Some(end) = ending.luminance() else {
         let detection = super::tree::detect(radiance, registration, options)?;
@@ -86,7 +86,7 @@ fn detect_in_pool(
     };
     // Find the segments of lights in the expanded image.
     let adjacency = Adjacency::of(&working);
-    let expanded = expansion::expanded(&working, end);
+    let expanded = expansion::expanded(radiance, registration, &working, end);
     let mut level = threshold::from_histogram(&expanded);
     level.luminance =
         expansion::below_white(level.luminance, ending::share_above(&working, LEAST_WHITE * end));
@@ -95,7 +95,7 @@ fn detect_in_pool(
         components::segments(&expanded, &adjacency, &bright, &level, options.prominence, options.extent);
     let segments = bridging::bridge(&expanded, &adjacency, segments, options.prominence, options.gap);
     // Divide them at the necks of the plateau.
-    let plateau = plateau::closed(&working, &bright.indices, end, options.gap);
+    let plateau = plateau::closed(&expanded, &bright.indices, options.gap);
     let depth = depth::depths(&working, &plateau);
     let parts = necks::parts(&working, &plateau, &depth);
     let segments = necks::divide(&adjacency, segments, &parts, &working.luminance);

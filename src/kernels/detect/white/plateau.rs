@@ -4,27 +4,28 @@ use std::f64::consts::{PI, TAU};
 
 use super::super::clipping::LEAST_WHITE;
 use super::super::tree::working_image::WorkingImage;
+use super::expansion::expand;
 
-/// Flat indices of the pixels on the plateau of the picture that ends at `end`, in ascending order. `bright`
-/// are those that may lie on it.
+/// Flat indices of the pixels on the plateau of an `expanded` image, in ascending order. `bright` are those that
+/// may lie on it.
 ///
 /// Bars of up to `gap` radians between two of its pixels, along a row or a column, are closed: else a window
 /// falls into panes.
-pub fn closed(working: &WorkingImage, bright: &[u32], end: f64, gap: f64) -> Vec<u32> {
-    let least = (LEAST_WHITE * end) as f32;
-    let (height, width) = working.size;
+pub fn closed(expanded: &WorkingImage, bright: &[u32], gap: f64) -> Vec<u32> {
+    let least = expand(LEAST_WHITE as f32);
+    let (height, width) = expanded.size;
     let mut is_white = vec![false; height * width];
-    let white = bright.iter().copied().filter(|&pixel| working.luminance[pixel as usize] >= least);
+    let white = bright.iter().copied().filter(|&pixel| expanded.luminance[pixel as usize] >= least);
     let white: Vec<u32> = white.collect();
     for &pixel in &white {
         is_white[pixel as usize] = true;
     }
     // The centres of the pixels on both sides of a bar are its width and one pixel apart.
-    let reach = gap + working.row_height();
+    let reach = gap + expanded.row_height();
     let mut all = white.clone();
-    close_rows(working, &white, reach, &mut is_white, &mut all);
+    close_rows(expanded, &white, reach, &mut is_white, &mut all);
     let by_rows = all.clone();
-    close_columns(working, &by_rows, reach, &mut is_white, &mut all);
+    close_columns(expanded, &by_rows, reach, &mut is_white, &mut all);
     all.sort_unstable();
     all
 }

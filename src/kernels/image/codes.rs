@@ -1,0 +1,39 @@
+//! Codes of integer images, decoded.
+
+use ndarray::{Array3, ArrayView3};
+use rayon::prelude::*;
+
+/// Samples that are decoded at once.
+const SAMPLES_AT_ONCE: usize = 1 << 15;
+
+/// For each of `codes` its value in `table`. A code beyond the table takes the last value.
+pub fn decoded<Code: Copy + Into<usize> + Sync>(codes: ArrayView3<'_, Code>, table: &[f32]) -> Array3<f32> {
+    let last = table.len().saturating_sub(1);
+    let value = |code: Code| table.get(code.into().min(last)).copied().unwrap_or(0.0);
+    let Some(given) = codes.as_slice() else { return codes.map(|&code| value(code)) };
+    let mut values = vec![0.0; given.len()];
+    values.par_chunks_mut(SAMPLES_AT_ONCE).zip(given.par_chunks(SAMPLES_AT_ONCE)).for_each(
+        |(values, codes)| {
+            for (out, &code) in values.iter_mut().zip(codes) {
+                *out = value(code);
+            }
+        },
+    );
+    Array3::from_shape_vec(codes.dim(), values).unwrap_or_else(|_| codes.map(|&code| value(code)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ndarray::s;
+
+    #[test]
+    fn each_code_becomes_its_value_in_any_layout() {
+        let table: Vec<f32> = (0..256).map(|code| code as f32 * 0.5).collect();
+        let codes = Array3::from_shape_fn((4, 6, 3), |(y, x, c)| (y * 60 + x * 3 + c) as u8);
+        let all = decoded(codes.view(), &table);
+        assert!(all.indexed_iter().all(|(at, &value)| value == f32::from(codes[at]) * 0.5));
+        let flipped = decoded(codes.slice(s![..;-1, .., ..]), &table);
+        assert_eq!(flipped, all.slice(s![..;-1, .., ..]));
+    }
+}
