@@ -188,8 +188,9 @@ impl Quadratic {
         (hessian, gradient)
     }
 
-    /// `(H + damping D) step = -gradient` (Levenberg 1944, Marquardt 1963); none where that is not convex. D holds the
-    /// curvature of each coordinate.
+    /// `(H + damping D) step = -gradient` (Levenberg 1944, Marquardt 1963), where D holds the curvature of each
+    /// coordinate. Where H bends down, it counts with the size of each eigenvalue over D instead (Nocedal and Wright
+    /// 2006, section 3.4): that leads along valleys which are bent downwards as fast as along others.
     pub fn step(&self, damping: f64) -> Option<DVector<f64>> {
         const FLATTEST: f64 = 1e-4;
         let scale = self.hessian.diagonal().abs();
@@ -197,14 +198,32 @@ impl Quadratic {
         if highest <= 0.0 {
             return None;
         }
-        let (mut damped, gradient) = self.free();
-        for i in (0..gradient.len()).filter(|&i| !self.held[i]) {
-            damped[(i, i)] += damping * scale[i].max(FLATTEST * highest) + 1e-14 * highest;
-        }
-        let mut step = -damped.cholesky()?.solve(&gradient);
+        let (hessian, gradient) = self.free();
+        let scale = DVector::from_fn(scale.len(), |i, _| {
+            if self.held[i] { 1.0 } else { scale[i].max(FLATTEST * highest).sqrt() }
+        });
+        let scaled = DMatrix::from_fn(scale.len(), scale.len(), |i, k| {
+            hessian[(i, k)] / (scale[i] * scale[k]) + if i == k { damping } else { 0.0 }
+        });
+        let gradient = gradient.component_div(&scale);
+        let mut step = match scaled.clone().cholesky() {
+            Some(factor) => -factor.solve(&gradient),
+            None => upright(scaled, damping, &gradient),
+        };
+        step.component_div_assign(&scale);
         self.touching.iter().for_each(|Touching { radius, slope }| step[*radius] = slope * step[radius - 2]);
         Some(step)
     }
+}
+
+/// The step down against a `gradient` where a Hessian, with `damping` on its diagonal, has eigenvalues below 0.
+fn upright(damped: DMatrix<f64>, damping: f64, gradient: &DVector<f64>) -> DVector<f64> {
+    /// Curvature that counts as none: the step would know no end.
+    const FLAT: f64 = 1e-6;
+    let eigen = damped.symmetric_eigen();
+    let along = eigen.eigenvectors.tr_mul(gradient);
+    let sizes = eigen.eigenvalues.map(|value| ((value - damping).abs() + damping).max(FLAT));
+    -(&eigen.eigenvectors * along.component_div(&sizes))
 }
 
 /// A product of two discs by the coordinates of both.

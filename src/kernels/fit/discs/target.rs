@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::DVec3;
 use nalgebra::DMatrix;
-use ndarray::Axis;
+use ndarray::{Array3, ArrayView1, Axis};
 
 use super::chord::mean_distance;
 use super::harmonics::{Harmonics, Place, Sum};
@@ -12,7 +12,8 @@ use super::jet::Jet;
 use super::zonal::{Comparison, DEGREE, Factors, Kernel, factors};
 use crate::kernels::fit::ambient::Ambient;
 use crate::kernels::harmonics::{cosine_lobe, irradiance_of_moments, radiance};
-use crate::kernels::image::WorkingMap;
+use crate::kernels::image::{Grid, WorkingMap};
+use crate::kernels::sphere::direction;
 
 /// A light of uniform radiance within an angular radius.
 #[derive(Clone, Copy, Debug)]
@@ -61,8 +62,10 @@ impl Picture {
     pub fn new(map: &WorkingMap) -> Self {
         /// The brightest sources that are kept apart; harmonics take the others.
         const MOST_PATCHES: usize = 128;
-        let mut rest = Harmonics::of_cells(map.radiance.view(), &map.grid);
-        let mut patches = patches(map, &mut rest);
+        let mut radiance = map.radiance.clone();
+        let mut patches = bright_cells(&mut radiance, &map.grid);
+        let mut rest = Harmonics::of_cells(radiance.view(), &map.grid);
+        patches.extend(sources(map, &mut rest));
         let power = |patch: &Patch| patch.flux.iter().sum::<f64>();
         patches.sort_by(|a, b| power(b).total_cmp(&power(a)));
         for patch in patches.split_off(MOST_PATCHES.min(patches.len())) {
@@ -72,14 +75,48 @@ impl Picture {
         for patch in &patches {
             bright.add_disc(patch.direction, &factors(patch.share), patch.flux);
         }
-        let fine = fine(map, &rest);
+        let fine = fine(&radiance, &map.grid, &rest);
         Self { rest, patches, bright, fine }
     }
 }
 
+/// Cells that are too bright for harmonics to be sharp enough, taken out of the map: each with more than a share of the
+/// flux, where its radiance stands out.
+fn bright_cells(radiance: &mut Array3<f32>, grid: &Grid) -> Vec<Patch> {
+    /// Of the flux of all channels.
+    const SHARE: f64 = 1.5e-3;
+    /// Times the mean radiance.
+    const STANDS_OUT: f64 = 8.0;
+    let bands: Vec<f64> = grid.theta_edges.windows(2).map(|edges| edges[0].cos() - edges[1].cos()).collect();
+    let widths: Vec<f64> = grid.phi_edges.windows(2).map(|edges| edges[1] - edges[0]).collect();
+    let sum = |cell: ArrayView1<'_, f32>| f64::from(cell[0] + cell[1] + cell[2]);
+    let mut whole = 0.0;
+    for (row, band) in radiance.outer_iter().zip(&bands) {
+        whole += band * row.outer_iter().zip(&widths).map(|(cell, width)| width * sum(cell)).sum::<f64>();
+    }
+    let bright = STANDS_OUT * whole / (4.0 * PI);
+    let mut patches = Vec::new();
+    for (y, mut row) in radiance.outer_iter_mut().enumerate() {
+        let (top, height) = (grid.theta_edges[y], grid.theta_edges[y + 1] - grid.theta_edges[y]);
+        for (x, mut cell) in row.outer_iter_mut().enumerate() {
+            let solid_angle = bands[y] * widths[x];
+            let own = sum(cell.view());
+            if own > bright && own * solid_angle > SHARE * whole {
+                let theta = top + 0.5 * height;
+                let direction = direction(theta, grid.phi_edges[x] + 0.5 * widths[x]);
+                let share = (height.powi(2) + (widths[x] * theta.sin()).powi(2)) / 24.0;
+                let flux = [0, 1, 2].map(|c| f64::from(cell[c]) * solid_angle);
+                patches.push(Patch { direction, share, flux });
+                cell.fill(0.0);
+            }
+        }
+    }
+    patches
+}
+
 /// The sources of the map as discs. Where their channels have their middles aside of each other, the first degree of
 /// the `rest` takes the difference.
-fn patches(map: &WorkingMap, rest: &mut Harmonics) -> Vec<Patch> {
+fn sources(map: &WorkingMap, rest: &mut Harmonics) -> Vec<Patch> {
     let mut patches = Vec::new();
     for (source, &share) in map.sources.axis_iter(Axis(0)).zip(&map.spreads) {
         let vectors = [0, 1, 2].map(|c| DVec3::new(source[[0, c]], source[[1, c]], source[[2, c]]));
@@ -94,12 +131,11 @@ fn patches(map: &WorkingMap, rest: &mut Harmonics) -> Vec<Patch> {
 }
 
 /// The integral of the square of the cells beyond that of their harmonics, by channel.
-fn fine(map: &WorkingMap, rest: &Harmonics) -> [f64; 3] {
+fn fine(radiance: &Array3<f32>, grid: &Grid, rest: &Harmonics) -> [f64; 3] {
     let mut whole = [0.0; 3];
-    let (thetas, phis) = (&map.grid.theta_edges, &map.grid.phi_edges);
-    for (row, edges) in map.radiance.outer_iter().zip(thetas.windows(2)) {
+    for (row, edges) in radiance.outer_iter().zip(grid.theta_edges.windows(2)) {
         let band = edges[0].cos() - edges[1].cos();
-        for (cell, edges) in row.outer_iter().zip(phis.windows(2)) {
+        for (cell, edges) in row.outer_iter().zip(grid.phi_edges.windows(2)) {
             let solid_angle = band * (edges[1] - edges[0]);
             (0..3).for_each(|c| whole[c] += solid_angle * f64::from(cell[c]).powi(2));
         }
