@@ -29,6 +29,7 @@ use std::f64::consts::PI;
 use std::sync::LazyLock;
 
 use nalgebra::DMatrix;
+use wide::f64x4;
 
 use super::jet::Jet;
 use super::zonal::{disc_factors, legendre_values};
@@ -60,21 +61,25 @@ fn table(at: [f64; 3]) -> Jet<3> {
     let knots: [f64; 3] = from_fn(|i| units[i].clamp(0.0, 1.0) * (NODES[i] - 1) as f64);
     let first: [usize; 3] = from_fn(|i| (knots[i] as usize).min(NODES[i] - 2));
     let [u, v, t] = from_fn(|i| splines(knots[i] - first[i] as f64));
-    let mut sums = [[[0.0; 3]; 3]; 3]; // by derivatives along w, r and p, up to two
+    // Along p four coefficients at once; by derivatives along w and r, up to two together.
+    let mut rows = [[f64x4::ZERO; 3]; 3];
     for (i, u) in u.iter().enumerate() {
-        let mut planes = [[0.0; 3]; 3];
+        let mut plane = [f64x4::ZERO; 3];
         for (k, v) in v.iter().enumerate() {
             let start = ((first[0] + i) * SPLINES[1] + first[1] + k) * SPLINES[2] + first[2];
             let row: &[f64; 4] = TABLE[start..].first_chunk().unwrap_or(&[0.0; 4]); // the table reaches that far
-            let along: [f64; 3] = from_fn(|n| (0..4).map(|j| t[j][n] * row[j]).sum());
-            for m in 0..3 {
-                (0..3 - m).for_each(|n| planes[m][n] += v[m] * along[n]);
-            }
+            let row = f64x4::from(*row);
+            (0..3).for_each(|n| plane[n] += row * f64x4::splat(v[n]));
         }
         for m in 0..3 {
-            for n in 0..3 - m {
-                (0..3 - m - n).for_each(|o| sums[m][n][o] += u[m] * planes[n][o]);
-            }
+            (0..3 - m).for_each(|n| rows[m][n] += plane[n] * f64x4::splat(u[m]));
+        }
+    }
+    let along: [f64x4; 3] = from_fn(|o| f64x4::from(from_fn::<f64, 4, _>(|j| t[j][o])));
+    let mut sums = [[[0.0; 3]; 3]; 3];
+    for m in 0..3 {
+        for n in 0..3 - m {
+            (0..3 - m - n).for_each(|o| sums[m][n][o] = (rows[m][n] * along[o]).reduce_add());
         }
     }
     let scale: [f64; 3] = from_fn(|i| (NODES[i] - 1) as f64 / if i == 2 { GREATEST_SCALE } else { 1.0 });

@@ -14,7 +14,9 @@ use std::f64::consts::PI;
 use std::ops::AddAssign;
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
+use super::harmonics::Sum;
 use super::jet::Jet;
 use super::state::{GREATEST_RADIUS, LEAST_RADIUS, Problem, State};
 use super::target::Disc;
@@ -63,11 +65,14 @@ impl Quadratic {
                 (0..3).for_each(|n| hessian[(3 * j + i, 3 * k + n)] += weight * second[i][n]);
             }
         };
-        for (j, disc) in state.discs.iter().enumerate() {
-            let own = ambient + j;
+        let sides_around = |(j, disc): (usize, &Disc)| {
             let mut shares = [0.0; 3];
-            (0..channels).for_each(|c| shares[given.channels[c]] = weighted[(own, c)]);
-            let sides = problem.target.sides_around(disc, shares);
+            (0..channels).for_each(|c| shares[given.channels[c]] = weighted[(ambient + j, c)]);
+            problem.target.sides_around(disc, shares)
+        };
+        let sides: Vec<Sum> = state.discs.par_iter().enumerate().map(sides_around).collect();
+        for (j, (disc, sides)) in state.discs.iter().zip(&sides).enumerate() {
+            let own = ambient + j;
             for i in 0..3 {
                 (0..channels).for_each(|c| left[(3 * j + i, c)] -= sides.first[i][given.channels[c]]);
             }

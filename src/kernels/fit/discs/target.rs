@@ -5,6 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use glam::DVec3;
 use nalgebra::DMatrix;
 use ndarray::{Array3, ArrayView1, Axis};
+use rayon::prelude::*;
 
 use super::chord::mean_distance;
 use super::harmonics::{Harmonics, Place, Sum};
@@ -226,11 +227,10 @@ impl Target {
         let (mut gram, mut rhs) = (DMatrix::zeros(size, size), DMatrix::zeros(size, 3));
         gram.view_mut((0, 0), (ambient, ambient)).copy_from(&self.ambient_products.columns(0, ambient));
         rhs.rows_mut(0, ambient).copy_from(&self.ambient_products.columns(ambient, 3));
-        for (j, disc) in discs.iter().enumerate() {
+        let sides: Vec<[f64; 3]> = discs.par_iter().map(|disc| self.sides(disc)).collect();
+        for (j, (disc, sides)) in discs.iter().zip(&sides).enumerate() {
             let row = ambient + j;
-            for (channel, side) in self.sides(disc).into_iter().enumerate() {
-                rhs[(row, channel)] = side;
-            }
+            (0..3).for_each(|channel| rhs[(row, channel)] = sides[channel]);
             for (column, product) in self.with_ambient(disc).iter().enumerate() {
                 (gram[(row, column)], gram[(column, row)]) = (product.value, product.value);
             }
