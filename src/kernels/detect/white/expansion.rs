@@ -40,15 +40,23 @@ pub fn expanded(
         let rows = row * block..((row + 1) * block).min(height);
         let height: f64 = bands[rows.clone()].iter().sum();
         let samples = samples_of(radiance, rows.clone());
+        // Average down the columns, then across each block.
+        let mut mean = vec![0.0; width];
         for (samples, band) in samples.chunks_exact(3 * width).zip(&bands[rows]) {
-            let weight = (band / height) as f32;
-            for (out, pixels) in out.iter_mut().zip(samples.as_chunks::<3>().0.chunks(block)) {
-                let sum: f32 = pixels.iter().map(|&pixel| expand(luminance_f32(pixel) * per_end)).sum();
-                *out += weight * sum / pixels.len() as f32;
-            }
+            add_expanded(&mut mean, samples.as_chunks::<3>().0, (band / height) as f32, per_end);
+        }
+        for (out, mean) in out.iter_mut().zip(mean.chunks(block)) {
+            *out = mean.iter().sum::<f32>() / mean.len() as f32;
         }
     });
     working.with_luminance(luminance)
+}
+
+/// Add the expanded luminance of a row of pixels, times `weight`.
+fn add_expanded(mean: &mut [f32], pixels: &[[f32; 3]], weight: f32, per_end: f32) {
+    for (mean, &pixel) in mean.iter_mut().zip(pixels) {
+        *mean += weight * expand(luminance_f32(pixel) * per_end);
+    }
 }
 
 /// The expansion of a share of the end.

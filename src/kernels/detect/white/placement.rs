@@ -11,6 +11,9 @@ use super::super::tree::moments::Light;
 use super::super::tree::working_image::WorkingImage;
 use super::depth::Sphere;
 
+/// Places of less than this share of the largest depth are not the light's: spurs, and a white horizon.
+const SHALLOW: f32 = 0.5;
+
 /// Where a light is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
@@ -47,12 +50,12 @@ impl Place {
 /// The angle within which two thirds of all lights of a kind are, with the plateau's radius R and the light's r:
 ///
 /// ```text
-///   u = max(0.7 (R + 0.2 degrees), 0.3 r)
+///   u = max(0.7 (R + 0.5 degrees), 0.3 r)
 /// ```
 ///
 /// Calibrated on pictures of HDR maps, whose lights are known, by classes of R.
 fn uncertainty(plateau_radius: f64, radius: f64) -> f64 {
-    (0.7 * (plateau_radius + 0.2_f64.to_radians())).max(0.3 * radius)
+    (0.7 * (plateau_radius + 0.5_f64.to_radians())).max(0.3 * radius)
 }
 
 /// The place of each segment. `depth` is that of the plateau, as an image.
@@ -65,13 +68,15 @@ pub fn places(
     let sphere = Sphere::new(working);
     let width = working.size.1;
     let place = |pixels: &Vec<u32>| {
-        let (mut on_plateau, mut outside, mut deepest, mut solid_angle) =
-            (DVec3::ZERO, DVec3::ZERO, 0.0_f32, 0.0);
-        for &pixel in pixels.iter().filter(|&&pixel| segments.label[pixel as usize] != 0) {
+        let labelled = pixels.iter().copied().filter(|&pixel| segments.label[pixel as usize] != 0);
+        let deepest = labelled.clone().map(|pixel| depth[pixel as usize]).fold(0.0, f32::max);
+        let (mut on_plateau, mut outside, mut solid_angle) = (DVec3::ZERO, DVec3::ZERO, 0.0);
+        for pixel in labelled {
             let index = pixel as usize;
             let towards = sphere.direction(pixel) * working.bands[index / width];
-            deepest = deepest.max(depth[index]);
-            on_plateau += towards * f64::from(depth[index]).powi(2);
+            if depth[index] >= SHALLOW * deepest {
+                on_plateau += towards * f64::from(depth[index]).powi(2);
+            }
             outside += towards * f64::from(expanded.luminance[index]).powi(2);
             solid_angle += working.bands[index / width];
         }
