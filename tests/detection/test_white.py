@@ -78,8 +78,8 @@ def test_a_sun_that_runs_into_a_white_horizon_is_found_as_if_it_were_alone():
 def test_a_neck_of_less_than_half_the_depth_divides_two_lamps(apart_deg, count):
     """Discs of 6 degrees: overlapping by 3 degrees, and with a gap of 0.8 that is closed as a bar."""
     shapes = [Disc(at_elevation(elevation), 6, (9, 9, 9)) for elevation in (30, 30 + apart_deg)]
-    radiance = np.maximum(*(scene(512, background=[0.1] * 3, shapes=[s]).radiance for s in shapes))
-    lights = el.detect(eight_bits(radiance))
+    maps = [scene(512, background=[0.1] * 3, shapes=[shape]).radiance for shape in shapes]
+    lights = el.detect(eight_bits(np.maximum(*maps)))
     assert len(lights) == count
     if count == 2:
         for shape in shapes:
@@ -102,7 +102,7 @@ def test_a_lamp_that_is_smaller_than_a_working_pixel_is_found():
 
 @pytest.mark.parametrize("name", ["plain", "hard"])
 def test_known_lights_are_found_in_pictures_of_eight_bits(name):
-    worlds = [getattr(suite, name)(seed, 256) for seed in suite.JUDGING]
+    worlds = [getattr(suite, name)(seed, 256) for seed in suite.JUDGING[::2]]
     worlds = [world for world in worlds if "clipped" in world.note or "8 bit" in world.note]
     found = [(world, el.detect(eight_bits(world.radiance))) for world in worlds]
     score = judge([(world, lights.direction, lights.irradiance) for world, lights in found])

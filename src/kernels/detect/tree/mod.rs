@@ -29,7 +29,7 @@ pub(super) mod moments;
 pub(super) mod outline;
 mod run;
 #[cfg(test)]
-mod test_maps;
+pub(super) mod test_maps;
 pub(super) mod threshold;
 pub(super) mod working_image;
 

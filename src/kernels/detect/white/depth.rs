@@ -138,3 +138,66 @@ impl Sphere {
         (self.rows[pixel / self.width], self.columns[pixel % self.width])
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use approx::assert_relative_eq;
+    use glam::DVec3;
+    use ndarray::Array3;
+
+    use super::*;
+    use crate::kernels::sphere::Registration;
+
+    const HEIGHT: usize = 64;
+
+    fn image() -> WorkingImage {
+        let map = Array3::zeros((HEIGHT, 2 * HEIGHT, 3));
+        WorkingImage::of(map.view(), Registration::CellCentred, 2 * HEIGHT).unwrap()
+    }
+
+    /// Pixels within `radius` of `centre`.
+    fn cap(sphere: &Sphere, centre: DVec3, radius: f64) -> Vec<u32> {
+        let all = 0..(2 * HEIGHT * HEIGHT) as u32;
+        all.filter(|&pixel| sphere.direction(pixel).angle_between(centre) < radius).collect()
+    }
+
+    /// The nearest outer pixel of each, by trying all of them.
+    #[test]
+    fn depths_are_the_angles_to_the_nearest_outer_pixel_across_seam_and_pole_too() {
+        let working = image();
+        let sphere = Sphere::new(&working);
+        for centre in [DVec3::new(0.3, 0.4, 1.0), DVec3::new(0.05, 0.3, -1.0), DVec3::new(0.1, -1.0, 0.1)] {
+            let mut plateau = cap(&sphere, centre.normalize(), 0.35);
+            plateau.retain(|pixel| pixel % 41 != 0); // some holes
+            let found = depths(&working, &plateau);
+            let outer: Vec<DVec3> = (0..found.len() as u32)
+                .filter(|pixel| plateau.binary_search(pixel).is_err())
+                .map(|pixel| sphere.direction(pixel))
+                .collect();
+            for &pixel in &plateau {
+                let own = sphere.direction(pixel);
+                let cosine = outer.iter().map(|other| own.dot(*other)).fold(-1.0, f64::max);
+                // A sweep may miss the nearest one where the plateau's rim turns, by less than a pixel.
+                let wanted = cosine.min(1.0).acos();
+                let depth = f64::from(found[pixel as usize]);
+                assert!(depth >= wanted - 1e-5 && depth <= wanted + 0.01, "{pixel}: {depth} {wanted}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_centre_of_a_cap_is_as_deep_as_its_radius() {
+        let working = image();
+        let plateau = cap(&Sphere::new(&working), DVec3::Y, 0.5);
+        let deepest = depths(&working, &plateau).into_iter().fold(0.0, f32::max);
+        assert_relative_eq!(f64::from(deepest), 0.5, epsilon = working.row_height());
+    }
+
+    #[test]
+    fn a_plateau_without_a_rim_is_half_a_turn_deep() {
+        let all: Vec<u32> = (0..(2 * HEIGHT * HEIGHT) as u32).collect();
+        let depth = depths(&image(), &all);
+        assert!(depth.iter().all(|&depth| (depth - std::f32::consts::PI).abs() < 1e-5));
+    }
+}

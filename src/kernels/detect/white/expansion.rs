@@ -76,3 +76,41 @@ pub fn below_white(threshold: f64, share_at_white: f64) -> f64 {
 pub fn compressed(expanded: f64, end: f64) -> f64 {
     end * (1.0 + f64::from(DISTANCE)) * expanded / (1.0 + expanded)
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use approx::assert_relative_eq;
+    use ndarray::Array3;
+
+    use super::*;
+
+    #[test]
+    fn white_becomes_fifty_and_compression_undoes_expansion() {
+        assert_relative_eq!(expand(1.0), 50.0, max_relative = 1e-4);
+        assert_relative_eq!(expand(7.0), 50.0, max_relative = 1e-4);
+        for share in [0.0_f32, 0.01, 0.3, 0.9, 0.99, 1.0] {
+            let back = compressed(f64::from(expand(share)), 3.0);
+            assert_relative_eq!(back, 3.0 * f64::from(share), max_relative = 1e-4, epsilon = 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_lamp_in_a_quarter_of_a_block_keeps_a_quarter_of_white() {
+        let mut map = Array3::zeros((8, 16, 3));
+        map.slice_mut(ndarray::s![4, 6, ..]).fill(2.0);
+        let working = WorkingImage::of(map.view(), Registration::CellCentred, 8).unwrap();
+        let image = expanded(map.view(), Registration::CellCentred, &working, 2.0);
+        // Rows 4 and 5 are not of the same height.
+        let bands = band_heights(&Registration::CellCentred.theta_edges(8));
+        let wanted = 50.0 * bands[4] / (bands[4] + bands[5]) / 2.0;
+        assert_relative_eq!(f64::from(image.luminance[2 * 8 + 3]), wanted, max_relative = 1e-4);
+    }
+
+    #[test]
+    fn the_threshold_stays_below_white_but_on_an_even_sphere() {
+        assert!(below_white(100.0, 0.3) < f64::from(expand(1.0)));
+        assert_relative_eq!(below_white(100.0, 0.8), 100.0);
+        assert_relative_eq!(below_white(2.0, 0.3), 2.0);
+    }
+}

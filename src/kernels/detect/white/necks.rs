@@ -114,3 +114,56 @@ impl Segments {
         self.peaks.push(peak);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::tree::test_maps::{drawn, segments};
+    use super::*;
+
+    /// Sizes of the parts into which the one segment of `row` falls, where the digits are parts of the plateau.
+    fn sizes(row: &str) -> Vec<usize> {
+        let dark = ".".repeat(row.len());
+        let mut rows = vec![dark.as_str(); row.len() / 2];
+        let glow: String = row.chars().map(|c| if c == '.' { '.' } else { '3' }).collect();
+        rows[row.len() / 4] = &glow;
+        let working = drawn(&rows);
+        let mut parts = vec![0; working.luminance.len()];
+        for (place, c) in row.char_indices() {
+            parts[row.len() / 4 * row.len() + place] = c.to_digit(10).unwrap_or(0);
+        }
+        let found = segments(&working, 0.0);
+        let adjacency = Adjacency::of(&working);
+        divide(&adjacency, found, &parts, &working.luminance).pixels.iter().map(Vec::len).collect()
+    }
+
+    #[test]
+    fn each_part_takes_the_glow_that_is_nearest() {
+        assert_eq!(sizes("....g11gggg2g..."), [5, 4]);
+        assert_eq!(sizes("....g11gggg1g..."), [9]);
+        assert_eq!(sizes("....ggggggggg..."), [9]);
+    }
+
+    /// A disc of 6 pixels' radius and one of 3, joined by a bridge of the half-width `bridge`.
+    fn parts_of_two_discs(bridge: f64) -> usize {
+        let dark = ".".repeat(128);
+        let rows = vec![dark.as_str(); 64];
+        let working = drawn(&rows);
+        let inside = |&pixel: &u32| {
+            let (y, x) = (f64::from(pixel / 128) - 31.5, f64::from(pixel % 128) - 64.0);
+            (x + 8.0).hypot(y) < 6.0 || (x - 8.0).hypot(y) < 3.0 || (x.abs() < 8.0 && y.abs() < bridge)
+        };
+        let plateau: Vec<u32> = (0..64 * 128).filter(inside).collect();
+        let depth = super::super::depth::depths(&working, &plateau);
+        let mut labels = parts(&working, &plateau, &depth);
+        labels.retain(|&label| label != 0);
+        labels.sort_unstable();
+        labels.dedup();
+        labels.len()
+    }
+
+    #[test]
+    fn a_narrow_neck_divides_and_a_wide_one_does_not() {
+        assert_eq!(parts_of_two_discs(1.0), 2);
+        assert_eq!(parts_of_two_discs(2.6), 1);
+    }
+}

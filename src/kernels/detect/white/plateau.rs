@@ -75,3 +75,35 @@ fn close_columns(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::tree::test_maps::drawn;
+    use super::*;
+
+    /// The plateau of a drawing, of which 9 is expanded luminance above white; `gap` in pixel heights.
+    fn closed_pixels(rows: &[&str], gap: f64) -> Vec<u32> {
+        let working = drawn(rows);
+        let luminance = working.luminance.iter().map(|&y| if y > 8.0 { 50.0 } else { y }).collect();
+        let working = working.with_luminance(luminance);
+        let all: Vec<u32> = (0..working.luminance.len() as u32).collect();
+        closed(&working, &all, gap * working.row_height())
+    }
+
+    #[test]
+    fn bars_along_rows_and_columns_are_closed_up_to_their_gap() {
+        let dark = "................";
+        let window = [dark, dark, dark, "...99.99........", dark, "...99.99........", dark, dark];
+        assert_eq!(closed_pixels(&window, 0.5).len(), 8);
+        // The cross between the panes is closed too: its upright first, then its bar.
+        assert_eq!(closed_pixels(&window, 1.2).len(), 15);
+    }
+
+    #[test]
+    fn a_bar_on_the_seam_is_closed() {
+        let dark = "................";
+        let rows = [dark, dark, dark, ".9............99", "9..............9", dark, dark, dark];
+        let found = closed_pixels(&rows, 1.2);
+        assert_eq!(found, [48, 49, 62, 63, 64, 79]);
+    }
+}
