@@ -36,7 +36,7 @@ impl Top {
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         let (higher, lower) = if self.sample >= other.sample { (self, other) } else { (other, self) };
-        let more = if lower.sample == higher.sample { lower.pixels } else { 0 };
+        let more = if lower.sample < higher.sample { 0 } else { lower.pixels };
         Self { sample: higher.sample, pixels: higher.pixels + more }
     }
 

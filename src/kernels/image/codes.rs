@@ -32,7 +32,7 @@ mod tests {
         let table: Vec<f32> = (0..256).map(|code| code as f32 * 0.5).collect();
         let codes = Array3::from_shape_fn((4, 6, 3), |(y, x, c)| (y * 60 + x * 3 + c) as u8);
         let all = decoded(codes.view(), &table);
-        assert!(all.indexed_iter().all(|(at, &value)| value == f32::from(codes[at]) * 0.5));
+        assert_eq!(all, codes.map(|&code| f32::from(code) * 0.5));
         let flipped = decoded(codes.slice(s![..;-1, .., ..]), &table);
         assert_eq!(flipped, all.slice(s![..;-1, .., ..]));
     }

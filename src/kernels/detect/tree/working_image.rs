@@ -87,6 +87,7 @@ impl WorkingImage {
     }
 
     /// The same pixels with another luminance.
+    #[must_use]
     pub fn with_luminance(&self, luminance: Vec<f32>) -> Self {
         let width = self.size.1;
         let widths: Vec<f64> = self.grid.phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect();
@@ -108,7 +109,7 @@ impl WorkingImage {
             });
         let flux = row_sums.iter().zip(&self.bands).map(|(sum, band)| sum * band).sum();
         let (grid, bands) = (self.grid.clone(), self.bands.clone());
-        Self { luminance, tile_maxima, flux, grid, bands, ..*self }
+        Self { luminance, grid, bands, tile_maxima, flux, ..*self }
     }
 
     /// Height of a row, in radians; the last may be lower.
