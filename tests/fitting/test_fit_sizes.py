@@ -215,15 +215,6 @@ def test_a_black_map_has_no_shadow_error(objective):
     assert len(rig.lights) == 0
 
 
-@real_maps(*EQUIRECTANGULAR)
-def test_each_objective_is_lowest_where_it_is_minimised(path):
-    """What a fit minimises it brings lower than the fit to the other, but for another valley."""
-    env = el.EnvMap.open(path)
-    shadows, probe = (el.fit(env, 4, objective=name) for name in ("shadows", "probe"))
-    assert shadows.report.shadow_error <= 1.02 * probe.report.shadow_error
-    assert probe.error <= 1.02 * shadows.error
-
-
 @pytest.mark.skipif(not paths_of_real_maps("hdr/*.hdr"), reason="needs real maps")
 @pytest.mark.parametrize(("lights", "shadows"), [(4, 0.33), (8, 0.3)])
 def test_sizes_pay_on_real_maps(lights, shadows):
@@ -237,6 +228,19 @@ def test_sizes_pay_on_real_maps(lights, shadows):
     means, worst = np.exp(np.log(ratios).mean(axis=0)), np.max(ratios, axis=0)
     assert (means <= (shadows, 0.65)).all(), means
     assert (worst <= (0.75, 1.2)).all(), worst
+
+
+@pytest.mark.skipif(not paths_of_real_maps("hdr/*.hdr"), reason="needs real maps")
+def test_each_objective_is_best_at_what_it_minimises():
+    """In the mean: a single descent may end in another valley."""
+    ratios = []
+    for path in paths_of_real_maps(*EQUIRECTANGULAR):
+        env = el.EnvMap.open(path)
+        shadows, probe = (el.fit(env, 4, objective=name) for name in ("shadows", "probe"))
+        ratios.append(
+            (shadows.report.shadow_error / probe.report.shadow_error, probe.error / shadows.error)
+        )
+    assert (np.exp(np.log(ratios).mean(axis=0)) < 0.8).all()
 
 
 def test_a_scaled_map_has_the_same_sizes():

@@ -13,8 +13,9 @@ use std::f64::consts::{FRAC_PI_4, PI};
 use std::sync::LazyLock;
 
 use glam::{DMat3, DVec3};
-use nalgebra::DMatrix;
+use nalgebra::{Complex, DMatrix};
 use ndarray::ArrayView3;
+use rayon::prelude::*;
 
 use super::zonal::{DEGREE, DEGREES, Factors};
 use crate::kernels::image::Grid;
@@ -45,12 +46,17 @@ impl Harmonics {
 
     /// Of a map in cells.
     pub fn of_cells(radiance: ArrayView3<'_, f32>, grid: &Grid) -> Self {
+        /// Parts of the rows that are summed side by side; always the same, so that the sums are too.
+        const PARTS: usize = 4;
         let azimuthal = azimuthal(radiance, &grid.phi_edges);
-        let mut out = Self::zero();
-        for (row, edges) in grid.theta_edges.windows(2).enumerate() {
-            add_row(&mut out, edges, &azimuthal[row * DEGREES..][..DEGREES]);
-        }
-        out
+        let rows = Row::all(&grid.theta_edges);
+        let part = |rows: &[Row]| {
+            let mut out = Self::zero();
+            rows.iter().for_each(|row| row.add_to(&mut out, &azimuthal));
+            out
+        };
+        let parts: Vec<Self> = rows.par_chunks(rows.len().div_ceil(PARTS)).map(part).collect();
+        parts.iter().fold(Self::zero(), |sum, part| sum.scaled_sum(&[1.0; DEGREES], part, &[1.0; DEGREES]))
     }
 
     /// Add a disc of these factors, and of that flux.
@@ -281,17 +287,22 @@ fn azimuthal(radiance: ArrayView3<'_, f32>, edges: &[f64]) -> Vec<Rgb2> {
     let whole = edges[columns];
     let is_symmetric = columns.is_multiple_of(2)
         && (0..=columns).all(|x| (edges[x] + edges[columns - x] - whole).abs() < 1e-12 * whole);
-    let cell = |x: usize, i: usize| f64::from(samples[i / 3 * columns + x][i % 3]);
+    // Cosines are even, sines are odd: of symmetric columns one half is enough.
+    let used = if is_symmetric { columns / 2 } else { columns };
+    let mut cells = [(); 2].map(|()| DMatrix::zeros(used, 3 * rows));
+    for (i, row) in samples.chunks_exact(columns).enumerate() {
+        for channel in 0..3 {
+            let [mut even, mut odd] = cells.each_mut().map(|cells| cells.column_mut(3 * i + channel));
+            for x in 0..used {
+                let one = f64::from(row[x][channel]);
+                let other = if is_symmetric { f64::from(row[columns - 1 - x][channel]) } else { 0.0 };
+                (even[x], odd[x]) = (one + other, if is_symmetric { one - other } else { one });
+            }
+        }
+    }
     let mut out = vec![[0.0; 8]; rows * DEGREES];
-    for (first, sign) in [(0, 1.0), (4, -1.0)] {
-        // Cosines are even, sines are odd: of symmetric columns one half is enough.
-        let (used, cells) = if is_symmetric {
-            let both = |x: usize, i: usize| cell(x, i) + sign * cell(columns - 1 - x, i);
-            (columns / 2, DMatrix::from_fn(columns / 2, 3 * rows, both))
-        } else {
-            (columns, DMatrix::from_fn(columns, 3 * rows, cell))
-        };
-        let sums = integrals(first == 0, &edges[..=used]) * cells;
+    for ((first, cells), integrals) in [0, 4].into_iter().zip(&cells).zip(integrals(&edges[..=used])) {
+        let sums = integrals * cells;
         for row in 0..rows {
             for m in 0..DEGREES {
                 (0..3).for_each(|c| out[row * DEGREES + m][first + c] = sums[(m, 3 * row + c)]);
@@ -301,40 +312,76 @@ fn azimuthal(radiance: ArrayView3<'_, f32>, edges: &[f64]) -> Vec<Rgb2> {
     out
 }
 
-/// `integral of cos m phi` or `sin m phi` over each column, for each order.
-fn integrals(is_cosine: bool, edges: &[f64]) -> DMatrix<f64> {
-    let edge = |m: usize, phi: f64| {
-        let (sin, cos) = (m as f64 * phi).sin_cos();
-        if is_cosine { sin } else { -cos }
-    };
-    DMatrix::from_fn(DEGREES, edges.len() - 1, |m, x| match m {
-        0 if is_cosine => edges[x + 1] - edges[x],
-        0 => 0.0,
-        _ => (edge(m, edges[x + 1]) - edge(m, edges[x])) / m as f64,
-    })
+/// `integral of cos m phi` and of `sin m phi` over each column, for each order.
+fn integrals(edges: &[f64]) -> [DMatrix<f64>; 2] {
+    let mut out = [(); 2].map(|()| DMatrix::zeros(DEGREES, edges.len() - 1));
+    let mut low = turns(edges[0]);
+    for (x, edge) in edges.windows(2).enumerate() {
+        let high = turns(edge[1]);
+        out[0][(0, x)] = edge[1] - edge[0];
+        for m in 1..DEGREES {
+            out[0][(m, x)] = (high[m].im - low[m].im) / m as f64;
+            out[1][(m, x)] = (low[m].re - high[m].re) / m as f64;
+        }
+        low = high;
+    }
+    out
 }
 
-/// Add one row of cells between two polar angles: two Gauss nodes in theta, more where it is high.
-fn add_row(out: &mut Harmonics, edges: &[f64], azimuthal: &[Rgb2]) {
-    const HIGHEST: f64 = FRAC_PI_4 / 16.0;
-    let parts = ((edges[1] - edges[0]) / HIGHEST).ceil().max(1.0);
-    let half = 0.5 * (edges[1] - edges[0]) / parts;
-    let mut integrals = vec![[0.0; DEGREES]; DEGREES];
-    for part in 0..parts as usize {
-        let middle = edges[0] + half * (2 * part + 1) as f64;
-        for side in [-1.0, 1.0] {
-            let (sine, cosine) = (middle + side * half / 3.0_f64.sqrt()).sin_cos();
+/// `exp(i m phi)` for each order m, each from the one before.
+fn turns(phi: f64) -> [Complex<f64>; DEGREES] {
+    let turn = Complex::from_polar(1.0, phi);
+    let mut turns = [Complex::ONE; DEGREES];
+    (1..DEGREES).for_each(|m| turns[m] = turns[m - 1] * turn);
+    turns
+}
+
+/// A row of cells between two polar angles, and the one at the same angles from the other pole where there is one.
+struct Row {
+    edges: [f64; 2],
+    index: usize,
+    mirrored: Option<usize>,
+}
+
+impl Row {
+    fn all(edges: &[f64]) -> Vec<Self> {
+        let rows = edges.len() - 1;
+        let is_symmetric = (0..=rows).all(|i| (edges[i] + edges[rows - i] - PI).abs() < 1e-12);
+        let row = |index: usize| {
+            let mirrored = (is_symmetric && rows - 1 - index != index).then(|| rows - 1 - index);
+            Self { edges: [edges[index], edges[index + 1]], index, mirrored }
+        };
+        (0..if is_symmetric { rows.div_ceil(2) } else { rows }).map(row).collect()
+    }
+
+    /// Add it to harmonics, by two Gauss nodes in theta, more where it is high.
+    fn add_to(&self, out: &mut Harmonics, azimuthal: &[Rgb2]) {
+        const HIGHEST: f64 = FRAC_PI_4 / 16.0;
+        let height = self.edges[1] - self.edges[0];
+        let parts = (height / HIGHEST).ceil().max(1.0);
+        let half = 0.5 * height / parts;
+        let mut integrals = vec![[0.0; DEGREES]; DEGREES];
+        for node in 0..2 * parts as usize {
+            let middle = self.edges[0] + half * (2 * (node / 2) + 1) as f64;
+            let side = if node % 2 == 0 { -half } else { half };
+            let (sine, cosine) = (middle + side / 3.0_f64.sqrt()).sin_cos();
             let mut legendre = Legendre::new(cosine, sine);
             for (m, integrals) in integrals.iter_mut().enumerate() {
                 let column = legendre.column(m);
                 (m..DEGREES).for_each(|l| integrals[l] += half * sine * column[l]);
             }
         }
-    }
-    let mut values = out.values.iter_mut();
-    for (m, (integrals, azimuthal)) in integrals.iter().zip(azimuthal).enumerate() {
-        for (integral, value) in integrals[m..].iter().zip(&mut values) {
-            (0..8).for_each(|i| value[i] += integral * azimuthal[i]);
+        let mut values = out.values.iter_mut();
+        for (m, integrals) in integrals.iter().enumerate() {
+            // On the other side of the horizon, every second degree has the other sign.
+            let one = azimuthal[self.index * DEGREES + m];
+            let other = self.mirrored.map_or([0.0; 8], |row| azimuthal[row * DEGREES + m]);
+            let sums: [Rgb2; 2] =
+                [std::array::from_fn(|i| one[i] + other[i]), std::array::from_fn(|i| one[i] - other[i])];
+            for (l, value) in (m..DEGREES).zip(&mut values) {
+                let sum = &sums[(l - m) % 2];
+                (0..8).for_each(|i| value[i] += integrals[l] * sum[i]);
+            }
         }
     }
 }

@@ -82,7 +82,7 @@ impl Quadratic {
                 bend(j, j, &product.second, both[(own, column)]);
             }
             // The square counts half: its slope is twice what one of the two discs adds.
-            let square = problem.target.square(disc.share);
+            let square = problem.target.square(disc);
             add(&mut left, j, own, &[0.0, 0.0, 0.5 * square.first[0]]);
             let mut second = [[0.0; 3]; 3];
             second[2][2] = 0.5 * square.second[0][0];

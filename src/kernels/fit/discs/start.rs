@@ -13,7 +13,6 @@ use super::state::{Problem, State};
 use crate::kernels::fit::ambient::Ambient;
 use crate::kernels::fit::rig::Rig;
 use crate::kernels::image::WorkingMap;
-use crate::kernels::sphere::direction;
 
 /// States to start from, near a `rig` of lights without a size.
 pub fn starts(problem: &Problem<'_>, map: &WorkingMap, rig: &Rig) -> Vec<State> {
@@ -65,13 +64,19 @@ fn spread(map: &WorkingMap, rig: &Rig) -> Vec<f64> {
             sum[1] += flux * (1.0 - nearest.0);
         }
     };
-    let (thetas, phis) = (&map.grid.theta_edges, &map.grid.phi_edges);
-    for (row, edges) in map.radiance.outer_iter().zip(thetas.windows(2)) {
-        let (theta, band) = (0.5 * (edges[0] + edges[1]), edges[0].cos() - edges[1].cos());
-        for (cell, edges) in row.outer_iter().zip(phis.windows(2)) {
+    let columns: Vec<(f64, [f64; 2])> = map
+        .grid
+        .phi_edges
+        .windows(2)
+        .map(|edges| (edges[1] - edges[0], (0.5 * (edges[0] + edges[1])).sin_cos().into()))
+        .collect();
+    for (row, edges) in map.radiance.outer_iter().zip(map.grid.theta_edges.windows(2)) {
+        let band = edges[0].cos() - edges[1].cos();
+        let (sine, cosine) = (0.5 * (edges[0] + edges[1])).sin_cos();
+        for (cell, (width, [sin, cos])) in row.outer_iter().zip(&columns) {
             let above = f64::from(cell[0] + cell[1] + cell[2]) - ambient;
             if above > 0.0 {
-                add(direction(theta, 0.5 * (edges[0] + edges[1])), above * band * (edges[1] - edges[0]));
+                add(DVec3::new(sin * sine, cosine, -cos * sine), above * band * width);
             }
         }
     }

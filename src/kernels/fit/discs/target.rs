@@ -212,7 +212,7 @@ impl Target {
         }
         for i in 0..ambient {
             out[(i, i)] = match (&self.half_sky, self.ambient) {
-                (Some(sky), _) => (2.0 * PI).powi(2) * self.square(sky.share).value,
+                (Some(sky), _) => (2.0 * PI).powi(2) * self.square(sky).value,
                 (_, Ambient::Sh2) => self.kernel.whole[degree(i)],
                 _ => 4.0 * PI * self.kernel.whole[0],
             };
@@ -234,9 +234,9 @@ impl Target {
             for (column, product) in self.with_ambient(disc).iter().enumerate() {
                 (gram[(row, column)], gram[(column, row)]) = (product.value, product.value);
             }
-            gram[(row, row)] = self.square(disc.share).value;
+            gram[(row, row)] = self.square(disc).value;
             for (k, other) in discs[..j].iter().enumerate() {
-                let product = self.pair(disc, other).value;
+                let product = self.pair_value(disc, other);
                 (gram[(row, ambient + k)], gram[(ambient + k, row)]) = (product, product);
             }
         }
@@ -280,15 +280,22 @@ impl Target {
     }
 
     /// Product of a disc of flux 1 with itself, as a function of A.
-    pub fn square(&self, share: f64) -> Jet<1> {
-        let factors = factors(share);
-        let own = self.kernel.smooth_product(1.0, &factors, &factors);
+    pub fn square(&self, disc: &Disc) -> Jet<1> {
+        let own = self.kernel.smooth_product(1.0, &disc.factors, &disc.factors);
         // Both discs grow.
         let slope = own.first[1] + own.first[2];
         let bend = own.second[1][1] + 2.0 * own.second[1][2] + own.second[2][2];
         let smooth = Jet { value: own.value, first: [slope], second: [[bend]] };
-        let a = Jet::<1>::variable(share, 0);
+        let a = Jet::<1>::variable(disc.share, 0);
         smooth - mean_distance(Jet::constant(1.0), a, a) * self.kernel.cone
+    }
+
+    /// Product of two discs of flux 1.
+    fn pair_value(&self, one: &Disc, other: &Disc) -> f64 {
+        let cosine = one.direction.dot(other.direction);
+        let smooth = self.kernel.smooth_value(cosine, &one.factors, &other.factors);
+        let [c, a, b] = [cosine, one.share, other.share].map(Jet::<0>::constant);
+        smooth - self.kernel.cone * mean_distance(c, a, b).value
     }
 
     /// Product of two discs of flux 1, and its derivatives by the cosine between them and by the A of each.

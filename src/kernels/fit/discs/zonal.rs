@@ -70,6 +70,18 @@ impl Kernel {
         Self { whole, smooth: from_fn(|k| whole[k] + cone * chord_factor(k)), cone }
     }
 
+    /// The value of the next alone.
+    pub fn smooth_value(&self, cosine: f64, a: &Factors, b: &Factors) -> f64 {
+        let (mut before, mut last, mut sum) = (0.0, 1.0, 0.0);
+        for k in 0..DEGREES {
+            let degree = k as f64;
+            sum += (2.0 * degree + 1.0) * self.smooth[k] * a[k][0] * b[k][0] * last;
+            (before, last) =
+                (last, ((2.0 * degree + 1.0) * cosine * last - degree * before) / (degree + 1.0));
+        }
+        sum / (4.0 * PI)
+    }
+
     /// The smooth part between two discs, from the cosine of their centres and their A.
     pub fn smooth_product(&self, cosine: f64, a: &Factors, b: &Factors) -> Jet<3> {
         let legendre = legendre(cosine);
