@@ -8,6 +8,7 @@
 //!
 //! A map is the sum of its cells, each a patch of one radiance between two parallels and two meridians. So its
 //! coefficients come in two steps: integrals over azimuth row by row, then over the height of the rows.
+#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
 use std::f64::consts::{FRAC_PI_4, PI};
 use std::sync::LazyLock;
@@ -15,6 +16,7 @@ use std::sync::LazyLock;
 use glam::{DMat3, DVec3};
 use nalgebra::{Complex, DMatrix};
 use ndarray::ArrayView3;
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 use super::zonal::{DEGREE, DEGREES, Factors};
@@ -52,7 +54,9 @@ impl Harmonics {
         let rows = Row::all(&grid.theta_edges);
         let part = |rows: &[Row]| {
             let mut out = Self::zero();
-            rows.iter().for_each(|row| row.add_to(&mut out, &azimuthal));
+            for row in rows {
+                row.add_to(&mut out, &azimuthal);
+            }
             out
         };
         let parts: Vec<Self> = rows.par_chunks(rows.len().div_ceil(PARTS)).map(part).collect();
@@ -166,6 +170,7 @@ impl Legendre {
     }
 
     /// All degrees of the order m, 0 below it; call it for m = 0, 1, 2, ..
+    #[inline(always)]
     fn column(&mut self, m: usize) -> &[f64; DEGREES] {
         if m > 0 {
             let odd = 2.0 * m as f64 + 1.0;
@@ -197,9 +202,32 @@ pub struct Sum {
 impl Harmonics {
     /// Values at a place, each degree times its factor.
     pub fn value(&self, place: &Place, factors: &Factors) -> [f64; 3] {
+        Arch::new().dispatch(Value { harmonics: self, place, factors })
+    }
+
+    /// The same with derivatives by the place and by the A of the factors; the second ones of the channels with these
+    /// `shares`.
+    pub fn sum(&self, place: &Place, factors: &Factors, shares: [f64; 3]) -> Sum {
+        Arch::new().dispatch(Around { harmonics: self, place, factors, shares })
+    }
+}
+
+/// See [`Harmonics::value`].
+struct Value<'a> {
+    harmonics: &'a Harmonics,
+    place: &'a Place,
+    factors: &'a Factors,
+}
+
+impl WithSimd for Value<'_> {
+    type Output = [f64; 3];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> [f64; 3] {
+        let Self { harmonics, place, factors } = self;
         let mut legendre = Legendre::new(place.cosine, place.sine);
         let mut out = [0.0; 3];
-        let mut rest = &self.values[..];
+        let mut rest = &harmonics.values[..];
         for m in 0..DEGREES {
             let column = &legendre.column(m)[m..];
             let (values, others) = rest.split_at(DEGREES - m);
@@ -214,18 +242,30 @@ impl Harmonics {
         }
         out
     }
+}
 
-    /// The same with derivatives by the place and by the A of the factors; the second ones of the channels with these
-    /// `shares`.
-    ///
-    /// With `P' = (l cos P_l - b_l P_(l-1)) / sin` by theta, where `b_l = (2l + 1) a_l`, `P'' = -cot P' + (m^2 / sin^2 -
-    /// l (l + 1)) P`, and `R = m P / sin`; along phi the second derivative is what Laplace's equation leaves.
-    pub fn sum(&self, place: &Place, factors: &Factors, shares: [f64; 3]) -> Sum {
+/// See [`Harmonics::sum`].
+///
+/// With `P' = (l cos P_l - b_l P_(l-1)) / sin` by theta, where `b_l = (2l + 1) a_l`, `P'' = -cot P' + (m^2 / sin^2 -
+/// l (l + 1)) P`, and `R = m P / sin`; along phi the second derivative is what Laplace's equation leaves.
+struct Around<'a> {
+    harmonics: &'a Harmonics,
+    place: &'a Place,
+    factors: &'a Factors,
+    shares: [f64; 3],
+}
+
+impl WithSimd for Around<'_> {
+    type Output = Sum;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Sum {
+        let Self { harmonics, place, factors, shares } = self;
         let Place { cosine, sine, azimuth, .. } = *place;
         let (cot, over) = (cosine / sine, 1.0 / sine);
         let mut legendre = Legendre::new(cosine, sine);
         let mut out = Sum::default();
-        let mut rest = &self.values[..];
+        let mut rest = &harmonics.values[..];
         let [mut tt, mut tp, mut laplace, mut ta, mut pa, mut aa] = [0.0; 6];
         for m in 0..DEGREES {
             let column = legendre.column(m);
@@ -290,13 +330,14 @@ fn azimuthal(radiance: ArrayView3<'_, f32>, edges: &[f64]) -> Vec<Rgb2> {
     // Cosines are even, sines are odd: of symmetric columns one half is enough.
     let used = if is_symmetric { columns / 2 } else { columns };
     let mut cells = [(); 2].map(|()| DMatrix::zeros(used, 3 * rows));
-    for (i, row) in samples.chunks_exact(columns).enumerate() {
-        for channel in 0..3 {
-            let [mut even, mut odd] = cells.each_mut().map(|cells| cells.column_mut(3 * i + channel));
-            for x in 0..used {
-                let one = f64::from(row[x][channel]);
-                let other = if is_symmetric { f64::from(row[columns - 1 - x][channel]) } else { 0.0 };
-                (even[x], odd[x]) = (one + other, if is_symmetric { one - other } else { one });
+    let [even, odd] = &mut cells;
+    for (row, samples) in samples.chunks_exact(columns).enumerate() {
+        for x in 0..used {
+            for (channel, &one) in samples[x].iter().enumerate() {
+                let (place, one) = ((x, 3 * row + channel), f64::from(one));
+                let other = f64::from(samples[columns - 1 - x][channel]);
+                even[place] = if is_symmetric { one + other } else { one };
+                odd[place] = if is_symmetric { one - other } else { one };
             }
         }
     }

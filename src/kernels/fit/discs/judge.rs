@@ -8,8 +8,7 @@ use crate::kernels::fit::samples::{Judged, Samples};
 
 /// Irradiance of one disc at a normal, over that at normal incidence, as a function of the cosine.
 ///
-/// Where the horizon cuts the disc, a table of the closed form, with a parabola through three nodes on either side:
-/// thousands of normals ask.
+/// Where the horizon cuts the disc, a cubic through a table of the closed form: thousands of normals ask.
 #[derive(Clone, Debug)]
 struct Profile {
     sine: f64,
@@ -33,10 +32,12 @@ impl Profile {
         }
         let place = (cosine / self.sine + 1.0) * 0.5 * Self::CELLS as f64;
         let cell = (place as usize).min(Self::CELLS - 1);
-        let t = place - cell as f64;
-        let [a, b, c, d] = [0, 1, 2, 3].map(|i| self.nodes[cell + i]);
+        let beyond = place - cell as f64;
         // Catmull and Rom (1974).
-        b + 0.5 * t * (c - a + t * (2.0 * a - 5.0 * b + 4.0 * c - d + t * (3.0 * (b - c) + d - a)))
+        let [before, low, high, after] = [0, 1, 2, 3].map(|i| self.nodes[cell + i]);
+        let cubic = 3.0 * (low - high) + after - before;
+        let square = 2.0 * before - 5.0 * low + 4.0 * high - after;
+        low + 0.5 * beyond * (high - before + beyond * (square + beyond * cubic))
     }
 }
 
