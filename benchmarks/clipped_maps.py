@@ -9,7 +9,7 @@ within its radius where that is more, up to 20 degrees.
 found: pictures in which the brightest HDR light is found. empty: pictures without a light, of maps
 with one. flux: share of the HDR lights' flux that is found. angle: from the brightest HDR light to
 the nearest light of the picture, the median over all pictures. false: lights of a picture that hold
-no HDR light, by number and by their flux in the picture.
+no HDR light, by number and by their flux in the picture. Then generated pictures, by `synthetic`.
 """
 
 import argparse
@@ -22,6 +22,7 @@ from PIL import Image
 from tests.helpers import paths_of_real_maps
 
 import envlights as el
+from envlights import synthetic
 from envlights._srgb import encode_srgb
 from envlights.kernels.image import LUMINANCE
 
@@ -181,12 +182,29 @@ def line(scores):
     )
 
 
+def families():
+    """Lines on the generated maps that are pictures clipped at white, as 8 bits."""
+    for name in ("plain", "hard"):
+        worlds = [getattr(synthetic, name)(seed) for seed in synthetic.JUDGING]
+        worlds = [world for world in worlds if "clipped" in world.note or "8 bit" in world.note]
+        found = [el.detect(eight_bits(world.radiance)) for world in worlds]
+        results = zip(worlds, found, strict=True)
+        judged = synthetic.judge([(world, e.direction, e.irradiance) for world, e in results])
+        yield (
+            f"{name}: {len(worlds)} maps, precision {judged.precision:.2f}, recall"
+            f" {judged.recall:.2f}, {judged.false_on_lightless} false on maps without lights"
+        )
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--width", type=int, default=1024, help="columns of the pictures, at most")
     parser.add_argument("--maps", type=int, help="how many maps; all of them if left out")
     options = parser.parse_args()
     for text in table(el.detect, twins(options.width, options.maps)):
+        print(text)
+    print("\ngenerated maps that are clipped at white")
+    for text in families():
         print(text)
 
 

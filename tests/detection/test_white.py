@@ -76,7 +76,7 @@ def test_a_sun_that_runs_into_a_white_horizon_is_found_as_if_it_were_alone():
 
 @pytest.mark.parametrize(("apart_deg", "count"), [(9.0, 1), (12.8, 2)])
 def test_a_neck_of_less_than_half_the_depth_divides_two_lamps(apart_deg, count):
-    """Discs of 6 degrees: overlapping by 3 degrees, and with a gap of 0.8 that is closed as a bar."""
+    """Discs of 6 degrees: overlapping by 3, and with a gap of 0.8 that is closed as a bar."""
     shapes = [Disc(at_elevation(elevation), 6, (9, 9, 9)) for elevation in (30, 30 + apart_deg)]
     maps = [scene(512, background=[0.1] * 3, shapes=[shape]).radiance for shape in shapes]
     lights = el.detect(eight_bits(np.maximum(*maps)))

@@ -13,7 +13,6 @@ from envlights._check import LARGEST_COUNT, amount, count
 from envlights.detection.lights import DetectedLights, DetectionReport, Members
 from envlights.envmap import EnvMap, checked_white, seen_through
 
-
 #: The narrowest working image.
 _LEAST_COLUMNS = 16
 
