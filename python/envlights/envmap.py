@@ -294,6 +294,15 @@ def as_envmap(env: EnvMap | ArrayLike) -> EnvMap:
     return env if isinstance(env, EnvMap) else EnvMap(env)
 
 
+def clipping_notes(env: EnvMap) -> tuple[str, ...]:
+    """What a rig of this map rests on, where some of it was cut off; empty where none was."""
+    share = env.clipped_flux_share
+    if not share:
+        return ()
+    lost = f"{100 * share:.2g} % of the map's flux lies in clipped pixels"
+    return (f"{lost}: the lights there are a lower bound",)
+
+
 def seen_through(env: EnvMap | ArrayLike, work: Callable[[EnvMap], _T]) -> tuple[EnvMap, _T]:
     """The map, and the result of `work` on it.
 
