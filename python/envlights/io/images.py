@@ -184,7 +184,9 @@ def _pixels(name: str, file: oiio.ImageInput, channels: list[int]) -> NDArray[np
                 f"cannot read all pixels of {name}: {_reason(file)}; give an undamaged file"
             )
         places = [channel - min(channels) for channel in channels]
-        samples = block.reshape(*part.shape[:2], -1)[..., places]
+        samples = block.reshape(*part.shape[:2], -1)
+        if places != list(range(samples.shape[2])):
+            samples = samples[..., places]
         part[:] = samples if samples.dtype.kind == "f" else decode_codes(samples)
     return pixels
 
