@@ -14,11 +14,13 @@
 //! coordinates of two lights. Without Lambda and the last term this is the step of Gauss and Newton in Kaufman's
 //! form (1975), which needs no second derivatives, and is never bent downwards.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 use nalgebra::{DMatrix, DVector};
+use pulp::{Arch, Simd, WithSimd};
 
 use super::ambient::Ambient;
-use super::nnls::Support;
 use super::objective::Derivatives;
 use super::problem::Problem;
 use super::state::State;
@@ -47,34 +49,26 @@ impl Quadratic {
         let given = problem.objective.given();
         let derivatives = state.moments.derivatives(given, problem.fixed);
         let size = derivatives.gram.nrows();
-        let residual = &derivatives.rhs - &derivatives.model * &state.x;
-        let bend = is_exact.then(|| bend(problem, state, &derivatives)).flatten();
-        let (mut gradient, mut shares) = (DVector::zeros(size), DMatrix::zeros(size / 2, size / 2));
-        let mut insides =
-            DMatrix::zeros(size, state.supports.iter().map(|support| support.columns.len()).sum());
-        let (first, mut filled) = (given.ambient.coefficients() + problem.fixed, 0);
-        for (channel, (support, dark)) in state.supports.iter().zip(&state.dark).enumerate() {
-            let copies = given.copies(channel);
-            let of = state.irradiance().column(channel).rows_range(problem.fixed..).into_owned();
-            // Slope: the radiance of each light times what its derivatives have in common with the residual.
-            (0..size).for_each(|i| gradient[i] -= copies * of[i / 2] * residual[(i, channel)]);
-            shares.ger(copies, &of, &of, 1.0);
-            // What the radiances follow when a light turns.
-            let mut products = derivatives.model.clone();
-            for mut column in products.column_iter_mut() {
-                column.iter_mut().enumerate().for_each(|(i, product)| *product *= of[i / 2]);
-            }
-            if bend.is_some() {
-                (0..size).for_each(|i| products[(i, first + i / 2)] -= residual[(i, channel)]);
-            }
-            let inside = inside(products, support, dark) * copies.sqrt();
-            insides.columns_mut(filled, inside.ncols()).copy_from(&inside);
-            filled += inside.ncols();
+        let first = given.ambient.coefficients() + problem.fixed;
+        let channels = (0..state.x.ncols()).map(|channel| Channel {
+            copies: given.copies(channel),
+            radiance: (0..size).map(|i| state.x[(first + i / 2, channel)]).collect(),
+            slope: (derivatives.rhs.column(channel) - &derivatives.model * state.x.column(channel))
+                .data
+                .into(),
+        });
+        let channels: Vec<Channel> = channels.collect();
+        let mut gradient = DVector::zeros(size);
+        for Channel { copies, radiance, slope } in &channels {
+            (0..size).for_each(|i| gradient[i] -= copies * radiance[i] * slope[i]);
         }
-        let mut hessian =
-            DMatrix::from_fn(size, size, |i, k| shares[(i / 2, k / 2)] * derivatives.gram[(i, k)]);
-        hessian.gemm(-1.0, &insides, &insides.transpose(), 1.0);
-        let scale = hessian.diagonal().map(|value| value.max(0.0));
+        let bend = is_exact.then(|| bend(problem, state, &derivatives)).flatten();
+        let (mut hessian, mut scale) = (DMatrix::zeros(size, size), DVector::zeros(size));
+        for (channels, inverse) in alike(state, &channels) {
+            let with_slopes = bend.is_some();
+            let share = Share { derivatives: &derivatives, channels, inverse: &inverse, first, with_slopes };
+            Arch::new().dispatch(Add { share, hessian: &mut hessian, scale: &mut scale });
+        }
         if let Some(bend) = bend {
             hessian += bend;
         }
@@ -109,22 +103,136 @@ impl Quadratic {
     }
 }
 
-/// The part of the derivatives inside the span of the columns in use, in coordinates of an orthonormal basis.
-///
-/// With the factor L of the used columns' Gram matrix these are `T L^-T`. Where the ambient term is held at zero
-/// for the normals `dark`, with rows C, the used columns may not follow along `U = C L^-T`.
-fn inside(products: DMatrix<f64>, support: &Support, dark: &[DVec3]) -> DMatrix<f64> {
-    let all = support.columns.len() == products.ncols();
-    let inside = support.orthonormal(if all { products } else { products.select_columns(&support.columns) });
+/// What a channel does with the derivatives.
+struct Channel {
+    copies: f64,
+    /// The radiance `x_i` of the light of each coordinate.
+    radiance: Vec<f64>,
+    /// `Lambda_i`
+    slope: Vec<f64>,
+}
+
+/// Channels whose radiances follow in the same way when a light turns, and that way: `G^-1`, 0 where no column is in
+/// use.
+fn alike<'a>(state: &'a State, channels: &'a [Channel]) -> Vec<(&'a [Channel], DMatrix<f64>)> {
+    let same = |a: usize, b: usize| {
+        Arc::ptr_eq(&state.supports[a], &state.supports[b])
+            && state.dark[a].is_empty()
+            && state.dark[b].is_empty()
+    };
+    let mut out = Vec::new();
+    let mut first = 0;
+    while first < channels.len() {
+        let count =
+            (first..channels.len()).take_while(|&channel| channel == first || same(first, channel)).count();
+        let inverse = held(state.supports[first].inverse(state.x.nrows()), &state.dark[first]);
+        out.push((&channels[first..first + count], inverse));
+        first += count;
+    }
+    out
+}
+
+/// `R = G^-1` where the ambient term, of rows C, is held at zero for the normals `dark`:
+/// `R - R C^T (C R C^T)^-1 C R`.
+fn held(inverse: DMatrix<f64>, dark: &[DVec3]) -> DMatrix<f64> {
     if dark.is_empty() {
-        return inside;
+        return inverse;
     }
     let rows: Vec<[f64; 9]> = dark.iter().map(|&n| Ambient::Sh2.irradiance(n)).collect();
-    let at = |i: usize, j: usize| *rows[i].get(support.columns[j]).unwrap_or(&0.0);
-    let held = DMatrix::from_fn(dark.len(), support.columns.len(), at);
-    let basis = support.orthonormal(held).transpose().col_piv_qr().q();
-    let back = &inside * &basis;
-    inside - back * basis.transpose()
+    let rows = DMatrix::from_fn(dark.len(), inverse.nrows(), |i, k| *rows[i].get(k).unwrap_or(&0.0));
+    let along = &rows * &inverse;
+    let mut gram = &along * rows.transpose();
+    // Two of the normals may be all but the same.
+    (0..gram.nrows()).for_each(|i| gram[(i, i)] *= 1.0 + 1e-12);
+    match gram.cholesky() {
+        Some(factor) => inverse - along.tr_mul(&factor.solve(&along)),
+        None => inverse,
+    }
+}
+
+/// The share of the hessian that some channels have, without second derivatives of columns. With D the products of the
+/// derivatives with each other, M with the columns, `K = M G^-1` and o(i) the column of the light of i,
+///
+/// ```text
+///   T_c G_c^-1 T_c^T = x_i x_k (K M^T)_ik - x_i Lambda_k K_i,o(k) - Lambda_i x_k K_k,o(i) + Lambda_i Lambda_k G^-1_o(i),o(k)
+/// ```
+///
+/// so that only sums over channels of products of x and Lambda are needed, not T.
+struct Share<'a> {
+    derivatives: &'a Derivatives,
+    channels: &'a [Channel],
+    inverse: &'a DMatrix<f64>,
+    /// Column of the first light that may turn.
+    first: usize,
+    with_slopes: bool,
+}
+
+/// Adds a share to the hessian, and what it is without slopes to the scale.
+struct Add<'a> {
+    share: Share<'a>,
+    hessian: &'a mut DMatrix<f64>,
+    scale: &'a mut DVector<f64>,
+}
+
+impl WithSimd for Add<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Share { derivatives: Derivatives { model, gram, .. }, channels, inverse, first, with_slopes } =
+            self.share;
+        let (size, columns) = (gram.nrows(), model.ncols());
+        if size == 0 {
+            return;
+        }
+        // K, then D - K M^T a column at a time.
+        let mut along = vec![0.0; size * columns];
+        for (along, inverse) in along.chunks_exact_mut(size).zip(inverse.as_slice().chunks_exact(columns)) {
+            for (model, &factor) in model.as_slice().chunks_exact(size).zip(inverse) {
+                add(along, factor, model);
+            }
+        }
+        let mut outside = vec![0.0; size];
+        let (mut back, mut both) = (vec![0.0; size], vec![0.0; size]);
+        for (k, hessian) in self.hessian.as_mut_slice().chunks_exact_mut(size).enumerate() {
+            outside.copy_from_slice(&gram.as_slice()[k * size..][..size]);
+            for (along, model) in along.chunks_exact(size).zip(model.as_slice().chunks_exact(size)) {
+                add(&mut outside, -model[k], along);
+            }
+            for Channel { copies, radiance, .. } in channels {
+                add_products(hessian, copies * radiance[k], radiance, &outside);
+                self.scale[k] += (copies * radiance[k] * radiance[k] * outside[k]).max(0.0);
+            }
+            if !with_slopes {
+                continue;
+            }
+            let own = first + k / 2;
+            for i in 0..size {
+                back[i] = along[(first + i / 2) * size + k];
+                both[i] = inverse[(first + i / 2, own)];
+            }
+            for Channel { copies, radiance, slope } in channels {
+                add_products(hessian, copies * slope[k], radiance, &along[own * size..][..size]);
+                add_products(hessian, copies * radiance[k], slope, &back);
+                add_products(hessian, -copies * slope[k], slope, &both);
+            }
+        }
+    }
+}
+
+/// `out + factor a`
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+fn add(out: &mut [f64], factor: f64, a: &[f64]) {
+    out.iter_mut().zip(a).for_each(|(out, a)| *out += factor * a);
+}
+
+/// `out + factor a b`, element by element.
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+fn add_products(out: &mut [f64], factor: f64, a: &[f64], b: &[f64]) {
+    out.iter_mut().zip(a).zip(b).for_each(|((out, a), b)| *out += factor * a * b);
 }
 
 /// `-sum_c x_ic <d^2 a_ik, r_c>`: a block for each light. None where there are no second derivatives.
@@ -134,14 +242,16 @@ fn bend(problem: &Problem<'_>, state: &State, derivatives: &Derivatives) -> Opti
     let given = problem.objective.given();
     let (ambient, lights) = (given.ambient.coefficients(), state.lights());
     let mut out = DMatrix::zeros(derivatives.gram.nrows(), derivatives.gram.nrows());
+    let (mut others, mut sides) = (Vec::with_capacity(lights), Vec::with_capacity(given.sides()));
     for (i, frame) in derivatives.frames.iter().enumerate() {
         let own = |channel: usize| given.copies(channel) * state.x[(ambient + problem.fixed + i, channel)];
         let product = |row: usize| (0..state.x.ncols()).map(|c| own(c) * state.x[(row, c)]).sum::<f64>();
-        let others: Vec<(f64, DVec3)> =
-            (0..lights).map(|k| (product(ambient + k), state.moments.directions[k])).collect();
-        let sides = (0..ambient).map(product).chain((0..state.x.ncols()).map(|c| -own(c)));
+        others.clear();
+        others.extend((0..lights).map(|k| (product(ambient + k), state.moments.directions[k])));
+        sides.clear();
+        sides.extend((0..ambient).map(product).chain((0..state.x.ncols()).map(|c| -own(c))));
         let l = state.moments.directions[problem.fixed + i];
-        let second = problem.objective.second_derivative(l, &others, &sides.collect::<Vec<f64>>())?;
+        let second = problem.objective.second_derivative(l, &others, &sides)?;
         for (a, s) in frame.iter().enumerate() {
             for (b, t) in frame.iter().enumerate() {
                 out[(2 * i + a, 2 * i + b)] = s.dot(second * *t);

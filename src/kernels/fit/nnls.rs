@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use nalgebra::{Cholesky, DMatrix, Dyn};
 
 /// Independent columns, and the Cholesky factor of their Gram matrix.
 #[derive(Clone, Debug)]
@@ -32,8 +32,21 @@ impl Support {
 
     /// The unconstrained minimum over the columns, 0 elsewhere.
     fn solve(&self, right: &[f64]) -> Vec<f64> {
-        let mut values = DVector::from_iterator(self.columns.len(), self.columns.iter().map(|&i| right[i]));
-        self.factor.solve_mut(&mut values);
+        let mut values: Vec<f64> = self.columns.iter().map(|&i| right[i]).collect();
+        let lower = self.factor.l_dirty();
+        let size = values.len();
+        for (i, column) in lower.as_slice().chunks_exact(size.max(1)).enumerate() {
+            values[i] /= column[i];
+            let value = values[i];
+            values[i + 1..].iter_mut().zip(&column[i + 1..]).for_each(|(rest, l)| *rest -= l * value);
+        }
+        for (i, column) in lower.as_slice().chunks_exact(size.max(1)).enumerate().rev() {
+            let done: f64 = values[i + 1..].iter().zip(&column[i + 1..]).map(|(value, l)| l * value).sum();
+            values[i] = (values[i] - done) / column[i];
+        }
+        if size == right.len() {
+            return values;
+        }
         let mut x = vec![0.0; right.len()];
         for (&value, &column) in values.iter().zip(&self.columns) {
             x[column] = value;
@@ -41,21 +54,17 @@ impl Support {
         x
     }
 
-    /// `rows L^-T` with the factor `L` of the Gram matrix `A^T A`: inner products with the columns of A
-    /// become those with the orthonormal columns `A L^-T` that span the same.
-    ///
-    /// All rows at once, column by column: each column is long, the triangle is small.
-    pub fn orthonormal(&self, mut rows: DMatrix<f64>) -> DMatrix<f64> {
-        let lower = self.factor.l_dirty();
-        for i in 0..lower.nrows() {
-            let (done, mut rest) = rows.columns_range_pair_mut(..i, i..);
-            let mut column = rest.column_mut(0);
-            for (k, done) in done.column_iter().enumerate() {
-                column.axpy(-lower[(i, k)], &done, 1.0);
-            }
-            column /= lower[(i, i)];
+    /// The inverse of the Gram matrix, among that many columns: 0 for those that are not of the support.
+    pub fn inverse(&self, count: usize) -> DMatrix<f64> {
+        let inverse = self.factor.inverse();
+        if self.columns.len() == count {
+            return inverse;
         }
-        rows
+        let mut out = DMatrix::zeros(count, count);
+        for (own, &column) in inverse.column_iter().zip(&self.columns) {
+            self.columns.iter().zip(&own).for_each(|(&row, &value)| out[(row, column)] = value);
+        }
+        out
     }
 }
 
@@ -75,9 +84,10 @@ pub fn solve(
     let mut x = DMatrix::zeros(right.nrows(), right.ncols());
     let mut known: Vec<Arc<Support>> = Vec::with_capacity(right.ncols());
     let mut supports = Vec::with_capacity(right.ncols());
+    let all: Vec<usize> = (0..right.nrows()).collect();
     for (i, (mut x, right)) in x.column_iter_mut().zip(right.column_iter()).enumerate() {
         let right = right.as_slice();
-        let guess = guess.get(i).map_or_else(|| (0..right.len()).collect(), |guess| guess.columns.clone());
+        let guess = guess.get(i).map_or(&all, |guess| &guess.columns);
         let (values, support) =
             pivoted(gram, right, free, guess, &mut known).unwrap_or_else(|| active_set(gram, right, free));
         x.copy_from_slice(&values);
@@ -93,29 +103,34 @@ fn pivoted(
     gram: &DMatrix<f64>,
     right: &[f64],
     free: usize,
-    mut columns: Vec<usize>,
+    guess: &[usize],
     known: &mut Vec<Arc<Support>>,
 ) -> Option<Answer> {
     const ROUNDS: usize = 5;
+    let mut support = factored(gram, guess, known)?;
     for _ in 0..ROUNDS {
-        let support = if let Some(support) = known.iter().find(|support| support.columns == columns) {
-            support.clone()
-        } else {
-            known.push(Arc::new(Support::new(gram, columns)?));
-            known[known.len() - 1].clone()
-        };
         let x = support.solve(right);
-        let is_wanted = |column: usize| {
+        let is_wanted = |&column: &usize| {
             let is_in = || support.columns.binary_search(&column).is_ok();
             column < free || x[column] > 0.0 || !is_in() && fall(gram, right, &x, column).is_some()
         };
-        columns = Vec::with_capacity(right.len());
-        columns.extend((0..right.len()).filter(|&column| is_wanted(column)));
-        if columns == support.columns {
+        let wanted = (0..right.len()).filter(is_wanted);
+        if wanted.clone().eq(support.columns.iter().copied()) {
             return Some((x, support));
         }
+        support = factored(gram, &wanted.collect::<Vec<usize>>(), known)?;
     }
     None
+}
+
+/// The support of `columns`, if it is not `known` yet, and then it is.
+fn factored(gram: &DMatrix<f64>, columns: &[usize], known: &mut Vec<Arc<Support>>) -> Option<Arc<Support>> {
+    if let Some(support) = known.iter().find(|support| support.columns == columns) {
+        return Some(support.clone());
+    }
+    let support = Arc::new(Support::new(gram, columns.to_vec())?);
+    known.push(support.clone());
+    Some(support)
 }
 
 /// Lawson and Hanson's way, which always ends.

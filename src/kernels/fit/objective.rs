@@ -25,7 +25,7 @@
 use std::fmt::Debug;
 
 use glam::{DMat3, DVec3};
-use nalgebra::{DMatrix, DVectorViewMut};
+use nalgebra::DMatrix;
 
 use super::ambient::Ambient;
 use super::rig::Rig;
@@ -227,41 +227,42 @@ impl Moments {
     /// Those of the lights but the first `fixed`.
     pub fn derivatives(&self, given: &Given, fixed: usize) -> Derivatives {
         let ambient = given.ambient.coefficients();
-        let frames: Vec<[DVec3; 2]> = self.directions[fixed..].iter().map(|&l| tangents(l)).collect();
-        let size = 2 * frames.len();
+        let frame = |&l: &DVec3| {
+            let [s, t] = tangents(l);
+            DMat3::from_cols(l, s, t)
+        };
+        let frames: Vec<DMat3> = self.directions.iter().map(frame).collect();
+        let size = 2 * (frames.len() - fixed);
         let mut model = DMatrix::zeros(size, self.gram.nrows());
         let mut rhs = DMatrix::zeros(size, given.channels.len());
         let mut gram = DMatrix::zeros(size, size);
-        for (j, frame) in frames.iter().enumerate() {
-            let sides = &self.sides[(fixed + j) * given.sides()..];
-            for (side, &sum) in sides[..given.sides()].iter().enumerate() {
+        for (j, frame) in frames.iter().enumerate().skip(fixed) {
+            let row = 2 * (j - fixed);
+            for (side, &sum) in self.sides[j * given.sides()..(j + 1) * given.sides()].iter().enumerate() {
                 let products = match side.checked_sub(ambient) {
-                    Some(channel) => rhs.column_mut(channel),
-                    None => model.column_mut(side),
+                    Some(channel) => &mut rhs.column_mut(channel),
+                    None => &mut model.column_mut(side),
                 };
-                set(products, j, frame, sum);
+                products[row] = sum.dot(frame.y_axis);
+                products[row + 1] = sum.dot(frame.z_axis);
             }
-            for (k, &other) in self.directions.iter().enumerate() {
-                let moment = self.pair(fixed + j, k);
-                set(model.column_mut(ambient + k), j, frame, moment * other);
-                for (column, &tangent) in frames.get(k.wrapping_sub(fixed)).into_iter().flatten().enumerate()
-                {
-                    set(gram.column_mut(2 * (k - fixed) + column), j, frame, moment * tangent);
+            let turned = frame.transpose();
+            for (k, other) in frames[..=j].iter().enumerate() {
+                // In the frames of both: (l, s, t) of j down, of k across.
+                let [own, s, t] = (turned * self.pairs[pair(j, k)] * *other).to_cols_array_2d();
+                model.as_mut_slice()[(ambient + k) * size + row..][..2].copy_from_slice(&own[1..]);
+                if let Some(column) = k.checked_sub(fixed).map(|k| 2 * k) {
+                    for (column, [along, by_s, by_t]) in [(column, s), (column + 1, t)] {
+                        model[(column, ambient + j)] = along;
+                        gram[(row, column)] = by_s;
+                        gram[(row + 1, column)] = by_t;
+                        gram[(column, row)] = by_s;
+                        gram[(column, row + 1)] = by_t;
+                    }
                 }
             }
         }
+        let frames = frames[fixed..].iter().map(|frame| [frame.y_axis, frame.z_axis]).collect();
         Derivatives { frames, model, gram, rhs }
-    }
-
-    /// `<v_j, v_k^T>`.
-    fn pair(&self, j: usize, k: usize) -> DMat3 {
-        if k <= j { self.pairs[pair(j, k)] } else { self.pairs[pair(k, j)].transpose() }
-    }
-}
-
-/// Of the derivatives of the light j along its tangents, in its two rows.
-fn set(mut products: DVectorViewMut<'_, f64>, j: usize, frame: &[DVec3; 2], sum: DVec3) {
-    for (row, tangent) in frame.iter().enumerate() {
-        products[2 * j + row] = sum.dot(*tangent);
     }
 }

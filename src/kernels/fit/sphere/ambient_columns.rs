@@ -53,12 +53,12 @@ impl Columns {
     }
 
     /// Derivatives by l of the inner product of each with a light.
-    pub fn gradients(self, l: DVec3) -> Vec<DVec3> {
+    pub fn gradients(self, l: DVec3, out: &mut Vec<DVec3>) {
         match self.ambient {
-            Ambient::None => Vec::new(),
-            Ambient::Constant if self.has_floor => vec![PI * PI * (l / 2.0 + DVec3::Y / 3.0)],
-            Ambient::Constant => vec![PI * PI * l],
-            Ambient::Sh2 => (0..9).map(|i| cosine_lobe(i) * harmonic_gradient(i, l)).collect(),
+            Ambient::None => (),
+            Ambient::Constant if self.has_floor => out.push(PI * PI * (l / 2.0 + DVec3::Y / 3.0)),
+            Ambient::Constant => out.push(PI * PI * l),
+            Ambient::Sh2 => out.extend((0..9).map(|i| cosine_lobe(i) * harmonic_gradient(i, l))),
         }
     }
 

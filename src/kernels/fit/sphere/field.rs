@@ -9,6 +9,8 @@
 //! with f a bicubic B-spline over -1 .. 1: twice differentiable, without an angle. Its coefficients are linear in
 //! those of the function in spherical harmonics; the matrix between them is made once.
 
+#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+
 use std::sync::LazyLock;
 
 use glam::{DMat3, DVec3};
@@ -60,18 +62,21 @@ impl Field {
     }
 
     /// A direction in the frame of the cube.
+    #[inline(always)]
     fn inward(&self, l: DVec3) -> DVec3 {
         let [cos, sin] = self.turn;
         DVec3::new(l.x * cos + l.z * sin, l.y, l.z * cos - l.x * sin)
     }
 
     /// A vector in the frame of the map.
+    #[inline(always)]
     pub fn outward(&self, v: DVec3) -> DVec3 {
         let [cos, sin] = self.turn;
         DVec3::new(v.x * cos - v.z * sin, v.y, v.z * cos + v.x * sin)
     }
 
     /// Gradients at the unit vector `l`, by channel; the value is `l.gradient`, for the degree is 1.
+    #[inline(always)]
     pub fn gradient(&self, l: DVec3) -> [DVec3; 3] {
         let place = Place::of(self.inward(l));
         let [bu, bv] = [place.u, place.v].map(weights);
@@ -96,6 +101,7 @@ impl Field {
     }
 
     /// The second derivative at the unit vector `l` of the sum of the channels with these `shares`.
+    #[inline(always)]
     pub fn second_derivative(&self, l: DVec3, shares: [f64; 3]) -> DMat3 {
         let place = Place::of(self.inward(l));
         let [bu, bv] = [place.u, place.v].map(weights);
@@ -120,6 +126,7 @@ impl Field {
         )
     }
 
+    #[inline(always)]
     fn row(&self, place: &Place, i: usize) -> &[[f64; 4]; 4] {
         let start = (place.face * SIDE + place.first[0] + i) * SIDE + place.first[1];
         self.faces[start..].first_chunk().expect("a spline reaches one knot beyond the last cell")
@@ -147,6 +154,7 @@ struct Place {
 }
 
 impl Place {
+    #[inline(always)]
     fn of(l: DVec3) -> Self {
         let size = l.abs();
         let face = if size.x >= size.y && size.x >= size.z { 0 } else { 1 + usize::from(size.z > size.y) };
@@ -159,12 +167,14 @@ impl Place {
     }
 
     /// From the value of f and its derivatives by knots.
+    #[inline(always)]
     fn gradient(&self, value: f64, by_u: f64, by_v: f64) -> DVec3 {
         let [fu, fv] = [by_u, by_v].map(|slope| self.sign * slope * HALF as f64);
         let own = self.sign * value - self.ratios[0] * fu - self.ratios[1] * fv;
         self.vector(own, fu, fv)
     }
 
+    #[inline(always)]
     fn second_derivative(&self, uu: f64, uv: f64, vv: f64) -> DMat3 {
         let [uu, uv, vv] = [uu, uv, vv].map(|bend| bend * (HALF * HALF) as f64 / self.height);
         let [u, v] = self.ratios;
@@ -179,6 +189,7 @@ impl Place {
         DMat3::from_cols(columns[0], columns[1], columns[2])
     }
 
+    #[inline(always)]
     fn vector(&self, own: f64, u: f64, v: f64) -> DVec3 {
         let mut out = DVec3::ZERO;
         out[self.face] = own;
@@ -189,18 +200,21 @@ impl Place {
 }
 
 /// The four cubic B-splines over a cell, at t from 0 to 1.
+#[inline(always)]
 fn weights(t: f64) -> [f64; 4] {
     let s = 1.0 - t;
     [s * s * s, 4.0 - 3.0 * t * t * (1.0 + s), 4.0 - 3.0 * s * s * (1.0 + t), t * t * t].map(|w| w / 6.0)
 }
 
 /// Their first derivatives.
+#[inline(always)]
 fn slopes(t: f64) -> [f64; 4] {
     let s = 1.0 - t;
     [-0.5 * s * s, t * (1.5 * t - 2.0), s * (2.0 - 1.5 * s), 0.5 * t * t]
 }
 
 /// Their second derivatives.
+#[inline(always)]
 fn bends(t: f64) -> [f64; 4] {
     let s = 1.0 - t;
     [s, t - 2.0 * s, s - 2.0 * t, t]
@@ -217,7 +231,6 @@ impl WithSimd for Product<'_> {
     type Output = ();
 
     #[inline(always)]
-    #[allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
     fn with_simd<S: Simd>(self, _: S) {
         // Two harmonics at once: half as many passes over the sums.
         for (columns, harmonics) in self.matrix.chunks(2).zip(self.harmonics.chunks(2)) {

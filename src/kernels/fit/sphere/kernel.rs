@@ -8,7 +8,7 @@
 //! ```
 //!
 //! the arc-cosine kernel of order 1 (Cho and Saul 2009). All that follows is true of any k: only
-//! [`Pair::new`] and [`spectrum`] know which it is. As a function of degree 1 in a and in b,
+//! [`Angles`] and [`spectrum`] know which it is. As a function of degree 1 in a and in b,
 //! `|a| |b| k(a.b / |a| |b|)` has at unit vectors
 //!
 //! ```text
@@ -19,101 +19,157 @@
 //!
 //! and the mixed derivative is the moment `<v_a, v_b^T>` of `objective.rs`.
 
+#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+
 use std::f64::consts::{FRAC_PI_3, PI};
 
 use glam::{DMat3, DVec3};
-use wide::f64x4;
 
-/// Four directions side by side.
+/// Directions side by side: two vectors of most processors, which do not wait for each other.
+pub const LANES: usize = 8;
+
+/// As many directions, or fewer and zeros.
 #[derive(Clone, Copy, Debug)]
 pub struct Lanes {
-    pub axes: [f64x4; 3],
+    pub axes: [[f64; LANES]; 3],
 }
 
 impl Lanes {
-    /// Of up to four; filled up with zeros.
-    pub fn new(directions: &[DVec3]) -> Self {
-        let mut axes = [[0.0; 4]; 3];
-        for (i, direction) in directions.iter().enumerate() {
+    /// Of up to [`LANES`].
+    #[inline(always)]
+    pub fn new(directions: impl Iterator<Item = DVec3>) -> Self {
+        let mut axes = [[0.0; LANES]; 3];
+        for (i, direction) in directions.take(LANES).enumerate() {
             (0..3).for_each(|axis| axes[axis][i] = direction[axis]);
         }
-        Self { axes: axes.map(f64x4::from) }
+        Self { axes }
     }
 }
 
-/// The kernel at four angles.
+/// The angles between a light and others.
 #[derive(Clone, Copy, Debug)]
 pub struct Angles {
-    pub cosine: f64x4,
-    sine: f64x4,
-    /// k'
-    pub slope: f64x4,
-}
-
-/// The kernel between l and four others. The angle comes from both legs, which keeps the digits of small ones.
-#[inline]
-pub fn angle(l: DVec3, others: &Lanes) -> Angles {
-    let (other, l) = (others.axes, l.to_array().map(f64x4::splat));
-    let dot = |a: [f64x4; 3], b: [f64x4; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    let cosine = dot(l, other);
-    let cross = [(1, 2), (2, 0), (0, 1)].map(|(i, k)| l[i] * other[k] - l[k] * other[i]);
-    let sine = dot(cross, cross).sqrt();
-    let slope = (f64x4::splat(PI) - sine.atan2(cosine)) * f64x4::splat(2.0 / 3.0);
-    Angles { cosine, sine, slope }
+    pub cosine: [f64; LANES],
+    /// `sin^2 (h / 2)`, h: the angle to the other or to its opposite, whichever is nearer.
+    square: [f64; LANES],
 }
 
 impl Angles {
-    /// k
-    pub fn value(&self) -> f64x4 {
-        self.rest() + self.slope * self.cosine
+    /// Between `l` and each of `others`. The squared chord `|a - b|^2 = 4 sin^2 (h / 2)`, or `|a + b|^2`, keeps the
+    /// digits of small angles.
+    #[inline(always)]
+    pub fn new(l: DVec3, Lanes { axes: [x, y, z] }: &Lanes) -> Self {
+        let (mut cosine, mut square) = ([0.0; LANES], [0.0; LANES]);
+        for i in 0..LANES {
+            cosine[i] = l.x * x[i] + l.y * y[i] + l.z * z[i];
+            let side = 1.0_f64.copysign(cosine[i]);
+            let chord = [l.x - side * x[i], l.y - side * y[i], l.z - side * z[i]];
+            square[i] = 0.25 * (chord[0] * chord[0] + chord[1] * chord[1] + chord[2] * chord[2]);
+        }
+        Self { cosine, square }
     }
 
     /// k - c k'
-    pub fn rest(&self) -> f64x4 {
-        self.sine * f64x4::splat(2.0 / 3.0)
+    #[inline(always)]
+    pub fn rests(&self) -> [f64; LANES] {
+        self.square.map(|square| 4.0 / 3.0 * (square * (1.0 - square)).sqrt())
+    }
+
+    /// k'
+    #[inline(always)]
+    pub fn slopes(&self) -> [f64; LANES] {
+        let mut slopes = [0.0; LANES];
+        let over_sine = arcsines_over_sines(&self.square);
+        for i in 0..LANES {
+            let nearer = 2.0 * self.square[i].sqrt() * over_sine[i];
+            slopes[i] = 2.0 / 3.0 * if self.cosine[i] < 0.0 { nearer } else { PI - nearer };
+        }
+        slopes
     }
 
     /// k''; bounded where the directions are the same or opposite: all that it multiplies vanishes there.
-    pub fn bend(&self) -> f64x4 {
-        f64x4::splat(2.0 / 3.0) / self.sine.max(f64x4::splat(f64::EPSILON))
+    #[inline(always)]
+    pub fn bends(&self) -> [f64; LANES] {
+        self.rests().map(|rest| 4.0 / 9.0 / rest.max(f64::EPSILON))
+    }
+
+    /// k
+    #[inline(always)]
+    pub fn values(&self) -> [f64; LANES] {
+        let (mut values, slopes) = (self.rests(), self.slopes());
+        (0..LANES).for_each(|i| values[i] += slopes[i] * self.cosine[i]);
+        values
     }
 }
 
-/// The kernel at one angle.
-#[derive(Clone, Copy, Debug)]
-pub struct Pair {
-    cosine: f64,
-    rest: f64,
-    slope: f64,
-    bend: f64,
+/// `asin(s) / s` of s^2 from 0 to 1/2, to rounding: the polynomial through it at 18 Chebyshev nodes.
+#[inline(always)]
+fn arcsines_over_sines(squares: &[f64; LANES]) -> [f64; LANES] {
+    #[allow(clippy::excessive_precision)]
+    const COEFFICIENTS: [f64; 18] = [
+        0.7052830179687845,
+        -2.4213735547737834,
+        3.9652390062242486,
+        -3.9743142368080293,
+        2.733390279102066,
+        -1.3361715648121495,
+        0.49501980536930673,
+        -0.12408617975799723,
+        0.03675926245278099,
+        0.007444491594483014,
+        0.01442521483157721,
+        0.017315598153068924,
+        0.02237424579593472,
+        0.03038186720026906,
+        0.04464285887642836,
+        0.07499999997954865,
+        0.166666666666762,
+        1.0,
+    ];
+    let mut sums = [0.0; LANES];
+    for coefficient in COEFFICIENTS {
+        (0..LANES).for_each(|i| sums[i] = sums[i] * squares[i] + coefficient);
+    }
+    sums
 }
 
-/// The kernel between `l` and each of `others`.
-pub fn pairs(l: DVec3, others: &[DVec3]) -> impl Iterator<Item = Pair> {
-    others.chunks(4).flat_map(move |others| {
-        let angles = angle(l, &Lanes::new(others));
-        let [cosine, rest, slope, bend] =
-            [angles.cosine, angles.rest(), angles.slope, angles.bend()].map(f64x4::to_array);
-        let pair = move |i: usize| Pair { cosine: cosine[i], rest: rest[i], slope: slope[i], bend: bend[i] };
-        (0..others.len()).map(pair)
-    })
+/// The moments `<v_l, v_b^T>` of `l` and each b of `others`: the mixed derivatives.
+#[inline(always)]
+pub fn mixed_derivatives(l: DVec3, others: &[DVec3], mut each: impl FnMut(DMat3)) {
+    for others in others.chunks(LANES) {
+        let angles = Angles::new(l, &Lanes::new(others.iter().copied()));
+        let (rests, slopes, bends) = (angles.rests(), angles.slopes(), angles.bends());
+        for (i, &b) in others.iter().enumerate() {
+            let cosine = angles.cosine[i];
+            let across = outer((b - l * cosine) * bends[i], l - b * cosine);
+            each(outer(l * rests[i], b) + across + DMat3::from_diagonal(DVec3::splat(slopes[i])));
+        }
+    }
 }
 
-impl Pair {
-    /// Twice by a, on its tangent plane: of b only what lies in it, for k'' may be large.
-    pub fn second_derivative(&self, a: DVec3, b: DVec3) -> DMat3 {
-        let across = b - a * self.cosine;
-        DMat3::from_diagonal(DVec3::splat(self.rest)) + outer(across * self.bend, across)
+/// The weighted sum of the second derivatives by `l` of the kernels between it and `others`, on its tangent plane: of
+/// the others only what lies in it, for k'' may be large.
+#[inline(always)]
+pub fn second_derivative(l: DVec3, weights: &[f64; LANES], others: &Lanes) -> DMat3 {
+    let angles = Angles::new(l, others);
+    let (rests, bends) = (angles.rests(), angles.bends());
+    // xx, yy, zz, xy, yz, zx
+    let mut sums = [[0.0; LANES]; 6];
+    for i in 0..LANES {
+        let [x, y, z] = [0, 1, 2].map(|axis| others.axes[axis][i] - angles.cosine[i] * l[axis]);
+        let (round, bend) = (weights[i] * rests[i], weights[i] * bends[i]);
+        let products = [round + bend * x * x, round + bend * y * y, round + bend * z * z];
+        (0..3).for_each(|k| sums[k][i] = products[k]);
+        let products = [bend * x * y, bend * y * z, bend * z * x];
+        (0..3).for_each(|k| sums[3 + k][i] = products[k]);
     }
-
-    /// By a and b: the moment `<v_a, v_b^T>`.
-    pub fn mixed_derivative(&self, a: DVec3, b: DVec3) -> DMat3 {
-        let across = outer((b - a * self.cosine) * self.bend, a - b * self.cosine);
-        outer(a * self.rest, b) + across + DMat3::from_diagonal(DVec3::splat(self.slope))
-    }
+    let [xx, yy, zz, xy, yz, zx] =
+        sums.map(|[a, b, c, d, e, f, g, h]| ((a + e) + (c + g)) + ((b + f) + (d + h)));
+    DMat3::from_cols_array(&[xx, xy, zx, xy, yy, yz, zx, yz, zz])
 }
 
 /// `a b^T`
+#[inline(always)]
 pub fn outer(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }

@@ -16,6 +16,8 @@
 //! | a smooth even function, quick to look up | `field.rs`           |
 //! | the ambient term beside a light          | `ambient_columns.rs` |
 
+#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+
 mod ambient_columns;
 mod field;
 mod harmonics;
@@ -25,11 +27,12 @@ mod points;
 use glam::{DMat3, DVec3};
 use nalgebra::DMatrix;
 use ndarray::{ArrayView2, Axis};
+use pulp::{Arch, Simd, WithSimd};
 
 use self::ambient_columns::{Columns, Radiance};
 use self::field::Field;
 use self::harmonics::Spectrum;
-use self::kernel::{LINEAR, Lanes, angle, outer, pairs, spectrum};
+use self::kernel::{Angles, LANES, LINEAR, Lanes, mixed_derivatives, outer, second_derivative, spectrum};
 use self::points::{Point, Points};
 use super::ambient::Ambient;
 use super::objective::{Directions, Given, Moments, Objective, distinct_channels, pair};
@@ -51,6 +54,8 @@ pub struct Sphere {
     first: [DVec3; 3],
     /// The even part of F under the rest.
     field: Field,
+    /// Vectors as wide as this processor has.
+    widest: Arch,
 }
 
 impl Sphere {
@@ -65,8 +70,9 @@ impl Sphere {
         let columns = Columns { ambient, has_floor };
         let given = Given::nothing(ambient, has_floor);
         let likely = points.iter().map(|point| point.direction).collect();
+        let (first, widest) = (rest.first, Arch::new());
         let mut sphere =
-            Self { given, columns, points: Points::new(&points), likely, first: rest.first, field };
+            Self { given, columns, points: Points::new(points.clone()), likely, first, field, widest };
         sphere.given = sphere.given_by(&rest, &points, &factors);
         sphere
     }
@@ -107,22 +113,25 @@ impl Sphere {
     }
 
     /// The gradient of F under the rest, by channel.
+    #[inline(always)]
     fn rest_at(&self, l: DVec3) -> [DVec3; 3] {
         let even = self.field.gradient(l);
         [0, 1, 2].map(|channel| LINEAR * self.first[channel] + even[channel])
     }
 
     /// The gradient of F, by channel.
+    #[inline(always)]
     fn probe_at(&self, l: DVec3) -> [DVec3; 3] {
         let (rest, points) = (self.rest_at(l), self.points.gradient(l));
         [0, 1, 2].map(|channel| rest[channel] + points[channel])
     }
 
     /// `<v_l, y>` of a light, for each side y.
-    fn sides_at(&self, l: DVec3) -> impl Iterator<Item = DVec3> {
+    #[inline(always)]
+    fn sides_at(&self, l: DVec3, sides: &mut Vec<DVec3>) {
         let probe = self.probe_at(l);
-        let channels = self.given.channels.iter().map(move |&channel| probe[channel]);
-        self.columns.gradients(l).into_iter().chain(channels)
+        self.columns.gradients(l, sides);
+        sides.extend(self.given.channels.iter().map(|&channel| probe[channel]));
     }
 }
 
@@ -132,14 +141,9 @@ impl Objective for Sphere {
     }
 
     fn moments(&self, directions: Vec<DVec3>) -> Moments {
-        let sides = directions.iter().flat_map(|&l| self.sides_at(l)).collect();
-        let mut moments = Vec::with_capacity(pair(directions.len(), 0));
-        for (j, &l) in directions.iter().enumerate() {
-            let others = &directions[..=j];
-            moments
-                .extend(pairs(l, others).zip(others).map(|(pair, &other)| pair.mixed_derivative(l, other)));
-        }
-        Moments::new(&self.given, directions, sides, moments)
+        let sides = self.widest.dispatch(Sides { sphere: self, directions: &directions });
+        let pairs = self.widest.dispatch(Pairs(&directions));
+        Moments::new(&self.given, directions, sides, pairs)
     }
 
     fn exchanged(&self, before: &Moments, kept: &[usize], new: &[DVec3]) -> Moments {
@@ -156,37 +160,22 @@ impl Objective for Sphere {
     }
 
     fn second_derivative(&self, l: DVec3, lights: &[(f64, DVec3)], sides: &[f64]) -> Option<DMat3> {
-        let (ambient, channels) = sides.split_at(self.columns.ambient.coefficients());
-        let mut shares = [0.0; 3];
-        self.given.channels.iter().zip(channels).for_each(|(&channel, share)| shares[channel] = *share);
-        let map = self.field.second_derivative(l, shares) + self.points.second_derivative(l, shares);
-        let sides = self.columns.second_derivative(l, ambient) + map;
-        let directions: Vec<DVec3> = lights.iter().map(|light| light.1).collect();
-        let pairs = pairs(l, &directions).zip(lights);
-        Some(
-            pairs.fold(sides, |sum, (pair, (weight, other))| {
-                sum + pair.second_derivative(l, *other) * *weight
-            }),
-        )
+        Some(self.widest.dispatch(SecondDerivative { sphere: self, l, lights, sides }))
     }
 
     fn light_products(&self, at: &Directions, lights: &[DVec3]) -> DMatrix<f64> {
         let mut out = DMatrix::zeros(at.directions.len(), lights.len());
-        for (light, mut column) in lights.iter().zip(out.column_iter_mut()) {
-            let fours = at.directions.chunks(4).zip(column.as_mut_slice().chunks_mut(4));
-            for (directions, out) in fours {
-                out.copy_from_slice(&angle(*light, &Lanes::new(directions)).value().to_array()[..out.len()]);
-            }
+        for (&light, mut column) in lights.iter().zip(out.column_iter_mut()) {
+            self.widest.dispatch(Values { light, at, out: column.as_mut_slice() });
         }
         out
     }
 
     fn side_products(&self, at: &Directions) -> DMatrix<f64> {
-        let mut out = DMatrix::zeros(at.directions.len(), self.given.sides());
-        for (i, &d) in at.directions.iter().enumerate() {
-            self.sides_at(d).enumerate().for_each(|(side, gradient)| out[(i, side)] = gradient.dot(d));
-        }
-        out
+        let sides = self.widest.dispatch(Sides { sphere: self, directions: &at.directions });
+        let count = self.given.sides();
+        let value = |i: usize, side: usize| sides[i * count + side].dot(at.directions[i]);
+        DMatrix::from_fn(at.directions.len(), count, value)
     }
 
     fn squares(&self, at: &Directions) -> Vec<f64> {
@@ -218,6 +207,84 @@ impl Objective for Sphere {
 
     fn has_kinks(&self) -> bool {
         false
+    }
+}
+
+/// `<v_j, v_k^T>` of lights for k <= j.
+struct Pairs<'a>(&'a [DVec3]);
+
+impl WithSimd for Pairs<'_> {
+    type Output = Vec<DMat3>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        let mut pairs = Vec::with_capacity(pair(self.0.len(), 0));
+        for (j, &l) in self.0.iter().enumerate() {
+            mixed_derivatives(l, &self.0[..=j], |pair| pairs.push(pair));
+        }
+        pairs
+    }
+}
+
+/// `<v_l, y>` of each light and side.
+struct Sides<'a> {
+    sphere: &'a Sphere,
+    directions: &'a [DVec3],
+}
+
+impl WithSimd for Sides<'_> {
+    type Output = Vec<DVec3>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        let mut sides = Vec::with_capacity(self.directions.len() * self.sphere.given.sides());
+        self.directions.iter().for_each(|&l| self.sphere.sides_at(l, &mut sides));
+        sides
+    }
+}
+
+/// What [`Objective::second_derivative`] asks for.
+struct SecondDerivative<'a> {
+    sphere: &'a Sphere,
+    l: DVec3,
+    lights: &'a [(f64, DVec3)],
+    sides: &'a [f64],
+}
+
+impl WithSimd for SecondDerivative<'_> {
+    type Output = DMat3;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> DMat3 {
+        let Self { sphere: Sphere { given, columns, points, field, .. }, l, lights, sides } = self;
+        let (ambient, channels) = sides.split_at(given.ambient.coefficients());
+        let mut shares = [0.0; 3];
+        given.channels.iter().zip(channels).for_each(|(&channel, share)| shares[channel] = *share);
+        let map = field.second_derivative(l, shares) + points.second_derivative(l, shares);
+        lights.chunks(LANES).fold(columns.second_derivative(l, ambient) + map, |sum, lights| {
+            let mut weights = [0.0; LANES];
+            weights.iter_mut().zip(lights).for_each(|(weight, light)| *weight = light.0);
+            sum + second_derivative(l, &weights, &Lanes::new(lights.iter().map(|light| light.1)))
+        })
+    }
+}
+
+/// The inner products of a light with those of a list.
+struct Values<'a> {
+    light: DVec3,
+    at: &'a Directions,
+    out: &'a mut [f64],
+}
+
+impl WithSimd for Values<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for (directions, out) in self.at.directions.chunks(LANES).zip(self.out.chunks_mut(LANES)) {
+            let angles = Angles::new(self.light, &Lanes::new(directions.iter().copied()));
+            out.copy_from_slice(&angles.values()[..out.len()]);
+        }
     }
 }
 
@@ -320,12 +387,12 @@ mod tests {
             let others = [(0.7, DVec3::new(2.0, 3.0, 6.0) / 7.0), (-0.4, DVec3::NEG_Z)];
             let weights: Vec<f64> = (0..sphere.given.sides()).map(|i| 0.3 + 0.1 * i as f64).collect();
             let value = |l: DVec3| -> f64 {
-                let sides: f64 = sphere.sides_at(l).zip(&weights).map(|(g, w)| w * g.dot(l)).sum();
-                sides
-                    + others
-                        .iter()
-                        .map(|(w, other)| w * angle(l, &Lanes::new(&[*other])).value().to_array()[0])
-                        .sum::<f64>()
+                let at = sphere.directions(vec![l]);
+                let sides =
+                    sphere.side_products(&at).row(0).iter().zip(&weights).map(|(v, w)| w * v).sum::<f64>();
+                let lights = others.map(|other| other.1);
+                let lights = sphere.light_products(&at, &lights);
+                sides + others.iter().zip(lights.iter()).map(|((w, _), value)| w * value).sum::<f64>()
             };
             for l in directions() {
                 let [s, t] = tangents(l);

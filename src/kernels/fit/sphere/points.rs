@@ -1,9 +1,10 @@
-//! Lights of a map that are kept as points, four side by side.
+//! Lights of a map that are kept as points, many side by side.
+
+#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
 use glam::{DMat3, DVec3};
-use wide::f64x4;
 
-use super::kernel::{Lanes, angle};
+use super::kernel::{Angles, LANES, Lanes, second_derivative};
 
 /// A light of the map that is kept as a point: its direction, and its irradiance at normal incidence.
 #[derive(Clone, Copy, Debug)]
@@ -12,62 +13,55 @@ pub struct Point {
     pub irradiance: [f64; 3],
 }
 
-/// Points, four to a vector: the last vector is filled up with black ones.
+/// Points side by side: the last lanes are filled up with black ones.
 #[derive(Clone, Debug)]
 pub struct Points {
-    fours: Vec<(Lanes, [f64x4; 3])>,
+    points: Vec<Point>,
+    blocks: Vec<(Lanes, [[f64; LANES]; 3])>,
 }
 
 impl Points {
     /// Of one list.
-    pub fn new(points: &[Point]) -> Self {
-        let four = |points: &[Point]| {
-            let irradiance = |channel: usize| {
-                f64x4::from(std::array::from_fn::<f64, 4, _>(|i| {
-                    points.get(i).map_or(0.0, |point| point.irradiance[channel])
-                }))
-            };
-            let directions: Vec<DVec3> = points.iter().map(|point| point.direction).collect();
-            (Lanes::new(&directions), [0, 1, 2].map(irradiance))
+    pub fn new(points: Vec<Point>) -> Self {
+        let block = |points: &[Point]| {
+            let mut irradiance = [[0.0; LANES]; 3];
+            for (i, point) in points.iter().enumerate() {
+                (0..3).for_each(|channel| irradiance[channel][i] = point.irradiance[channel]);
+            }
+            (Lanes::new(points.iter().map(|point| point.direction)), irradiance)
         };
-        Self { fours: points.chunks(4).map(four).collect() }
+        let blocks = points.chunks(LANES).map(block).collect();
+        Self { points, blocks }
     }
 
     /// Gradients at l of the inner product of a light with all points, by channel.
+    #[inline(always)]
     pub fn gradient(&self, l: DVec3) -> [DVec3; 3] {
-        let mut along = [f64x4::ZERO; 3];
-        let mut towards = [[f64x4::ZERO; 3]; 3];
-        for (points, irradiance) in &self.fours {
-            let angle = angle(l, points);
-            for channel in 0..3 {
-                along[channel] += irradiance[channel] * angle.rest();
-                let pull = irradiance[channel] * angle.slope;
-                (0..3).for_each(|axis| towards[channel][axis] += pull * points.axes[axis]);
+        // Of each channel the pull towards the points, and along l.
+        let mut sums = [[0.0; 4]; 3];
+        for (points, (lanes, _)) in self.points.chunks(LANES).zip(&self.blocks) {
+            let angles = Angles::new(l, lanes);
+            let (rests, slopes) = (angles.rests(), angles.slopes());
+            for (i, Point { direction: d, irradiance }) in points.iter().enumerate() {
+                let pull = [slopes[i] * d.x, slopes[i] * d.y, slopes[i] * d.z, rests[i]];
+                for (sum, e) in sums.iter_mut().zip(irradiance) {
+                    (0..4).for_each(|k| sum[k] += e * pull[k]);
+                }
             }
         }
-        [0, 1, 2].map(|channel| {
-            l * along[channel].reduce_add() + DVec3::from(towards[channel].map(f64x4::reduce_add))
-        })
+        sums.map(|[x, y, z, along]| DVec3::new(x, y, z) + l * along)
     }
 
     /// The second derivative on the tangent plane of l, of the channels with these `shares`.
+    #[inline(always)]
     pub fn second_derivative(&self, l: DVec3, shares: [f64; 3]) -> DMat3 {
-        let mut round = f64x4::ZERO;
-        let mut products = [f64x4::ZERO; 6];
-        for (points, irradiance) in &self.fours {
-            let angle = angle(l, points);
-            let weight = (0..3)
-                .fold(f64x4::ZERO, |sum, channel| sum + irradiance[channel] * f64x4::splat(shares[channel]));
-            round += weight * angle.rest();
-            let bend = weight * angle.bend();
-            // Of the points only what lies in the tangent plane, for k'' may be large.
-            let [x, y, z] = [0, 1, 2].map(|axis| points.axes[axis] - angle.cosine * f64x4::splat(l[axis]));
-            for (sum, product) in products.iter_mut().zip([x * x, y * y, z * z, x * y, y * z, z * x]) {
-                *sum += bend * product;
-            }
+        let mut out = DMat3::ZERO;
+        for (points, [red, green, blue]) in &self.blocks {
+            let mut weights = [0.0; LANES];
+            let lanes = 0..LANES;
+            lanes.for_each(|i| weights[i] = red[i] * shares[0] + green[i] * shares[1] + blue[i] * shares[2]);
+            out += second_derivative(l, &weights, points);
         }
-        let [xx, yy, zz, xy, yz, zx] = products.map(f64x4::reduce_add);
-        let round = round.reduce_add();
-        DMat3::from_cols_array(&[xx + round, xy, zx, xy, yy + round, yz, zx, yz, zz + round])
+        out
     }
 }
