@@ -18,6 +18,7 @@
 
 mod ambient;
 mod candidates;
+mod dense;
 mod descent;
 mod discs;
 mod light_count;

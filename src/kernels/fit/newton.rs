@@ -14,16 +14,21 @@
 //! coordinates of two lights. Without Lambda and the last term this is the step of Gauss and Newton in Kaufman's
 //! form (1975), which needs no second derivatives, and is never bent downwards.
 
+#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+
+use std::borrow::Cow;
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use nalgebra::{DMatrix, DVector};
 use pulp::{Arch, Simd, WithSimd};
 
 use super::ambient::Ambient;
-use super::objective::Derivatives;
+use super::dense::{add, add_products, column_of};
+use super::objective::{Derivatives, Given};
 use super::problem::Problem;
 use super::state::State;
+use crate::kernels::sphere::tangents;
 
 /// `cost + 2 gradient.t + t^T hessian t`.
 #[derive(Clone, Debug)]
@@ -48,31 +53,24 @@ impl Quadratic {
     pub fn around(problem: &Problem<'_>, state: &State, is_exact: bool) -> Self {
         let given = problem.objective.given();
         let derivatives = state.moments.derivatives(given, problem.fixed);
+        let second = if is_exact { second_derivatives(problem, state) } else { None };
         let size = derivatives.gram.nrows();
         let first = given.ambient.coefficients() + problem.fixed;
-        let channels = (0..state.x.ncols()).map(|channel| Channel {
-            copies: given.copies(channel),
-            radiance: (0..size).map(|i| state.x[(first + i / 2, channel)]).collect(),
-            slope: (derivatives.rhs.column(channel) - &derivatives.model * state.x.column(channel))
-                .data
-                .into(),
-        });
-        let channels: Vec<Channel> = channels.collect();
-        let mut gradient = DVector::zeros(size);
-        for Channel { copies, radiance, slope } in &channels {
-            (0..size).for_each(|i| gradient[i] -= copies * radiance[i] * slope[i]);
+        let radiance =
+            DMatrix::from_fn(size, state.x.ncols(), |i, channel| state.x[(first + i / 2, channel)]);
+        let slope = derivatives.rhs.clone();
+        let channels = Channels { derivatives, radiance, slope, first, is_exact: second.is_some() };
+        let (hessian, gradient) = (DMatrix::zeros(size, size), DVector::zeros(size));
+        let mut out = Self { hessian, scale: gradient.clone(), gradient };
+        Arch::new().dispatch(Sum { given, state, channels, out: &mut out });
+        out.hessian.fill_upper_triangle_with_lower_triangle();
+        for (i, second) in second.into_iter().flatten().enumerate() {
+            let frame = tangents(state.moments.directions[problem.fixed + i]);
+            for (a, b) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                out.hessian[(2 * i + a, 2 * i + b)] += frame[a].dot(second * frame[b]);
+            }
         }
-        let bend = is_exact.then(|| bend(problem, state, &derivatives)).flatten();
-        let (mut hessian, mut scale) = (DMatrix::zeros(size, size), DVector::zeros(size));
-        for (channels, inverse) in alike(state, &channels) {
-            let with_slopes = bend.is_some();
-            let share = Share { derivatives: &derivatives, channels, inverse: &inverse, first, with_slopes };
-            Arch::new().dispatch(Add { share, hessian: &mut hessian, scale: &mut scale });
-        }
-        if let Some(bend) = bend {
-            hessian += bend;
-        }
-        Self { hessian, gradient, scale }
+        out
     }
 
     /// What the cost falls by with `step`.
@@ -103,162 +101,164 @@ impl Quadratic {
     }
 }
 
-/// What a channel does with the derivatives.
-struct Channel {
-    copies: f64,
-    /// The radiance `x_i` of the light of each coordinate.
-    radiance: Vec<f64>,
-    /// `Lambda_i`
-    slope: Vec<f64>,
+/// What the lights that may move do in each channel.
+struct Channels {
+    derivatives: Derivatives,
+    /// The radiance `x_ic` of the light of each coordinate, and `Lambda_ic`: a column for each channel.
+    radiance: DMatrix<f64>,
+    slope: DMatrix<f64>,
+    /// Column of the first light that may move.
+    first: usize,
+    is_exact: bool,
 }
 
-/// Channels whose radiances follow in the same way when a light turns, and that way: `G^-1`, 0 where no column is in
-/// use.
-fn alike<'a>(state: &'a State, channels: &'a [Channel]) -> Vec<(&'a [Channel], DMatrix<f64>)> {
-    let same = |a: usize, b: usize| {
-        Arc::ptr_eq(&state.supports[a], &state.supports[b])
-            && state.dark[a].is_empty()
-            && state.dark[b].is_empty()
-    };
-    let mut out = Vec::new();
-    let mut first = 0;
-    while first < channels.len() {
-        let count =
-            (first..channels.len()).take_while(|&channel| channel == first || same(first, channel)).count();
-        let inverse = held(state.supports[first].inverse(state.x.nrows()), &state.dark[first]);
-        out.push((&channels[first..first + count], inverse));
-        first += count;
+/// Adds up gradient, hessian and scale, but for the second derivatives of columns; of the hessian the lower triangle.
+///
+/// With D the products of the derivatives with each other, M with the columns, `K = M G_c^-1` and o(i) the column of the
+/// light of i,
+///
+/// ```text
+///   T_c G_c^-1 T_c^T = x_i x_k (K M^T)_ik - x_i Lambda_k K_i,o(k) - Lambda_i x_k K_k,o(i) + Lambda_i Lambda_k G_c^-1_o(i),o(k)
+/// ```
+///
+/// so that channels that use the same columns share all products of matrices.
+struct Sum<'a> {
+    given: &'a Given,
+    state: &'a State,
+    channels: Channels,
+    out: &'a mut Quadratic,
+}
+
+impl WithSimd for Sum<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { given, state, mut channels, out } = self;
+        let count = state.x.ncols();
+        for channel in 0..count {
+            channels.add_gradient(column_of(&state.x, channel), channel, given.copies(channel), out);
+        }
+        let mut from = 0;
+        while from < count {
+            let alike = |channel: &usize| *channel == from || state.follow_alike(from, *channel);
+            let to = from + (from..count).take_while(alike).count();
+            let inverse = held(&state.supports[from].inverse, &state.dark[from]);
+            let copies = (from..to).map(|channel| (channel, given.copies(channel)));
+            channels.add_hessian(&inverse, copies, out);
+            from = to;
+        }
+    }
+}
+
+impl State {
+    /// Whether the radiances of two channels follow in the same way when a light turns.
+    fn follow_alike(&self, a: usize, b: usize) -> bool {
+        Arc::ptr_eq(&self.supports[a], &self.supports[b])
+            && self.dark[a].is_empty()
+            && self.dark[b].is_empty()
+    }
+}
+
+impl Channels {
+    /// `Lambda = <da, y> - <da, A> x`, and `-x Lambda`.
+    #[inline(always)]
+    fn add_gradient(&mut self, x: &[f64], channel: usize, copies: f64, out: &mut Quadratic) {
+        let mut slope = self.slope.column_mut(channel);
+        for (column, &x) in x.iter().enumerate() {
+            add(slope.as_mut_slice(), -x, column_of(&self.derivatives.model, column));
+        }
+        let radiance = column_of(&self.radiance, channel);
+        add_products(out.gradient.as_mut_slice(), -copies, radiance, column_of(&self.slope, channel));
+    }
+
+    /// Of channels with the same inverse Gram matrix.
+    #[inline(always)]
+    fn add_hessian(
+        &self,
+        inverse: &DMatrix<f64>,
+        channels: impl Iterator<Item = (usize, f64)> + Clone,
+        out: &mut Quadratic,
+    ) {
+        let Self { derivatives: Derivatives { model, gram, .. }, radiance, slope, first, is_exact } = self;
+        let size = gram.nrows();
+        let along = product(model, inverse);
+        // A column of D - K M^T, of K^T and of G^-1.
+        let (mut outside, mut back, mut both) = (vec![0.0; size], vec![0.0; size], vec![0.0; size]);
+        for k in 0..size {
+            let outside = &mut outside[k..];
+            outside.copy_from_slice(&column_of(gram, k)[k..]);
+            for column in 0..model.ncols() {
+                add(outside, -model[(k, column)], &column_of(&along, column)[k..]);
+            }
+            let own = first + k / 2;
+            if *is_exact {
+                for i in k..size {
+                    back[i] = along[(k, first + i / 2)];
+                    both[i] = inverse[(first + i / 2, own)];
+                }
+            }
+            let hessian = &mut out.hessian.as_mut_slice()[k * size + k..(k + 1) * size];
+            for (channel, copies) in channels.clone() {
+                let [radiance, slope] = [radiance, slope].map(|of| &column_of(of, channel)[k..]);
+                add_products(hessian, copies * radiance[0], radiance, outside);
+                out.scale[k] += (copies * radiance[0] * radiance[0] * outside[0]).max(0.0);
+                if *is_exact {
+                    add_products(hessian, copies * slope[0], radiance, &column_of(&along, own)[k..]);
+                    add_products(hessian, copies * radiance[0], slope, &back[k..]);
+                    add_products(hessian, -copies * slope[0], slope, &both[k..]);
+                }
+            }
+        }
+    }
+}
+
+/// `a b`
+#[inline(always)]
+fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut out = DMatrix::zeros(a.nrows(), b.ncols());
+    for (k, out) in out.as_mut_slice().chunks_exact_mut(a.nrows().max(1)).enumerate() {
+        column_of(b, k).iter().enumerate().for_each(|(i, &factor)| add(out, factor, column_of(a, i)));
     }
     out
 }
 
 /// `R = G^-1` where the ambient term, of rows C, is held at zero for the normals `dark`:
 /// `R - R C^T (C R C^T)^-1 C R`.
-fn held(inverse: DMatrix<f64>, dark: &[DVec3]) -> DMatrix<f64> {
+fn held<'a>(inverse: &'a DMatrix<f64>, dark: &[DVec3]) -> Cow<'a, DMatrix<f64>> {
     if dark.is_empty() {
-        return inverse;
+        return Cow::Borrowed(inverse);
     }
     let rows: Vec<[f64; 9]> = dark.iter().map(|&n| Ambient::Sh2.irradiance(n)).collect();
     let rows = DMatrix::from_fn(dark.len(), inverse.nrows(), |i, k| *rows[i].get(k).unwrap_or(&0.0));
-    let along = &rows * &inverse;
+    let along = &rows * inverse;
     let mut gram = &along * rows.transpose();
     // Two of the normals may be all but the same.
     (0..gram.nrows()).for_each(|i| gram[(i, i)] *= 1.0 + 1e-12);
     match gram.cholesky() {
-        Some(factor) => inverse - along.tr_mul(&factor.solve(&along)),
-        None => inverse,
+        Some(factor) => Cow::Owned(inverse - along.tr_mul(&factor.solve(&along))),
+        None => Cow::Borrowed(inverse),
     }
 }
 
-/// The share of the hessian that some channels have, without second derivatives of columns. With D the products of the
-/// derivatives with each other, M with the columns, `K = M G^-1` and o(i) the column of the light of i,
-///
-/// ```text
-///   T_c G_c^-1 T_c^T = x_i x_k (K M^T)_ik - x_i Lambda_k K_i,o(k) - Lambda_i x_k K_k,o(i) + Lambda_i Lambda_k G^-1_o(i),o(k)
-/// ```
-///
-/// so that only sums over channels of products of x and Lambda are needed, not T.
-struct Share<'a> {
-    derivatives: &'a Derivatives,
-    channels: &'a [Channel],
-    inverse: &'a DMatrix<f64>,
-    /// Column of the first light that may turn.
-    first: usize,
-    with_slopes: bool,
-}
-
-/// Adds a share to the hessian, and what it is without slopes to the scale.
-struct Add<'a> {
-    share: Share<'a>,
-    hessian: &'a mut DMatrix<f64>,
-    scale: &'a mut DVector<f64>,
-}
-
-impl WithSimd for Add<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    #[allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
-    fn with_simd<S: Simd>(self, _: S) {
-        let Share { derivatives: Derivatives { model, gram, .. }, channels, inverse, first, with_slopes } =
-            self.share;
-        let (size, columns) = (gram.nrows(), model.ncols());
-        if size == 0 {
-            return;
-        }
-        // K, then D - K M^T a column at a time.
-        let mut along = vec![0.0; size * columns];
-        for (along, inverse) in along.chunks_exact_mut(size).zip(inverse.as_slice().chunks_exact(columns)) {
-            for (model, &factor) in model.as_slice().chunks_exact(size).zip(inverse) {
-                add(along, factor, model);
-            }
-        }
-        let mut outside = vec![0.0; size];
-        let (mut back, mut both) = (vec![0.0; size], vec![0.0; size]);
-        for (k, hessian) in self.hessian.as_mut_slice().chunks_exact_mut(size).enumerate() {
-            outside.copy_from_slice(&gram.as_slice()[k * size..][..size]);
-            for (along, model) in along.chunks_exact(size).zip(model.as_slice().chunks_exact(size)) {
-                add(&mut outside, -model[k], along);
-            }
-            for Channel { copies, radiance, .. } in channels {
-                add_products(hessian, copies * radiance[k], radiance, &outside);
-                self.scale[k] += (copies * radiance[k] * radiance[k] * outside[k]).max(0.0);
-            }
-            if !with_slopes {
-                continue;
-            }
-            let own = first + k / 2;
-            for i in 0..size {
-                back[i] = along[(first + i / 2) * size + k];
-                both[i] = inverse[(first + i / 2, own)];
-            }
-            for Channel { copies, radiance, slope } in channels {
-                add_products(hessian, copies * slope[k], radiance, &along[own * size..][..size]);
-                add_products(hessian, copies * radiance[k], slope, &back);
-                add_products(hessian, -copies * slope[k], slope, &both);
-            }
-        }
-    }
-}
-
-/// `out + factor a`
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
-fn add(out: &mut [f64], factor: f64, a: &[f64]) {
-    out.iter_mut().zip(a).for_each(|(out, a)| *out += factor * a);
-}
-
-/// `out + factor a b`, element by element.
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
-fn add_products(out: &mut [f64], factor: f64, a: &[f64], b: &[f64]) {
-    out.iter_mut().zip(a).zip(b).for_each(|((out, a), b)| *out += factor * a * b);
-}
-
-/// `-sum_c x_ic <d^2 a_ik, r_c>`: a block for each light. None where there are no second derivatives.
+/// `-sum_c x_ic <d^2 a_ik, r_c>` by the direction of each light that may move. None where there are no second
+/// derivatives.
 ///
 /// Of `-r_c = sum of all columns - E_c`, light by light: the second derivative by its own direction.
-fn bend(problem: &Problem<'_>, state: &State, derivatives: &Derivatives) -> Option<DMatrix<f64>> {
+fn second_derivatives(problem: &Problem<'_>, state: &State) -> Option<Vec<DMat3>> {
     let given = problem.objective.given();
-    let (ambient, lights) = (given.ambient.coefficients(), state.lights());
-    let mut out = DMatrix::zeros(derivatives.gram.nrows(), derivatives.gram.nrows());
-    let (mut others, mut sides) = (Vec::with_capacity(lights), Vec::with_capacity(given.sides()));
-    for (i, frame) in derivatives.frames.iter().enumerate() {
-        let own = |channel: usize| given.copies(channel) * state.x[(ambient + problem.fixed + i, channel)];
-        let product = |row: usize| (0..state.x.ncols()).map(|c| own(c) * state.x[(row, c)]).sum::<f64>();
-        others.clear();
-        others.extend((0..lights).map(|k| (product(ambient + k), state.moments.directions[k])));
+    let (ambient, lights, channels) = (given.ambient.coefficients(), state.lights(), state.x.ncols());
+    let mut sides = Vec::with_capacity(given.sides());
+    let second_derivative = |light: usize| {
+        let own = |channel: usize| given.copies(channel) * state.x[(ambient + light, channel)];
+        let product = |row: usize| (0..channels).map(|c| own(c) * state.x[(row, c)]).sum::<f64>();
         sides.clear();
-        sides.extend((0..ambient).map(product).chain((0..state.x.ncols()).map(|c| -own(c))));
-        let l = state.moments.directions[problem.fixed + i];
-        let second = problem.objective.second_derivative(l, &others, &sides)?;
-        for (a, s) in frame.iter().enumerate() {
-            for (b, t) in frame.iter().enumerate() {
-                out[(2 * i + a, 2 * i + b)] = s.dot(second * *t);
-            }
-        }
-    }
-    Some(out)
+        sides.extend((0..ambient).map(product).chain((0..channels).map(|c| -own(c))));
+        let weights: Vec<f64> = (0..lights).map(|k| product(ambient + k)).collect();
+        let directions = &state.moments.directions;
+        problem.objective.second_derivative(directions[light], directions, &weights, &sides)
+    };
+    (problem.fixed..lights).map(second_derivative).collect()
 }
 
 #[cfg(test)]

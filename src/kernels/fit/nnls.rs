@@ -5,66 +5,75 @@
 
 use std::sync::Arc;
 
-use nalgebra::{Cholesky, DMatrix, Dyn};
+use nalgebra::DMatrix;
+use pulp::{Arch, Simd, WithSimd};
 
-/// Independent columns, and the Cholesky factor of their Gram matrix.
+use super::dense::{add, column_of};
+
+/// Independent columns, and the inverse of their Gram matrix.
 #[derive(Clone, Debug)]
 pub struct Support {
     /// Which, in ascending order.
     pub columns: Vec<usize>,
-    factor: Cholesky<f64, Dyn>,
+    /// 0 in the rows and columns of those that are not among them.
+    pub inverse: DMatrix<f64>,
 }
 
 impl Support {
     /// `columns`, unless they are not independent.
     pub fn new(gram: &DMatrix<f64>, columns: Vec<usize>) -> Option<Self> {
-        /// A column this close to the span of the others has lost all its digits.
-        const DEPENDENT: f64 = 1e-12;
-        let part = DMatrix::from_fn(columns.len(), columns.len(), |i, j| gram[(columns[i], columns[j])]);
-        let factor = Cholesky::new(part)?;
-        let lower = factor.l_dirty();
-        let is_independent = |(i, &column): (usize, &usize)| {
-            lower[(i, i)] * lower[(i, i)] > DEPENDENT * gram[(column, column)]
-        };
-        let are_independent = columns.iter().enumerate().all(is_independent);
-        are_independent.then_some(Self { columns, factor })
+        let mut inverse = gram.clone();
+        if columns.len() < gram.nrows() {
+            inverse.fill(0.0);
+            for &k in &columns {
+                columns.iter().for_each(|&i| inverse[(i, k)] = gram[(i, k)]);
+            }
+        }
+        let invert = Invert { matrix: &mut inverse, columns: &columns };
+        Arch::new().dispatch(invert).then_some(Self { columns, inverse })
     }
 
     /// The unconstrained minimum over the columns, 0 elsewhere.
     fn solve(&self, right: &[f64]) -> Vec<f64> {
-        let mut values: Vec<f64> = self.columns.iter().map(|&i| right[i]).collect();
-        let lower = self.factor.l_dirty();
-        let size = values.len();
-        for (i, column) in lower.as_slice().chunks_exact(size.max(1)).enumerate() {
-            values[i] /= column[i];
-            let value = values[i];
-            values[i + 1..].iter_mut().zip(&column[i + 1..]).for_each(|(rest, l)| *rest -= l * value);
-        }
-        for (i, column) in lower.as_slice().chunks_exact(size.max(1)).enumerate().rev() {
-            let done: f64 = values[i + 1..].iter().zip(&column[i + 1..]).map(|(value, l)| l * value).sum();
-            values[i] = (values[i] - done) / column[i];
-        }
-        if size == right.len() {
-            return values;
-        }
         let mut x = vec![0.0; right.len()];
-        for (&value, &column) in values.iter().zip(&self.columns) {
-            x[column] = value;
+        for &column in &self.columns {
+            add(&mut x, right[column], column_of(&self.inverse, column));
         }
         x
     }
+}
 
-    /// The inverse of the Gram matrix, among that many columns: 0 for those that are not of the support.
-    pub fn inverse(&self, count: usize) -> DMatrix<f64> {
-        let inverse = self.factor.inverse();
-        if self.columns.len() == count {
-            return inverse;
+/// Inverts a symmetric matrix in place, by elimination (Gauss and Jordan) of these columns; whether they are
+/// independent. What is left of a column's diagonal is the squared distance to the span of those before it.
+struct Invert<'a> {
+    matrix: &'a mut DMatrix<f64>,
+    columns: &'a [usize],
+}
+
+impl WithSimd for Invert<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> bool {
+        /// A column this close to the span of the others has lost all its digits.
+        const DEPENDENT: f64 = 1e-12;
+        let size = self.matrix.nrows();
+        let lengths = self.matrix.diagonal();
+        let mut own = vec![0.0; size];
+        for &k in self.columns {
+            own.copy_from_slice(column_of(self.matrix, k));
+            let pivot = own[k];
+            // Not a number neither.
+            if !(pivot > DEPENDENT * lengths[k]) {
+                return false;
+            }
+            for (j, column) in self.matrix.as_mut_slice().chunks_exact_mut(size).enumerate() {
+                let factor = if j == k { 1.0 + 1.0 / pivot } else { column[k] / pivot };
+                add(column, -factor, &own);
+                column[k] = if j == k { 1.0 / pivot } else { factor };
+            }
         }
-        let mut out = DMatrix::zeros(count, count);
-        for (own, &column) in inverse.column_iter().zip(&self.columns) {
-            self.columns.iter().zip(&own).for_each(|(&row, &value)| out[(row, column)] = value);
-        }
-        out
+        true
     }
 }
 
@@ -135,7 +144,7 @@ fn factored(gram: &DMatrix<f64>, columns: &[usize], known: &mut Vec<Arc<Support>
 
 /// Lawson and Hanson's way, which always ends.
 fn active_set(gram: &DMatrix<f64>, right: &[f64], free: usize) -> Answer {
-    let nothing = || Support { columns: Vec::new(), factor: Cholesky::pack_dirty(DMatrix::zeros(0, 0)) };
+    let nothing = || Support { columns: Vec::new(), inverse: gram * 0.0 };
     let mut support = Support::new(gram, (0..free).collect()).unwrap_or_else(nothing);
     let mut x = support.solve(right);
     // Columns that were let in and came out at once: rounding, not descent.

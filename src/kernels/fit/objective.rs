@@ -48,9 +48,10 @@ pub trait Objective: Debug + Sync {
     /// Each light and normal where the cost has a kink, or ends, on the way from one place to the other.
     fn kinks(&self, from: &Moments, to: &Moments) -> Vec<(usize, DVec3)>;
 
-    /// The second derivative by the direction `l` of `sum_k w_k <a_l, a_k> + sum_y w_y <a_l, y>`, on its
-    /// tangent plane and for functions of degree 1 in l; none where the objective has no second derivatives.
-    fn second_derivative(&self, l: DVec3, lights: &[(f64, DVec3)], sides: &[f64]) -> Option<DMat3>;
+    /// The second derivative by the direction `l` of `sum_k w_k <a_l, a_k> + sum_y w_y <a_l, y>` with the `weights` of
+    /// lights and those of `sides`, on its tangent plane and for functions of degree 1 in l; none where the objective
+    /// has no second derivatives.
+    fn second_derivative(&self, l: DVec3, lights: &[DVec3], weights: &[f64], sides: &[f64]) -> Option<DMat3>;
 
     /// `<a_d, a_l>`: a row for each direction d of `at`, a column for each of `lights`.
     fn light_products(&self, at: &Directions, lights: &[DVec3]) -> DMatrix<f64>;

@@ -42,7 +42,7 @@ impl Objective for Probe {
         visible::crossed(self, from, to)
     }
 
-    fn second_derivative(&self, _: DVec3, _: &[(f64, DVec3)], _: &[f64]) -> Option<DMat3> {
+    fn second_derivative(&self, _: DVec3, _: &[DVec3], _: &[f64], _: &[f64]) -> Option<DMat3> {
         None
     }
 

@@ -159,8 +159,8 @@ impl Objective for Sphere {
         lights.filter(|(_, l)| !self.allows(**l)).map(|(light, _)| (light, DVec3::Y)).collect()
     }
 
-    fn second_derivative(&self, l: DVec3, lights: &[(f64, DVec3)], sides: &[f64]) -> Option<DMat3> {
-        Some(self.widest.dispatch(SecondDerivative { sphere: self, l, lights, sides }))
+    fn second_derivative(&self, l: DVec3, lights: &[DVec3], weights: &[f64], sides: &[f64]) -> Option<DMat3> {
+        Some(self.widest.dispatch(SecondDerivative { sphere: self, l, lights, weights, sides }))
     }
 
     fn light_products(&self, at: &Directions, lights: &[DVec3]) -> DMatrix<f64> {
@@ -247,7 +247,8 @@ impl WithSimd for Sides<'_> {
 struct SecondDerivative<'a> {
     sphere: &'a Sphere,
     l: DVec3,
-    lights: &'a [(f64, DVec3)],
+    lights: &'a [DVec3],
+    weights: &'a [f64],
     sides: &'a [f64],
 }
 
@@ -256,15 +257,16 @@ impl WithSimd for SecondDerivative<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> DMat3 {
-        let Self { sphere: Sphere { given, columns, points, field, .. }, l, lights, sides } = self;
+        let Self { sphere: Sphere { given, columns, points, field, .. }, l, lights, weights, sides } = self;
         let (ambient, channels) = sides.split_at(given.ambient.coefficients());
         let mut shares = [0.0; 3];
         given.channels.iter().zip(channels).for_each(|(&channel, share)| shares[channel] = *share);
         let map = field.second_derivative(l, shares) + points.second_derivative(l, shares);
-        lights.chunks(LANES).fold(columns.second_derivative(l, ambient) + map, |sum, lights| {
-            let mut weights = [0.0; LANES];
-            weights.iter_mut().zip(lights).for_each(|(weight, light)| *weight = light.0);
-            sum + second_derivative(l, &weights, &Lanes::new(lights.iter().map(|light| light.1)))
+        let sides = columns.second_derivative(l, ambient) + map;
+        lights.chunks(LANES).zip(weights.chunks(LANES)).fold(sides, |sum, (lights, weights)| {
+            let mut padded = [0.0; LANES];
+            padded[..weights.len()].copy_from_slice(weights);
+            sum + second_derivative(l, &padded, &Lanes::new(lights.iter().copied()))
         })
     }
 }
@@ -384,19 +386,18 @@ mod tests {
             (Ambient::Sh2, false),
         ] {
             let sphere = Sphere::new(&map, ambient, has_floor);
-            let others = [(0.7, DVec3::new(2.0, 3.0, 6.0) / 7.0), (-0.4, DVec3::NEG_Z)];
+            let others = [DVec3::new(2.0, 3.0, 6.0) / 7.0, DVec3::NEG_Z];
+            let shares = [0.7, -0.4];
             let weights: Vec<f64> = (0..sphere.given.sides()).map(|i| 0.3 + 0.1 * i as f64).collect();
             let value = |l: DVec3| -> f64 {
                 let at = sphere.directions(vec![l]);
-                let sides =
-                    sphere.side_products(&at).row(0).iter().zip(&weights).map(|(v, w)| w * v).sum::<f64>();
-                let lights = others.map(|other| other.1);
-                let lights = sphere.light_products(&at, &lights);
-                sides + others.iter().zip(lights.iter()).map(|((w, _), value)| w * value).sum::<f64>()
+                let (sides, lights) = (sphere.side_products(&at), sphere.light_products(&at, &others));
+                let products = sides.iter().zip(&weights).chain(lights.iter().zip(&shares));
+                products.map(|(value, weight)| weight * value).sum()
             };
             for l in directions() {
                 let [s, t] = tangents(l);
-                let second = sphere.second_derivative(l, &others, &weights).unwrap();
+                let second = sphere.second_derivative(l, &others, &shares, &weights).unwrap();
                 for along in [s, t, (s + t) / 2.0_f64.sqrt()] {
                     let [ahead, behind] = [STEP, -STEP].map(|step| value(exponential_map(l, along * step)));
                     // On the sphere: a function of degree 1 loses its own value to the curvature of the way.
