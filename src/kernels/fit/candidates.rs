@@ -90,26 +90,28 @@ impl Beside<'_> {
     /// One light more at each place, where that would lower the cost.
     pub fn added(&self) -> Vec<Promise> {
         let zero = DVector::zeros(self.state.x.ncols());
-        self.promises(self.state.cost, &zero, |_| (0.0, 0.0))
+        self.promises(self.state.cost, self.state.cost, &zero, |_| (0.0, 0.0))
     }
 
-    /// The light j taken out and put at each place, where that would lower the cost.
-    pub fn moved(&self, light: usize) -> Vec<Promise> {
+    /// The light j taken out and put at each place, where that would leave less than the cost `most`.
+    pub fn moved(&self, light: usize, most: f64) -> Vec<Promise> {
         let row = self.state.x.nrows() - self.state.lights() + light;
         let own = self.inverse[(row, row)];
         let x = self.state.x.row(row).transpose();
         let given = self.candidates.objective.given();
         let without: f64 = (0..x.len()).map(|c| given.copies(c) * x[c] * x[c]).sum::<f64>() / own;
-        self.promises(self.state.cost + without, &x, |i| {
+        self.promises(self.state.cost + without, most, &x, |i| {
             let along = self.along[(row, i)];
             (along / own, along * along / own)
         })
     }
 
-    /// Of a light that has the radiances `x` already, and of what its place gives back at each candidate.
+    /// Of a light that has the radiances `x` already, and of what its place gives back at each candidate: those of less
+    /// than `most`.
     fn promises(
         &self,
         cost: f64,
+        most: f64,
         x: &DVector<f64>,
         given_back: impl Fn(usize) -> (f64, f64),
     ) -> Vec<Promise> {
@@ -121,7 +123,7 @@ impl Beside<'_> {
             let outside = outside + length;
             let explained = |c: usize| copies[c] * (self.residual[(i, c)] + x[c] * share).max(0.0).powi(2);
             let left = cost - (0..x.len()).map(explained).sum::<f64>() / outside;
-            if left < self.state.cost && outside > DEPENDENT * squares[i] {
+            if left < most && outside > DEPENDENT * squares[i] {
                 promises.push((left, at.directions[i]));
             }
         }

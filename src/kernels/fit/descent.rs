@@ -102,7 +102,9 @@ impl State {
             let next = self.turned_to(problem.objective, self.directions_after(problem, &step));
             let is_allowed = next.moments.directions.iter().all(|&l| problem.objective.allows(l));
             if next.cost < self.cost && is_allowed {
-                let damping = (damping * 0.1).max(LEAST_DAMPING);
+                // What has just failed will fail again.
+                let ease = if damping > self.damping { 0.3 } else { 0.1 };
+                let damping = (damping * ease).max(LEAST_DAMPING);
                 return Some(Self { damping, steps: self.steps + 1, ..next });
             }
             if kinks.is_empty()

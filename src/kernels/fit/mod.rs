@@ -18,6 +18,7 @@
 
 mod ambient;
 mod candidates;
+mod curvature;
 mod dense;
 mod descent;
 mod discs;

@@ -35,17 +35,24 @@ pub fn added(candidates: &Candidates<'_>, state: &State, count: usize) -> Vec<Mo
     places.into_iter().map(|(promise, new)| Move { promise, gone: None, new }).collect()
 }
 
-/// One light, not of the first `fixed`, taken out and put where it would explain most: the best `count`.
+/// One light, not of the first `fixed`, taken out and put where it would explain most: the best `count` of those that
+/// promise at most `promised` times the cost of `state`.
 ///
 /// A greedy start keeps the light that explained most *alone*; with its neighbours in place a
 /// different set is often better.
-pub fn exchanged(candidates: &Candidates<'_>, state: &State, fixed: usize, count: usize) -> Vec<Move> {
+pub fn exchanged(
+    candidates: &Candidates<'_>,
+    state: &State,
+    fixed: usize,
+    promised: f64,
+    count: usize,
+) -> Vec<Move> {
     /// Places that are tried for each light.
     const PLACES: usize = 2;
     let Some(beside) = candidates.beside(state) else { return Vec::new() };
     let mut moves: Vec<Move> = Vec::new();
     for light in fixed..state.lights() {
-        let mut places = beside.moved(light);
+        let mut places = beside.moved(light, promised * state.cost);
         places.retain(|(_, place)| place.dot(state.moments.directions[light]) < BACK);
         let places = apart(places, PLACES).into_iter();
         moves.extend(places.map(|(promise, new)| Move { promise, gone: Some(light), new }));

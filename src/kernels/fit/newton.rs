@@ -14,18 +14,11 @@
 //! coordinates of two lights. Without Lambda and the last term this is the step of Gauss and Newton in Kaufman's
 //! form (1975), which needs no second derivatives, and is never bent downwards.
 
-#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
-
-use std::borrow::Cow;
-use std::sync::Arc;
-
 use glam::{DMat3, DVec3};
 use nalgebra::{DMatrix, DVector};
-use pulp::{Arch, Simd, WithSimd};
+use pulp::Arch;
 
-use super::ambient::Ambient;
-use super::dense::{add, add_products, column_of};
-use super::objective::{Derivatives, Given};
+use super::curvature::Sums;
 use super::problem::Problem;
 use super::state::State;
 use crate::kernels::sphere::tangents;
@@ -51,26 +44,21 @@ pub struct Kink {
 impl Quadratic {
     /// For the lights that may move; with second derivatives where it `is_exact` and the objective has them.
     pub fn around(problem: &Problem<'_>, state: &State, is_exact: bool) -> Self {
-        let given = problem.objective.given();
-        let derivatives = state.moments.derivatives(given, problem.fixed);
         let second = if is_exact { second_derivatives(problem, state) } else { None };
-        let size = derivatives.gram.nrows();
-        let first = given.ambient.coefficients() + problem.fixed;
-        let radiance =
-            DMatrix::from_fn(size, state.x.ncols(), |i, channel| state.x[(first + i / 2, channel)]);
-        let slope = derivatives.rhs.clone();
-        let channels = Channels { derivatives, radiance, slope, first, is_exact: second.is_some() };
-        let (hessian, gradient) = (DMatrix::zeros(size, size), DVector::zeros(size));
-        let mut out = Self { hessian, scale: gradient.clone(), gradient };
-        Arch::new().dispatch(Sum { given, state, channels, out: &mut out });
-        out.hessian.fill_upper_triangle_with_lower_triangle();
+        let sums = Sums {
+            given: problem.objective.given(),
+            state,
+            fixed: problem.fixed,
+            is_exact: second.is_some(),
+        };
+        let (mut hessian, gradient, scale) = Arch::new().dispatch(sums);
         for (i, second) in second.into_iter().flatten().enumerate() {
             let frame = tangents(state.moments.directions[problem.fixed + i]);
             for (a, b) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-                out.hessian[(2 * i + a, 2 * i + b)] += frame[a].dot(second * frame[b]);
+                hessian[(2 * i + a, 2 * i + b)] += frame[a].dot(second * frame[b]);
             }
         }
-        out
+        Self { hessian, gradient, scale }
     }
 
     /// What the cost falls by with `step`.
@@ -101,146 +89,6 @@ impl Quadratic {
     }
 }
 
-/// What the lights that may move do in each channel.
-struct Channels {
-    derivatives: Derivatives,
-    /// The radiance `x_ic` of the light of each coordinate, and `Lambda_ic`: a column for each channel.
-    radiance: DMatrix<f64>,
-    slope: DMatrix<f64>,
-    /// Column of the first light that may move.
-    first: usize,
-    is_exact: bool,
-}
-
-/// Adds up gradient, hessian and scale, but for the second derivatives of columns; of the hessian the lower triangle.
-///
-/// With D the products of the derivatives with each other, M with the columns, `K = M G_c^-1` and o(i) the column of the
-/// light of i,
-///
-/// ```text
-///   T_c G_c^-1 T_c^T = x_i x_k (K M^T)_ik - x_i Lambda_k K_i,o(k) - Lambda_i x_k K_k,o(i) + Lambda_i Lambda_k G_c^-1_o(i),o(k)
-/// ```
-///
-/// so that channels that use the same columns share all products of matrices.
-struct Sum<'a> {
-    given: &'a Given,
-    state: &'a State,
-    channels: Channels,
-    out: &'a mut Quadratic,
-}
-
-impl WithSimd for Sum<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let Self { given, state, mut channels, out } = self;
-        let count = state.x.ncols();
-        for channel in 0..count {
-            channels.add_gradient(column_of(&state.x, channel), channel, given.copies(channel), out);
-        }
-        let mut from = 0;
-        while from < count {
-            let alike = |channel: &usize| *channel == from || state.follow_alike(from, *channel);
-            let to = from + (from..count).take_while(alike).count();
-            let inverse = held(&state.supports[from].inverse, &state.dark[from]);
-            let copies = (from..to).map(|channel| (channel, given.copies(channel)));
-            channels.add_hessian(&inverse, copies, out);
-            from = to;
-        }
-    }
-}
-
-impl State {
-    /// Whether the radiances of two channels follow in the same way when a light turns.
-    fn follow_alike(&self, a: usize, b: usize) -> bool {
-        Arc::ptr_eq(&self.supports[a], &self.supports[b])
-            && self.dark[a].is_empty()
-            && self.dark[b].is_empty()
-    }
-}
-
-impl Channels {
-    /// `Lambda = <da, y> - <da, A> x`, and `-x Lambda`.
-    #[inline(always)]
-    fn add_gradient(&mut self, x: &[f64], channel: usize, copies: f64, out: &mut Quadratic) {
-        let mut slope = self.slope.column_mut(channel);
-        for (column, &x) in x.iter().enumerate() {
-            add(slope.as_mut_slice(), -x, column_of(&self.derivatives.model, column));
-        }
-        let radiance = column_of(&self.radiance, channel);
-        add_products(out.gradient.as_mut_slice(), -copies, radiance, column_of(&self.slope, channel));
-    }
-
-    /// Of channels with the same inverse Gram matrix.
-    #[inline(always)]
-    fn add_hessian(
-        &self,
-        inverse: &DMatrix<f64>,
-        channels: impl Iterator<Item = (usize, f64)> + Clone,
-        out: &mut Quadratic,
-    ) {
-        let Self { derivatives: Derivatives { model, gram, .. }, radiance, slope, first, is_exact } = self;
-        let size = gram.nrows();
-        let along = product(model, inverse);
-        // A column of D - K M^T, of K^T and of G^-1.
-        let (mut outside, mut back, mut both) = (vec![0.0; size], vec![0.0; size], vec![0.0; size]);
-        for k in 0..size {
-            let outside = &mut outside[k..];
-            outside.copy_from_slice(&column_of(gram, k)[k..]);
-            for column in 0..model.ncols() {
-                add(outside, -model[(k, column)], &column_of(&along, column)[k..]);
-            }
-            let own = first + k / 2;
-            if *is_exact {
-                for i in k..size {
-                    back[i] = along[(k, first + i / 2)];
-                    both[i] = inverse[(first + i / 2, own)];
-                }
-            }
-            let hessian = &mut out.hessian.as_mut_slice()[k * size + k..(k + 1) * size];
-            for (channel, copies) in channels.clone() {
-                let [radiance, slope] = [radiance, slope].map(|of| &column_of(of, channel)[k..]);
-                add_products(hessian, copies * radiance[0], radiance, outside);
-                out.scale[k] += (copies * radiance[0] * radiance[0] * outside[0]).max(0.0);
-                if *is_exact {
-                    add_products(hessian, copies * slope[0], radiance, &column_of(&along, own)[k..]);
-                    add_products(hessian, copies * radiance[0], slope, &back[k..]);
-                    add_products(hessian, -copies * slope[0], slope, &both[k..]);
-                }
-            }
-        }
-    }
-}
-
-/// `a b`
-#[inline(always)]
-fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
-    let mut out = DMatrix::zeros(a.nrows(), b.ncols());
-    for (k, out) in out.as_mut_slice().chunks_exact_mut(a.nrows().max(1)).enumerate() {
-        column_of(b, k).iter().enumerate().for_each(|(i, &factor)| add(out, factor, column_of(a, i)));
-    }
-    out
-}
-
-/// `R = G^-1` where the ambient term, of rows C, is held at zero for the normals `dark`:
-/// `R - R C^T (C R C^T)^-1 C R`.
-fn held<'a>(inverse: &'a DMatrix<f64>, dark: &[DVec3]) -> Cow<'a, DMatrix<f64>> {
-    if dark.is_empty() {
-        return Cow::Borrowed(inverse);
-    }
-    let rows: Vec<[f64; 9]> = dark.iter().map(|&n| Ambient::Sh2.irradiance(n)).collect();
-    let rows = DMatrix::from_fn(dark.len(), inverse.nrows(), |i, k| *rows[i].get(k).unwrap_or(&0.0));
-    let along = &rows * inverse;
-    let mut gram = &along * rows.transpose();
-    // Two of the normals may be all but the same.
-    (0..gram.nrows()).for_each(|i| gram[(i, i)] *= 1.0 + 1e-12);
-    match gram.cholesky() {
-        Some(factor) => Cow::Owned(inverse - along.tr_mul(&factor.solve(&along))),
-        None => Cow::Borrowed(inverse),
-    }
-}
-
 /// `-sum_c x_ic <d^2 a_ik, r_c>` by the direction of each light that may move. None where there are no second
 /// derivatives.
 ///
@@ -265,7 +113,7 @@ fn second_derivatives(problem: &Problem<'_>, state: &State) -> Option<Vec<DMat3>
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::kernels::fit::{Objective, Sphere};
+    use crate::kernels::fit::{Ambient, Objective, Sphere};
     use crate::kernels::image;
     use crate::kernels::sphere::{Registration, exponential_map};
     use ndarray::Array3;

@@ -37,7 +37,8 @@ impl Support {
     fn solve(&self, right: &[f64]) -> Vec<f64> {
         let mut x = vec![0.0; right.len()];
         for &column in &self.columns {
-            add(&mut x, right[column], column_of(&self.inverse, column));
+            let inverse = column_of(&self.inverse, column).iter();
+            x.iter_mut().zip(inverse).for_each(|(x, inverse)| *x += right[column] * inverse);
         }
         x
     }
@@ -54,7 +55,7 @@ impl WithSimd for Invert<'_> {
     type Output = bool;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> bool {
+    fn with_simd<S: Simd>(self, simd: S) -> bool {
         /// A column this close to the span of the others has lost all its digits.
         const DEPENDENT: f64 = 1e-12;
         let size = self.matrix.nrows();
@@ -69,7 +70,7 @@ impl WithSimd for Invert<'_> {
             }
             for (j, column) in self.matrix.as_mut_slice().chunks_exact_mut(size).enumerate() {
                 let factor = if j == k { 1.0 + 1.0 / pivot } else { column[k] / pivot };
-                add(column, -factor, &own);
+                add(simd, column, -factor, &own);
                 column[k] = if j == k { 1.0 / pivot } else { factor };
             }
         }

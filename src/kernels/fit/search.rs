@@ -1,6 +1,6 @@
 //! The search for the best set of lights, among the many that no small step improves.
 //!
-//! Lights are added one at a time where they promise most, in a few sets side by side (a beam). At the number
+//! Lights are added one at a time where they promise most, in one set or a few side by side (a beam). At the number
 //! that is wanted, the sets of the beam and sets spread evenly over the sphere go downhill; the best of them
 //! exchange lights, one at a time, while that pays; the best of all goes to the bottom of its valley. Over given
 //! normals each valley holds many small ones, between kinks: there the search goes on from perturbed lights.
@@ -44,8 +44,10 @@ struct Breadth {
     spare: usize,
     one_in: usize,
     promising: usize,
-    /// Exchanges that are tried together.
+    /// Exchanges that are tried together, and how much more than the cost of a place they may promise: the other lights
+    /// follow.
     exchanged: usize,
+    promised: f64,
     /// Share of the least cost above which a place that has settled is given up.
     settled: f64,
 }
@@ -53,14 +55,15 @@ struct Breadth {
 impl Breadth {
     /// Where a candidate's promise is nearly its cost.
     const USUAL: Self = Self {
-        beam: 2,
-        added: 2,
-        descended: 4,
+        beam: 1,
+        added: 1,
+        descended: 1,
         starts: 3,
         spare: 0,
         one_in: 2,
         promising: 6,
         exchanged: 2,
+        promised: 1.2,
         settled: 1e-3,
     };
     /// With harmonics that may not turn negative, a promise says little, and there are more valleys.
@@ -73,6 +76,7 @@ impl Breadth {
         one_in: 1,
         promising: 32,
         exchanged: 8,
+        promised: 1.0,
         settled: 1e-3,
     };
     /// Over given normals each valley holds many small ones, and what is lowest shows late.
@@ -85,6 +89,7 @@ impl Breadth {
         one_in: 2,
         promising: 16,
         exchanged: 8,
+        promised: 1.0,
         settled: 1e-2,
     };
     /// Even starts at most, and lights of all of them together: more lights take longer each.
@@ -195,7 +200,8 @@ impl<'a> Search<'a> {
     fn settled(&self, mut best: State) -> State {
         let Problem { objective, fixed, .. } = *self.problem;
         loop {
-            let moves = moves::exchanged(&self.candidates, &best, fixed, self.breadth.exchanged);
+            let Breadth { exchanged, promised, .. } = self.breadth;
+            let moves = moves::exchanged(&self.candidates, &best, fixed, promised, exchanged);
             let rough = moves.iter().map(|one| self.descended(one.from(objective, &best), ROUGH));
             let near = rough.filter(|state| state.cost < NEAR * best.cost);
             let exchanged = near.map(|state| self.descended(state, CLOSE)).collect();
