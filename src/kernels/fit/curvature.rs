@@ -10,7 +10,6 @@
 //! so that channels that use the same columns share the products of matrices.
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
-use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -47,7 +46,7 @@ impl WithSimd for Sums<'_> {
             gradient.iter_mut().zip(slopes).for_each(|(sum, (x, slope))| *sum -= copies * x * slope);
         }
         let mut hessian = DMatrix::zeros(rows, size);
-        let groups: Vec<Group<'_>> = parts.groups(simd, state);
+        let groups: Vec<Group> = parts.groups(simd, state);
         for group in &groups {
             parts.add_gauss(simd, group, &mut hessian);
         }
@@ -74,10 +73,10 @@ struct Parts {
 }
 
 /// Channels whose radiances follow in the same way when a light turns.
-struct Group<'a> {
+struct Group {
     channels: Range<usize>,
     /// `G^-1`, and K
-    inverse: Cow<'a, DMatrix<f64>>,
+    inverse: DMatrix<f64>,
     along: DMatrix<f64>,
 }
 
@@ -103,13 +102,13 @@ impl Parts {
     }
 
     #[inline(always)]
-    fn groups<'a, S: Simd>(&self, simd: S, state: &'a State) -> Vec<Group<'a>> {
+    fn groups<S: Simd>(&self, simd: S, state: &State) -> Vec<Group> {
         let mut groups = Vec::with_capacity(self.copies.len());
         let mut from = 0;
         while from < self.copies.len() {
             let alike = |channel: &usize| *channel == from || follow_alike(state, from, *channel);
             let to = from + (from..self.copies.len()).take_while(alike).count();
-            let inverse = held(&state.supports[from].inverse, &state.dark[from]);
+            let inverse = held(state.supports[from].inverse(simd, state.x.nrows()), &state.dark[from]);
             let along = product(simd, &self.derivatives.model, &inverse);
             groups.push(Group { channels: from..to, inverse, along });
             from = to;
@@ -119,12 +118,7 @@ impl Parts {
 
     /// `sum_c x_i x_k (D - K M^T)_ik`, in and below the diagonal.
     #[inline(always)]
-    fn add_gauss<S: Simd>(
-        &self,
-        simd: S,
-        Group { channels, along, .. }: &Group<'_>,
-        hessian: &mut DMatrix<f64>,
-    ) {
+    fn add_gauss<S: Simd>(&self, simd: S, Group { channels, along, .. }: &Group, hessian: &mut DMatrix<f64>) {
         let Derivatives { model, gram, .. } = &self.derivatives;
         let (along, gram, radiance) = (wide::<S>(along), wide::<S>(gram), wide::<S>(&self.radiance));
         let (height, rows) = (hessian.nrows(), hessian.nrows() / S::F64_LANES);
@@ -148,7 +142,7 @@ impl Parts {
 
     /// What Lambda adds to that.
     #[inline(always)]
-    fn add_slopes<S: Simd>(&self, simd: S, group: &Group<'_>, hessian: &mut DMatrix<f64>) {
+    fn add_slopes<S: Simd>(&self, simd: S, group: &Group, hessian: &mut DMatrix<f64>) {
         let (along, radiance, slope) =
             (wide::<S>(&group.along), wide::<S>(&self.radiance), wide::<S>(&self.slope));
         let (height, rows) = (hessian.nrows(), hessian.nrows() / S::F64_LANES);
@@ -186,19 +180,19 @@ fn follow_alike(state: &State, a: usize, b: usize) -> bool {
 
 /// `R = G^-1` where the ambient term, of rows C, is held at zero for the normals `dark`:
 /// `R - R C^T (C R C^T)^-1 C R`.
-fn held<'a>(inverse: &'a DMatrix<f64>, dark: &[DVec3]) -> Cow<'a, DMatrix<f64>> {
+fn held(inverse: DMatrix<f64>, dark: &[DVec3]) -> DMatrix<f64> {
     if dark.is_empty() {
-        return Cow::Borrowed(inverse);
+        return inverse;
     }
     let rows: Vec<[f64; 9]> = dark.iter().map(|&n| Ambient::Sh2.irradiance(n)).collect();
     let rows = DMatrix::from_fn(dark.len(), inverse.nrows(), |i, k| *rows[i].get(k).unwrap_or(&0.0));
-    let along = &rows * inverse;
+    let along = &rows * &inverse;
     let mut gram = &along * rows.transpose();
     // Two of the normals may be all but the same.
     (0..gram.nrows()).for_each(|i| gram[(i, i)] *= 1.0 + 1e-12);
     match gram.cholesky() {
-        Some(factor) => Cow::Owned(inverse - along.tr_mul(&factor.solve(&along))),
-        None => Cow::Borrowed(inverse),
+        Some(factor) => inverse - along.tr_mul(&factor.solve(&along)),
+        None => inverse,
     }
 }
 

@@ -14,7 +14,7 @@
 //! coordinates of two lights. Without Lambda and the last term this is the step of Gauss and Newton in Kaufman's
 //! form (1975), which needs no second derivatives, and is never bent downwards.
 
-use glam::{DMat3, DVec3};
+use glam::DMat3;
 use nalgebra::{DMatrix, DVector};
 use pulp::Arch;
 
@@ -116,6 +116,7 @@ mod tests {
     use crate::kernels::fit::{Ambient, Objective, Sphere};
     use crate::kernels::image;
     use crate::kernels::sphere::{Registration, exponential_map};
+    use glam::DVec3;
     use ndarray::Array3;
 
     fn sphere(ambient: Ambient) -> Sphere {

@@ -5,76 +5,81 @@
 
 use std::sync::Arc;
 
-use nalgebra::DMatrix;
-use pulp::{Arch, Simd, WithSimd};
+use nalgebra::{Cholesky, DMatrix, Dyn};
+use pulp::Simd;
 
 use super::dense::{add, column_of};
 
-/// Independent columns, and the inverse of their Gram matrix.
+/// Independent columns, and the Cholesky factor of their Gram matrix.
 #[derive(Clone, Debug)]
 pub struct Support {
     /// Which, in ascending order.
     pub columns: Vec<usize>,
-    /// 0 in the rows and columns of those that are not among them.
-    pub inverse: DMatrix<f64>,
+    factor: Cholesky<f64, Dyn>,
 }
 
 impl Support {
     /// `columns`, unless they are not independent.
     pub fn new(gram: &DMatrix<f64>, columns: Vec<usize>) -> Option<Self> {
-        let mut inverse = gram.clone();
-        if columns.len() < gram.nrows() {
-            inverse.fill(0.0);
-            for &k in &columns {
-                columns.iter().for_each(|&i| inverse[(i, k)] = gram[(i, k)]);
-            }
-        }
-        let invert = Invert { matrix: &mut inverse, columns: &columns };
-        Arch::new().dispatch(invert).then_some(Self { columns, inverse })
+        /// A column this close to the span of the others has lost all its digits.
+        const DEPENDENT: f64 = 1e-12;
+        let part = DMatrix::from_fn(columns.len(), columns.len(), |i, j| gram[(columns[i], columns[j])]);
+        let factor = Cholesky::new(part)?;
+        let lower = factor.l_dirty();
+        let is_independent = |(i, &column): (usize, &usize)| {
+            lower[(i, i)] * lower[(i, i)] > DEPENDENT * gram[(column, column)]
+        };
+        let are_independent = columns.iter().enumerate().all(is_independent);
+        are_independent.then_some(Self { columns, factor })
     }
 
     /// The unconstrained minimum over the columns, 0 elsewhere.
     fn solve(&self, right: &[f64]) -> Vec<f64> {
-        let mut x = vec![0.0; right.len()];
-        for &column in &self.columns {
-            let inverse = column_of(&self.inverse, column).iter();
-            x.iter_mut().zip(inverse).for_each(|(x, inverse)| *x += right[column] * inverse);
+        let mut values: Vec<f64> = self.columns.iter().map(|&i| right[i]).collect();
+        let lower = self.factor.l_dirty();
+        for i in 0..values.len() {
+            let column = &column_of(lower, i)[i..];
+            values[i] /= column[0];
+            let (value, rest) = (values[i], &mut values[i + 1..]);
+            rest.iter_mut().zip(&column[1..]).for_each(|(rest, l)| *rest -= l * value);
         }
+        for i in (0..values.len()).rev() {
+            let column = &column_of(lower, i)[i..];
+            let done: f64 = values[i + 1..].iter().zip(&column[1..]).map(|(value, l)| l * value).sum();
+            values[i] = (values[i] - done) / column[0];
+        }
+        let mut x = vec![0.0; right.len()];
+        self.columns.iter().zip(values).for_each(|(&column, value)| x[column] = value);
         x
     }
-}
 
-/// Inverts a symmetric matrix in place, by elimination (Gauss and Jordan) of these columns; whether they are
-/// independent. What is left of a column's diagonal is the squared distance to the span of those before it.
-struct Invert<'a> {
-    matrix: &'a mut DMatrix<f64>,
-    columns: &'a [usize],
-}
-
-impl WithSimd for Invert<'_> {
-    type Output = bool;
-
+    /// The inverse `G^-1 = L^-T L^-1` of the Gram matrix, among `count` columns: 0 for those that are not of the support.
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> bool {
-        /// A column this close to the span of the others has lost all its digits.
-        const DEPENDENT: f64 = 1e-12;
-        let size = self.matrix.nrows();
-        let lengths = self.matrix.diagonal();
-        let mut own = vec![0.0; size];
-        for &k in self.columns {
-            own.copy_from_slice(column_of(self.matrix, k));
-            let pivot = own[k];
-            // Not a number neither.
-            if !(pivot > DEPENDENT * lengths[k]) {
-                return false;
+    #[allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+    pub fn inverse<S: Simd>(&self, simd: S, count: usize) -> DMatrix<f64> {
+        let (lower, size) = (self.factor.l_dirty(), self.columns.len());
+        // `L^-T`, a column after those before it, and its product with its transpose.
+        let mut rows = vec![0.0; size * size];
+        let mut out = DMatrix::zeros(size, size);
+        for k in 0..size {
+            let (done, row) = rows.split_at_mut(k * size);
+            row[k] = 1.0;
+            for i in 0..k {
+                add(simd, &mut row[..=i], -lower[(k, i)], &done[i * size..][..=i]);
             }
-            for (j, column) in self.matrix.as_mut_slice().chunks_exact_mut(size).enumerate() {
-                let factor = if j == k { 1.0 + 1.0 / pivot } else { column[k] / pivot };
-                add(simd, column, -factor, &own);
-                column[k] = if j == k { 1.0 / pivot } else { factor };
+            row[..=k].iter_mut().for_each(|value| *value /= lower[(k, k)]);
+            for j in 0..=k {
+                add(simd, &mut out.as_mut_slice()[j * size..][..=k], row[j], &row[..=k]);
             }
         }
-        true
+        if size == count {
+            return out;
+        }
+        let place = |i: usize| self.columns.binary_search(&i);
+        DMatrix::from_fn(count, count, |i, k| match (place(i), place(k)) {
+            (Ok(i), Ok(k)) => out[(i, k)],
+            _ => 0.0,
+        })
     }
 }
 
@@ -145,7 +150,7 @@ fn factored(gram: &DMatrix<f64>, columns: &[usize], known: &mut Vec<Arc<Support>
 
 /// Lawson and Hanson's way, which always ends.
 fn active_set(gram: &DMatrix<f64>, right: &[f64], free: usize) -> Answer {
-    let nothing = || Support { columns: Vec::new(), inverse: gram * 0.0 };
+    let nothing = || Support { columns: Vec::new(), factor: Cholesky::pack_dirty(DMatrix::zeros(0, 0)) };
     let mut support = Support::new(gram, (0..free).collect()).unwrap_or_else(nothing);
     let mut x = support.solve(right);
     // Columns that were let in and came out at once: rounding, not descent.

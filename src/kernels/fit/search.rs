@@ -16,9 +16,9 @@ use super::state::{State, StopReason};
 use crate::error::Result;
 
 /// Relative fall of the cost in one step at which a start has shown what it is worth.
-const ROUGH: f64 = 3e-2;
+const ROUGH: f64 = 4e-2;
 /// The same where starts are compared for good.
-const CLOSE: f64 = 1e-3;
+const CLOSE: f64 = 3e-3;
 /// Relative fall of the cost in one step at which an answer is final.
 pub const FINE: f64 = 1e-9;
 /// Relative fall of the cost for which a light is exchanged. Starts that differ by less end in the same place.
