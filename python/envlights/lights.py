@@ -31,7 +31,10 @@ def brightest_first(irradiance: NDArray[np.float64]) -> NDArray[np.intp]:
     why luminance is not a matrix product here, which may round a row by the place it has.
     """
     red, green, blue = LUMINANCE[:, None] * irradiance.T
-    return np.argsort(-(red + green + blue), kind="stable")
+    luminance = red + green + blue
+    # Luminances that differ by rounding alone are equal.
+    unit = max(luminance.max(initial=0.0), np.finfo(float).tiny)
+    return np.argsort(-np.round(luminance / unit, 9), kind="stable")
 
 
 class SphericalGaussians(NamedTuple):

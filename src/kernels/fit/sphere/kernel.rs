@@ -105,7 +105,7 @@ impl Angles {
 /// `asin(s) / s` of s^2 from 0 to 1/2, to rounding: the polynomial through it at 18 Chebyshev nodes.
 #[inline(always)]
 fn arcsines_over_sines(squares: &[f64; LANES]) -> [f64; LANES] {
-    #[allow(clippy::excessive_precision)]
+    #[allow(clippy::unreadable_literal, reason = "no one reads them digit by digit")]
     const COEFFICIENTS: [f64; 18] = [
         0.7052830179687845,
         -2.4213735547737834,
