@@ -10,6 +10,7 @@
 //! | - at given normals                              | `samples/`                         |
 //! | best radiances, none negative                   | `radiances.rs`, `nnls.rs`          |
 //! | best directions near given ones                 | `state.rs`, `newton.rs`, `descent.rs` |
+//! | - gradient and hessian in wide vectors          | `curvature.rs`, `dense.rs`         |
 //! | what a light in a new place would explain       | `candidates.rs`, `moves.rs`        |
 //! | best set of a number of lights                  | `search.rs`, `multistart.rs`       |
 //! | which number                                    | `light_count.rs`                   |
