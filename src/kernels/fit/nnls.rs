@@ -53,6 +53,23 @@ impl Support {
         x
     }
 
+    /// `rows L^-T` with the factor `L` of the Gram matrix `A^T A`: inner products with the columns of A
+    /// become those with the orthonormal columns `A L^-T` that span the same.
+    ///
+    /// All rows at once, column by column: each column is long, the triangle is small.
+    pub fn orthonormal(&self, mut rows: DMatrix<f64>) -> DMatrix<f64> {
+        let lower = self.factor.l_dirty();
+        for i in 0..lower.nrows() {
+            let (done, mut rest) = rows.columns_range_pair_mut(..i, i..);
+            let mut column = rest.column_mut(0);
+            for (k, done) in done.column_iter().enumerate() {
+                column.axpy(-lower[(i, k)], &done, 1.0);
+            }
+            column /= lower[(i, i)];
+        }
+        rows
+    }
+
     /// The inverse `G^-1 = L^-T L^-1` of the Gram matrix, among `count` columns: 0 for those that are not of the support.
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]

@@ -6,6 +6,7 @@ use glam::DVec3;
 use nalgebra::DMatrix;
 
 use super::target::{Disc, Target};
+use crate::interrupt;
 use crate::kernels::fit::nnls::Support;
 use crate::kernels::fit::objective::Given;
 use crate::kernels::fit::radiances::{self, Radiances};
@@ -55,6 +56,7 @@ impl Problem<'_> {
 impl State {
     /// The best fluxes of `discs`; those that are not 0 may be those of `guess`.
     pub fn new(problem: &Problem<'_>, discs: Vec<Disc>, guess: &[Arc<Support>]) -> Self {
+        interrupt::check();
         let given = problem.given;
         let (gram, rgb) = problem.target.products(&discs);
         let rhs = DMatrix::from_fn(rgb.nrows(), given.channels.len(), |i, c| rgb[(i, given.channels[c])]);
