@@ -17,8 +17,6 @@ use crate::error::Result;
 
 /// Relative fall of the cost in one step at which a start has shown what it is worth.
 const ROUGH: f64 = 4e-2;
-/// The same where starts are compared for good.
-const CLOSE: f64 = 3e-3;
 /// Relative fall of the cost in one step at which an answer is final.
 pub const FINE: f64 = 1e-9;
 /// Relative fall of the cost for which a light is exchanged. Starts that differ by less end in the same place.
@@ -48,6 +46,8 @@ struct Breadth {
     /// follow.
     exchanged: usize,
     promised: f64,
+    /// Relative fall of the cost in one step at which starts are compared for good.
+    close: f64,
     /// Share of the least cost above which a place that has settled is given up.
     settled: f64,
 }
@@ -64,6 +64,7 @@ impl Breadth {
         promising: 6,
         exchanged: 2,
         promised: 1.2,
+        close: 3e-3,
         settled: 1e-3,
     };
     /// With harmonics that may not turn negative, a promise says little, and there are more valleys.
@@ -76,7 +77,8 @@ impl Breadth {
         one_in: 1,
         promising: 32,
         exchanged: 8,
-        promised: 1.0,
+        promised: 1.2,
+        close: 1e-3,
         settled: 1e-3,
     };
     /// Over given normals each valley holds many small ones, and what is lowest shows late.
@@ -90,6 +92,7 @@ impl Breadth {
         promising: 16,
         exchanged: 8,
         promised: 1.0,
+        close: 3e-3,
         settled: 1e-2,
     };
     /// Even starts at most, and lights of all of them together: more lights take longer each.
@@ -141,7 +144,7 @@ impl<'a> Search<'a> {
         let going_on = starts.len().div_ceil(self.breadth.one_in);
         let mut starts = best_of(starts, going_on);
         starts.extend(self.likely(lights).into_iter().chain(beam));
-        let close = starts.into_par_iter().map(|state| self.descended(state, CLOSE)).collect();
+        let close = starts.into_par_iter().map(|state| self.descended(state, self.breadth.close)).collect();
         let settled =
             distinct(close, self.breadth.promising).into_par_iter().map(|state| self.settled(state));
         let settled = best_of(settled.collect(), self.breadth.promising);
@@ -204,7 +207,7 @@ impl<'a> Search<'a> {
             let moves = moves::exchanged(&self.candidates, &best, fixed, promised, exchanged);
             let rough = moves.iter().map(|one| self.descended(one.from(objective, &best), ROUGH));
             let near = rough.filter(|state| state.cost < NEAR * best.cost);
-            let exchanged = near.map(|state| self.descended(state, CLOSE)).collect();
+            let exchanged = near.map(|state| self.descended(state, self.breadth.close)).collect();
             match best_of(exchanged, 1).pop() {
                 Some(next) if is_lower(&next, &best, WORTH_AN_EXCHANGE) => best = next,
                 _ => return best,
@@ -241,7 +244,7 @@ impl<'a> Search<'a> {
         let starts = multistart::perturbed(best, fixed, count, round)?;
         let settled = starts
             .into_par_iter()
-            .map(|directions| self.descended(best.turned_to(objective, directions), CLOSE));
+            .map(|directions| self.descended(best.turned_to(objective, directions), self.breadth.close));
         let lowest = best_of(settled.collect(), 1).pop();
         Ok(lowest.map(|lowest| lowest.descend(self.problem, FINE)))
     }
