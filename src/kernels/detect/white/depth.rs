@@ -10,7 +10,8 @@ use super::super::tree::working_image::WorkingImage;
 pub fn depths(working: &WorkingImage, plateau: &[u32]) -> Vec<f32> {
     let (height, width) = working.size;
     let sphere = Sphere::new(working);
-    let mut nearest = Nearest { sphere: &sphere, of: vec![OUTSIDE; height * width], height, width };
+    let (of, cosine) = (vec![OUTSIDE; height * width], vec![-1.0; height * width]);
+    let mut nearest = Nearest { sphere: &sphere, of, cosine, height, width };
     for &pixel in plateau {
         nearest.of[pixel as usize] = UNKNOWN;
     }
@@ -25,8 +26,7 @@ pub fn depths(working: &WorkingImage, plateau: &[u32]) -> Vec<f32> {
     }
     let mut depth = vec![0.0; height * width];
     for &pixel in plateau {
-        let outer = nearest.of[pixel as usize];
-        let cosine = if outer == UNKNOWN { -1.0 } else { sphere.cosine(pixel, outer) };
+        let cosine = nearest.cosine[pixel as usize];
         depth[pixel as usize] = (2.0 * (0.5 * (1.0 - cosine)).max(0.0).sqrt().min(1.0).asin()) as f32;
     }
     depth
@@ -41,6 +41,8 @@ const UNKNOWN: u32 = u32::MAX - 1;
 struct Nearest<'a> {
     sphere: &'a Sphere,
     of: Vec<u32>,
+    /// Cosine of the angle to it; -1 where none is known.
+    cosine: Vec<f64>,
     height: usize,
     width: usize,
 }
@@ -83,22 +85,26 @@ impl Nearest<'_> {
     /// Take over the nearest outer pixel that one of the `others` knows or is.
     fn ask<const N: usize>(&mut self, pixel: u32, others: [usize; N]) {
         let mut best = self.of[pixel as usize];
-        let mut largest = if best == UNKNOWN { f64::NEG_INFINITY } else { self.sphere.cosine(pixel, best) };
+        let mut largest = self.cosine[pixel as usize];
+        let mut tried = best;
         for other in others {
             let outer = match self.of[other] {
                 UNKNOWN => continue,
                 OUTSIDE => other as u32,
                 outer => outer,
             };
-            if outer == best {
+            // Neighbours mostly know the same one.
+            if outer == best || outer == tried {
                 continue;
             }
+            tried = outer;
             let cosine = self.sphere.cosine(pixel, outer);
             if cosine > largest {
                 (best, largest) = (outer, cosine);
             }
         }
         self.of[pixel as usize] = best;
+        self.cosine[pixel as usize] = largest;
     }
 }
 
