@@ -1,5 +1,7 @@
 """The fit against known rigs, scipy, and itself under other scales."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -534,3 +536,11 @@ def test_a_grey_map_is_fitted_in_one_channel():
     colour = grey * np.float32([1, 0.5, 0])
     assert not el.fit(colour, lights=2).lights.irradiance[:, 2].any()
     assert "1 of 3 channels: black, or the same as another" in el.fit(colour).report.skipped
+
+
+def test_a_rig_of_a_map_that_ends_at_white_says_what_it_rests_on():
+    codes = np.full((64, 128, 3), 60, np.uint8)
+    codes[10:14, 30:34] = 255
+    for rig in (el.fit(codes, 1), el.fit_paper(codes, 1)):
+        assert re.search(r"[1-9].* % of the map's flux lies in clipped pixels: .*", rig.notes[-1])
+    assert not any("clipped" in note for note in el.fit(codes // 2, 1).notes)

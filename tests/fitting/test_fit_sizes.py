@@ -45,9 +45,7 @@ def assert_come_back(rig, wanted):
     is_small = wanted.lights.angular_radius < np.deg2rad(3)
     assert np.abs(radius[~is_small]).max(initial=0) < 0.05
     assert np.abs(radius[is_small]).max(initial=0) < 0.15
-    np.testing.assert_allclose(
-        rig.lights.irradiance[nearest], wanted.lights.irradiance, rtol=0.01
-    )
+    np.testing.assert_allclose(rig.lights.irradiance[nearest], wanted.lights.irradiance, rtol=0.01)
     np.testing.assert_allclose(rig.ambient, wanted.ambient, rtol=0.01)
 
 
@@ -57,7 +55,11 @@ WORLDS = {
     "window at the seam": [disc((0.02, 0.1, -1), (2, 2, 3), 30)],
     "half the sky": [disc((0.2, -1, 0.1), (1, 2, 3), 70)],
     "sun and sky": [disc((1, 1, 1), 5, 1), disc((-1, 0.5, 0.2), (1, 2, 3), 50)],
-    "three lamps": [disc((1, 0, 0), 2, 2), disc((0, 0.3, 1), 3, 8), disc((-1, -1, 0), (1, 2, 1), 20)],
+    "three lamps": [
+        disc((1, 0, 0), 2, 2),
+        disc((0, 0.3, 1), 3, 8),
+        disc((-1, -1, 0), (1, 2, 1), 20),
+    ],
     "four of all sizes": [
         disc((1, 0.2, 0), (1, 1, 2), 0.6),
         disc((0, 1, 0.3), (2, 1.5, 1), 3),

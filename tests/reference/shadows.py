@@ -6,7 +6,15 @@ from envlights import kernels
 
 
 def shadow_error(
-    radiance, ambient, direction, irradiance, angular_radius, *, normals=5120, planes=320, border=False
+    radiance,
+    ambient,
+    direction,
+    irradiance,
+    angular_radius,
+    *,
+    normals=5120,
+    planes=320,
+    border=False,
 ):
     """Relative RMS error of the irradiance at normals, all that is behind a plane hidden.
 
@@ -22,7 +30,9 @@ def shadow_error(
         surroundings = kernels.harmonic_radiance(towards) @ ambient
     else:
         surroundings = np.broadcast_to(ambient.sum(axis=0), flux.shape)
-    points = [points_of_disc(*disc) for disc in zip(direction, irradiance, angular_radius, strict=True)]
+    points = [
+        points_of_disc(*disc) for disc in zip(direction, irradiance, angular_radius, strict=True)
+    ]
     sources = np.concatenate([towards, *(place for place, _ in points)])
     difference = np.concatenate(
         [flux - surroundings * solid_angles, *(-share for _, share in points)]
@@ -54,8 +64,8 @@ def points_of_disc(direction, irradiance, radius, rings=16):
     across = np.cross(direction, axis)
     across /= np.linalg.norm(across)
     sines = np.sqrt(1 - cosines**2)[:, None, None]
-    round_it = (
-        np.cos(turns)[..., None] * across + np.sin(turns)[..., None] * np.cross(direction, across)
+    round_it = np.cos(turns)[..., None] * across + np.sin(turns)[..., None] * np.cross(
+        direction, across
     )
     points = (cosines[:, None, None] * direction + sines * round_it).reshape(-1, 3)
     # The flux of a disc is its irradiance at normal incidence over the mean cosine.

@@ -136,4 +136,4 @@ def above_horizon(env: EnvMap) -> EnvMap:
     is_border_sampled = env.registration == "border-sampled"
     towards = sphere.pixel_directions(env.height, env.width, border_sampled=is_border_sampled)
     radiance = np.where(towards[..., 1:2] < 0, np.float32(0), env.radiance)
-    return EnvMap(radiance, registration=env.registration)
+    return EnvMap(radiance, registration=env.registration, white=env.white)

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights import _native
 from envlights._check import check_choice, flag, reals
 from envlights._native import EnvLightsError, FitAnswer
-from envlights.envmap import EnvMap, seen_through
+from envlights.envmap import EnvMap, clipping_notes, seen_through
 from envlights.fitting.answer import rig_of
 from envlights.fitting.asked import MAX_STEPS, STARTS_WITHOUT_MAP, Asked, asked
 from envlights.kernels.probe import WORKING_COLUMNS
@@ -177,7 +177,9 @@ def fit(
     def answers_under(world: EnvMap) -> dict[str, FitAnswer]:
         first = wanted.first_directions_under(world, floor)
         clock.lap("start")
-        return {name: _answer(world, wanted, first, name, of_discs, normals, floor) for name in names}
+        return {
+            name: _answer(world, wanted, first, name, of_discs, normals, floor) for name in names
+        }
 
     world, answers = seen_through(env, answers_under)
     clock.lap("fit")
@@ -201,7 +203,7 @@ def fit(
             *_counts(rig, wanted, RENDERING_ERROR),
         ),
     )
-    return replace(rig, report=report, notes=world.notes, floor=floor)
+    return replace(rig, report=report, notes=(*world.notes, *clipping_notes(world)), floor=floor)
 
 
 def fit_probe(

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._arrays import frozen
 from envlights._check import amount, colour, count, reals
 from envlights._native import EnvLightsError
-from envlights.envmap import EnvMap, as_envmap
+from envlights.envmap import EnvMap, as_envmap, clipping_notes
 from envlights.kernels import madsen, probe, sampling
 from envlights.lights import Lights
 from envlights.report import FitReport, StopReason
@@ -196,7 +196,8 @@ def fit_paper(
     x, errors, stop = _gauss_newton(problem, x, damped, max_steps)
     found, directions, irradiance = (frozen(part) for part in madsen.unpack_lights(x))
     history, (k_a, k_d, _) = tuple(errors), surface
-    return PaperFit(found, directions, irradiance, history, stop, k_a, k_d, env.notes)
+    notes = (*env.notes, *clipping_notes(env))
+    return PaperFit(found, directions, irradiance, history, stop, k_a, k_d, notes)
 
 
 class _Surface(NamedTuple):
