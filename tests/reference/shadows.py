@@ -52,13 +52,13 @@ def shadow_error(
     return np.sqrt(sums[0] / sums[1])
 
 
-def points_of_disc(direction, irradiance, radius, rings=16):
+def points_of_disc(direction, irradiance, radius, rings=32):
     """Points on rings of equal area that stand for a disc of uniform radiance, and the flux of each."""
     direction = np.asarray(direction)
     if radius == 0:
         return direction[None], np.asarray(irradiance)[None]
     cosines = 1 - (1 - np.cos(radius)) * (np.arange(rings) + 0.5) / rings
-    count = 24
+    count = 48
     turns = 2 * np.pi * (np.arange(count) + 0.5 * (np.arange(rings) % 2)[:, None]) / count
     axis = np.eye(3)[np.argmin(np.abs(direction))]
     across = np.cross(direction, axis)

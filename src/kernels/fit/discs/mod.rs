@@ -141,12 +141,12 @@ fn rig_of(given: &Given, state: &State, map: &WorkingMap) -> (Rig, Vec<f64>) {
         .iter()
         .map(|disc| (disc.share - 2.0 * map.pixel_spread(disc.direction)).max(0.0))
         .collect();
-    // A disc seen from the front gives less than its flux.
-    let irradiance = |(light, share): (usize, &f64)| rgb(ambient + light) * (1.0 - share);
+    // A disc seen from the front gives less than its flux: what it gives does not depend on its size.
+    let irradiance = |(light, disc): (usize, &Disc)| rgb(ambient + light) * (1.0 - disc.share);
     let rig = Rig {
         ambient: (0..ambient).map(rgb).collect(),
         directions: state.discs.iter().map(|disc| disc.direction).collect(),
-        irradiance: shares.iter().enumerate().map(irradiance).collect(),
+        irradiance: state.discs.iter().enumerate().map(irradiance).collect(),
         has_floor: given.has_floor,
     };
     (rig, shares.iter().map(|share| 2.0 * share.sqrt().asin()).collect())
