@@ -36,7 +36,7 @@ def brute(env, rig, **counts):
 
 
 def assert_come_back(rig, wanted):
-    """Each light of `wanted` is in `rig`, with its direction, size and irradiance; so is the sky."""
+    """Each light of `wanted` is in `rig`: direction, size and irradiance; so is the sky."""
     assert len(rig.lights) == len(wanted.lights)
     distances = angle_deg(rig.lights.direction[:, None], wanted.lights.direction)
     nearest = distances.argmin(axis=0)

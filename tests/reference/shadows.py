@@ -53,7 +53,7 @@ def shadow_error(
 
 
 def points_of_disc(direction, irradiance, radius, rings=32):
-    """Points on rings of equal area that stand for a disc of uniform radiance, and the flux of each."""
+    """Points on rings of equal area that stand for a disc of one radiance, and the flux of each."""
     direction = np.asarray(direction)
     if radius == 0:
         return direction[None], np.asarray(irradiance)[None]

@@ -110,8 +110,8 @@ def fit(
         order is that of the brightness in this frame.
     fixed : array_like, shape (k, 3), or Lights, optional
         Unit vectors towards lights that stay where they are; only their radiances and sizes are
-        fitted. They count among `lights`, and are returned even if black. `report.fixed` holds their rows among
-        the lights of the rig.
+        fitted. They count among `lights`, and are returned even if black. `report.fixed` holds
+        their rows among the lights of the rig.
     normals : {"sphere", "upper"}
         Which surfaces count, in the fit and in the error: all, or those that face up. Upward
         surfaces are fitted at 2560 normals and measured at 5120 others.
@@ -344,7 +344,7 @@ def _answer(
     normals: str,
     floor: bool,
 ) -> FitAnswer:
-    """The best rig under `env` with one kind of `ambient` term; of points without an `objective`."""
+    """The best rig under `env` with one kind of `ambient` term; points without an `objective`."""
     return _native.fit_map(
         env.radiance,
         env.registration == "border-sampled",
