@@ -65,7 +65,7 @@ fn watched<T: Send>(
                 break done;
             }
             if signal.is_none() {
-                signal = Python::attach(|py| py.check_signals()).err();
+                signal = Python::attach(Python::check_signals).err();
                 if signal.is_some() {
                     interrupt::ask();
                 }

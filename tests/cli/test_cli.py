@@ -65,6 +65,15 @@ def test_fit_takes_a_floor_and_chooses_the_ambient_term(hall):
     assert "normals must be 'sphere' where there is a floor" in refused.stderr
 
 
+def test_fit_takes_sizes_and_an_error_of_shadows(hall):
+    discs = json.loads(run("fit", hall, "-n", 2, "--json").stdout)["lights"]
+    points = json.loads(run("fit", hall, "-n", 2, "--points", "--json").stdout)["lights"]
+    assert min(discs["angular_radius"]) > 0
+    assert points["angular_radius"] == [0, 0]
+    rig = json.loads(run("fit", hall, "--shadow-error", 0.1, "--json").stdout)
+    assert rig["report"]["shadow_error"] <= 0.1
+
+
 def test_json_is_what_save_writes(hall):
     result = run("fit", hall, "-n", 2, "--json")
     assert result.exit_code == 0

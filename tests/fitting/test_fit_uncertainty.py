@@ -107,7 +107,7 @@ def test_lights_that_share_a_lamp_may_stand_far_off():
     """Two lights in one broad window hold each other less than one alone is held."""
     window = [el.synthetic.Disc((0.6, 0.64, 0.48), 25, (9, 8, 7))]
     radiance = el.synthetic.scene(128, background=[0.2] * 3, shapes=window).radiance
-    one, two = el.fit(radiance, 1), el.fit(radiance, 2)
+    one, two = (el.fit(radiance, lights, sizes=False) for lights in (1, 2))
     assert len(two.lights) == 2
     relative = [np.array(rig.report.direction_tolerances) / rig.error for rig in (one, two)]
     assert relative[1].min() > 2 * relative[0].max()

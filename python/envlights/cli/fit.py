@@ -16,8 +16,14 @@ from envlights.rig import Rig
 
 @click.command("fit")
 @click.argument("map_path", metavar="MAP")
-@click.option("-n", "--lights", type=int, help="Directional lights, at most; 4 when left out.")
+@click.option("-n", "--lights", type=int, help="Lights, at most; 4 when left out.")
 @click.option("--error", type=float, help="Use the fewest lights with at most this error: 0.01.")
+@click.option(
+    "--shadow-error", type=float, help="Use the fewest with at most this error of shadows: 0.05."
+)
+@click.option(
+    "--sizes/--points", default=default_of(fit, "sizes"), help="Lights as discs, or as points."
+)
 @click.option(
     "--ambient",
     type=click.Choice([*AMBIENTS, AUTO]),
@@ -41,17 +47,28 @@ def command(
     map_path: str,
     lights: int | None,
     error: float | None,
+    shadow_error: float | None,
+    sizes: bool,
     ambient: str,
     normals: str,
     floor: bool,
     outputs: Sequence[str],
     as_json: bool,
 ) -> None:
-    """Fit ambient and directional lights to MAP (.hdr, .exr, .png, .jpg, .tif)."""
+    """Fit ambient and a few lights to MAP (.hdr, .exr, .png, .jpg, .tif)."""
     for output in outputs:
         check_output(output, (".json", *PICTURES), {"the map": map_path})
     env = EnvMap.open(map_path)
-    rig = fit(env, lights, error=error, ambient=ambient, normals=normals, floor=floor)
+    rig = fit(
+        env,
+        lights,
+        error=error,
+        shadow_error=shadow_error,
+        sizes=sizes,
+        ambient=ambient,
+        normals=normals,
+        floor=floor,
+    )
     for output in outputs:
         _write(env, rig, output)
     print_rig(rig, as_json)
