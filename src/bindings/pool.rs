@@ -65,7 +65,9 @@ fn watched<T: Send>(
                 break done;
             }
             if signal.is_none() {
-                signal = Python::attach(Python::check_signals).err();
+                #[expect(clippy::redundant_closure_for_method_calls, reason = "the method has one lifetime")]
+                let caught = Python::attach(|py| py.check_signals());
+                signal = caught.err();
                 if signal.is_some() {
                     interrupt::ask();
                 }
