@@ -16,11 +16,9 @@ LONG = {
     "suppress": "kernels.suppress(np.random.default_rng(0).random((3_000_000, 3)), 1e-5)",
     "irradiance": "kernels.irradiance(image, normals)",
     "working_irradiance": "kernels.working_irradiance(image, normals, columns=2048)",
-    "fit": "[el.fit(image, 20, ambient='sh2') for _ in range(1000)]",
+    "fit": "[el.fit(image, 20, ambient='sh2') for _ in range(20)]",
     "fit_probe": "el.fit_probe(*probe, 30)",
     "fit_paper": "el.fit_paper(image, 100, max_steps=10**6)",
-    "detect": "[el.detect(image, method='article') for _ in range(1000)]",
-    "predict": "[model.predict(np.tile(room.direct, (30, 1, 1, 1))) for _ in range(1000)]",
 }
 CODE = """
 import signal, sys, threading, time, os
@@ -35,8 +33,6 @@ normals = rng.normal(size=(400_000, 3))
 normals /= np.linalg.norm(normals, axis=1, keepdims=True)
 even, _ = kernels.icosphere(5120)
 probe = even, kernels.irradiance(image, even)
-room = el.synthetic.room(32, width=32)
-model = el.TransferModel.fit(room.direct, room.indirect)
 
 def interrupt(sent):
     time.sleep(0.4)

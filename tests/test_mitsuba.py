@@ -86,7 +86,7 @@ def test_probe_agrees_with_mitsuba_within_its_noise():
 
 def test_a_rig_lights_mitsubas_probe_as_it_says():
     """`constant.radiance` is our ambient, `directional.irradiance` ours; theirs points away."""
-    rig = el.fit(skies(64)[0], lights=2)
+    rig = el.fit(skies(64)[0], lights=2, sizes=False)
     normals, _ = visible_normals()
     noise, difference = compare(emitters_of(rig), rig.probe(normals), 64)
     # A pixel is 1/24 of the radius wide: across a terminator its mean is not its middle.
@@ -95,7 +95,7 @@ def test_a_rig_lights_mitsubas_probe_as_it_says():
 
 def test_the_error_is_that_between_renders_under_map_and_rig():
     ours, theirs = skies(256)
-    rig = el.fit(ours, lights=2)
+    rig = el.fit(ours, lights=2, sizes=False)
     sky = {"sky": {"type": "envmap", "bitmap": mi.Bitmap(theirs)}}
     under_sky, weights = whole_probe(sky, 256, seeds=(1, 2))
     # Mitsuba draws one emitter for each sample; each for itself leaves no noise of that draw.

@@ -32,7 +32,7 @@ use nalgebra::DMatrix;
 use wide::f64x4;
 
 use super::jet::Jet;
-use super::zonal::{disc_factors, legendre_values};
+use super::zonal::{chord_factor, disc_factors, legendre_values};
 
 /// Nodes along w, r and p.
 const NODES: [usize; 3] = [17, 9, 16];
@@ -157,12 +157,6 @@ fn rho_at_nodes(r: f64, p: f64) -> Vec<f64> {
         (mean - distance) * 2.0 / p * distance + 1.0 - 0.25 * square
     };
     (0..NODES[0]).map(at).collect()
-}
-
-/// What |x - y| multiplies harmonics of degree k by when it is convolved with them.
-pub fn chord_factor(k: usize) -> f64 {
-    let k = 2.0 * k as f64;
-    -16.0 * PI / ((k - 1.0) * (k + 1.0) * (k + 3.0))
 }
 
 /// The coefficients of the splines through each row of that many values. At either end the first two cells have

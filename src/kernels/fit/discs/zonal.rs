@@ -21,7 +21,6 @@ use std::array::from_fn;
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-use super::chord::chord_factor;
 use super::jet::Jet;
 
 /// The highest degree of the map, and of what is left of a kernel without its cone.
@@ -170,6 +169,12 @@ pub fn disc_factors(a: f64, count: usize) -> Vec<f64> {
     }
     let factor = |k: usize| (1.0 + x) * polynomials[k][1] / (k * (k + 1)) as f64;
     (0..count).map(|k| if k == 0 { 1.0 } else { factor(k) }).collect()
+}
+
+/// What |x - y| multiplies harmonics of degree k by when it is convolved with them.
+pub fn chord_factor(k: usize) -> f64 {
+    let k = 2.0 * k as f64;
+    -16.0 * PI / ((k - 1.0) * (k + 1.0) * (k + 3.0))
 }
 
 /// What the kernels of the probe and of shadows multiply harmonics of each degree by: `2 pi` times the integral of
