@@ -43,7 +43,7 @@ for call in sys.argv[1:]:
     sent = []
     threading.Thread(target=interrupt, args=[sent]).start()
     try:
-        eval(call)
+        eval(compile(call, "call", "eval"))
     except KeyboardInterrupt:
         print(time.perf_counter() - sent[0])
     # The kernels run again.
