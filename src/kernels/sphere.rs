@@ -203,9 +203,10 @@ pub fn unit_vectors(what: &'static str, rows: ArrayView2<'_, f64>) -> Result<Vec
 ///
 /// # Errors
 ///
-/// [`Error::WrongColumns`], [`Error::NotFinite`].
+/// [`Error::WrongColumns`], [`Error::NotFinite`], [`Error::NoMemory`].
 pub fn vectors(what: &'static str, rows: ArrayView2<'_, f64>) -> Result<Vec<DVec3>> {
     check_rows(what, rows, 3)?;
+    check_memory(&[rows.nrows(), 4])?; // and a weight
     Ok(to_vectors(rows))
 }
 

@@ -57,7 +57,7 @@ def scene(env: EnvMap | ArrayLike, *rigs: Rig, samples: int = 128, seed: int = 0
     >>> env = el.EnvMap(el.synthetic.hall(32).radiance)
     >>> figure = scene(env, el.fit(env, lights=1), samples=1)
     >>> figure.axes[1].get_title().splitlines()[0]
-    'ambient + 1 light'
+    'ambient + 1 light with sizes'
     """
     env = as_envmap(env)
     if not rigs or not all(isinstance(rig, Rig) for rig in rigs):
