@@ -51,10 +51,10 @@ class Case:
 
     def compared(self, rng, starts, scipy_starts):
         """Our error over the lowest, and who found that."""
-        ours = el.fit(self.env, self.lights, ambient=self.ambient)
+        ours = el.fit(self.env, self.lights, ambient=self.ambient, sizes=False)
         rigs = {"fit": [ours], "fit_probe": [self.on_dense(), self.on_dense(ours)]}
         rigs["random"] = [
-            el.fit(self.env, self.lights, ambient=self.ambient, start=self.random(rng))
+            el.fit(self.env, self.lights, ambient=self.ambient, start=self.random(rng), sizes=False)
             for _ in range(starts)
         ]
         if self.ambient != "sh2":  # has no place in the peers' equations

@@ -27,30 +27,33 @@ HEIGHTS = (64, 256, 512, 1024, 2048)
 
 #: The fit within 1 % of each of some maps from scratch; takes their paths and prints seconds.
 WITHIN_ONE_PERCENT = """
-import json, sys, time
+import inspect, json, sys, time
 import envlights as el
+
+# Builds that know no sizes fit points.
+points = {"sizes": False} if "sizes" in inspect.signature(el.fit).parameters else {}
 
 def seconds(env):
     start = time.perf_counter()
-    el.fit(env, error=0.01)
+    el.fit(env, error=0.01, **points)
     return time.perf_counter() - start
 
 maps = {path: el.EnvMap.open(path) for path in sys.argv[1:]}
 print(json.dumps({path: min(seconds(env) for _ in range(3)) for path, env in maps.items()}))
 """
 
-#: Fits of ever more lights; prints seconds.
+#: Fits of ever more lights, "points" or with "sizes"; prints seconds.
 BY_LIGHTS = """
 import json, sys, time
 import envlights as el
 
 def seconds(lights):
     start = time.perf_counter()
-    el.fit(radiance, lights)
+    el.fit(radiance, lights, sizes=sys.argv[1] == "sizes")
     return time.perf_counter() - start
 
 radiance = el.synthetic.hall(512).radiance
-counts = map(int, sys.argv[1:])
+counts = map(int, sys.argv[2:])
 print(json.dumps({m: min(seconds(m) for _ in range(9)) for m in counts}))
 """
 
@@ -119,16 +122,19 @@ def block_means(radiance, columns=256):
 
 
 def by_lights():
-    """Time of `fit` by the number of lights, two threads beside one."""
-    runs = {threads: [] for threads in (1, 2)}
+    """Time of `fit` by the number of lights, as points and with sizes, on one thread and on two."""
+    runs = {(kind, threads): [] for kind in ("points", "sizes") for threads in (1, 2)}
     for _ in range(3):
-        for threads, seconds in runs.items():
-            seconds.append(run(sys.executable, BY_LIGHTS, LIGHTS, RAYON_NUM_THREADS=threads))
-    one, two = (least(run) for run in runs.values())
-    print(f"\nfit(array, lights) of 1024x512, the hall\n{'lights':>8}{'1 thread':>12}{'2':>12}")
+        for (kind, threads), seconds in runs.items():
+            lights = (kind, *LIGHTS)
+            seconds.append(run(sys.executable, BY_LIGHTS, lights, RAYON_NUM_THREADS=threads))
+    columns = "".join(f"{kind:>9}, {threads}" for kind, threads in runs)
+    print(
+        f"\nfit(array, lights) of 1024x512, the hall, by kind and threads\n{'lights':>8}{columns}"
+    )
     for lights in map(str, LIGHTS):
-        ratio = f"{one[lights] / two[lights]:>8.2f} x"
-        print(f"{lights:>8}{1e3 * one[lights]:>9.2f} ms{1e3 * two[lights]:>9.2f} ms{ratio}")
+        times = "".join(f"{1e3 * least(seconds)[lights]:>9.2f} ms" for seconds in runs.values())
+        print(f"{lights:>8}{times}")
 
 
 def run(python, code, arguments, **environment):
@@ -151,8 +157,8 @@ def growth(hall):
     compare("fit_probe, 4 lights, by the number of normals", work, base="320 normals")
     maps = {f"{2 * h}x{h}": el.synthetic.hall(h).radiance for h in HEIGHTS}
     compare(
-        "fit(array, lights=4), by the size of the map",
-        {size: lambda r=radiance: el.fit(r, 4) for size, radiance in maps.items()},
+        "fit(array, lights=4, sizes=False), by the size of the map",
+        {size: lambda r=radiance: el.fit(r, 4, sizes=False) for size, radiance in maps.items()},
         base="1024x512",
     )
 
@@ -166,14 +172,16 @@ def beside_one_pass(height, width):
     for name, array in {"noise and a sun": radiance, "the hall": hall}.items():
         work = {
             "array.max()": array.max,
-            "fit(array, lights=4)": lambda a=array: el.fit(a, 4),
-            "fit(array, lights=8)": lambda a=array: el.fit(a, 8),
+            "4 points": lambda a=array: el.fit(a, 4, sizes=False),
+            "4 lights with a size": lambda a=array: el.fit(a, 4),
+            "8 points": lambda a=array: el.fit(a, 8, sizes=False),
+            "8 lights with a size": lambda a=array: el.fit(a, 8),
         }
-        compare(f"{width}x{height} float32, {name}", work)
+        compare(f"fit of {width}x{height} float32, {name}", work)
 
 
 def within_one_percent(before):
-    """`fit(env, error=0.01)` of all real maps, and by the build `before` if its Python is given."""
+    """Time of `fit(env, error=0.01)`, points, for all real maps; beside the build of `before`."""
     paths = probes.paths()
     if not paths:
         return

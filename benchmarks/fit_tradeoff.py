@@ -58,7 +58,7 @@ class Case:
         with peers.jax_in_float64():
             jaxopt = peers.compiled_jaxopt(problem, even, tolerance=1e-8)
             methods = {
-                "fit, from the map on": lambda: el.fit(self.env, self.lights),
+                "fit, from the map on": lambda: el.fit(self.env, self.lights, sizes=False),
                 "fit_probe": lambda: peers.ours(problem),
                 "jaxopt, even start": lambda: np.asarray(jaxopt()),
                 "scipy, bounded, even start": lambda: by_scipy(problem, even),
