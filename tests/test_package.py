@@ -14,6 +14,7 @@ MODULES = sorted(FOLDER.rglob("*.py"))
 SUBPACKAGES = (
     "cli",
     "detection",
+    "export",
     "fitting",
     "io",
     "kernels",

@@ -198,7 +198,7 @@ def test_files_of_another_kind_are_refused(tmp_path, content, message):
 def test_missing_files_and_other_suffixes_are_refused(tmp_path):
     with pytest.raises(el.EnvLightsError, match="cannot read"):
         el.Rig.load(tmp_path / "none.json")
-    with pytest.raises(el.EnvLightsError, match=r"the suffix must be \.json"):
+    with pytest.raises(el.EnvLightsError, match=r"the suffix must be one of \.json, \.csv"):
         a_rig().save(tmp_path / "rig.yaml")
 
 

@@ -56,12 +56,13 @@ __all__ = [
 
 #: Attributes, too. Those that load Matplotlib or Click are imported when they are first used, so
 #: that `import envlights` does not wait for them; so is what reads the version.
-_SUBPACKAGES = ("cli", "detection", "fitting", "io", "plot", "scene", "transfer")
+_SUBPACKAGES = ("cli", "detection", "export", "fitting", "io", "plot", "scene", "transfer")
 
 if _typing.TYPE_CHECKING:
     __version__: str
     from envlights import cli as cli
     from envlights import detection as detection
+    from envlights import export as export
     from envlights import fitting as fitting
     from envlights import io as io
     from envlights import plot as plot

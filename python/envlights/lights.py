@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -13,6 +14,7 @@ from envlights._check import reals, shown
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights.envmap import EnvMap
+from envlights.export.targets import save
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import disc_map
@@ -108,6 +110,20 @@ class Lights(Result):
             "irradiance": self.irradiance.tolist(),
             "angular_radius": self.angular_radius.tolist(),
         }
+
+    def save(
+        self, path: str | os.PathLike[str], environment: EnvMap | ArrayLike | None = None
+    ) -> None:
+        """Write the lights in the format that the suffix names, whole or not at all.
+
+        Parameters
+        ----------
+        path : path-like
+            `el.export.TARGETS` lists the suffixes, and what each format keeps and loses.
+        environment : EnvMap or array_like, optional
+            A map around the lights, such as the rest of a split map, for targets that take one.
+        """
+        save(self, path, environment)
 
     def discs(self) -> Lights:
         """The lights as discs of one radiance: they are."""

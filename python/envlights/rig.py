@@ -15,8 +15,10 @@ from envlights._check import amount, flag, shown
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights.envmap import EnvMap
-from envlights.io.files import as_path, write_atomically
-from envlights.kernels import harmonics, probe, sphere
+from envlights.export.scene import ambient_map
+from envlights.export.targets import save
+from envlights.io.files import as_path
+from envlights.kernels import probe
 from envlights.lights import Lights
 from envlights.report import FitReport, StopReason
 
@@ -116,7 +118,7 @@ class Rig(Result):
                [0.314, 0.314, 0.314]])
         """
         discs = self.lights.to_map(height).radiance
-        return EnvMap(discs + _sky(self.ambient, height, self.floor).astype(np.float32))
+        return EnvMap(discs + ambient_map(self.ambient, height, self.floor).astype(np.float32))
 
     def to_dict(self) -> dict[str, Any]:
         """Everything as plain numbers, lists and strings: what `save` writes."""
@@ -134,18 +136,25 @@ class Rig(Result):
             "floor": self.floor,
         }
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the rig as JSON: lossless, versioned, whole or not at all.
+    def save(
+        self, path: str | os.PathLike[str], environment: EnvMap | ArrayLike | None = None
+    ) -> None:
+        """Write the rig in the format that the suffix names, whole or not at all.
+
+        ``.json`` is the package's own: lossless and versioned, and `load` reads it.
 
         Parameters
         ----------
         path : path-like
-            A file with the suffix ``.json``.
+            `el.export.TARGETS` lists the suffixes, and what each format keeps and loses.
+        environment : EnvMap or array_like, optional
+            A map in place of the ambient term, for targets that take one.
+
+        See Also
+        --------
+        envlights.export : the same as dictionaries and text.
         """
-        if as_path(path).suffix.lower() != ".json":
-            raise EnvLightsError(f"cannot save a rig as {path}; the suffix must be .json")
-        text = json.dumps(self.to_dict(), indent=2, allow_nan=False) + "\n"
-        write_atomically(path, lambda beside: beside.write_text(text, encoding="utf-8"))
+        save(self, path, environment)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Rig:
@@ -207,20 +216,6 @@ def _ambient(values: ArrayLike) -> NDArray[np.float64]:
     if len(rows) == 1 and (rows < 0).any():
         raise EnvLightsError(f"ambient must not be negative; got {rows[0].tolist()}")
     return rows.reshape(np.shape(values))
-
-
-def _sky(ambient: NDArray[np.float64], height: int, floor: bool) -> NDArray[np.float64]:
-    """Radiance of an ambient term, (height, 2 * height, 3), nowhere negative."""
-    if ambient.ndim == 2:
-        directions = sphere.pixel_directions(height, 2 * height).reshape(-1, 3)
-        radiance = harmonics.harmonic_radiance(directions) @ ambient
-        return np.maximum(radiance, 0).reshape(height, 2 * height, 3)
-    sky = np.broadcast_to(ambient, (height, 2 * height, 3)).copy()
-    if floor:
-        # Of an odd number of rows, half of the middle one is above the horizon.
-        sky[(height + 1) // 2 :] = 0
-        sky[height // 2 : (height + 1) // 2] /= 2
-    return sky
 
 
 def _ambient_lines(ambient: NDArray[np.float64]) -> list[str]:

@@ -1,0 +1,65 @@
+"""From our frame to the target's: one table, which every exporter uses.
+
+Ours is right-handed with +y up; the centre of a map looks along +z, its left quarter along +x.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Matrix = tuple[tuple[int, int, int], ...]
+
+_SAME: Matrix = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
+#: Our x, y, z are y, z, x there: a turn that puts +y on +z, and the centre of the map on +x.
+_CYCLE: Matrix = ((0, 0, 1), (1, 0, 0), (0, 1, 0))
+
+
+class Axes(NamedTuple):
+    """Where our axes lie in a target.
+
+    Examples
+    --------
+    >>> AXES["blender"].to_target([[0, 1, 0]])
+    array([[0., 0., 1.]])
+    """
+
+    matrix: Matrix
+    """Rows: each axis of the target in ours. Column 0, 1, 2: our +x, +y, +z in the target."""
+
+    map: Matrix | None = None
+    """The same for the directions of an equirectangular image as the target reads it when it is not
+    turned: column 2 is where the centre of the image looks, column 0 its left quarter. Where this
+    is `matrix`, our maps need no turn. None: the target has no such map."""
+
+    @property
+    def handedness(self) -> int:
+        """1 where the target is right-handed, -1 where it is left-handed."""
+        return round(float(np.linalg.det(self.matrix)))
+
+    def to_target(self, direction: ArrayLike) -> NDArray[np.float64]:
+        """Directions, (n, 3), in the target's frame."""
+        turned: NDArray[np.float64] = np.asarray(direction, np.float64) @ np.transpose(self.matrix)
+        return turned + 0.0  # no minus zero
+
+    def from_target(self, direction: ArrayLike) -> NDArray[np.float64]:
+        """Directions of the target, (n, 3), in our frame."""
+        turned: NDArray[np.float64] = np.asarray(direction, np.float64) @ np.asarray(self.matrix)
+        return turned + 0.0
+
+    def turn_of_map(self) -> NDArray[np.float64]:
+        """The rotation, in the target's frame, that brings the target's map to our lights."""
+        turn: NDArray[np.float64] = np.asarray(self.matrix, np.float64) @ np.transpose(
+            self.map or self.matrix
+        )
+        return turn
+
+
+#: By the name of the target.
+AXES = {
+    "mitsuba": Axes(_SAME, _SAME),
+    "blender": Axes(_CYCLE, _CYCLE),
+    "csv": Axes(_SAME),
+}

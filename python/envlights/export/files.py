@@ -1,0 +1,40 @@
+"""A scene and its textures on disk: each whole or not at all, the scene last."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights.io.files import as_path, check_writable, write_atomically
+from envlights.io.images import write_exr
+
+
+def texture_name(path: str | os.PathLike[str], kind: str = "ambient") -> str:
+    """The name of a texture beside `path`: ``scene.ambient.exr`` beside ``scene.usda``.
+
+    A map that one target alone can read has another `kind`, such as "ambient.mitsuba", so that
+    files for several targets stand in one folder.
+    """
+    return f"{as_path(path).stem}.{kind}.exr"
+
+
+def save_scene(
+    path: str | os.PathLike[str],
+    content: str | bytes,
+    textures: Mapping[str, NDArray[np.float32]] | None = None,
+) -> None:
+    """Write textures, (height, width, 3) by their names beside `path`, and then the scene.
+
+    So no scene stands there that names a texture which is missing.
+    """
+    folder = as_path(path).parent
+    places = {folder / name: radiance for name, radiance in (textures or {}).items()}
+    for place in (*places, path):
+        check_writable(place)
+    for place, radiance in places.items():
+        write_exr(place, np.ascontiguousarray(radiance, np.float32))
+    data = content.encode() if isinstance(content, str) else content
+    write_atomically(path, lambda beside: beside.write_bytes(data))

@@ -1,0 +1,81 @@
+"""The parts of a rig that every exporter writes: lights, and a constant or a map around them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from envlights._check import shown
+from envlights._native import EnvLightsError
+from envlights.envmap import EnvMap, as_envmap
+from envlights.kernels import harmonics, sphere
+
+if TYPE_CHECKING:
+    from envlights.lights import Lights
+    from envlights.rig import Rig
+
+#: Rows of the map for an ambient term that is not constant; it changes slowly over the sphere.
+ROWS = 64
+
+
+class Scene(NamedTuple):
+    """What a target is told, in our frame and units."""
+
+    lights: Lights
+    """Discs and points, brightest first; irradiance at normal incidence."""
+
+    ambient: NDArray[np.float64] | None
+    """Radiance of a constant environment, (3,); None where there is none, or a map."""
+
+    environment: EnvMap | None
+    """A map in place of the constant, its pixels cell-centred."""
+
+
+def scene_of(given: Rig | Lights, environment: EnvMap | ArrayLike | None = None) -> Scene:
+    """The parts of a rig, or of lights alone.
+
+    Parameters
+    ----------
+    given : Rig or Lights
+        Detected lights become discs of the same flux and solid angle.
+    environment : EnvMap or array_like, optional
+        Stands in place of the ambient term.
+
+    Returns
+    -------
+    Scene
+        Harmonics, and the upper half of an ambient term over a floor, become a small map.
+    """
+    lights = check_rig(given).discs()
+    if environment is not None:
+        return Scene(lights, None, as_envmap(environment))
+    ambient, floor = getattr(given, "ambient", np.zeros(3)), getattr(given, "floor", False)
+    if not np.any(ambient):
+        return Scene(lights, None, None)
+    if ambient.ndim == 2 or floor:
+        return Scene(lights, None, EnvMap(ambient_map(ambient, ROWS, floor)))
+    return Scene(lights, ambient, None)
+
+
+def check_rig(given: Rig | Lights) -> Lights:
+    """The lights of a rig, or lights themselves; a refusal of anything else."""
+    lights: Any = getattr(given, "lights", given)
+    if not hasattr(lights, "discs"):
+        raise EnvLightsError(f"a rig or lights can be exported; got {shown(given)}")
+    return lights  # type: ignore[no-any-return]
+
+
+def ambient_map(ambient: NDArray[np.float64], height: int, floor: bool) -> NDArray[np.float64]:
+    """Radiance of an ambient term, (height, 2 * height, 3), nowhere negative."""
+    if ambient.ndim == 2:
+        directions = sphere.pixel_directions(height, 2 * height).reshape(-1, 3)
+        radiance = harmonics.harmonic_radiance(directions) @ ambient
+        return np.maximum(radiance, 0).reshape(height, 2 * height, 3)
+    sky = np.broadcast_to(ambient, (height, 2 * height, 3)).copy()
+    if floor:
+        # Of an odd number of rows, half of the middle one is above the horizon.
+        sky[(height + 1) // 2 :] = 0
+        sky[height // 2 : (height + 1) // 2] /= 2
+    return sky

@@ -1,0 +1,109 @@
+"""Which suffix is which target, and what the target keeps of a rig and loses."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from typing import TYPE_CHECKING, NamedTuple
+
+from numpy.typing import ArrayLike
+
+from envlights._native import EnvLightsError
+from envlights.envmap import EnvMap
+from envlights.export.csv import save_csv
+from envlights.export.own_json import save_json
+from envlights.io.files import as_path
+
+if TYPE_CHECKING:
+    from envlights.lights import Lights
+    from envlights.rig import Rig
+
+
+class Target(NamedTuple):
+    """A program, or a format, for which rigs can be written."""
+
+    name: str
+    """The name of its file here, and of its public function."""
+
+    title: str
+    """Its own name."""
+
+    suffixes: tuple[str, ...]
+    """Ends of file names, in lower case; the first is the usual one."""
+
+    save: Callable[..., None]
+    """Takes a rig or lights and a path; then a map as `environment`, if it takes maps."""
+
+    takes_map: bool
+    """Whether the ambient term can be a map."""
+
+    keeps: str
+    loses: str
+
+
+#: In the order in which the help lists them.
+TARGETS = (
+    Target(
+        "json",
+        "envlights itself",
+        (".json",),
+        save_json,
+        False,
+        "everything",
+        "nothing",
+    ),
+    Target(
+        "csv",
+        "a table of numbers",
+        (".csv",),
+        save_csv,
+        False,
+        "lights, sizes, ambient, harmonics, error, floor",
+        "report, notes",
+    ),
+)
+
+
+def target_of(path: str | os.PathLike[str]) -> Target:
+    """The target that the end of a file's name stands for; the longest one that fits."""
+    name = as_path(path).name.lower()
+    fits = [
+        (len(suffix), target)
+        for target in TARGETS
+        for suffix in target.suffixes
+        if name.endswith(suffix)
+    ]
+    if not fits:
+        suffixes = ", ".join(suffix for target in TARGETS for suffix in target.suffixes)
+        raise EnvLightsError(f"cannot write {path}: the suffix must be one of {suffixes}")
+    return max(fits, key=lambda fit: fit[0])[1]
+
+
+def save(
+    rig: Rig | Lights,
+    path: str | os.PathLike[str],
+    environment: EnvMap | ArrayLike | None = None,
+) -> None:
+    """Write a rig, or lights alone, in the format that the suffix of `path` names.
+
+    Parameters
+    ----------
+    rig : Rig or Lights
+    path : path-like
+        Textures are written beside it, ``scene.ambient.exr`` beside ``scene.usda``.
+    environment : EnvMap or array_like, optional
+        A map in place of the ambient term, such as the rest of a split map.
+
+    Raises
+    ------
+    EnvLightsError
+        If the suffix is unknown, the target takes no map but is given one, or the file cannot be
+        written.
+    """
+    target = target_of(path)
+    if environment is None:
+        target.save(rig, path)
+    elif target.takes_map:
+        target.save(rig, path, environment)
+    else:
+        raise EnvLightsError(f"cannot write {path}: {target.title} takes no map as environment")

@@ -1,0 +1,39 @@
+"""Which suffix is which target."""
+
+import numpy as np
+import pytest
+
+import envlights as el
+from envlights.export import TARGETS, target_of
+
+RIG = el.Rig([0.1, 0.1, 0.1], el.Lights([[0, 1, 0]], [[1, 1, 1]]), error=0.0)
+
+
+def test_names_and_suffixes_are_unique():
+    suffixes = [suffix for target in TARGETS for suffix in target.suffixes]
+    assert len({*suffixes}) == len(suffixes)
+    assert len({target.name for target in TARGETS}) == len(TARGETS)
+    assert all(suffix == suffix.lower() and suffix[0] == "." for suffix in suffixes)
+
+
+def test_the_longest_end_decides():
+    for target in TARGETS:
+        for suffix in target.suffixes:
+            assert target_of(f"a.b{suffix.upper()}") == target
+
+
+def test_an_unknown_suffix_lists_what_can_be_written(tmp_path):
+    with pytest.raises(el.EnvLightsError, match=r"must be one of \.json, \.csv"):
+        RIG.lights.save(tmp_path / "scene.yaml")
+    assert not list(tmp_path.iterdir())
+
+
+def test_what_is_no_rig_is_refused(tmp_path):
+    with pytest.raises(el.EnvLightsError, match="a rig or lights can be exported; got 'lamp'"):
+        el.export.save("lamp", tmp_path / "scene.csv")
+
+
+def test_a_map_that_the_target_cannot_hold_is_refused(tmp_path):
+    with pytest.raises(el.EnvLightsError, match="takes no map as environment"):
+        RIG.save(tmp_path / "scene.csv", environment=np.ones((4, 8, 3), np.float32))
+    assert not list(tmp_path.iterdir())
