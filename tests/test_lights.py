@@ -10,11 +10,13 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 import envlights as el
-from envlights import _native
 from envlights.kernels.image import LUMINANCE
 from envlights.lights import brightest_first
 
 NORMALS, SOLID_ANGLES = el.kernels.icosphere(320)
+
+#: No light: its directions, and its irradiances.
+DARK = np.zeros((0, 3))
 
 #: Two lamps that mirror each other, and colours of equal luminance: rounding decides their order.
 LAMPS = np.array([[0.6, 0.64, 0.48], [-0.6, 0.64, 0.48]])
@@ -160,12 +162,13 @@ def test_impossible_sizes_are_refused(radius, message):
 
 
 def test_sizes_of_zero_change_no_bit():
-    """Against the kernel of the fit, which knows points alone."""
+    """Against equations 4 to 6 for points, in NumPy and in the same order."""
     for rig in el.synthetic.rigs(20):
-        lights = rig.lights
-        points = _native.rig_irradiance(
-            NORMALS, np.atleast_2d(rig.ambient), lights.direction, lights.irradiance
-        )
+        points = dark = el.kernels.rig_irradiance(NORMALS, rig.ambient, DARK, DARK)
+        for (x, y, z), irradiance in zip(rig.lights.direction, rig.lights.irradiance, strict=True):
+            cosine = NORMALS[:, 0] * x + NORMALS[:, 1] * y + NORMALS[:, 2] * z
+            points = points + irradiance * np.maximum(cosine, 0)[:, None]
+        assert (points > dark).any()
         np.testing.assert_array_equal(rig.probe(NORMALS), points)
 
 

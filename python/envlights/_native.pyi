@@ -23,7 +23,6 @@ __all__ = [
     "detect_tree",
     "detect_white",
     "direction_to_uv",
-    "disc_irradiance",
     "disc_map",
     "even_sphere",
     "face_radiance",
@@ -161,9 +160,6 @@ def detect_white(
     max_lights: int,
 ) -> WhiteDetection: ...
 def direction_to_uv(direction: _Reals) -> _Reals: ...
-def disc_irradiance(
-    normals: _Reals, sky: _Reals, directions: _Reals, irradiance: _Reals, radii: _Reals
-) -> _Reals: ...
 def disc_map(height: int, directions: _Reals, irradiance: _Reals, radii: _Reals) -> _Reals: ...
 def even_sphere(count: int) -> _Reals: ...
 def face_radiance(radiance: _Image, faces: int, border_sampled: bool) -> _Reals: ...
@@ -243,7 +239,12 @@ def reduced_luminance(radiance: _Image, columns: int, border_sampled: bool) -> _
 def relative_rms(seen: _Reals, wanted: _Reals, weights: _Reals) -> float: ...
 def resize_bilinear(image: _Image, height: int, width: int) -> _Image: ...
 def rig_irradiance(
-    normals: _Reals, ambient: _Reals, directions: _Reals, irradiance: _Reals
+    normals: _Reals,
+    ambient: _Reals,
+    directions: _Reals,
+    irradiance: _Reals,
+    radii: _Reals,
+    floor: bool,
 ) -> _Reals: ...
 def sum_over_sources(
     normals: _Reals,

@@ -4,7 +4,7 @@ use numpy::ndarray::{Array1, Array2};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray3};
 use pyo3::prelude::*;
 
-use super::pool::in_pool;
+use super::pool::{in_pool, interruptible};
 use super::sphere::registration;
 use crate::kernels::detect::clipped_share as clipped;
 use crate::kernels::detect::tree::{self, Detection, Light, Options, Rule, WorkingImage};
@@ -95,7 +95,7 @@ pub fn detect_white(
 ) -> PyResult<WhiteDetection> {
     let radiance = radiance.as_array();
     let options = Options { working_columns, prominence, extent, gap, min_flux_share, max_lights };
-    let found = in_pool(py, || white::detect(radiance, registration(border_sampled), white, &options))?;
+    let found = interruptible(py, || white::detect(radiance, registration(border_sampled), white, &options))?;
     let numbers = |values: Vec<f64>| Array1::from(values).into_pyarray(py).unbind();
     Ok(WhiteDetection {
         tree: Py::new(py, TreeDetection::new(py, &found.detection, Some(white as f32)))?,

@@ -5,9 +5,10 @@ use numpy::ndarray::ArrayView2;
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 
-use super::pool::{detached, in_pool};
+use super::pool::{detached, interruptible};
 use super::sphere::registration;
 use crate::error::Result;
+use crate::kernels::disc::{self, Discs};
 use crate::kernels::fit::{self, Ambient, Asked, Comparison, Fitted, Rig, Samples, StopReason, World};
 use crate::kernels::image;
 use crate::kernels::sphere::{from_vectors, unit_vectors};
@@ -177,7 +178,7 @@ pub fn fit_map(
         _ => World::Open,
     };
     let sizes = sizes.map(comparison);
-    in_pool(py, || {
+    interruptible(py, || {
         let asked = asked(ambient, start, fixed, lights, error, max_steps)?;
         let asked = Asked { shadow_error, sizes, ..asked };
         let map = image::reduce(radiance, registration(border_sampled), columns, point_share)?;
@@ -204,7 +205,7 @@ pub fn fit_samples(
 ) -> PyResult<FitAnswer> {
     let (normals, weights) = (normals.as_array(), weights.as_array());
     let (irradiance, start) = (irradiance.as_array(), start.as_array());
-    in_pool(py, || {
+    interruptible(py, || {
         let asked = asked(ambient, start, fixed, lights, None, max_steps)?;
         let fitted = fit::to_samples(Samples::new(normals, weights, irradiance)?, &asked)?;
         Ok(FitAnswer { fitted, points: 0 })
@@ -219,12 +220,14 @@ pub fn rig_irradiance<'py>(
     ambient: PyReadonlyArray2<'py, f64>,
     directions: PyReadonlyArray2<'py, f64>,
     irradiance: PyReadonlyArray2<'py, f64>,
+    radii: PyReadonlyArray1<'py, f64>,
+    floor: bool,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let (normals, ambient) = (normals.as_array(), ambient.as_array());
+    let (normals, ambient, radii) = (normals.as_array(), ambient.as_array(), radii.as_array());
     let (directions, irradiance) = (directions.as_array(), irradiance.as_array());
-    let out = detached(py, || {
-        let rig = Rig::new(ambient, directions, irradiance)?;
-        fit::irradiance(&rig, normals)
+    let out = interruptible(py, || {
+        let sky = Rig::of_ambient(ambient, floor)?;
+        disc::irradiance(&Discs::new(directions, irradiance, radii)?, normals, |normal| sky.at(normal))
     })?;
     Ok(out.into_pyarray(py))
 }

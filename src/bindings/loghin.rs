@@ -4,7 +4,7 @@ use numpy::ndarray::{Array1, Array2};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 
-use super::pool::{detached, in_pool};
+use super::pool::{detached, in_pool, interruptible};
 use crate::kernels::detect::loghin::bresenham::{self, LineRule};
 use crate::kernels::detect::loghin::{
     blur as smoothing, clipping, luminance as light, means, merge, neighbours, pixels as places, resize,
@@ -31,7 +31,7 @@ pub fn resize_bilinear<'py>(
     width: usize,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let view = image.as_array();
-    let out = in_pool(py, || resize::resize_bilinear(view, height, width))?;
+    let out = interruptible(py, || resize::resize_bilinear(view, height, width))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -43,7 +43,7 @@ pub fn blur<'py>(
     sigma: f64,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let view = image.as_array();
-    let out = in_pool(py, || smoothing::blur(view, sigma))?;
+    let out = interruptible(py, || smoothing::blur(view, sigma))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -73,7 +73,7 @@ pub fn neighbour_maximum<'py>(
     sphere: bool,
 ) -> PyResult<Neighbours<'py>> {
     let (luminance, pixels) = (luminance.as_array(), pixels.as_array());
-    let found = in_pool(py, || neighbours::neighbour_maximum(luminance, pixels, reach, sphere))?;
+    let found = interruptible(py, || neighbours::neighbour_maximum(luminance, pixels, reach, sphere))?;
     let values: Array1<f32> = found.iter().map(|(value, _)| *value).collect();
     let places: Vec<[i64; 2]> = found.iter().map(|(_, pixel)| pixel.map(|i| i as i64)).collect();
     Ok((values.into_pyarray(py), Array2::from(places).into_pyarray(py)))
@@ -90,7 +90,7 @@ pub fn are_clipped<'py>(
     white: Option<f32>,
 ) -> PyResult<Bound<'py, PyArray1<bool>>> {
     let (radiance, pixels) = (radiance.as_array(), pixels.as_array());
-    let out = in_pool(py, || clipping::are_clipped(radiance, pixels, reach, sphere, white))?;
+    let out = interruptible(py, || clipping::are_clipped(radiance, pixels, reach, sphere, white))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -102,7 +102,7 @@ pub fn suppress<'py>(
     distance: f64,
 ) -> PyResult<Bound<'py, PyArray1<i64>>> {
     let points = points.as_array();
-    let out = in_pool(py, || suppression::suppress(points, distance))?;
+    let out = interruptible(py, || suppression::suppress(points, distance))?;
     Ok(indices(py, &out))
 }
 
@@ -129,7 +129,7 @@ pub fn merge_along_lines<'py>(
 ) -> PyResult<Bound<'py, PyArray1<i64>>> {
     let (luminance, pixels, points) = (luminance.as_array(), pixels.as_array(), points.as_array());
     let rule = LineRule { tolerance, ceiling, bright };
-    let out = in_pool(py, || merge::merge(luminance, pixels, points, farthest, &rule, sphere))?;
+    let out = interruptible(py, || merge::merge(luminance, pixels, points, farthest, &rule, sphere))?;
     Ok(indices(py, &out))
 }
 

@@ -3,7 +3,7 @@
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 
-use super::pool::{detached, in_pool};
+use super::pool::{detached, interruptible};
 use super::sphere::registration;
 use crate::kernels::madsen::{self, Measured, Parameters, Surface};
 
@@ -16,7 +16,7 @@ pub fn face_radiance<'py>(
     border_sampled: bool,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let radiance = radiance.as_array();
-    let out = in_pool(py, || madsen::face_radiance(radiance, registration(border_sampled), faces))?;
+    let out = interruptible(py, || madsen::face_radiance(radiance, registration(border_sampled), faces))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -99,7 +99,7 @@ pub fn probe_jacobian<'py>(
     let (x, normals, probe, weights) =
         (x.as_array(), normals.as_array(), probe.as_array(), weights.as_array());
     let surface = Surface { k_a, k_d, colour: colour.into() };
-    let out = in_pool(py, || {
+    let out = interruptible(py, || {
         let measured = Measured::new(normals, probe, weights)?;
         madsen::jacobian(x, &measured, &surface)
     })?;

@@ -1,7 +1,8 @@
 //! The stair between Python and the kernels: borrow, detach, call, wrap. No arithmetic lives here.
 //!
-//! A kernel is called by [`pool::detached`], and one that uses several threads by [`pool::in_pool`]: rayon's own
-//! threads do not live on in a forked process. Both turn a panic into a refusal.
+//! A kernel is called by [`pool::detached`], one that uses several threads by [`pool::in_pool`], and one that may
+//! take seconds by [`pool::interruptible`], which looks for Ctrl-C. rayon's own threads do not live on in a forked
+//! process. All three turn a panic into a refusal.
 
 mod detect;
 mod error;
@@ -53,7 +54,7 @@ mod _native {
         face_radiance, pack_lights, probe_jacobian, probe_model, probe_residual, unpack_lights,
     };
     #[pymodule_export]
-    use super::probe::{disc_irradiance, disc_map, irradiance, sum_over_sources, working_irradiance};
+    use super::probe::{disc_map, irradiance, sum_over_sources, working_irradiance};
     #[pymodule_export]
     use super::sampling::{even_sphere, halton, hammersley, icosphere, radical_inverse, uniform_sphere};
     #[pymodule_export]

@@ -17,19 +17,35 @@ use super::error::EnvLightsError;
 use crate::error::Result;
 use crate::interrupt::{self, Interrupted};
 
-/// Run `work` without the GIL, with all threads of this process; a signal such as that of Ctrl-C ends it.
+/// Run `work` without the GIL, with all threads of this process: for kernels that end within tenths of a second
+/// whatever they are given.
 pub fn in_pool<T: Send>(py: Python<'_>, work: impl Fn() -> Result<T> + Send + Sync) -> PyResult<T> {
+    run(py, &work, |threads| (threads.install(|| caught(&work)), None))
+}
+
+/// Run `work` without the GIL, with all threads of this process; a signal such as that of Ctrl-C ends it.
+///
+/// Watching costs about 15 microseconds a call, as much as a small kernel takes.
+pub fn interruptible<T: Send>(py: Python<'_>, work: impl Fn() -> Result<T> + Send + Sync) -> PyResult<T> {
+    run(py, &work, |threads| watched(threads, &work))
+}
+
+/// Run `work` by `start` in the pool, again where another thread of Python was interrupted, and all work with it.
+fn run<T: Send>(
+    py: Python<'_>,
+    work: &(impl Fn() -> Result<T> + Sync),
+    start: impl Fn(&ThreadPool) -> (Done<T>, Option<PyErr>) + Send + Sync,
+) -> PyResult<T> {
     static FIRST: OnceLock<Box<Pool>> = OnceLock::new();
     let Some(threads) = py.detach(|| of_process(std::process::id(), &FIRST)) else {
-        return detached(py, || in_this_thread(&work));
+        return detached(py, || in_this_thread(work));
     };
     loop {
-        let (done, signal) = py.detach(|| watched(threads, &work));
+        let (done, signal) = py.detach(|| start(threads));
         if let Some(signal) = signal {
             return Err(signal);
         }
         match done {
-            // Another thread of Python was interrupted, and all work with it.
             Err(payload) if payload.is::<Interrupted>() => {}
             done => return answer(done),
         }

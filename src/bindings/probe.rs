@@ -3,9 +3,9 @@
 use numpy::{IntoPyArray, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 
-use super::pool::in_pool;
+use super::pool::interruptible;
 use super::sphere::registration;
-use crate::kernels::disc::{self, Discs};
+use crate::kernels::disc::Discs;
 use crate::kernels::{disc_map as map_of_discs, image, probe};
 
 /// See `envlights.kernels.irradiance`.
@@ -17,7 +17,7 @@ pub fn irradiance<'py>(
     border_sampled: bool,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let (radiance, normals) = (radiance.as_array(), normals.as_array());
-    let out = in_pool(py, || probe::irradiance(radiance, registration(border_sampled), normals))?;
+    let out = interruptible(py, || probe::irradiance(radiance, registration(border_sampled), normals))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -32,7 +32,7 @@ pub fn working_irradiance<'py>(
     source_share: f64,
 ) -> PyResult<(Bound<'py, PyArray2<f64>>, usize)> {
     let (radiance, normals) = (radiance.as_array(), normals.as_array());
-    let (out, sources) = in_pool(py, || {
+    let (out, sources) = interruptible(py, || {
         let map = image::reduce(radiance, registration(border_sampled), columns, source_share)?;
         probe::working_irradiance(&map, normals).map(|out| (out, map.sources.dim().0))
     })?;
@@ -52,24 +52,9 @@ pub fn sum_over_sources<'py>(
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let (normals, directions) = (normals.as_array(), directions.as_array());
     let (radiance, solid_angles) = (radiance.as_array(), solid_angles.as_array());
-    let out =
-        in_pool(py, || probe::sum_over_sources(normals, directions, radiance, solid_angles, k_d, colour))?;
-    Ok(out.into_pyarray(py))
-}
-
-/// See `envlights.kernels.rig_irradiance`: the lights, added to the irradiance of a sky.
-#[pyfunction]
-pub fn disc_irradiance<'py>(
-    py: Python<'py>,
-    normals: PyReadonlyArray2<'py, f64>,
-    sky: PyReadonlyArray2<'py, f64>,
-    directions: PyReadonlyArray2<'py, f64>,
-    irradiance: PyReadonlyArray2<'py, f64>,
-    radii: PyReadonlyArray1<'py, f64>,
-) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let (normals, sky, radii) = (normals.as_array(), sky.as_array(), radii.as_array());
-    let (directions, irradiance) = (directions.as_array(), irradiance.as_array());
-    let out = in_pool(py, || disc::irradiance(&Discs::new(directions, irradiance, radii)?, normals, sky))?;
+    let out = interruptible(py, || {
+        probe::sum_over_sources(normals, directions, radiance, solid_angles, k_d, colour)
+    })?;
     Ok(out.into_pyarray(py))
 }
 
@@ -83,6 +68,6 @@ pub fn disc_map<'py>(
     radii: PyReadonlyArray1<'py, f64>,
 ) -> PyResult<Bound<'py, PyArray3<f64>>> {
     let (directions, irradiance, radii) = (directions.as_array(), irradiance.as_array(), radii.as_array());
-    let out = in_pool(py, || map_of_discs::drawn(&Discs::new(directions, irradiance, radii)?, height))?;
+    let out = interruptible(py, || map_of_discs::drawn(&Discs::new(directions, irradiance, radii)?, height))?;
     Ok(out.into_pyarray(py))
 }

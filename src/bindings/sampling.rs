@@ -3,7 +3,7 @@
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 
-use super::pool::{detached, in_pool};
+use super::pool::{detached, interruptible};
 use crate::kernels::sampling;
 
 /// See `envlights.kernels.radical_inverse`.
@@ -15,14 +15,14 @@ pub fn radical_inverse(index: u64, base: u64) -> PyResult<f64> {
 /// See `envlights.kernels.hammersley`.
 #[pyfunction]
 pub fn hammersley(py: Python<'_>, count: usize) -> PyResult<Bound<'_, PyArray2<f64>>> {
-    let out = in_pool(py, || sampling::hammersley(count))?;
+    let out = interruptible(py, || sampling::hammersley(count))?;
     Ok(out.into_pyarray(py))
 }
 
 /// See `envlights.kernels.halton`.
 #[pyfunction]
 pub fn halton(py: Python<'_>, count: usize, bases: Vec<u64>) -> PyResult<Bound<'_, PyArray2<f64>>> {
-    let out = in_pool(py, || sampling::halton(count, &bases))?;
+    let out = interruptible(py, || sampling::halton(count, &bases))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -33,7 +33,7 @@ pub fn uniform_sphere<'py>(
     uv: PyReadonlyArray2<'py, f64>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let uv = uv.as_array();
-    let out = in_pool(py, || sampling::uniform_sphere(uv))?;
+    let out = interruptible(py, || sampling::uniform_sphere(uv))?;
     Ok(out.into_pyarray(py))
 }
 

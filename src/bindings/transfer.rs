@@ -6,7 +6,7 @@ use numpy::{
 };
 use pyo3::prelude::*;
 
-use super::pool::in_pool;
+use super::pool::interruptible;
 use crate::kernels::transfer;
 
 /// Inner products, and which texels are not black.
@@ -27,7 +27,7 @@ pub fn transfer_gram<'py>(
     scale: PyReadonlyArray1<'py, f32>,
 ) -> PyResult<Gram<'py>> {
     let (images, scale) = (images.as_array(), scale.as_slice()?);
-    let (products, non_black) = in_pool(py, || transfer::gram(images, scale))?;
+    let (products, non_black) = interruptible(py, || transfer::gram(images, scale))?;
     Ok((products.into_pyarray(py), non_black.into_pyarray(py)))
 }
 
@@ -42,7 +42,7 @@ pub fn transfer_columns<'py>(
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let (images, scale, non_black, weights) =
         (images.as_array(), scale.as_slice()?, non_black.as_slice()?, weights.as_array());
-    let out = in_pool(py, || transfer::columns(images, scale, non_black, weights))?;
+    let out = interruptible(py, || transfer::columns(images, scale, non_black, weights))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -59,11 +59,11 @@ pub fn transfer_frames<'py>(
     let out = match &values {
         Values::Bytes(values) => {
             let values = values.as_array();
-            in_pool(py, || transfer::frames(values, scales, coefficients, places))
+            interruptible(py, || transfer::frames(values, scales, coefficients, places))
         }
         Values::Halves(values) => {
             let values = values.as_array();
-            in_pool(py, || transfer::frames(values, scales, coefficients, places))
+            interruptible(py, || transfer::frames(values, scales, coefficients, places))
         }
     }?;
     Ok(out.into_pyarray(py))

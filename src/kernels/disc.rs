@@ -101,20 +101,18 @@ impl Discs {
     }
 }
 
-/// Irradiance at `normals`, (n, 3), of `discs` and of a `sky` that adds its own, (n, 3).
+/// Irradiance at `normals`, (n, 3), of `discs` and of a `sky`, which gives its own at a normal.
 ///
 /// # Errors
 ///
-/// [`Error::WrongColumns`], [`Error::NotFinite`], [`Error::NotUnit`], [`Error::LengthMismatch`].
+/// [`Error::WrongColumns`], [`Error::NotFinite`], [`Error::NotUnit`].
 pub fn irradiance(
     discs: &Discs,
     normals: ArrayView2<'_, f64>,
-    sky: ArrayView2<'_, f64>,
+    sky: impl Fn(DVec3) -> DVec3 + Sync,
 ) -> Result<Array2<f64>> {
-    let (normals, sky) = (unit_vectors("normal", normals)?, vectors("sky", sky)?);
-    check_lengths("normals", normals.len(), [("sky", sky.len())])?;
-    let places = normals.par_iter().zip(&sky);
-    let received: Vec<DVec3> = places.map(|(&normal, &sky)| discs.add_at(normal, sky)).collect();
+    let normals = unit_vectors("normal", normals)?;
+    let received: Vec<DVec3> = normals.par_iter().map(|&normal| discs.add_at(normal, sky(normal))).collect();
     Ok(from_vectors(received.into_iter()))
 }
 

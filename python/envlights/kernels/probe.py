@@ -14,8 +14,6 @@ from envlights._native import EnvLightsError
 #: Width of the map that `working_irradiance` makes when it is not told another.
 WORKING_COLUMNS = 256
 
-_NO_LIGHTS = np.zeros((0, 3))
-
 
 def irradiance(
     radiance: ArrayLike, normals: ArrayLike, *, border_sampled: bool = False
@@ -189,10 +187,7 @@ def rig_irradiance(
     lights = reals("directions", directions, 2), reals("irradiance", irradiance, 2)
     points = np.zeros(len(lights[0]))
     radii = points if angular_radius is None else reals("angular_radius", angular_radius, 1)
-    sky = _native.rig_irradiance(normals, ambient, _NO_LIGHTS, _NO_LIGHTS)
-    if floor:
-        sky *= (1 + normals[:, 1:2]) / 2
-    return _native.disc_irradiance(normals, sky, *lights, radii)
+    return _native.rig_irradiance(normals, ambient, *lights, radii, floor)
 
 
 def disc_map(

@@ -42,7 +42,7 @@ pub use ambient::Ambient;
 pub use discs::Comparison;
 pub use objective::Objective;
 pub use problem::Problem;
-pub use rig::{Rig, irradiance};
+pub use rig::Rig;
 pub use samples::{Judged, Probe, Samples};
 pub use sphere::Sphere;
 pub use state::StopReason;
@@ -280,6 +280,7 @@ pub fn relative_rms(
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use super::rig::irradiance;
     use super::*;
     use crate::kernels::sampling;
     use crate::kernels::sphere::direction;

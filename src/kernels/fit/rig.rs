@@ -1,11 +1,15 @@
 //! Ambient and directional lights: equations 4 to 6 of Madsen et al. 2003, in physical scale.
 
 use glam::DVec3;
-use ndarray::{Array2, ArrayView2};
+#[cfg(test)]
+use ndarray::Array2;
+use ndarray::ArrayView2;
 
 use super::ambient::Ambient;
 use crate::error::{Error, Result};
-use crate::kernels::sphere::{from_vectors, unit_vectors, vectors};
+use crate::kernels::sphere::vectors;
+#[cfg(test)]
+use crate::kernels::sphere::{from_vectors, unit_vectors};
 
 /// Ambient and directional lights.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -21,26 +25,15 @@ pub struct Rig {
 }
 
 impl Rig {
-    /// An `ambient` term of (0, 1 or 9, 3), and lights of (m, 3) `directions` and (m, 3) `irradiance`.
+    /// An `ambient` term of (0, 1 or 9, 3) alone, over a floor or not.
     ///
     /// # Errors
     ///
-    /// [`Error::NotAmbient`], [`Error::WrongColumns`], [`Error::NotFinite`], [`Error::NotUnit`],
-    /// [`Error::LengthMismatch`].
-    pub fn new(
-        ambient: ArrayView2<'_, f64>,
-        directions: ArrayView2<'_, f64>,
-        irradiance: ArrayView2<'_, f64>,
-    ) -> Result<Self> {
+    /// [`Error::NotAmbient`], [`Error::WrongColumns`], [`Error::NotFinite`].
+    pub fn of_ambient(ambient: ArrayView2<'_, f64>, has_floor: bool) -> Result<Self> {
         let seen = ambient.nrows();
         Ambient::with(seen).ok_or(Error::NotAmbient { seen })?;
-        let (ambient, irradiance) = (vectors("ambient", ambient)?, vectors("irradiance", irradiance)?);
-        let directions = unit_vectors("direction", directions)?;
-        if irradiance.len() != directions.len() {
-            let (wanted, seen) = (directions.len(), irradiance.len());
-            return Err(Error::LengthMismatch { what: "irradiance", other: "directions", wanted, seen });
-        }
-        Ok(Self { ambient, directions, irradiance, has_floor: false })
+        Ok(Self { ambient: vectors("ambient", ambient)?, has_floor, ..Self::default() })
     }
 
     /// Irradiance at `normal` of each ambient coefficient alone.
@@ -62,11 +55,8 @@ impl Rig {
     }
 }
 
-/// Irradiance of `rig` at `normals`, (n, 3).
-///
-/// # Errors
-///
-/// [`Error::WrongColumns`], [`Error::NotFinite`], [`Error::NotUnit`].
+/// Irradiance of `rig` at `normals`, (n, 3), its lights taken for points: what tests measure.
+#[cfg(test)]
 pub fn irradiance(rig: &Rig, normals: ArrayView2<'_, f64>) -> Result<Array2<f64>> {
     let normals = unit_vectors("normal", normals)?;
     Ok(from_vectors(normals.iter().map(|&normal| rig.at(normal))))

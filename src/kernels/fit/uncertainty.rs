@@ -208,7 +208,8 @@ impl Columns {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::kernels::fit::{Ambient, irradiance};
+    use crate::kernels::fit::Ambient;
+    use crate::kernels::fit::rig::irradiance;
     use crate::kernels::sampling;
     use glam::DVec3;
 
