@@ -19,7 +19,8 @@ UNIT = st.tuples(st.floats(0, 1), st.floats(0, 1))
 
 def a_rig():
     report = el.FitReport(
-        errors={0: 0.5, 1: 0.25},
+        errors={0: 0.5, 1: 0.3},
+        sized_error=0.25,
         steps=7,
         stop_reason=el.StopReason.CONVERGED,
         seconds={"fit": 0.5},
@@ -136,7 +137,7 @@ def test_the_table_says_where_each_light_is_and_how_wrong_the_rig_is():
     assert "a floor hides the ambient light from below the horizon" in text
     assert "note: alpha was ignored" in text
     report = str(a_rig().report)
-    assert "0: 50 %  1: 25 %" in report
+    assert "error by number of lights without sizes: 0: 50 %  1: 30 %; with sizes: 25 %" in report
     assert "\nwith shadows 3.1 %\n" in report
     assert "red, green, blue: 20 %  25 %  30 %; at most 50 % at any normal" in report
     assert "ambient chosen: constant, of  none: 3 lights, 50 %  constant: 2 lights, 25 %" in report

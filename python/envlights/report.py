@@ -35,8 +35,12 @@ class FitReport:
     """How a rig was found, and how far it can be trusted."""
 
     errors: Mapping[int, float] = field(default_factory=dict)
-    """Relative RMS error for each number of lights that was tried. Where no `error` was asked for,
-    only the last number of lights was searched in full; those before it led there."""
+    """Relative RMS error for each number of lights that was tried. Where no error was asked for,
+    all of these are points, and only the last number was searched in full; see `sized_error`."""
+
+    sized_error: float | None = None
+    """Relative RMS error of the rig, whose lights have sizes, where `errors` are those of points.
+    None where both are of the same kind."""
 
     steps: int = 0
     """Steps that the solver took on the way to the answer."""
@@ -97,6 +101,7 @@ class FitReport:
         """Everything as plain numbers, lists and strings."""
         return {
             "errors": {str(lights): error for lights, error in self.errors.items()},
+            "sized_error": self.sized_error,
             "steps": self.steps,
             "stop_reason": self.stop_reason.name,
             "seconds": dict(self.seconds),
@@ -122,6 +127,7 @@ class FitReport:
         """The report that `to_dict` wrote; what older versions did not write is left out."""
         return cls(
             errors={int(n): amount("errors", error) for n, error in data["errors"].items()},
+            sized_error=_optional("sized_error", data.get("sized_error")),
             steps=count("steps", data["steps"]),
             stop_reason=_stop_reason(data["stop_reason"]),
             seconds={str(stage): amount("seconds", s) for stage, s in data["seconds"].items()},
@@ -145,10 +151,9 @@ class FitReport:
         )
 
     def __str__(self) -> str:
-        curve = "  ".join(f"{lights}: {_percent(error)}" for lights, error in self.errors.items())
         steps = f"{self.steps} steps; " if self.steps else ""
         lines = [
-            f"error by number of lights: {curve}" if curve else "",
+            self._by_number(),
             f"measured on {self.measured_on}" if self.measured_on else "",
             *self._by_channel(),
             self.with_shadows(),
@@ -162,6 +167,16 @@ class FitReport:
     def with_shadows(self) -> str:
         """The error with shadows in words; nothing where it was not measured."""
         return "" if self.shadow_error is None else f"with shadows {_percent(self.shadow_error)}"
+
+    def _by_number(self) -> str:
+        """The error of each number of lights, and of the sizes that the last of them got."""
+        if not self.errors:
+            return ""
+        curve = "  ".join(f"{lights}: {_percent(error)}" for lights, error in self.errors.items())
+        if self.sized_error is None:
+            return f"error by number of lights: {curve}"
+        sized = _percent(self.sized_error)
+        return f"error by number of lights without sizes: {curve}; with sizes: {sized}"
 
     def _by_channel(self) -> tuple[str, ...]:
         if not self.channel_errors:

@@ -65,7 +65,7 @@ def test_error_is_that_of_the_rig_against_the_exact_probe_at_other_normals():
     normals, solid_angles = kernels.icosphere(20480)
     error = kernels.relative_rms(rig.probe(normals), env.probe(normals), solid_angles)
     assert rig.error == pytest.approx(error, rel=0.02)
-    assert rig.report.errors[2] == rig.error
+    assert rig.report.sized_error == rig.error
     assert len(rig.report.errors) == 3
 
 
@@ -75,6 +75,7 @@ def test_no_light_is_an_answer():
     assert len(rig.lights) == 0
     assert (rig.ambient > 0).all()
     assert rig.report.errors == {0: rig.error}
+    assert rig.report.sized_error is None
 
 
 @pytest.mark.parametrize("lights", [0, 4])

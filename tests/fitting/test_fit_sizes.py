@@ -109,6 +109,23 @@ def test_without_sizes_all_are_points():
     assert with_sizes.report.shadow_error < 0.75 * rig.report.shadow_error
 
 
+def test_errors_by_number_of_lights_are_all_of_one_kind():
+    radiance = el.synthetic.hall(128).radiance
+    points, discs = (el.fit(radiance, 3, sizes=sizes) for sizes in (False, True))
+    assert points.report.errors[3] == points.error
+    assert points.report.sized_error is None
+    assert "error by number of lights: 0:" in str(points.report)
+    # With sizes, those of the points that led there, and the one with sizes beside.
+    assert discs.report.errors == pytest.approx(points.report.errors, rel=1e-3)
+    assert discs.report.sized_error == discs.error < 0.9 * discs.report.errors[3]
+    assert "error by number of lights without sizes: 0:" in str(discs.report)
+    assert f"; with sizes: {100 * discs.error:.3g} %" in str(discs.report)
+    # Where an error is asked for, each number of lights got its sizes.
+    asked = el.fit(radiance, 3, error=discs.error)
+    assert asked.report.errors[3] == asked.error == pytest.approx(discs.error)
+    assert asked.report.sized_error is None
+
+
 @pytest.mark.parametrize("ambient", ["none", "constant", "sh2"])
 @pytest.mark.parametrize("sizes", [True, False])
 def test_the_shadow_error_is_that_of_its_definition(ambient, sizes):

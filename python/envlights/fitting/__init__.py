@@ -3,8 +3,8 @@
 | step                                                                | file         |
 |---------------------------------------------------------------------|--------------|
 | what was asked for: how many lights, how good, from where           | `asked.py`   |
-| normals that measure the error, and those of upward surfaces        | `normals.py` |
 | the kernel's answer, as a rig with its report                       | `answer.py`  |
+| what the report says in words                                       | `notes.py`   |
 | `fit` and `fit_probe`: check, call the kernel, report               | `fit.py`     |
 | the paper's own fit, for comparison                                 | `madsen.py`  |
 

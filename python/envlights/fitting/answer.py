@@ -56,7 +56,6 @@ def _stop_reason(answer: FitAnswer, asked: Asked) -> StopReason:
     """Why there are no more lights, given the errors that were asked for."""
     if not answer.ambient.any() and not answer.irradiance.any() and answer.error == 0:
         return StopReason.NOTHING_TO_FIT
-    has_goal = asked.error is not None or asked.shadow_error is not None
-    if has_goal and not asked.is_reached(answer.error, answer.shadow_error):
+    if asked.has_goal and not asked.is_reached(answer.error, answer.shadow_error):
         return StopReason.ERROR_NOT_REACHED
     return StopReason[answer.stop]

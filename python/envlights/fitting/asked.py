@@ -49,6 +49,11 @@ class Asked(NamedTuple):
     start: str
     """Where they start if none is given: one of `STARTS`."""
 
+    @property
+    def has_goal(self) -> bool:
+        """Whether an error was asked for."""
+        return self.error is not None or self.shadow_error is not None
+
     def first_directions(self, most: int) -> NDArray[np.float64]:
         """Where the first lights that may move start without a map; at most `most` of them."""
         others = self.lights - len(self.fixed)

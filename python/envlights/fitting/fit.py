@@ -13,6 +13,7 @@ from envlights import _native
 from envlights._check import check_choice, flag, reals
 from envlights._native import EnvLightsError, FitAnswer
 from envlights.envmap import EnvMap, clipping_notes, seen_through
+from envlights.fitting import notes
 from envlights.fitting.answer import rig_of
 from envlights.fitting.asked import MAX_STEPS, STARTS_WITHOUT_MAP, Asked, asked
 from envlights.kernels.probe import WORKING_COLUMNS
@@ -189,18 +190,20 @@ def fit(
     clock.lap("report")
     report = replace(
         rig.report,
+        # Where an error was asked for, all numbers of lights had sizes.
+        sized_error=rig.error if of_discs and len(rig.lights) and not wanted.has_goal else None,
         seconds=clock.laps,
-        measured_on=_measured_on(answer.judging, normals, floor),
+        measured_on=notes.measured_on(answer.judging, normals, floor),
         shadow_error=answer.shadow_error,
         ambient=chosen,
         ambients={name: (len(one.directions), one.error) for name, one in answers.items()}
         if ambient == AUTO
         else {},
         skipped=(
-            *_working_map(world, answer.points),
-            *_channels(answer),
-            *_sizes(sizes, normals),
-            *_counts(rig, wanted, RENDERING_ERROR),
+            *notes.working_map(world, answer.points, RENDERING_ERROR),
+            *notes.channels(answer),
+            *notes.sizes(sizes, normals),
+            *notes.fewer_lights(rig, wanted, RENDERING_ERROR),
         ),
     )
     return replace(rig, report=report, notes=(*world.notes, *clipping_notes(world)), floor=floor)
@@ -301,7 +304,7 @@ def fit_probe(
         seconds=clock.laps,
         measured_on=f"the {len(normals)} fitted normals",
         ambient=ambient,
-        skipped=(*_channels(answer), *_counts(rig, wanted, 0.0)),
+        skipped=(*notes.channels(answer), *notes.fewer_lights(rig, wanted, 0.0)),
     )
     return replace(rig, report=report)
 
@@ -379,46 +382,3 @@ def _chosen(answers: Mapping[str, FitAnswer], wanted: Asked) -> str:
     least = min(answer.error for answer in answers.values())
     enough = max(least * (1 + SAME_ERROR), RENDERING_ERROR)
     return next(name for name, answer in answers.items() if answer.error <= enough)
-
-
-def _measured_on(count: int, normals: str, floor: bool) -> str:
-    """The normals on which the error was measured."""
-    if normals == "upper":
-        return f"{count} upward normals that were not fitted"
-    return f"{count} normals over a floor" if floor else f"{count} normals"
-
-
-def _working_map(env: EnvMap, points: int) -> tuple[str, ...]:
-    if env.width <= WORKING_COLUMNS:
-        return ()
-    return (
-        f"{env.width}x{env.height} pixels were rendered as a working map of at most"
-        f" {WORKING_COLUMNS} columns, its brightest cells ({points}) as points, whose own error is"
-        f" about {RENDERING_ERROR:.0e}",
-    )
-
-
-def _channels(answer: FitAnswer) -> tuple[str, ...]:
-    """A note where channels are black or equal, and so were not fitted one by one."""
-    left_out = 3 - answer.channels
-    return (f"{left_out} of 3 channels: black, or the same as another",) if left_out else ()
-
-
-def _sizes(sizes: bool, normals: str) -> tuple[str, ...]:
-    """A note where lights have no sizes though they may."""
-    return ("sizes: lights for upward normals are points",) if sizes and normals == "upper" else ()
-
-
-def _counts(rig: Rig, wanted: Asked, rendering_error: float) -> tuple[str, ...]:
-    """Why there are fewer lights than there may be."""
-    used, most, tried = len(rig.lights), wanted.lights, max(rig.report.errors)
-    if used >= most:
-        return ()
-    if wanted.is_reached(rig.error, rig.report.shadow_error or 0.0):
-        why = "fewer are good enough"
-    elif rig.error <= rendering_error:
-        why = f"the error is below that of rendering, {rendering_error:.0e}"
-    else:
-        why = "they would not lower the error"
-    untried = f"; more than {tried} were not tried" if tried < most else ""
-    return (f"{most - used} of {most} lights: {why}{untried}",)

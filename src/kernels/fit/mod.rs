@@ -93,7 +93,7 @@ pub struct Fitted {
     pub shadow_error: f64,
     /// Normals that this was measured at.
     pub judging: usize,
-    /// Relative RMS error by number of lights.
+    /// Relative RMS error by number of lights: of points, unless an error was asked for.
     pub errors: Vec<(usize, f64)>,
     /// Channels that were fitted: neither black nor the same as another.
     pub channels: usize,
@@ -177,9 +177,14 @@ struct Figures<'a> {
 }
 
 impl Figures<'_> {
-    /// On the way to a number of lights: in full only where an error was asked for.
+    /// Whether all numbers of lights are judged in full: where an error was asked for.
+    fn judges_all_in_full(&self) -> bool {
+        self.asked.error.is_some() || self.asked.shadow_error.is_some()
+    }
+
+    /// On the way to a number of lights: else as points.
     fn on_the_way(&self, problem: &Problem<'_>, state: State) -> Tried {
-        if self.asked.error.is_some() || self.asked.shadow_error.is_some() {
+        if self.judges_all_in_full() {
             return self.full(problem, state).0;
         }
         let error = self.judge.error(&state.rig(problem.objective.given()));
@@ -215,7 +220,11 @@ fn fit(problem: &Problem<'_>, figures: &Figures<'_>, error_floor: f64) -> Result
     let (tried, found, judged) = figures.full(problem, state);
     let mut errors: Vec<(usize, f64)> =
         path.iter().map(|tried| (tried.state.lights(), tried.error)).collect();
-    errors[chosen].1 = judged.error;
+    // Beside points stands the error of points.
+    let are_points = figures.asked.sizes.is_none() || found.radii.is_empty();
+    if figures.judges_all_in_full() || are_points {
+        errors[chosen].1 = judged.error;
+    }
     let state = tried.state;
     // Measured values have standard errors instead.
     let is_map = figures.sizes.is_some();

@@ -1,0 +1,53 @@
+"""What a report says in words: where the error was measured, and what was not computed."""
+
+from __future__ import annotations
+
+from envlights._native import FitAnswer
+from envlights.envmap import EnvMap
+from envlights.fitting.asked import Asked
+from envlights.kernels.probe import WORKING_COLUMNS
+from envlights.rig import Rig
+
+
+def measured_on(count: int, normals: str, floor: bool) -> str:
+    """The normals on which the error was measured."""
+    if normals == "upper":
+        return f"{count} upward normals that were not fitted"
+    return f"{count} normals over a floor" if floor else f"{count} normals"
+
+
+def working_map(env: EnvMap, points: int, rendering_error: float) -> tuple[str, ...]:
+    """A note where the map was reduced."""
+    if env.width <= WORKING_COLUMNS:
+        return ()
+    return (
+        f"{env.width}x{env.height} pixels were rendered as a working map of at most"
+        f" {WORKING_COLUMNS} columns, its brightest cells ({points}) as points, whose own error is"
+        f" about {rendering_error:.0e}",
+    )
+
+
+def channels(answer: FitAnswer) -> tuple[str, ...]:
+    """A note where channels are black or equal, and so were not fitted one by one."""
+    left_out = 3 - answer.channels
+    return (f"{left_out} of 3 channels: black, or the same as another",) if left_out else ()
+
+
+def sizes(asked: bool, normals: str) -> tuple[str, ...]:
+    """A note where lights have no sizes though they may."""
+    return ("sizes: lights for upward normals are points",) if asked and normals == "upper" else ()
+
+
+def fewer_lights(rig: Rig, wanted: Asked, rendering_error: float) -> tuple[str, ...]:
+    """Why there are fewer lights than there may be."""
+    used, most, tried = len(rig.lights), wanted.lights, max(rig.report.errors)
+    if used >= most:
+        return ()
+    if wanted.is_reached(rig.error, rig.report.shadow_error or 0.0):
+        why = "fewer are good enough"
+    elif rig.error <= rendering_error:
+        why = f"the error is below that of rendering, {rendering_error:.0e}"
+    else:
+        why = "they would not lower the error"
+    untried = f"; more than {tried} were not tried" if tried < most else ""
+    return (f"{most - used} of {most} lights: {why}{untried}",)
