@@ -17,6 +17,10 @@ _SAME: Matrix = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 _CYCLE: Matrix = ((0, 0, 1), (1, 0, 0), (0, 1, 0))
 
 
+#: As three.js reads an equirectangular map: its centre along +x, its left quarter along -z.
+_THREE: Matrix = ((0, 0, 1), (0, 1, 0), (-1, 0, 0))
+
+
 class Axes(NamedTuple):
     """Where our axes lie in a target.
 
@@ -61,5 +65,7 @@ class Axes(NamedTuple):
 AXES = {
     "mitsuba": Axes(_SAME, _SAME),
     "blender": Axes(_CYCLE, _CYCLE),
+    "gltf": Axes(_SAME),
+    "three": Axes(_THREE, _THREE),
     "csv": Axes(_SAME),
 }

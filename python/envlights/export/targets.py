@@ -11,7 +11,9 @@ from numpy.typing import ArrayLike
 from envlights._native import EnvLightsError
 from envlights.envmap import EnvMap
 from envlights.export.csv import save_csv
+from envlights.export.gltf import save_gltf
 from envlights.export.own_json import save_json
+from envlights.export.three import save_three
 from envlights.io.files import as_path
 
 if TYPE_CHECKING:
@@ -60,6 +62,24 @@ TARGETS = (
         False,
         "lights, sizes, ambient, harmonics, error, floor",
         "report, notes",
+    ),
+    Target(
+        "gltf",
+        "glTF 2.0",
+        (".gltf",),
+        save_gltf,
+        False,
+        "lights",
+        "sizes and the ambient term, which stand in extras",
+    ),
+    Target(
+        "three",
+        "three.js",
+        (".three.json",),
+        save_three,
+        True,
+        "lights, ambient, harmonics, floor, map",
+        "sizes, which stand in userData",
     ),
 )
 

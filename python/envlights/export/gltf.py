@@ -1,0 +1,117 @@
+"""glTF 2.0: directional lights of KHR_lights_punctual."""
+
+from __future__ import annotations
+
+import json
+import os
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights.export.axes import AXES
+from envlights.export.files import save_scene
+from envlights.export.scene import check_rig
+
+if TYPE_CHECKING:
+    from envlights.lights import Lights
+    from envlights.rig import Rig
+
+_EXTENSION = "KHR_lights_punctual"
+#: Where a light of glTF shines when its node is not turned.
+_SHINES = np.array([0.0, 0.0, -1.0])
+_NOTE = (
+    "glTF has no ambient light: set one of this radiance (irradiance: times pi), or an environment"
+    " map in its place. Nine rows are real spherical harmonics up to order 2, multiples of"
+    " 1, y, z, x, xy, yz, 3zz-1, xz, xx-yy."
+)
+
+
+def gltf(rig: Rig | Lights) -> dict[str, Any]:
+    """A glTF 2.0 asset: a node for each light.
+
+    Axes: glTF's own, +y up and front +z, which are ours. A directional light shines along the local
+    -z of its node.
+
+    Units: `intensity` times `color` is irradiance at normal incidence. glTF counts it in lux. The
+    numbers are those of the rig, on the scale of its map. Where that is in W/m² and your viewer
+    counts in lux, multiply the intensities by 683 lm/W, or by what your white is worth.
+
+    Kept: directions, irradiances. Lost: glTF has neither sizes nor an ambient light. They stand in
+    `extras`, for readers that know them: `angular_radius` in radians, `ambient` in radiance.
+
+    Parameters
+    ----------
+    rig : Rig or Lights
+
+    Returns
+    -------
+    dict
+        For `json.dump`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import envlights as el
+    >>> asset = el.export.gltf(el.Lights([[0, 1, 0]], [[4, 2, 1]]))
+    >>> np.round(asset["nodes"][0]["rotation"], 3)  # shines down
+    array([-0.707,  0.   ,  0.   ,  0.707])
+    >>> light = asset["extensions"]["KHR_lights_punctual"]["lights"][0]
+    >>> light["color"], light["intensity"]
+    ([1.0, 0.5, 0.25], 4.0)
+    """
+    lights = check_rig(rig).discs()
+    towards = AXES["gltf"].to_target(lights.direction)
+    scene: dict[str, Any] = {"name": "envlights"}
+    asset: dict[str, Any] = {"asset": {"version": "2.0", "generator": "envlights"}, "scene": 0}
+    asset["scenes"] = [scene]
+    # An empty list is not valid.
+    if len(lights):
+        scene["nodes"] = list(range(len(lights)))
+        asset["nodes"] = [
+            {
+                "name": f"light_{j}",
+                "rotation": _turn(_SHINES, -direction).tolist(),
+                "extensions": {_EXTENSION: {"light": j}},
+            }
+            for j, direction in enumerate(towards)
+        ]
+        rows = zip(lights.irradiance, lights.angular_radius, strict=True)
+        found = [_light(j, *row) for j, row in enumerate(rows)]
+        asset["extensions"] = {_EXTENSION: {"lights": found}}
+        asset["extensionsUsed"] = [_EXTENSION]
+    if np.any(getattr(rig, "ambient", 0)):
+        scene["extras"] = _extras(rig)
+    return asset
+
+
+def save_gltf(rig: Rig | Lights, path: str | os.PathLike[str]) -> None:
+    """Write `gltf` at `path`."""
+    save_scene(path, json.dumps(gltf(rig), indent=2, allow_nan=False) + "\n")
+
+
+def _light(j: int, irradiance: NDArray[np.float64], radius: float) -> dict[str, Any]:
+    """A light whose colour is within 0 and 1, as glTF has it."""
+    most = float(irradiance.max())
+    return {
+        "name": f"light_{j}",
+        "type": "directional",
+        "color": (irradiance / (most or 1.0)).tolist(),
+        "intensity": most,
+        "extras": {"angular_radius": float(radius)},
+    }
+
+
+def _extras(rig: Any) -> dict[str, Any]:
+    return {"ambient": rig.ambient.tolist(), "floor": rig.floor, "note": _NOTE}
+
+
+def _turn(start: NDArray[np.float64], end: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The shortest turn from one unit vector to another, as the quaternion x, y, z, w."""
+    half = start + end
+    length = np.linalg.norm(half)
+    # Opposite vectors: half a turn about any axis across them.
+    if length < 1e-12:
+        return np.array([0.0, 1.0, 0.0, 0.0])
+    half = half / length
+    return np.append(np.cross(start, half), start @ half) + 0.0

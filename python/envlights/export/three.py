@@ -1,0 +1,159 @@
+"""three.js: the JSON that its ObjectLoader reads."""
+
+from __future__ import annotations
+
+import colorsys
+import json
+import os
+import uuid
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from envlights._srgb import encode_srgb
+from envlights.envmap import EnvMap
+from envlights.export.axes import AXES
+from envlights.export.files import save_scene
+from envlights.export.scene import scene_of
+from envlights.kernels import harmonic_radiance, icosphere
+
+if TYPE_CHECKING:
+    from envlights.lights import Lights
+    from envlights.rig import Rig
+
+#: Where lights stand, for their shadow cameras; their light does not depend on it.
+_DISTANCE = 10.0
+#: Constants of three.js: EquirectangularReflectionMapping, FloatType, RGBAFormat, LinearFilter,
+#: and wrapping: repeated along a row, clamped at the poles.
+_TEXTURE = {
+    "mapping": 303,
+    "type": 1015,
+    "format": 1023,
+    "minFilter": 1006,
+    "magFilter": 1006,
+    "wrap": [1000, 1001],
+    "colorSpace": "srgb-linear",
+    "flipY": True,
+    "generateMipmaps": False,
+}
+_VERSION = {"version": 4.7, "type": "Object", "generator": "envlights"}
+
+
+def three(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) -> dict[str, Any]:
+    """A scene of lights, for ``new THREE.ObjectLoader().parse(json)``.
+
+    Axes: our +x, +y, +z are -z, +y, +x there, so that the lights agree with the panorama as an
+    equirectangular background, not turned. With a glTF of the same rig, turn the one or the other.
+
+    Units: a directional light's colour times intensity is irradiance at normal incidence, as ours.
+    `AmbientLight` and `HemisphereLight` count irradiance too, pi times our radiance; `LightProbe`
+    and environments count radiance. Since release 155 this needs no setting; exposure is the
+    renderer's, ``toneMappingExposure``.
+
+    Kept: directions, irradiances; a constant ambient term as `AmbientLight`, harmonics as
+    `LightProbe`, an ambient term over a floor as `HemisphereLight`; a map as the scene's
+    environment and background. Lost: sizes, which stand in `userData.angular_radius` (radians).
+
+    Parameters
+    ----------
+    rig : Rig or Lights
+    environment : EnvMap or array_like, optional
+        A map in place of the ambient term. Each sample of it is written as text: reduce large ones.
+
+    Returns
+    -------
+    dict
+        For `json.dump`.
+
+    Examples
+    --------
+    >>> import envlights as el
+    >>> scene = el.export.three(el.Lights([[0, 0, 1]], [[3, 3, 3]]))
+    >>> light = scene["object"]["children"][0]
+    >>> light["type"], light["intensity"], light["matrix"][12:15]
+    ('DirectionalLight', 3.0, [10.0, 0.0, 0.0])
+    """
+    scene = scene_of(rig, environment)
+    lights = scene.lights
+    rows = zip(lights.direction, lights.irradiance, lights.angular_radius, strict=True)
+    children = [_light(j, *row) for j, row in enumerate(rows)]
+    root = _thing("Scene", "envlights", children=children)
+    written: dict[str, Any] = {"metadata": _VERSION}
+    if environment is not None and scene.environment is not None:
+        image, texture = _map(scene.environment)
+        written |= {"images": [image], "textures": [texture]}
+        root |= {"environment": texture["uuid"], "background": texture["uuid"]}
+    elif scene.ambient is not None or scene.environment is not None:
+        children.append(_ambient(rig))
+    return {**written, "object": root}
+
+
+def save_three(
+    rig: Rig | Lights,
+    path: str | os.PathLike[str],
+    environment: EnvMap | ArrayLike | None = None,
+) -> None:
+    """Write `three` at `path`."""
+    save_scene(path, json.dumps(three(rig, environment), allow_nan=False) + "\n")
+
+
+def _light(
+    j: int, direction: NDArray[np.float64], irradiance: NDArray[np.float64], radius: float
+) -> dict[str, Any]:
+    place = _DISTANCE * AXES["three"].to_target(direction)
+    matrix = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, *place.tolist(), 1]
+    size = {"angular_radius": float(radius)}
+    shone = _coloured(irradiance)
+    return _thing("DirectionalLight", f"light_{j}", matrix=matrix, userData=size, **shone)
+
+
+def _ambient(rig: Any) -> dict[str, Any]:
+    """The light of three.js that has the irradiance of an ambient term."""
+    if rig.ambient.ndim == 2:
+        return _thing("LightProbe", "ambient", sh=_turned(rig.ambient).ravel().tolist())
+    lit = _coloured(np.pi * rig.ambient)
+    if rig.floor:
+        return _thing("HemisphereLight", "ambient", groundColor=0, **lit)
+    return _thing("AmbientLight", "ambient", **lit)
+
+
+def _turned(harmonics: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Coefficients in the axes of three.js, which has our order, signs and lengths of harmonics."""
+    directions, _ = icosphere(80)
+    there = harmonic_radiance(AXES["three"].to_target(directions))
+    seen = harmonic_radiance(directions) @ harmonics
+    return np.linalg.lstsq(there, seen, rcond=None)[0]
+
+
+def _coloured(values: NDArray[np.float64]) -> dict[str, Any]:
+    """Colour and intensity with the product `values`.
+
+    A colour in hexadecimal has eight bits; as hue, saturation and lightness it has as many digits
+    as one writes. three.js decodes it from sRGB.
+    """
+    most = float(values.max())
+    codes = encode_srgb(values / (most or 1.0))
+    hue, lightness, saturation = colorsys.rgb_to_hls(*codes.tolist())
+    colour = f"hsl({360 * hue:.12f},{100 * saturation:.12f}%,{100 * lightness:.12f}%)"
+    return {"color": colour, "intensity": most}
+
+
+def _map(env: EnvMap) -> tuple[dict[str, Any], dict[str, Any]]:
+    """An image and a texture, both as `DataTexture` writes them."""
+    opaque = np.ones((env.height, env.width, 1), np.float32)
+    samples = np.concatenate([env.radiance, opaque], axis=2)
+    data = [float(f"{sample:.7g}") for sample in samples.ravel().tolist()]
+    content = {"data": data, "width": env.width, "height": env.height, "type": "Float32Array"}
+    image = {"uuid": _uuid("image"), "url": content}
+    texture = {"uuid": _uuid("texture"), "name": "environment", "image": image["uuid"], **_TEXTURE}
+    return image, texture
+
+
+def _thing(kind: str, name: str, **parts: Any) -> dict[str, Any]:
+    return {"uuid": _uuid(name), "type": kind, "name": name, **parts}
+
+
+def _uuid(name: str) -> str:
+    """The same for the same name, so that a file can be compared with an older one."""
+    return str(uuid.uuid5(uuid.NAMESPACE_URL, f"envlights/{name}"))

@@ -1,0 +1,25 @@
+"""Node and the packages of `tests/export/package.json`, where they are installed."""
+
+import json
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+_HERE = Path(__file__).parent
+
+
+def needs(package):
+    """Skip where a package of npm is not installed: ``npm install --prefix tests/export``."""
+    is_there = shutil.which("node") and (_HERE / "node_modules" / package).is_dir()
+    return pytest.mark.skipif(not is_there, reason=f"needs Node and {package} from npm")
+
+
+def report(script, path):
+    """What a script of this folder says about a file."""
+    command = ["node", _HERE / script, path]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert not done.stderr
+    return json.loads(done.stdout)

@@ -1,0 +1,81 @@
+"""three.js: judged by its own loader, and by the formulas of its shaders."""
+
+import numpy as np
+import pytest
+
+import envlights as el
+from envlights.export import AXES, three
+from tests.export import node
+from tests.export.rigs import DISCS, POINTS, relative_error, rigs
+from tests.helpers import NORMALS
+
+RIGS = rigs(POINTS)
+KINDS = {
+    "none": [],
+    "constant": ["AmbientLight"],
+    "floor": ["HemisphereLight"],
+    "harmonics": ["LightProbe"],
+}
+
+
+def irradiance(found, normals):
+    """Irradiance as `lights_pars_begin.glsl.js` of three.js adds it up."""
+    total = np.zeros((len(normals), 3)) + found["ambient"]
+    for direction, colour in found["directional"]:
+        total += np.maximum(normals @ direction, 0)[:, None] * colour
+    for direction, sky, ground in found["hemisphere"]:
+        weight = (0.5 * (normals @ direction) + 0.5)[:, None]
+        total += weight * sky + (1 - weight) * ground
+    return total + _probe(normals) @ found["probe"]
+
+
+def _probe(normals):
+    """`shGetIrradianceAt`, with its constants."""
+    x, y, z = normals.T
+    first = [0.886227 + 0 * x, 1.023328 * y, 1.023328 * z, 1.023328 * x]
+    second = [0.858086 * x * y, 0.858086 * y * z, 0.743125 * z * z - 0.247708]
+    return np.stack([*first, *second, 0.858086 * x * z, 0.429043 * (x * x - y * y)], axis=1)
+
+
+@node.needs("three")
+@pytest.mark.parametrize("name", RIGS)
+def test_the_irradiance_that_three_js_reads_is_that_of_the_rig(name, tmp_path):
+    rig = RIGS[name]
+    rig.save(tmp_path / "rig.three.json")
+    found = node.report("three_lights.mjs", tmp_path / "rig.three.json")
+    assert found["kinds"] == ["DirectionalLight"] * len(rig.lights) + KINDS[name]
+    there = irradiance(found, AXES["three"].to_target(NORMALS))
+    assert relative_error(there, rig) < 1e-6
+
+
+@node.needs("three")
+def test_a_map_lies_where_the_lights_are(tmp_path):
+    """Each texel of the map, at the direction at which three.js looks it up, beside the lights."""
+    env = el.Lights(POINTS.direction, POINTS.irradiance, [0.2] * 5).to_map(16)
+    POINTS.save(tmp_path / "rig.three.json", environment=env)
+    found = node.report("three_lights.mjs", tmp_path / "rig.three.json")
+    texture = found["map"]
+    assert (texture["mapping"], texture["flipY"], found["isBackground"]) == (303, True, True)
+    assert found["turns"] == [[0, 0, 0], [0, 0, 0]]
+    data = np.reshape(texture["data"], (texture["height"], texture["width"], 4))
+    np.testing.assert_allclose(data[..., :3], env.radiance, rtol=1e-6)
+    # `equirectUv` of three.js: v grows upwards, and a flipped image has its first row on top.
+    directions = el.kernels.pixel_directions(16, 32).reshape(-1, 3)
+    x, y, z = AXES["three"].to_target(directions).T
+    u, v = np.arctan2(z, x) / (2 * np.pi) + 0.5, np.arcsin(y) / np.pi + 0.5
+    looked_up = data[(16 * (1 - v)).astype(int), (32 * u).astype(int), :3]
+    np.testing.assert_allclose(looked_up, env.radiance.reshape(-1, 3), rtol=1e-6)
+
+
+def test_sizes_stand_in_the_user_data():
+    children = three(DISCS)["object"]["children"]
+    radii = [child["userData"]["angular_radius"] for child in children]
+    assert radii == DISCS.angular_radius.tolist()
+
+
+def test_colours_have_no_exponent_and_no_more_than_all_digits():
+    """The pattern by which three.js reads a colour knows no exponents."""
+    dim = el.Lights([[0, 1, 0]], [[1, 1e-9, 1e-30]])
+    colour = three(dim)["object"]["children"][0]["color"]
+    assert "e" not in colour
+    assert three(el.Lights([[0, 1, 0]], [[0, 0, 0]]))["object"]["children"][0]["intensity"] == 0

@@ -1,0 +1,39 @@
+// What three.js hands to its shaders for the lights of a file, as JSON.
+// Usage: node three_lights.mjs FILE; a glTF asset goes through GLTFLoader, all else through ObjectLoader.
+import { readFileSync } from 'node:fs';
+import { ObjectLoader, PerspectiveCamera } from 'three';
+import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
+import { WebGLLights } from 'three/src/renderers/webgl/WebGLLights.js';
+
+globalThis.self ??= globalThis; // GLTFLoader expects a browser
+const text = readFileSync(process.argv[2], 'utf8');
+const json = JSON.parse(text);
+const scene = json.asset
+  ? (await new GLTFLoader().parseAsync(text, '')).scene
+  : new ObjectLoader().parse(json);
+
+const lights = [];
+scene.updateMatrixWorld(true);
+scene.traverse((thing) => thing.isLight && lights.push(thing));
+const { state, setup, setupView } = new WebGLLights({ has: () => true });
+setup(lights);
+setupView(lights, new PerspectiveCamera()); // looks along -z from the origin: view space is the world
+
+const rgb = ({ r, g, b }) => [r, g, b];
+const map = scene.environment ?? null;
+console.log(JSON.stringify({
+  kinds: lights.map((light) => light.type),
+  directional: state.directional.map((light) => [light.direction.toArray(), rgb(light.color)]),
+  ambient: state.ambient,
+  hemisphere: state.hemi.map((light) => [light.direction.toArray(), rgb(light.skyColor), rgb(light.groundColor)]),
+  probe: state.probe.map((each) => each.toArray()),
+  map: map && {
+    mapping: map.mapping,
+    flipY: map.flipY,
+    width: map.image.width,
+    height: map.image.height,
+    data: Array.from(map.image.data),
+  },
+  isBackground: Boolean(map) && scene.background === map,
+  turns: [scene.environmentRotation, scene.backgroundRotation].map((turn) => turn?.toArray().slice(0, 3)),
+}));
