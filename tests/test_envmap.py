@@ -79,8 +79,9 @@ def test_unusable_samples_are_cleaned_and_counted():
 @pytest.mark.parametrize(
     ("array", "message"),
     [
-        (np.ones((4, 8)), r"shape \(height, width, 3\); got \(4, 8\)"),
-        (np.ones((4, 8, 4)), r"got \(4, 8, 4\)"),
+        (np.ones(8), r"shape \(height, width, 3\), or \(height, width\) for grey; got \(8,\)"),
+        (np.ones((4, 8, 2)), r"got \(4, 8, 2\)"),
+        (np.ones((4, 8, 3, 1)), r"got \(4, 8, 3, 1\)"),
         (np.ones((8, 8, 3)), r"twice as wide as high; got 8x8"),
         (np.ones((1, 2, 3)), r"at least 4x2 pixels; got 2x1"),
         (np.ones((2, 1, 3)), r"twice as wide as high; got 1x2"),
@@ -103,3 +104,65 @@ def test_arrays_that_are_no_map_are_refused(array, message):
 def test_unknown_choices_are_refused(name, wanted):
     with pytest.raises(el.EnvLightsError, match=rf"{name} must be .*; got '{wanted}'"):
         el.EnvMap(np.ones((4, 8, 3)), **{name: wanted})
+
+
+@pytest.mark.parametrize(
+    ("array", "note"),
+    [
+        (np.dstack([RADIANCE, np.full(RADIANCE.shape[:2], 0.5)]), "alpha was ignored"),
+        (RADIANCE[..., 0], "the only channel was taken as grey"),
+        (RADIANCE[..., :1], "the only channel was taken as grey"),
+    ],
+)
+def test_other_channels_are_taken_as_those_of_files_with_a_note(array, note):
+    """Also where a fit takes the array: its rig holds the note."""
+    wanted = RADIANCE if array.shape[2:] == (4,) else np.repeat(RADIANCE[..., :1], 3, axis=2)
+    env = el.EnvMap(array)
+    np.testing.assert_array_equal(env.radiance, wanted)
+    assert env.notes == (note,)
+    assert el.fit(array, lights=1).notes == (note,)
+
+
+def test_a_path_is_taken_where_a_map_is(tmp_path):
+    path = tmp_path / "hall.exr"
+    el.io.write_exr(path, el.synthetic.hall(32).radiance)
+    env = el.EnvMap.open(path)
+    for given in (path, str(path)):
+        assert el.fit(given, lights=1) == el.fit(env, lights=1)
+        assert el.detect(given) == el.detect(env)
+    with pytest.raises(el.EnvLightsError, match=r"cannot read .*none\.exr"):
+        el.fit(tmp_path / "none.exr")
+
+
+def test_one_normal_gives_one_irradiance():
+    env = el.EnvMap(RADIANCE)
+    rig = el.fit(env, lights=1)
+    for lit in (env, rig):
+        np.testing.assert_array_equal(lit.probe([0, 1, 0]), lit.probe([[0, 1, 0]])[0])
+        with pytest.raises(el.EnvLightsError, match="normals must have 2 axes"):
+            lit.probe([])
+        with pytest.raises(el.EnvLightsError, match="normals must be an array of real numbers"):
+            lit.probe([[0, 1, 0], [0, 1]])
+
+
+def test_a_map_is_its_radiance_to_numpy():
+    env = el.EnvMap(RADIANCE.astype(np.float32))
+    assert np.shares_memory(np.asarray(env), env.radiance)
+    assert np.asarray(env, np.float64).dtype == np.float64
+    copied = np.array(env, copy=True)
+    assert not np.shares_memory(copied, env.radiance)
+    assert copied.flags.writeable
+    np.testing.assert_array_equal(np.sum(env, axis=2), env.radiance.sum(axis=2))
+    with pytest.raises(ValueError, match="as float64 it must be copied"):
+        np.array(env, np.float64, copy=False)
+
+
+def test_maps_are_equal_where_their_content_is():
+    env = el.EnvMap(RADIANCE, notes="a remark")
+    assert env == el.EnvMap(RADIANCE)
+    assert env != el.EnvMap(2 * RADIANCE)
+    assert env != el.EnvMap(RADIANCE, registration="border-sampled")
+    assert env != el.EnvMap(RADIANCE, white=1.0)
+    assert env != RADIANCE.tolist()
+    with pytest.raises(TypeError, match="unhashable"):
+        hash(env)

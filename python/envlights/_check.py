@@ -57,6 +57,15 @@ def reals(name: str, values: ArrayLike, ndim: int) -> NDArray[np.float64]:
     return for_kernels(array, np.float64)
 
 
+def one_or_more(name: str, values: ArrayLike) -> tuple[NDArray[np.float64], bool]:
+    """Vectors as rows, (n, 3), or one of them, (3,), as a row; True if it was one."""
+    is_one = False
+    with contextlib.suppress(ValueError):  # rows of several lengths, which `reals` refuses
+        is_one = np.ndim(values) == 1 and np.size(values) > 0
+    array = reals(name, values, 1 if is_one else 2)
+    return (array[None], True) if is_one else (array, False)
+
+
 def count(name: str, value: object, least: int = 0) -> int:
     """`value` as an int of at least `least`, or a refusal that names it."""
     is_whole = isinstance(value, numbers.Integral) and not isinstance(value, bool)

@@ -9,11 +9,13 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights import _native
-from envlights._check import amount, check_choice, for_kernels, shown, texts
+from envlights import _html, _native, _thumbnails
+from envlights._check import amount, check_choice, for_kernels, one_or_more, shown, texts
+from envlights._map_array import map_array
 from envlights._native import EnvLightsError, UnusableSamplesError
 from envlights._srgb import decode_codes
 from envlights.io.images import MOST_PIXELS, read_image
+from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import irradiance
 
 PROJECTIONS = ("equirectangular",)
@@ -31,6 +33,8 @@ class EnvMap:
     Parameters
     ----------
     radiance : array_like, shape (height, 2 * height, 3)
+        Three channels; of four the last is alpha, which is ignored, and one, or none at all, is
+        grey: `notes` says so.
         Floating point: linear radiance in W m\ :sup:`-2` sr\ :sup:`-1`, on any common scale.
         uint8 and uint16: sRGB-coded, which is noted. A C-contiguous float32 array is not copied
         (it must not be changed afterwards), unless it holds samples that are not radiance: negative
@@ -78,7 +82,12 @@ class EnvMap:
         self._clipped: tuple[float, float] | None = None
         self._notes = texts("notes", notes)
         self._projection, self._registration = projection, registration
-        self._radiance = _read_only(self._cleaned(self._linear(_as_map(radiance))))
+        if isinstance(radiance, str | os.PathLike):
+            raise EnvLightsError(
+                "a map must be an array; `EnvMap.open` reads files; got"
+                f" {shown(os.fspath(radiance))}"
+            )
+        self._radiance = _read_only(self._cleaned(self._linear(map_array(radiance, self._notes))))
 
     @classmethod
     def unchecked(cls, radiance: ArrayLike) -> EnvMap:
@@ -87,7 +96,7 @@ class EnvMap:
         env._notes = []
         env._projection, env._registration = PROJECTIONS[0], REGISTRATIONS[0]
         env._white, env._clipped = None, None
-        env._radiance = _read_only(env._linear(_as_map(radiance)))
+        env._radiance = _read_only(env._linear(map_array(radiance, env._notes)))
         return env
 
     @classmethod
@@ -199,12 +208,12 @@ class EnvMap:
 
         Parameters
         ----------
-        normals : array_like, shape (n, 3)
-            Unit normals.
+        normals : array_like, shape (n, 3) or (3,)
+            Unit normals, or one.
 
         Returns
         -------
-        ndarray, shape (n, 3)
+        ndarray, shape (n, 3) or (3,)
             RGB irradiance in W m\ :sup:`-2`:
             :math:`E(n) = \int L(\omega) \max(0, n \cdot \omega)\, d\omega`. The radiance of the
             probe (Madsen et al. 2003, equations 1 to 3) is this over pi.
@@ -215,7 +224,9 @@ class EnvMap:
             If `normals` has another shape or holds a vector whose length is not 1.
         """
         border_sampled = self._registration == "border-sampled"
-        return irradiance(self._radiance, normals, border_sampled=border_sampled)
+        rows, is_one = one_or_more("normals", normals)
+        found = irradiance(self._radiance, rows, border_sampled=border_sampled)
+        return found[0] if is_one else found
 
     def __repr__(self) -> str:
         size = f"{self.width}x{self.height}"
@@ -223,6 +234,43 @@ class EnvMap:
         share = 0.0 if self._white is None else self.clipped_share
         clipped = f", {100 * share:.2g} % of the sphere at white" if share else ""
         return f"EnvMap({size} {self._projection}, {self._registration}{clipped}{notes})"
+
+    def __str__(self) -> str:
+        luminance = self._radiance @ LUMINANCE.astype(np.float32)
+        return "\n".join(
+            [
+                f"{self.width}x{self.height} pixels, {self._projection}, {self._registration}",
+                f"luminance: median {np.median(luminance):.3g}, largest {luminance.max():.3g}",
+                *([f"white at {self._white:g}"] if self._white is not None else []),
+                *(f"note: {note}" for note in self._notes),
+            ]
+        )
+
+    def _repr_pretty_(self, printer: Any, _: bool) -> None:
+        printer.text(repr(self) if printer.indentation else str(self))
+
+    def _repr_html_(self) -> str:
+        picture = _html.picture(
+            _thumbnails.of_map(self._radiance), "the map, exposed for its lamps"
+        )
+        return _html.block("EnvMap", "", picture, _html.lines(str(self)))
+
+    def __eq__(self, other: object) -> bool:
+        """Whether both hold the same radiance in the same pixels, cut off at the same white."""
+        if not isinstance(other, EnvMap):
+            return NotImplemented
+        layout, others = ((e.projection, e.registration, e.white) for e in (self, other))
+        return layout == others and np.array_equal(self.radiance, other.radiance)
+
+    __hash__ = None  # type: ignore[assignment]  # what is compared by its pixels
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        """The radiance, so that NumPy takes a map wherever it takes an array."""
+        if copy:
+            return np.array(self._radiance, dtype)
+        if copy is False and dtype is not None and np.dtype(dtype) != np.float32:
+            raise ValueError(f"the radiance is float32; as {np.dtype(dtype)} it must be copied")
+        return np.asarray(self._radiance, dtype)
 
     def __reduce__(self) -> tuple[Any, ...]:
         # A copy is looked through again: only its constructor closes the array to writing.
@@ -263,6 +311,10 @@ class EnvMap:
         return np.maximum(np.nan_to_num(linear, nan=0.0, posinf=largest, neginf=0.0), np.float32(0))
 
 
+#: A map, the path of its file, or its radiance as an array.
+AnyMap = EnvMap | str | os.PathLike[str] | ArrayLike
+
+
 def _read_only(array: NDArray[np.float32]) -> NDArray[np.float32]:
     view = array.view()
     view.flags.writeable = False
@@ -289,8 +341,10 @@ def checked_white(white: float) -> float:
     return value
 
 
-def as_envmap(env: EnvMap | ArrayLike) -> EnvMap:
-    """`env` itself, or the map that an array stands for."""
+def as_envmap(env: AnyMap) -> EnvMap:
+    """`env` itself, or the map that an array or the path of a file stands for."""
+    if isinstance(env, str | os.PathLike):
+        return EnvMap.open(env)
     return env if isinstance(env, EnvMap) else EnvMap(env)
 
 
@@ -307,44 +361,18 @@ def clipping_notes(env: EnvMap) -> tuple[str, ...]:
     return (f"{lost}: the lights there are a lower bound",)
 
 
-def seen_through(env: EnvMap | ArrayLike, work: Callable[[EnvMap], _T]) -> tuple[EnvMap, _T]:
+def seen_through(env: AnyMap, work: Callable[[EnvMap], _T]) -> tuple[EnvMap, _T]:
     """The map, and the result of `work` on it.
 
     The kernels that `work` calls read every sample and count those that are not radiance. Only if
     they find some is an array cleaned, and `work` called again.
     """
-    if isinstance(env, EnvMap):
-        return env, work(env)
+    if isinstance(env, EnvMap | str | os.PathLike):
+        world = as_envmap(env)
+        return world, work(world)
     world = EnvMap.unchecked(env)
     try:
         return world, work(world)
     except UnusableSamplesError:
         world = EnvMap(env)
         return world, work(world)
-
-
-def _as_map(radiance: ArrayLike) -> NDArray[Any]:
-    """`radiance` as an array, or a refusal of a shape or dtype that a map cannot have."""
-    if isinstance(radiance, str | os.PathLike):
-        raise EnvLightsError(
-            f"a map must be an array; `EnvMap.open` reads files; got {shown(os.fspath(radiance))}"
-        )
-    try:
-        array = np.asarray(radiance)
-    except ValueError as error:
-        raise EnvLightsError(f"a map must be an array of numbers; {error}") from None
-    is_coded = array.dtype.kind == "u" and array.dtype.itemsize <= 2  # in either byte order
-    if array.dtype.kind != "f" and not is_coded:
-        raise EnvLightsError(
-            f"a map must be floating point, uint8 or uint16; got the dtype {array.dtype}"
-        )
-    if array.ndim != 3 or array.shape[2] != 3:
-        raise EnvLightsError(f"a map must have the shape (height, width, 3); got {array.shape}")
-    height, width, _ = array.shape
-    if width != 2 * height:
-        raise EnvLightsError(
-            f"an equirectangular map is twice as wide as high; got {width}x{height} pixels"
-        )
-    if height < 2:
-        raise EnvLightsError(f"a map needs at least 4x2 pixels; got {width}x{height}")
-    return array

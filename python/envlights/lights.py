@@ -2,22 +2,30 @@
 
 from __future__ import annotations
 
+import operator
 import os
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from envlights import _html, _thumbnails
 from envlights._arrays import sealed
 from envlights._check import reals, shown
 from envlights._native import EnvLightsError
 from envlights._result import Result
+from envlights._tables import MOST_ROWS, Table
 from envlights.envmap import EnvMap
 from envlights.export.targets import save
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import disc_map
+from envlights.light import Light, azimuths, elevations
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 #: Angular radius of the sun, in radians: 0.267 degrees at its mean distance.
 SUN_RADIUS = 0.00465
@@ -74,6 +82,8 @@ class Lights(Result):
     (array([1., 0., 0.]), array([0. , 0.5]))
     >>> len(lights), len(lights[:1])
     (2, 1)
+    >>> [round(light.luminance, 2) for light in lights]
+    [4.14, 1.0]
     """
 
     direction: NDArray[np.float64]
@@ -92,16 +102,113 @@ class Lights(Result):
     def __len__(self) -> int:
         return len(self.direction)
 
-    def __getitem__(self, which: slice) -> Lights:
-        check_slice(which)
+    @overload
+    def __getitem__(self, which: int) -> Light: ...
+
+    @overload
+    def __getitem__(self, which: slice) -> Lights: ...
+
+    def __getitem__(self, which: int | slice) -> Light | Lights:
+        """One light, or the lights of a slice."""
+        if not isinstance(which, slice):
+            return self._light(row_of(which, len(self)))
         return Lights(self.direction[which], self.irradiance[which], self.angular_radius[which])
+
+    def _light(self, row: int) -> Light:
+        radius, share = float(self.angular_radius[row]), float(self.share[row])
+        return Light(self.direction[row], self.irradiance[row], radius, share)
+
+    def __iter__(self) -> Iterator[Light]:
+        return (self._light(row) for row in range(len(self)))
+
+    @property
+    def azimuth(self) -> NDArray[np.float64]:
+        """Radians from -z over +x, as columns of a map run, from 0 to 2 pi, (n,)."""
+        return azimuths(self.direction)
+
+    @property
+    def elevation(self) -> NDArray[np.float64]:
+        """Radians above the horizon, from -pi / 2 to pi / 2, (n,)."""
+        return elevations(self.direction)
+
+    @property
+    def luminance(self) -> NDArray[np.float64]:
+        """Luminance of each irradiance, (n,)."""
+        values: NDArray[np.float64] = self.irradiance @ LUMINANCE
+        return values
+
+    @property
+    def share(self) -> NDArray[np.float64]:
+        """Share of each light in the luminance of all, (n,); 0 where all are black."""
+        shares: NDArray[np.float64] = self.luminance / (self.luminance.sum() or 1.0)
+        return shares
 
     def in_short(self) -> str:
         """How many there are."""
         return f"{len(self)} light{'' if len(self) == 1 else 's'}"
 
     def __str__(self) -> str:
-        return _table(self)
+        return str(self.table()) if len(self) else "no directional light"
+
+    def _html_parts(self) -> tuple[str, ...]:
+        if not len(self):
+            return ()
+        arrays = self.direction, self.irradiance, self.angular_radius
+        return (
+            _html.picture(_thumbnails.of_lights(*arrays), "where the lights are"),
+            self.table().html(),
+        )
+
+    def table(self) -> Table:
+        """The first dozen as a table, and what the rest hold."""
+        columns, rows = self._cells()
+        left = self.share[MOST_ROWS:]
+        verb = "holds" if len(left) == 1 else "hold"
+        rest = f"{len(left)} more {verb} {100 * left.sum():.2g} %" if len(left) else ""
+        return Table(columns, rows, rest, _thumbnails.hex_of(self.irradiance[:MOST_ROWS]))
+
+    def _cells(self) -> tuple[list[str], list[list[str]]]:
+        """Names of the columns, and the cells of the first dozen."""
+        has_sizes = self.angular_radius.any()
+        sizes = ["radius"] if has_sizes else []
+        columns = ["light", "azimuth", "elevation", "share", *sizes, "irradiance (R, G, B)"]
+        rows = [
+            [
+                *place_cells(self, row),
+                *([f"{np.rad2deg(self.angular_radius[row]):.2f}°"] if has_sizes else []),
+                rgb_cell(self.irradiance[row]),
+            ]
+            for row in range(min(len(self), MOST_ROWS))
+        ]
+        return columns, rows
+
+    def to_frame(self) -> pd.DataFrame:
+        """A data frame with a row for each light; needs pandas, which the extra `frame` brings.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Angles in degrees where a name ends in ``_deg``. Vectors and colours take a column for
+            each component.
+        """
+        try:
+            import pandas as pd
+        except ImportError:
+            raise EnvLightsError(
+                "to_frame needs pandas: pip install 'envlights[frame]', or pip install pandas"
+            ) from None
+        return pd.DataFrame(self._columns())
+
+    def _columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of the data frame."""
+        angles = {
+            "azimuth_deg": np.rad2deg(self.azimuth),
+            "elevation_deg": np.rad2deg(self.elevation),
+            "radius_deg": np.rad2deg(self.angular_radius),
+        }
+        colours = dict(zip(("red", "green", "blue"), self.irradiance.T, strict=True))
+        vectors = dict(zip("xyz", self.direction.T, strict=True))
+        return {**angles, "share": self.share, "luminance": self.luminance, **colours, **vectors}
 
     def to_dict(self) -> dict[str, Any]:
         """Lists of numbers, for JSON and the like."""
@@ -189,23 +296,24 @@ class Lights(Result):
         return SphericalGaussians(discs.direction, sealed(sharpness), sealed(amplitude))
 
 
-def _table(lights: Lights) -> str:
-    """One line for each light."""
-    if not len(lights):
-        return "no directional light"
-    flux = lights.irradiance @ LUMINANCE
-    total = flux.sum() or 1.0  # black lights have no share
-    uv = sphere.direction_to_uv(lights.direction)
-    sizes = [f"  {radius:>5.2f}°" for radius in np.rad2deg(lights.angular_radius)]
-    if not lights.angular_radius.any():
-        sizes = [""] * len(lights)
-    header = "   radius" if any(sizes) else ""
-    lines = [f"light  azimuth  elevation   share{header}      irradiance (R, G, B)"]
-    for i, ((u, v), power) in enumerate(zip(uv, flux, strict=True)):
-        rgb = "".join(f"{value:>11.4g}" for value in lights.irradiance[i])
-        place = f"{i + 1:>5}  {360 * u:>6.1f}°  {90 - 180 * v:>+8.1f}°"
-        lines.append(f"{place}  {100 * power / total:>4.1f} %{sizes[i]}{rgb}")
-    return "\n".join(lines)
+# Without its methods `count` and `index`, which nobody looks for here.
+Sequence.register(Lights)
+
+
+def place_cells(lights: Lights, row: int) -> list[str]:
+    """Number, azimuth, elevation and share of a light."""
+    azimuth, elevation = np.rad2deg(lights.azimuth[row]), np.rad2deg(lights.elevation[row])
+    return [
+        f"{row + 1}",
+        f"{azimuth:.1f}°",
+        f"{elevation:+.1f}°",
+        f"{100 * lights.share[row]:.1f} %",
+    ]
+
+
+def rgb_cell(irradiance: NDArray[np.float64]) -> str:
+    """Red, green and blue in columns of their own."""
+    return "  ".join(f"{value:>9.4g}" for value in irradiance)
 
 
 def _radii(values: ArrayLike | None, lights: int) -> NDArray[np.float64]:
@@ -255,10 +363,15 @@ def light_arrays(
     return direction, irradiance
 
 
-def check_slice(which: object) -> None:
-    """Refuse an index that is not a slice: a single light is not a `Lights`."""
-    if not isinstance(which, slice):
+def row_of(which: object, lights: int) -> int:
+    """The row that an index means, or a refusal; negative ones count from the end."""
+    try:
+        row = operator.index(which)  # type: ignore[arg-type]
+    except TypeError:
         raise EnvLightsError(
-            "lights are taken by slices, such as lights[:4], and one by the arrays, such as"
-            f" lights.direction[0]; got {shown(which)}"
-        )
+            "lights are taken by a number, such as lights[0], or a slice, such as lights[:4]; got"
+            f" {shown(which)}"
+        ) from None
+    if not -lights <= row < lights:
+        raise IndexError(f"there are {lights} lights; got the index {row}")
+    return row % lights

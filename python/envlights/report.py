@@ -9,7 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from envlights import _html
 from envlights._check import amount, check_choice, count
+from envlights._result import Result
+from envlights._tables import Table
 
 
 class StopReason(enum.Enum):
@@ -30,8 +33,8 @@ class StopReason(enum.Enum):
         return self in successes
 
 
-@dataclass(frozen=True)
-class FitReport:
+@dataclass(frozen=True, eq=False, repr=False)
+class FitReport(Result):
     """How a rig was found, and how far it can be trusted."""
 
     errors: Mapping[int, float] = field(default_factory=dict)
@@ -48,7 +51,7 @@ class FitReport:
     stop_reason: StopReason = StopReason.NOT_FITTED
     """Why it took no more steps."""
 
-    seconds: Mapping[str, float] = field(default_factory=dict)
+    seconds: Mapping[str, float] = field(default_factory=dict, compare=False)
     """Wall time of each stage."""
 
     measured_on: str = ""
@@ -150,10 +153,31 @@ class FitReport:
             skipped=tuple(str(note) for note in data["skipped"]),
         )
 
+    def in_short(self) -> str:
+        """The error of the last number of lights that was tried, and why the solver stopped."""
+        if not self.errors:
+            return self.stop_reason.value
+        lights, error = list(self.errors.items())[-1]
+        error = error if self.sized_error is None else self.sized_error
+        plural = "" if lights == 1 else "s"
+        return f"{lights} light{plural}, {_percent(error)}; {self.stop_reason.value}"
+
     def __str__(self) -> str:
+        return "\n".join(filter(None, [self._by_number(), *self._lines()]))
+
+    def _html_parts(self) -> tuple[str, ...]:
+        has_sizes = self.sized_error is not None
+        columns = ["lights", *map(str, self.errors), *(["with sizes"] if has_sizes else [])]
+        each = [
+            *self.errors.values(),
+            *([self.sized_error] if self.sized_error is not None else []),
+        ]
+        curve = Table(columns, [["error", *map(_percent, each)]]).html() if self.errors else ""
+        return curve, _html.lines("\n".join(self._lines()))
+
+    def _lines(self) -> list[str]:
         steps = f"{self.steps} steps; " if self.steps else ""
         lines = [
-            self._by_number(),
             f"measured on {self.measured_on}" if self.measured_on else "",
             *self._by_channel(),
             self.with_shadows(),
@@ -162,7 +186,7 @@ class FitReport:
             f"{steps}{self.stop_reason.value}",
             *(f"skipped: {note}" for note in self.skipped),
         ]
-        return "\n".join(line for line in lines if line)
+        return [line for line in lines if line]
 
     def with_shadows(self) -> str:
         """The error with shadows in words; nothing where it was not measured."""

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from envlights import _html
 from envlights._arrays import frozen
-from envlights._check import amount, flag, shown
+from envlights._check import amount, flag, one_or_more, shown
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights.envmap import EnvMap
@@ -71,25 +72,27 @@ class Rig(Result):
 
         Parameters
         ----------
-        normals : array_like, shape (n, 3)
-            Unit normals.
+        normals : array_like, shape (n, 3) or (3,)
+            Unit normals, or one.
 
         Returns
         -------
-        ndarray, shape (n, 3)
+        ndarray, shape (n, 3) or (3,)
             ``pi * ambient + sum_j irradiance_j * max(0, n . direction_j)``; Madsen et al. (2003),
             equations 4 to 6. Lights with a size are discs of one radiance, in closed form; over a
             floor the ambient light counts ``(1 + n_y) / 2`` times.
         """
         lights = self.lights
-        return probe.rig_irradiance(
-            normals,
+        rows, is_one = one_or_more("normals", normals)
+        found = probe.rig_irradiance(
+            rows,
             self.ambient,
             lights.direction,
             lights.irradiance,
             lights.angular_radius,
             floor=self.floor,
         )
+        return found[0] if is_one else found
 
     def to_map(self, height: int) -> EnvMap:
         """The rig as a map: its lights as discs before its ambient term.
@@ -183,16 +186,22 @@ class Rig(Result):
         raise EnvLightsError(f"{path} is not a complete rig: {reason}")
 
     def __str__(self) -> str:
+        return "\n".join([str(self.lights), *self._lines()])
+
+    def _html_parts(self) -> tuple[str, ...]:
+        return (*self.lights._html_parts(), _html.lines("\n".join(self._lines())))
+
+    def _lines(self) -> list[str]:
+        """What is to be said beside the lights."""
         stop = self.report.stop_reason
         lines = [
-            str(self.lights),
             *_ambient_lines(self.ambient),
             "a floor hides the ambient light from below the horizon" if self.floor else "",
             error_line(self),
             "" if stop.is_success or stop is StopReason.NOT_FITTED else f"note: {stop.value}",
             *(f"note: {note}" for note in self.notes),
         ]
-        return "\n".join(line for line in lines if line)
+        return [line for line in lines if line]
 
     def in_short(self) -> str:
         """Its parts, and its error."""

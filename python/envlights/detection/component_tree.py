@@ -6,12 +6,10 @@ import math
 import time
 from typing import Any, NamedTuple
 
-from numpy.typing import ArrayLike
-
 from envlights import _native
 from envlights._check import LARGEST_COUNT, amount, count
 from envlights.detection.lights import DetectedLights, DetectionReport, Members
-from envlights.envmap import EnvMap, checked_white, seen_through
+from envlights.envmap import AnyMap, EnvMap, checked_white, seen_through
 
 #: The narrowest working image.
 _LEAST_COLUMNS = 16
@@ -21,7 +19,7 @@ _FEWER_COLUMNS = 2
 
 
 def detect_tree(
-    env: EnvMap | ArrayLike,
+    env: AnyMap,
     *,
     max_lights: int | None = None,
     min_flux_share: float = 0.0,
@@ -41,7 +39,7 @@ def detect_tree(
 
     Parameters
     ----------
-    env : EnvMap or array_like, shape (height, 2 * height, 3)
+    env : EnvMap, path-like or array_like, shape (height, 2 * height, 3)
         The map.
     max_lights : int, optional
         Lights, at most. Neighbours are merged until there are that many, the pair with the least

@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from numpy.typing import ArrayLike
-
 from envlights._check import check_choice
 from envlights.detection.component_tree import detect_tree
 from envlights.detection.lights import DetectedLights
 from envlights.detection.loghin import detect_article
-from envlights.envmap import EnvMap
+from envlights.envmap import AnyMap
 
 #: The detectors by name.
 METHODS: dict[str, Callable[..., DetectedLights]] = {
@@ -20,12 +18,12 @@ METHODS: dict[str, Callable[..., DetectedLights]] = {
 }
 
 
-def detect(env: EnvMap | ArrayLike, method: str = "tree", **options: Any) -> DetectedLights:
+def detect(env: AnyMap, method: str = "tree", **options: Any) -> DetectedLights:
     """Bright places of a map, as lights.
 
     Parameters
     ----------
-    env : EnvMap or array_like, shape (height, 2 * height, 3)
+    env : EnvMap, path-like or array_like, shape (height, 2 * height, 3)
         The map.
     method : {"tree", "article"}
         "tree": the component tree, which follows every bright path and measures each light on the

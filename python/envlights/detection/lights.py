@@ -2,24 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights import _html
 from envlights._arrays import sealed
 from envlights._native import EnvLightsError
-from envlights.kernels import sphere
-from envlights.lights import Lights, brightest_first, check_slice, light_arrays
+from envlights._result import Result
+from envlights._tables import MOST_ROWS
+from envlights.light import DetectedLight
+from envlights.lights import Lights, brightest_first, light_arrays, place_cells, rgb_cell, row_of
 
 #: Solid angle, in steradians, above which a light is broad.
 _BROAD = 0.5
 
 
-@dataclass(frozen=True, eq=False)
-class DetectionReport:
+@dataclass(frozen=True, eq=False, repr=False)
+class DetectionReport(Result):
     """How lights were found, and what was left out."""
 
     method: str
@@ -40,7 +43,7 @@ class DetectionReport:
     notes: tuple[str, ...] = ()
     """What was cleaned or assumed in the map."""
 
-    seconds: Mapping[str, float] = field(default_factory=dict)
+    seconds: Mapping[str, float] = field(default_factory=dict, compare=False)
     """Wall time of each stage."""
 
     def to_dict(self) -> dict[str, Any]:
@@ -54,6 +57,10 @@ class DetectionReport:
             "notes": list(self.notes),
         }
 
+    def in_short(self) -> str:
+        """The method, and its threshold."""
+        return f"{self.method}, threshold {self.threshold:.4g}"
+
     def __str__(self) -> str:
         height, width = self.working_size
         lines = [
@@ -65,8 +72,8 @@ class DetectionReport:
         return "\n".join(lines)
 
 
-@dataclass(frozen=True, eq=False)
-class Members:
+@dataclass(frozen=True, eq=False, repr=False)
+class Members(Result):
     """The pixels or samples that make up the lights, in the working image of the report."""
 
     pixel: NDArray[np.int64]
@@ -74,6 +81,10 @@ class Members:
 
     light: NDArray[np.int64]
     """Index of the light that each belongs to, shape (k,)."""
+
+    def in_short(self) -> str:
+        """How many there are."""
+        return f"{len(self.pixel)} pixels or samples"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -157,9 +168,16 @@ class DetectedLights(Lights):
             return brightest_first(irradiance)
         return np.argsort(-np.asarray(self.weight), kind="stable")
 
-    def __getitem__(self, which: slice) -> DetectedLights:
-        """The lights of a slice."""
-        check_slice(which)
+    @overload
+    def __getitem__(self, which: int) -> DetectedLight: ...
+
+    @overload
+    def __getitem__(self, which: slice) -> DetectedLights: ...
+
+    def __getitem__(self, which: int | slice) -> DetectedLight | DetectedLights:
+        """One light, or the lights of a slice."""
+        if not isinstance(which, slice):
+            return self._light(row_of(which, len(self)))
         arrays: dict[str, Any] = {name: getattr(self, name)[which] for name in self._given()}
         kept = np.arange(len(self))[which]
         place = np.full(len(self), -1)
@@ -167,6 +185,19 @@ class DetectedLights(Lights):
         ours = np.isin(self.members.light, kept)
         members = Members(self.members.pixel[ours], place[self.members.light[ours]])
         return DetectedLights(**arrays, members=members, report=self.report)
+
+    def _light(self, row: int) -> DetectedLight:
+        arrays = {each.name: getattr(self, each.name) for each in fields(DetectedLight)}
+        rows = {name: None if array is None else array[row] for name, array in arrays.items()}
+        return DetectedLight(**{name: _plain(value) for name, value in rows.items()})
+
+    def __iter__(self) -> Iterator[DetectedLight]:
+        return (self._light(row) for row in range(len(self)))
+
+    @property
+    def share(self) -> NDArray[np.float64]:
+        """Share of each light in the flux of the whole map: `flux_share`, (n,)."""
+        return self.flux_share
 
     def discs(self) -> Lights:
         r"""The lights as discs of the same flux and solid angle.
@@ -194,30 +225,52 @@ class DetectedLights(Lights):
         return {**arrays, "report": self.report.to_dict()}
 
     def __str__(self) -> str:
-        together = 100 * self.flux_share.sum()
-        return f"{self._table()}\n\nthe lights hold {together:.3g} % of the flux\n{self.report}"
+        table = self.table() if len(self) else "no light"
+        return f"{table}\n\n{self._together()}\n{self.report}"
 
-    def _table(self) -> str:
-        """One line for each light."""
-        if not len(self):
-            return "no light"
-        lines = ["light  azimuth  elevation   share   radius      peak   irradiance (R, G, B)"]
-        uv = sphere.direction_to_uv(self.direction)
-        for i, (u, v) in enumerate(uv):
-            clipped = "  clipped" if self.is_clipped[i] else ""
-            clipped += "  broad" if self.is_broad[i] else ""
-            if self.direction_uncertainty is not None:
-                clipped += f"  within {np.rad2deg(self.direction_uncertainty[i]):.2g}°"
-            rgb = "".join(f"{value:>11.4g}" for value in self.irradiance[i])
-            lines.append(
-                f"{i + 1:>5}  {360 * u:>6.1f}°  {90 - 180 * v:>+8.1f}°  "
-                f"{100 * self.flux_share[i]:>4.1f} %  {np.rad2deg(self.angular_radius[i]):>5.2f}°  "
-                f"{self.peak_luminance[i]:>8.4g}{rgb}{clipped}"
-            )
-        return "\n".join(lines)
+    def _html_parts(self) -> tuple[str, ...]:
+        return (*super()._html_parts(), _html.lines(f"{self._together()}\n{self.report}"))
+
+    def _together(self) -> str:
+        return f"the lights hold {100 * self.flux_share.sum():.3g} % of the flux"
+
+    def _cells(self) -> tuple[list[str], list[list[str]]]:
+        columns = ["light", "azimuth", "elevation", "share", "radius", "peak"]
+        rows = [
+            [
+                *place_cells(self, row),
+                f"{np.rad2deg(self.angular_radius[row]):.2f}°",
+                f"{self.peak_luminance[row]:.4g}",
+                rgb_cell(self.irradiance[row]),
+                self._remarks(row),
+            ]
+            for row in range(min(len(self), MOST_ROWS))
+        ]
+        return [*columns, "irradiance (R, G, B)", ""], rows
+
+    def _remarks(self, row: int) -> str:
+        """What is to be known of a light."""
+        remarks = ["clipped"] if self.is_clipped[row] else []
+        remarks += ["broad"] if self.is_broad[row] else []
+        if self.direction_uncertainty is not None:
+            remarks.append(f"within {np.rad2deg(self.direction_uncertainty[row]):.2f}°")
+        return "  ".join(remarks)
+
+    def _columns(self) -> dict[str, NDArray[Any]]:
+        arrays = {name: getattr(self, name) for name in (*self._given(), "is_broad")}
+        scalars = {name: array for name, array in arrays.items() if array.ndim == 1}
+        if "direction_uncertainty" in scalars:
+            radians = scalars.pop("direction_uncertainty")
+            scalars["direction_uncertainty_deg"] = np.rad2deg(radians)
+        return {**super()._columns(), **scalars}
 
     def _given(self) -> tuple[str, ...]:
         """Names of the arrays that were given, with a row for each light."""
         names = (each.name for each in fields(self) if each.init)
         arrays = (name for name in names if name not in ("members", "report"))
         return tuple(name for name in arrays if getattr(self, name) is not None)
+
+
+def _plain(value: Any) -> Any:
+    """A number of Python for one of NumPy; arrays and None as they are."""
+    return value.item() if isinstance(value, np.generic) else value

@@ -7,14 +7,14 @@ import time
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from envlights import _native
 from envlights._check import amount, check_choice, count
 from envlights._srgb import encode_srgb
 from envlights.detection.component_tree import detect_tree
 from envlights.detection.lights import DetectedLights, DetectionReport, Members
-from envlights.envmap import EnvMap, as_envmap
+from envlights.envmap import AnyMap, EnvMap, as_envmap
 from envlights.kernels import image as images
 from envlights.kernels import loghin, sampling
 from envlights.kernels.sphere import direction_to_uv, pixel_solid_angles, uv_to_direction
@@ -34,7 +34,7 @@ class _Samples:
 
 
 def detect_article(
-    env: EnvMap | ArrayLike,
+    env: AnyMap,
     *,
     max_lights: int | None = None,
     working_width: int = 1024,
@@ -61,7 +61,7 @@ def detect_article(
 
     Parameters
     ----------
-    env : EnvMap or array_like, shape (height, 2 * height, 3)
+    env : EnvMap, path-like or array_like, shape (height, 2 * height, 3)
         The map.
     max_lights : int, optional
         Lights, at most: those with the most flux are kept, and nothing is merged.

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights import _native
 from envlights._check import check_choice, flag, reals
 from envlights._native import EnvLightsError, FitAnswer
-from envlights.envmap import EnvMap, clipping_notes, seen_through
+from envlights.envmap import AnyMap, EnvMap, clipping_notes, seen_through
 from envlights.fitting import notes
 from envlights.fitting.answer import rig_of
 from envlights.fitting.asked import MAX_STEPS, STARTS_WITHOUT_MAP, Asked, asked
@@ -40,7 +40,7 @@ SAME_ERROR = 1e-3
 
 
 def fit(
-    env: EnvMap | ArrayLike,
+    env: AnyMap,
     lights: int | None = None,
     *,
     error: float | None = None,
@@ -75,7 +75,7 @@ def fit(
 
     Parameters
     ----------
-    env : EnvMap or array_like, shape (height, 2 * height, 3)
+    env : EnvMap, path-like or array_like, shape (height, 2 * height, 3)
         The map; an array is taken as `EnvMap` takes it.
     lights : int, optional
         How many lights at most, 0 or more. Fewer come back where more would not lower the error.

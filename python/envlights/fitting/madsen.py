@@ -12,9 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._arrays import frozen
 from envlights._check import amount, colour, count, reals
 from envlights._native import EnvLightsError
-from envlights.envmap import EnvMap, as_envmap, clipping_notes
+from envlights._result import Result
+from envlights._tables import Table
+from envlights.envmap import AnyMap, EnvMap, as_envmap, clipping_notes
 from envlights.kernels import madsen, probe, sampling
-from envlights.lights import Lights
+from envlights.light import azimuths, elevations
+from envlights.lights import Lights, rgb_cell
 from envlights.report import FitReport, StopReason
 from envlights.rig import Rig
 
@@ -39,8 +42,8 @@ _STRONGEST = 1e100
 _Reals = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
-class PaperFit:
+@dataclass(frozen=True, eq=False, repr=False)
+class PaperFit(Result):
     """The result of the paper's fit. Its light may be negative, which a `Rig` refuses."""
 
     ambient: _Reals
@@ -67,6 +70,28 @@ class PaperFit:
 
     notes: tuple[str, ...] = ()
     """What was cleaned or assumed in the map."""
+
+    def in_short(self) -> str:
+        """Number of lights, error and why the steps ended."""
+        lights = f"{len(self.direction)} lights, error {100 * self.error:.3g} %"
+        return f"{lights} after {self.steps} steps: {self.stop_reason.value}"
+
+    def __str__(self) -> str:
+        return f"{self.in_short()}\n{self._table()}"
+
+    def _html_parts(self) -> tuple[str, ...]:
+        return (self._table().html(),)
+
+    def _table(self) -> Table:
+        """The ambient term and each light; irradiances may be negative."""
+        rows = [["ambient", "", "", rgb_cell(self.ambient)]]
+        for number, (towards, irradiance) in enumerate(
+            zip(self.direction, self.irradiance, strict=True), start=1
+        ):
+            azimuth, elevation = np.rad2deg([azimuths(towards[None]), elevations(towards[None])])
+            place = [f"{number}", f"{azimuth[0]:.1f}°", f"{elevation[0]:+.1f}°"]
+            rows.append([*place, rgb_cell(irradiance)])
+        return Table(["light", "azimuth", "elevation", "irradiance (R, G, B)"], rows)
 
     @property
     def error(self) -> float:
@@ -109,7 +134,7 @@ class PaperFit:
 
 
 def fit_paper(
-    env: EnvMap | ArrayLike,
+    env: AnyMap,
     lights: int = 4,
     *,
     k_a: float = np.pi,
@@ -129,7 +154,7 @@ def fit_paper(
 
     Parameters
     ----------
-    env : EnvMap or array_like, shape (height, 2 * height, 3)
+    env : EnvMap, path-like or array_like, shape (height, 2 * height, 3)
         The map. Its scale matters: radiances start at 1.0 in its units.
     lights : int
         How many directional lights.

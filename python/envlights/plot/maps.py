@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from envlights._srgb import encode_srgb
 from envlights.detection.lights import DetectedLights
-from envlights.envmap import EnvMap, as_envmap
+from envlights.envmap import AnyMap, EnvMap, as_envmap
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
 from envlights.plot.figure import Picture
@@ -18,7 +18,7 @@ from envlights.rig import Rig, error_line
 from envlights.scene.surface import tangent_frames
 
 
-def picture(env: EnvMap | ArrayLike, rig: Rig) -> Picture:
+def picture(env: AnyMap, rig: Rig) -> Picture:
     """Draw the map with the lights on it, the probe under map and rig, and their difference.
 
     The probe is viewed from beside the brightest light, so that its lit and its dark side show.
@@ -26,7 +26,7 @@ def picture(env: EnvMap | ArrayLike, rig: Rig) -> Picture:
 
     Parameters
     ----------
-    env : EnvMap or array_like, shape (height, 2 * height, 3)
+    env : EnvMap, path-like or array_like, shape (height, 2 * height, 3)
         The map.
     rig : Rig
         Its lights.
@@ -57,7 +57,7 @@ def picture(env: EnvMap | ArrayLike, rig: Rig) -> Picture:
     return figure
 
 
-def detection_picture(env: EnvMap | ArrayLike, lights: DetectedLights) -> Picture:
+def detection_picture(env: AnyMap, lights: DetectedLights) -> Picture:
     """Draw the map with the lights that were detected in it, as in Loghin (2021).
 
     Red: the outline of the pixels of each light, or its samples with a line to each. Blue: the peak
@@ -65,7 +65,7 @@ def detection_picture(env: EnvMap | ArrayLike, lights: DetectedLights) -> Pictur
 
     Parameters
     ----------
-    env : EnvMap or array_like, shape (height, 2 * height, 3)
+    env : EnvMap, path-like or array_like, shape (height, 2 * height, 3)
         The map.
     lights : DetectedLights
         The result of `detect` on it.

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.axes import Axes
-from numpy.typing import ArrayLike
 
 from envlights._check import count
 from envlights._native import EnvLightsError
 from envlights._srgb import encode_srgb
-from envlights.envmap import EnvMap, as_envmap
+from envlights.envmap import AnyMap, as_envmap
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
 from envlights.plot.figure import Picture
@@ -21,7 +20,7 @@ from envlights.scene.still_life import Still, still_life
 _WHITE = 0.99
 
 
-def scene(env: EnvMap | ArrayLike, *rigs: Rig, samples: int = 128, seed: int = 0) -> Picture:
+def scene(env: AnyMap, *rigs: Rig, samples: int = 128, seed: int = 0) -> Picture:
     """Draw a ball and a box on a floor under the map and under rigs, and their differences.
 
     All images have the same exposure; a difference is of luminance, in percent of the mean. The
@@ -32,7 +31,7 @@ def scene(env: EnvMap | ArrayLike, *rigs: Rig, samples: int = 128, seed: int = 0
 
     Parameters
     ----------
-    env : EnvMap or array_like, shape (height, 2 * height, 3)
+    env : EnvMap, path-like or array_like, shape (height, 2 * height, 3)
         The map.
     *rigs : Rig
         One or more, such as a fit without sizes and one with them. The floor hides what is below

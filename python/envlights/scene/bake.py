@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights import _html, _thumbnails
 from envlights._check import count
 from envlights._native import EnvLightsError
 from envlights._result import Result
@@ -34,13 +35,17 @@ class BakedPairs(Result):
         """Number and size of the images."""
         return f"direct {self.direct.shape}, indirect {self.indirect.shape}"
 
+    def _html_parts(self) -> tuple[str, ...]:
+        codes = _thumbnails.of_pairs(self.direct, self.indirect)
+        return (_html.picture(codes, "the first pairs, direct light above indirect light"),)
+
     def save(self, folder: str | os.PathLike[str]) -> None:
         """Write files ``direct_0000.exr``, ``lightmap_0000.exr`` and so on for `read_pairs`.
 
         Parameters
         ----------
         folder : path-like
-            An existing folder.
+            Where they go; it is made if it does not exist.
         """
         write_pairs(folder, self.direct, self.indirect)
 

@@ -10,13 +10,14 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._arrays import frozen
 from envlights._check import first_not_finite, reals
 from envlights._native import EnvLightsError
+from envlights._result import Result
 
 #: Rays start this share of the scene's extent above a surface, or it would block itself.
 _LIFT = 1e-4
 
 
-@dataclass(frozen=True, eq=False)
-class Surface:
+@dataclass(frozen=True, eq=False, repr=False)
+class Surface(Result):
     """Diffuse surfaces, texel by texel, as most tools can bake them.
 
     Examples
@@ -37,6 +38,11 @@ class Surface:
 
     albedo: NDArray[np.float64]
     """Reflectance of a Lambertian surface, linear RGB, (H, W, 3)."""
+
+    def in_short(self) -> str:
+        """Size and covered texels."""
+        height, width, _ = self.position.shape
+        return f"{width}x{height} texels, {100 * self.covered.mean():.3g} % with a surface"
 
     def __post_init__(self) -> None:
         # Check and seal the maps.

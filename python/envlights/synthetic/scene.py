@@ -13,8 +13,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from envlights import _html, _thumbnails
 from envlights._check import count, reals
 from envlights._native import EnvLightsError
+from envlights._result import Result
 from envlights.kernels import sphere
 from envlights.lights import Lights, brightest_first
 from envlights.synthetic.shapes import Shape
@@ -23,8 +25,8 @@ from envlights.synthetic.shapes import Shape
 Camera = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 
-@dataclass(frozen=True, eq=False)
-class SyntheticMap:
+@dataclass(frozen=True, eq=False, repr=False)
+class SyntheticMap(Result):
     """A map and the lights in it."""
 
     radiance: NDArray[np.float32]
@@ -41,6 +43,16 @@ class SyntheticMap:
 
     note: str = ""
     """Description of the map."""
+
+    def in_short(self) -> str:
+        """Size, number of lights and description."""
+        height, width, _ = self.radiance.shape
+        note = f"; {self.note}" if self.note else ""
+        return f"{width}x{height} pixels, {self.lights.in_short()}{note}"
+
+    def _html_parts(self) -> tuple[str, ...]:
+        picture = _html.picture(_thumbnails.of_map(self.radiance), "the map")
+        return picture, self.lights.table().html()
 
     @property
     def angular_radius_deg(self) -> NDArray[np.float64]:

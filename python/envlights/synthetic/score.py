@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._check import reals
+from envlights._result import Result
 from envlights.kernels.image import LUMINANCE
 from envlights.synthetic.scene import SyntheticMap
 
@@ -16,8 +17,8 @@ from envlights.synthetic.scene import SyntheticMap
 TOLERANCE_DEG = 2.0
 
 
-@dataclass(frozen=True)
-class Score:
+@dataclass(frozen=True, eq=False, repr=False)
+class Score(Result):
     """Score of a detector on a family of maps.
 
     A ratio with the denominator 0 is 1: a detector that finds nothing where there is no light makes
@@ -38,6 +39,16 @@ class Score:
 
     false_on_lightless: int
     """Number of lights that were detected on maps without lights."""
+
+    def in_short(self) -> str:
+        """The ratios, and the accuracy of the hits."""
+        if not len(self.angles_deg):
+            return f"no hit of {self.known} lights, {self.found} found"
+        angle, flux = np.median(self.angles_deg), 100 * np.median(np.abs(self.flux_errors))
+        return (
+            f"precision {100 * self.precision:.3g} %, recall {100 * self.recall:.3g} %;"
+            f" median {angle:.2g}° and {flux:.2g} % of flux off"
+        )
 
     @property
     def precision(self) -> float:

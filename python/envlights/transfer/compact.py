@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from envlights import _native
+from envlights._result import Result
 
 #: Texels that stand together, and those of them that share a scale: the kernel decides.
 TILE, SHARE = _native.BASIS_TILE, _native.BASIS_SHARE
@@ -27,8 +28,8 @@ LARGEST: dict[str, float] = {"int8": 127.0, "float16": 1.0}
 _BLOCK = 8192
 
 
-@dataclass(frozen=True, eq=False)
-class CompactBasis:
+@dataclass(frozen=True, eq=False, repr=False)
+class CompactBasis(Result):
     """Orthonormal columns, rounded, over tiles of 32 texels of the image."""
 
     values: NDArray[Any]
@@ -39,6 +40,10 @@ class CompactBasis:
 
     places: NDArray[np.int64]
     """For each tile of the image the place of its values, or -1 where it is black."""
+
+    def in_short(self) -> str:
+        """Its type and its size."""
+        return f"{self.values.dtype}, {self.values.nbytes / 1e6:.3g} MB"
 
     @property
     def dtype(self) -> np.dtype[np.float32]:

@@ -13,9 +13,11 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights import _html, _thumbnails
 from envlights._check import first_not_finite, shown
 from envlights._native import EnvLightsError
 from envlights._result import Result
+from envlights.io.files import as_path
 from envlights.io.images import read_image, write_exr
 
 #: First words of the names of files.
@@ -47,6 +49,10 @@ class FilePairs(Result):
     def in_short(self) -> str:
         """Number and size of the images."""
         return f"direct {self.direct.shape}, indirect {self.indirect.shape}"
+
+    def _html_parts(self) -> tuple[str, ...]:
+        codes = _thumbnails.of_pairs(self.direct, self.indirect)
+        return (_html.picture(codes, "the first pairs, direct light above indirect light"),)
 
 
 def read_pairs(
@@ -128,7 +134,14 @@ def _in_folder(folder: Path) -> list[PathPair]:
 def write_pairs(
     folder: str | os.PathLike[str], direct: NDArray[Any], indirect: NDArray[Any]
 ) -> None:
-    """Write images, (k, h, w, 3) and (k, H, W, 3), as the files that `read_pairs` reads."""
+    """Write images, (k, h, w, 3) and (k, H, W, 3), as the files that `read_pairs` reads.
+
+    A folder that does not exist is made.
+    """
+    try:
+        as_path(folder).mkdir(exist_ok=True)
+    except OSError as error:
+        raise EnvLightsError(f"cannot make the folder {folder}: {error.strerror}") from None
     for k, pair in enumerate(zip(direct, indirect, strict=True)):
         for kind, image in zip((_DIRECT, _INDIRECT), pair, strict=True):
             write_exr(Path(folder, _file_name(kind, f"{k:04}")), image)

@@ -7,9 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights._result import Result
 
-@dataclass(frozen=True, eq=False)
-class Learnt:
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Learnt(Result):
     """Summary of the pairs of a model, without their texels, so that more pairs can be added."""
 
     direct: NDArray[np.float64]
@@ -23,3 +25,7 @@ class Learnt:
 
     energy: NDArray[np.float64]
     """Sum of squares of each indirect image, (k,)."""
+
+    def in_short(self) -> str:
+        """How many pairs, and at which rank."""
+        return f"{len(self.energy)} pairs at rank {self.coefficients.shape[2]}"

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._check import amount, check_choice
+from envlights import _html, _thumbnails
+from envlights._check import amount, check_choice, count
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights.transfer import archive, grow
@@ -378,6 +379,27 @@ class TransferModel(Result):
 
     def __str__(self) -> str:
         return str(self.report)
+
+    def _html_parts(self) -> tuple[str, ...]:
+        picture = _html.picture(_thumbnails.of_signed(self.directions(4)), "its first directions")
+        return (picture, *self.report._html_parts())
+
+    def directions(self, most: int) -> NDArray[Any]:
+        """The first columns of the basis as images, black where no image is lit.
+
+        Parameters
+        ----------
+        most : int
+            How many, at most.
+
+        Returns
+        -------
+        ndarray, shape (n, H, W)
+            Orthonormal: the sum of squares of each is 1, in a `compressed` model up to rounding.
+        """
+        components = min(count("most", most), self.transfer.shape[2])
+        one_each = np.repeat(np.eye(components)[:, None], 3, axis=1)
+        return self._expanded(one_each, np.zeros(components), None)[..., 0]
 
 
 def _wanted(rank: object, ridge: object, error: object) -> Wanted:

@@ -8,11 +8,14 @@ from typing import Any
 
 import numpy as np
 
+from envlights import _html
 from envlights._check import amount, count
+from envlights._result import Result
+from envlights._tables import Table
 
 
-@dataclass(frozen=True)
-class TransferReport:
+@dataclass(frozen=True, eq=False, repr=False)
+class TransferReport(Result):
     """Size, times and errors of a transfer model.
 
     Errors are relative: the norm of the difference over the norm of the image, over all texels and
@@ -40,7 +43,7 @@ class TransferReport:
     notes: tuple[str, ...] = ()
     """Channels that were dropped, images that were left out, and bounds that were not reached."""
 
-    seconds: Mapping[str, float] = field(default_factory=dict)
+    seconds: Mapping[str, float] = field(default_factory=dict, compare=False)
     """Wall time of each stage."""
 
     @property
@@ -66,10 +69,23 @@ class TransferReport:
             seconds={str(stage): amount("seconds", s) for stage, s in data["seconds"].items()},
         )
 
+    def in_short(self) -> str:
+        """Size, energy and ridge."""
+        size = f"rank {self.rank} from {self.pairs} pairs"
+        return f"{size}, {100 * self.energy:.4g} % of the energy; ridge {self.ridge:.3g}"
+
+    def _html_parts(self) -> tuple[str, ...]:
+        kinds = {
+            "unseen lights, leave-one-out": self.unseen_errors,
+            "training images": self.training_errors,
+        }
+        rows = [[name, *_percentiles(errors)] for name, errors in kinds.items() if errors]
+        table = Table(["relative error", "median", "90th percentile", "worst"], rows)
+        return table.html(), _html.lines("\n".join(f"note: {note}" for note in self.notes))
+
     def __str__(self) -> str:
         lines = [
-            f"rank {self.rank} from {self.pairs} pairs, {100 * self.energy:.4g} % of the energy;"
-            f" ridge {self.ridge:.3g}",
+            self.in_short(),
             f"unseen lights, leave-one-out: {_spread(self.unseen_errors)}",
             f"training images:              {_spread(self.training_errors)}",
             *(f"note: {note}" for note in self.notes),
@@ -80,5 +96,10 @@ class TransferReport:
 def _spread(errors: tuple[float, ...]) -> str:
     if not errors:
         return "no image that is not black"
-    median, high = 100 * np.percentile(errors, [50, 90])
-    return f"median {median:.3g} %, 90th percentile {high:.3g} %, worst {100 * max(errors):.3g} %"
+    median, high, worst = _percentiles(errors)
+    return f"median {median}, 90th percentile {high}, worst {worst}"
+
+
+def _percentiles(errors: tuple[float, ...]) -> list[str]:
+    """Median, 90th percentile and largest, in percent."""
+    return [f"{100 * share:.3g} %" for share in (*np.percentile(errors, [50, 90]), max(errors))]

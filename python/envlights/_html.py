@@ -1,0 +1,47 @@
+"""HTML of results: in the colours of the page, without scripts, with pictures inside."""
+
+from __future__ import annotations
+
+import base64
+import struct
+import zlib
+from html import escape
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+def block(title: str, in_short: str, *parts: str) -> str:
+    """A result: its kind and one line on it above its parts."""
+    head = f"<div><strong>{escape(title)}</strong> {escape(in_short)}</div>"
+    return f"<div>{head}{''.join(parts)}</div>"
+
+
+def lines(text: str) -> str:
+    """Text, each line on its own."""
+    return "".join(f"<div>{escape(line)}</div>" for line in text.splitlines())
+
+
+def picture(codes: NDArray[np.uint8], what: str) -> str:
+    """An image of RGB codes, (height, width, 3), with `what` it shows in words."""
+    height, width, _ = codes.shape
+    data = base64.b64encode(png(codes)).decode()
+    size = f'width="{width}" height="{height}"'
+    return f'<img {size} alt="{escape(what)}" src="data:image/png;base64,{data}">'
+
+
+def png(codes: NDArray[np.uint8]) -> bytes:
+    """An RGB image, (height, width, 3), as a PNG file (ISO/IEC 15948)."""
+    height, width, _ = codes.shape
+    # Code each row by its differences from the row above, the filter that suits smooth pictures.
+    above = np.vstack([np.zeros((1, width, 3), np.uint8), codes[:-1]])
+    rows = np.full((height, 1 + 3 * width), 2, np.uint8)
+    rows[:, 1:] = (codes - above).reshape(height, -1)
+    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    chunks = ((b"IHDR", header), (b"IDAT", zlib.compress(rows.tobytes(), 9)), (b"IEND", b""))
+    return b"\x89PNG\r\n\x1a\n" + b"".join(_chunk(kind, content) for kind, content in chunks)
+
+
+def _chunk(kind: bytes, content: bytes) -> bytes:
+    checksum = zlib.crc32(content, zlib.crc32(kind))
+    return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", checksum)

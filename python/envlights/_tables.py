@@ -1,0 +1,57 @@
+"""Tables of results: aligned text for a terminal, HTML for a notebook."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from html import escape
+from typing import NamedTuple
+
+#: Rows that are shown of a long table.
+MOST_ROWS = 12
+
+
+class Table(NamedTuple):
+    """Cells as text, and a line for what they leave out."""
+
+    columns: Sequence[str]
+    """Names. A column without one holds remarks, and stands at the left."""
+
+    rows: Sequence[Sequence[str]]
+    """The cells of each row."""
+
+    rest: str = ""
+    """What is known of the rows that are not shown."""
+
+    colours: Sequence[str] = ()
+    """Colour of each row as ``#rrggbb``, shown in HTML."""
+
+    def __str__(self) -> str:
+        """Lines whose columns are aligned."""
+        lines = [self.columns, *self.rows]
+        widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+        aligns = [">" if name else "<" for name in self.columns]
+        layout = list(zip(aligns, widths, strict=True))
+        texts = (
+            "  ".join(
+                f"{cell:{align}{width}}" for cell, (align, width) in zip(line, layout, strict=True)
+            )
+            for line in lines
+        )
+        return "\n".join(filter(None, [*(text.rstrip() for text in texts), self.rest]))
+
+    def html(self) -> str:
+        """A table in the colours of its page, whether they are light or dark."""
+        names = [*([""] if self.colours else []), *self.columns]
+        head = "".join(f"<th>{escape(name)}</th>" for name in names)
+        swatches = [_swatch(colour) for colour in self.colours] or [""] * len(self.rows)
+        body = "".join(
+            f"<tr>{swatch}{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>"
+            for swatch, row in zip(swatches, self.rows, strict=True)
+        )
+        rest = f"<div>{escape(self.rest)}</div>" if self.rest else ""
+        return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>{rest}"
+
+
+def _swatch(colour: str) -> str:
+    style = f"background:{colour};border:1px solid #808080"
+    return f'<td><span style="display:inline-block;width:1em;height:1em;{style}"></span></td>'

@@ -1,0 +1,126 @@
+"""Small pictures of maps and lights, for notebooks; without Matplotlib."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights._srgb import encode_srgb
+from envlights.kernels import sphere
+from envlights.kernels.image import LUMINANCE
+
+#: Columns of a thumbnail.
+_COLUMNS = 240
+#: Share of the sphere that is darker than white in a picture of a map: lamps are not.
+DARKER_THAN_WHITE = 0.98
+#: Codes of the ground on which lights are drawn, and of its horizon.
+_GROUND, _HORIZON = 40, 84
+#: Pixels along a side of one image of several, their number, and the gap between them.
+_SIDE, _IMAGES, _GAP = 96, 4, 4
+#: Lights that are drawn, at most.
+_MOST_LIGHTS = 64
+
+
+def white_of(radiance: NDArray[np.floating]) -> float:
+    """The luminance that becomes white in a picture of a map: one that only lamps exceed."""
+    height = radiance.shape[0]
+    luminance = radiance @ LUMINANCE
+    bands = np.sin(np.pi * (np.arange(height) + 0.5) / height)
+    weights = np.broadcast_to(bands[:, None], luminance.shape).ravel()
+    order = np.argsort(luminance, axis=None)
+    darker = np.cumsum(weights[order])
+    at = min(int(np.searchsorted(darker, DARKER_THAN_WHITE * darker[-1])), len(order) - 1)
+    white = float(luminance.ravel()[order[at]])
+    # A map of a lamp before a black sky has no other light to be exposed for.
+    return white or float(luminance.max()) or 1.0
+
+
+def reduced(radiance: NDArray[np.floating], columns: int) -> NDArray[np.float64]:
+    """Means over blocks of pixels, with `columns` columns or up to twice as many."""
+    step = max(radiance.shape[1] // columns, 1)
+    height, width = (side // step * step for side in radiance.shape[:2])
+    blocks = radiance[:height, :width].reshape(height // step, step, width // step, step, -1)
+    means: NDArray[np.float64] = blocks.mean(axis=(1, 3), dtype=np.float64)
+    return means
+
+
+def of_map(radiance: NDArray[np.floating]) -> NDArray[np.uint8]:
+    """Codes of a picture of a map, exposed so that lamps stand out."""
+    small = reduced(radiance, _COLUMNS)
+    return _codes(encode_srgb(small / white_of(small)))
+
+
+def of_lights(
+    direction: NDArray[np.float64],
+    irradiance: NDArray[np.float64],
+    angular_radius: NDArray[np.float64],
+) -> NDArray[np.uint8]:
+    """Codes of a picture of lights, brightest first: discs in their colour and of their size.
+
+    No disc is smaller than can be seen; its area then tells its share of the brightest light.
+    """
+    towards = sphere.pixel_directions(_COLUMNS // 2, _COLUMNS)
+    picture = np.full(towards.shape, _GROUND, np.uint8)
+    picture[_COLUMNS // 4] = _HORIZON
+    luminance = irradiance @ LUMINANCE
+    share = luminance / (luminance.max(initial=0.0) or 1.0)
+    radius = np.maximum(angular_radius, np.deg2rad(1.5 + 4.5 * np.sqrt(share)))
+    colours = _codes(colours_of(irradiance))
+    for k in reversed(range(min(len(direction), _MOST_LIGHTS))):
+        picture[towards @ direction[k] > np.cos(radius[k])] = colours[k]
+    return picture
+
+
+def of_pairs(direct: NDArray[np.floating], indirect: NDArray[np.floating]) -> NDArray[np.uint8]:
+    """Codes of the first few pairs: direct light above, indirect light below."""
+    rows = [[_exposed(image) for image in images[:_IMAGES]] for images in (direct, indirect)]
+    return np.vstack([_strip(images) for images in rows])
+
+
+def of_signed(images: NDArray[np.floating]) -> NDArray[np.uint8]:
+    """Codes of a few images (n, height, width), each around its zero, which is grey."""
+    limits = np.abs(images).max(axis=(1, 2), keepdims=True)
+    grey = 0.5 + 0.5 * images / np.where(limits > 0, limits, 1)
+    return _strip([_codes(_scaled(np.repeat(image[..., None], 3, axis=2))) for image in grey])
+
+
+def _exposed(image: NDArray[np.floating]) -> NDArray[np.uint8]:
+    small = _scaled(image.astype(np.float64))
+    white = np.percentile(small, 99) or small.max() or 1.0
+    return _codes(encode_srgb(small / white))
+
+
+def _scaled(image: NDArray[np.floating]) -> NDArray[np.floating]:
+    """The nearest texels of an image, as many as fit a thumbnail."""
+    height, width = image.shape[:2]
+    longest = max(height, width)
+    sides = [max(round(_SIDE * side / longest), 1) for side in (height, width)]
+    rows, columns = (
+        np.arange(n) * side // n for n, side in zip(sides, (height, width), strict=True)
+    )
+    return image[rows][:, columns]
+
+
+def _strip(images: list[NDArray[np.uint8]]) -> NDArray[np.uint8]:
+    """Images side by side, with gaps between them and below."""
+    framed = [
+        np.pad(image, ((0, _GAP), (0, _GAP), (0, 0)), constant_values=128) for image in images
+    ]
+    return np.hstack(framed)
+
+
+def colours_of(irradiance: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Encoded colours of lights, (n, 3), each as bright as it can be; a black light is black."""
+    largest = irradiance.max(axis=1, keepdims=True, initial=0.0)
+    return np.asarray(
+        encode_srgb(np.maximum(irradiance, 0) / np.where(largest > 0, largest, 1)), np.float64
+    )
+
+
+def hex_of(irradiance: NDArray[np.float64]) -> list[str]:
+    """The same as ``#rrggbb``."""
+    return ["#" + bytes(code).hex() for code in _codes(colours_of(irradiance))]
+
+
+def _codes(encoded: NDArray[np.floating]) -> NDArray[np.uint8]:
+    return np.round(255 * encoded).astype(np.uint8)

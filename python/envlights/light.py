@@ -1,0 +1,96 @@
+"""One light: a row of `Lights`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights._result import Result
+from envlights.kernels import sphere
+from envlights.kernels.image import LUMINANCE
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Light(Result):
+    """One light, as ``lights[0]`` and ``for light in lights`` give it.
+
+    Examples
+    --------
+    >>> import envlights as el
+    >>> lights = el.Lights([[0, 1, 0], [1, 0, 0]], [[1, 1, 1], [3, 3, 3]])
+    >>> lights[0]
+    <Light: azimuth 90.0°, elevation +0.0°, 75 %>
+    >>> [round(light.share, 2) for light in lights]
+    [0.75, 0.25]
+    """
+
+    direction: NDArray[np.float64]
+    """Unit vector from the scene towards the light, (3,)."""
+
+    irradiance: NDArray[np.float64]
+    """Linear RGB at normal incidence, (3,)."""
+
+    angular_radius: float
+    """In radians; 0 is a point."""
+
+    share: float
+    """Its part of what `Lights.share` is a share of."""
+
+    @property
+    def azimuth(self) -> float:
+        """In radians, as `Lights.azimuth`."""
+        return float(azimuths(self.direction[None])[0])
+
+    @property
+    def elevation(self) -> float:
+        """In radians, as `Lights.elevation`."""
+        return float(elevations(self.direction[None])[0])
+
+    @property
+    def luminance(self) -> float:
+        """Luminance of its irradiance."""
+        return float(self.irradiance @ LUMINANCE)
+
+    def in_short(self) -> str:
+        """Where it is, and how much of the light it is."""
+        place = (
+            f"azimuth {np.rad2deg(self.azimuth):.1f}°, elevation {np.rad2deg(self.elevation):+.1f}°"
+        )
+        return f"{place}, {100 * self.share:.3g} %"
+
+    def __str__(self) -> str:
+        red, green, blue = self.irradiance
+        size = (
+            f"radius {np.rad2deg(self.angular_radius):.2f}°" if self.angular_radius else "a point"
+        )
+        return f"{self.in_short()}\n{size}; irradiance {red:.4g}, {green:.4g}, {blue:.4g}"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class DetectedLight(Light):
+    """One light of a map, with the measurements that `DetectedLights` holds of each."""
+
+    peak_direction: NDArray[np.float64]
+    solid_angle: float
+    elongation: float
+    orientation: NDArray[np.float64]
+    peak_luminance: float
+    flux_share: float
+    is_clipped: bool
+    is_broad: bool
+    weight: float | None = None
+    direction_uncertainty: float | None = None
+
+
+def azimuths(direction: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Radians from -z over +x, as columns of a map run, from 0 to 2 pi, (n,)."""
+    radians: NDArray[np.float64] = 2 * np.pi * sphere.direction_to_uv(direction)[:, 0]
+    return radians
+
+
+def elevations(direction: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Radians above the horizon, from -pi / 2 to pi / 2, (n,)."""
+    radians: NDArray[np.float64] = np.pi * (0.5 - sphere.direction_to_uv(direction)[:, 1])
+    return radians
