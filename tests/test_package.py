@@ -35,13 +35,20 @@ def test_a_subpackage_is_reachable_and_completed(name):
     assert run(code).stdout.strip() == f"envlights.{name}"
 
 
+@pytest.mark.parametrize("name", ["io", "kernels", "plot", "scene", "synthetic", "transfer"])
+def test_a_subpackage_lists_what_is_meant_to_be_used(name):
+    module = getattr(el, name)
+    assert dir(module) == sorted(module.__all__)
+    assert all(hasattr(module, each) for each in module.__all__)
+
+
 def test_public_names_are_completed():
     assert set(el.__all__) <= set(dir(el))
     assert {name for name in dir(el) if not hasattr(el, name)} == set()
 
 
 def test_the_import_does_not_wait_for_what_is_used_later():
-    slow = {"matplotlib", "click", "tqdm", "mitsuba", "dask"}
+    slow = {"matplotlib", "click", "tqdm", "mitsuba", "dask", "OpenImageIO", "pandas"}
     assert run(f"import sys, envlights; print({slow} & set(sys.modules))").stdout.strip() == "set()"
     assert run("import envlights; print(envlights.__version__)").stdout.strip()
 

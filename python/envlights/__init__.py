@@ -10,7 +10,7 @@
 import typing as _typing
 from importlib import import_module as _import_module
 
-from envlights import kernels, synthetic
+from envlights import kernels
 from envlights._native import EnvLightsError
 from envlights.detection.component_tree import detect_tree
 from envlights.detection.detect import detect
@@ -22,8 +22,6 @@ from envlights.fitting.madsen import PaperFit, fit_paper
 from envlights.lights import Lights
 from envlights.report import FitReport, StopReason
 from envlights.rig import Rig
-from envlights.scene import BakedPairs, DirectLight, MitsubaScene, Surface, bake
-from envlights.transfer import FilePairs, TransferModel, TransferReport, read_pairs
 
 __all__ = [
     "BakedPairs",
@@ -54,9 +52,17 @@ __all__ = [
     "synthetic",
 ]
 
-#: Attributes, too. Those that load Matplotlib or Click are imported when they are first used, so
-#: that `import envlights` does not wait for them; so is what reads the version.
-_SUBPACKAGES = ("cli", "detection", "export", "fitting", "io", "plot", "scene", "transfer")
+#: Attributes, too. What a fit does not need is imported when it is first used, so that `import
+#: envlights` does not wait for it; so is what reads the version.
+_SUBPACKAGES = (
+    *("cli", "detection", "export", "fitting", "io", "plot", "scene"),
+    *("synthetic", "transfer"),
+)
+#: Names of `__all__` that come from one of them.
+_LATER = {
+    **dict.fromkeys(("BakedPairs", "DirectLight", "MitsubaScene", "Surface", "bake"), "scene"),
+    **dict.fromkeys(("FilePairs", "TransferModel", "TransferReport", "read_pairs"), "transfer"),
+}
 
 if _typing.TYPE_CHECKING:
     __version__: str
@@ -67,7 +73,10 @@ if _typing.TYPE_CHECKING:
     from envlights import io as io
     from envlights import plot as plot
     from envlights import scene as scene
+    from envlights import synthetic as synthetic
     from envlights import transfer as transfer
+    from envlights.scene import BakedPairs, DirectLight, MitsubaScene, Surface, bake
+    from envlights.transfer import FilePairs, TransferModel, TransferReport, read_pairs
 else:
 
     def __getattr__(name):
@@ -75,8 +84,10 @@ else:
             return _import_module("importlib.metadata").version(__name__)
         if name in _SUBPACKAGES:
             return _import_module(f"{__name__}.{name}")
+        if name in _LATER:
+            return getattr(_import_module(f"{__name__}.{_LATER[name]}"), name)
         raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
 
 
 def __dir__() -> list[str]:
-    return sorted([*__all__, *_SUBPACKAGES, "__version__"])
+    return sorted({*__all__, *_SUBPACKAGES, "__version__"})

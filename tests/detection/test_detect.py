@@ -1,7 +1,10 @@
 """Detection by the component tree."""
 
 import hashlib
+import inspect
 import json
+import re
+import typing
 from functools import cache
 
 import numpy as np
@@ -466,3 +469,23 @@ def test_a_fit_that_starts_at_the_lamps_stays_with_them():
     assert angle_deg(rig.lights.direction, world.lights.direction).max() < 0.5
     assert rig.error < 0.01
     assert "start" in rig.report.seconds
+
+
+def test_the_signature_names_the_options_of_both_methods_with_their_defaults():
+    shown = inspect.signature(el.detect).parameters
+    assert list(shown)[:2] == ["env", "method"]
+    for method in (el.detect_tree, el.detect_article):
+        for name, option in inspect.signature(method).parameters.items():
+            assert shown[name].default == option.default
+    assert not any(each.kind is each.VAR_KEYWORD for each in shown.values())
+    assert set(re.findall(r"\w+", inspect.getdoc(el.detect))) >= set(shown)
+
+
+def test_type_checkers_see_the_options_that_each_method_has():
+    if not hasattr(typing, "get_overloads"):
+        pytest.skip("Python 3.10 does not keep overloads")
+    tree, article, _ = typing.get_overloads(el.detect)
+    for overload, method in ((tree, el.detect_tree), (article, el.detect_article)):
+        names = list(inspect.signature(overload).parameters)
+        assert names[:2] == ["env", "method"]
+        assert sorted(names[2:]) == sorted(list(inspect.signature(method).parameters)[1:])

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Literal, overload
 
 from envlights._check import check_choice
 from envlights.detection.component_tree import detect_tree
@@ -18,6 +19,48 @@ METHODS: dict[str, Callable[..., DetectedLights]] = {
 }
 
 
+# The options for type checkers. What runs passes them on, and takes the defaults from there.
+@overload
+def detect(
+    env: AnyMap,
+    method: Literal["tree"] = ...,
+    *,
+    max_lights: int | None = ...,
+    min_flux_share: float = ...,
+    prominence: float = ...,
+    gap_deg: float = ...,
+    extent: float = ...,
+    working_width: int = ...,
+    white: float | None = ...,
+) -> DetectedLights: ...
+
+
+@overload
+def detect(
+    env: AnyMap,
+    method: Literal["article"],
+    *,
+    max_lights: int | None = ...,
+    working_width: int = ...,
+    reduction: str = ...,
+    blur_px: float = ...,
+    samples_per_pixel: float = ...,
+    window_px: int = ...,
+    threshold: float = ...,
+    suppression_deg: float = ...,
+    tolerance: float = ...,
+    ceiling: float = ...,
+    merge_cap_deg: float | None = ...,
+    relative: bool = ...,
+    move_to_maximum: bool = ...,
+    sphere: bool = ...,
+) -> DetectedLights: ...
+
+
+@overload
+def detect(env: AnyMap, method: str, **options: Any) -> DetectedLights: ...
+
+
 def detect(env: AnyMap, method: str = "tree", **options: Any) -> DetectedLights:
     """Bright places of a map, as lights.
 
@@ -29,8 +72,15 @@ def detect(env: AnyMap, method: str = "tree", **options: Any) -> DetectedLights:
         "tree": the component tree, which follows every bright path and measures each light on the
         sphere; see `detect_tree`. "article": the method of Loghin (2021), on samples; see
         `detect_article`.
-    **options
-        Those of `detect_tree` or `detect_article`.
+    max_lights : int, optional
+        Lights, at most. The tree merges neighbours; the article leaves out the dimmest.
+    working_width : int
+        Columns of the image that is searched, at most.
+    min_flux_share, prominence, gap_deg, extent, white
+        Of the tree: which lights count, where they end and what divides them; see `detect_tree`.
+    reduction, blur_px, samples_per_pixel, window_px, threshold, suppression_deg, tolerance, \
+ceiling, merge_cap_deg, relative, move_to_maximum, sphere
+        Of the article: its samples, its thresholds and its merging; see `detect_article`.
 
     Returns
     -------
@@ -53,3 +103,19 @@ def detect(env: AnyMap, method: str = "tree", **options: Any) -> DetectedLights:
     """
     check_choice("method", method, tuple(METHODS))
     return METHODS[method](env, **options)
+
+
+def _options(method: str) -> dict[str, inspect.Parameter]:
+    """The parameters of a detector, without the map."""
+    _, *options = inspect.signature(METHODS[method]).parameters.values()
+    return {option.name: option for option in options}
+
+
+def _signature() -> inspect.Signature:
+    """The signature that `help` and completion show: all options, each with its default."""
+    *fixed, _ = inspect.signature(detect).parameters.values()
+    options = {name: each for method in METHODS for name, each in _options(method).items()}
+    return inspect.signature(detect).replace(parameters=[*fixed, *options.values()])
+
+
+detect.__signature__ = _signature()  # type: ignore[attr-defined]

@@ -3,6 +3,7 @@
 | step                                              | file        |
 |---------------------------------------------------|-------------|
 | read and write images; a file's colour space      | `images.py` |
+| the image library, loaded when it is first needed  | `library.py` |
 | write any file whole or not at all                | `files.py`  |
 """
 
@@ -16,3 +17,7 @@ __all__ = [
     "write_atomically",
     "write_exr",
 ]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

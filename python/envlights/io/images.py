@@ -10,13 +10,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import OpenImageIO as oiio  # noqa: N813, its own name for itself
 from numpy.typing import NDArray
 
 from envlights._check import count
 from envlights._native import EnvLightsError
 from envlights._srgb import decode_codes
 from envlights.io.files import write_atomically
+from envlights.io.library import oiio
 
 #: Pixels of an image at most, 32768 x 16384, unless a caller takes more: a few damaged bytes of a
 #: header ask for all memory.
@@ -38,12 +38,6 @@ _PNG_FRAME = 12
 
 #: Primaries and white of Rec.709, as OpenEXR stores them: x and y of red, green, blue, white.
 _REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
-
-
-# The threads of OpenEXR stay in the parent of a forked process, which would wait for them for ever:
-# it writes by itself.
-if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=lambda: oiio.attribute("exr_threads", -1))
 
 
 @dataclass(frozen=True, eq=False)

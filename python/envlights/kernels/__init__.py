@@ -88,3 +88,7 @@ __all__ = [
     "weighted_means",
     "working_irradiance",
 ]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

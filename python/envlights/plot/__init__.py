@@ -6,3 +6,7 @@ from envlights.plot.scene import scene
 from envlights.plot.transfer import transfer_picture
 
 __all__ = ["Picture", "detection_picture", "picture", "save", "scene", "transfer_picture"]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -24,3 +24,7 @@ from envlights.scene.mitsuba_scene import MitsubaScene, Rendered
 from envlights.scene.surface import Surface
 
 __all__ = ["BakedPairs", "DirectLight", "MitsubaScene", "Rendered", "Surface", "bake"]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

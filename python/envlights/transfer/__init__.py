@@ -28,3 +28,7 @@ from envlights.transfer.model import TransferModel
 from envlights.transfer.report import TransferReport
 
 __all__ = ["FilePairs", "TransferModel", "TransferReport", "read_pairs"]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
