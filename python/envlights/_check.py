@@ -18,6 +18,9 @@ from envlights._native import EnvLightsError
 LARGEST_COUNT = 2**32 - 1
 
 
+#: How far the products of the rows of a rotation may be from 0 and 1.
+_ROTATION_TOLERANCE = 1e-6
+
 #: Parts of a tuple or list that a refusal shows; of a longer one it shows the type.
 _FEW = 4
 
@@ -174,3 +177,15 @@ def whole_numbers(name: str, values: ArrayLike) -> NDArray[np.int64]:
             f" got the dtype {array.dtype} and the shape {array.shape}"
         )
     return for_kernels(array, np.int64)
+
+
+def rotation(matrix: ArrayLike) -> NDArray[np.float64]:
+    """`matrix` as a rotation, (3, 3), or a refusal of what is none."""
+    turn = reals("matrix", matrix, 2)
+    if turn.shape != (3, 3):
+        raise EnvLightsError(f"matrix must have the shape (3, 3); got {turn.shape}")
+    if not np.allclose(turn @ turn.T, np.eye(3), rtol=0, atol=_ROTATION_TOLERANCE):
+        raise EnvLightsError("matrix must be a rotation; the lengths or angles of its rows are not")
+    if np.linalg.det(turn) < 0:
+        raise EnvLightsError("matrix must be a rotation; it mirrors")
+    return turn

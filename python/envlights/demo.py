@@ -9,7 +9,7 @@ from envlights import plot
 from envlights.envmap import EnvMap
 from envlights.fitting.fit import fit
 from envlights.io.files import check_writable
-from envlights.io.images import write_exr
+from envlights.io.image_output import write_exr
 from envlights.rig import Rig
 from envlights.synthetic.hall import hall
 

@@ -9,11 +9,12 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights import _html, _native, _thumbnails
-from envlights._check import amount, check_choice, for_kernels, one_or_more, shown, texts
+from envlights import _html, _native, _thumbnails, resampling
+from envlights._check import amount, check_choice, for_kernels, one_or_more, rotation, shown, texts
 from envlights._map_array import map_array
 from envlights._native import EnvLightsError, UnusableSamplesError
 from envlights._srgb import decode_codes
+from envlights.io.image_output import COMPRESSIONS, map_suffix, write_exr, write_hdr
 from envlights.io.images import MOST_PIXELS, read_image
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import irradiance
@@ -227,6 +228,91 @@ class EnvMap:
         rows, is_one = one_or_more("normals", normals)
         found = irradiance(self._radiance, rows, border_sampled=border_sampled)
         return found[0] if is_one else found
+
+    def save(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        half: bool = False,
+        compression: str = COMPRESSIONS[0],
+    ) -> None:
+        """Write the map as an OpenEXR (.exr) or Radiance (.hdr) file, whole or not at all.
+
+        `open` reads it back: .exr without loss, .hdr with 8 bits and a shared exponent.
+
+        Parameters
+        ----------
+        path : path-like
+            A file with the suffix ``.exr`` or ``.hdr``.
+        half : bool
+            For .exr: 16 instead of 32 bits for each sample. A sample above 65504 is refused.
+        compression : {"zip", "piz", "rle", "none"}
+            For .exr; all keep every bit.
+
+        Notes
+        -----
+        Primaries are those of Rec.709. A border-sampled map has the attribute ``envmap``; a
+        cell-centred one must not, because readers would take its outer pixels for the border. No
+        .hdr file can say that it is border-sampled: such a map becomes cells.
+        """
+        if map_suffix(path) == ".hdr":
+            if half or compression != COMPRESSIONS[0]:
+                raise EnvLightsError(f"cannot save {path}: half and compression are of .exr files")
+            write_hdr(path, self.cells())
+            return
+        is_border = self._registration == "border-sampled"
+        write_exr(
+            path,
+            self._radiance,
+            half=half,
+            compression=compression,
+            border_sampled=is_border,
+        )
+
+    def rotated(self, matrix: ArrayLike) -> EnvMap:
+        """The map after a rotation: what was in the direction d is then in ``matrix @ d``.
+
+        Parameters
+        ----------
+        matrix : array_like, shape (3, 3)
+            A rotation, in the frame of the map.
+
+        Returns
+        -------
+        EnvMap
+            Of the same size. Turns about the pole by whole columns lose nothing. Other turns
+            average samples of each pixel, keep the flux of the map and that of each bright pixel,
+            and make a border-sampled map cell-centred.
+
+        See Also
+        --------
+        Rig.rotated : the same for a rig.
+
+        Examples
+        --------
+        A quarter turn about the pole, from +z to +x:
+
+        >>> env = EnvMap(np.eye(8)[:4, :, None] * np.ones(3))
+        >>> turned = env.rotated([[0, 0, 1], [0, 1, 0], [-1, 0, 0]])
+        >>> np.array_equal(turned.radiance, np.roll(env.radiance, -2, axis=1))
+        True
+        """
+        turn = rotation(matrix)
+        is_border = self._registration == "border-sampled"
+        turned = resampling.turned_by_columns(self._radiance, turn, border_sampled=is_border)
+        registration = self._registration
+        if turned is None:
+            turned, registration = resampling.rotated(self.cells(), turn), REGISTRATIONS[0]
+        return EnvMap(turned, registration=registration, notes=self._notes, white=self._white)
+
+    def cells(self) -> NDArray[np.float32]:
+        """Radiance of a cell-centred map of the same size: `radiance` itself where it is one.
+
+        The pixels of a border-sampled map are averaged; flux is kept.
+        """
+        if self._registration == "border-sampled":
+            return resampling.cells_of_borders(self._radiance)
+        return self._radiance
 
     def __repr__(self) -> str:
         size = f"{self.width}x{self.height}"

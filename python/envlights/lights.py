@@ -5,7 +5,7 @@ from __future__ import annotations
 import operator
 import os
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights import _html, _thumbnails
 from envlights._arrays import sealed
-from envlights._check import reals, shown
+from envlights._check import reals, rotation, shown
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights._tables import MOST_ROWS, Table
@@ -236,6 +236,24 @@ class Lights(Result):
         """The lights as discs of one radiance: they are."""
         return self
 
+    def rotated(self, matrix: ArrayLike) -> Lights:
+        """The lights after a rotation: one from the direction d then comes from ``matrix @ d``.
+
+        Parameters
+        ----------
+        matrix : array_like, shape (3, 3)
+            A rotation in our frame.
+
+        Examples
+        --------
+        A quarter turn about the pole, from +z to +x:
+
+        >>> lamp = Lights([[0, 0, 1]], [[3, 2, 1]])
+        >>> lamp.rotated([[0, 0, 1], [0, 1, 0], [-1, 0, 0]]).direction
+        array([[1., 0., 0.]])
+        """
+        return replace(self, direction=turned(self.direction, rotation(matrix)))
+
     def to_map(self, height: int) -> EnvMap:
         """The lights as discs before a black sky: labels to learn from, and a way to any renderer.
 
@@ -361,6 +379,13 @@ def light_arrays(
     if not np.isfinite(irradiance).all() or (irradiance < 0).any():
         raise EnvLightsError("irradiance must be finite and not negative")
     return direction, irradiance
+
+
+def turned(direction: NDArray[np.float64], matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Unit vectors, (n, 3), after a rotation; still of length 1 where that is inexact."""
+    there = direction @ matrix.T
+    there /= np.linalg.norm(there, axis=1, keepdims=True)
+    return there + 0.0  # no minus zero
 
 
 def row_of(which: object, lights: int) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -12,11 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights import _html
 from envlights._arrays import frozen
-from envlights._check import amount, flag, one_or_more, shown
+from envlights._check import amount, flag, one_or_more, rotation, shown
 from envlights._native import EnvLightsError
 from envlights._result import Result
+from envlights.ambient import ambient_map, turned_ambient
 from envlights.envmap import EnvMap
-from envlights.export.scene import ambient_map
 from envlights.export.targets import save
 from envlights.io.files import as_path
 from envlights.kernels import probe
@@ -122,6 +122,33 @@ class Rig(Result):
         """
         discs = self.lights.to_map(height).radiance
         return EnvMap(discs + ambient_map(self.ambient, height, self.floor).astype(np.float32))
+
+    def rotated(self, matrix: ArrayLike) -> Rig:
+        """The rig after a rotation: a light from the direction d then comes from ``matrix @ d``.
+
+        Parameters
+        ----------
+        matrix : array_like, shape (3, 3)
+            A rotation in our frame. Over a floor, only turns about the pole are possible.
+
+        Returns
+        -------
+        Rig
+            With the same error and report. ``rig.rotated(m).probe(normals @ m.T)`` is
+            ``rig.probe(normals)``.
+
+        Examples
+        --------
+        >>> rig = Rig([0.1, 0.1, 0.1], Lights([[0, 1, 0]], [[2, 2, 2]]), error=0.0)
+        >>> rig.rotated([[0, 1, 0], [0, 0, 1], [1, 0, 0]]).lights.direction
+        array([[1., 0., 0.]])
+        """
+        turn = rotation(matrix)
+        if self.floor and not np.allclose(turn[1], [0, 1, 0], rtol=0, atol=1e-6):
+            raise EnvLightsError("a rig over a floor can only be turned about the pole, +y")
+        return replace(
+            self, ambient=turned_ambient(self.ambient, turn), lights=self.lights.rotated(turn)
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """Everything as plain numbers, lists and strings: what `save` writes."""

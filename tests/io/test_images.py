@@ -349,9 +349,10 @@ def use(monkeypatch, file):
     """Let OpenImageIO open `file`, whatever it is asked for."""
     doors = {name: SimpleNamespace(create=lambda _: file) for name in ("ImageOutput",)}
     doors["ImageInput"] = SimpleNamespace(open=lambda *_: file)
-    rest = {name: getattr(oiio, name) for name in ("ImageSpec", "FLOAT")}
+    rest = {name: getattr(oiio, name) for name in ("ImageSpec", "FLOAT", "TypeDesc")}
     fake = SimpleNamespace(**doors, **rest, geterror=lambda: "no such format")
-    monkeypatch.setattr("envlights.io.images.oiio", fake)
+    for module in ("images", "image_output"):
+        monkeypatch.setattr(f"envlights.io.{module}.oiio", fake)
 
 
 @pytest.mark.parametrize(

@@ -107,7 +107,7 @@ def test_discs_are_mitsubas_in_every_direction():
             at = kernels.uniform_sphere(np.random.default_rng(number).random((1, 2)))
             lamp = el.Lights(at, [[1, 2, 4]], [np.deg2rad(radius)])
             rig = el.Rig(np.zeros(3), lamp, 0.0)
-            ((weight, emitter),) = emitters(mi, rig)
+            ((weight, emitter),) = emitters(rig)
             ball = {"type": "sphere", "radius": 1e-3}
             scene = mi.load_dict({"type": "scene", "ball": ball, **emitter}, optimize=False)
             place = mi.SurfaceInteraction3f()

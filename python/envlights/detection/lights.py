@@ -3,19 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, overload
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from envlights import _html
 from envlights._arrays import sealed
+from envlights._check import rotation
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights._tables import MOST_ROWS
 from envlights.light import DetectedLight
-from envlights.lights import Lights, brightest_first, light_arrays, place_cells, rgb_cell, row_of
+from envlights.lights import (
+    Lights,
+    brightest_first,
+    light_arrays,
+    place_cells,
+    rgb_cell,
+    row_of,
+    turned,
+)
 
 #: Solid angle, in steradians, above which a light is broad.
 _BROAD = 0.5
@@ -198,6 +207,16 @@ class DetectedLights(Lights):
     def share(self) -> NDArray[np.float64]:
         """Share of each light in the flux of the whole map: `flux_share`, (n,)."""
         return self.flux_share
+
+    def rotated(self, matrix: ArrayLike) -> DetectedLights:
+        """The lights after a rotation; members and report still tell of the map as it was."""
+        turn = rotation(matrix)
+        return replace(
+            self,
+            direction=turned(self.direction, turn),
+            peak_direction=turned(self.peak_direction, turn),
+            orientation=turned(self.orientation, turn),
+        )
 
     def discs(self) -> Lights:
         r"""The lights as discs of the same flux and solid angle.

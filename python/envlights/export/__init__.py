@@ -9,6 +9,7 @@
 | a table of numbers                                       | `csv.py`       |
 | glTF 2.0                                                 | `gltf.py`      |
 | three.js                                                 | `three.py`     |
+| Mitsuba 3                                                | `mitsuba.py`   |
 | which suffix is which target, what it keeps and loses    | `targets.py`   |
 
 A target is a file here. Its public function has its name and returns the target's own form; `save_`
@@ -18,6 +19,7 @@ and its name writes that at a path. `save` takes the target from the suffix.
 from envlights.export.axes import AXES, Axes
 from envlights.export.csv import csv, read_csv, save_csv
 from envlights.export.gltf import gltf, save_gltf
+from envlights.export.mitsuba import mitsuba, save_mitsuba
 from envlights.export.targets import TARGETS, Target, save, target_of
 from envlights.export.three import save_three, three
 
@@ -28,10 +30,12 @@ __all__ = [
     "Target",
     "csv",
     "gltf",
+    "mitsuba",
     "read_csv",
     "save",
     "save_csv",
     "save_gltf",
+    "save_mitsuba",
     "save_three",
     "target_of",
     "three",

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from envlights.io.files import as_path, check_writable, write_atomically
-from envlights.io.images import write_exr
+from envlights.io.image_output import write_exr
 
 
 def texture_name(path: str | os.PathLike[str], kind: str = "ambient") -> str:
@@ -24,7 +25,7 @@ def texture_name(path: str | os.PathLike[str], kind: str = "ambient") -> str:
 def save_scene(
     path: str | os.PathLike[str],
     content: str | bytes,
-    textures: Mapping[str, NDArray[np.float32]] | None = None,
+    textures: Mapping[str, NDArray[Any]] | None = None,
 ) -> None:
     """Write textures, (height, width, 3) by their names beside `path`, and then the scene.
 

@@ -9,15 +9,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights._check import shown
 from envlights._native import EnvLightsError
+from envlights.ambient import ambient_map
 from envlights.envmap import EnvMap, as_envmap
-from envlights.kernels import harmonics, sphere
 
 if TYPE_CHECKING:
     from envlights.lights import Lights
     from envlights.rig import Rig
 
 #: Rows of the map for an ambient term that is not constant; it changes slowly over the sphere.
-ROWS = 64
+ROWS = 128
 
 
 class Scene(NamedTuple):
@@ -65,17 +65,3 @@ def check_rig(given: Rig | Lights) -> Lights:
     if not hasattr(lights, "discs"):
         raise EnvLightsError(f"a rig or lights can be exported; got {shown(given)}")
     return lights  # type: ignore[no-any-return]
-
-
-def ambient_map(ambient: NDArray[np.float64], height: int, floor: bool) -> NDArray[np.float64]:
-    """Radiance of an ambient term, (height, 2 * height, 3), nowhere negative."""
-    if ambient.ndim == 2:
-        directions = sphere.pixel_directions(height, 2 * height).reshape(-1, 3)
-        radiance = harmonics.harmonic_radiance(directions) @ ambient
-        return np.maximum(radiance, 0).reshape(height, 2 * height, 3)
-    sky = np.broadcast_to(ambient, (height, 2 * height, 3)).copy()
-    if floor:
-        # Of an odd number of rows, half of the middle one is above the horizon.
-        sky[(height + 1) // 2 :] = 0
-        sky[height // 2 : (height + 1) // 2] /= 2
-    return sky

@@ -12,6 +12,7 @@ from envlights._native import EnvLightsError
 from envlights.envmap import EnvMap
 from envlights.export.csv import save_csv
 from envlights.export.gltf import save_gltf
+from envlights.export.mitsuba import save_mitsuba
 from envlights.export.own_json import save_json
 from envlights.export.three import save_three
 from envlights.io.files import as_path
@@ -80,6 +81,15 @@ TARGETS = (
         True,
         "lights, ambient, harmonics, floor, map",
         "sizes, which stand in userData",
+    ),
+    Target(
+        "mitsuba",
+        "Mitsuba 3",
+        (".xml",),
+        save_mitsuba,
+        True,
+        "lights, sizes (in a map), ambient, harmonics (as a map), floor",
+        "harmonics where they are negative",
     ),
 )
 

@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._srgb import encode_srgb
+from envlights.ambient import turned_ambient
 from envlights.envmap import EnvMap
 from envlights.export.axes import AXES
 from envlights.export.files import save_scene
 from envlights.export.scene import scene_of
-from envlights.kernels import harmonic_radiance, icosphere
 
 if TYPE_CHECKING:
     from envlights.lights import Lights
@@ -111,19 +111,13 @@ def _light(
 def _ambient(rig: Any) -> dict[str, Any]:
     """The light of three.js that has the irradiance of an ambient term."""
     if rig.ambient.ndim == 2:
-        return _thing("LightProbe", "ambient", sh=_turned(rig.ambient).ravel().tolist())
+        # three.js has our order, signs and lengths of harmonics.
+        harmonics = turned_ambient(rig.ambient, AXES["three"].matrix)
+        return _thing("LightProbe", "ambient", sh=harmonics.ravel().tolist())
     lit = _coloured(np.pi * rig.ambient)
     if rig.floor:
         return _thing("HemisphereLight", "ambient", groundColor=0, **lit)
     return _thing("AmbientLight", "ambient", **lit)
-
-
-def _turned(harmonics: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Coefficients in the axes of three.js, which has our order, signs and lengths of harmonics."""
-    directions, _ = icosphere(80)
-    there = harmonic_radiance(AXES["three"].to_target(directions))
-    seen = harmonic_radiance(directions) @ harmonics
-    return np.linalg.lstsq(there, seen, rcond=None)[0]
 
 
 def _coloured(values: NDArray[np.float64]) -> dict[str, Any]:

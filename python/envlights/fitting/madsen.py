@@ -128,7 +128,7 @@ class PaperFit(Result):
                 " finds the best lights without negative ones"
             )
         measured_on = f"the {PROBE_FACES} fitted normals"
-        report = FitReport({}, self.steps, self.stop_reason, measured_on=measured_on)
+        report = FitReport(steps=self.steps, stop_reason=self.stop_reason, measured_on=measured_on)
         ambient = self.k_a / (np.pi * self.k_d) * self.ambient
         return Rig(ambient, Lights(self.direction, self.irradiance), self.error, report, self.notes)
 

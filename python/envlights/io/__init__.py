@@ -1,14 +1,16 @@
 """Images in, and files out.
 
-| step                                              | file        |
-|---------------------------------------------------|-------------|
-| read and write images; a file's colour space      | `images.py` |
-| the image library, loaded when it is first needed  | `library.py` |
-| write any file whole or not at all                | `files.py`  |
+| step                                              | file              |
+|---------------------------------------------------|-------------------|
+| read images; a file's colour space                | `images.py`       |
+| write images                                      | `image_output.py` |
+| the image library, loaded when it is first needed | `library.py`      |
+| write any file whole or not at all                | `files.py`        |
 """
 
 from envlights.io.files import check_writable, write_atomically
-from envlights.io.images import Image, read_image, write_exr
+from envlights.io.image_output import write_exr, write_hdr
+from envlights.io.images import Image, read_image
 
 __all__ = [
     "Image",
@@ -16,6 +18,7 @@ __all__ = [
     "read_image",
     "write_atomically",
     "write_exr",
+    "write_hdr",
 ]
 
 

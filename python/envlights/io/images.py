@@ -1,4 +1,4 @@
-"""Images in and out, by OpenImageIO: linear radiance, and the assumptions made in reading it."""
+"""Images in, by OpenImageIO: linear radiance, and the assumptions made in reading it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from envlights._check import count
 from envlights._native import EnvLightsError
 from envlights._srgb import decode_codes
-from envlights.io.files import write_atomically
 from envlights.io.library import oiio
 
 #: Pixels of an image at most, 32768 x 16384, unless a caller takes more: a few damaged bytes of a
@@ -37,7 +36,7 @@ _PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _PNG_FRAME = 12
 
 #: Primaries and white of Rec.709, as OpenEXR stores them: x and y of red, green, blue, white.
-_REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
+REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +83,7 @@ def read_image(path: str | os.PathLike[str], *, max_pixels: int = MOST_PIXELS) -
     config.attribute("oiio:UnassociatedAlpha", 1)
     file = oiio.ImageInput.open(path, config)
     if file is None:
-        reason = _reason(oiio)
+        reason = failure(oiio)
         raise EnvLightsError(f"cannot read {name} as an image: {reason}; {_WANTED}")
     try:
         _check_spec(name, file.spec(), max_pixels)
@@ -175,7 +174,7 @@ def _pixels(name: str, file: oiio.ImageInput, channels: list[int]) -> NDArray[np
         block = _samples(file, top, len(part), (min(channels), max(channels) + 1))
         if block is None or file.has_error:
             raise EnvLightsError(
-                f"cannot read all pixels of {name}: {_reason(file)}; give an undamaged file"
+                f"cannot read all pixels of {name}: {failure(file)}; give an undamaged file"
             )
         places = [channel - min(channels) for channel in channels]
         samples = block.reshape(*part.shape[:2], -1)
@@ -299,13 +298,13 @@ def _upright(
 def _note_primaries(spec: oiio.ImageSpec, notes: list[str]) -> None:
     """Note primaries other than Rec.709; the zeros of Radiance headers do not name any."""
     primaries = spec.getattribute("chromaticities")
-    if primaries and any(primaries) and not np.allclose(primaries, _REC709, atol=1e-3):
+    if primaries and any(primaries) and not np.allclose(primaries, REC709, atol=1e-3):
         notes.append(
             "the file names primaries other than Rec.709; its values were kept as they are"
         )
 
 
-def _reason(failed: Any) -> str:
+def failure(failed: Any) -> str:
     """The reason that OpenImageIO, or one of its files, gives for its last failure."""
     try:
         message = failed.geterror()
@@ -318,27 +317,3 @@ def _reason(failed: Any) -> str:
 def _printable(text: str) -> str:
     """`text` on one line: a path may hold a line break, a damaged file anything."""
     return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
-
-
-def write_exr(path: str | os.PathLike[str], radiance: NDArray[np.float32]) -> None:
-    """Write linear RGB, (height, width, 3), as a 32-bit OpenEXR file, whole or not at all."""
-    height, width, channels = radiance.shape
-    spec = oiio.ImageSpec(width, height, channels, oiio.FLOAT)
-
-    def write(beside: Path) -> None:
-        file = oiio.ImageOutput.create(str(beside))
-        done = file and file.open(str(beside), spec) and file.write_image(radiance) and file.close()
-        if not done:
-            reason = _reason(file or oiio)
-            raise OSError(reason.replace(str(beside), str(path)))
-        _check_whole(beside)
-
-    write_atomically(path, write)
-
-
-def _check_whole(path: Path) -> None:
-    """Read the file back: OpenImageIO does not notice a disk that was full for the last bytes."""
-    try:
-        read_image(path)
-    except EnvLightsError:
-        raise OSError("not all of it could be written; is the disk full?") from None

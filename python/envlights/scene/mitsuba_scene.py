@@ -173,7 +173,7 @@ class MitsubaScene:
         """Reflected radiance of the lightmap under the indirect light of a rig."""
         irradiance = np.zeros((np.count_nonzero(self.lightmap.covered), 3))
         with mitsuba() as mi:
-            for weight, lights in emitters(mi, as_rig(rig)):
+            for weight, lights in emitters(as_rig(rig)):
                 scene = self._under(mi, lights)
                 irradiance += weight * read(mi, self._meters, scene, samples, seed)
         return self.lightmap.reflected(irradiance)

@@ -65,7 +65,7 @@ def still_life(light: EnvMap | Rig, azimuth: float, samples: int, seed: int) -> 
     with mitsuba() as mi:
         shapes = _shapes(mi, azimuth)
         paths = mi.load_dict({"type": "path", "max_depth": 1 + _BOUNCES})
-        for weight, lit, effort in _parts(mi, light):
+        for weight, lit, effort in _parts(light):
             scene = mi.load_dict({"type": "scene", **shapes, **lit}, optimize=False)
             for image in images:
                 spp, own = effort * -(-samples // 2), int(next(seeds))
@@ -77,14 +77,14 @@ def _lights(light: EnvMap | Rig) -> int:
     return len(light.lights) if isinstance(light, Rig) else 0
 
 
-def _parts(mi: Any, light: EnvMap | Rig) -> list[tuple[float, dict[str, Any], int]]:
+def _parts(light: EnvMap | Rig) -> list[tuple[float, dict[str, Any], int]]:
     """Weight, emitters and effort of each render."""
     if isinstance(light, EnvMap):
-        return [(1.0, {"map": environment(mi, light)}, _MAP_PATHS)]
+        return [(1.0, {"map": environment(light)}, _MAP_PATHS)]
     dark, lights = np.zeros(3), light.lights
     rigs = [Rig(dark, lights[j : j + 1], 0.0) for j in range(len(lights))]
     rigs.append(Rig(light.ambient, lights[:0], 0.0))
-    return [(weight, lit, 1) for rig in rigs for weight, lit in emitters(mi, rig)]
+    return [(weight, lit, 1) for rig in rigs for weight, lit in emitters(rig)]
 
 
 def _shapes(mi: Any, azimuth: float) -> dict[str, Any]:

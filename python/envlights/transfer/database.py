@@ -18,7 +18,8 @@ from envlights._check import first_not_finite, shown
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights.io.files import as_path
-from envlights.io.images import read_image, write_exr
+from envlights.io.image_output import write_exr
+from envlights.io.images import read_image
 
 #: First words of the names of files.
 _DIRECT, _INDIRECT = "direct", "lightmap"

@@ -1,0 +1,41 @@
+"""The ambient term: a radiance from everywhere, or nine spherical harmonics of it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from envlights.kernels import harmonics, sampling, sphere
+
+#: Directions on which harmonics are told apart: more than nine, evenly spread.
+_DIRECTIONS = 80
+
+
+def ambient_map(ambient: NDArray[np.float64], height: int, floor: bool) -> NDArray[np.float64]:
+    """Radiance of an ambient term, (height, 2 * height, 3), nowhere negative."""
+    if ambient.ndim == 2:
+        directions = sphere.pixel_directions(height, 2 * height).reshape(-1, 3)
+        radiance = harmonics.harmonic_radiance(directions) @ ambient
+        return np.maximum(radiance, 0).reshape(height, 2 * height, 3)
+    sky = np.broadcast_to(ambient, (height, 2 * height, 3)).copy()
+    if floor:
+        # Of an odd number of rows, half of the middle one is above the horizon.
+        sky[(height + 1) // 2 :] = 0
+        sky[height // 2 : (height + 1) // 2] /= 2
+    return sky
+
+
+def turned_ambient(ambient: NDArray[np.float64], matrix: ArrayLike) -> NDArray[np.float64]:
+    """An ambient term after a rotation or a reflection.
+
+    Harmonics of one order stay among themselves, so nine new ones hold what was in the old ones:
+    with rows of values B at directions d, B(matrix @ d) new = B(d) old.
+    """
+    if ambient.ndim == 1:
+        return ambient
+    directions, _ = sampling.icosphere(_DIRECTIONS)
+    old = harmonics.harmonic_radiance(directions) @ ambient
+    turned = directions @ np.transpose(matrix)
+    turned /= np.linalg.norm(turned, axis=1, keepdims=True)
+    values = harmonics.harmonic_radiance(turned)
+    return np.asarray(np.linalg.lstsq(values, old, rcond=None)[0], np.float64)

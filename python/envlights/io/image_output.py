@@ -1,0 +1,107 @@
+"""Images out, by OpenImageIO: linear RGB as OpenEXR or Radiance files, whole or not at all."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights._check import check_choice, flag
+from envlights._native import EnvLightsError
+from envlights.io.files import as_path, write_atomically
+from envlights.io.images import REC709, failure, read_image
+from envlights.io.library import oiio
+
+#: Of OpenEXR; all keep every bit.
+COMPRESSIONS = ("zip", "piz", "rle", "none")
+#: Width and height of tiles: OpenImageIO writes the attribute `envmap` into tiled files only.
+_TILE = 64
+_LARGEST_HALF = float(np.finfo(np.float16).max)
+
+
+def write_exr(
+    path: str | os.PathLike[str],
+    radiance: NDArray[np.float32],
+    *,
+    half: bool = False,
+    compression: str = COMPRESSIONS[0],
+    border_sampled: bool = False,
+) -> None:
+    """Write linear Rec.709 RGB, (height, width, 3), as an OpenEXR file.
+
+    Parameters
+    ----------
+    path : path-like
+    radiance : ndarray, shape (height, width, 3)
+    half : bool
+        16 instead of 32 bits for each sample: 11 digits in binary, up to 65504.
+    compression : {"zip", "piz", "rle", "none"}
+        All keep every bit.
+    border_sampled : bool
+        Whether the outer pixels lie on the seam and the poles. Such a map, and no other, has the
+        attribute ``envmap``: readers take its outer pixels so.
+    """
+    check_choice("compression", compression, COMPRESSIONS)
+    if flag("half", half) and radiance.max(initial=0) > _LARGEST_HALF:
+        raise EnvLightsError(
+            f"cannot write {path} with half floats: its largest sample is {radiance.max():g},"
+            f" above their {_LARGEST_HALF:g}; write it with half=False"
+        )
+    spec = _spec(radiance, oiio.HALF if half else oiio.FLOAT)
+    spec.attribute("compression", compression)
+    spec.attribute("chromaticities", oiio.TypeDesc("float[8]"), REC709)
+    if border_sampled:
+        spec.attribute("textureformat", "LatLong Environment")
+        spec.attribute("openexr:levelmode", 0)  # one level, no pyramid
+        spec.tile_width = spec.tile_height = _TILE
+    _write(path, spec, radiance)
+
+
+def write_hdr(path: str | os.PathLike[str], radiance: NDArray[np.float32]) -> None:
+    """Write linear RGB, (height, width, 3), as a Radiance file: 8 bits and a shared exponent."""
+    _write(path, _spec(radiance, oiio.FLOAT), radiance)
+
+
+#: By the suffixes of files.
+MAP_SUFFIXES = (".exr", ".hdr")
+
+
+def map_suffix(path: str | os.PathLike[str]) -> str:
+    """The suffix of a map that can be written, or a refusal."""
+    suffix = as_path(path).suffix.lower()
+    if suffix not in MAP_SUFFIXES:
+        raise EnvLightsError(
+            f"cannot save a map as {path}; the suffix must be one of {', '.join(MAP_SUFFIXES)}"
+        )
+    return suffix
+
+
+def _spec(radiance: NDArray[np.float32], sample: oiio.BASETYPE) -> oiio.ImageSpec:
+    height, width, channels = radiance.shape
+    return oiio.ImageSpec(width, height, channels, sample)
+
+
+def _write(
+    path: str | os.PathLike[str], spec: oiio.ImageSpec, radiance: NDArray[np.float32]
+) -> None:
+    """Write an image beside `path`, read it back, and move it into place."""
+
+    def write(beside: Path) -> None:
+        file = oiio.ImageOutput.create(str(beside))
+        done = file and file.open(str(beside), spec) and file.write_image(radiance) and file.close()
+        if not done:
+            reason = failure(file or oiio)
+            raise OSError(reason.replace(str(beside), str(path)))
+        _check_whole(beside)
+
+    write_atomically(path, write)
+
+
+def _check_whole(path: Path) -> None:
+    """Read the file back: OpenImageIO does not notice a disk that was full for the last bytes."""
+    try:
+        read_image(path)
+    except EnvLightsError:
+        raise OSError("not all of it could be written; is the disk full?") from None

@@ -1,0 +1,69 @@
+"""Maps out, and back in."""
+
+import numpy as np
+import OpenImageIO as oiio  # noqa: N813, its own name for itself
+import pytest
+
+import envlights as el
+
+RADIANCE = np.random.default_rng(0).gamma(0.3, 10, (16, 32, 3)).astype(np.float32)
+
+
+def spec_of(path):
+    return oiio.ImageInput.open(str(path)).spec()
+
+
+@pytest.mark.parametrize("registration", ["cell-centred", "border-sampled"])
+@pytest.mark.parametrize("compression", ["zip", "piz", "rle", "none"])
+@pytest.mark.parametrize("half", [False, True])
+def test_an_exr_file_comes_back_with_its_registration(tmp_path, registration, compression, half):
+    env = el.EnvMap(RADIANCE, registration=registration)
+    env.save(tmp_path / "map.exr", half=half, compression=compression)
+    again = el.EnvMap.open(tmp_path / "map.exr")
+    assert again.registration == registration
+    assert again.notes == ()
+    wanted = RADIANCE.astype(np.float16) if half else RADIANCE
+    np.testing.assert_array_equal(again.radiance, wanted)
+
+
+@pytest.mark.parametrize("half", [False, True])
+def test_the_header_says_what_the_file_holds(tmp_path, half):
+    el.EnvMap(RADIANCE, registration="border-sampled").save(tmp_path / "map.EXR", half=half)
+    spec = spec_of(tmp_path / "map.EXR")
+    assert str(spec.format) == ("half" if half else "float")
+    assert spec["textureformat"] == "LatLong Environment"
+    np.testing.assert_allclose(
+        spec["chromaticities"], (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290), atol=1e-6
+    )
+    header = (tmp_path / "map.EXR").read_bytes()[:2000]
+    assert b"envmap\0envmap\0\x01\0\0\0\0" in header  # ENVMAP_LATLONG, by the OpenEXR library
+    assert spec["compression"] == "zip"
+
+
+def test_a_hdr_file_keeps_eight_bits_of_the_largest_channel(tmp_path):
+    el.EnvMap(RADIANCE).save(tmp_path / "map.hdr")
+    again = el.EnvMap.open(tmp_path / "map.hdr")
+    step = 2.0 ** (np.floor(np.log2(RADIANCE.max(axis=2, keepdims=True))) - 7)
+    assert (np.abs(again.radiance - RADIANCE) <= step).all()
+    assert (tmp_path / "map.hdr").read_bytes().startswith(b"#?RADIANCE\n")
+
+
+def test_a_border_sampled_map_becomes_cells_where_the_file_cannot_say_so(tmp_path):
+    env = el.EnvMap(el.synthetic.hall(64).radiance, registration="border-sampled")
+    env.save(tmp_path / "map.hdr")
+    again = el.EnvMap.open(tmp_path / "map.hdr")
+    up = [[0.0, 1.0, 0.0]]
+    np.testing.assert_allclose(again.probe(up), env.probe(up), rtol=0.02)
+
+
+def test_what_cannot_be_written_is_refused(tmp_path):
+    env = el.EnvMap(RADIANCE * np.float32(1e5))
+    with pytest.raises(el.EnvLightsError, match=r"the suffix must be one of \.exr, \.hdr"):
+        env.save(tmp_path / "map.png")
+    with pytest.raises(el.EnvLightsError, match="above their 65504"):
+        env.save(tmp_path / "map.exr", half=True)
+    with pytest.raises(el.EnvLightsError, match="compression must be 'zip' or"):
+        env.save(tmp_path / "map.exr", compression="jpeg")
+    with pytest.raises(el.EnvLightsError, match=r"half and compression are of \.exr files"):
+        env.save(tmp_path / "map.hdr", half=True)
+    assert list(tmp_path.iterdir()) == []
