@@ -5,6 +5,7 @@ import pytest
 
 import envlights as el
 from envlights.export import TARGETS, target_of
+from envlights.export.scene import scene_of
 
 RIG = el.Rig([0.1, 0.1, 0.1], el.Lights([[0, 1, 0]], [[1, 1, 1]]), error=0.0)
 
@@ -37,3 +38,10 @@ def test_a_map_that_the_target_cannot_hold_is_refused(tmp_path):
     with pytest.raises(el.EnvLightsError, match="takes no map as environment"):
         RIG.save(tmp_path / "scene.csv", environment=np.ones((4, 8, 3), np.float32))
     assert not list(tmp_path.iterdir())
+
+
+def test_a_map_with_borders_becomes_cells_for_every_target():
+    env = el.EnvMap(el.synthetic.hall(16).radiance, registration="border-sampled")
+    scene = scene_of(RIG, env)
+    assert scene.environment.registration == "cell-centred"
+    np.testing.assert_array_equal(scene.environment.radiance, env.cells())

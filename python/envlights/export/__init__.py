@@ -10,6 +10,10 @@
 | glTF 2.0                                                 | `gltf.py`      |
 | three.js                                                 | `three.py`     |
 | Mitsuba 3                                                | `mitsuba.py`   |
+| Blender                                                  | `blender.py`   |
+| discs in a map, for targets whose lights have no size    | `discs.py`     |
+| Radiance                                                 | `radiance.py`  |
+| pbrt-v4                                                  | `pbrt.py`      |
 | which suffix is which target, what it keeps and loses    | `targets.py`   |
 
 A target is a file here. Its public function has its name and returns the target's own form; `save_`
@@ -17,9 +21,12 @@ and its name writes that at a path. `save` takes the target from the suffix.
 """
 
 from envlights.export.axes import AXES, Axes
+from envlights.export.blender import add_to_blender, blender, save_blender
 from envlights.export.csv import csv, read_csv, save_csv
 from envlights.export.gltf import gltf, save_gltf
 from envlights.export.mitsuba import mitsuba, save_mitsuba
+from envlights.export.pbrt import pbrt, save_pbrt
+from envlights.export.radiance import radiance, save_radiance
 from envlights.export.targets import TARGETS, Target, save, target_of
 from envlights.export.three import save_three, three
 
@@ -28,14 +35,21 @@ __all__ = [
     "TARGETS",
     "Axes",
     "Target",
+    "add_to_blender",
+    "blender",
     "csv",
     "gltf",
     "mitsuba",
+    "pbrt",
+    "radiance",
     "read_csv",
     "save",
+    "save_blender",
     "save_csv",
     "save_gltf",
     "save_mitsuba",
+    "save_pbrt",
+    "save_radiance",
     "save_three",
     "target_of",
     "three",

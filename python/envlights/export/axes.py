@@ -20,6 +20,10 @@ _CYCLE: Matrix = ((0, 0, 1), (1, 0, 0), (0, 1, 0))
 #: As three.js reads an equirectangular map: its centre along +x, its left quarter along -z.
 _THREE: Matrix = ((0, 0, 1), (0, 1, 0), (-1, 0, 0))
 
+#: As pbrt's `imgtool makeequiarea` reads one: +z up, the centre along -x, the left quarter along
+#: +y. It is a mirror, because pbrt's frame is left-handed.
+_PBRT: Matrix = ((0, 0, -1), (1, 0, 0), (0, 1, 0))
+
 
 class Axes(NamedTuple):
     """Where our axes lie in a target.
@@ -67,5 +71,7 @@ AXES = {
     "blender": Axes(_CYCLE, _CYCLE),
     "gltf": Axes(_SAME),
     "three": Axes(_THREE, _THREE),
+    "radiance": Axes(_CYCLE, _CYCLE),
+    "pbrt": Axes(_PBRT, _PBRT),
     "csv": Axes(_SAME),
 }

@@ -50,7 +50,9 @@ def scene_of(given: Rig | Lights, environment: EnvMap | ArrayLike | None = None)
     """
     lights = check_rig(given).discs()
     if environment is not None:
-        return Scene(lights, None, as_envmap(environment))
+        given_map = as_envmap(environment)
+        is_cells = given_map.registration == "cell-centred"
+        return Scene(lights, None, given_map if is_cells else EnvMap(given_map.cells()))
     ambient, floor = getattr(given, "ambient", np.zeros(3)), getattr(given, "floor", False)
     if not np.any(ambient):
         return Scene(lights, None, None)

@@ -10,10 +10,13 @@ from numpy.typing import ArrayLike
 
 from envlights._native import EnvLightsError
 from envlights.envmap import EnvMap
+from envlights.export.blender import save_blender
 from envlights.export.csv import save_csv
 from envlights.export.gltf import save_gltf
 from envlights.export.mitsuba import save_mitsuba
 from envlights.export.own_json import save_json
+from envlights.export.pbrt import save_pbrt
+from envlights.export.radiance import save_radiance
 from envlights.export.three import save_three
 from envlights.io.files import as_path
 
@@ -90,6 +93,33 @@ TARGETS = (
         True,
         "lights, sizes (in a map), ambient, harmonics (as a map), floor",
         "harmonics where they are negative",
+    ),
+    Target(
+        "blender",
+        "Blender, a script",
+        (".py",),
+        save_blender,
+        True,
+        "lights, sizes, ambient, harmonics, floor, map",
+        "negative parts of harmonics",
+    ),
+    Target(
+        "radiance",
+        "Radiance",
+        (".rad",),
+        save_radiance,
+        True,
+        "lights, sizes, ambient, harmonics, floor, map",
+        "negative parts of harmonics",
+    ),
+    Target(
+        "pbrt",
+        "pbrt-v4",
+        (".pbrt",),
+        save_pbrt,
+        True,
+        "lights, sizes from 0.7 degrees, ambient, harmonics, floor, map",
+        "smaller sizes, negative parts of harmonics",
     ),
 )
 

@@ -1,0 +1,197 @@
+"""Blender: a Python script, and the same where `bpy` is there."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from envlights._native import EnvLightsError
+from envlights.envmap import EnvMap
+from envlights.export.axes import AXES
+from envlights.export.files import save_scene, texture_name
+from envlights.export.scene import Scene, scene_of
+
+if TYPE_CHECKING:
+    from envlights.lights import Lights
+    from envlights.rig import Rig
+
+#: Runs in Blender 4.2 and newer. What stands in it twice is replaced the second time.
+_SCRIPT = '''\
+"""Lights of envlights: run this in Blender's Text Editor, or by blender --python."""
+
+import os
+
+import bpy
+from mathutils import Vector
+
+# Direction towards the light (z up), irradiance at normal incidence, full angle in radians.
+LIGHTS = [
+@LIGHTS@]
+# Radiance of the world, and an equirectangular map in its place.
+AMBIENT = @AMBIENT@
+MAP = @MAP@
+
+
+def add_lights(collection):
+    for j, (towards, irradiance, angle) in enumerate(LIGHTS):
+        name = f"envlights_{j}"
+        lamp = bpy.data.lights.new(name, "SUN")
+        lamp.energy = max(irradiance)  # W/m2
+        lamp.color = [value / (max(irradiance) or 1) for value in irradiance]
+        lamp.angle = angle
+        sun = bpy.data.objects.new(name, lamp)
+        sun.rotation_mode = "QUATERNION"
+        sun.rotation_quaternion = Vector(towards).to_track_quat("Z", "Y")  # shines along -z
+        collection.objects.link(sun)
+
+
+def set_world(scene):
+    world = bpy.data.worlds.new("envlights")
+    if world.node_tree is None:  # before Blender 5
+        world.use_nodes = True
+    nodes, links = world.node_tree.nodes, world.node_tree.links
+    nodes.clear()
+    background = nodes.new("ShaderNodeBackground")
+    background.inputs["Color"].default_value = (*AMBIENT, 1)
+    background.inputs["Strength"].default_value = 1
+    links.new(background.outputs[0], nodes.new("ShaderNodeOutputWorld").inputs["Surface"])
+    if MAP:
+        texture = nodes.new("ShaderNodeTexEnvironment")
+        texture.image = bpy.data.images.load(beside(MAP))
+        texture.image.pack()  # the .blend file needs no other
+        links.new(texture.outputs["Color"], background.inputs["Color"])
+    scene.world = world
+
+
+def beside(name):
+    """A file beside this script, which Blender may have opened as a text."""
+    texts = [bpy.path.abspath(text.filepath) for text in bpy.data.texts if text.filepath]
+    places = [os.path.join(os.path.dirname(path), name) for path in (__file__, *texts)]
+    found = [path for path in places if os.path.isfile(path)]
+    if not found:
+        raise FileNotFoundError(f"{name} must stand beside this script")
+    return os.path.abspath(found[0])
+
+
+def main():
+    old = bpy.data.collections.get("envlights")
+    if old:  # what an earlier run has made
+        for thing in list(old.objects):
+            bpy.data.objects.remove(thing)
+        bpy.data.collections.remove(old)
+    new = bpy.data.collections.new("envlights")
+    bpy.context.scene.collection.children.link(new)
+    add_lights(new)
+    set_world(bpy.context.scene)
+
+
+main()
+'''
+
+
+def blender(
+    rig: Rig | Lights,
+    environment: EnvMap | ArrayLike | None = None,
+    texture: str = "ambient.exr",
+) -> str:
+    """A Python script that makes sun lamps and a world; it replaces those of its last run.
+
+    Axes: our x, y, z are y, z, x there, +z up, so that the lights agree with the panorama as an
+    environment texture that is not turned. Blender's import of glTF and OBJ puts +y up to +z up in
+    another way: what came by that way is turned by 90 degrees about the vertical.
+
+    Units: the strength of a sun lamp is irradiance at normal incidence in W/m², its colour is a
+    factor, and `angle` is the full angle of the disc. The background is radiance. Exposure is the
+    scene's, in Color Management; the view transform "Standard" shows what the map holds.
+
+    Kept: directions, irradiances, sizes; a constant ambient term as background, harmonics and an
+    ambient term over a floor as a small map. Lost: harmonics where they are negative.
+
+    Parameters
+    ----------
+    rig : Rig or Lights
+    environment : EnvMap or array_like, optional
+        A map in place of the ambient term.
+    texture : str
+        The file of a map, where there is one, beside the script; `save_blender` writes it.
+
+    Returns
+    -------
+    str
+
+    See Also
+    --------
+    add_to_blender : the same in this process, where `bpy` is there.
+
+    Examples
+    --------
+    >>> import envlights as el
+    >>> script = el.export.blender(el.Lights([[0, 1, 0]], [[3, 2, 1]], [0.25]))
+    >>> next(line for line in script.splitlines() if line.startswith("    ("))
+    '    ([0.0, 0.0, 1.0], [3.0, 2.0, 1.0], 0.5),'
+    """
+    return _script(scene_of(rig, environment), texture)
+
+
+def save_blender(
+    rig: Rig | Lights,
+    path: str | os.PathLike[str],
+    environment: EnvMap | ArrayLike | None = None,
+) -> None:
+    """Write `blender` at `path`, and a map, where there is one, beside it."""
+    scene, name = scene_of(rig, environment), texture_name(path)
+    save_scene(path, _script(scene, name), _textures(scene, name))
+
+
+def add_to_blender(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) -> None:
+    """Run the script of `blender` in this process: in Blender, or with `bpy` from PyPI.
+
+    The open scene gets a collection "envlights" of sun lamps, and a new world; a map is packed.
+
+    Parameters
+    ----------
+    rig : Rig or Lights
+    environment : EnvMap or array_like, optional
+        A map in place of the ambient term.
+
+    Raises
+    ------
+    EnvLightsError
+        If there is no `bpy` to import.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "lights.py"
+        save_blender(rig, path, environment)
+        code = compile(path.read_text(encoding="utf-8"), str(path), "exec")
+        try:
+            exec(code, {"__file__": str(path), "__name__": "envlights_in_blender"})
+        except ImportError as error:
+            raise EnvLightsError(
+                f"Blender cannot be imported: {error}; run this inside Blender, or install bpy"
+            ) from None
+
+
+def _script(scene: Scene, name: str) -> str:
+    lights = scene.lights
+    towards = AXES["blender"].to_target(lights.direction).tolist()
+    rows = zip(towards, lights.irradiance.tolist(), lights.angular_radius.tolist(), strict=True)
+    written = "".join(f"    ({there}, {at}, {2 * radius}),\n" for there, at, radius in rows)
+    ambient = np.zeros(3) if scene.ambient is None else scene.ambient
+    parts = {
+        "@LIGHTS@": written,
+        "@AMBIENT@": str(ambient.tolist()),
+        "@MAP@": "None" if scene.environment is None else ascii(name),
+    }
+    script = _SCRIPT
+    for mark, text in parts.items():
+        script = script.replace(mark, text)
+    return script
+
+
+def _textures(scene: Scene, name: str) -> dict[str, NDArray[np.float32]]:
+    return {} if scene.environment is None else {name: scene.environment.radiance}

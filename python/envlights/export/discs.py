@@ -1,0 +1,54 @@
+"""Lights with a size for targets that have none, or none so wide: discs in the map around."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights.envmap import EnvMap
+from envlights.export.scene import Scene
+from envlights.kernels import sphere
+
+if TYPE_CHECKING:
+    from envlights.lights import Lights
+
+#: Rows of a map for discs: as many as give the smallest a radius of that many, within limits.
+_DISC_ROWS, _LEAST_ROWS, _MOST_ROWS = 8, 64, 1024
+
+
+def split_by_size(lights: Lights, least: float) -> tuple[Lights, Lights]:
+    """Lights with a smaller angular radius than `least` in radians, and all others."""
+    is_wide = lights.angular_radius >= least
+    return _some(lights, ~is_wide), _some(lights, is_wide)
+
+
+def with_discs(scene: Scene, discs: Lights) -> Scene:
+    """The constant or the map of a scene with `discs` drawn before it, and no other light."""
+    rest = scene._replace(lights=discs[:0])
+    if not len(discs):
+        return rest
+    rows = int(_DISC_ROWS * np.pi / discs.angular_radius.min())
+    rows = min(max(rows, _LEAST_ROWS), _MOST_ROWS)
+    around: Any = np.zeros(3) if scene.ambient is None else scene.ambient
+    if scene.environment is not None:
+        # Cut pixels into whole ones.
+        times = -(-rows // scene.environment.height)
+        rows = times * scene.environment.height
+        around = scene.environment.radiance.repeat(times, axis=0).repeat(times, axis=1)
+    drawn = discs.to_map(rows).radiance + around
+    return rest._replace(ambient=None, environment=EnvMap(drawn.astype(np.float32)))
+
+
+def looked_up(env: EnvMap, directions: NDArray[np.float64]) -> NDArray[np.float32]:
+    """The pixel of a cell-centred map in each direction, (n, 3)."""
+    uv = sphere.direction_to_uv(directions)
+    columns = (uv[:, 0] * env.width).astype(int) % env.width
+    rows = np.minimum((uv[:, 1] * env.height).astype(int), env.height - 1)
+    return env.radiance[rows, columns]
+
+
+def _some(lights: Lights, which: NDArray[np.bool_]) -> Lights:
+    arrays = lights.direction, lights.irradiance, lights.angular_radius
+    return type(lights)(*(array[which] for array in arrays))

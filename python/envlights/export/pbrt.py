@@ -1,0 +1,136 @@
+"""pbrt-v4: light sources, to be included in a scene."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from envlights.envmap import EnvMap
+from envlights.export.axes import AXES
+from envlights.export.discs import looked_up, split_by_size, with_discs
+from envlights.export.files import save_scene, texture_name
+from envlights.export.scene import Scene, scene_of
+
+if TYPE_CHECKING:
+    from envlights.lights import Lights
+    from envlights.rig import Rig
+
+#: Angular radius in radians under which a light has no size in pbrt: 0.7 degrees, which the
+#: largest map of discs would show with a radius of four pixels.
+_NARROW = 4 * np.pi / 1024
+#: Pixels along a side of pbrt's map for each row of ours: about the same at the horizon.
+_SIDE = 1.25
+#: Samples along a side of each of its pixels, which are averaged.
+_SAMPLES = 3
+_HEADER = "# Lights of envlights for pbrt-v4: Include this file after WorldBegin.\n"
+
+
+def pbrt(
+    rig: Rig | Lights,
+    environment: EnvMap | ArrayLike | None = None,
+    texture: str = "ambient.pbrt.exr",
+) -> str:
+    """Light sources for pbrt-v4, to be included after ``WorldBegin``.
+
+    Axes: our x, y, z are y, z, -x there: +z up, and left-handed, as pbrt is. So the lights agree
+    with the panorama that ``imgtool makeequiarea`` makes an infinite light of. Where a scene is
+    mirrored to be right-handed (``Scale -1 1 1``), the lights are mirrored with it.
+
+    Units: ``rgb L`` of a distant light is irradiance at normal incidence, that of an infinite light
+    and the pixels of its map are radiance; exposure is that of the film, ``iso`` and
+    ``exposuretime``.
+
+    Kept: directions, irradiances; a constant ambient term; harmonics, an ambient term over a floor,
+    and lights with a radius of 0.7 degrees or more in an equal-area map. Lost: smaller sizes, as
+    that of the sun, because a distant light of pbrt has none; harmonics where they are negative.
+
+    Parameters
+    ----------
+    rig : Rig or Lights
+    environment : EnvMap or array_like, optional
+        A map in place of the ambient term.
+    texture : str
+        The map of an infinite light, where there is one; `save_pbrt` writes it.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> import envlights as el
+    >>> print(el.export.pbrt(el.Lights([[0, 1, 0]], [[3, 2, 1]])).splitlines()[-1])
+    LightSource "distant" "rgb L" [3 2 1] "point3 from" [0 0 1] "point3 to" [0 0 0]
+    """
+    return _sources(*_parts(scene_of(rig, environment)), texture)
+
+
+def save_pbrt(
+    rig: Rig | Lights,
+    path: str | os.PathLike[str],
+    environment: EnvMap | ArrayLike | None = None,
+) -> None:
+    """Write `pbrt` at `path`, and the map of an infinite light, where there is one, beside it."""
+    lights, scene = _parts(scene_of(rig, environment))
+    name = texture_name(path, "ambient.pbrt")
+    textures = {} if scene.environment is None else {name: _equal_area(scene.environment)}
+    save_scene(path, _sources(lights, scene, name), textures)
+
+
+def _parts(scene: Scene) -> tuple[Lights, Scene]:
+    """Distant lights, and a scene of what is around, lights with a size included."""
+    narrow, wide = split_by_size(scene.lights, least=_NARROW)
+    return narrow, with_discs(scene, wide)
+
+
+def _sources(lights: Lights, scene: Scene, name: str) -> str:
+    towards = AXES["pbrt"].to_target(lights.direction)
+    lines = [
+        f'LightSource "distant" "rgb L" {_numbers(irradiance)}'
+        f' "point3 from" {_numbers(direction)} "point3 to" [0 0 0]'
+        for direction, irradiance in zip(towards, lights.irradiance, strict=True)
+    ]
+    if scene.environment is not None:
+        lines.append(f'LightSource "infinite" "string filename" "{name}"')
+    elif scene.ambient is not None:
+        lines.append(f'LightSource "infinite" "rgb L" {_numbers(scene.ambient)}')
+    return "\n".join([_HEADER, *lines]) + "\n"
+
+
+def _equal_area(env: EnvMap) -> NDArray[np.float32]:
+    """A map as pbrt reads it: a square of pixels that all have the same solid angle."""
+    side = int(np.ceil(_SIDE * env.height))
+    centres = (np.arange(side * _SAMPLES) + 0.5) / (side * _SAMPLES)
+    found = np.empty((side, side, 3), np.float32)
+    for row in range(side):
+        v = centres[row * _SAMPLES : (row + 1) * _SAMPLES]
+        uv = np.stack(np.meshgrid(centres, v), axis=-1).reshape(-1, 2)
+        samples = looked_up(env, AXES["pbrt"].from_target(_square_to_sphere(uv)))
+        parts = samples.reshape(_SAMPLES, side, _SAMPLES, 3)
+        found[row] = parts.mean(axis=(0, 2), dtype=np.float64)
+    return found
+
+
+def _square_to_sphere(uv: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Unit vectors, z up, of points of the unit square (Clarberg 2008, the equal-area octahedron).
+
+    The square inscribed on its edges' centres is the upper half; its corners fold to the nadir.
+    """
+    u, v = 2 * uv.T - 1
+    across = np.abs(u) + np.abs(v)
+    inside = 1 - across
+    r = 1 - np.abs(inside)
+    z = np.copysign(1 - r**2, inside)
+    # r is 0 at the zenith and in the corners, where the azimuth does not matter.
+    azimuth = ((np.abs(v) - np.abs(u)) / np.maximum(r, np.finfo(float).tiny) + 1) * np.pi / 4
+    planar = r * np.sqrt(2 - r**2)
+    x = np.copysign(planar * np.cos(azimuth), u)
+    y = np.copysign(planar * np.sin(azimuth), v)
+    return np.stack([x, y, z], axis=1)
+
+
+def _numbers(values: NDArray[np.float64]) -> str:
+    return f"[{' '.join(f'{value + 0.0:.9g}' for value in values)}]"

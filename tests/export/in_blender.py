@@ -1,0 +1,108 @@
+"""Runs in a process of its own with `bpy`: what Blender makes of exported scripts.
+
+``in_blender.py irradiance NORMALS.npy SCRIPT.py ...`` writes SCRIPT.npy, irradiance on surfaces
+with these normals; ``in_blender.py balls CAMERA.npy SCRIPT.py`` writes an image, SCRIPT.exr.
+"""
+
+import runpy
+import sys
+from pathlib import Path
+
+import numpy as np
+
+
+def empty_scene(samples):
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scene = bpy.context.scene
+    scene.render.engine = "CYCLES"
+    scene.cycles.samples, scene.cycles.seed = samples, 1
+    scene.cycles.use_adaptive_sampling = scene.cycles.use_denoising = False
+    scene.cycles.sample_clamp_indirect = 0
+    scene.view_settings.view_transform = "Standard"
+    return scene
+
+
+def material(thing, shader, **inputs):
+    made = bpy.data.materials.new("surface")
+    made.use_nodes = True
+    nodes, links = made.node_tree.nodes, made.node_tree.links
+    nodes.clear()
+    surface = nodes.new(shader)
+    for name, value in {"Roughness": 0, "Color": (1, 1, 1, 1), **inputs}.items():
+        surface.inputs[name].default_value = value
+    links.new(surface.outputs[0], nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
+    thing.data.materials.append(made)
+
+
+def facets(normals):
+    """White triangles that touch the unit sphere: none shades another."""
+    corners, triangles = [], []
+    for normal in map(Vector, normals):
+        side = normal.orthogonal().normalized()
+        up = normal.cross(side)
+        triangles.append([len(corners) + k for k in range(3)])
+        corners += [normal + 0.01 * side, normal + 0.01 * (up - side), normal - 0.01 * (up + side)]
+    mesh = bpy.data.meshes.new("facets")
+    mesh.from_pydata(corners, [], triangles)
+    thing = bpy.data.objects.new("facets", mesh)
+    bpy.context.scene.collection.objects.link(thing)
+    material(thing, "ShaderNodeBsdfDiffuse")
+    return thing
+
+
+def irradiance(normals, script):
+    empty_scene(samples=512)
+    thing = facets(normals)
+    runpy.run_path(str(script))
+    mesh = thing.data
+    found = mesh.color_attributes.new("found", "FLOAT_COLOR", "CORNER")
+    mesh.color_attributes.active_color = found
+    bpy.context.view_layer.objects.active = thing
+    thing.select_set(True)
+    passes = {"DIRECT", "INDIRECT"}
+    bpy.ops.object.bake(type="DIFFUSE", pass_filter=passes, target="VERTEX_COLORS")
+    colours = np.zeros(4 * len(mesh.loops), np.float32)
+    mesh.color_attributes["found"].data.foreach_get("color", colours)
+    return np.pi * colours.reshape(-1, 3, 4)[..., :3].mean(axis=1)
+
+
+def ball(place, shader):
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=128, ring_count=64, location=place)
+    thing = bpy.context.object
+    bpy.ops.object.shade_smooth()
+    material(thing, shader)
+
+
+def balls(camera, script):
+    """A matte and a mirror ball, from the axes of a camera: right, up, towards the eye."""
+    right, up, back = map(Vector, camera)
+    scene = empty_scene(samples=64)
+    ball(-1.05 * right, "ShaderNodeBsdfDiffuse")
+    ball(1.05 * right, "ShaderNodeBsdfGlossy")
+    runpy.run_path(str(script))
+    eye = bpy.data.objects.new("eye", bpy.data.cameras.new("eye"))
+    eye.data.type, eye.data.ortho_scale = "ORTHO", 4.2
+    eye.matrix_world = (
+        Matrix.Translation(20 * back) @ Matrix((right, up, back)).transposed().to_4x4()
+    )
+    scene.collection.objects.link(eye)
+    scene.camera = eye
+    render = scene.render
+    render.resolution_x, render.resolution_y = 256, 128
+    render.image_settings.file_format = "OPEN_EXR"
+    render.image_settings.color_depth = "32"
+    render.filepath = str(script.with_suffix(".exr"))
+    bpy.ops.render.render(write_still=True)
+
+
+if __name__ == "__main__":
+    # Not above: pytest imports this file too, to look for doctests.
+    import bpy
+    from mathutils import Matrix, Vector
+
+    task, given, *scripts = sys.argv[1:]
+    for path in map(Path, scripts):
+        if task == "irradiance":
+            np.save(path.with_suffix(".npy"), irradiance(np.load(given), path))
+        else:
+            balls(np.load(given).tolist(), path)

@@ -1,0 +1,70 @@
+"""pbrt-v4: judged by the formulas of its book, since no package brings the renderer."""
+
+import numpy as np
+import pytest
+
+import envlights as el
+from envlights.export import AXES
+from envlights.export.pbrt import _square_to_sphere
+from tests.export.rigs import DISCS, POINTS, relative_error, rigs
+from tests.helpers import NORMALS
+from tests.reference import pbrt
+
+THERE = AXES["pbrt"].to_target(NORMALS)
+
+
+@pytest.mark.parametrize("lights", [POINTS, DISCS], ids=["points", "discs"])
+@pytest.mark.parametrize("name", ["none", "constant", "floor", "harmonics"])
+def test_the_irradiance_by_the_book_is_that_of_the_rig(name, lights, tmp_path):
+    rig = rigs(lights)[name]
+    rig.save(tmp_path / "rig.pbrt")
+    kinds = [kind for kind, _ in pbrt.light_sources(tmp_path / "rig.pbrt")]
+    in_map = name in ("floor", "harmonics") or lights is DISCS
+    assert kinds.count("infinite") == (name != "none" or lights is DISCS)
+    # Only the sun is so small that it is a distant light.
+    assert kinds.count("distant") == (1 if lights is DISCS else 5)
+    limit = 0.003 if in_map else 1e-6
+    assert relative_error(pbrt.irradiance(tmp_path / "rig.pbrt", THERE), rig) < limit
+
+
+def test_squares_and_spheres_are_inverse():
+    """The exporter's map from the square, and the book's map to it."""
+    grid = (np.arange(64) + 0.5) / 64
+    uv = np.stack(np.meshgrid(grid, grid), axis=-1).reshape(-1, 2)
+    directions = _square_to_sphere(uv)
+    np.testing.assert_allclose(np.linalg.norm(directions, axis=1), 1, atol=1e-12)
+    np.testing.assert_allclose(pbrt.sphere_to_square(directions), uv, atol=1e-12)
+    # All pixels have the same solid angle: moments are those of the sphere.
+    np.testing.assert_allclose(directions.mean(axis=0), 0, atol=1e-12)
+    np.testing.assert_allclose(
+        directions.T @ directions / len(directions), np.eye(3) / 3, atol=1e-3
+    )
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_a_map_lies_where_the_lights_are(axis, tmp_path):
+    """One light on an axis, beside a map of it: both in the same direction there."""
+    lamp = el.Lights(np.eye(3)[[axis]], [[1, 1, 1]])
+    spot = el.Lights(lamp.direction, lamp.irradiance, [0.1])
+    lamp.save(tmp_path / "rig.pbrt", environment=spot.to_map(64))
+    (_, light), (_, sky) = pbrt.light_sources(tmp_path / "rig.pbrt")
+    np.testing.assert_array_equal(light["from"], AXES["pbrt"].to_target(lamp.direction)[0])
+    square = el.io.read_image(tmp_path / sky["filename"]).pixels
+    grid = (np.arange(len(square)) + 0.5) / len(square)
+    towards = _square_to_sphere(np.stack(np.meshgrid(grid, grid), axis=-1).reshape(-1, 2))
+    centre = square[..., 0].reshape(-1) @ towards
+    assert centre / np.linalg.norm(centre) @ light["from"] > np.cos(0.005)
+
+
+def test_the_panorama_that_imgtool_converts_agrees_with_the_lights():
+    """`imgtool makeequiarea` takes u = phi / 2 pi, v = theta / pi of pbrt's z up."""
+    env_directions = el.kernels.pixel_directions(16, 32)
+    x, y, z = np.moveaxis(AXES["pbrt"].to_target(env_directions.reshape(-1, 3)), 1, 0)
+    u = np.arctan2(y, x) / (2 * np.pi) % 1
+    v = np.arccos(z) / np.pi
+    np.testing.assert_allclose(
+        u.reshape(16, 32), (np.arange(32) + 0.5)[None] / 32 + 0 * env_directions[..., 0]
+    )
+    np.testing.assert_allclose(
+        v.reshape(16, 32), (np.arange(16) + 0.5)[:, None] / 16 + 0 * env_directions[..., 0]
+    )

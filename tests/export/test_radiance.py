@@ -1,0 +1,113 @@
+"""Radiance: irradiance as its own `rtrace` measures it."""
+
+import numpy as np
+import pytest
+
+import envlights as el
+from envlights.export import AXES, radiance
+from tests.export.balls import CAMERA, check_balls, environment, rays
+from tests.export.rigs import AXES as LAMPS
+from tests.export.rigs import DISCS, POINTS, relative_error, rigs
+from tests.helpers import NORMALS
+
+pyradiance = pytest.importorskip("pyradiance")
+
+AMBIENT = ["-ab", "1", "-ad", "16384", "-as", "0", "-aa", "0", "-lw", "1e-9"]
+RIGS = rigs(POINTS)
+
+
+def irradiance(path, params, repeats=1, normals=NORMALS):
+    """Irradiance on surfaces with these normals, (n, 3); pictures are beside the file."""
+    there = AXES["radiance"].to_target(normals)
+    lines = np.hstack([np.zeros_like(there), there]).repeat(repeats, axis=0)
+    found = traced(path, lines, params, irradiance=True)
+    return found.reshape(len(normals), repeats, 3).mean(axis=1)
+
+
+def traced(path, lines, params, **options):
+    """What `rtrace` makes of rays: origins and directions, (n, 6)."""
+    octree = path.with_suffix(".oct")
+    octree.write_bytes(pyradiance.oconv(str(path)))
+    text = "\n".join(" ".join(f"{value:.17g}" for value in line) for line in lines)
+    found = pyradiance.rtrace(text.encode(), octree, header=False, params=params, **options)
+    return np.array([line.split() for line in found.decode().splitlines()], float)
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """Radiance looks for pictures in the folder in which it runs."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_points_alone_are_exact(folder):
+    POINTS.save(folder / "rig.rad")
+    assert (
+        relative_error(irradiance(folder / "rig.rad", ["-ab", "0", "-dt", "0"]), RIGS["none"])
+        < 1e-6
+    )
+
+
+@pytest.mark.parametrize("name", RIGS)
+@pytest.mark.parametrize("lights", [POINTS, DISCS], ids=["points", "discs"])
+def test_the_irradiance_that_radiance_measures_is_that_of_the_rig(name, lights, folder):
+    rig = rigs(lights)[name]
+    rig.save(folder / "rig.rad")
+    params, repeats = (["-dj", "1"], 16) if lights is DISCS else ([], 1)
+    ambient = AMBIENT if repeats == 1 else ["-ab", "1", "-ad", "1024", *AMBIENT[4:]]
+    found = irradiance(folder / "rig.rad", [*ambient, *params], repeats)
+    assert relative_error(found, rig) < 0.01
+
+
+@pytest.mark.parametrize("name", ["constant", "harmonics"])
+def test_no_light_takes_the_sky_behind_it_away(name, folder):
+    """Lamps of no light before a bright sky."""
+    black = el.Lights(DISCS.direction, 0 * DISCS.irradiance, [0.19] * 5)
+    rig = rigs(black)[name]
+    rig.save(folder / "rig.rad")
+    assert relative_error(irradiance(folder / "rig.rad", AMBIENT), rig) < 0.01
+
+
+def test_a_map_lies_where_the_lights_are(folder):
+    large = el.Lights(DISCS.direction, DISCS.irradiance, [0.4] * 5)
+    env = el.Rig([0.5] * 3, large, error=0.0).to_map(128)
+    el.Lights(np.eye(3), np.eye(3)).save(folder / "rig.rad", environment=env)
+    found = irradiance(folder / "rig.rad", AMBIENT)
+    wanted = env.probe(NORMALS) + np.maximum(NORMALS, 0)
+    assert np.linalg.norm(found - wanted) < 0.01 * np.linalg.norm(wanted)
+
+
+BALLS = """
+void plastic matte 0 0 5 1 1 1 0 0
+void metal mirror 0 0 5 1 1 1 1 0
+matte sphere left 0 0 4 {} 1
+mirror sphere right 0 0 4 {} 1
+"""
+
+
+def test_map_and_lights_meet_on_two_balls(folder):
+    LAMPS.save(folder / "balls.rad", environment=environment())
+    right, _, _ = AXES["radiance"].to_target(CAMERA)
+    with (folder / "balls.rad").open("a") as file:
+        file.write(BALLS.format(*(" ".join(map(str, x * right)) for x in (-1.05, 1.05))))
+    origin, direction = (AXES["radiance"].to_target(each) for each in rays())
+    image = traced(folder / "balls.rad", np.hstack([origin, direction]), ["-ab", "1", "-ad", "256"])
+    image = image.reshape(128, 256, 3)
+    el.io.write_exr(folder / "balls.exr", image.astype(np.float32))
+    check_balls(image)
+
+
+def test_a_name_with_a_space_is_refused(folder):
+    with pytest.raises(
+        el.EnvLightsError, match=r"no name with a space; got 'my rig\.ambient\.hdr'"
+    ):
+        RIGS["harmonics"].save(folder / "my rig.rad")
+    RIGS["constant"].save(folder / "my rig.rad")  # names no picture
+    assert [path.name for path in folder.iterdir()] == ["my rig.rad"]
+
+
+def test_black_lights_and_no_lights_are_read(folder):
+    nothing = el.Rig([0, 0, 0], POINTS[:0], error=0.0)
+    nothing.save(folder / "rig.rad")
+    assert "source" not in radiance(nothing)
+    assert not irradiance(folder / "rig.rad", ["-ab", "0"], normals=NORMALS[:1]).any()
