@@ -9,6 +9,8 @@
 | a table of numbers                                       | `csv.py`       |
 | glTF 2.0                                                 | `gltf.py`      |
 | three.js                                                 | `three.py`     |
+| OpenUSD                                                  | `usd.py`       |
+| Unity, Unreal, and engines with axes to choose           | `engine.py`    |
 | Mitsuba 3                                                | `mitsuba.py`   |
 | Blender                                                  | `blender.py`   |
 | discs in a map, for targets whose lights have no size    | `discs.py`     |
@@ -23,12 +25,14 @@ and its name writes that at a path. `save` takes the target from the suffix.
 from envlights.export.axes import AXES, Axes
 from envlights.export.blender import add_to_blender, blender, save_blender
 from envlights.export.csv import csv, read_csv, save_csv
+from envlights.export.engine import engine, save_engine, save_unity, save_unreal, unity, unreal
 from envlights.export.gltf import gltf, save_gltf
 from envlights.export.mitsuba import mitsuba, save_mitsuba
 from envlights.export.pbrt import pbrt, save_pbrt
 from envlights.export.radiance import radiance, save_radiance
 from envlights.export.targets import TARGETS, Target, save, target_of
 from envlights.export.three import save_three, three
+from envlights.export.usd import save_usd, usd
 
 __all__ = [
     "AXES",
@@ -38,6 +42,7 @@ __all__ = [
     "add_to_blender",
     "blender",
     "csv",
+    "engine",
     "gltf",
     "mitsuba",
     "pbrt",
@@ -46,11 +51,18 @@ __all__ = [
     "save",
     "save_blender",
     "save_csv",
+    "save_engine",
     "save_gltf",
     "save_mitsuba",
     "save_pbrt",
     "save_radiance",
     "save_three",
+    "save_unity",
+    "save_unreal",
+    "save_usd",
     "target_of",
     "three",
+    "unity",
+    "unreal",
+    "usd",
 ]

@@ -23,6 +23,12 @@ _THREE: Matrix = ((0, 0, 1), (0, 1, 0), (-1, 0, 0))
 #: As pbrt's `imgtool makeequiarea` reads one: +z up, the centre along -x, the left quarter along
 #: +y. It is a mirror, because pbrt's frame is left-handed.
 _PBRT: Matrix = ((0, 0, -1), (1, 0, 0), (0, 1, 0))
+#: Unity: x to the right, where our +x is on the left of the map.
+_MIRRORED_X: Matrix = ((-1, 0, 0), (0, 1, 0), (0, 0, 1))
+#: Its Skybox/Panoramic: u = 0.5 - atan2(z, x) / 2 pi, so the centre looks along +x.
+_PANORAMIC: Matrix = ((0, 0, 1), (0, 1, 0), (1, 0, 0))
+#: Unreal: x forward, y to the right, z up.
+_UNREAL: Matrix = ((0, 0, 1), (-1, 0, 0), (0, 1, 0))
 
 
 class Axes(NamedTuple):
@@ -68,10 +74,13 @@ class Axes(NamedTuple):
 #: By the name of the target.
 AXES = {
     "mitsuba": Axes(_SAME, _SAME),
+    "usd": Axes(_SAME, _SAME),
     "blender": Axes(_CYCLE, _CYCLE),
     "gltf": Axes(_SAME),
     "three": Axes(_THREE, _THREE),
     "radiance": Axes(_CYCLE, _CYCLE),
     "pbrt": Axes(_PBRT, _PBRT),
     "csv": Axes(_SAME),
+    "unity": Axes(_MIRRORED_X, _PANORAMIC),
+    "unreal": Axes(_UNREAL),
 }

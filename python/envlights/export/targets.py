@@ -12,12 +12,14 @@ from envlights._native import EnvLightsError
 from envlights.envmap import EnvMap
 from envlights.export.blender import save_blender
 from envlights.export.csv import save_csv
+from envlights.export.engine import save_unity, save_unreal
 from envlights.export.gltf import save_gltf
 from envlights.export.mitsuba import save_mitsuba
 from envlights.export.own_json import save_json
 from envlights.export.pbrt import save_pbrt
 from envlights.export.radiance import save_radiance
 from envlights.export.three import save_three
+from envlights.export.usd import save_usd
 from envlights.io.files import as_path
 
 if TYPE_CHECKING:
@@ -86,6 +88,15 @@ TARGETS = (
         "sizes, which stand in userData",
     ),
     Target(
+        "usd",
+        "OpenUSD",
+        (".usda", ".usdc", ".usd"),
+        save_usd,
+        True,
+        "lights, sizes, ambient, harmonics (as a map), floor",
+        "harmonics where they are negative",
+    ),
+    Target(
         "mitsuba",
         "Mitsuba 3",
         (".xml",),
@@ -120,6 +131,24 @@ TARGETS = (
         True,
         "lights, sizes from 0.7 degrees, ambient, harmonics, floor, map",
         "smaller sizes, negative parts of harmonics",
+    ),
+    Target(
+        "unity",
+        "Unity",
+        (".unity.json",),
+        save_unity,
+        True,
+        "lights, sizes, ambient, harmonics (also as a map), floor (as a map)",
+        "nothing that Unity has",
+    ),
+    Target(
+        "unreal",
+        "Unreal Engine",
+        (".unreal.json",),
+        save_unreal,
+        True,
+        "lights, sizes, ambient, harmonics (also as a map), floor (as a map)",
+        "where its panorama looks: turn it by hand",
     ),
 )
 

@@ -1,0 +1,248 @@
+"""Game engines: JSON in the axes of the engine, with the angles that its editor shows.
+
+An engine is described by the axes along which its right, its up and its forward lie: "+x", "+y"
+and "+z" for Unity. Its forward is where the centre of our map looks, +z; its left is our +x.
+Whether it is left-handed follows from that.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from envlights._check import shown
+from envlights._native import EnvLightsError
+from envlights.ambient import turned_ambient
+from envlights.envmap import EnvMap
+from envlights.export.axes import AXES, Axes, Matrix
+from envlights.export.files import save_scene, texture_name
+from envlights.export.scene import Scene, scene_of
+
+if TYPE_CHECKING:
+    from envlights.lights import Lights
+    from envlights.rig import Rig
+
+_FORMAT, _VERSION = "envlights engine", 1
+_UNITS = (
+    "irradiance: linear Rec.709 RGB at normal incidence, color times intensity; ambient: radiance;"
+    " angles: degrees"
+)
+
+
+def engine(
+    rig: Rig | Lights,
+    environment: EnvMap | ArrayLike | None = None,
+    *,
+    right: str,
+    up: str,
+    forward: str,
+    texture: str = "ambient.exr",
+) -> dict[str, Any]:
+    """A rig as numbers, lists and strings, in the axes of an engine.
+
+    Parameters
+    ----------
+    rig : Rig or Lights
+    environment : EnvMap or array_like, optional
+        A map in place of the ambient term.
+    right, up, forward : str
+        Where these lie in the engine: "+x", "-x", "+y", "-y", "+z" or "-z", one of each letter.
+    texture : str
+        The name of the file with the map, if there is one.
+
+    Returns
+    -------
+    dict
+        ``lights``: `to_light`, the unit vector towards the light; `forward`, the one in which its
+        light travels; `irradiance`; its largest channel as `intensity` and the rest as `color`,
+        both linear; `angular_diameter` in degrees. ``ambient``: a radiance, nine `harmonics` of it
+        in the engine's axes (`kernels.harmonic_radiance`), or the file of a `map`.
+
+    Examples
+    --------
+    Godot is right-handed and looks along -z:
+
+    >>> import envlights as el
+    >>> lamp = el.Lights([[0, 0, 1]], [[3, 2, 1]])
+    >>> scene = el.export.engine(lamp, right="+x", up="+y", forward="-z")
+    >>> scene["lights"][0]["to_light"], scene["handedness"]
+    ([0.0, 0.0, -1.0], 'right')
+    """
+    axes = Axes(matrix_of(right, up, forward))
+    scene = scene_of(rig, environment)
+    # A map of one's own stands in place of the harmonics.
+    harmonics = getattr(rig, "ambient", ()) if environment is None else ()
+    described = {"right": right, "up": up, "forward": forward}
+    return {
+        "format": _FORMAT,
+        "version": _VERSION,
+        "axes": described,
+        "handedness": "right" if axes.handedness > 0 else "left",
+        "matrix": [list(row) for row in axes.matrix],
+        "units": _UNITS,
+        "lights": _lights(scene, axes),
+        **_ambient(scene, harmonics, axes, texture),
+    }
+
+
+def unity(
+    rig: Rig | Lights,
+    environment: EnvMap | ArrayLike | None = None,
+    *,
+    texture: str = "ambient.exr",
+) -> dict[str, Any]:
+    """`engine` for Unity: left-handed, +x right, +y up, +z forward; our x is mirrored.
+
+    That is how importers of glTF bring y-up scenes to Unity, so lights fit geometry. Each light has
+    `euler_angles`, the rotation that the inspector of a directional light shows, and `lux`, its
+    intensity in the high definition pipeline. The other pipelines leave out the pi of a white
+    surface: there, intensity is `intensity_without_pi`. For a panorama, `skybox_rotation` is the
+    Rotation of the material Skybox/Panoramic.
+
+    Examples
+    --------
+    >>> import envlights as el
+    >>> noon = el.export.unity(el.Lights([[0, 1, 0]], [[3, 2, 1]]))
+    >>> noon["lights"][0]["euler_angles"]
+    [90.0, 0.0, 0.0]
+    """
+    scene = engine(rig, environment, right="+x", up="+y", forward="+z", texture=texture)
+    for light in scene["lights"]:
+        x, y, z = light["forward"]
+        # Unity turns about z, then x, then y; the light shines along its own +z.
+        pitch, yaw = np.arcsin(np.clip(-y, -1, 1)), np.arctan2(x, z)
+        light["euler_angles"] = (np.rad2deg([pitch, yaw, 0.0]) + 0.0).tolist()
+        light["lux"] = light["intensity"]
+        light["intensity_without_pi"] = light["intensity"] / np.pi
+    scene["skybox_rotation"] = _about_y(AXES["unity"].turn_of_map())
+    return scene
+
+
+def unreal(
+    rig: Rig | Lights,
+    environment: EnvMap | ArrayLike | None = None,
+    *,
+    texture: str = "ambient.exr",
+) -> dict[str, Any]:
+    """`engine` for Unreal: left-handed, +x forward, +y right, +z up.
+
+    Each light has `rotator`, pitch, yaw and roll as the editor shows them, `lux`, and
+    `angular_diameter`, which is its Source Angle. Where the centre of a panorama looks in Unreal is
+    not documented; turn its cubemap until it fits.
+
+    Examples
+    --------
+    >>> import envlights as el
+    >>> noon = el.export.unreal(el.Lights([[0, 1, 0]], [[3, 2, 1]]))
+    >>> noon["lights"][0]["rotator"]
+    {'pitch': -90.0, 'yaw': 0.0, 'roll': 0.0}
+    """
+    scene = engine(rig, environment, right="+y", up="+z", forward="+x", texture=texture)
+    for light in scene["lights"]:
+        x, y, z = light["forward"]
+        # The light shines along its own +x; pitch is up, yaw is to the right.
+        pitch, yaw = np.rad2deg([np.arcsin(np.clip(z, -1, 1)), np.arctan2(y, x)]) + 0.0
+        light["rotator"] = {"pitch": float(pitch), "yaw": float(yaw), "roll": 0.0}
+        light["lux"] = light["intensity"]
+    return scene
+
+
+def save_engine(
+    rig: Rig | Lights,
+    path: str | os.PathLike[str],
+    environment: EnvMap | ArrayLike | None = None,
+    *,
+    right: str,
+    up: str,
+    forward: str,
+) -> None:
+    """Write `engine` as JSON; a map goes beside it, ``scene.ambient.exr``."""
+    axes = {"right": right, "up": up, "forward": forward}
+    scene = engine(rig, environment, **axes, texture=texture_name(path))
+    _save(scene, scene_of(rig, environment), path)
+
+
+def save_unity(
+    rig: Rig | Lights,
+    path: str | os.PathLike[str],
+    environment: EnvMap | ArrayLike | None = None,
+) -> None:
+    """Write `unity` as JSON; a map goes beside it."""
+    scene = unity(rig, environment, texture=texture_name(path))
+    _save(scene, scene_of(rig, environment), path)
+
+
+def save_unreal(
+    rig: Rig | Lights,
+    path: str | os.PathLike[str],
+    environment: EnvMap | ArrayLike | None = None,
+) -> None:
+    """Write `unreal` as JSON; a map goes beside it."""
+    scene = unreal(rig, environment, texture=texture_name(path))
+    _save(scene, scene_of(rig, environment), path)
+
+
+def matrix_of(right: str, up: str, forward: str) -> Matrix:
+    """Rows: each axis of an engine in ours, where right is -x, up is +y and forward is +z."""
+    columns = np.zeros((3, 3), int)
+    ours = {"right": (right, 0, -1), "up": (up, 1, 1), "forward": (forward, 2, 1)}
+    for name, (axis, column, sign) in ours.items():
+        if axis not in ("+x", "-x", "+y", "-y", "+z", "-z"):
+            raise EnvLightsError(f"{name} must be an axis, such as '+x' or '-z'; got {shown(axis)}")
+        columns["xyz".index(axis[1]), column] = sign if axis[0] == "+" else -sign
+    if (np.abs(columns).sum(axis=1) != 1).any():
+        raise EnvLightsError(
+            f"right, up and forward must be three different axes; got {right}, {up} and {forward}"
+        )
+    x, y, z = (tuple(row) for row in columns.tolist())
+    return (x, y, z)
+
+
+def _lights(scene: Scene, axes: Axes) -> list[dict[str, Any]]:
+    lights = scene.lights
+    rows = zip(
+        axes.to_target(lights.direction), lights.irradiance, lights.angular_radius, strict=True
+    )
+    return [_light(*row) for row in rows]
+
+
+def _light(
+    towards: NDArray[np.float64], irradiance: NDArray[np.float64], radius: float
+) -> dict[str, Any]:
+    most = float(irradiance.max())
+    return {
+        "to_light": towards.tolist(),
+        "forward": (0.0 - towards).tolist(),
+        "irradiance": irradiance.tolist(),
+        "color": (irradiance / most if most > 0 else irradiance).tolist(),
+        "intensity": most,
+        "angular_diameter": float(2 * np.rad2deg(radius)),
+    }
+
+
+def _ambient(scene: Scene, harmonics: ArrayLike, axes: Axes, texture: str) -> dict[str, Any]:
+    """What is around the lights; nothing where nothing is."""
+    if scene.ambient is not None:
+        return {"ambient": scene.ambient.tolist()}
+    if scene.environment is None:
+        return {}
+    coefficients = np.asarray(harmonics, np.float64)
+    if coefficients.ndim < 2:
+        return {"map": texture}
+    return {"harmonics": turned_ambient(coefficients, axes.matrix).tolist(), "map": texture}
+
+
+def _about_y(turn: NDArray[np.float64]) -> float:
+    """Degrees of a turn about +y, as Unity's Skybox/Panoramic counts them."""
+    return float(np.rad2deg(np.arctan2(turn[2, 0], turn[0, 0])) % 360)
+
+
+def _save(scene: dict[str, Any], parts: Scene, path: str | os.PathLike[str]) -> None:
+    textures = {}
+    if parts.environment is not None:
+        textures[scene["map"]] = parts.environment.cells()
+    save_scene(path, json.dumps(scene, indent=2, allow_nan=False) + "\n", textures)

@@ -1,0 +1,157 @@
+"""OpenUSD: distant lights and a dome, as text (.usda) or as a binary crate (.usdc)."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from envlights._native import EnvLightsError
+from envlights.envmap import EnvMap
+from envlights.export.axes import AXES
+from envlights.export.files import save_scene, texture_name
+from envlights.export.scene import Scene, scene_of
+from envlights.io.files import as_path
+
+if TYPE_CHECKING:
+    from envlights.lights import Lights
+    from envlights.rig import Rig
+
+_HEAD = """#usda 1.0
+(
+    defaultPrim = "rig"
+    doc = "Lights: irradiance at normal incidence; dome: radiance; linear Rec.709 RGB"
+    metersPerUnit = 1
+    upAxis = "Y"
+)
+
+def Xform "rig"
+{
+"""
+
+
+def usd(
+    rig: Rig | Lights,
+    environment: EnvMap | ArrayLike | None = None,
+    *,
+    texture: str = "ambient.exr",
+) -> str:
+    r"""A stage of lights as text, to be referenced or to be loaded as it is.
+
+    Parameters
+    ----------
+    rig : Rig or Lights
+    environment : EnvMap or array_like, optional
+        A map in place of the ambient term.
+    texture : str
+        The file that the text names, beside it, if there is a map: `save_usd` writes it.
+
+    Returns
+    -------
+    str
+        ``DistantLight``: along its local -z, `angle` is the full angle in degrees, and `normalize`
+        makes intensity times color our irradiance, in W m\ :sup:`-2`, whatever the angle.
+        ``DomeLight``: intensity times color is our radiance; or a latlong texture, whose
+        orientation is ours. The stage has +y up.
+
+    Examples
+    --------
+    >>> import envlights as el
+    >>> text = el.export.usd(el.Lights([[0, 1, 0]], [[3, 1.5, 0]], [0.1]))
+    >>> "float inputs:intensity = 3.0" in text, "color3f inputs:color = (1.0, 0.5, 0.0)" in text
+    (True, True)
+    """
+    return _text(scene_of(rig, environment), texture)
+
+
+def save_usd(
+    rig: Rig | Lights,
+    path: str | os.PathLike[str],
+    environment: EnvMap | ArrayLike | None = None,
+) -> None:
+    """Write `usd` as text (.usda, .usd), or as a crate (.usdc), which needs the extra `usd`.
+
+    A map goes beside it, ``scene.ambient.exr``.
+    """
+    scene = scene_of(rig, environment)
+    name = texture_name(path)
+    text = _text(scene, name)
+    content = _crate(text) if as_path(path).suffix.lower() == ".usdc" else text
+    textures = {} if scene.environment is None else {name: scene.environment.cells()}
+    save_scene(path, content, textures)
+
+
+def _text(scene: Scene, texture: str) -> str:
+    lights = scene.lights
+    rows = zip(lights.direction, lights.irradiance, lights.angular_radius, strict=True)
+    prims = [_light(f"light_{j}", *row) for j, row in enumerate(rows)]
+    if scene.environment is not None:
+        file = [
+            f"asset inputs:texture:file = @./{texture}@",
+            'token inputs:texture:format = "latlong"',
+        ]
+        prims.append(_prim("DomeLight", "ambient", ["float inputs:intensity = 1.0", *file]))
+    elif scene.ambient is not None:
+        prims.append(_prim("DomeLight", "ambient", _coloured(scene.ambient)))
+    return _HEAD + "\n".join(prims) + "}\n"
+
+
+def _light(
+    name: str, direction: NDArray[np.float64], irradiance: NDArray[np.float64], radius: float
+) -> str:
+    """A distant light whose local +z points towards the light."""
+    z = AXES["usd"].to_target(direction)
+    # Any turn about its own axis will do.
+    x = np.cross([0.0, 1.0, 0.0] if abs(z[1]) < 0.9 else [1.0, 0.0, 0.0], z)
+    x /= np.linalg.norm(x)
+    rows = [(*axis.tolist(), 0.0) for axis in (x, np.cross(z, x), z)]
+    matrix = ", ".join(map(repr, [*rows, (0.0, 0.0, 0.0, 1.0)]))
+    return _prim(
+        "DistantLight",
+        name,
+        [
+            f"float inputs:angle = {float(2 * np.rad2deg(radius))!r}",
+            *_coloured(irradiance),
+            "bool inputs:normalize = 1",
+            f"matrix4d xformOp:transform = ( {matrix} )",
+            'uniform token[] xformOpOrder = ["xformOp:transform"]',
+        ],
+    )
+
+
+def _coloured(values: NDArray[np.float64]) -> list[str]:
+    """Colour and intensity with the product `values`."""
+    most = float(values.max())
+    colour = values / most if most > 0 else values
+    return [
+        f"color3f inputs:color = {tuple(colour.tolist())!r}",
+        f"float inputs:intensity = {most!r}",
+    ]
+
+
+def _prim(kind: str, name: str, lines: list[str]) -> str:
+    body = "".join(f"        {line}\n" for line in lines)
+    return f'    def {kind} "{name}"\n    {{\n{body}    }}\n'
+
+
+def _crate(text: str) -> bytes:
+    """The binary form of a stage, which only the library of OpenUSD writes."""
+    try:
+        # Looked up when it is needed: the extra `usd` brings it.
+        sdf = importlib.import_module("pxr.Sdf")
+    except ImportError as error:
+        raise EnvLightsError(
+            f"OpenUSD cannot be imported: {error}; install it with pip install 'envlights[usd]', or"
+            " save an .usda, which needs no OpenUSD"
+        ) from None
+    layer = sdf.Layer.CreateAnonymous(".usda")
+    layer.ImportFromString(text)
+    with tempfile.TemporaryDirectory() as folder:
+        crate = Path(folder, "scene.usdc")
+        layer.Export(str(crate))
+        return crate.read_bytes()
