@@ -75,7 +75,8 @@ if _typing.TYPE_CHECKING:
     from envlights import scene as scene
     from envlights import synthetic as synthetic
     from envlights import transfer as transfer
-    from envlights.scene import BakedPairs, DirectLight, MitsubaScene, Surface, bake
+    from envlights.scene import BakedPairs, DirectLight, MitsubaScene, Surface
+    from envlights.scene.bake import bake as bake
     from envlights.transfer import FilePairs, TransferModel, TransferReport, read_pairs
 else:
 

@@ -12,7 +12,9 @@ from envlights.kernels.image import LUMINANCE
 #: Columns of a thumbnail.
 _COLUMNS = 240
 #: Share of the sphere that is darker than white in a picture of a map: lamps are not.
-DARKER_THAN_WHITE = 0.98
+_DARKER_THAN_WHITE = 0.98
+#: White over the median of the sphere, at least.
+_OVER_MEDIAN = 2.5
 #: Codes of the ground on which lights are drawn, and of its horizon.
 _GROUND, _HORIZON = 40, 84
 #: Pixels along a side of one image of several, their number, and the gap between them.
@@ -21,18 +23,27 @@ _SIDE, _IMAGES, _GAP = 96, 4, 4
 _MOST_LIGHTS = 64
 
 
-def white_of(radiance: NDArray[np.floating]) -> float:
-    """The luminance that becomes white in a picture of a map: one that only lamps exceed."""
+def white_of(radiance: NDArray[np.floating]) -> tuple[float, float]:
+    """The luminance that becomes white in a picture of a map, and the share that is darker.
+
+    Only lamps exceed it. It is some times the median at least: an even sky is no lamp.
+    """
     height = radiance.shape[0]
     luminance = radiance @ LUMINANCE
     bands = np.sin(np.pi * (np.arange(height) + 0.5) / height)
     weights = np.broadcast_to(bands[:, None], luminance.shape).ravel()
     order = np.argsort(luminance, axis=None)
-    darker = np.cumsum(weights[order])
-    at = min(int(np.searchsorted(darker, DARKER_THAN_WHITE * darker[-1])), len(order) - 1)
-    white = float(luminance.ravel()[order[at]])
+    values = luminance.ravel()[order]
+    darker = np.cumsum(weights[order]) / weights.sum()
+
+    def quantile(share: float) -> float:
+        return float(values[min(int(np.searchsorted(darker, share)), len(values) - 1)])
+
+    white = max(quantile(_DARKER_THAN_WHITE), _OVER_MEDIAN * quantile(0.5))
     # A map of a lamp before a black sky has no other light to be exposed for.
-    return white or float(luminance.max()) or 1.0
+    white = white or float(values[-1]) or 1.0
+    below = int(np.searchsorted(values, white))
+    return white, float(darker[below - 1]) if below else 0.0
 
 
 def reduced(radiance: NDArray[np.floating], columns: int) -> NDArray[np.float64]:
@@ -47,7 +58,7 @@ def reduced(radiance: NDArray[np.floating], columns: int) -> NDArray[np.float64]
 def of_map(radiance: NDArray[np.floating]) -> NDArray[np.uint8]:
     """Codes of a picture of a map, exposed so that lamps stand out."""
     small = reduced(radiance, _COLUMNS)
-    return _codes(encode_srgb(small / white_of(small)))
+    return _codes(encode_srgb(small / white_of(small)[0]))
 
 
 def of_lights(
@@ -98,7 +109,8 @@ def _scaled(image: NDArray[np.floating]) -> NDArray[np.floating]:
     rows, columns = (
         np.arange(n) * side // n for n, side in zip(sides, (height, width), strict=True)
     )
-    return image[rows][:, columns]
+    scaled: NDArray[np.floating] = image[rows][:, columns]
+    return scaled
 
 
 def _strip(images: list[NDArray[np.uint8]]) -> NDArray[np.uint8]:

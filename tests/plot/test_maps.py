@@ -5,11 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from matplotlib.collections import LineCollection
 from matplotlib.image import imread
 
 import envlights as el
 from envlights import plot
 from envlights._srgb import decode_srgb, encode_srgb
+from envlights.plot.ball import ball
+from envlights.plot.outlines import outlines
 
 HALL = el.EnvMap(el.synthetic.hall(64).radiance)
 
@@ -58,7 +61,8 @@ def test_over_a_floor_the_probe_is_compared_with_the_map_that_the_floor_cuts():
 def test_the_rim_of_a_light_is_drawn_where_it_is(direction):
     lights = el.Lights([direction], [[1, 1, 1]], [0.4])
     on_map = plot.picture(HALL, el.Rig([1, 1, 1], lights, error=0.5)).axes[0]
-    (rim,) = (line.get_xydata() for line in on_map.lines)
+    (line,) = on_map.lines
+    rim = line.get_xydata()
     seen = rim[~np.isnan(rim).any(axis=1)]
     assert len(seen) > 350
     towards = el.kernels.uv_to_direction((seen - (0, 90)) / (360, -180))
@@ -71,7 +75,7 @@ def test_outlines_run_along_the_borders_of_pixels():
     radiance = np.full((32, 64, 3), 0.1, np.float32)
     radiance[5:9, 20:26] = 9
     figure = plot.detection_picture(radiance, el.detect(radiance, extent=0.5))
-    (outline,) = (each for each in figure.axes[0].collections if each.get_paths())
+    (outline,) = (each for each in figure.axes[0].collections if isinstance(each, LineCollection))
     at = np.concatenate([path.vertices for path in outline.get_paths()])
     degrees = 180 / 32
     np.testing.assert_allclose(at.min(axis=0), [20 * degrees, 90 - 9 * degrees])
@@ -84,8 +88,11 @@ def test_probes_stand_where_their_titles_say_and_lights_where_they_are():
     env = el.EnvMap(el.synthetic.scene(64, background=[0.1] * 3, shapes=[lamp]).radiance)
     red = el.Rig([0, 0, 0], el.Lights([[np.cos(np.pi / 6), 0.5, 0]], [[1, 0, 0]]), error=0.5)
     on_map, under_map, under_rig, difference, _ = plot.picture(env, red).axes
-    np.testing.assert_allclose([line.get_xydata()[0] for line in on_map.lines], [[90, 30]])
-    middle = slice(60, 100), slice(60, 100)
+    # The disc with its ring, and the eye.
+    ring, disc, eye = (each.get_offsets() for each in on_map.collections)
+    np.testing.assert_allclose([*ring, *disc], [[90, 30], [90, 30]])
+    np.testing.assert_allclose(eye, [[150, 5.4]], atol=0.01)
+    middle = slice(72, 120), slice(72, 120)
     for axes, title, is_grey in ((under_map, "map", True), (under_rig, "rig", False)):
         pixels = axes.images[0].get_array()[middle]
         assert title in axes.get_title()
@@ -104,3 +111,99 @@ def test_decoding_inverts_encoding(codes):
     coded = np.arange(codes) / (codes - 1)
     again = encode_srgb(decode_srgb(coded).astype(np.float64))
     np.testing.assert_array_equal(np.round(again * (codes - 1)), np.arange(codes))
+
+
+def segments(number):
+    """Unit edges between pixels of different numbers, by their own borders."""
+    height, width = number.shape
+    found = set()
+    for row in range(height):
+        for column in range(width):
+            here = number[row, column]
+            left = number[row, column - 1] if column else 0
+            above = number[row - 1, column] if row else 0
+            if here != left:
+                found.add((column, row, column, row + 1))
+            if here != above:
+                found.add((column, row, column + 1, row))
+            if column == width - 1 and here:
+                found.add((width, row, width, row + 1))
+            if row == height - 1 and here:
+                found.add((column, height, column + 1, height))
+    return found
+
+
+def test_outlines_are_the_edges_between_pixels_of_different_lights():
+    number = np.random.default_rng(3).integers(0, 3, (7, 9))
+    drawn = set()
+    for (x, y), (to_x, to_y) in outlines(number).astype(int):
+        assert (x == to_x) != (y == to_y)
+        assert to_x >= x
+        assert to_y >= y
+        if x == to_x:
+            drawn |= {(x, row, x, row + 1) for row in range(y, to_y)}
+        else:
+            drawn |= {(column, y, column + 1, y) for column in range(x, to_x)}
+    assert drawn == segments(number)
+    assert len(outlines(np.zeros((3, 4), int))) == 0
+
+
+def crowd(count):
+    """Detected lights beside each other, as a city at night has them."""
+    radiance = np.full((256, 512, 3), 0.1, np.float32)
+    rows, columns = np.divmod(np.arange(count), 40)
+    radiance[90 + 14 * rows, 8 + 12 * columns] = 9 + np.arange(count)[:, None]
+    return el.EnvMap(radiance)
+
+
+def test_numbers_neither_overlap_nor_leave_the_map_and_the_brightest_have_one():
+    env = crowd(160)
+    lights = el.detect(env)
+    assert len(lights) == 160
+    figure = plot.detection_picture(env, lights)
+    figure.canvas.draw()
+    (axes,) = figure.axes
+    frame = axes.get_window_extent()
+    boxes = [text.get_window_extent() for text in axes.texts]
+    assert "1" in [text.get_text() for text in axes.texts]
+    assert len(boxes) > 5
+    for number, box in enumerate(boxes):
+        assert frame.x0 <= box.x0 <= box.x1 <= frame.x1
+        assert frame.y0 <= box.y0 <= box.y1 <= frame.y1
+        assert not any(box.overlaps(other) for other in boxes[:number])
+
+
+def test_every_light_is_one_entry_of_the_same_few_artists():
+    """Time and memory do not grow with an artist for each light."""
+    one, many = (plot.detection_picture(crowd(n), el.detect(crowd(n))) for n in (1, 160))
+    kinds = [type(each) for each in one.axes[0].collections]
+    assert [type(each) for each in many.axes[0].collections] == kinds
+    assert len(many.axes[0].texts) <= 40
+
+
+def test_the_exposure_is_stated_and_leaves_the_lamps_brighter_than_the_sky():
+    figure = plot.map_picture(el.synthetic.hall(64).radiance)
+    assert "white is a luminance of" in figure.get_suptitle()
+    pixels = figure.axes[0].images[0].get_array()
+    assert 0.005 < (pixels >= 0.98).any(axis=2).mean() < 0.05
+
+
+def test_stops_count_powers_of_two_from_white():
+    radiance = np.full((32, 64, 3), 1.0)
+    radiance[:8], radiance[24:] = 1 / 4, 0
+    drawn = plot.map_picture(radiance, stops=True).axes[0].images[0].get_array()
+    # White is 2.5 times the median.
+    np.testing.assert_allclose(2.0 ** drawn[[0, 16], 0], [0.1, 0.4], rtol=1e-6)
+    assert drawn[31, 0] < -100
+    with pytest.raises(el.EnvLightsError, match="stops must be True or False; got 1"):
+        plot.map_picture(radiance, stops=1)
+
+
+def test_rims_of_probes_are_smooth():
+    """A ball covers pi / 4 of its square, in parts of pixels."""
+    seen = ball(np.array([0.6, 0.0, 0.8]))
+    size = len(seen.inside)
+    np.testing.assert_allclose(seen.cover.sum() / size**2, np.pi / 4, rtol=1e-3)
+    assert ((seen.cover > 0.1) & (seen.cover < 0.9)).sum() > size
+    np.testing.assert_allclose(np.linalg.norm(seen.normals, axis=1), 1)
+    assert (seen.normals @ [0.6, 0, 0.8] >= -1e-12).all()

@@ -1,11 +1,43 @@
-"""Pictures: a map with its lights, the probe or a scene under either, and indirect light."""
+"""Pictures: maps, lights, probes, scenes and indirect light.
 
+| picture                                                        | file          |
+|----------------------------------------------------------------|---------------|
+| a map alone, with a rig, or with detected lights               | `maps.py`     |
+| several rigs of a map; the error against the number of lights  | `compare.py`  |
+| lights on the sphere                                           | `globe.py`    |
+| the steps of Loghin (2021)                                     | `article.py`  |
+| a scene under a map and under rigs, with Mitsuba               | `scene.py`    |
+| a predicted frame beside the truth                             | `transfer.py` |
+| the basis of a transfer model and its spectrum                 | `basis.py`    |
+
+They share `figure.py`, `ground.py` (the exposed map), `markers.py` (lights on it), `outlines.py`,
+`ball.py` and `probe.py`.
+"""
+
+from envlights.plot.article import article_picture
+from envlights.plot.basis import basis_picture, spectrum_picture
+from envlights.plot.compare import error_picture, rigs_picture
 from envlights.plot.figure import Picture, save
-from envlights.plot.maps import detection_picture, picture
+from envlights.plot.globe import sphere_picture
+from envlights.plot.maps import detection_picture, map_picture, picture
 from envlights.plot.scene import scene
 from envlights.plot.transfer import transfer_picture
 
-__all__ = ["Picture", "detection_picture", "picture", "save", "scene", "transfer_picture"]
+__all__ = [
+    "Picture",
+    "article_picture",
+    "basis_picture",
+    "detection_picture",
+    "error_picture",
+    "map_picture",
+    "picture",
+    "rigs_picture",
+    "save",
+    "scene",
+    "spectrum_picture",
+    "sphere_picture",
+    "transfer_picture",
+]
 
 
 def __dir__() -> list[str]:

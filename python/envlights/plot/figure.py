@@ -12,12 +12,18 @@ from matplotlib.figure import Figure
 from envlights._native import EnvLightsError
 from envlights.io.files import PICTURES, as_path, write_atomically
 
+#: Colour of the ground.
+GROUND = "#e4e4e2"
+
 
 class Picture(Figure):
-    """A figure that any notebook shows, with or without the Matplotlib of `%matplotlib inline`."""
+    """A figure that any notebook shows, with or without the Matplotlib of `%matplotlib inline`.
+
+    Its ground is a light grey, which suits light and dark pages, and on which white shows.
+    """
 
     def __init__(self, **options: Any) -> None:
-        super().__init__(layout="constrained", **options)
+        super().__init__(layout="constrained", facecolor=GROUND, **options)
         FigureCanvasAgg(self)
 
     def _repr_png_(self) -> bytes:

@@ -1,0 +1,161 @@
+"""The steps of Loghin (2021), one image for each."""
+
+from __future__ import annotations
+
+import inspect
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from numpy.typing import NDArray
+
+from envlights.detection.lights import DetectedLights
+from envlights.detection.loghin import detect_article
+from envlights.envmap import AnyMap, EnvMap, as_envmap
+from envlights.kernels import image as images
+from envlights.kernels import loghin, sampling, sphere
+from envlights.plot.figure import Picture
+from envlights.plot.globe import draw_globe, on_page
+from envlights.plot.ground import degrees, draw_map
+from envlights.plot.markers import RIM, area, draw_discs, draw_numbers
+
+#: Colour of what is kept, and of what a step leaves behind.
+_KEPT, _LEFT = "gold", "deepskyblue"
+#: Where the sphere is seen from.
+_EYE = np.array([0.48, 0.36, 0.8])
+
+
+class _Steps(NamedTuple):
+    """Directions at each step; a map's working image is that of the lights."""
+
+    samples: NDArray[np.float64]
+    """All samples, (n, 3)."""
+
+    bright: NDArray[np.float64]
+    """Samples near a bright pixel, brightest first, (k, 3)."""
+
+    maxima: NDArray[np.float64]
+    """The brightest pixel in the window of each of those, (k, 3)."""
+
+    survivor: NDArray[np.int64]
+    """Which of those each is suppressed by, or itself, (k,)."""
+
+    light: NDArray[np.int64]
+    """The light to which each belongs, (k,)."""
+
+
+def article_picture(env: AnyMap, **options: Any) -> Picture:
+    """Draw the steps of Loghin (2021) on a map.
+
+    First the samples on the sphere; then those near a bright pixel, with the brightest pixel in the
+    window of each; the samples that survive beside brighter ones; and the lights, each with links
+    to the survivors that were merged into it.
+
+    Parameters
+    ----------
+    env : EnvMap, path-like or array_like, shape (height, 2 * height, 3)
+        The map.
+    **options
+        Those of `detect_article`.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Examples
+    --------
+    >>> import envlights as el
+    >>> figure = article_picture(el.synthetic.hall(128).radiance)
+    >>> [axes.get_title().split(":")[0] for axes in figure.axes]
+    ['1. samples', '2. bright samples', '3. survivors', '4. lights']
+    """
+    env = as_envmap(env)
+    lights = detect_article(env, **options)
+    defaults = {name: each.default for name, each in _parameters().items()}
+    steps = _steps(env, lights, {**defaults, **options})
+    figure = Picture(figsize=(13, 8))
+    globe, bright, survivors, merged = figure.subplots(2, 2).ravel()
+    _draw_samples(globe, env, steps)
+    for axes in (bright, survivors, merged):
+        draw_map(axes, env)
+        axes.set(xlabel="", ylabel="")
+    _draw_bright(bright, steps)
+    _draw_survivors(survivors, steps)
+    _draw_lights(merged, lights, steps)
+    figure.suptitle(f"the steps of Loghin (2021): threshold {lights.report.threshold:.3g}")
+    return figure
+
+
+def _parameters() -> dict[str, inspect.Parameter]:
+    _, *options = inspect.signature(detect_article).parameters.values()
+    return {option.name: option for option in options}
+
+
+def _steps(env: EnvMap, lights: DetectedLights, options: dict[str, Any]) -> _Steps:
+    """What `detect_article` does not keep, from the same kernels."""
+    height, width = lights.report.working_size
+    taken = int(options["samples_per_pixel"] * width * height)
+    samples = sampling.uniform_sphere(sampling.hammersley(taken))
+    # The members are the bright samples; find the brightest pixel around each.
+    pixel = lights.members.pixel
+    luminance = images.resize_bilinear(images.luminance(env.radiance), height, width)
+    reach = int(options["window_px"] * width / 1024) // 2
+    _, maxima = loghin.neighbour_maximum(luminance, pixel, reach, sphere=options["sphere"])
+    order = np.argsort(-luminance[pixel[:, 0], pixel[:, 1]], kind="stable")
+    bright = _directions(pixel[order], height, width)
+    apart = 2 * np.sin(np.deg2rad(options["suppression_deg"]) / 2)
+    return _Steps(
+        samples,
+        bright,
+        _directions(maxima[order], height, width),
+        loghin.suppress(bright, apart),
+        lights.members.light[order],
+    )
+
+
+def _directions(pixel: NDArray[np.int64], height: int, width: int) -> NDArray[np.float64]:
+    return sphere.uv_to_direction((pixel[:, ::-1] + 0.5) / (width, height))
+
+
+def _draw_samples(axes: Axes, env: EnvMap, steps: _Steps) -> None:
+    eye = _EYE / np.linalg.norm(_EYE)
+    draw_globe(axes, env, eye)
+    at, is_near = on_page(steps.samples, eye)
+    axes.plot(*at[is_near].T, ".", ms=2, color=_LEFT)
+    axes.set_title(f"1. samples: {len(steps.samples)}, each for as much of the sphere")
+
+
+def _draw_bright(axes: Axes, steps: _Steps) -> None:
+    at, maxima = degrees(steps.bright), degrees(steps.maxima)
+    _draw_links(axes, at, maxima, _LEFT)
+    axes.plot(*at.T, ".", ms=4, color=_KEPT)
+    axes.plot(*maxima.T, "x", ms=4, mew=0.8, color=RIM)
+    axes.set_title(f"2. bright samples: {len(at)}, and the maximum near each")
+
+
+def _draw_survivors(axes: Axes, steps: _Steps) -> None:
+    at = degrees(steps.bright)
+    kept = np.unique(steps.survivor)
+    _draw_links(axes, at, at[steps.survivor], _LEFT)
+    axes.plot(*at.T, ".", ms=3, color=_LEFT)
+    axes.plot(*at[kept].T, "o", ms=5, mec="black", mew=0.5, color=_KEPT)
+    axes.set_title(f"3. survivors: {len(kept)}, and what they suppress")
+
+
+def _draw_lights(axes: Axes, lights: DetectedLights, steps: _Steps) -> None:
+    at, areas = degrees(lights.direction), area(lights.share) / 2
+    kept = np.unique(steps.survivor)
+    _draw_links(axes, degrees(steps.bright[kept]), at[steps.light[kept]], RIM)
+    draw_discs(axes, at, areas, lights.irradiance)
+    draw_numbers(axes, at, areas)
+    axes.set_title(f"4. lights: {len(lights)}, merged along bright lines")
+
+
+def _draw_links(
+    axes: Axes, start: NDArray[np.float64], end: NDArray[np.float64], colour: str
+) -> None:
+    """Draw lines between places, but none right across the seam."""
+    is_near = np.abs(start[:, 0] - end[:, 0]) < 180
+    links = np.stack([start, end], axis=1)[is_near]
+    axes.add_collection(LineCollection(list(links), colors=colour, lw=0.7))

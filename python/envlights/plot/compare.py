@@ -1,0 +1,100 @@
+"""Rigs side by side, and the error against the number of lights."""
+
+from __future__ import annotations
+
+from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
+
+from envlights._native import EnvLightsError
+from envlights.envmap import AnyMap, as_envmap
+from envlights.plot.figure import Picture
+from envlights.plot.ground import draw_map
+from envlights.plot.markers import draw_lights
+from envlights.plot.probe import draw_probes
+from envlights.rig import Rig
+
+
+def rigs_picture(env: AnyMap, *rigs: Rig) -> Picture:
+    """Draw several rigs of one map, a row for each: lights, probes and the difference.
+
+    Parameters
+    ----------
+    env : EnvMap, path-like or array_like, shape (height, 2 * height, 3)
+        The map.
+    *rigs : Rig
+        One or more, such as fits with one light, with four, and with another ambient term.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Examples
+    --------
+    >>> import envlights as el
+    >>> env = el.EnvMap(el.synthetic.hall(32).radiance)
+    >>> figure = rigs_picture(env, el.fit(env, lights=1), el.fit(env, lights=2))
+    >>> [each.get_title().split(",")[0] for each in figure.axes[:8:4]]
+    ['ambient + 1 light', 'ambient + 2 lights']
+    """
+    _check_rigs(rigs)
+    env = as_envmap(env)
+    figure = Picture(figsize=(13, 2.9 * len(rigs) + 0.3))
+    rows = figure.subplots(len(rigs), 4, width_ratios=(2.3, 1, 1, 1.25), squeeze=False)
+    for (on_map, *probes), rig in zip(rows, rigs, strict=True):
+        draw_map(on_map, env)
+        draw_lights(on_map, rig.lights)
+        on_map.set(xlabel="", ylabel="", title=rig.in_short())
+        draw_probes(figure, probes, env, rig)
+        for axes in probes:
+            axes.title.set_fontsize("small")
+    return figure
+
+
+def error_picture(*rigs: Rig) -> Picture:
+    """Draw the error against the number of lights, as the reports of rigs have it.
+
+    Points are the numbers of lights that a fit tried; a ring is a rig itself, with its sizes.
+
+    Parameters
+    ----------
+    *rigs : Rig
+        One or more, such as ``el.fit(env, error=0.01)`` with several ambient terms.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Examples
+    --------
+    >>> import envlights as el
+    >>> rig = el.fit(el.synthetic.hall(32).radiance, lights=3)
+    >>> figure = error_picture(rig)
+    >>> figure.axes[0].get_xlabel()
+    'lights'
+    """
+    _check_rigs(rigs)
+    figure = Picture(figsize=(7, 4.4))
+    axes = figure.add_subplot()
+    for number, rig in enumerate(rigs):
+        _draw_curve(axes, rig, f"C{number}")
+    axes.set(xlabel="lights", ylabel="relative RMS error (%)", yscale="log")
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    axes.yaxis.set_major_formatter("{x:g}")
+    axes.grid(which="both", alpha=0.25)
+    axes.legend()
+    return figure
+
+
+def _draw_curve(axes: Axes, rig: Rig, colour: str) -> None:
+    """Errors of the numbers that were tried, and the rig."""
+    tried = {lights: 100 * error for lights, error in rig.report.errors.items() if error > 0}
+    axes.plot(list(tried), list(tried.values()), ".-", color=colour)
+    ambient = rig.report.ambient or "given"
+    label = f"ambient {ambient}: {len(rig.lights)} lights, {100 * rig.error:.3g} %"
+    error = 100 * rig.error or float("nan")  # a logarithm has no place for 0
+    axes.plot([len(rig.lights)], [error], "o", ms=9, mfc="none", mec=colour, label=label)
+
+
+def _check_rigs(rigs: tuple[object, ...]) -> None:
+    if not rigs or not all(isinstance(rig, Rig) for rig in rigs):
+        raise EnvLightsError("rigs must be one rig or more")

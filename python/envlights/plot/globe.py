@@ -1,0 +1,88 @@
+"""The sphere from outside, with a map on it, lights and samples."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import NDArray
+
+from envlights import _thumbnails
+from envlights._srgb import encode_srgb
+from envlights.envmap import AnyMap, EnvMap, as_envmap
+from envlights.kernels import sphere
+from envlights.lights import Lights
+from envlights.plot.ball import axes_of, ball
+from envlights.plot.figure import Picture
+from envlights.plot.ground import working
+from envlights.plot.markers import area, draw_discs
+
+#: How far the eye stands above the horizon, in degrees.
+_ELEVATION = 25
+
+
+def sphere_picture(env: AnyMap, lights: Lights) -> Picture:
+    """Draw lights on the sphere of directions, with the map on it, from both sides.
+
+    The sphere is seen from outside, so the map is mirrored. The left eye stands on the side of the
+    brightest light, the right one opposite. Discs are those of `picture`.
+
+    Parameters
+    ----------
+    env : EnvMap, path-like or array_like, shape (height, 2 * height, 3)
+        The map.
+    lights : Lights or DetectedLights
+        Those of a rig, or those that were detected.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Examples
+    --------
+    >>> import envlights as el
+    >>> env = el.EnvMap(el.synthetic.hall(64).radiance)
+    >>> figure = sphere_picture(env, el.detect(env))
+    >>> [axes.get_title() for axes in figure.axes]
+    ['from azimuth 180°, elevation 25°', 'from azimuth 0°, elevation -25°']
+    """
+    env = as_envmap(env)
+    azimuth = float(lights.azimuth[0]) if len(lights) else np.pi
+    elevation = np.deg2rad(_ELEVATION)
+    figure = Picture(figsize=(10, 5.5))
+    for axes, (phi, up) in zip(
+        figure.subplots(1, 2), ((azimuth, elevation), (azimuth + np.pi, -elevation)), strict=True
+    ):
+        eye = np.array([np.sin(phi) * np.cos(up), np.sin(up), -np.cos(phi) * np.cos(up)])
+        draw_globe(axes, env, eye)
+        _draw_lights(axes, lights, eye)
+        degrees = f"azimuth {np.rad2deg(phi) % 360:.0f}°, elevation {np.rad2deg(up):.0f}°"
+        axes.set_title(f"from {degrees}")
+    figure.suptitle(lights.in_short())
+    return figure
+
+
+def draw_globe(axes: Axes, env: EnvMap, eye: NDArray[np.float64]) -> None:
+    """Draw the sphere with the map on it, on axes from -1 to 1."""
+    radiance = working(env)
+    seen = ball(eye)
+    height, width, _ = radiance.shape
+    u, v = sphere.direction_to_uv(seen.normals).T
+    columns = np.minimum((u * width).astype(int), width - 1)
+    rows = np.minimum((v * height).astype(int), height - 1)
+    colours = encode_srgb(radiance[rows, columns] / _thumbnails.white_of(radiance)[0])
+    axes.imshow(seen.image(colours), extent=(-1, 1, -1, 1), interpolation="antialiased")
+    axes.set(xlim=(-1.08, 1.08), ylim=(-1.08, 1.08))
+    axes.axis("off")
+
+
+def on_page(
+    directions: NDArray[np.float64], eye: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Where directions are drawn, (n, 2), and which of them are on the near side."""
+    right, up = axes_of(eye)
+    return np.stack([directions @ right, directions @ up], axis=1), directions @ eye > 0
+
+
+def _draw_lights(axes: Axes, lights: Lights, eye: NDArray[np.float64]) -> None:
+    at, is_near = on_page(lights.direction, eye)
+    draw_discs(axes, at[is_near], area(lights.share)[is_near], lights.irradiance[is_near])

@@ -1,0 +1,74 @@
+"""A map as the ground of a picture, exposed so that its lamps are seen."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from numpy.typing import NDArray
+
+from envlights import _thumbnails
+from envlights._srgb import encode_srgb
+from envlights.envmap import EnvMap
+from envlights.kernels import sphere
+from envlights.kernels.image import LUMINANCE
+
+#: Columns of the picture of a map.
+_COLUMNS = 1024
+#: Where a map lies on its axes, in degrees.
+EXTENT = (0.0, 360.0, -90.0, 90.0)
+#: Stops of the scale of luminance, below white and above it.
+_BELOW, _ABOVE = 8, 6
+#: Stops that lie between two marks of the scale.
+_STEP = 2
+
+
+def working(env: EnvMap) -> NDArray[np.float64]:
+    """The radiance of a map in at most about 2000 columns."""
+    # Of a very large map, leave pixels out before taking means.
+    step = max(env.width // (4 * _COLUMNS), 1)
+    return _thumbnails.reduced(env.radiance[::step, ::step], _COLUMNS)
+
+
+def draw_map(axes: Axes, env: EnvMap) -> str:
+    """Draw a map, and return its exposure in words."""
+    radiance = working(env)
+    white, darker = _thumbnails.white_of(radiance)
+    axes.imshow(encode_srgb(radiance / white), extent=EXTENT, interpolation="antialiased")
+    _draw_frame(axes)
+    return f"white is a luminance of {white:.3g}; {100 * darker:.3g} % of the sphere is darker"
+
+
+def draw_luminance(axes: Axes, env: EnvMap) -> ScalarMappable:
+    """Draw luminance in stops above and below the white of `draw_map`, as colours."""
+    radiance = working(env)
+    luminance = radiance @ LUMINANCE
+    # What is black lies below every stop.
+    least = np.finfo(float).tiny
+    stops = np.log2(np.maximum(luminance / _thumbnails.white_of(radiance)[0], least))
+    image = axes.imshow(
+        stops,
+        extent=EXTENT,
+        cmap=colormaps["inferno"],
+        norm=Normalize(-_BELOW, _ABOVE),
+        interpolation="antialiased",
+    )
+    _draw_frame(axes)
+    bar = axes.figure.colorbar(image, ax=axes, extend="both", shrink=0.7)
+    bar.set_label("stops from white")
+    bar.set_ticks(range(-_BELOW, _ABOVE + 1, _STEP))
+    return image
+
+
+def _draw_frame(axes: Axes) -> None:
+    axes.set(xlabel="azimuth (degrees)", ylabel="elevation (degrees)")
+    axes.set(xticks=range(0, 361, 45), yticks=range(-90, 91, 45))
+    axes.set(xlim=EXTENT[:2], ylim=EXTENT[2:])
+
+
+def degrees(directions: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Azimuth and elevation of `directions`, shape (n, 2)."""
+    found: NDArray[np.float64] = sphere.direction_to_uv(directions) * (360, -180) + (0, 90)
+    return found

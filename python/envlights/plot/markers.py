@@ -1,0 +1,145 @@
+"""Lights on a map: discs sized by their share and filled with their colour, rims, numbers."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.patheffects import withStroke
+from numpy.typing import NDArray
+
+from envlights._thumbnails import colours_of
+from envlights.lights import Lights
+from envlights.plot.ground import EXTENT, degrees
+from envlights.scene.surface import tangent_frames
+
+#: Area of the disc of a light that holds all, and the least area, in square points.
+_LARGEST, _SMALLEST = 900.0, 14.0
+#: Shares that the legend shows.
+_SHARES = (0.5, 0.1, 0.01)
+#: Colour of rims and outlines: rare in photographs.
+RIM = "#ff2bd6"
+#: Size of numbers in points, and how many degrees of the map a letter and a line of it take.
+_FONT, _LETTER, _LINE = 9, 3.6, 6.4
+#: Points of the page that a degree of the map takes, at least.
+_POINTS = 1.6
+#: Numbers on one map, at most.
+_MOST_NUMBERS = 40
+
+
+def area(share: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Area of the markers of lights, in square points: the eye compares areas."""
+    found: NDArray[np.float64] = np.maximum(_LARGEST * share, _SMALLEST)
+    return found
+
+
+def draw_lights(axes: Axes, lights: Lights) -> None:
+    """Draw the rim of each light that has a size, a disc in its colour, and numbers with room."""
+    at, areas = degrees(lights.direction), area(lights.share)
+    rims = [_rim(*each) for each in zip(lights.direction, lights.angular_radius, strict=True)]
+    if drawn := [rim for rim in rims if len(rim)]:
+        axes.plot(*np.concatenate(drawn).T, color=RIM, lw=1.4)
+    draw_discs(axes, at, areas, lights.irradiance)
+    draw_numbers(axes, at, areas)
+
+
+def draw_discs(
+    axes: Axes,
+    at: NDArray[np.float64],
+    areas: NDArray[np.float64],
+    irradiance: NDArray[np.float64],
+) -> None:
+    """Draw discs in the colours of lights, with a ring that shows on dark and on bright."""
+    colours = colours_of(irradiance)
+    x, y = at.T
+    axes.scatter(x, y, s=_ring(areas), c="black", linewidths=0, clip_on=False, zorder=3)
+    axes.scatter(
+        x, y, s=areas, c=colours, edgecolors="white", linewidths=1.2, clip_on=False, zorder=4
+    )
+
+
+def _ring(areas: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Area of a disc with its ring."""
+    return 1.5 * areas + 12
+
+
+def _rim(direction: NDArray[np.float64], radius: float) -> NDArray[np.float64]:
+    """Azimuth and elevation along the rim of a disc, with gaps at the seam and at its end."""
+    if not radius:
+        return np.zeros((0, 2))
+    angle = np.linspace(0, 2 * np.pi, 361)
+    circle = np.sin(radius) * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    (frame,) = tangent_frames(direction[None])
+    rim = degrees(circle @ frame[:2] + np.cos(radius) * direction)
+    rim[1:][np.abs(np.diff(rim[:, 0])) > 180] = np.nan
+    return np.vstack([rim, [[np.nan, np.nan]]])
+
+
+def draw_numbers(axes: Axes, at: NDArray[np.float64], areas: NDArray[np.float64]) -> None:
+    """Number lights beside their discs, the brightest first, where there is room.
+
+    A number neither covers another, nor a disc that is numbered, nor leaves the map.
+    """
+    radii = np.sqrt(_ring(areas) / np.pi) / _POINTS
+    reach = np.minimum(radii, 12)[:_MOST_NUMBERS, None]
+    taken = np.hstack([at[:_MOST_NUMBERS] - reach, at[:_MOST_NUMBERS] + reach])
+    for k in range(min(len(at), _MOST_NUMBERS)):
+        others = np.delete(taken, k, axis=0)
+        box = _free_box(f"{k + 1}", at[k], radii[k], others)
+        if box is None:
+            continue
+        taken = np.vstack([taken, box])
+        axes.text(
+            (box[0] + box[2]) / 2,
+            (box[1] + box[3]) / 2,
+            f"{k + 1}",
+            ha="center",
+            va="center",
+            fontsize=_FONT,
+            color="white",
+            path_effects=[withStroke(linewidth=2.5, foreground="black")],
+            zorder=5,
+        )
+
+
+def _free_box(
+    text: str, at: NDArray[np.float64], radius: float, taken: NDArray[np.float64]
+) -> NDArray[np.float64] | None:
+    """Left, bottom, right and top of a place for `text` beside a disc, or None."""
+    half = np.array([_LETTER * len(text) / 2, _LINE / 2])
+    for across, up in ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1)):
+        middle = at + np.array([across, up]) * (radius + half + 0.8)
+        box = np.concatenate([middle - half, middle + half])
+        inside = box[0] >= EXTENT[0] and box[2] <= EXTENT[1] and box[1] >= EXTENT[2]
+        apart = (box[2:] <= taken[:, :2]).any(axis=1) | (box[:2] >= taken[:, 2:]).any(axis=1)
+        if inside and box[3] <= EXTENT[3] and apart.all():
+            return box
+    return None
+
+
+def legend_entries(lights: Lights) -> list[Line2D]:
+    """What discs and rims stand for."""
+    entries = [
+        _entry("o", f"{100 * share:g} %", 2 * np.sqrt(float(area(np.array(share))) / np.pi))
+        for share in _SHARES
+    ]
+    entries[0].set_label(f"share of the light: {entries[0].get_label()}")
+    if lights.angular_radius.any():
+        entries.append(Line2D([], [], color=RIM, lw=1.4, label="size"))
+    return entries
+
+
+def _entry(marker: str, label: str, size: float) -> Line2D:
+    return Line2D([], [], ls="", marker=marker, ms=size, mfc="0.75", mec="black", label=label)
+
+
+def draw_legend(axes: Axes, entries: list[Line2D]) -> None:
+    """Explain the marks below the map, where they cover nothing."""
+    axes.legend(
+        handles=entries,
+        loc="upper center",
+        bbox_to_anchor=(0.5, -0.11),
+        ncols=len(entries),
+        frameon=False,
+        handletextpad=0.6,
+    )

@@ -1,0 +1,86 @@
+"""Rigs side by side, errors, the sphere, the article's steps, the basis: what they show."""
+
+import numpy as np
+import pytest
+
+import envlights as el
+from envlights import plot
+
+HALL = el.EnvMap(el.synthetic.hall(128).radiance)
+RIGS = [el.fit(HALL, lights=n) for n in (1, 3)]
+ROOM = el.synthetic.room(24, width=16)
+MODEL = el.TransferModel.fit(ROOM.direct, ROOM.indirect, rank=12)
+
+
+def test_each_rig_has_a_row_with_its_error():
+    figure = plot.rigs_picture(HALL, *RIGS)
+    titles = [axes.get_title() for axes in figure.axes]
+    assert [title for title in titles if title.startswith("ambient")] == [
+        rig.in_short() for rig in RIGS
+    ]
+
+
+def test_the_curve_is_that_of_the_report_and_the_ring_the_rig():
+    axes = plot.error_picture(*RIGS).axes[0]
+    for rig, curve, ring in zip(RIGS, axes.lines[::2], axes.lines[1::2], strict=True):
+        tried = np.array(list(rig.report.errors.items()))
+        np.testing.assert_allclose(curve.get_xydata(), tried * (1, 100))
+        np.testing.assert_allclose(ring.get_xydata(), [[len(rig.lights), 100 * rig.error]])
+    exact = el.Rig([1, 1, 1], el.Lights(np.zeros((0, 3)), np.zeros((0, 3))), error=0.0)
+    assert plot.error_picture(exact)._repr_png_()
+
+
+@pytest.mark.parametrize("given", [(), (HALL,), (RIGS[0], None)])
+def test_what_is_no_rig_is_refused(given):
+    with pytest.raises(el.EnvLightsError, match="rigs must be one rig or more"):
+        plot.error_picture(*given)
+    with pytest.raises(el.EnvLightsError, match="rigs must be one rig or more"):
+        plot.rigs_picture(HALL, *given)
+
+
+def test_every_light_is_on_one_side_of_the_sphere():
+    lights = el.detect(HALL)
+    sides = [axes.collections[-1].get_offsets() for axes in plot.sphere_picture(HALL, lights).axes]
+    assert sum(map(len, sides)) == len(lights)
+    assert all((np.hypot(*at.T) <= 1).all() for at in sides)
+    assert plot.sphere_picture(HALL, lights[:0])._repr_png_()
+
+
+def test_the_map_lies_on_the_sphere_as_it_is_seen_from_outside():
+    """A sphere that is red towards +x and blue towards -x, from +z: +x is at the right."""
+    towards = el.kernels.pixel_directions(64, 128)
+    radiance = np.stack([towards[..., 0] > 0, 0 * towards[..., 0], towards[..., 0] < 0], axis=2)
+    figure = plot.sphere_picture(radiance.astype(float), el.Lights([[0, 0.0, 1]], [[1.0, 1, 1]]))
+    pixels = figure.axes[0].images[0].get_array()
+    middle = len(pixels) // 2
+    assert pixels[middle, -30, 0] > 0.5 > pixels[middle, -30, 2]
+    assert pixels[middle, 30, 2] > 0.5 > pixels[middle, 30, 0]
+
+
+def test_the_steps_of_the_article_count_what_the_detector_found():
+    lights = el.detect_article(HALL)
+    figure = plot.article_picture(HALL)
+    titles = [axes.get_title() for axes in figure.axes]
+    assert titles[1].startswith(f"2. bright samples: {len(lights.members.pixel)},")
+    assert titles[3].startswith(f"4. lights: {len(lights)},")
+    dark = plot.article_picture(np.full((16, 32, 3), 0.01))
+    assert dark.axes[3].get_title().startswith("4. lights: 0")
+
+
+def test_the_spectrum_tells_how_many_directions_hold_a_share():
+    shares = [
+        [float(text.get_text().split(" %")[0]), text.get_text().split(": ")[1].split()[0]]
+        for text in plot.spectrum_picture(MODEL).axes[0].get_legend().get_texts()
+    ]
+    for percent, needed in shares:
+        enough = el.TransferModel.fit(ROOM.direct, ROOM.indirect, rank=percent / 100)
+        assert needed == (str(enough.report.rank) if enough.report.rank <= 12 else "more")
+
+
+def test_the_basis_is_drawn_direction_by_direction():
+    images = [axes.images[0] for axes in plot.basis_picture(MODEL, 5).axes if axes.images]
+    assert len(images) == 5
+    for image, wanted in zip(images, MODEL.directions(5), strict=True):
+        np.testing.assert_array_equal(image.get_array(), wanted)
+        low, high = image.get_clim()
+        assert low == -high
