@@ -18,7 +18,10 @@ from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights._tables import MOST_ROWS, Table
 from envlights.envmap import EnvMap
+from envlights.export.csv import read_csv
+from envlights.export.own_json import read_json
 from envlights.export.targets import save
+from envlights.io.files import as_path
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import disc_map
@@ -232,6 +235,20 @@ class Lights(Result):
         """
         save(self, path, environment)
 
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Lights:
+        """Read lights that `save` wrote as ``.json`` or ``.csv``.
+
+        Raises
+        ------
+        EnvLightsError
+            If the file is missing, of another kind or version, or holds impossible lights.
+        """
+        if as_path(path).suffix.lower() == ".csv":
+            table = read_csv(path)
+            return Lights(table.direction, table.irradiance, table.angular_radius)
+        return read_json(path, "lights", (1,), lights_of)
+
     def discs(self) -> Lights:
         """The lights as discs of one radiance: they are."""
         return self
@@ -386,6 +403,14 @@ def turned(direction: NDArray[np.float64], matrix: NDArray[np.float64]) -> NDArr
     there = direction @ matrix.T
     there /= np.linalg.norm(there, axis=1, keepdims=True)
     return there + 0.0  # no minus zero
+
+
+def lights_of(data: dict[str, Any]) -> Lights:
+    """The lights that `Lights.to_dict` wrote."""
+    # A list without entries has lost its second axis.
+    direction = np.reshape(data["direction"], (-1, 3))
+    irradiance = np.reshape(data["irradiance"], (-1, 3))
+    return Lights(direction, irradiance, data.get("angular_radius"))
 
 
 def row_of(which: object, lights: int) -> int:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -12,18 +11,20 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights import _html
 from envlights._arrays import frozen
-from envlights._check import amount, flag, one_or_more, rotation, shown
+from envlights._check import amount, flag, one_or_more, rotation
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights.ambient import ambient_map, turned_ambient
 from envlights.envmap import EnvMap
+from envlights.export.csv import read_csv
+from envlights.export.own_json import FRAME, read_json
 from envlights.export.targets import save
 from envlights.io.files import as_path
 from envlights.kernels import probe
-from envlights.lights import Lights
+from envlights.lights import Lights, lights_of
 from envlights.report import FitReport, StopReason
 
-_FORMAT = "envlights rig"
+_KIND = "rig"
 _VERSION = 3
 #: Version 2 had neither sizes nor floors.
 _READ = (2, 3)
@@ -153,9 +154,9 @@ class Rig(Result):
     def to_dict(self) -> dict[str, Any]:
         """Everything as plain numbers, lists and strings: what `save` writes."""
         return {
-            "format": _FORMAT,
+            "format": f"envlights {_KIND}",
             "version": _VERSION,
-            "frame": "right-handed, +y up; image centre +z, left quarter +x; towards the light",
+            "frame": FRAME,
             "units": "ambient: radiance; irradiance: at normal incidence; linear Rec.709 RGB;"
             " angular_radius: radians",
             "ambient": self.ambient.tolist(),
@@ -188,29 +189,20 @@ class Rig(Result):
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Rig:
-        """Read a rig that `save` wrote.
+        """Read a rig that `save` wrote as ``.json``, or as ``.csv``: that holds no report.
 
         Raises
         ------
         EnvLightsError
             If the file is missing, of another kind or version, or holds impossible lights.
         """
-        try:
-            data = json.loads(as_path(path).read_text(encoding="utf-8"))
-        except OSError as error:
-            raise EnvLightsError(f"cannot read {path}: {error.strerror}") from None
-        except (ValueError, RecursionError) as error:
-            raise EnvLightsError(f"{path} is not a JSON file: {error}") from None
-        _check_version(path, data)
-        try:
-            return _from_dict(data)
-        except EnvLightsError as error:
-            raise EnvLightsError(f"{path} holds an impossible rig: {error}") from None
-        except KeyError as error:
-            reason = f"the key {error} is missing"
-        except (AttributeError, TypeError, ValueError):
-            reason = "a value has another type or shape than those that `save` writes"
-        raise EnvLightsError(f"{path} is not a complete rig: {reason}")
+        if as_path(path).suffix.lower() == ".csv":
+            table = read_csv(path)
+            if table.ambient is None or table.error is None:
+                raise EnvLightsError(f"{path} holds lights alone; `Lights.load` reads them")
+            lights = Lights(table.direction, table.irradiance, table.angular_radius)
+            return cls(table.ambient, lights, table.error, floor=table.floor)
+        return read_json(path, _KIND, _READ, _from_dict)
 
     def __str__(self) -> str:
         return "\n".join([str(self.lights), *self._lines()])
@@ -263,22 +255,10 @@ def _ambient_lines(ambient: NDArray[np.float64]) -> list[str]:
     return ["ambient radiance, spherical harmonics (R, G, B):", *table]
 
 
-def _check_version(path: object, data: Any) -> None:
-    if not isinstance(data, dict) or data.get("format") != _FORMAT:
-        raise EnvLightsError(f"{path} is not a rig: it does not say 'format': '{_FORMAT}'")
-    if data.get("version") not in _READ:
-        version, read = shown(data.get("version")), " and ".join(map(str, _READ))
-        raise EnvLightsError(f"{path} is a rig of version {version}; this package reads {read}")
-
-
 def _from_dict(data: dict[str, Any]) -> Rig:
-    lights = data["lights"]
-    # A list without entries has lost its second axis.
-    direction = np.reshape(lights["direction"], (-1, 3))
-    irradiance = np.reshape(lights["irradiance"], (-1, 3))
     return Rig(
         data["ambient"],
-        Lights(direction, irradiance, lights.get("angular_radius")),
+        lights_of(data["lights"]),
         data["error"],
         FitReport.from_dict(data["report"]),
         tuple(data["notes"]),

@@ -12,7 +12,7 @@ from envlights.cli.outputs import check_output, default_of, output_option, say_w
 from envlights.detection.detect import METHODS, detect
 from envlights.detection.lights import DetectedLights
 from envlights.envmap import EnvMap
-from envlights.io.files import PICTURES, write_atomically
+from envlights.io.files import PICTURES
 
 
 @click.command("detect")
@@ -48,8 +48,7 @@ def command(
 
 def _write(env: EnvMap, lights: DetectedLights, output: str) -> None:
     if Path(output).suffix.lower() == ".json":
-        text = json.dumps(lights.to_dict(), indent=2, allow_nan=False) + "\n"
-        write_atomically(output, lambda beside: beside.write_text(text, encoding="utf-8"))
+        lights.save(output)
         return
     from envlights import plot
 

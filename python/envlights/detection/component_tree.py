@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 
 from envlights import _native
 from envlights._check import LARGEST_COUNT, amount, count
-from envlights.detection.lights import DetectedLights, DetectionReport, Members
+from envlights.detection.lights import DetectedLights, DetectionReport
+from envlights.detection.members import Members
 from envlights.envmap import AnyMap, EnvMap, checked_white, seen_through
 
 #: The narrowest working image.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, overload
@@ -11,10 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights import _html
 from envlights._arrays import sealed
-from envlights._check import rotation
+from envlights._check import amount, counts, flag, reals, rotation, texts
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights._tables import MOST_ROWS
+from envlights.detection.members import Members
+from envlights.export.own_json import FRAME, read_json
 from envlights.light import DetectedLight
 from envlights.lights import (
     Lights,
@@ -25,6 +28,17 @@ from envlights.lights import (
     row_of,
     turned,
 )
+
+_KIND, _VERSION = "detected lights", 1
+_UNITS = (
+    "irradiance: flux, the integral of radiance over the light, linear Rec.709 RGB; solid_angle:"
+    " steradians; other angles: radians; peak_luminance: radiance; members: light, row, first column"
+    " and length of runs of pixels"
+)
+#: Arrays of the file: of vectors, of numbers, and of numbers of maps with a white alone.
+_VECTORS = ("direction", "irradiance", "peak_direction", "orientation")
+_NUMBERS = ("solid_angle", "elongation", "peak_luminance", "flux_share")
+_OF_WHITE = ("weight", "direction_uncertainty")
 
 #: Solid angle, in steradians, above which a light is broad.
 _BROAD = 0.5
@@ -66,6 +80,20 @@ class DetectionReport(Result):
             "notes": list(self.notes),
         }
 
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> DetectionReport:
+        """The report that `to_dict` wrote."""
+        height, width = counts("working_size", data["working_size"])
+        (method,), (reason,) = texts("method", data["method"]), texts("reason", data["reason"])
+        return cls(
+            method=method,
+            threshold=amount("threshold", data["threshold"]),
+            reason=reason,
+            working_size=(height, width),
+            skipped=tuple(texts("skipped", data["skipped"])),
+            notes=tuple(texts("notes", data["notes"])),
+        )
+
     def in_short(self) -> str:
         """The method, and its threshold."""
         return f"{self.method}, threshold {self.threshold:.4g}"
@@ -79,21 +107,6 @@ class DetectionReport(Result):
             *(f"note: {note}" for note in self.notes),
         ]
         return "\n".join(lines)
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Members(Result):
-    """The pixels or samples that make up the lights, in the working image of the report."""
-
-    pixel: NDArray[np.int64]
-    """Row and column in the working image, shape (k, 2)."""
-
-    light: NDArray[np.int64]
-    """Index of the light that each belongs to, shape (k,)."""
-
-    def in_short(self) -> str:
-        """How many there are."""
-        return f"{len(self.pixel)} pixels or samples"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -239,9 +252,28 @@ class DetectedLights(Lights):
         return broad
 
     def to_dict(self) -> dict[str, Any]:
-        """Lists of numbers and the report, for JSON and the like."""
+        """Everything but the times as plain numbers, lists and strings: what `save` writes."""
         arrays = {name: getattr(self, name).tolist() for name in (*self._given(), "angular_radius")}
-        return {**arrays, "report": self.report.to_dict()}
+        return {
+            "format": f"envlights {_KIND}",
+            "version": _VERSION,
+            "frame": FRAME,
+            "units": _UNITS,
+            **arrays,
+            "members": self.members.to_runs(),
+            "report": self.report.to_dict(),
+        }
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> DetectedLights:
+        """Read detected lights that `save` wrote as ``.json``; times are not kept.
+
+        Raises
+        ------
+        EnvLightsError
+            If the file is missing, of another kind or version, or holds impossible lights.
+        """
+        return read_json(path, _KIND, (_VERSION,), _from_dict)
 
     def __str__(self) -> str:
         table = self.table() if len(self) else "no light"
@@ -288,6 +320,21 @@ class DetectedLights(Lights):
         names = (each.name for each in fields(self) if each.init)
         arrays = (name for name in names if name not in ("members", "report"))
         return tuple(name for name in arrays if getattr(self, name) is not None)
+
+
+def _from_dict(data: dict[str, Any]) -> DetectedLights:
+    report = DetectionReport.from_dict(data["report"])
+    arrays = {name: reals(name, np.reshape(data[name], (-1, 3)), 2) for name in _VECTORS}
+    given = [*_NUMBERS, *(name for name in _OF_WHITE if name in data)]
+    arrays |= {name: reals(name, np.asarray(data[name], np.float64), 1) for name in given}
+    clipped = [flag("is_clipped", each) for each in data["is_clipped"]]
+    lights = len(arrays["direction"])
+    return DetectedLights(
+        **arrays,
+        is_clipped=np.array(clipped, bool),
+        members=Members.from_runs(data["members"], lights, report.working_size),
+        report=report,
+    )
 
 
 def _plain(value: Any) -> Any:

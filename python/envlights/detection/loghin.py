@@ -13,7 +13,8 @@ from envlights import _native
 from envlights._check import amount, check_choice, count
 from envlights._srgb import encode_srgb
 from envlights.detection.component_tree import detect_tree
-from envlights.detection.lights import DetectedLights, DetectionReport, Members
+from envlights.detection.lights import DetectedLights, DetectionReport
+from envlights.detection.members import Members
 from envlights.envmap import AnyMap, EnvMap, as_envmap
 from envlights.kernels import image as images
 from envlights.kernels import loghin, sampling

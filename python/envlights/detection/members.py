@@ -1,0 +1,58 @@
+"""The pixels that make up the lights."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights._native import EnvLightsError
+from envlights._result import Result
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Members(Result):
+    """The pixels or samples that make up the lights, in the working image of the report."""
+
+    pixel: NDArray[np.int64]
+    """Row and column in the working image, shape (k, 2)."""
+
+    light: NDArray[np.int64]
+    """Index of the light that each belongs to, shape (k,)."""
+
+    def in_short(self) -> str:
+        """How many there are."""
+        return f"{len(self.pixel)} pixels or samples"
+
+    def to_runs(self) -> list[list[int]]:
+        """Light, row, first column and length of each run of pixels, in the order they stand in.
+
+        See Also
+        --------
+        from_runs : the inverse.
+        """
+        row, column = self.pixel.T
+        # A run goes on where light and row stay and the column is the next one.
+        steps = np.diff(self.light), np.diff(row), np.diff(column) - 1
+        starts = np.flatnonzero(np.append(True, np.any(steps, axis=0))) if len(row) else row
+        lengths = np.diff(np.append(starts, len(row)))
+        parts = self.light[starts], row[starts], column[starts], lengths
+        runs: list[list[int]] = np.stack(parts, axis=1).tolist()
+        return runs
+
+    @classmethod
+    def from_runs(cls, runs: list[list[int]], lights: int, size: tuple[int, int]) -> Members:
+        """Members of that many lights, in an image of that height and width."""
+        light, row, column, length = np.reshape(np.asarray(runs, np.int64), (-1, 4)).T
+        inside = (light >= 0) & (light < lights) & (row >= 0) & (row < size[0])
+        inside &= (column >= 0) & (length > 0) & (column + length <= size[1])
+        if not inside.all():
+            seen = np.asarray(runs)[~inside][0].tolist()
+            raise EnvLightsError(
+                f"members must lie in the {size[1]}x{size[0]} pixels and belong to one of"
+                f" {lights} lights; got light, row, column, length {seen}"
+            )
+        along = np.arange(length.sum()) - np.repeat(np.cumsum(length) - length, length)
+        pixel = np.stack([row.repeat(length), column.repeat(length) + along], axis=1)
+        return cls(pixel, light.repeat(length))
