@@ -410,7 +410,8 @@ def lights_of(data: dict[str, Any]) -> Lights:
     # A list without entries has lost its second axis.
     direction = np.reshape(data["direction"], (-1, 3))
     irradiance = np.reshape(data["irradiance"], (-1, 3))
-    return Lights(direction, irradiance, data.get("angular_radius"))
+    radius: Any = data.get("angular_radius")
+    return Lights(direction, irradiance, radius)
 
 
 def row_of(which: object, lights: int) -> int:

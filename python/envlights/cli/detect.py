@@ -8,10 +8,11 @@ from pathlib import Path
 
 import click
 
-from envlights.cli.outputs import check_output, default_of, output_option, say_written
+from envlights.cli.outputs import OUTPUTS, check_output, default_of, output_option, say_written
 from envlights.detection.detect import METHODS, detect
 from envlights.detection.lights import DetectedLights
 from envlights.envmap import EnvMap
+from envlights.export.targets import SUFFIXES
 from envlights.io.files import PICTURES
 
 
@@ -30,14 +31,14 @@ from envlights.io.files import PICTURES
     show_default=True,
     help="How bright places are found.",
 )
-@output_option("Write the lights (.json) or a picture (.png, .pdf, .svg); may be given again.")
+@output_option(OUTPUTS)
 @click.option("--json", "as_json", is_flag=True, help="Print the lights as JSON.")
 def command(
     map_path: str, max_lights: int | None, method: str, outputs: Sequence[str], as_json: bool
 ) -> None:
     """Find the bright places of MAP (.hdr, .exr, .png, .jpg, .tif)."""
     for output in outputs:
-        check_output(output, (".json", *PICTURES), {"the map": map_path})
+        check_output(output, (*SUFFIXES, *PICTURES), {"the map": map_path})
     env = EnvMap.open(map_path)
     lights = detect(env, method, max_lights=max_lights)
     for output in outputs:
@@ -47,7 +48,7 @@ def command(
 
 
 def _write(env: EnvMap, lights: DetectedLights, output: str) -> None:
-    if Path(output).suffix.lower() == ".json":
+    if Path(output).suffix.lower() not in PICTURES:
         lights.save(output)
         return
     from envlights import plot

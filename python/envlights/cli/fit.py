@@ -7,8 +7,16 @@ from pathlib import Path
 
 import click
 
-from envlights.cli.outputs import check_output, default_of, output_option, print_rig, say_written
+from envlights.cli.outputs import (
+    OUTPUTS,
+    check_output,
+    default_of,
+    output_option,
+    print_rig,
+    say_written,
+)
 from envlights.envmap import EnvMap
+from envlights.export.targets import SUFFIXES
 from envlights.fitting.fit import AMBIENTS, AUTO, NORMALS, fit
 from envlights.io.files import PICTURES
 from envlights.rig import Rig
@@ -41,7 +49,7 @@ from envlights.rig import Rig
 @click.option(
     "--floor", is_flag=True, help="A floor in the scene hides all light from below the horizon."
 )
-@output_option("Write the rig (.json) or a picture (.png, .pdf, .svg); may be given again.")
+@output_option(OUTPUTS)
 @click.option("--json", "as_json", is_flag=True, help="Print the rig as JSON.")
 def command(
     map_path: str,
@@ -57,7 +65,7 @@ def command(
 ) -> None:
     """Fit ambient and a few lights to MAP (.hdr, .exr, .png, .jpg, .tif)."""
     for output in outputs:
-        check_output(output, (".json", *PICTURES), {"the map": map_path})
+        check_output(output, (*SUFFIXES, *PICTURES), {"the map": map_path})
     env = EnvMap.open(map_path)
     rig = fit(
         env,
@@ -76,7 +84,7 @@ def command(
 
 
 def _write(env: EnvMap, rig: Rig, output: str) -> None:
-    if Path(output).suffix.lower() == ".json":
+    if Path(output).suffix.lower() not in PICTURES:
         rig.save(output)
         return
     # Drawing takes a second to import; a rig alone does not need it.

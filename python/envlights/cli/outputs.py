@@ -14,6 +14,12 @@ from envlights._native import EnvLightsError
 from envlights.io.files import check_writable
 from envlights.rig import Rig
 
+#: The help of ``-o`` where lights are written.
+OUTPUTS = (
+    "Write lights for a program that the suffix names, .json for envlights itself (see envlights"
+    " export -h), or a picture (.png, .pdf, .svg); may be given again."
+)
+
 
 def default_of(function: Callable[..., Any], parameter: str) -> Any:
     """The default of a parameter, which is written once, in its Python signature."""
@@ -27,7 +33,8 @@ def output_option(help_text: str) -> Callable[[Any], Any]:
 
 def check_output(output: str, suffixes: tuple[str, ...], inputs: Mapping[str, str]) -> None:
     """Refuse an output with another suffix, or one that would overwrite an input."""
-    if Path(output).suffix.lower() not in suffixes:
+    # A name may begin with a dot, which begins no suffix then.
+    if not Path(output).name[1:].lower().endswith(suffixes):
         wanted = f"one of {', '.join(suffixes)}" if suffixes[1:] else suffixes[0]
         raise EnvLightsError(f"cannot write {output}: the suffix must be {wanted}")
     target = check_writable(output)

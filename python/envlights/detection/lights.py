@@ -32,8 +32,8 @@ from envlights.lights import (
 _KIND, _VERSION = "detected lights", 1
 _UNITS = (
     "irradiance: flux, the integral of radiance over the light, linear Rec.709 RGB; solid_angle:"
-    " steradians; other angles: radians; peak_luminance: radiance; members: light, row, first column"
-    " and length of runs of pixels"
+    " steradians; other angles: radians; peak_luminance: radiance; members: light, row, first"
+    " column and length of runs of pixels"
 )
 #: Arrays of the file: of vectors, of numbers, and of numbers of maps with a white alone.
 _VECTORS = ("direction", "irradiance", "peak_direction", "orientation")

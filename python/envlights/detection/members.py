@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from envlights._native import EnvLightsError
 from envlights._result import Result
+from envlights.io.images import MOST_PIXELS
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -45,6 +46,10 @@ class Members(Result):
     def from_runs(cls, runs: list[list[int]], lights: int, size: tuple[int, int]) -> Members:
         """Members of that many lights, in an image of that height and width."""
         light, row, column, length = np.reshape(np.asarray(runs, np.int64), (-1, 4)).T
+        if length.sum() > MOST_PIXELS:
+            raise EnvLightsError(
+                f"members must be {MOST_PIXELS} pixels at most; got {length.sum()}"
+            )
         inside = (light >= 0) & (light < lights) & (row >= 0) & (row < size[0])
         inside &= (column >= 0) & (length > 0) & (column + length <= size[1])
         if not inside.all():

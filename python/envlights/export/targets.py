@@ -93,8 +93,8 @@ TARGETS = (
         (".usda", ".usdc", ".usd"),
         save_usd,
         True,
-        "lights, sizes, ambient, harmonics (as a map), floor",
-        "harmonics where they are negative",
+        "lights, sizes, ambient, harmonics (as a map), floor, map",
+        "negative parts of harmonics",
     ),
     Target(
         "mitsuba",
@@ -102,8 +102,8 @@ TARGETS = (
         (".xml",),
         save_mitsuba,
         True,
-        "lights, sizes (in a map), ambient, harmonics (as a map), floor",
-        "harmonics where they are negative",
+        "lights, sizes (in a map), ambient, harmonics (as a map), floor, map",
+        "negative parts of harmonics",
     ),
     Target(
         "blender",
@@ -138,7 +138,7 @@ TARGETS = (
         (".unity.json",),
         save_unity,
         True,
-        "lights, sizes, ambient, harmonics (also as a map), floor (as a map)",
+        "lights, sizes, ambient, harmonics, floor (as a map), map",
         "nothing that Unity has",
     ),
     Target(
@@ -147,15 +147,18 @@ TARGETS = (
         (".unreal.json",),
         save_unreal,
         True,
-        "lights, sizes, ambient, harmonics (also as a map), floor (as a map)",
-        "where its panorama looks: turn it by hand",
+        "lights, sizes, ambient, harmonics, floor (as a map), map",
+        "where the map looks: turn it by hand",
     ),
 )
+
+#: All that can be written.
+SUFFIXES = tuple(suffix for target in TARGETS for suffix in target.suffixes)
 
 
 def target_of(path: str | os.PathLike[str]) -> Target:
     """The target that the end of a file's name stands for; the longest one that fits."""
-    name = as_path(path).name.lower()
+    name = as_path(path).name.lower()[1:]
     fits = [
         (len(suffix), target)
         for target in TARGETS
@@ -163,8 +166,8 @@ def target_of(path: str | os.PathLike[str]) -> Target:
         if name.endswith(suffix)
     ]
     if not fits:
-        suffixes = ", ".join(suffix for target in TARGETS for suffix in target.suffixes)
-        raise EnvLightsError(f"cannot write {path}: the suffix must be one of {suffixes}")
+        wanted = ", ".join(SUFFIXES)
+        raise EnvLightsError(f"cannot write {path}: the suffix must be one of {wanted}")
     return max(fits, key=lambda fit: fit[0])[1]
 
 

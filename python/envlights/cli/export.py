@@ -1,0 +1,76 @@
+"""`envlights export`: `envlights.export.save` on a file of a rig or of lights."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import click
+
+from envlights.cli.outputs import check_output, say_written
+from envlights.detection.lights import DetectedLights
+from envlights.envmap import EnvMap
+from envlights.export.csv import read_csv
+from envlights.export.targets import SUFFIXES, TARGETS, save
+from envlights.lights import Lights
+from envlights.rig import Rig
+
+#: By the format that a file says to have.
+_READERS: dict[str, Callable[[str], Lights]] = {
+    "envlights lights": Lights.load,
+    "envlights detected lights": DetectedLights.load,
+}
+
+
+def _table() -> str:
+    """The targets, as the help lists them."""
+    lines = ["\b", "Targets, with what each keeps and loses of a rig:"]
+    for target in TARGETS:
+        lines += [
+            f"  {target.name}: {target.title} ({', '.join(target.suffixes)})",
+            f"      keeps {target.keeps}",
+            f"      loses {target.loses}",
+        ]
+    return "\n".join(lines)
+
+
+@click.command("export", epilog=_table())
+@click.argument("rig_path", metavar="RIG")
+@click.argument("targets", metavar="TARGET...", nargs=-1, required=True)
+@click.option("--environment", metavar="MAP", help="A map in place of the ambient term.")
+def command(rig_path: str, targets: Sequence[str], environment: str | None) -> None:
+    """Write RIG, a file of `fit` or `detect` (.json, .csv), for other programs.
+
+    TARGET is a file, whose suffix names the program, or the name of a target, which is then written
+    beside RIG. Textures go beside each file.
+    """
+    outputs = [_place(rig_path, target) for target in targets]
+    inputs = {"the rig": rig_path, **({"the map": environment} if environment else {})}
+    for output in outputs:
+        check_output(output, SUFFIXES, inputs)
+    rig = _load(rig_path)
+    env = None if environment is None else EnvMap.open(environment)
+    for output in outputs:
+        save(rig, output, env)
+    say_written(outputs)
+
+
+def _place(rig_path: str, target: str) -> str:
+    """The file that a TARGET stands for."""
+    suffixes = {each.name: each.suffixes[0] for each in TARGETS}
+    if target not in suffixes:
+        return target
+    return str(Path(rig_path).with_suffix(suffixes[target]))
+
+
+def _load(path: str) -> Rig | Lights:
+    """What the file holds; `Rig.load` says what is wrong with one that holds neither."""
+    if Path(path).suffix.lower() == ".csv":
+        return Lights.load(path) if read_csv(path).ambient is None else Rig.load(path)
+    kind = None
+    with contextlib.suppress(OSError, ValueError, RecursionError, AttributeError):
+        kind = json.loads(Path(path).read_text(encoding="utf-8")).get("format")
+    reader = _READERS.get(kind or "")
+    return reader(path) if reader else Rig.load(path)

@@ -1,0 +1,102 @@
+"""`envlights export`, and -o with every suffix."""
+
+import pytest
+from click.testing import CliRunner
+
+import envlights as el
+from envlights import io
+from envlights.cli import main
+from envlights.export import TARGETS
+
+WITHOUT_EXTRA = [s for target in TARGETS for s in target.suffixes if s != ".usdc"]
+
+
+def run(*arguments):
+    return CliRunner().invoke(main, [str(each) for each in arguments])
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A map, a rig, lights and detected lights."""
+    folder = tmp_path_factory.mktemp("export")
+    radiance = el.synthetic.hall(64).radiance
+    io.write_exr(folder / "hall.exr", radiance)
+    rig = el.fit(radiance, lights=2)
+    rig.save(folder / "rig.json")
+    rig.save(folder / "rig.csv")
+    rig.lights.save(folder / "lights.json")
+    rig.lights.save(folder / "lights.csv")
+    el.detect(radiance).save(folder / "found.json")
+    return folder
+
+
+@pytest.mark.parametrize("name", ["rig.json", "rig.csv", "lights.json", "lights.csv", "found.json"])
+def test_all_files_of_lights_can_be_exported(folder, tmp_path, name):
+    result = run("export", folder / name, tmp_path / "a.usda", tmp_path / "a.gltf")
+    assert result.exit_code == 0, result.output
+    assert result.stderr == f"wrote {tmp_path / 'a.usda'}\nwrote {tmp_path / 'a.gltf'}\n"
+    assert (tmp_path / "a.usda").read_text().count("DistantLight") >= 2
+
+
+@pytest.mark.parametrize("suffix", WITHOUT_EXTRA)
+def test_every_suffix_is_written_by_export_fit_and_detect(folder, tmp_path, suffix):
+    outputs = [tmp_path / f"{name}{suffix}" for name in ("export", "fit", "detect")]
+    for result in (
+        run("export", folder / "rig.json", outputs[0]),
+        run("fit", folder / "hall.exr", "-n", 1, "-o", outputs[1]),
+        run("detect", folder / "hall.exr", "-o", outputs[2]),
+    ):
+        assert result.exit_code == 0, result.output
+    assert all(output.stat().st_size > 0 for output in outputs)
+
+
+def test_a_name_is_written_beside_the_rig(folder, tmp_path):
+    (tmp_path / "rig.json").write_text((folder / "rig.json").read_text())
+    result = run("export", tmp_path / "rig.json", "usd", "unity", "gltf")
+    assert result.exit_code == 0, result.output
+    names = {path.name for path in tmp_path.iterdir()}
+    assert {"rig.usda", "rig.unity.json", "rig.gltf"} <= names
+
+
+def test_a_map_in_place_of_the_ambient_term(folder, tmp_path):
+    options = ("--environment", folder / "hall.exr")
+    result = run("export", folder / "rig.json", tmp_path / "a.usda", *options)
+    assert result.exit_code == 0, result.output
+    assert (tmp_path / "a.ambient.exr").exists()
+    refused = run("export", folder / "rig.json", tmp_path / "a.csv", *options)
+    assert refused.exit_code == 2
+    assert "takes no map as environment" in refused.stderr
+
+
+def test_the_help_lists_what_each_target_keeps_and_loses():
+    text = " ".join(run("export", "-h").output.split())
+    for target in TARGETS:
+        assert f"{target.name}: {target.title} ({', '.join(target.suffixes)})" in text
+        assert f"keeps {target.keeps}" in text
+        assert f"loses {target.loses}" in text
+
+
+@pytest.mark.parametrize(
+    ("source", "target", "sentence"),
+    [
+        ("none.json", "a.usda", "cannot read"),
+        ("hall.exr", "a.usda", "is not a JSON file"),
+        ("rig.json", "a.yaml", "the suffix must be one of .json, .csv"),
+        ("rig.json", ".usda", "the suffix must be one of .json, .csv"),
+        ("rig.json", "none/a.usda", "does not exist"),
+    ],
+)
+def test_what_cannot_be_exported_is_refused_in_one_sentence(
+    folder, tmp_path, source, target, sentence
+):
+    result = run("export", folder / source, tmp_path / target)
+    assert result.exit_code == 2
+    assert sentence in result.stderr
+    assert result.stderr.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_rig_itself_is_not_overwritten(folder):
+    result = run("export", folder / "rig.json", "json")
+    assert result.exit_code == 2
+    assert "it is the rig; give another name" in result.stderr
