@@ -1,6 +1,6 @@
 """Draw every figure for every map of a folder, to look at: python benchmarks/gallery.py MAPS OUT.
 
-MAPS is searched with its folders; OUT gets a PNG for each map and figure. Prints the seconds of each.
+MAPS is searched with its folders; OUT gets a PNG for each map and figure. Prints their seconds.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A first try: make a map, fit it, and draw the result."""
+"""First tries: a map that is fitted, and a room whose indirect light is learnt."""
 
 from __future__ import annotations
 
@@ -12,6 +12,11 @@ from envlights.io.files import check_writable
 from envlights.io.image_output import write_exr
 from envlights.rig import Rig
 from envlights.synthetic.hall import hall
+from envlights.synthetic.room import Room, room
+from envlights.transfer import TransferModel, read_pairs
+
+#: Pairs of the room to learn from, and columns of its lightmap.
+_PAIRS, _WIDTH = 64, 64
 
 
 def demo(folder: str | os.PathLike[str] = ".") -> Rig:
@@ -36,3 +41,40 @@ def demo(folder: str | os.PathLike[str] = ".") -> Rig:
     rig.save(saved)
     plot.save(plot.picture(env, rig), picture)
     return rig
+
+
+def demo_transfer(folder: str | os.PathLike[str] = ".", *, progress: bool = False) -> TransferModel:
+    """Make a room under many lamps, learn its indirect light, and predict it under new lamps.
+
+    Parameters
+    ----------
+    folder : path-like
+        Where the pairs ``room/direct_0000.exr``, ``room/lightmap_0000.exr`` and so on are written,
+        the model ``room.npz``, the direct light ``room_direct.exr`` of a frame that it has not seen
+        and the lightmap ``room_lightmap.exr`` that it predicts, and two pictures: ``room.png`` with
+        the prediction beside the truth, ``room_parts.png`` with the lightmap in the room.
+    progress : bool
+        Show a progress bar while the pairs are read.
+
+    Returns
+    -------
+    TransferModel
+    """
+    names = ("room.npz", "room_direct.exr", "room_lightmap.exr", "room.png", "room_parts.png")
+    saved, direct, lightmap, picture, parts = (Path(folder) / name for name in names)
+    for path in (saved, direct, lightmap, picture, parts):
+        check_writable(path)
+    # Make the pairs, and one more frame.
+    made = room(_PAIRS + 1, _WIDTH)
+    Room(made.direct[:_PAIRS], made.indirect[:_PAIRS]).save(Path(folder) / "room")
+    # Learn from the files, as from those of any other program.
+    pairs = read_pairs(Path(folder) / "room", progress=progress)
+    model = TransferModel.fit(pairs.direct, pairs.indirect, ridge="loo")
+    model.save(saved)
+    # Predict the new frame, and draw it.
+    write_exr(direct, made.direct[_PAIRS])
+    predicted = model.predict(made.direct[_PAIRS])
+    write_exr(lightmap, predicted)
+    plot.save(plot.transfer_picture(model, made.direct[_PAIRS], made.indirect[_PAIRS]), picture)
+    plot.save(plot.room_picture(made.direct[_PAIRS], predicted), parts)
+    return model

@@ -13,6 +13,7 @@ from matplotlib.image import imsave
 import envlights as el
 from envlights import io
 from envlights.cli import main
+from tests.helpers import relative_errors
 
 
 def run(*arguments):
@@ -81,6 +82,22 @@ def test_json_is_what_save_writes(hall):
     expected = el.fit(el.EnvMap.open(hall), lights=2).to_dict()
     for name in ("ambient", "lights", "error"):
         assert data[name] == expected[name]
+
+
+def test_the_demo_of_transfer_leads_from_pairs_to_a_predicted_lightmap(tmp_path):
+    result = run("demo", "transfer", "-o", tmp_path)
+    assert (result.exit_code, result.stdout.splitlines()[0][:21]) == (0, "rank 64 from 64 pairs")
+    model = el.TransferModel.load(tmp_path / "room.npz")
+    direct, lightmap = (
+        el.io.read_image(tmp_path / f"room_{name}.exr").pixels for name in ("direct", "lightmap")
+    )
+    np.testing.assert_allclose(model.predict(direct), lightmap, atol=1e-6)
+    # The files are those of the room itself, whose frame 64 the model has not seen.
+    made = el.synthetic.room(65)
+    pairs = el.read_pairs(tmp_path / "room")
+    np.testing.assert_array_equal(pairs.indirect, made.indirect[:64])
+    assert relative_errors(lightmap[None], made.indirect[64:])[0] < 0.1
+    assert {"room.png", "room_parts.png"} <= {path.name for path in tmp_path.iterdir()}
 
 
 def test_demo_writes_map_rig_and_picture(tmp_path):

@@ -5,7 +5,7 @@ import pytest
 
 import envlights as el
 from envlights._srgb import encode_srgb
-from envlights.plot import transfer_picture
+from envlights.plot import room_picture, transfer_picture
 from tests.helpers import oblong, relative_errors
 
 ROOM = el.synthetic.room(40, width=32)
@@ -19,7 +19,7 @@ def model():
 
 def panels(figure):
     """Titles and drawn values of the images, without their colour bars."""
-    drawn = [axes for axes in figure.axes if axes.images]
+    drawn = [axes for axes in figure.axes if axes.images and "direct" not in axes.get_title()]
     return [axes.get_title() for axes in drawn], [axes.images[0].get_array() for axes in drawn]
 
 
@@ -89,3 +89,34 @@ def test_frames_that_do_not_fit_are_refused(model):
     ]:
         with pytest.raises(el.EnvLightsError, match=message):
             transfer_picture(model, *pair)
+
+
+def test_the_direct_light_stands_first(model):
+    first = transfer_picture(model, *FRAME).axes[0]
+    assert first.get_title() == "direct: 16x16 texels"
+    white = np.percentile(FRAME[0], 99)
+    drawn = first.images[0].get_array()
+    np.testing.assert_allclose(drawn, encode_srgb(FRAME[0] / white), atol=1e-5)
+
+
+def test_the_lightmap_hangs_where_the_room_has_it():
+    """Each face that looks to the eye is drawn once, in the texels of its part."""
+    lightmap = np.zeros((16, 16, 3))
+    lightmap[:4, 8:12] = [0.2, 0.9, 0.1]  # the third part, C: the floor
+    figure = room_picture(ROOM.direct[0], lightmap)
+    *_, view = figure.axes
+    letters = {text.get_text(): text.get_position() for text in view.texts}
+    assert set("ACE") <= set(letters)
+    assert not set("BDF") & set(letters)
+    assert {each.get_text() for each in figure.axes[1].texts} == set("ABCDEFGHIJKLMNOP")
+    faces = dict(zip([text.get_text() for text in view.texts], view.collections, strict=True))
+    for letter, face in faces.items():
+        assert (face.get_array().reshape(-1, 3).max() > 0) == (letter == "C")
+    bottom = {letter: face.get_datalim(view.transData).ymin for letter, face in faces.items()}
+    assert min(bottom.values()) == bottom["C"]
+
+
+@pytest.mark.parametrize("image", [np.ones((8, 9, 3)), np.ones((8, 8)), np.ones((6, 6, 3))])
+def test_images_of_another_room_are_refused(image):
+    with pytest.raises(el.EnvLightsError, match="indirect must have"):
+        room_picture(ROOM.direct[0], image)

@@ -8,6 +8,7 @@
 | the steps of Loghin (2021)                                     | `article.py`  |
 | a scene under a map and under rigs, with Mitsuba               | `scene.py`    |
 | a predicted frame beside the truth                             | `transfer.py` |
+| a lightmap of the synthetic room, and where its parts lie      | `room.py`     |
 | the basis of a transfer model and its spectrum                 | `basis.py`    |
 
 They share `figure.py`, `ground.py` (the exposed map), `markers.py` (lights on it), `outlines.py`,
@@ -20,6 +21,7 @@ from envlights.plot.compare import error_picture, rigs_picture
 from envlights.plot.figure import Picture, save
 from envlights.plot.globe import sphere_picture
 from envlights.plot.maps import detection_picture, map_picture, picture
+from envlights.plot.room import room_picture
 from envlights.plot.scene import scene
 from envlights.plot.transfer import transfer_picture
 
@@ -32,6 +34,7 @@ __all__ = [
     "map_picture",
     "picture",
     "rigs_picture",
+    "room_picture",
     "save",
     "scene",
     "spectrum_picture",

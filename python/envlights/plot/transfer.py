@@ -25,12 +25,14 @@ _SHARE = 99.0
 
 
 def transfer_picture(model: TransferModel, direct: ArrayLike, indirect: ArrayLike) -> Picture:
-    """Draw the indirect light of a frame: reference, transfer, projection and difference.
+    """Draw a frame: direct light, then indirect light as it is, as predicted, and as far as it can.
 
-    The projection is the best that the basis of the model can do; any further error of the transfer
-    comes from the regression. The titles hold relative errors: the norm of the difference to the
-    reference over the norm of the reference. All three have the same exposure; the difference is of
-    luminance, in percent of the mean of the reference.
+    The five images are the direct light that the model is given, the true indirect light, the
+    transfer, the projection and the difference. The projection is the best that the basis of the
+    model can do; any further error of the transfer comes from the regression. The titles hold
+    relative errors: the norm of the difference to the reference over the norm of the reference. The
+    three images of indirect light have the same exposure; the difference is of luminance, in
+    percent of the mean of the reference.
 
     Parameters
     ----------
@@ -58,7 +60,7 @@ def transfer_picture(model: TransferModel, direct: ArrayLike, indirect: ArrayLik
     >>> model = el.TransferModel.fit(room.direct[:23], room.indirect[:23], rank=16)
     >>> figure = transfer_picture(model, room.direct[23], room.indirect[23])
     >>> [axes.get_title().split(":")[0] for axes in figure.axes[:4]]
-    ['reference', 'transfer', 'projection', 'transfer minus reference']
+    ['direct', 'reference', 'transfer', 'projection']
     """
     height, width = model.lit.shape
     reference, _ = image_stack("indirect", indirect, (height, width))
@@ -68,10 +70,11 @@ def transfer_picture(model: TransferModel, direct: ArrayLike, indirect: ArrayLik
             f"direct and indirect must hold as many images; got {len(lights)} and {len(reference)}"
         )
     rows = zip(reference, model.predict(lights), _projected(model, lights, reference), strict=True)
-    size = (4 * _WIDTH + 1.2, len(reference) * (_WIDTH * height / width + 0.4) + 0.4)
+    size = (5 * _WIDTH + 1.2, len(reference) * (_WIDTH * height / width + 0.4) + 0.4)
     figure = Picture(figsize=size)
-    grid = figure.subplots(len(reference), 4, squeeze=False)
-    for row, (truth, predicted, projected) in zip(grid, rows, strict=True):
+    grid = figure.subplots(len(reference), 5, squeeze=False)
+    for (first, *row), light, (truth, predicted, projected) in zip(grid, lights, rows, strict=True):
+        _draw_direct(first, light)
         _draw_images(row[:3], truth, predicted, projected)
         _draw_difference(figure, row[3], truth, predicted, model.lit)
     report = model.report
@@ -90,8 +93,16 @@ def _projected(model: TransferModel, lights: NDArray[Any], images: NDArray[Any])
     return projected
 
 
+def _draw_direct(axes: Axes, light: NDArray[Any]) -> None:
+    """The input, texel by texel, at an exposure of its own."""
+    white = max(float(np.percentile(light, _SHARE)), np.finfo(float).tiny)
+    axes.imshow(encode_srgb(light / white), interpolation="nearest")
+    axes.set_title(f"direct: {light.shape[1]}x{light.shape[0]} texels")
+    axes.axis("off")
+
+
 def _draw_images(
-    row: NDArray[Any], truth: NDArray[Any], predicted: NDArray[Any], projected: NDArray[Any]
+    row: list[Axes], truth: NDArray[Any], predicted: NDArray[Any], projected: NDArray[Any]
 ) -> None:
     """Reference, transfer and projection at one exposure."""
     white = max(float(np.percentile(truth, _SHARE)), np.finfo(float).tiny)

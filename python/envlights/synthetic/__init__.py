@@ -17,7 +17,7 @@ Frame and units are those of `EnvMap`; pixels are cell-centred.
 
 from envlights.synthetic.courtyard import courtyard, rigs
 from envlights.synthetic.hall import hall
-from envlights.synthetic.room import Room, room
+from envlights.synthetic.room import Room, room, room_charts
 from envlights.synthetic.scene import SyntheticMap, scene
 from envlights.synthetic.score import Score, judge, match
 from envlights.synthetic.shapes import Disc, PixelSun, Rectangle, Shape
@@ -41,6 +41,7 @@ __all__ = [
     "plain",
     "rigs",
     "room",
+    "room_charts",
     "scene",
 ]
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,6 +64,58 @@ class Room(Result):
             Where they go; it is made if it does not exist.
         """
         write_pairs(folder, self.direct, self.indirect)
+
+
+class Chart(NamedTuple):
+    """A part of the lightmap: one face of the room or of a box, in metres, +y up."""
+
+    origin: NDArray[np.float64]
+    """The corner of the face at the first row and column, (3,)."""
+
+    rows: NDArray[np.float64]
+    """From there down all rows, (3,)."""
+
+    columns: NDArray[np.float64]
+    """From there along all columns, (3,)."""
+
+    normal: NDArray[np.float64]
+    """Unit normal on the side that is seen, (3,)."""
+
+
+def room_charts() -> list[Chart]:
+    """The 16 parts of the room's lightmap, row by row of four.
+
+    Returns
+    -------
+    list of Chart
+        Six of the room, then five of each box.
+
+    Examples
+    --------
+    >>> floor = room_charts()[2]
+    >>> floor.normal, floor.rows, floor.columns
+    (array([0., 1., 0.]), array([2., 0., 0.]), array([0., 0., 2.]))
+    """
+    return [_chart(*face) for face in _faces()]
+
+
+def _faces() -> list[tuple[NDArray[np.float64], int, int, int]]:
+    """Box, axis, end and outward sign of each face: six of the room, five of each box."""
+    faces = [(_ROOM, axis, end, -1) for axis in range(3) for end in (0, 1)]
+    for box in _BOXES:
+        # No light reaches the face on the floor.
+        open_faces = [(axis, end) for axis in range(3) for end in (0, 1) if (axis, end) != (1, 0)]
+        faces += [(box, axis, end, 1) for axis, end in open_faces]
+    return faces
+
+
+def _chart(box: NDArray[np.float64], axis: int, end: int, outwards: int) -> Chart:
+    """One face of a box."""
+    sides = np.diag(box[1] - box[0])
+    rows, columns = (sides[each] for each in range(3) if each != axis)
+    normal = np.zeros(3)
+    normal[axis] = outwards * (2 * end - 1)
+    return Chart(box[0] + end * sides[axis], rows, columns, normal)
 
 
 def room(pairs: int = 128, width: int = 64, seed: int = 0) -> Room:
@@ -122,13 +174,8 @@ class _Texels:
 
 def _charts(width: int) -> _Texels:
     """The lightmap of `width` columns: chart after chart, six of the room, five of each box."""
-    # List the faces of the room and of the boxes.
     side = width // _CHARTS
-    faces = [_face(_ROOM, axis, end, side, -1) for axis in range(3) for end in (0, 1)]
-    for box in _BOXES:
-        # No light reaches the face on the floor.
-        open_faces = [(axis, end) for axis in range(3) for end in (0, 1) if (axis, end) != (1, 0)]
-        faces += [_face(box, axis, end, side, 1) for axis, end in open_faces]
+    faces = [_face(chart, side) for chart in room_charts()]
     # Put their texels into the order of the lightmap's rows.
     arrays = [np.stack(each) for each in zip(*faces, strict=True)]
     chart = np.repeat(np.arange(len(faces)), side * side).reshape(len(faces), -1)
@@ -136,20 +183,14 @@ def _charts(width: int) -> _Texels:
 
 
 def _face(
-    box: NDArray[np.float64], axis: int, end: int, side: int, outwards: int
+    chart: Chart, side: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Centres, normals and areas of one face of a box, `side` by `side` pieces."""
-    # Place the centres on a grid over the two sides of the face.
+    """Centres, normals and areas of one face, `side` by `side` pieces."""
     steps = (np.arange(side) + 0.5) / side
-    centre = np.empty((side, side, 3))
-    others = [each for each in range(3) if each != axis]
-    lengths = (box[1] - box[0])[others]
-    centre[..., axis] = box[end, axis]
-    centre[..., others[0]] = (box[0, others[0]] + steps * lengths[0])[:, None]
-    centre[..., others[1]] = (box[0, others[1]] + steps * lengths[1])[None, :]
-    normal = np.zeros((side * side, 3))
-    normal[:, axis] = outwards * (2 * end - 1)
-    return centre.reshape(-1, 3), normal, np.full(side * side, lengths.prod() / side**2)
+    along = steps[:, None, None] * chart.rows + steps[None, :, None] * chart.columns
+    centre = (chart.origin + along).reshape(-1, 3)
+    area = np.linalg.norm(np.cross(chart.rows, chart.columns)) / side**2
+    return centre, np.tile(chart.normal, (side * side, 1)), np.full(side * side, area)
 
 
 def _in_rows(values: NDArray[Any], side: int) -> NDArray[Any]:
