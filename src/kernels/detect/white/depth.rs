@@ -4,107 +4,123 @@
 //! sphere (Danielsson 1980): a few comparisons for each pixel, however deep it lies. Distances are those
 //! between directions, so they hold at the seam and the poles.
 
+use rayon::prelude::*;
+
 use super::super::tree::working_image::WorkingImage;
+
+/// Pixels that one task turns into depths.
+const PIXELS_AT_ONCE: usize = 2048;
 
 /// The depth of each of the pixels `plateau` in radians, as an image; 0 outside.
 pub fn depths(working: &WorkingImage, plateau: &[u32]) -> Vec<f32> {
     let (height, width) = working.size;
     let sphere = Sphere::new(working);
-    let (of, cosine) = (vec![OUTSIDE; height * width], vec![-1.0; height * width]);
-    let mut nearest = Nearest { sphere: &sphere, of, cosine, height, width };
-    for &pixel in plateau {
-        nearest.of[pixel as usize] = UNKNOWN;
-    }
+    let mut nearest = Nearest::new(&sphere, working.size, plateau);
     // Where the plateau crosses the seam or a pole, what one sweep finds must go around once more.
-    let touches = |pixel: u32| {
-        let (row, column) = (pixel as usize / width, pixel as usize % width);
-        row == 0 || row + 1 == height || column == 0 || column + 1 == width
+    let rows: Vec<&[u32]> =
+        plateau.chunk_by(|&one, &other| one as usize / width == other as usize / width).collect();
+    let touches = |row: &[u32]| {
+        let first = row[0] as usize / width * width;
+        let is_at_seam = row[0] as usize == first || row[row.len() - 1] as usize == first + width - 1;
+        is_at_seam || first == 0 || first == (height - 1) * width
     };
-    for _ in 0..if plateau.iter().any(|&pixel| touches(pixel)) { 2 } else { 1 } {
-        nearest.sweep_down(plateau);
-        nearest.sweep_up(plateau);
+    for _ in 0..if rows.iter().any(|row| touches(row)) { 2 } else { 1 } {
+        for row in &rows {
+            nearest.ask_row(row, Side::Above);
+        }
+        for row in rows.iter().rev() {
+            nearest.ask_row(row, Side::Below);
+        }
     }
-    let mut depth = vec![0.0; height * width];
-    for &pixel in plateau {
+    // Turn cosines into angles.
+    let angle = |&pixel: &u32| {
         let cosine = nearest.cosine[pixel as usize];
-        depth[pixel as usize] = (2.0 * (0.5 * (1.0 - cosine)).max(0.0).sqrt().min(1.0).asin()) as f32;
+        (2.0 * (0.5 * (1.0 - cosine)).max(0.0).sqrt().min(1.0).asin()) as f32
+    };
+    let angles: Vec<f32> = plateau.par_iter().with_min_len(PIXELS_AT_ONCE).map(angle).collect();
+    let mut depth = vec![0.0; height * width];
+    for (&pixel, angle) in plateau.iter().zip(angles) {
+        depth[pixel as usize] = angle;
     }
     depth
 }
 
-/// In place of the nearest outer pixel: this one is outside itself.
-const OUTSIDE: u32 = u32::MAX;
-/// In place of the nearest outer pixel: none is known yet.
-const UNKNOWN: u32 = u32::MAX - 1;
+/// Row and column of a pixel.
+type Place = [u32; 2];
 
-/// The nearest outer pixel that each pixel knows.
+/// In place of the nearest outer pixel: none is known yet.
+const UNKNOWN: Place = [u32::MAX; 2];
+
+/// The row that a row asks.
+#[derive(Clone, Copy)]
+enum Side {
+    Above,
+    Below,
+}
+
+/// The nearest outer pixel that each pixel knows. Outer pixels know themselves.
 struct Nearest<'a> {
     sphere: &'a Sphere,
-    of: Vec<u32>,
+    of: Vec<Place>,
     /// Cosine of the angle to it; -1 where none is known.
     cosine: Vec<f64>,
     height: usize,
     width: usize,
 }
 
-impl Nearest<'_> {
-    /// From above, and along each row both ways.
-    fn sweep_down(&mut self, plateau: &[u32]) {
-        let width = self.width;
-        for row in plateau.chunk_by(|&one, &other| one as usize / width == other as usize / width) {
-            self.ask_row(row, (row[0] as usize / width).saturating_sub(1));
+impl<'a> Nearest<'a> {
+    fn new(sphere: &'a Sphere, (height, width): (usize, usize), plateau: &[u32]) -> Self {
+        let columns = 0..width as u32;
+        let mut of: Vec<Place> =
+            (0..height as u32).flat_map(|row| columns.clone().map(move |column| [row, column])).collect();
+        for &pixel in plateau {
+            of[pixel as usize] = UNKNOWN;
         }
+        Self { sphere, of, cosine: vec![-1.0; height * width], height, width }
     }
 
-    /// From below, and along each row both ways.
-    fn sweep_up(&mut self, plateau: &[u32]) {
-        let (last, width) = (self.height - 1, self.width);
-        let rows: Vec<&[u32]> =
-            plateau.chunk_by(|&one, &other| one as usize / width == other as usize / width).collect();
-        for row in rows.into_iter().rev() {
-            self.ask_row(row, (row[0] as usize / width + 1).min(last));
-        }
-    }
-
-    /// Let the pixels of a row ask those of the row `beside`, then one another.
-    fn ask_row(&mut self, row: &[u32], beside: usize) {
+    /// Let the pixels of a row ask those of the row beside, then one another, along the row both ways.
+    fn ask_row(&mut self, row: &[u32], side: Side) {
         let width = self.width;
-        let first = row[0] as usize / width * width;
+        let number = row[0] as usize / width;
+        let first = number * width;
+        let beside = match side {
+            Side::Above => number.saturating_sub(1),
+            Side::Below => (number + 1).min(self.height - 1),
+        } * width;
         let left = |column: usize| if column == 0 { width - 1 } else { column - 1 };
         let right = |column: usize| if column + 1 == width { 0 } else { column + 1 };
         for &pixel in row {
             let column = pixel as usize - first;
-            let others = [left(column), column, right(column)].map(|column| beside * width + column);
-            self.ask(pixel, [others[0], others[1], others[2], first + left(column)]);
+            let others =
+                [beside + left(column), beside + column, beside + right(column), first + left(column)];
+            self.ask([number, column], others);
         }
         for &pixel in row.iter().rev() {
-            self.ask(pixel, [first + right(pixel as usize - first)]);
+            let column = pixel as usize - first;
+            self.ask([number, column], [first + right(column)]);
         }
     }
 
     /// Take over the nearest outer pixel that one of the `others` knows or is.
-    fn ask<const N: usize>(&mut self, pixel: u32, others: [usize; N]) {
-        let mut best = self.of[pixel as usize];
-        let mut largest = self.cosine[pixel as usize];
+    #[inline]
+    fn ask<const N: usize>(&mut self, [row, column]: [usize; 2], others: [usize; N]) {
+        let pixel = row * self.width + column;
+        let mut best = self.of[pixel];
         let mut tried = best;
         for other in others {
-            let outer = match self.of[other] {
-                UNKNOWN => continue,
-                OUTSIDE => other as u32,
-                outer => outer,
-            };
+            let outer = self.of[other];
             // Neighbours mostly know the same one.
-            if outer == best || outer == tried {
+            if outer == best || outer == tried || outer == UNKNOWN {
                 continue;
             }
             tried = outer;
-            let cosine = self.sphere.cosine(pixel, outer);
-            if cosine > largest {
-                (best, largest) = (outer, cosine);
+            let cosine = self.sphere.cosine([row, column], outer.map(|index| index as usize));
+            if cosine > self.cosine[pixel] {
+                (best, self.cosine[pixel]) = (outer, cosine);
             }
         }
-        self.of[pixel as usize] = best;
-        self.cosine[pixel as usize] = largest;
+        self.of[pixel] = best;
     }
 }
 
@@ -128,20 +144,20 @@ impl Sphere {
 
     /// Unit vector towards a pixel, in the frame of [`crate::kernels::sphere`].
     pub fn direction(&self, pixel: u32) -> glam::DVec3 {
-        let ((sin, cos), (sin_phi, cos_phi)) = self.at(pixel);
+        let pixel = pixel as usize;
+        let ((sin, cos), (sin_phi, cos_phi)) = self.at([pixel / self.width, pixel % self.width]);
         glam::DVec3::new(sin * sin_phi, cos, -sin * cos_phi)
     }
 
     /// Cosine of the angle between two pixels.
-    fn cosine(&self, one: u32, other: u32) -> f64 {
+    fn cosine(&self, one: [usize; 2], other: [usize; 2]) -> f64 {
         let ((sin, cos), (sin_phi, cos_phi)) = self.at(one);
         let ((other_sin, other_cos), (other_sin_phi, other_cos_phi)) = self.at(other);
         sin * other_sin * (sin_phi * other_sin_phi + cos_phi * other_cos_phi) + cos * other_cos
     }
 
-    fn at(&self, pixel: u32) -> ((f64, f64), (f64, f64)) {
-        let pixel = pixel as usize;
-        (self.rows[pixel / self.width], self.columns[pixel % self.width])
+    fn at(&self, [row, column]: [usize; 2]) -> ((f64, f64), (f64, f64)) {
+        (self.rows[row], self.columns[column])
     }
 }
 
