@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 __all__ = [
     "BASIS_SHARE",
     "BASIS_TILE",
+    "LEAST_WHITE",
     "LUMINANCE",
     "EnvLightsError",
     "FitAnswer",
@@ -17,6 +18,7 @@ __all__ = [
     "are_clipped",
     "blur",
     "bresenham_line",
+    "clipped_light_shares",
     "clipped_share",
     "decoded_8",
     "decoded_16",
@@ -40,6 +42,7 @@ __all__ = [
     "pack_lights",
     "pixel_directions",
     "pixel_solid_angles",
+    "plateau_depth",
     "probe_jacobian",
     "probe_model",
     "probe_residual",
@@ -66,6 +69,7 @@ _Reals = NDArray[np.float64]
 _Image = NDArray[np.float32]
 _Indices = NDArray[np.int64]
 
+LEAST_WHITE: float
 LUMINANCE: list[float]
 BASIS_SHARE: int
 BASIS_TILE: int
@@ -133,6 +137,9 @@ def are_clipped(
 ) -> NDArray[np.bool_]: ...
 def blur(image: _Image, sigma: float) -> _Image: ...
 def bresenham_line(start: list[int], end: list[int]) -> _Indices: ...
+def clipped_light_shares(
+    radiance: _Image, border_sampled: bool, white: float, working_columns: int, gap: float
+) -> _Image: ...
 def clipped_share(
     radiance: _Image, border_sampled: bool, white: float | None
 ) -> tuple[float, float]: ...
@@ -213,6 +220,9 @@ def neighbour_maximum(
 def pack_lights(ambient: _Reals, directions: _Reals, irradiance: _Reals) -> _Reals: ...
 def pixel_directions(height: int, width: int, border_sampled: bool) -> _Reals: ...
 def pixel_solid_angles(height: int, width: int, border_sampled: bool) -> _Reals: ...
+def plateau_depth(
+    radiance: _Image, border_sampled: bool, white: float, working_columns: int, gap: float
+) -> _Image: ...
 def probe_jacobian(
     x: _Reals,
     normals: _Reals,

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, TypeVar
 
 import numpy as np
@@ -15,9 +16,11 @@ from envlights._map_array import map_array
 from envlights._native import EnvLightsError, UnusableSamplesError
 from envlights._srgb import decode_codes
 from envlights.io.image_output import COMPRESSIONS, map_suffix, write_exr, write_hdr
+from envlights.io.exposures import Exposures
 from envlights.io.images import MOST_PIXELS, read_image
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import irradiance
+from envlights.repair import repaired
 
 PROJECTIONS = ("equirectangular",)
 REGISTRATIONS = ("cell-centred", "border-sampled")
@@ -146,6 +149,61 @@ class EnvMap:
             )
         except EnvLightsError as refusal:
             raise EnvLightsError(f"{os.fspath(path)}: {refusal}") from None
+
+    @classmethod
+    def from_exposures(
+        cls,
+        pictures: Sequence[ArrayLike | str | os.PathLike[str]],
+        times: Sequence[float] | None = None,
+    ) -> EnvMap:
+        r"""One linear map from several exposures of a panorama (Madsen et al. 2003, figure 4).
+
+        Every sample is taken from the exposures that show it below white, in the mean that has the
+        least variance for sRGB codes. Where exposures contradict each other by more than a factor
+        of 1.3, because something moved, the best one is taken alone.
+
+        Parameters
+        ----------
+        pictures : sequence of path-like or array_like, shape (height, 2 * height, 3)
+            Two exposures or more, from one place, sRGB-coded, in any order: files as in `open`, or
+            arrays of uint8 or uint16. Arrays of floating point are linear, with white at 1.
+        times : sequence of float, optional
+            Exposure time of each, in seconds or any other unit: only ratios matter. When left out,
+            they come from the EXIF of the files, with aperture and sensitivity.
+
+        Returns
+        -------
+        EnvMap
+            Radiance 1 is white at a time of 1. It has a `white` if the shortest exposure still
+            reaches white. Its `notes` tell where exposures contradict each other and which do not
+            fit their times.
+
+        Raises
+        ------
+        EnvLightsError
+            If a picture cannot be read, sizes differ, or a time is missing.
+
+        Notes
+        -----
+        A sample :math:`z` of an exposure of time :math:`t` has the weight :math:`(t / z')^2`, with
+        the slope :math:`z'` of the sRGB curve there: the inverse of the variance that rounding to
+        codes leaves. The response is not estimated, as Debevec and Malik (1997) do: it is known.
+
+        Examples
+        --------
+        >>> truth = np.full((4, 8, 3), 0.05)
+        >>> truth[1, 2] = 6.0
+        >>> env = EnvMap.from_exposures([np.minimum(truth * t, 1) for t in (0.1, 8.0)], (0.1, 8.0))
+        >>> env.radiance[1, 1:3, 0].round(3)
+        array([0.05, 6.  ], dtype=float32)
+        """
+        exposures = Exposures(pictures, times)
+        radiance, white = exposures.merged()
+        times_shown = f"{exposures.times[0]:.3g} to {exposures.times[-1]:.3g}"
+        about = f"{len(exposures.times)} exposures were merged, with times from {times_shown}"
+        registration = REGISTRATIONS[exposures.border_sampled]
+        notes = (about, *exposures.notes)
+        return cls(radiance, registration=registration, notes=notes, white=white)
 
     @property
     def radiance(self) -> NDArray[np.float32]:
@@ -314,11 +372,83 @@ class EnvMap:
             return resampling.cells_of_borders(self._radiance)
         return self._radiance
 
+    def repaired(self, *, irradiance: float | None = None, ratio: float | None = None) -> EnvMap:
+        r"""The map with an estimate of the light that was cut off.
+
+        The pixels that are clipped are raised, each in its own colour. How much light is missing is
+        a number of yours, or an estimate with the ground as the light meter of the scene. Where it
+        is missing is a guess: small parts of the plateau count for more than their solid angle, and
+        so do high ones; each is brightest where it is deepest. `detect` and `fit` work on the
+        result as on any map of linear radiance.
+
+        Parameters
+        ----------
+        irradiance : float, optional
+            Luminance of the irradiance that an upward surface really gets, in W m\ :sup:`-2` on
+            the scale of the map; of a lux meter only if you know that scale.
+        ratio : float, optional
+            That irradiance over the one without the clipped places: two readings of a lux meter on
+            the ground, one in the open, one with the sun shaded. It needs no scale.
+
+        Returns
+        -------
+        EnvMap
+            Without a `white`. Its last note holds the factor by which the flux was raised and where
+            it comes from. Where the ground tells nothing, nothing is added, and the note says why.
+
+        Raises
+        ------
+        EnvLightsError
+            If both numbers are given, one is less than that of the map as it is, or everything that
+            is clipped lies below the horizon.
+
+        Notes
+        -----
+        The estimate takes the ground for one of albedo 0.2, with the mean luminance
+        :math:`L` of what lies more than 3 degrees below the horizon and is not clipped, and the
+        irradiance :math:`E` of an upward surface under the map as it is:
+        :math:`\min(3 \max(0, \pi L / 0.2 - E), 3 F, 400\, \Omega)`, where :math:`F` is the flux
+        that is not clipped and :math:`\Omega` the solid angle that is, in units of white. The rule
+        is ours.
+
+        Measured on 8-bit pictures of 17 HDR maps in eleven tones, by `benchmarks/clipped_repair.py`:
+        the relative RMS error of a probe at the best common scale falls from 0.43 to 0.23 (median),
+        and grows by more than 0.05 in 2 %. The estimate is worthless on ground that is far from
+        grey, such as snow or a dark floor, in the shade while the sun shines elsewhere, and under
+        light that the ground does not see. Where :math:`\pi L / E` is from 0.7 to 1.1, a white
+        floor explains the ground as well: nothing is added.
+
+        Examples
+        --------
+        A sun that was cut off, over grey ground that still shows its irradiance:
+
+        >>> sky = np.full((64, 128, 3), 0.1)
+        >>> sky[12:14, 60:62] = 1.0
+        >>> sky[32:] = 0.2 / np.pi * 2.0
+        >>> env = EnvMap(sky, white=1.0)
+        >>> print(env.repaired().notes[-1].split(":")[0])
+        the flux was raised by a factor of 2.6 for what was clipped
+        >>> env.repaired(irradiance=2.0).probe([[0, 1, 0]]).round(3)
+        array([[2., 2., 2.]])
+        """
+        if irradiance is not None and ratio is not None:
+            raise EnvLightsError("give irradiance or ratio, not both")
+        asked = [
+            None if value is None else amount(name, value)
+            for name, value in (("irradiance", irradiance), ("ratio", ratio))
+        ]
+        white = self._white
+        if white is None:
+            white = float(self._radiance.max()) if self.clipped_share else math.inf
+        is_border = self._registration == "border-sampled"
+        radiance, note = repaired(self._radiance, is_border, white, *asked)
+        notes = (*self._notes, note)
+        return EnvMap(radiance, registration=self._registration, notes=notes)
+
     def __repr__(self) -> str:
         size = f"{self.width}x{self.height}"
         notes = f", notes: {'; '.join(self._notes)}" if self._notes else ""
-        share = 0.0 if self._white is None else self.clipped_share
-        clipped = f", {100 * share:.2g} % of the sphere at white" if share else ""
+        clipped = self._clipped_in_words()
         return f"EnvMap({size} {self._projection}, {self._registration}{clipped}{notes})"
 
     def __str__(self) -> str:
@@ -327,10 +457,16 @@ class EnvMap:
             [
                 f"{self.width}x{self.height} pixels, {self._projection}, {self._registration}",
                 f"luminance: median {np.median(luminance):.3g}, largest {luminance.max():.3g}",
-                *([f"white at {self._white:g}"] if self._white is not None else []),
+                *([f"white at {self._white:g}{self._clipped_in_words()}"] if self._white else []),
                 *(f"note: {note}" for note in self._notes),
             ]
         )
+
+    def _clipped_in_words(self) -> str:
+        """The part of the map that is at its white; empty where nothing is, or it has none."""
+        share, flux = (0.0, 0.0) if self._white is None else self._clipped_shares()
+        shares = f", {100 * share:.2g} % of the sphere at white with {100 * flux:.2g} % of its flux"
+        return shares if share else ""
 
     def _repr_pretty_(self, printer: Any, _: bool) -> None:
         printer.text(repr(self) if printer.indentation else str(self))

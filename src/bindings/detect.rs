@@ -120,6 +120,39 @@ pub fn clipped_share(
     Ok((share.sphere, share.flux))
 }
 
+/// The share of each pixel in the light that was cut off at `white`; see `envlights.repair`.
+#[pyfunction]
+pub fn clipped_light_shares<'py>(
+    py: Python<'py>,
+    radiance: PyReadonlyArray3<'py, f32>,
+    border_sampled: bool,
+    white: f64,
+    working_columns: usize,
+    gap: f64,
+) -> PyResult<Bound<'py, PyArray2<f32>>> {
+    let radiance = radiance.as_array();
+    let registration = registration(border_sampled);
+    let shares = interruptible(py, || white::shares(radiance, registration, white, working_columns, gap))?;
+    Ok(shares.into_pyarray(py))
+}
+
+/// The depth of the plateau in radians, as a working image; see `envlights.plot.plateau_picture`.
+#[pyfunction]
+pub fn plateau_depth<'py>(
+    py: Python<'py>,
+    radiance: PyReadonlyArray3<'py, f32>,
+    border_sampled: bool,
+    white: f64,
+    working_columns: usize,
+    gap: f64,
+) -> PyResult<Bound<'py, PyArray2<f32>>> {
+    let radiance = radiance.as_array();
+    let registration = registration(border_sampled);
+    let depth =
+        interruptible(py, || white::plateau_depth(radiance, registration, white, working_columns, gap))?;
+    Ok(depth.into_pyarray(py))
+}
+
 /// The name of an ending, and its luminance.
 fn ending(ending: Ending) -> (&'static str, f64) {
     match ending {

@@ -28,13 +28,16 @@ mod _native {
     #[pymodule_export]
     const LUMINANCE: [f64; 3] = crate::kernels::image::LUMINANCE;
     #[pymodule_export]
+    const LEAST_WHITE: f64 = crate::kernels::detect::clipping::LEAST_WHITE;
+    #[pymodule_export]
     const BASIS_SHARE: usize = crate::kernels::transfer::SHARE;
     #[pymodule_export]
     const BASIS_TILE: usize = crate::kernels::transfer::TILE;
 
     #[pymodule_export]
     use super::detect::{
-        TreeDetection, WhiteDetection, clipped_share, detect_tree, detect_white, reduced_luminance,
+        TreeDetection, WhiteDetection, clipped_light_shares, clipped_share, detect_tree, detect_white,
+        plateau_depth, reduced_luminance,
     };
     #[pymodule_export]
     use super::error::{EnvLightsError, UnusableSamplesError};

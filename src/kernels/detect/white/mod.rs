@@ -14,6 +14,8 @@
 //! | divide segments at the necks of the plateau                     | `necks.rs`     |
 //! | the direction of each light, and how uncertain it is            | `placement.rs` |
 //! | which lights are kept, and their order                          | `order.rs`     |
+//!
+//! [`shares`], in `sharing.rs`, spreads the light that white has cut off over the same plateau.
 
 mod depth;
 mod ending;
@@ -22,11 +24,13 @@ mod necks;
 mod order;
 mod placement;
 mod plateau;
+mod sharing;
 
 use ndarray::ArrayView3;
 
 pub use ending::Ending;
 pub use placement::Place;
+pub use sharing::{plateau_depth, shares};
 
 use super::clipping::LEAST_WHITE;
 use super::tree::adjacency::Adjacency;

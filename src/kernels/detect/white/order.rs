@@ -43,11 +43,15 @@ pub fn weights(expanded: &WorkingImage, segments: &Segments, places: &[Place]) -
             }
         }
         // Weigh them.
-        let sine = place.direction.y;
-        let is_floor = solid_angle > FLOOR && sine < FLOOR_BELOW;
-        if is_floor { 0.0 } else { flux / solid_angle.powf(SMALLNESS) * (UPWARDS * sine).exp() }
+        flux / solid_angle.powf(SMALLNESS) * from_above(solid_angle, place.direction.y)
     };
     segments.pixels.iter().zip(places).map(weight).collect()
+}
+
+/// How much a place at the `sine` of an elevation counts: light comes from above, and a floor gives none.
+pub fn from_above(solid_angle: f64, sine: f64) -> f64 {
+    let is_floor = solid_angle > FLOOR && sine < FLOOR_BELOW;
+    if is_floor { 0.0 } else { (UPWARDS * sine).exp() }
 }
 
 /// Segments, places and weights without those of the least weight; of many equal ones none.

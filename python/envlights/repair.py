@@ -1,0 +1,211 @@
+"""What white has cut off: an estimate of its flux, and a map that holds it.
+
+The ground is the light meter of the scene. Under all light, that which was cut off too, a ground of
+albedo a shines with a radiance of a / pi times the irradiance on it. So with the mean luminance
+L_ground of the ground and the irradiance E_up of an upward surface under the map as it is,
+
+    missing = min( 3 max(0, pi L_ground / 0.2 - E_up),  3 F_unclipped,  400 / sr x W_clipped )
+
+is an estimate of the flux that was cut off: 0.2 is the albedo of usual ground, 3 the flux of
+light from 20 degrees above the horizon over its irradiance. F and W are flux and solid angle.
+The numbers are chosen on pictures of HDR maps; `benchmarks/clipped_repair.py` measures the result.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights import _native
+from envlights._native import EnvLightsError
+from envlights.kernels.image import LUMINANCE
+from envlights.kernels.sphere import pixel_solid_angles
+
+#: Albedo of the ground.
+_ALBEDO = 0.2
+#: Missing flux over the irradiance that is missing on an upward surface.
+_FLUX_PER_IRRADIANCE = 3.0
+#: Missing flux over that of all that is not clipped, at most.
+_MOST_OF_UNCLIPPED = 3.0
+#: Luminance of the missing light in units of white, at most.
+_MOST_LUMINANCE = 400.0
+
+#: Sine of the elevation below which there is ground.
+_GROUND = -math.sin(math.radians(3.0))
+#: Share of the ground that must not be clipped.
+_LEAST_GROUND = 0.1
+#: Albedos of the ground under the light in the map that a white floor explains as well.
+_WHITE_FLOOR = 0.7, 1.1
+
+#: Parts of the plateau are told apart in an image of that many columns, and not where a gap of
+#: less than that many degrees divides them: what `detect_tree` does with such maps.
+_COLUMNS, _GAP_DEG = 512, 0.8
+
+#: Rows that are looked at together: what is computed of them takes more memory than they do.
+_ROWS = 128
+
+
+def repaired(
+    radiance: NDArray[np.float32],
+    border_sampled: bool,
+    white: float,
+    irradiance: float | None,
+    ratio: float | None,
+) -> tuple[NDArray[np.float32], str]:
+    """The radiance of a map with what was cut off at `white`, and a remark on how much that is."""
+    gap = math.radians(_GAP_DEG)
+    share = _native.clipped_light_shares(radiance, border_sampled, white, _COLUMNS, gap)
+    if not share.any():
+        return radiance, "nothing was added, for nothing is clipped"
+    light = _measured(radiance, share, white, border_sampled)
+    if irradiance is None and ratio is None:
+        missing, source = light.estimate(white)
+    else:
+        missing, source = light.up_to(irradiance, ratio)
+    if missing == 0:
+        return radiance, f"nothing was added for what is clipped: {source}"
+    factor = 1 + missing / light.flux
+    return (
+        _raised(radiance, share, missing),
+        f"the flux was raised by a factor of {factor:.3g} for what was clipped: {source}",
+    )
+
+
+@dataclass(frozen=True)
+class _Light:
+    """The light in a map that is clipped. Flux and irradiance are of luminance."""
+
+    flux: float
+    unclipped_flux: float
+    upward: float
+    """Irradiance of an upward surface."""
+    upward_unclipped: float
+    """The same without the clipped pixels."""
+    upward_share: float
+    """Irradiance of an upward surface under a flux of 1 that is shared over the clipped pixels."""
+    clipped: float
+    """Solid angle that is clipped."""
+    ground: float
+    """Mean luminance of the ground where it is not clipped."""
+    unclipped_ground: float
+    """Share of the ground that is not clipped."""
+
+    def estimate(self, white: float) -> tuple[float, str]:
+        """The flux that is missing by the light meter, and where the number comes from."""
+        if self.unclipped_ground < _LEAST_GROUND:
+            return (
+                0.0,
+                "the ground itself is clipped, so it tells nothing; give irradiance or ratio",
+            )
+        albedo = math.pi * self.ground / self.upward if self.upward > 0 else math.inf
+        least, most = _WHITE_FLOOR
+        if least <= albedo <= most:
+            return 0.0, (
+                f"under the light in the map the ground has an albedo of {albedo:.2g}, as a white"
+                " floor has, so it tells nothing; give irradiance or ratio"
+            )
+        irradiance = math.pi * self.ground / _ALBEDO
+        if irradiance <= self.upward:
+            return 0.0, (
+                "the ground is no brighter than the light in the map explains; if it is dark ground"
+                " or night, give irradiance or ratio"
+            )
+        missing = min(
+            _FLUX_PER_IRRADIANCE * (irradiance - self.upward),
+            _MOST_OF_UNCLIPPED * self.unclipped_flux,
+            _MOST_LUMINANCE * white * self.clipped,
+        )
+        low, high = _true_factors(1 + missing / self.flux)
+        return missing, (
+            f"an estimate, with the ground as light meter; the true factor is {low:.2g} to"
+            f" {high:.2g} in two of three maps"
+        )
+
+    def up_to(self, irradiance: float | None, ratio: float | None) -> tuple[float, str]:
+        """The flux that gives an upward surface what was asked for, and where that comes from."""
+        name, wanted, seen = "irradiance", irradiance or 0.0, self.upward
+        if ratio is not None:
+            name, wanted, seen = "ratio", ratio, self.upward / (self.upward_unclipped or math.nan)
+        if not wanted >= seen:
+            raise EnvLightsError(
+                f"{name} must be at least that of the map as it is, {seen:.4g}; got {wanted:g}"
+            )
+        if self.upward_share == 0:
+            raise EnvLightsError(
+                "what is clipped lies below the horizon and cannot light an upward surface; leave"
+                f" {name} out"
+            )
+        unit = self.upward_unclipped if ratio is not None else 1.0
+        return (wanted - seen) * unit / self.upward_share, f"by the {name} of {wanted:.4g}"
+
+
+def _true_factors(factor: float) -> tuple[float, float]:
+    """Between these lies the true factor of two in three maps, where `factor` was estimated."""
+    low, high = _TWO_THIRDS
+    return max(1.0, low * factor), max(1.0, high * factor)
+
+
+#: Quantiles 1/6 and 5/6 of the true factor over the estimate.
+_TWO_THIRDS = 0.8, 2.3
+
+
+def _measured(
+    radiance: NDArray[np.float32], share: NDArray[np.float32], white: float, border_sampled: bool
+) -> _Light:
+    """Measure flux, irradiance and solid angle of what is clipped and what is not."""
+    height, width, _ = radiance.shape
+    solid_angles = pixel_solid_angles(height, width, border_sampled=border_sampled)
+    # Cosines between the rows; the mean cosine above the horizon, and the mean one, of each.
+    edges = 1 - np.concatenate([[0.0], np.cumsum(solid_angles.sum(axis=1))]) / (2 * np.pi)
+    above = np.maximum(edges, 0) ** 2
+    cosine = (above[:-1] - above[1:]) / (2 * (edges[:-1] - edges[1:]))
+    is_ground = 0.5 * (edges[:-1] + edges[1:]) < _GROUND
+    sums = np.zeros(9)
+    for top in range(0, height, _ROWS):
+        rows = slice(top, top + _ROWS)
+        weight, shares = solid_angles[rows], share[rows]
+        luminance = radiance[rows] @ LUMINANCE
+        is_whole = (radiance[rows] < _native.LEAST_WHITE * white).all(axis=2)
+        flux_of = luminance * weight
+        up = cosine[rows, None]
+        ground = is_ground[rows, None] & np.ones_like(is_whole)
+        sums += [
+            flux_of.sum(),
+            flux_of[is_whole].sum(),
+            (flux_of * up).sum(),
+            (flux_of * up)[is_whole].sum(),
+            (shares * weight * up).sum(),
+            weight[~is_whole].sum(),
+            flux_of[ground & is_whole].sum(),
+            weight[ground & is_whole].sum(),
+            weight[ground].sum(),
+        ]
+    flux, whole, upward, upward_whole, upward_share, clipped, *of_ground = map(float, sums)
+    ground_flux, whole_ground, all_ground = of_ground
+    return _Light(
+        flux=flux,
+        unclipped_flux=whole,
+        upward=upward,
+        upward_unclipped=upward_whole,
+        upward_share=upward_share,
+        clipped=clipped,
+        ground=ground_flux / (whole_ground or 1.0),
+        unclipped_ground=whole_ground / all_ground,
+    )
+
+
+def _raised(
+    radiance: NDArray[np.float32], share: NDArray[np.float32], missing: float
+) -> NDArray[np.float32]:
+    """`radiance` with the flux `missing` in the clipped pixels, each of its own colour."""
+    raised = radiance.copy()
+    for top in range(0, len(radiance), _ROWS):
+        rows = raised[top : top + _ROWS]
+        is_clipped = share[top : top + _ROWS] > 0
+        pixels = rows[is_clipped]
+        more = missing * share[top : top + _ROWS][is_clipped] / (pixels @ LUMINANCE)
+        rows[is_clipped] = pixels * (1 + more[:, None])
+    return raised
