@@ -4,6 +4,7 @@
 |---------------------------------------------------|-------------------|
 | read images; a file's colour space                | `images.py`       |
 | write images                                      | `image_output.py` |
+| several exposures as one image                    | `exposures.py`    |
 | the image library, loaded when it is first needed | `library.py`      |
 | write any file whole or not at all                | `files.py`        |
 """

@@ -4,6 +4,7 @@
 |----------------------------------------------------------------|---------------|
 | a map alone, with a rig, or with detected lights               | `maps.py`     |
 | several rigs of a map; the error against the number of lights  | `compare.py`  |
+| what is clipped in a map that ends at white, and its lights    | `plateau.py`  |
 | lights on the sphere                                           | `globe.py`    |
 | the steps of Loghin (2021)                                     | `article.py`  |
 | a scene under a map and under rigs, with Mitsuba               | `scene.py`    |
@@ -21,6 +22,7 @@ from envlights.plot.compare import error_picture, rigs_picture
 from envlights.plot.figure import Picture, save
 from envlights.plot.globe import sphere_picture
 from envlights.plot.maps import detection_picture, map_picture, picture
+from envlights.plot.plateau import plateau_picture
 from envlights.plot.room import room_picture
 from envlights.plot.scene import scene
 from envlights.plot.transfer import transfer_picture
@@ -33,6 +35,7 @@ __all__ = [
     "error_picture",
     "map_picture",
     "picture",
+    "plateau_picture",
     "rigs_picture",
     "room_picture",
     "save",

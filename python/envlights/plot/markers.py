@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
@@ -36,11 +39,16 @@ def area(share: NDArray[np.float64]) -> NDArray[np.float64]:
 def draw_lights(axes: Axes, lights: Lights) -> None:
     """Draw the rim of each light that has a size, a disc in its colour, and numbers with room."""
     at, areas = degrees(lights.direction), area(lights.share)
-    rims = [_rim(*each) for each in zip(lights.direction, lights.angular_radius, strict=True)]
-    if drawn := [rim for rim in rims if len(rim)]:
-        axes.plot(*np.concatenate(drawn).T, color=RIM, lw=1.4)
+    draw_rims(axes, lights.direction, lights.angular_radius)
     draw_discs(axes, at, areas, lights.irradiance)
     draw_numbers(axes, at, areas)
+
+
+def draw_rims(axes: Axes, directions: NDArray[np.float64], radii: NDArray[np.float64]) -> None:
+    """Draw a circle on the sphere around each direction; none of radius 0."""
+    rims = [_rim(*each) for each in zip(directions, radii, strict=True)]
+    if drawn := [rim for rim in rims if len(rim)]:
+        axes.plot(*np.concatenate(drawn).T, color=RIM, lw=1.4)
 
 
 def draw_discs(
@@ -133,7 +141,7 @@ def _entry(marker: str, label: str, size: float) -> Line2D:
     return Line2D([], [], ls="", marker=marker, ms=size, mfc="0.75", mec="black", label=label)
 
 
-def draw_legend(axes: Axes, entries: list[Line2D]) -> None:
+def draw_legend(axes: Axes, entries: Sequence[Artist]) -> None:
     """Explain the marks below the map, where they cover nothing."""
     axes.legend(
         handles=entries,

@@ -207,7 +207,7 @@ mod tests {
             let sum: f64 = share.iter().zip(&solid_angles).map(|(&share, dw)| f64::from(share) * dw).sum();
             assert_relative_eq!(sum, 1.0, max_relative = 1e-5);
             for ((row, column), &share) in share.indexed_iter() {
-                assert_eq!(share > 0.0, map[[row, column, 0]] == 1.0, "{row} {column}: {share}");
+                assert_eq!(share > 0.0, map[[row, column, 0]] > 0.5, "{row} {column}: {share}");
             }
         }
     }
@@ -236,7 +236,7 @@ mod tests {
         assert_relative_eq!(f64::from(deepest), 0.3, epsilon = 0.025);
         assert_eq!(
             depth.iter().filter(|&&depth| depth > 0.0).count(),
-            map.iter().filter(|&&y| y == 1.0).count() / 3
+            map.iter().filter(|&&y| y > 0.5).count() / 3
         );
     }
 

@@ -1,0 +1,111 @@
+"""A map that ends at white: its plateau, how deep that is, and the lights that were told apart."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.image import AxesImage
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from numpy.typing import NDArray
+
+from envlights import _native
+from envlights._native import EnvLightsError
+from envlights.detection.lights import DetectedLights
+from envlights.envmap import AnyMap, EnvMap, as_envmap
+from envlights.plot.figure import Picture
+from envlights.plot.ground import EXTENT, degrees, draw_map
+from envlights.plot.markers import RIM, area, draw_discs, draw_legend, draw_numbers, draw_rims
+
+#: The plateau is drawn in an image of that many columns, with gaps of less than that many degrees
+#: closed: what `detect_tree` does with such maps.
+_COLUMNS, _GAP_DEG = 512, 0.8
+#: Colour of what is clipped, and how much of it covers the map: red, green, blue, alpha.
+_CLIPPED = (0.0, 0.75, 1.0, 0.5)
+
+
+def plateau_picture(env: AnyMap, lights: DetectedLights) -> Picture:
+    """Draw a map that ends at white, what is clipped in it, and the lights behind that.
+
+    Above: the map, with what is clipped in blue. Below: the depth of the plateau, the angle to its
+    rim, by which lights are told apart. Discs stand at the directions of the lights, sized by
+    their shares of all weight: a guess. Around each is a circle within which its direction is
+    uncertain.
+
+    Parameters
+    ----------
+    env : EnvMap, path-like or array_like, shape (height, 2 * height, 3)
+        A map with a white: one of 8 or 16 bits, or with `white` given.
+    lights : DetectedLights
+        The result of `detect_tree` on it.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    EnvLightsError
+        If the map has no white, or the lights were found without one.
+
+    Examples
+    --------
+    >>> import envlights as el
+    >>> lamp = el.synthetic.Disc((1, 0.5, 0), 8.0, (9, 9, 9))
+    >>> scene = el.synthetic.scene(128, background=[0.1] * 3, shapes=[lamp])
+    >>> env = el.EnvMap(np.minimum(scene.radiance, 1), white=1.0)
+    >>> figure = plateau_picture(env, el.detect(env))
+    >>> len(figure.axes)
+    3
+    """
+    env = as_envmap(env)
+    if env.white is None:
+        raise EnvLightsError(
+            "the map has no white; give one of 8 or 16 bits, or `EnvMap(..., white=...)`"
+        )
+    if lights.weight is None or lights.direction_uncertainty is None:
+        raise EnvLightsError("the lights were found without a white; give those of `detect_tree`")
+    figure = Picture(figsize=(10, 10.8))
+    above, below = figure.subplots(2, 1)
+    exposure = draw_map(above, env)
+    above.imshow(_tint(env, env.white), extent=EXTENT)
+    above.set_title(exposure, fontsize="small")
+    depth = _draw_depth(below, env, env.white)
+    figure.colorbar(depth, ax=(above, below), label="depth of the plateau (degrees)", shrink=0.6)
+    share = lights.weight / (lights.weight.sum() or 1.0)
+    for axes in (above, below):
+        draw_rims(axes, lights.direction, lights.direction_uncertainty)
+        # Discs are half as large as those of a rig: lamps may stand close together.
+        at, areas = degrees(lights.direction), area(share) / 2
+        draw_discs(axes, at, areas, lights.irradiance)
+        draw_numbers(axes, at, areas)
+    clipped = Patch(color=_CLIPPED, label="clipped")
+    circle = Line2D([], [], color=RIM, lw=1.4, label="two thirds of such lights are within")
+    draw_legend(below, [clipped, circle])
+    sphere, flux = 100 * env.clipped_share, 100 * env.clipped_flux_share
+    figure.suptitle(
+        f"{lights.in_short()} behind white\n"
+        f"{sphere:.2g} % of the sphere is clipped, with {flux:.2g} % of its flux"
+    )
+    return figure
+
+
+def _tint(env: EnvMap, white: float) -> NDArray[np.float64]:
+    """The colour of what is clipped where the map is, as RGBA."""
+    rows, columns = max(env.height // 512, 1), max(env.width // 1024, 1)
+    largest: NDArray[np.float32] = env.radiance[::rows, ::columns].max(axis=2, keepdims=True)
+    return np.where(largest >= _native.LEAST_WHITE * white, np.array(_CLIPPED), 0.0)
+
+
+def _draw_depth(axes: Axes, env: EnvMap, white: float) -> AxesImage:
+    """Draw the depth of the plateau in degrees."""
+    is_border = env.registration == "border-sampled"
+    gap = math.radians(_GAP_DEG)
+    depth = np.rad2deg(_native.plateau_depth(env.radiance, is_border, white, _COLUMNS, gap))
+    image = axes.imshow(np.where(depth > 0, depth, np.nan), cmap="viridis", vmin=0, extent=EXTENT)
+    axes.set(facecolor="0.15", xlabel="azimuth (degrees)", ylabel="elevation (degrees)")
+    axes.set(xticks=range(0, 361, 45), yticks=range(-90, 91, 45))
+    axes.set(xlim=EXTENT[:2], ylim=EXTENT[2:])
+    return image
