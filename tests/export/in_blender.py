@@ -76,7 +76,7 @@ def ball(place, shader):
 def balls(camera, script):
     """A matte and a mirror ball, from the axes of a camera: right, up, towards the eye."""
     right, up, back = map(Vector, camera)
-    scene = empty_scene(samples=64)
+    empty_scene(samples=64)
     ball(-1.05 * right, "ShaderNodeBsdfDiffuse")
     ball(1.05 * right, "ShaderNodeBsdfGlossy")
     runpy.run_path(str(script))
@@ -85,13 +85,43 @@ def balls(camera, script):
     eye.matrix_world = (
         Matrix.Translation(20 * back) @ Matrix((right, up, back)).transposed().to_4x4()
     )
-    scene.collection.objects.link(eye)
+    photograph(eye, (256, 128), script.with_suffix(".exr"))
+
+
+def still_life(matrices, script):
+    """The scene of `plot.scene`, from the matrices of its shapes and its eye; two noises."""
+    scene = empty_scene(samples=256)
+    scene.cycles.max_bounces = scene.cycles.diffuse_bounces = 2
+    scene.cycles.pixel_filter_type, scene.cycles.filter_width = "BOX", 1
+    bpy.ops.mesh.primitive_plane_add(size=2)
+    floor = bpy.context.object
+    bpy.ops.mesh.primitive_cube_add(size=2)
+    box = bpy.context.object
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=256, ring_count=128)
+    round_one = bpy.context.object
+    bpy.ops.object.shade_smooth()
+    for name, thing in {"floor": floor, "box": box, "ball": round_one}.items():
+        thing.matrix_world = Matrix(matrices[name])
+        material(thing, "ShaderNodeBsdfDiffuse", Color=(0.7, 0.7, 0.7, 1))
+    runpy.run_path(str(script))
+    eye = bpy.data.objects.new("eye", bpy.data.cameras.new("eye"))
+    eye.data.sensor_fit, eye.data.angle = "HORIZONTAL", np.radians(32)
+    eye.matrix_world = Matrix(matrices["eye"])
+    for seed in (1, 2):
+        scene.cycles.seed = seed
+        photograph(eye, (120, 80), script.with_suffix(f".{seed}.exr"))
+
+
+def photograph(eye, size, path):
+    scene = bpy.context.scene
+    if eye.name not in scene.collection.objects:
+        scene.collection.objects.link(eye)
     scene.camera = eye
     render = scene.render
-    render.resolution_x, render.resolution_y = 256, 128
+    render.resolution_x, render.resolution_y = size
     render.image_settings.file_format = "OPEN_EXR"
     render.image_settings.color_depth = "32"
-    render.filepath = str(script.with_suffix(".exr"))
+    render.filepath = str(path)
     bpy.ops.render.render(write_still=True)
 
 
@@ -104,5 +134,7 @@ if __name__ == "__main__":
     for path in map(Path, scripts):
         if task == "irradiance":
             np.save(path.with_suffix(".npy"), irradiance(np.load(given), path))
+        elif task == "still_life":
+            still_life({name: each.tolist() for name, each in np.load(given).items()}, path)
         else:
             balls(np.load(given).tolist(), path)

@@ -57,6 +57,40 @@ def test_map_and_lights_meet_on_two_balls(tmp_path):
 
 
 @needs_bpy
+def test_image_errors_of_rigs_are_those_of_mitsuba(tmp_path):
+    """A ball and a box on a floor under a map, and under two rigs for it."""
+    pytest.importorskip("mitsuba")
+    stills = importlib.import_module("envlights.scene.still_life")
+    env = el.EnvMap(el.synthetic.hall(128).radiance)
+    rigs = {count: el.fit(env, lights=count) for count in (1, 4)}
+    nothing = POINTS[:0]
+    nothing.save(tmp_path / "map.py", environment=env)
+    for count, rig in rigs.items():
+        rig.save(tmp_path / f"rig_{count}.py")
+    with stills.mitsuba() as mi:
+        shapes = stills._shapes(mi, azimuth=1.0)
+        frames = {name: np.array(each["to_world"].matrix) for name, each in shapes.items()}
+    there = np.eye(4)
+    there[:3, :3] = AXES["blender"].matrix
+    # Mitsuba's eye looks along its +z with +x on the left, Blender's along -z with +x on the right.
+    frames["eye"] = frames["eye"] @ np.diag([-1, 1, -1, 1])
+    np.savez(tmp_path / "frames.npz", **{name: there @ each for name, each in frames.items()})
+    names = ["map", "rig_1", "rig_4"]
+    run("still_life", tmp_path / "frames.npz", *(tmp_path / f"{name}.py" for name in names))
+    pairs = [
+        [el.io.read_image(tmp_path / f"{name}.{k}.exr").pixels for k in (1, 2)] for name in names
+    ]
+    map_here, *rigs_here = [stills.Still(*np.asarray(pair, float)) for pair in pairs]
+    map_there = stills.still_life(env, 1.0, 64, 0)
+    assert map_here.error(map_there) < 0.01
+    # Noise is 1 to 2 %, as large as the error of four lights.
+    for (count, rig), here, rel in zip(rigs.items(), rigs_here, (0.02, 0.2), strict=True):
+        there = stills.still_life(rig, 1.0, 64, count)
+        assert here.error(map_here) == pytest.approx(there.error(map_there), rel=rel)
+        assert here.error(there) < 0.01
+
+
+@needs_bpy
 def test_the_lights_of_an_earlier_run_are_replaced(tmp_path):
     code = """
 import bpy, envlights as el

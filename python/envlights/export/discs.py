@@ -46,7 +46,8 @@ def looked_up(env: EnvMap, directions: NDArray[np.float64]) -> NDArray[np.float3
     uv = sphere.direction_to_uv(directions)
     columns = (uv[:, 0] * env.width).astype(int) % env.width
     rows = np.minimum((uv[:, 1] * env.height).astype(int), env.height - 1)
-    return env.radiance[rows, columns]
+    pixels: NDArray[np.float32] = env.radiance[rows, columns]
+    return pixels
 
 
 def _some(lights: Lights, which: NDArray[np.bool_]) -> Lights:
