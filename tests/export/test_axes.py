@@ -1,5 +1,7 @@
 """Where our axes lie in each target."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -40,3 +42,17 @@ def test_angles_and_the_way_back_are_kept_under_24_rotations(name, seed):
 
 def test_the_table_names_only_targets():
     assert set(AXES) <= {target.name for target in el.export.TARGETS} | {"mitsuba", "blender"}
+
+
+def test_the_page_shows_the_table():
+    """`docs/axes.md`: signs and letters of each axis, and the matrix."""
+    page = Path(__file__).parents[2] / "docs" / "axes.md"
+    lines = [line for line in page.read_text(encoding="utf-8").splitlines() if line[:3] == "| `"]
+    assert {line.split("`")[1] for line in lines} == {*AXES} - {"csv"}
+    for line in lines:
+        name, *axes, matrix, handed, _ = (cell.strip(" `") for cell in line.strip("|").split("|"))
+        columns = np.transpose([np.eye(3)["xyz".index(a[1])] * float(a[0] + "1") for a in axes])
+        np.testing.assert_array_equal(columns, AXES[name].matrix)
+        rows = [row.split() for row in matrix.strip("()").split(") (")]
+        np.testing.assert_array_equal(np.array(rows, int), AXES[name].matrix)
+        assert handed == {1: "right", -1: "left"}[AXES[name].handedness]
