@@ -61,11 +61,20 @@ def test_the_irradiance_that_radiance_measures_is_that_of_the_rig(name, lights, 
 
 @pytest.mark.parametrize("name", ["constant", "harmonics"])
 def test_no_light_takes_the_sky_behind_it_away(name, folder):
-    """Lamps of no light before a bright sky."""
-    black = el.Lights(DISCS.direction, 0 * DISCS.irradiance, [0.19] * 5)
-    rig = rigs(black)[name]
+    """Dim lamps before a bright sky; it was 5 % too dark where they stand."""
+    dim = el.Lights(DISCS.direction, 1e-3 * DISCS.irradiance, [0.19] * 5)
+    rig = rigs(dim)[name]
     rig.save(folder / "rig.rad")
     assert relative_error(irradiance(folder / "rig.rad", AMBIENT), rig) < 0.01
+
+
+@pytest.mark.parametrize("radius", [0.6, 1.2])
+def test_a_wide_light_is_a_part_of_the_sky(radius, folder):
+    """As a source it was off by 2 % and 12 %."""
+    wide = el.Lights(DISCS.direction[:1], DISCS.irradiance[:1], [radius])
+    wide.save(folder / "rig.rad")
+    found = irradiance(folder / "rig.rad", AMBIENT)
+    assert relative_error(found, rigs(wide)["none"]) < 0.005
 
 
 def test_a_map_lies_where_the_lights_are(folder):

@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from envlights.lights import Lights
 
 #: Rows of a map for discs: as many as give the smallest a radius of that many, within limits.
-_DISC_ROWS, _LEAST_ROWS, _MOST_ROWS = 8, 64, 1024
+#: With 64 rows, Radiance lost 0.9 % of a disc of 46 degrees at its rim.
+_DISC_ROWS, _LEAST_ROWS, _MOST_ROWS = 8, 256, 1024
 
 
 def split_by_size(lights: Lights, least: float) -> tuple[Lights, Lights]:
