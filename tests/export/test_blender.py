@@ -20,6 +20,8 @@ RIGS = {
     for size, lights in {"points": POINTS, "discs": DISCS}.items()
     for name, rig in rigs(lights).items()
 }
+# A light whose angle matters: a half would be seen.
+RIGS["one_wide"] = el.Rig([0, 0, 0], el.Lights([[0.48, 0.8, 0.36]], [[3, 2, 1]], [0.7]), 0.0)
 needs_bpy = pytest.mark.skipif(importlib.util.find_spec("bpy") is None, reason="needs bpy")
 
 

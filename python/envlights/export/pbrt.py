@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from typing import TYPE_CHECKING
 
@@ -94,7 +95,7 @@ def _sources(lights: Lights, scene: Scene, name: str) -> str:
         for direction, irradiance in zip(towards, lights.irradiance, strict=True)
     ]
     if scene.environment is not None:
-        lines.append(f'LightSource "infinite" "string filename" "{name}"')
+        lines.append(f'LightSource "infinite" "string filename" {json.dumps(name)}')
     elif scene.ambient is not None:
         lines.append(f'LightSource "infinite" "rgb L" {_numbers(scene.ambient)}')
     return "\n".join([_HEADER, *lines]) + "\n"
