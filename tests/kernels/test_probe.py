@@ -6,6 +6,7 @@ import pytest
 import envlights as el
 from envlights import kernels
 from tests.helpers import printed_by_threads
+from tests.reference import cells
 
 NORMALS, SOLID_ANGLES = kernels.icosphere(320)
 
@@ -77,6 +78,46 @@ def test_one_pixel_gives_its_flux_times_the_cosine(row, column):
     )
 
 
+@pytest.mark.parametrize("height", [2, 3, 4, 8, 16, 32])
+@pytest.mark.parametrize("registration", ["cell-centred", "border-sampled"])
+def test_small_maps_are_integrated_cell_by_cell(height, registration):
+    """The worst normal was off by 2e-5, the error of four nodes where a horizon ends in a strip."""
+    radiance = np.random.default_rng(0).gamma(0.3, 1, (height, 2 * height, 3)).astype(np.float32)
+    received = el.EnvMap(radiance, registration=registration).probe(NORMALS[::4])
+    is_border = registration == "border-sampled"
+    wanted = cells.irradiance(radiance, NORMALS[::4], border_sampled=is_border)
+    np.testing.assert_allclose(received, wanted, rtol=1e-4)
+
+
+def normals_behind(row, column, height, width):
+    """The normals whose horizon lies before a pixel, all of it."""
+    theta = np.linspace(row, row + 1, 33) * np.pi / height
+    phi = np.linspace(column, column + 1, 33)[:, None] * 2 * np.pi / width
+    x, z = np.sin(phi) * np.sin(theta), -np.cos(phi) * np.sin(theta)
+    pixel = np.stack([x, np.cos(theta) + 0 * phi, z], axis=-1).reshape(-1, 3)
+    # Between two of those points a pixel bulges by a part of the square of their distance.
+    return NORMALS[(NORMALS @ pixel.T).max(axis=1) < -((np.pi / height / 32) ** 2)]
+
+
+@pytest.mark.parametrize(
+    ("height", "width"), [(2, 4), (3, 7), (8, 16), (16, 32), (64, 128), (65, 131), (256, 512)]
+)
+@pytest.mark.parametrize(("down", "across"), [(0, 0), (0.4, 0.3), (0.5, 0.99)])
+def test_no_sun_shines_through_the_probe(height, width, down, across):
+    """Behind a sun of 1e9 times the room, the room is right to 1e-6 of itself."""
+    row, column = int(down * height), int(across * width)
+    behind = normals_behind(row, column, height, width)
+    room = np.ones((height, width, 3), np.float32)
+    room[row, column] = 0
+    sunny = room.copy()
+    sunny[row, column] = 1e9, 1e3, 0
+    received = kernels.irradiance(sunny, behind)
+    np.testing.assert_allclose(received, kernels.irradiance(room, behind), rtol=1e-6)
+    # A normal has the same irradiance without its opposite.
+    alone = [kernels.irradiance(sunny, normal[None])[0] for normal in behind[:5]]
+    np.testing.assert_allclose(alone, received[:5], rtol=1e-6)
+
+
 def test_probes_on_both_sides_add_up_to_the_whole_sphere():
     """E(n) - E(-n) = n . F, the vector flux: the horizon drops out."""
     radiance = sunny_map(256)
@@ -143,7 +184,7 @@ def test_no_normals_give_no_irradiance():
     [
         ([[0, 2, 0]], r"normal 0 has length 2; it must be a unit vector"),
         ([[0, np.nan, 0]], r"finite"),
-        ([0, 1, 0], r"normals"),
+        ([[[0, 1, 0]]], r"normals"),
         ([[0, 1]], r"\(n, 3\)"),
     ],
 )

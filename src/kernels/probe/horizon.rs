@@ -25,20 +25,26 @@ const FOUR_NODES: Nodes = &[
 pub struct Steps {
     /// Rows of a band; more than one have one node.
     pub rows: usize,
-    /// Places in a row at which the horizon is taken.
+    /// Strips into which a row is cut; a band of more rows is not cut.
+    pub strips: usize,
+    /// Places in a strip at which the horizon is taken.
     pub nodes: Nodes,
 }
 
+/// With four nodes in each of 64 strips from pole to pole, maps of 2 to 64 rows are within 2e-5 of the
+/// exact integral over their cells.
+const FEWEST_STRIPS: usize = 64;
+
 impl Steps {
     /// Each row at its middle latitude.
-    pub const ONE_NODE: Self = Self { rows: 1, nodes: ONE_NODE };
+    pub const ONE_NODE: Self = Self { rows: 1, strips: 1, nodes: ONE_NODE };
 
     /// For a map of `height` rows: 1024 bands and more are as good as rows (see [`super::irradiance`]).
     pub fn of(height: usize) -> Self {
         match height {
-            2048.. => Self { rows: height / 1024, nodes: ONE_NODE },
-            256.. => Self { rows: 1, nodes: TWO_NODES },
-            _ => Self { rows: 1, nodes: FOUR_NODES },
+            2048.. => Self { rows: height / 1024, strips: 1, nodes: ONE_NODE },
+            256.. => Self { rows: 1, strips: 1, nodes: TWO_NODES },
+            _ => Self { rows: 1, strips: FEWEST_STRIPS.div_ceil(height), nodes: FOUR_NODES },
         }
     }
 }
@@ -153,10 +159,12 @@ fn slices(top: f64, bottom: f64, nodes: Nodes) -> Vec<Slice> {
 /// Weights of the rows of a band, equatorial and polar, and the slices of the horizon through it.
 ///
 /// A row by itself leaves its weight to its slices; several rows bring theirs to one horizon.
-pub fn cut(theta_edges: &[f64], nodes: Nodes) -> (Vec<Weight>, Vec<Slice>) {
+pub fn cut(theta_edges: &[f64], steps: Steps) -> (Vec<Weight>, Vec<Slice>) {
     let (top, bottom) = (theta_edges[0], theta_edges[theta_edges.len() - 1]);
     if theta_edges.len() == 2 {
-        return (vec![Weight { equatorial: 1.0, polar: 1.0 }], slices(top, bottom, nodes));
+        let edge = |i: usize| top + (bottom - top) * i as f64 / steps.strips as f64;
+        let strips = (0..steps.strips).flat_map(|i| slices(edge(i), edge(i + 1), steps.nodes));
+        return (vec![Weight { equatorial: 1.0, polar: 1.0 }], strips.collect());
     }
     let of_row = |edge: &[f64]| slices(edge[0], edge[1], ONE_NODE).remove(0);
     let rows = theta_edges

@@ -22,6 +22,7 @@
 //! |-----------------------------------------|---------------|
 //! | normals that need a sum of their own    | `opposite.rs` |
 //! | sums over a few columns of a row or two | `rows.rs`     |
+//! | how bright a block in f32 may be        | `bright.rs`   |
 //! | flux of a band of rows up to an azimuth | `band.rs`     |
 //! | the part of a band before a normal      | `horizon.rs`  |
 //! | the same for many normals, few cells    | `table.rs`    |
@@ -32,6 +33,7 @@
 //! | lights that are kept as points          | `sources.rs`  |
 
 mod band;
+mod bright;
 mod even;
 mod horizon;
 mod opposite;
@@ -51,6 +53,7 @@ use super::sphere::{self, Registration, check_lengths, check_rows, unit_vectors}
 use crate::error::{Error, Result};
 use crate::interrupt;
 use band::{Band, Columns};
+use bright::Limits;
 use horizon::{Normal, Steps};
 use opposite::VectorFlux;
 pub use rings::{Judged, judge};
@@ -68,7 +71,11 @@ const NORMALS_AT_ONCE: usize = 4096;
 /// The horizon bends within a row: with the row's middle latitude alone a constant map is off by
 /// 2.4e-4 at 64 rows and by 8e-7 at 1024. A few Gauss nodes in theta for maps of few rows take that
 /// away; the counts are the fewest that pass the constant-map tests below. From 2048 rows on, bands
-/// of several rows share a horizon: a constant map is then off by 8e-7.
+/// of several rows share a horizon: a constant map is then off by 8e-7. Fewer than 64 rows are cut into
+/// strips: the result is within 1e-4 of the exact integral over the cells, down to 2 rows.
+///
+/// What lies behind the horizon adds rounding alone, at most 1e-15 of its flux: the irradiance on the dark
+/// side of a sun is right to 1e-6 of itself up to a sun of 1e9 times the radiance of the room.
 ///
 /// # Inputs
 ///
@@ -162,23 +169,24 @@ fn under_cells(
     let samples = radiance.as_standard_layout();
     let pixels = samples.as_slice().expect("standard layout").as_chunks::<3>().0;
     let rows: Vec<&[[f32; 3]]> = pixels.chunks(radiance.dim().1).collect();
+    let columns = Columns::new(grid, Limits::of(&rows));
+    let sum = |normals: &[DVec3]| sum_batches(&rows, grid, &columns, steps, normals);
     // Leave out normals whose opposite is there.
     let pairs = opposite::pairs(normals);
-    let columns = Columns::new(grid);
-    // Sum all rows at a batch of normals; the flux comes out the same each time.
-    let mut sums = Sums::new(0);
-    for normals in pairs.kept.chunks(NORMALS_AT_ONCE) {
-        let normals: Vec<Normal> = normals.iter().map(|&n| Normal::new(n)).collect();
-        let batch = sum_rows(&rows, grid, &columns, steps, &normals);
-        sums.irradiance.extend(batch.irradiance);
-        sums.flux = batch.flux;
-    }
+    let sums = sum(&pairs.kept);
     // Name the sample that spoilt a sum, if there is one.
     if !sums.irradiance.iter().chain(&sums.flux).all(|sum| sum.is_finite()) {
         image::check_samples(radiance)?;
         return Err(Error::TooBright);
     }
-    Ok(sphere::from_vectors(pairs.restore(&sums.irradiance, &sums.flux).into_iter()))
+    // Get the opposites back; sum anew those of which the difference leaves little but rounding.
+    let mut irradiance = pairs.restore(&sums.irradiance, &sums.flux);
+    let cancelled = opposite::cancelled(&irradiance, &sums.flux);
+    let normals: Vec<DVec3> = cancelled.iter().map(|&i| normals[i]).collect();
+    for (i, anew) in cancelled.into_iter().zip(sum(&normals).irradiance) {
+        irradiance[i] = anew.max(DVec3::ZERO);
+    }
+    Ok(sphere::from_vectors(irradiance.into_iter()))
 }
 
 /// Irradiance at some normals, and the vector flux of all that was summed.
@@ -199,6 +207,24 @@ impl Sums {
         }
         self
     }
+}
+
+/// Sum of all rows at each normal, a batch of normals at a time; the flux comes out the same each time.
+fn sum_batches(
+    rows: &[&[[f32; 3]]],
+    grid: &Grid,
+    columns: &Columns<'_>,
+    steps: Steps,
+    normals: &[DVec3],
+) -> Sums {
+    let mut sums = Sums::new(0);
+    for normals in normals.chunks(NORMALS_AT_ONCE) {
+        let normals: Vec<Normal> = normals.iter().map(|&n| Normal::new(n)).collect();
+        let batch = sum_rows(rows, grid, columns, steps, &normals);
+        sums.irradiance.extend(batch.irradiance);
+        sums.flux = batch.flux;
+    }
+    sums
 }
 
 /// Sum of all rows at each normal, run by run.
@@ -240,7 +266,7 @@ fn sum_run<'a>(
             continue;
         }
         // Take the prefix sums of the band over its columns.
-        let (weights, slices) = horizon::cut(&theta_edges[i * steps.rows..][..=rows.len()], steps.nodes);
+        let (weights, slices) = horizon::cut(&theta_edges[i * steps.rows..][..=rows.len()], steps);
         band.set(rows, &weights);
         for slice in slices {
             // Add the flux of the whole band.

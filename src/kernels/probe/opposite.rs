@@ -53,6 +53,14 @@ impl Pairs {
     }
 }
 
+/// Indices of the normals that are left with less than 1e-8 of the vector flux: a difference has lost that
+/// many digits. Normals with a sum of their own may be among them.
+pub fn cancelled(restored: &[DVec3], flux: &VectorFlux) -> Vec<usize> {
+    const KEPT: f64 = 1e-8;
+    let least = KEPT * (flux[0].abs() + flux[1].abs() + flux[2].abs());
+    (0..restored.len()).filter(|&i| restored[i].cmplt(least).any()).collect()
+}
+
 /// `n.F` of each channel, rounded once for each term.
 pub fn dot(n: DVec3, flux: &VectorFlux) -> DVec3 {
     let [x, y, z] = *flux;

@@ -99,7 +99,7 @@ impl Table<'_> {
             return;
         }
         self.fill(row);
-        let (_, slices) = cut(&self.map.grid.theta_edges[row..=row + 1], Steps::ONE_NODE.nodes);
+        let (_, slices) = cut(&self.map.grid.theta_edges[row..=row + 1], Steps::ONE_NODE);
         for slice in slices {
             interrupt::check();
             Arch::new().dispatch(LookUps { table: self, slice, normals, sums });
