@@ -42,7 +42,7 @@ def check_writable(path: str | os.PathLike[str]) -> Path:
         Where the file will stand: `path` with links followed.
     """
     try:
-        target = Path(os.path.realpath(path))
+        target = Path(os.path.realpath(as_path(path)))
         obstacle = _obstacle(target)
     except (OSError, ValueError) as error:  # a name that is too long, or holds a NUL
         obstacle = getattr(error, "strerror", None) or str(error)

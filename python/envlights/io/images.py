@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import os
-import struct
-import zlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,6 +13,7 @@ from numpy.typing import NDArray
 from envlights._check import count
 from envlights._native import EnvLightsError
 from envlights._srgb import decode_codes
+from envlights.io import png
 from envlights.io.library import oiio
 
 #: Pixels of an image at most, 32768 x 16384, unless a caller takes more: a few damaged bytes of a
@@ -30,10 +29,6 @@ _WANTED = "give a Radiance .hdr, OpenEXR, PNG, JPEG or TIFF image"
 #: Sample formats: sRGB codes, and linear radiance.
 _CODED = {"uint8", "uint16"}
 _LINEAR = {"half", "float", "double"}
-
-_PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
-#: Bytes around the content of a chunk: length, kind, checksum.
-_PNG_FRAME = 12
 
 #: Primaries and white of Rec.709, as OpenEXR stores them: x and y of red, green, blue, white.
 REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
@@ -123,26 +118,7 @@ def _obstacle(path: str) -> str:
         return "it is not a regular file"
     if Path(path).stat().st_size == 0:
         return "the file is empty"
-    return _png_damage(path)
-
-
-def _png_damage(path: str) -> str:
-    """What is wrong with the chunks of a PNG file: libpng would print it to stderr."""
-    with Path(path).open("rb") as file:
-        if file.read(8) != _PNG_SIGNATURE:
-            return ""
-        left = os.fstat(file.fileno()).st_size - 8
-        while left >= _PNG_FRAME:
-            length, kind = struct.unpack(">I4s", file.read(8))
-            left -= length + _PNG_FRAME
-            if left < 0:  # before that much memory is asked for
-                break
-            body, check = file.read(length), file.read(4)
-            if zlib.crc32(kind + body).to_bytes(4, "big") != check:
-                return f"a chunk of {length} bytes has a wrong checksum; the file is damaged"
-            if kind == b"IEND":
-                return ""
-    return "the file is cut off"
+    return png.damage(path)
 
 
 def _read(name: str, file: oiio.ImageInput) -> Image:
