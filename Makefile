@@ -11,6 +11,10 @@ test:
 	cargo test --release
 	$(PYTHON) -m pytest
 
+.PHONY: fuzz  ## Thousands of damaged files, generated calls and killed saves; about an hour
+fuzz:
+	ENVLIGHTS_FUZZ=1 $(PYTHON) -m pytest -s tests/test_fuzz.py tests/test_calls.py tests/test_saves.py
+
 .PHONY: lint  ## Everything that needs no judgement
 lint:
 	cargo fmt --check

@@ -17,6 +17,11 @@ EQUIRECTANGULAR = ("hdr/*.hdr", "exr/*.exr", "openexr_envmaps/*LatLong.exr", "ld
 NORMALS, SOLID_ANGLES = kernels.icosphere(320)
 
 
+def cases(*, short, long):
+    """How many generated cases a test tries: `long` where `ENVLIGHTS_FUZZ` is set."""
+    return long if os.environ.get("ENVLIGHTS_FUZZ") else short
+
+
 def paths_of_real_maps(*patterns):
     """Return the maps that match in the folder `ENVLIGHTS_MAPS`; none without that folder."""
     folder = os.environ.get("ENVLIGHTS_MAPS")
@@ -83,6 +88,20 @@ def disk_that_is_full_after(size):
         yield
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+@contextlib.contextmanager
+def limited_memory(size):
+    """No more memory for this process than it has, and `size` bytes."""
+    import resource
+
+    before = resource.getrlimit(resource.RLIMIT_AS)
+    used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+    resource.setrlimit(resource.RLIMIT_AS, (used + size, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, before)
 
 
 def cuts(size, step=29):

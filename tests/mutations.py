@@ -2,7 +2,9 @@
 
 import io
 import re
+import struct
 import zipfile
+import zlib
 
 import numpy as np
 
@@ -49,6 +51,50 @@ def mutated_json(text, rng):
     places = list(re.finditer(r'-?\d+\.?\d*(?:e-?\d+)?|"[^"]*"', text))
     place = places[rng.integers(len(places))]
     return text[: place.start()] + rng.choice(STRANGE) + text[place.end() :]
+
+
+def mutated_tokens(text, rng):
+    """`text` with one of its items lost, doubled or exchanged for another."""
+    tokens = re.split(r"(?<=[,{}\[\]:])", text)
+    one, other = rng.integers(len(tokens), size=2)
+    kind = rng.integers(3)
+    if kind == 0:
+        del tokens[one]
+    elif kind == 1:
+        tokens.insert(one, tokens[other])
+    else:
+        tokens[one], tokens[other] = tokens[other], tokens[one]
+    return "".join(tokens)
+
+
+def mutated_png(data, rng):
+    """A PNG file with chunks damaged, lost, doubled or renamed, under right checksums.
+
+    Pixels and the size stay: of pixels that do not unpack to this size libpng prints a line, which
+    only unpacking them twice would prevent.
+    """
+    chunks = []
+    at = 8
+    while at < len(data):
+        length, kind = struct.unpack(">I4s", data[at : at + 8])
+        chunks.append((kind, data[at + 8 : at + 8 + length]))
+        at += 12 + length
+    one = int(rng.integers(len(chunks)))
+    kind, body = chunks[one]
+    change = rng.integers(3 if kind in (b"IHDR", b"IDAT") else 4)
+    if change == 0:
+        del chunks[one]
+    elif change == 1:
+        chunks.insert(int(rng.integers(len(chunks))), chunks[one])
+    elif change == 2:
+        chunks[one] = (mutated(kind, rng)[:4].ljust(4, b"x"), body)
+    else:
+        chunks[one] = (kind, mutated(body, rng))
+    frames = [
+        struct.pack(">I4s", len(body), kind) + body + struct.pack(">I", zlib.crc32(kind + body))
+        for kind, body in chunks
+    ]
+    return data[:8] + b"".join(frames)
 
 
 def mutated_npz(path, rng):

@@ -1,7 +1,6 @@
 """Models as files: what comes back, what is refused, and what a full disk leaves."""
 
 import json
-import os
 import tracemalloc
 
 import numpy as np
@@ -10,12 +9,9 @@ import pytest
 import envlights as el
 from tests.conftest import fills_a_disk
 from tests.helpers import cuts, disk_that_is_full_after
-from tests.mutations import mutated_npz
 
 ROOM = el.synthetic.room(64, width=32)
 SCENE = ROOM.direct, ROOM.indirect
-#: Damaged files of each kind; `ENVLIGHTS_FUZZ` asks for more.
-FILES = int(os.environ.get("ENVLIGHTS_FUZZ", "200"))
 
 
 @pytest.fixture(scope="module")
@@ -122,23 +118,6 @@ def test_a_model_with_damaged_bytes_is_read_or_refused(tmp_path, seed):
         except el.EnvLightsError:
             refused += 1
     assert refused > 100
-
-
-@pytest.mark.parametrize("compressed", [False, True])
-def test_damaged_files_are_refused_or_predict(model, tmp_path, compressed):
-    whole, damaged = tmp_path / "model.npz", tmp_path / "damaged.npz"
-    (model.compressed(0.05) if compressed else model).save(whole)
-    refused = 0
-    for seed in range(FILES):
-        damaged.write_bytes(mutated_npz(whole, np.random.default_rng(seed)))
-        try:
-            again = el.TransferModel.load(damaged)
-            assert np.isfinite(again.predict(SCENE[0][:1])).all()
-            assert str(again)
-        except el.EnvLightsError:
-            refused += 1
-    # Damage to the numbers of a basis, or to what the archive says beside them, does not show.
-    assert refused > FILES / 2
 
 
 @pytest.mark.parametrize(

@@ -191,7 +191,7 @@ def matrix_of(right: str, up: str, forward: str) -> Matrix:
     columns = np.zeros((3, 3), int)
     ours = {"right": (right, 0, -1), "up": (up, 1, 1), "forward": (forward, 2, 1)}
     for name, (axis, column, sign) in ours.items():
-        if axis not in ("+x", "-x", "+y", "-y", "+z", "-z"):
+        if not isinstance(axis, str) or axis not in ("+x", "-x", "+y", "-y", "+z", "-z"):
             raise EnvLightsError(f"{name} must be an axis, such as '+x' or '-z'; got {shown(axis)}")
         columns["xyz".index(axis[1]), column] = sign if axis[0] == "+" else -sign
     if (np.abs(columns).sum(axis=1) != 1).any():

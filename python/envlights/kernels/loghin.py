@@ -22,6 +22,7 @@ array([[21., 40.]])
 
 from __future__ import annotations
 
+import numbers
 from collections.abc import Sequence
 
 import numpy as np
@@ -180,7 +181,8 @@ def merge_along_lines(
     """
     image, pixels = float_image("luminance", luminance, 2), whole_pixels(pixels)
     where = reals("points", pixels if points is None else points, 2)
-    limit = np.inf if farthest == np.inf else amount("farthest", farthest)
+    is_limited = not (isinstance(farthest, numbers.Real) and farthest == np.inf)
+    limit = amount("farthest", farthest) if is_limited else np.inf
     levels = amount("tolerance", tolerance), amount("ceiling", ceiling), amount("bright", bright)
     return _native.merge_along_lines(image, pixels, where, limit, *levels, flag("sphere", sphere))
 

@@ -1,0 +1,121 @@
+"""Every kind of save, killed or on a full disk again and again: the old file stays, or the new one.
+
+`python -m tests.saves 100` kills each kind that often, and fills the disk that often.
+"""
+
+import collections
+import os
+import signal
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+import envlights as el
+from envlights.io.files import PICTURES
+from tests.helpers import disk_that_is_full_after
+
+#: Seconds until a process is killed at most: each saves a few times in it.
+LONGEST = 0.06
+ROOM = el.synthetic.room(8, width=64)
+IMAGES = [el.synthetic.plain(seed, 128).radiance for seed in (0, 1)]
+RIGS = [el.fit(image, lights=2) for image in IMAGES]
+FIGURES = [el.plot.picture(*pair).figure for pair in zip(IMAGES, RIGS, strict=True)]
+MODELS = [
+    el.TransferModel.fit(ROOM.direct[:pairs], ROOM.indirect[:pairs], rank=4) for pairs in (6, 8)
+]
+
+
+#: For each kind the name of its file, and how the first or the second thing is saved there.
+SAVES = {
+    **{
+        suffix: (f"rig{suffix}", lambda path, which: RIGS[which].save(path))
+        for target in el.export.TARGETS
+        for suffix in target.suffixes
+    },
+    "model": ("model.npz", lambda path, which: MODELS[which].save(path)),
+    "image": ("image.exr", lambda path, which: el.io.write_exr(path, IMAGES[which])),
+    **{
+        suffix: (f"picture{suffix}", lambda path, which: el.plot.save(FIGURES[which], path))
+        for suffix in PICTURES
+    },
+}
+
+
+def killed(name, times):
+    """Kill a process `times` times while it saves; count which file stood there then."""
+    file, save = SAVES[name]
+    counted = collections.Counter()
+    rng = np.random.default_rng(0)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / file
+        whole = contents(path, save)
+        for _ in range(times):
+            process = os.fork()
+            if not process:
+                save_for_ever(path, save)
+            time.sleep(LONGEST * rng.random())
+            os.kill(process, signal.SIGKILL)
+            assert os.waitpid(process, 0)[1] == signal.SIGKILL
+            counted[whole.index(path.read_bytes())] += 1
+        # The next save clears away what the killed ones left.
+        save(path, 0)
+        left = [each.name for each in Path(folder).iterdir() if each.name.startswith(".")]
+        assert left == [], left
+    return counted
+
+
+def save_for_ever(path, save):
+    """Save one thing and the other in turn; leave only when killed."""
+    try:
+        for turn in range(10**9):
+            save(path, turn % 2)
+    finally:
+        os._exit(1)
+
+
+def contents(path, save):
+    """The bytes of the two files."""
+    whole = []
+    for which in (1, 0):
+        save(path, which)
+        whole.insert(0, path.read_bytes())
+    assert whole[0] != whole[1]
+    return whole
+
+
+def filled(name, times):
+    """Save on a disk that is full after more and more bytes; count which file stood there then."""
+    file, save = SAVES[name]
+    counted = collections.Counter()
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / file
+        whole = contents(path, save)
+        for size in np.linspace(0, 1.01 * len(whole[1]), times, dtype=int):
+            save(path, 0)
+            old = path.read_bytes()
+            beside = sorted(Path(folder).iterdir())
+            try:
+                with disk_that_is_full_after(int(size)):
+                    save(path, 1)
+                assert path.read_bytes() != old
+                counted[1] += 1
+            except el.EnvLightsError:
+                assert path.read_bytes() == old
+                counted[0] += 1
+            assert sorted(Path(folder).iterdir()) == beside
+    return counted
+
+
+def main(times):
+    """Print the counts of each kind."""
+    for name in SAVES:
+        # Two drawings of one picture differ, so that none can be told to be whole.
+        kills = "" if name in PICTURES else f"killed {dict(killed(name, times))}, "
+        print(f"{name:<12} {kills}full {dict(filled(name, times))}")
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]))

@@ -1,0 +1,90 @@
+"""Whatever a public function is given, it answers or refuses: nothing else gets out."""
+
+import collections
+import inspect
+import signal
+import sys
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import envlights as el
+from envlights import export, kernels
+from tests.calls import CALLS, LEFT_OUT, STRANGE
+from tests.helpers import cases, limited_memory
+
+pytestmark = pytest.mark.skipif(
+    sys.platform != "linux", reason="elsewhere neither memory nor time is limited so"
+)
+
+EXAMPLES = cases(short=12, long=330)
+#: No call of this size takes that long.
+SECONDS = 20
+#: Beside what the process has: what asks for more is refused.
+BYTES = 2**31
+
+
+def test_no_public_function_is_missing():
+    names = [name for name in el.__all__ if not inspect.ismodule(getattr(el, name))]
+    for part in (export, kernels):
+        names += [f"{part.__name__.split('.')[-1]}.{name}" for name in part.__all__]
+    there = {name.split(" ")[0] for name in CALLS}
+    # A class may be there by its methods.
+    there |= {name.split(".")[0] for name in there}
+    assert set(names) - there - set(LEFT_OUT) == set(), "add these to tests/calls.py"
+    assert set(LEFT_OUT) - set(names) == set(), "these are not public any more"
+
+
+@st.composite
+def arguments(draw, strategies):
+    """Arguments that a function takes; in every second call one of them is strange."""
+    drawn = {name: draw(strategy) for name, strategy in strategies.items()}
+    if draw(st.booleans()):
+        drawn[draw(st.sampled_from(sorted(drawn)))] = draw(STRANGE)
+    return drawn
+
+
+@pytest.fixture(scope="module")
+def outcomes():
+    """How many calls ended how; printed in the end."""
+    counted = collections.Counter()
+    before = signal.signal(signal.SIGALRM, give_up)
+    with limited_memory(BYTES):
+        yield counted
+    signal.signal(signal.SIGALRM, before)
+    print(f"\n{counted.total()} generated calls: {dict(counted)}")
+
+
+def give_up(*_):
+    """Fail the call that takes too long: kernels look for signals."""
+    pytest.fail(f"no answer for {SECONDS} seconds")
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_calls_answer_or_refuse(name, outcomes, capfd):
+    function, strategies = CALLS[name]
+
+    @settings(max_examples=EXAMPLES, suppress_health_check=list(HealthCheck))
+    @given(drawn=arguments(strategies))
+    def answers_or_refuses(drawn):
+        signal.alarm(SECONDS)
+        try:
+            check_answer(function(**drawn))
+            outcomes["answer"] += 1
+        except (el.EnvLightsError, MemoryError) as refusal:
+            outcomes[type(refusal).__name__] += 1
+        finally:
+            signal.alarm(0)
+
+    answers_or_refuses()
+    assert capfd.readouterr().err == ""
+
+
+def check_answer(answer):
+    """No number of an answer is NaN."""
+    for part in answer if isinstance(answer, tuple) else (answer,):
+        if isinstance(part, np.ndarray | float) and np.asarray(part).dtype.kind == "f":
+            assert not np.isnan(part).any()
+    assert isinstance(repr(answer), str)
