@@ -35,7 +35,9 @@ def gltf(rig: Rig | Lights) -> dict[str, Any]:
 
     Units: `intensity` times `color` is irradiance at normal incidence. glTF counts it in lux. The
     numbers are those of the rig, on the scale of its map. Where that is in W/m² and your viewer
-    counts in lux, multiply the intensities by 683 lm/W, or by what your white is worth.
+    counts in lux, multiply the intensities by 683 lm/W, or by what your white is worth. Blender's
+    import divides by 683 unless its lighting mode is "Unitless"; three.js takes the numbers as they
+    are.
 
     Kept: directions, irradiances. Lost: glTF has neither sizes nor an ambient light. They stand in
     `extras`, for readers that know them: `angular_radius` in radians, `ambient` in radiance.
