@@ -73,6 +73,7 @@ class Axes(NamedTuple):
 
 #: By the name of the target.
 AXES = {
+    "csv": Axes(_SAME),
     "mitsuba": Axes(_SAME, _SAME),
     "usd": Axes(_SAME, _SAME),
     "blender": Axes(_CYCLE, _CYCLE),
@@ -80,7 +81,6 @@ AXES = {
     "three": Axes(_THREE, _THREE),
     "radiance": Axes(_CYCLE, _CYCLE),
     "pbrt": Axes(_PBRT, _PBRT),
-    "csv": Axes(_SAME),
     "unity": Axes(_MIRRORED_X, _PANORAMIC),
     "unreal": Axes(_UNREAL),
 }

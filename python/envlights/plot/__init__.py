@@ -10,6 +10,7 @@
 | a scene under a map and under rigs, with Mitsuba               | `scene.py`    |
 | a predicted frame beside the truth                             | `transfer.py` |
 | a lightmap of the synthetic room, and where its parts lie      | `room.py`     |
+| where our axes lie in other programs                           | `axes.py`     |
 | the basis of a transfer model and its spectrum                 | `basis.py`    |
 
 They share `figure.py`, `ground.py` (the exposed map), `markers.py` (lights on it), `outlines.py`,
@@ -17,6 +18,7 @@ They share `figure.py`, `ground.py` (the exposed map), `markers.py` (lights on i
 """
 
 from envlights.plot.article import article_picture
+from envlights.plot.axes import axes_picture
 from envlights.plot.basis import basis_picture, spectrum_picture
 from envlights.plot.compare import error_picture, rigs_picture
 from envlights.plot.figure import Picture, save
@@ -30,6 +32,7 @@ from envlights.plot.transfer import transfer_picture
 __all__ = [
     "Picture",
     "article_picture",
+    "axes_picture",
     "basis_picture",
     "detection_picture",
     "error_picture",

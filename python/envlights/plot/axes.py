@@ -1,0 +1,70 @@
+"""Where our axes lie in other programs."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes as Panel
+from numpy.typing import ArrayLike
+
+from envlights.export.axes import AXES, Axes
+from envlights.export.targets import TARGETS
+from envlights.plot.figure import Picture
+
+_COLOURS = ("#c0392b", "#1e8449", "#2456a6")
+#: Our axes on paper, as seen from (1, 1, 1): all three point towards the eye.
+_DRAWN = np.array([[0.85, -0.45], [0.0, 1.0], [-0.85, -0.45]])
+_COLUMNS = 5
+
+
+def axes_picture() -> Picture:
+    """Draw our axes, and write at each arrow what it is called in the target.
+
+    Arrows are our +x (red), +y (green) and +z (blue, where the centre of the map looks). A dashed
+    arrow shows where the target looks at the centre of a map that is not turned, if that is
+    elsewhere.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Examples
+    --------
+    >>> len(axes_picture().axes) >= len(AXES)
+    True
+    """
+    titles = {target.name: target.title.partition(",")[0] for target in TARGETS}
+    titles["csv"] = "envlights"
+    rows = -(-len(AXES) // _COLUMNS)
+    figure = Picture(figsize=(2.1 * _COLUMNS, 2.5 * rows))
+    panels = np.ravel(figure.subplots(rows, _COLUMNS))
+    for panel in panels:
+        panel.set(xlim=(-1.5, 1.5), ylim=(-0.95, 1.45), aspect="equal")
+        panel.set_axis_off()
+    for panel, (name, axes) in zip(panels, AXES.items(), strict=False):
+        _draw(panel, axes)
+        hand = "right-handed" if axes.handedness > 0 else "left-handed"
+        panel.set_title(f"{titles[name]}\n{hand}", fontsize=9)
+    return figure
+
+
+def _draw(panel: Panel, axes: Axes) -> None:
+    for column, (drawn, colour) in enumerate(zip(_DRAWN, _COLOURS, strict=True)):
+        panel.annotate(
+            "", drawn, (0, 0), arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 2}
+        )
+        label = axis_name(np.array(axes.matrix)[:, column])
+        x, y = 1.22 * drawn
+        panel.text(x, y, label, color=colour, ha="center", va="center", fontsize=11)
+    if axes.map is not None and axes.map != axes.matrix:
+        centre = axes.from_target(np.array(axes.map)[:, 2]) @ _DRAWN
+        style = {"arrowstyle": "->", "linestyle": "--", "color": "#555555"}
+        panel.annotate("", 0.75 * centre, (0, 0), arrowprops=style)
+        x, y = 0.9 * centre
+        panel.text(x, y, "map", ha="center", va="center", fontsize=8, color="#555555")
+
+
+def axis_name(direction: ArrayLike) -> str:
+    """The name of a direction along an axis, such as "+x"."""
+    values = np.asarray(direction)
+    axis = int(np.argmax(np.abs(values)))
+    return ("+" if values[axis] > 0 else "−") + "xyz"[axis]
