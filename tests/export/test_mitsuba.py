@@ -45,22 +45,22 @@ def irradiance_of_file(path):
 
 @pytest.mark.parametrize("name", RIGS)
 def test_emitters_light_as_the_rig_does(name):
-    assert relative(irradiance_of(el.export.mitsuba(RIGS[name])), RIGS[name].probe(NORMALS)) < 5e-3
+    assert relative(irradiance_of(el.export.mitsuba(RIGS[name])), RIGS[name].probe(NORMALS)) < 1e-3
 
 
 @pytest.mark.parametrize("name", RIGS)
 def test_a_file_lights_as_the_rig_does(name, tmp_path):
     RIGS[name].save(tmp_path / "scene.xml")
     seen = irradiance_of_file(tmp_path / "scene.xml")
-    assert relative(seen, RIGS[name].probe(NORMALS)) < 5e-3
+    assert relative(seen, RIGS[name].probe(NORMALS)) < 1e-3
 
 
 def test_a_map_stands_in_place_of_the_ambient_term(tmp_path):
     env, rig = environment(), RIGS["discs"]
     rig.save(tmp_path / "scene.xml", environment=env)
     wanted = env.probe(NORMALS) + rig.lights.discs().to_map(512).probe(NORMALS)
-    assert relative(irradiance_of_file(tmp_path / "scene.xml"), wanted) < 5e-3
-    assert relative(irradiance_of(el.export.mitsuba(rig.lights, env)), wanted) < 5e-3
+    assert relative(irradiance_of_file(tmp_path / "scene.xml"), wanted) < 1e-3
+    assert relative(irradiance_of(el.export.mitsuba(rig.lights, env)), wanted) < 1e-3
     assert {path.name for path in tmp_path.iterdir()} == {
         "ball.xml",
         "scene.ambient.mitsuba.exr",
@@ -72,7 +72,7 @@ def test_a_border_sampled_map_is_understood():
     radiance = environment().radiance
     env = el.EnvMap(radiance, registration="border-sampled")
     seen = irradiance_of(el.export.mitsuba(el.Lights(np.zeros((0, 3)), np.zeros((0, 3))), env))
-    assert relative(seen, env.probe(NORMALS)) < 5e-3
+    assert relative(seen, env.probe(NORMALS)) < 1e-3
 
 
 @pytest.mark.parametrize("radius", [0.0, 0.05])

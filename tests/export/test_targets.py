@@ -45,3 +45,18 @@ def test_a_map_with_borders_becomes_cells_for_every_target():
     scene = scene_of(RIG, env)
     assert scene.environment.registration == "cell-centred"
     np.testing.assert_array_equal(scene.environment.radiance, env.cells())
+
+
+@pytest.mark.parametrize("suffix", [".usda", ".xml", ".rad", ".py", ".pbrt", ".unity.json"])
+def test_a_texture_that_breaks_off_leaves_no_scene(tmp_path, monkeypatch, suffix):
+    """The disk may fill up while it is written; a scene never names what is missing."""
+
+    def full(path, *_, **__):
+        raise el.EnvLightsError(f"cannot write {path}: the disk is full")
+
+    for writer in ("write_exr", "write_hdr"):
+        monkeypatch.setattr(f"envlights.export.files.{writer}", full, raising=False)
+    env = np.ones((16, 32, 3), np.float32)
+    with pytest.raises(el.EnvLightsError, match="the disk is full"):
+        RIG.save(tmp_path / f"scene{suffix}", environment=env)
+    assert list(tmp_path.iterdir()) == []
