@@ -38,39 +38,46 @@ pub fn parts(working: &WorkingImage, plateau: &[u32], depth: &[f32]) -> Vec<u32>
 pub fn divide(adjacency: &Adjacency, segments: Segments, parts: &[u32], luminance: &[f32]) -> Segments {
     let mut divided = Segments { pixels: Vec::new(), peaks: Vec::new(), label: segments.label };
     let mut owner = vec![0; parts.len()];
+    let mut numbers = vec![0; parts.iter().copied().max().unwrap_or(0) as usize + 1];
     for pixels in segments.pixels {
         // Number the parts of the segment, in the order of their first pixels.
         let mut held: Vec<u32> = Vec::new();
         for &pixel in pixels.iter().filter(|&&pixel| divided.label[pixel as usize] != 0) {
             let part = parts[pixel as usize];
-            if part != 0 && !held.contains(&part) {
+            if part != 0 && numbers[part as usize] == 0 {
                 held.push(part);
+                numbers[part as usize] = held.len() as u32;
             }
         }
         let first = divided.pixels.len() as u32 + 1;
         if held.len() < 2 {
             divided.push(pixels, luminance, |_| first);
-            continue;
+        } else {
+            grow(adjacency, &pixels, &divided.label, parts, &numbers, &mut owner);
+            let mut own = vec![Vec::new(); held.len()];
+            for pixel in pixels {
+                own[owner[pixel as usize] as usize - 1].push(pixel);
+                owner[pixel as usize] = 0;
+            }
+            for (part, pixels) in own.into_iter().enumerate() {
+                divided.push(pixels, luminance, |_| first + part as u32);
+            }
         }
-        grow(adjacency, &pixels, &divided.label, parts, &held, &mut owner);
-        for part in 0..held.len() as u32 {
-            let own = pixels.iter().copied().filter(|&pixel| owner[pixel as usize] == part + 1);
-            divided.push(own.collect(), luminance, |_| first + part);
-        }
-        for pixel in pixels {
-            owner[pixel as usize] = 0;
+        for part in held {
+            numbers[part as usize] = 0;
         }
     }
     divided
 }
 
-/// Write into `owner` the place, plus 1, among the parts `held` of the part that each pixel joins.
+/// Write into `owner` the number of the part that each pixel joins; `numbers` are those of all parts, 0 where a part
+/// is not in the segment.
 fn grow(
     adjacency: &Adjacency,
     pixels: &[u32],
     label: &[u32],
     parts: &[u32],
-    held: &[u32],
+    numbers: &[u32],
     owner: &mut [u32],
 ) {
     // Start from the plateau, and mark the pixels that are free.
@@ -78,8 +85,7 @@ fn grow(
     let mut front = VecDeque::new();
     for &pixel in pixels {
         let part = if label[pixel as usize] == 0 { 0 } else { parts[pixel as usize] };
-        owner[pixel as usize] =
-            held.iter().position(|&own| own == part).map_or(FREE, |place| place as u32 + 1);
+        owner[pixel as usize] = if part == 0 { FREE } else { numbers[part as usize] };
         if owner[pixel as usize] != FREE {
             front.push_back(pixel as usize);
         }
