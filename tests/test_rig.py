@@ -139,7 +139,7 @@ def test_the_table_says_where_each_light_is_and_how_wrong_the_rig_is():
     report = str(a_rig().report)
     assert "error by number of lights without sizes: 0: 50 %  1: 30 %; with sizes: 25 %" in report
     assert "\nwith shadows 3.1 %\n" in report
-    assert "red, green, blue: 20 %  25 %  30 %; at most 50 % at any normal" in report
+    assert "red, green, blue: 20 %  25 %  30 %; at most 50 % at the judged normals" in report
     assert "ambient chosen: constant, of  none: 3 lights, 50 %  constant: 2 lights, 25 %" in report
     assert "may stand this far off before the error grows by a tenth: 1.2°  180°" in report
     measured = str(replace(a_rig().report, direction_tolerances=()))

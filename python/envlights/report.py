@@ -67,8 +67,8 @@ class FitReport(Result):
     """Relative RMS error in red, green and blue, each relative to its own irradiance."""
 
     max_error: float = 0.0
-    """Greatest difference at any normal and in any channel, relative to the RMS irradiance, as
-    `Rig.error` is."""
+    """Greatest difference at the judged normals (5120 or more of a map) and in any channel, relative
+    to the RMS irradiance, as `Rig.error` is. Between them it was up to a fifth greater."""
 
     shadow_error: float | None = None
     """Relative RMS error where things stand in the way: of the irradiance at every normal, with all
@@ -206,7 +206,8 @@ class FitReport(Result):
         if not self.channel_errors:
             return ()
         channels = "  ".join(_percent(error) for error in self.channel_errors)
-        return (f"red, green, blue: {channels}; at most {_percent(self.max_error)} at any normal",)
+        worst = f"at most {_percent(self.max_error)} at the judged normals"
+        return (f"red, green, blue: {channels}; {worst}",)
 
     def _choice(self) -> tuple[str, ...]:
         """The ambient term that was chosen, and the figures of each."""

@@ -44,7 +44,8 @@ def neighbour_maximum(
         Row and column of each sample.
     reach : int
         Pixels from the sample to the border of its window, which is ``2 reach + 1`` wide: 6 in the
-        article at a width of 1024.
+        article at a width of 1024. Each window is searched pixel by pixel, so that the time grows
+        with ``len(pixels) * reach**2``.
     sphere : bool
         Whether windows cross the seam and widen towards the poles, so that they span the same
         angle everywhere.
