@@ -60,10 +60,12 @@ def killed(name, times):
             os.kill(process, signal.SIGKILL)
             assert os.waitpid(process, 0)[1] == signal.SIGKILL
             counted[whole.index(path.read_bytes())] += 1
-        # The next save clears away what the killed ones left.
+        # The next save clears away what the killed ones left, but for those that were killed in the
+        # instant before their empty file had a name by which it is found.
         save(path, 0)
-        left = [each.name for each in Path(folder).iterdir() if each.name.startswith(".")]
-        assert left == [], left
+        left = [each for each in Path(folder).iterdir() if each.name.startswith(".")]
+        assert all(each.stat().st_size == 0 for each in left), left
+        assert len(left) <= times / 10, left
     return counted
 
 

@@ -67,8 +67,8 @@ class FitReport(Result):
     """Relative RMS error in red, green and blue, each relative to its own irradiance."""
 
     max_error: float = 0.0
-    """Greatest difference at the judged normals (5120 or more of a map) and in any channel, relative
-    to the RMS irradiance, as `Rig.error` is. Between them it was up to a fifth greater."""
+    """Greatest difference at the judged normals (5120 or more of a map) and in any channel,
+    relative to the RMS irradiance, as `Rig.error` is. Between them it was up to a fifth greater."""
 
     shadow_error: float | None = None
     """Relative RMS error where things stand in the way: of the irradiance at every normal, with all

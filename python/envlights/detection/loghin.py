@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
-from envlights._check import amount, check_choice, count
+from envlights._check import amount, check_choice, count, flag
 from envlights._srgb import encode_srgb
 from envlights.detection.component_tree import detect_tree
 from envlights.detection.lights import DetectedLights, DetectionReport
@@ -118,6 +118,8 @@ def detect_article(
     """
     env = as_envmap(env)
     start = time.perf_counter()
+    relative = flag("relative", relative)
+    move_to_maximum = flag("move_to_maximum", move_to_maximum)
     threshold = amount("threshold", threshold)
     unit = _unit_of_luminance(env, threshold) if relative else 1.0
     level = unit * threshold

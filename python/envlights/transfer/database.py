@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _html, _thumbnails
-from envlights._check import first_not_finite, shown
+from envlights._check import first_not_finite, flag, shown
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights.io.files import as_path
@@ -94,7 +94,7 @@ def read_pairs(
     >>> pairs.direct.shape, pairs.indirect.shape
     ((3, 16, 16, 3), (3, 16, 16, 3))
     """
-    is_folder = isinstance(pairs, str | os.PathLike)
+    progress, is_folder = flag("progress", progress), isinstance(pairs, str | os.PathLike)
     paths = _in_folder(Path(pairs)) if is_folder else _checked(pairs)  # type: ignore[arg-type]
     try:
         with tempfile.TemporaryFile() as spool:
@@ -153,7 +153,8 @@ def _file_name(kind: str, name: str) -> str:
 
 
 def _checked(pairs: Iterable[Any]) -> list[PathPair]:
-    if not isinstance(pairs, Iterable):
+    # An array without axes can be iterated by its type alone.
+    if not isinstance(pairs, Iterable) or getattr(pairs, "ndim", 1) == 0:
         raise EnvLightsError(f"pairs must be a folder or pairs of paths; got {shown(pairs)}")
     paths = list(pairs)
     for k, pair in enumerate(paths):

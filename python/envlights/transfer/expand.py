@@ -49,7 +49,8 @@ def check_range(
     The columns of the basis are orthonormal: no texel, and no part of its sum, is larger than the
     norm of its coefficients. A rounded basis is so within a factor far below 2.
     """
-    largest = np.linalg.norm(coefficients, axis=2).max(initial=0.0)
+    with np.errstate(over="ignore"):  # an infinity is refused, too
+        largest = np.linalg.norm(coefficients, axis=2).max(initial=0.0)
     largest += norm.max(initial=0.0) * np.abs(mean).max(initial=0.0)
     most = float(np.finfo(dtype).max) / 2
     if not largest <= most:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _html, _thumbnails
-from envlights._check import amount, check_choice, count
+from envlights._check import amount, check_choice, count, flag
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights.transfer import archive, grow
@@ -151,7 +151,7 @@ class TransferModel(Result):
         >>> model.report.rank, model.report.error < 1e-6
         (1, True)
         """
-        wanted = _wanted(rank, ridge, error)
+        wanted, notebook = _wanted(rank, ridge, error), flag("notebook", notebook)
         # Keep parameters as plain numbers, which a file can hold.
         ridge = ridge if isinstance(ridge, str) else float(ridge)
         parameters = {"rank": wanted.rank, "ridge": ridge, "error": wanted.error}
