@@ -1,9 +1,12 @@
-"""The threads of the kernels: where the system gives none."""
+"""The threads of the kernels: where the system gives none, and how many there are."""
 
+import os
 import subprocess
 import sys
 
 import pytest
+
+import envlights as el
 
 ALONE = """
 import os, resource
@@ -34,3 +37,37 @@ def test_without_threads_to_be_had_the_thread_of_the_caller_does_the_work():
     )
     assert alone.stdout == with_threads.stdout
     assert alone.stderr == ""
+
+
+NUMBERS = """
+import numpy as np
+import envlights as el
+
+image = np.random.default_rng(0).random((64, 128, 3), dtype=np.float32)
+print(el.threads())
+for number in (3, 1, 3):
+    print(el.threads(number), el.threads(), el.fit(image, 2).lights.direction.tolist())
+"""
+
+
+@pytest.mark.parametrize("variable", [2, 5])
+def test_the_environment_sets_the_threads_and_a_call_changes_them(variable):
+    told = subprocess.run(
+        [sys.executable, "-c", NUMBERS],
+        capture_output=True,
+        text=True,
+        check=True,
+        env={**os.environ, "RAYON_NUM_THREADS": str(variable)},
+    )
+    first, *others = told.stdout.splitlines()
+    assert first == str(variable)
+    assert [line.split()[:2] for line in others] == [["3", "3"], ["1", "1"], ["3", "3"]]
+    assert len({line.split(maxsplit=2)[2] for line in others}) == 1
+
+
+@pytest.mark.parametrize("number", [0, -1, 1.5, "2", True, 1025])
+def test_numbers_of_threads_that_cannot_be_are_refused(number):
+    before = el.threads()
+    with pytest.raises(el.EnvLightsError, match="number must be"):
+        el.threads(number)
+    assert el.threads() == before

@@ -12,6 +12,7 @@ from importlib import import_module as _import_module
 
 from envlights import kernels
 from envlights._native import EnvLightsError
+from envlights._threads import threads
 from envlights.detection.component_tree import detect_tree
 from envlights.detection.detect import detect
 from envlights.detection.lights import DetectedLights, DetectionReport
@@ -50,6 +51,7 @@ __all__ = [
     "kernels",
     "read_pairs",
     "synthetic",
+    "threads",
 ]
 
 #: Attributes, too. What a fit does not need is imported when it is first used, so that `import

@@ -53,6 +53,7 @@ __all__ = [
     "rig_irradiance",
     "sum_over_sources",
     "suppress",
+    "threads",
     "transfer_columns",
     "transfer_frames",
     "transfer_gram",
@@ -265,6 +266,7 @@ def sum_over_sources(
     colour: list[float],
 ) -> _Reals: ...
 def suppress(points: _Reals, distance: float) -> _Indices: ...
+def threads(wanted: int | None) -> int: ...
 def transfer_columns(
     images: _Image, scale: _Image, non_black: NDArray[np.bool_], weights: _Image
 ) -> _Image: ...

@@ -43,7 +43,9 @@ def demo(folder: str | os.PathLike[str] = ".") -> Rig:
     return rig
 
 
-def demo_transfer(folder: str | os.PathLike[str] = ".", *, progress: bool = False) -> TransferModel:
+def demo_transfer(
+    folder: str | os.PathLike[str] = ".", *, progress: bool | None = None
+) -> TransferModel:
     """Make a room under many lamps, learn its indirect light, and predict it under new lamps.
 
     Parameters
@@ -53,8 +55,8 @@ def demo_transfer(folder: str | os.PathLike[str] = ".", *, progress: bool = Fals
         the model ``room.npz``, the direct light ``room_direct.exr`` of a frame that it has not seen
         and the lightmap ``room_lightmap.exr`` that it predicts, and two pictures: ``room.png`` with
         the prediction beside the truth, ``room_parts.png`` with the lightmap in the room.
-    progress : bool
-        Show a progress bar while the pairs are read.
+    progress : bool, optional
+        As for `read_pairs`.
 
     Returns
     -------

@@ -57,6 +57,8 @@ mod _native {
         face_radiance, pack_lights, probe_jacobian, probe_model, probe_residual, unpack_lights,
     };
     #[pymodule_export]
+    use super::pool::threads;
+    #[pymodule_export]
     use super::probe::{disc_map, irradiance, sum_over_sources, working_irradiance};
     #[pymodule_export]
     use super::sampling::{even_sphere, halton, hammersley, icosphere, radical_inverse, uniform_sphere};

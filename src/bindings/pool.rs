@@ -7,6 +7,7 @@
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{OnceLock, mpsc};
 use std::time::Duration;
 
@@ -36,8 +37,7 @@ fn run<T: Send>(
     work: &(impl Fn() -> Result<T> + Sync),
     start: impl Fn(&ThreadPool) -> (Done<T>, Option<PyErr>) + Send + Sync,
 ) -> PyResult<T> {
-    static FIRST: OnceLock<Box<Pool>> = OnceLock::new();
-    let Some(threads) = py.detach(|| of_process(std::process::id(), &FIRST)) else {
+    let Some(threads) = py.detach(current) else {
         return detached(py, || in_this_thread(work));
     };
     loop {
@@ -117,20 +117,44 @@ fn in_this_thread<T>(work: impl FnOnce() -> T) -> T {
     work()
 }
 
-/// The threads of a process, and those of a process that was forked from it.
+/// How many threads are wanted; 0 leaves it to `RAYON_NUM_THREADS`, or to the number of cores.
+static WANTED: AtomicUsize = AtomicUsize::new(0);
+
+/// Let the kernels use `wanted` threads from the next call on, if it is given; how many they use.
+#[pyfunction]
+pub fn threads(py: Python<'_>, wanted: Option<usize>) -> usize {
+    if let Some(wanted) = wanted {
+        WANTED.store(wanted, Ordering::Relaxed);
+    }
+    py.detach(|| current().map_or(1, ThreadPool::current_num_threads))
+}
+
+/// The threads of a process, and those of a process that was forked from it, or of another number.
 struct Pool {
     process: u32,
+    wanted: usize,
     threads: ThreadPool,
     next: OnceLock<Box<Pool>>,
 }
 
-/// None where the system starts no threads.
-fn of_process(process: u32, place: &'static OnceLock<Box<Pool>>) -> Option<&'static ThreadPool> {
+/// The threads that are wanted in this process; none where the system starts no threads.
+fn current() -> Option<&'static ThreadPool> {
+    static FIRST: OnceLock<Box<Pool>> = OnceLock::new();
+    of_process(std::process::id(), WANTED.load(Ordering::Relaxed), &FIRST)
+}
+
+/// The first pool from `place` on that is of this process and number; it is made where there is none.
+fn of_process(
+    process: u32,
+    wanted: usize,
+    place: &'static OnceLock<Box<Pool>>,
+) -> Option<&'static ThreadPool> {
     if place.get().is_none() {
-        let threads = ThreadPoolBuilder::new().build().ok()?;
+        let threads = ThreadPoolBuilder::new().num_threads(wanted).build().ok()?;
         // Another thread may have been faster; then its pool serves both.
-        let _ = place.set(Box::new(Pool { process, threads, next: OnceLock::new() }));
+        let _ = place.set(Box::new(Pool { process, wanted, threads, next: OnceLock::new() }));
     }
     let pool = place.get()?;
-    if pool.process == process { Some(&pool.threads) } else { of_process(process, &pool.next) }
+    let fits = pool.process == process && pool.wanted == wanted;
+    if fits { Some(&pool.threads) } else { of_process(process, wanted, &pool.next) }
 }

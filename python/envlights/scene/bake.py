@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from envlights import _html, _thumbnails
 from envlights._check import count
 from envlights._native import EnvLightsError
+from envlights._progress import counted
 from envlights._result import Result
 from envlights.scene.direct import AnyLights, as_rig
 from envlights.scene.mitsuba_scene import MitsubaScene
@@ -56,7 +57,7 @@ def bake(
     samples: int = 256,
     *,
     seed: int = 0,
-    progress: bool = False,
+    progress: bool | None = None,
 ) -> BakedPairs:
     """Light a scene with each of many rigs, for `TransferModel.fit` to learn from.
 
@@ -71,8 +72,8 @@ def bake(
         so over noise.
     seed : int
         Seed of the paths, which differ from rig to rig.
-    progress : bool
-        Show a progress bar on stderr.
+    progress : bool, optional
+        Whether a progress bar is shown. Left out: in a terminal or a notebook, after a second.
 
     Returns
     -------
@@ -88,8 +89,6 @@ def bake(
     >>> model.predict(yard.direct(new)).shape
     (16, 16, 3)
     """
-    from tqdm import tqdm  # here, so that `import envlights` does not wait for it
-
     if not isinstance(scene, MitsubaScene):
         raise EnvLightsError(
             f"scene must be a MitsubaScene; got an object of the type {type(scene).__name__}"
@@ -101,7 +100,7 @@ def bake(
     direct, noise = [], []
     # Allocate all lightmaps at once: a copy of them might not fit into memory.
     indirect = np.empty((len(lights), *scene.lightmap.albedo.shape), np.float32)
-    for k, rig in enumerate(tqdm(lights, desc="baking", unit="rig", disable=not progress)):
+    for k, rig in enumerate(counted(lights, "baking", "rig", progress)):
         direct.append(scene.direct(rig))
         rendered = scene.indirect(rig, samples, seed + k)
         indirect[k] = rendered.image

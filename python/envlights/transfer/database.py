@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from envlights import _html, _thumbnails
 from envlights._check import first_not_finite, flag, shown
 from envlights._native import EnvLightsError
+from envlights._progress import counted
 from envlights._result import Result
 from envlights.io.files import as_path
 from envlights.io.image_output import write_exr
@@ -57,7 +58,7 @@ class FilePairs(Result):
 
 
 def read_pairs(
-    pairs: str | os.PathLike[str] | Iterable[PathPair], *, progress: bool = False
+    pairs: str | os.PathLike[str] | Iterable[PathPair], *, progress: bool | None = None
 ) -> FilePairs:
     """Read pairs of images of direct and indirect light from files.
 
@@ -66,8 +67,8 @@ def read_pairs(
     pairs : path-like or iterable of pairs of path-like
         A folder with files ``direct_NAME.exr`` and ``lightmap_NAME.exr``, which are read in the
         order of their names; or the paths of each pair, direct light first.
-    progress : bool
-        Show a progress bar on stderr.
+    progress : bool, optional
+        Whether a progress bar is shown. Left out: in a terminal or a notebook, after a second.
 
     Returns
     -------
@@ -165,14 +166,12 @@ def _checked(pairs: Iterable[Any]) -> list[PathPair]:
     return [(direct, indirect) for direct, indirect in paths]
 
 
-def _read(paths: list[PathPair], spool: BinaryIO, progress: bool) -> FilePairs:
+def _read(paths: list[PathPair], spool: BinaryIO, progress: bool | None) -> FilePairs:
     """Read image after image: the small ones into memory, the large ones into `spool`."""
-    from tqdm import tqdm  # here, so that `import envlights` does not wait for it
-
     direct: list[NDArray[np.float32]] = []
     sizes: dict[str, tuple[int, ...]] = {}
     notes: dict[str, None] = {}
-    for small, large in tqdm(paths, desc="reading", unit="pair", disable=not progress):
+    for small, large in counted(paths, "reading", "pair", progress):
         for kind, path in ((_DIRECT, small), (_INDIRECT, large)):
             image = read_image(path)
             pixels = _checked_pixels(path, image.pixels, sizes.setdefault(kind, image.pixels.shape))

@@ -1,0 +1,40 @@
+"""Progress bars: where they show, and that they change nothing."""
+
+import sys
+
+import pytest
+
+from envlights._progress import counted
+
+
+class Terminal:
+    """A stream that says whether it is a terminal, and keeps what it is told."""
+
+    def __init__(self, is_terminal):
+        self.isatty = lambda: is_terminal
+        self.told = ""
+
+    def write(self, text):
+        self.told += text
+
+    def flush(self):
+        pass
+
+
+@pytest.mark.parametrize(
+    ("progress", "is_terminal", "shown"),
+    [(True, False, True), (False, True, False), (None, False, False), (None, True, True)],
+)
+def test_bars_are_for_those_who_look(monkeypatch, progress, is_terminal, shown):
+    stream = Terminal(is_terminal)
+    monkeypatch.setattr(sys, "stderr", stream)
+    monkeypatch.setattr("envlights._progress._DELAY", 0.0)
+    assert list(counted(range(5), "counting", "item", progress)) == list(range(5))
+    assert ("counting: 100%" in stream.told) == shown
+
+
+def test_short_work_shows_nothing_unasked(monkeypatch):
+    stream = Terminal(True)
+    monkeypatch.setattr(sys, "stderr", stream)
+    assert list(counted(range(5), "counting", "item", None)) == list(range(5))
+    assert "counting" not in stream.told
