@@ -190,6 +190,15 @@ CALLS = {
             "white": st.one_of(st.none(), SMALL),
         },
     ),
+    "split": (
+        el.split,
+        {
+            "env": IMAGE,
+            "lights": st.one_of(st.none(), st.integers(0, 3), st.just(DETECTED)),
+            "share": st.one_of(st.none(), SHARE),
+            "method": st.sampled_from(["tree", "article"]),
+        },
+    ),
     "detect_article": (
         el.detect_article,
         {
@@ -444,8 +453,10 @@ LEFT_OUT = {
     "MitsubaScene": "is Mitsuba's answer to a scene",
     "PaperFit": "comes from fit_paper",
     "Rig": "comes from fit",
+    "Split": "comes from split",
     "StopReason": "is an enumeration",
     "Surface": "comes from a scene",
+    "TakenLights": "comes from split",
     "TransferReport": "comes from TransferModel.fit",
     "bake": "renders, by Mitsuba",
     "export.add_to_blender": "needs Blender",

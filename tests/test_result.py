@@ -215,7 +215,7 @@ def test_indices_beyond_the_lights_and_other_kinds_are_refused():
         with pytest.raises(IndexError, match=rf"there are 3 lights; got the index {beyond}"):
             lights[beyond]
     for other in ("0", 1.0, None, (0, 1)):
-        with pytest.raises(el.EnvLightsError, match=r"a number, such as .* or a slice"):
+        with pytest.raises(el.EnvLightsError, match=r"a number, such as .* or a list"):
             lights[other]
 
 
@@ -235,3 +235,14 @@ def test_without_pandas_the_extra_is_named(monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "pandas", None)
     with pytest.raises(el.EnvLightsError, match=r"needs pandas: pip install 'envlights\[frame\]'"):
         many(2).to_frame()
+
+
+def test_lights_are_taken_by_numbers_and_by_masks():
+    lights = many(5)
+    for chosen in ([0, 3], np.array([0, 3]), np.array([True, False, False, True, False])):
+        assert lights[chosen] == el.Lights(lights.direction[[0, 3]], lights.irradiance[[0, 3]])
+    assert len(lights[[]]) == 0
+    members = FOUND[[1]].members
+    assert len(members.pixel) + len(members.others) == len(FOUND.members.pixel)
+    with pytest.raises(IndexError):
+        lights[[5]]

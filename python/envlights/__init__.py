@@ -17,6 +17,8 @@ from envlights.detection.component_tree import detect_tree
 from envlights.detection.detect import detect
 from envlights.detection.lights import DetectedLights, DetectionReport
 from envlights.detection.loghin import detect_article
+from envlights.detection.split import Split, split
+from envlights.detection.taken import TakenLights
 from envlights.envmap import EnvMap
 from envlights.fitting.fit import fit, fit_probe
 from envlights.fitting.madsen import PaperFit, fit_paper
@@ -37,8 +39,10 @@ __all__ = [
     "MitsubaScene",
     "PaperFit",
     "Rig",
+    "Split",
     "StopReason",
     "Surface",
+    "TakenLights",
     "TransferModel",
     "TransferReport",
     "bake",
@@ -50,6 +54,7 @@ __all__ = [
     "fit_probe",
     "kernels",
     "read_pairs",
+    "split",
     "synthetic",
     "threads",
 ]

@@ -12,6 +12,7 @@ __all__ = [
     "LUMINANCE",
     "EnvLightsError",
     "FitAnswer",
+    "MapSplit",
     "TreeDetection",
     "UnusableSamplesError",
     "WhiteDetection",
@@ -51,6 +52,7 @@ __all__ = [
     "relative_rms",
     "resize_bilinear",
     "rig_irradiance",
+    "split_map",
     "sum_over_sources",
     "suppress",
     "threads",
@@ -132,6 +134,17 @@ class FitAnswer:
     def directions(self) -> _Reals: ...
     @property
     def irradiance(self) -> _Reals: ...
+
+@final
+class MapSplit:
+    rest: _Image
+    direction: _Reals
+    irradiance: _Reals
+    flux: _Reals
+    solid_angle: _Reals
+    reach: _Reals
+    vectors: _Reals
+    map_flux: float
 
 def are_clipped(
     radiance: _Image, pixels: _Indices, reach: int, sphere: bool, white: float | None
@@ -257,6 +270,15 @@ def rig_irradiance(
     radii: _Reals,
     floor: bool,
 ) -> _Reals: ...
+def split_map(
+    radiance: _Image,
+    border_sampled: bool,
+    pixel: NDArray[np.int64],
+    light_of_pixel: NDArray[np.int64],
+    direction: _Reals,
+    block: int,
+    threshold: float,
+) -> MapSplit: ...
 def sum_over_sources(
     normals: _Reals,
     directions: _Reals,

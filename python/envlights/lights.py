@@ -50,6 +50,10 @@ def brightest_first(irradiance: NDArray[np.float64]) -> NDArray[np.intp]:
     return np.argsort(-np.round(luminance / unit, 9), kind="stable")
 
 
+#: What takes several lights out of all: a slice, numbers, or a mask.
+Rows = slice | list[int] | NDArray[Any]
+
+
 class SphericalGaussians(NamedTuple):
     """Lobes of radiance ``amplitude * exp(sharpness * (axis . w - 1))`` in each direction w."""
 
@@ -109,13 +113,14 @@ class Lights(Result):
     def __getitem__(self, which: int) -> Light: ...
 
     @overload
-    def __getitem__(self, which: slice) -> Lights: ...
+    def __getitem__(self, which: Rows) -> Lights: ...
 
-    def __getitem__(self, which: int | slice) -> Light | Lights:
-        """One light, or the lights of a slice."""
-        if not isinstance(which, slice):
+    def __getitem__(self, which: int | Rows) -> Light | Lights:
+        """One light, or those of a slice, of a list of numbers or of a mask."""
+        rows = rows_of(which, len(self))
+        if rows is None:
             return self._light(row_of(which, len(self)))
-        return Lights(self.direction[which], self.irradiance[which], self.angular_radius[which])
+        return Lights(self.direction[rows], self.irradiance[rows], self.angular_radius[rows])
 
     def _light(self, row: int) -> Light:
         radius, share = float(self.angular_radius[row]), float(self.share[row])
@@ -414,14 +419,27 @@ def lights_of(data: dict[str, Any]) -> Lights:
     return Lights(direction, irradiance, radius)
 
 
+def rows_of(which: object, lights: int) -> NDArray[np.intp] | None:
+    """The rows that a slice, a list of numbers or a mask means; None for anything else."""
+    if isinstance(which, slice):
+        return np.arange(lights)[which]
+    if not isinstance(which, list | np.ndarray):
+        return None
+    chosen = np.asarray(which, np.intp if not len(np.atleast_1d(which)) else None)
+    if chosen.ndim != 1 or chosen.dtype.kind not in "iub":
+        return None
+    rows: NDArray[np.intp] = np.arange(lights)[chosen]
+    return rows
+
+
 def row_of(which: object, lights: int) -> int:
     """The row that an index means, or a refusal; negative ones count from the end."""
     try:
         row = operator.index(which)  # type: ignore[arg-type]
     except TypeError:
         raise EnvLightsError(
-            "lights are taken by a number, such as lights[0], or a slice, such as lights[:4]; got"
-            f" {shown(which)}"
+            "lights are taken by a number, such as lights[0], a slice, such as lights[:4], or a"
+            f" list of numbers; got {shown(which)}"
         ) from None
     if not -lights <= row < lights:
         raise IndexError(f"there are {lights} lights; got the index {row}")

@@ -15,6 +15,7 @@ mod pool;
 mod probe;
 mod sampling;
 mod sphere;
+mod split;
 mod transfer;
 
 use pyo3::prelude::*;
@@ -64,6 +65,8 @@ mod _native {
     use super::sampling::{even_sphere, halton, hammersley, icosphere, radical_inverse, uniform_sphere};
     #[pymodule_export]
     use super::sphere::{direction_to_uv, pixel_directions, pixel_solid_angles, uv_to_direction};
+    #[pymodule_export]
+    use super::split::{MapSplit, split_map};
     #[pymodule_export]
     use super::transfer::{transfer_columns, transfer_frames, transfer_gram};
 

@@ -10,6 +10,7 @@
 //! | unusable samples, reduction to a working size  | `image/`       |
 //! | exact irradiance of a white probe              | `probe/`       |
 //! | bright places of a map                         | `detect/`      |
+//! | lights taken out of a map                      | `split/`       |
 //! | ambient + directional lights from the probe    | `fit/`         |
 //! | the same, in the paper's own equations         | `madsen/`      |
 //! | indirect light from direct light               | `transfer/`    |
@@ -24,4 +25,5 @@ pub mod madsen;
 pub mod probe;
 pub mod sampling;
 pub mod sphere;
+pub mod split;
 pub mod transfer;

@@ -120,6 +120,20 @@ def test_detect_prints_and_writes_what_the_function_finds(hall, tmp_path, method
     assert json.loads(as_json.stdout) == lights.to_dict()
 
 
+def test_split_prints_and_writes_what_the_function_finds(hall, tmp_path):
+    outputs = [tmp_path / name for name in ("lights.json", "rest.exr", "split.png")]
+    result = run("split", hall, "-n", 2, *(part for each in outputs for part in ("-o", each)))
+    assert result.exit_code == 0, result.output
+    lights, rest = el.split(el.EnvMap.open(hall), 2)
+    assert result.stdout.startswith(str(lights).split("\n\n")[0])
+    assert lights.to_dict().items() <= json.loads(outputs[0].read_text()).items()
+    assert el.Lights.load(outputs[0]) == lights.discs()
+    np.testing.assert_array_equal(el.EnvMap.open(outputs[1]).radiance, rest.radiance)
+    assert outputs[2].read_bytes().startswith(b"\x89PNG")
+    as_json = run("split", hall, "-n", 2, "--json")
+    assert json.loads(as_json.stdout) == lights.to_dict()
+
+
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no full device")
 def test_files_are_written_even_where_nothing_can_be_printed(hall, tmp_path):
     command = [sys.executable, "-m", "envlights", "fit", hall, "-n", "1", "-o", tmp_path / "r.json"]
@@ -179,7 +193,7 @@ def test_outputs_are_checked_before_the_map_is_read(hall, tmp_path, monkeypatch)
         raise AssertionError("the map was read")
 
     monkeypatch.setattr(el.EnvMap, "open", read)
-    for command in ("fit", "detect"):
+    for command in ("fit", "detect", "split"):
         for output in (tmp_path / "out.yaml", tmp_path / "none" / "out.json", hall):
             result = run(command, hall, "-o", tmp_path / "good.json", "-o", output)
             assert result.exit_code == 2, result.exception
@@ -200,7 +214,7 @@ def test_a_refusal_leaves_no_file(hall, tmp_path, arguments):
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("command", ["fit", "detect"])
+@pytest.mark.parametrize("command", ["fit", "detect", "split"])
 def test_where_drawing_fails_nothing_half_drawn_stays_and_nothing_is_printed(
     hall, tmp_path, monkeypatch, command
 ):
@@ -226,7 +240,7 @@ main(sys.argv[1:])
 """
 
 
-@pytest.mark.parametrize("command", ["fit", "detect"])
+@pytest.mark.parametrize("command", ["fit", "detect", "split"])
 def test_json_is_written_without_the_library_that_draws(hall, tmp_path, command):
     arguments = [command, hall, "-o", tmp_path / "out.json"]
     subprocess.run([sys.executable, "-c", WITHOUT_MATPLOTLIB, *arguments], check=True)

@@ -19,7 +19,11 @@ HALL = el.EnvMap(el.synthetic.hall(64).radiance)
 
 @pytest.mark.parametrize(
     ("draw", "lights"),
-    [(plot.picture, el.fit(HALL, lights=2)), (plot.detection_picture, el.detect(HALL))],
+    [
+        (plot.picture, el.fit(HALL, lights=2)),
+        (plot.detection_picture, el.detect(HALL)),
+        (plot.split_picture, el.split(HALL)),
+    ],
 )
 def test_a_picture_of_an_array_is_that_of_its_map(draw, lights):
     of_map, of_array = draw(HALL, lights), draw(np.array(HALL.radiance), lights)

@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from envlights._native import EnvLightsError
-from envlights.cli import demo, detect, export, fit
+from envlights.cli import demo, detect, export, fit, split
 from envlights.cli.transfer import transfer
 
 
@@ -34,5 +34,12 @@ def main() -> None:
     """Turn an environment map into a handful of lights."""
 
 
-for _command in (fit.command, detect.command, export.command, demo.command, transfer):
+for _command in (
+    fit.command,
+    detect.command,
+    split.command,
+    export.command,
+    demo.command,
+    transfer,
+):
     main.add_command(_command)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,13 +21,18 @@ from envlights.export.own_json import FRAME, read_json
 from envlights.light import DetectedLight
 from envlights.lights import (
     Lights,
+    Rows,
     brightest_first,
     light_arrays,
     place_cells,
     rgb_cell,
     row_of,
+    rows_of,
     turned,
 )
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 _KIND, _VERSION = "detected lights", 1
 _UNITS = (
@@ -181,7 +186,7 @@ class DetectedLights(Lights):
         radius = 2 * np.arcsin(np.sqrt(np.clip(self.solid_angle / (4 * np.pi), 0, 1)))
         object.__setattr__(self, "angular_radius", sealed(radius))
         rank = np.argsort(order)
-        members = Members(self.members.pixel, sealed(rank[self.members.light]))
+        members = replace(self.members, light=sealed(rank[self.members.light]))
         object.__setattr__(self, "members", members)
 
     def _order(self, irradiance: NDArray[np.float64]) -> NDArray[np.intp]:
@@ -194,19 +199,16 @@ class DetectedLights(Lights):
     def __getitem__(self, which: int) -> DetectedLight: ...
 
     @overload
-    def __getitem__(self, which: slice) -> DetectedLights: ...
+    def __getitem__(self, which: Rows) -> Self: ...
 
-    def __getitem__(self, which: int | slice) -> DetectedLight | DetectedLights:
-        """One light, or the lights of a slice."""
-        if not isinstance(which, slice):
+    def __getitem__(self, which: int | Rows) -> DetectedLight | Self:
+        """One light, or those of a slice, of a list of numbers or of a mask."""
+        kept = rows_of(which, len(self))
+        if kept is None:
             return self._light(row_of(which, len(self)))
-        arrays: dict[str, Any] = {name: getattr(self, name)[which] for name in self._given()}
-        kept = np.arange(len(self))[which]
-        place = np.full(len(self), -1)
-        place[kept] = np.arange(len(kept))
-        ours = np.isin(self.members.light, kept)
-        members = Members(self.members.pixel[ours], place[self.members.light[ours]])
-        return DetectedLights(**arrays, members=members, report=self.report)
+        arrays: dict[str, Any] = {name: getattr(self, name)[kept] for name in self._given()}
+        members = self.members.of(kept, len(self))
+        return type(self)(**arrays, members=members, report=self.report)
 
     def _light(self, row: int) -> DetectedLight:
         arrays = {each.name: getattr(self, each.name) for each in fields(DetectedLight)}
@@ -221,7 +223,7 @@ class DetectedLights(Lights):
         """Share of each light in the flux of the whole map: `flux_share`, (n,)."""
         return self.flux_share
 
-    def rotated(self, matrix: ArrayLike) -> DetectedLights:
+    def rotated(self, matrix: ArrayLike) -> Self:
         """The lights after a rotation; members and report still tell of the map as it was."""
         turn = rotation(matrix)
         return replace(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,9 +22,20 @@ class Members(Result):
     light: NDArray[np.int64]
     """Index of the light that each belongs to, shape (k,)."""
 
+    others: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 2), int), compare=False)
+    """Those of the lights that a slice has left out, shape (j, 2); files do not keep them."""
+
     def in_short(self) -> str:
         """How many there are."""
         return f"{len(self.pixel)} pixels or samples"
+
+    def of(self, kept: NDArray[np.intp], lights: int) -> Members:
+        """Those of the `kept` of that many lights, in their order, and all the others."""
+        place = np.full(lights, -1)
+        place[kept] = np.arange(len(kept))
+        light = place[self.light]
+        others = np.concatenate([self.others, self.pixel[light < 0]])
+        return Members(self.pixel[light >= 0], light[light >= 0], others)
 
     def to_runs(self) -> list[list[int]]:
         """Light, row, first column and length of each run of pixels, in the order they stand in.

@@ -3,6 +3,7 @@
 | picture                                                        | file          |
 |----------------------------------------------------------------|---------------|
 | a map alone, with a rig, or with detected lights               | `maps.py`     |
+| a map, its lights, and what is left without them               | `split.py`    |
 | several rigs of a map; the error against the number of lights  | `compare.py`  |
 | what is clipped in a map that ends at white, and its lights    | `plateau.py`  |
 | lights on the sphere                                           | `globe.py`    |
@@ -27,6 +28,7 @@ from envlights.plot.maps import detection_picture, map_picture, picture
 from envlights.plot.plateau import plateau_picture
 from envlights.plot.room import room_picture
 from envlights.plot.scene import scene
+from envlights.plot.split import split_picture
 from envlights.plot.transfer import transfer_picture
 
 __all__ = [
@@ -45,6 +47,7 @@ __all__ = [
     "scene",
     "spectrum_picture",
     "sphere_picture",
+    "split_picture",
     "transfer_picture",
 ]
 

@@ -32,10 +32,10 @@ def working(env: EnvMap) -> NDArray[np.float64]:
     return _thumbnails.reduced(env.radiance[::step, ::step], _COLUMNS)
 
 
-def draw_map(axes: Axes, env: EnvMap) -> str:
-    """Draw a map, and return its exposure in words."""
+def draw_map(axes: Axes, env: EnvMap, like: EnvMap | None = None) -> str:
+    """Draw a map, exposed like another one if that is given, and return the exposure in words."""
     radiance = working(env)
-    white, darker = _thumbnails.white_of(radiance)
+    white, darker = _thumbnails.white_of(radiance if like is None else working(like))
     axes.imshow(encode_srgb(radiance / white), extent=EXTENT, interpolation="antialiased")
     _draw_frame(axes)
     return f"white is a luminance of {white:.3g}; {100 * darker:.3g} % of the sphere is darker"

@@ -1,0 +1,110 @@
+"""Lights and rest of real maps beside the maps themselves: closure, images, noise and time.
+
+    ENVLIGHTS_MAPS=folder python benchmarks/split.py
+
+Images are of a ball and a box on a floor, by Mitsuba. The error is that of lights and rest
+together, without the noise; the noise of both is at a quarter of the paths of the map.
+"""
+
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+from tests.helpers import EQUIRECTANGULAR, paths_of_real_maps
+
+import envlights as el
+from envlights.scene.still_life import Still, still_life
+
+#: Paths of the images from which the error is taken, and of those whose noise is told, over four.
+_EXACT, _NOISY = 384, 64
+_NORMALS, _SOLID_ANGLES = el.kernels.icosphere(5120)
+#: Rows of the map in which the lights are drawn as discs.
+_ROWS = 1024
+
+
+def main():
+    print(
+        f"{'map':>24} {'taken':>9} {'flux':>6} {'closure':>8} {'colour':>8} {'again':>6}"
+        f" {'probe':>7} {'image':>7} {'noise':>7}   noise at 1/4 of the paths"
+    )
+    for path in paths_of_real_maps(*EQUIRECTANGULAR):
+        env = el.EnvMap.open(path)
+        env = env if env.registration == "cell-centred" else el.EnvMap(env.radiance)
+        rows = {"sun": el.split(env, 1), "all": el.split(env)}
+        truth = None
+        for name, parts in rows.items():
+            if len(parts.lights) and (name == "sun" or len(parts.lights) > 1):
+                truth = truth or _images(env, parts, _EXACT)
+                print(_row(path, env, name, parts, truth), flush=True)
+    _times()
+
+
+def _images(env, parts, paths):
+    azimuth = 2 * np.pi * el.kernels.direction_to_uv(parts.lights.direction[:1])[0, 0]
+    return azimuth, still_life(env, azimuth, paths, 1), still_life(env, azimuth, _NOISY, 2)
+
+
+def _row(path, env, name, parts, truth):
+    azimuth, exact, noisy = truth
+    lights, rest = parts
+    discs = lights.to_map(_ROWS)
+    together = _sum(rest, discs, azimuth, _EXACT)
+    # As many paths for each of both as an eighth of those of the map.
+    quick = _sum(rest, discs, azimuth, _NOISY // 8)
+    closed, colour = _closure(env, lights, rest)
+    again = el.detect(rest)
+    seen = rest.probe(_NORMALS) + discs.probe(_NORMALS)
+    probe = el.kernels.relative_rms(seen, env.probe(_NORMALS), _SOLID_ANGLES)
+    return (
+        f"{Path(path).stem[:24]:>24} {name} {len(lights):>5} {lights.flux_share.sum():>6.1%}"
+        f" {closed:>8.1e} {colour:>8.1e} {len(again) if name == 'all' else '':>6} {probe:>7.2%}"
+        f" {together.error(exact):>7.2%} {max(exact.noise, together.noise):>7.2%}"
+        f"   {noisy.noise:.2%} -> {quick.noise:.2%}"
+    )
+
+
+def _sum(rest, discs, azimuth, paths):
+    one, other = (
+        still_life(light, azimuth, paths, seed) for seed, light in enumerate((rest, discs))
+    )
+    return Still(one.one + other.one, one.two + other.two)
+
+
+def _closure(env, lights, rest):
+    """Largest relative difference where each light is whole or hidden: luminance, channels."""
+    cosine = _NORMALS @ lights.direction.T
+    whole = (np.abs(cosine) > np.sin(lights.reach)).all(axis=1)
+    if not whole.any():
+        return np.nan, np.nan
+    truth = env.probe(_NORMALS[whole])
+    seen = rest.probe(_NORMALS[whole]) + np.maximum(cosine[whole], 0) @ lights.irradiance
+    luminance = el.kernels.image.LUMINANCE
+    closed = np.abs(seen @ luminance / (truth @ luminance) - 1).max()
+    return closed, np.abs(seen / truth - 1).max()
+
+
+def _times():
+    """A map of 4096 x 2048 pixels with a sun: `split` beside `detect` and a copy."""
+    sky = el.synthetic.hard(3).radiance
+    env = el.EnvMap(
+        np.ascontiguousarray(sky.repeat(2048 // len(sky), 0).repeat(2048 // len(sky), 1))
+    )
+
+    def best(work):
+        laps = []
+        for _ in range(7):
+            start = perf_counter()
+            work()
+            laps.append(perf_counter() - start)
+        return 1e3 * min(laps)
+
+    detect, copy = best(lambda: el.detect(env)), best(env.radiance.copy)
+    whole = best(lambda: el.split(env))
+    print(
+        f"4096x2048: detect {detect:.0f} ms, copy {copy:.0f} ms, split {whole:.0f} ms,"
+        f" {(whole - copy) / detect:.1f} times detect beside the copy"
+    )
+
+
+if __name__ == "__main__":
+    main()

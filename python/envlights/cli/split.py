@@ -1,0 +1,70 @@
+"""`envlights split`: `envlights.split` on a file."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+import click
+
+from envlights.cli.outputs import check_output, default_of, output_option, say_written
+from envlights.detection.detect import METHODS, detect
+from envlights.detection.split import Split, split
+from envlights.envmap import EnvMap
+from envlights.export.targets import SUFFIXES
+from envlights.io.files import PICTURES
+
+#: Formats of the map that is left.
+MAPS = (".exr", ".hdr")
+
+
+@click.command("split")
+@click.argument("map_path", metavar="MAP")
+@click.option(
+    "-n", "--lights", type=int, help="Take this many lights, at most, brightest first: 1, the sun."
+)
+@click.option("--share", type=float, help="Take the fewest with this share of all lights: 0.9.")
+@click.option(
+    "--method",
+    type=click.Choice(list(METHODS)),
+    default=default_of(detect, "method"),
+    show_default=True,
+    help="How bright places are found.",
+)
+@output_option(
+    "Write the map without the lights (.exr, .hdr), the lights for a program that the suffix names,"
+    " .json for envlights itself (see envlights export -h), or a picture (.png, .pdf, .svg); may be"
+    " given again."
+)
+@click.option("--json", "as_json", is_flag=True, help="Print the lights as JSON.")
+def command(
+    map_path: str,
+    lights: int | None,
+    share: float | None,
+    method: str,
+    outputs: Sequence[str],
+    as_json: bool,
+) -> None:
+    """Take the lights out of MAP (.hdr, .exr, .png, .jpg, .tif)."""
+    for output in outputs:
+        check_output(output, (*SUFFIXES, *MAPS, *PICTURES), {"the map": map_path})
+    env = EnvMap.open(map_path)
+    parts = split(env, lights, share=share, method=method)
+    for output in outputs:
+        _write(env, parts, output)
+    taken = parts.lights
+    click.echo(json.dumps(taken.to_dict(), indent=2) if as_json else str(taken))
+    say_written(outputs)
+
+
+def _write(env: EnvMap, parts: Split, output: str) -> None:
+    suffix = Path(output).suffix.lower()
+    if suffix in MAPS:
+        parts.rest.save(output)
+    elif suffix not in PICTURES:
+        parts.lights.save(output)
+    else:
+        from envlights import plot
+
+        plot.save(plot.split_picture(env, parts), output)

@@ -1,0 +1,242 @@
+"""`split`: the lights of a map, and the map without them."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from time import perf_counter
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights import _native
+from envlights._check import amount, count, shown
+from envlights._native import EnvLightsError
+from envlights.detection.detect import detect
+from envlights.detection.lights import DetectedLights, DetectionReport
+from envlights.detection.taken import TakenLights
+from envlights.envmap import AnyMap, EnvMap, as_envmap
+from envlights.kernels.image import reduced_luminance
+
+#: Pixels to each side of a sample of the article that may belong to its light: its own window.
+_WINDOW = 6
+
+
+class Split(NamedTuple):
+    """Lights, and what is left of their map."""
+
+    lights: TakenLights
+    """Lights that were taken out, brightest first."""
+
+    rest: EnvMap
+    """The map without them, of the same size and nowhere negative."""
+
+
+def split(
+    env: AnyMap,
+    lights: int | DetectedLights | None = None,
+    *,
+    share: float | None = None,
+    **options: Any,
+) -> Split:
+    r"""Take lights out of a map: a sun as a lamp, and the sky without it.
+
+    Each light is taken with its rim and its glare. Its place is filled from the surroundings by a
+    membrane, a solution of Laplace's equation on the sphere, wherever the map is brighter than
+    that. What was taken is measured: for every surface that has all of a light before it, the light
+    gives the same as what the map has lost, to rounding in luminance and in every channel for which
+    `TakenLights.off_axis` is 0.
+
+    Parameters
+    ----------
+    env : EnvMap, path or array_like, shape (height, 2 * height, 3)
+        The map.
+    lights : int or DetectedLights, optional
+        How many lights to take, at most, the brightest first: 1 for the sun. Or lights that
+        `detect` has found in this map, such as ``found[[0, 2]]``. All that `detect` finds when left
+        out.
+    share : float, optional
+        Take the fewest lights, the brightest first, that give this share of what all found lights
+        give together.
+    **options
+        Those of `detect`, `method` among them.
+
+    Returns
+    -------
+    lights : TakenLights
+        With the irradiance at normal incidence of what was taken.
+    rest : EnvMap
+        What is left; its `notes` say what was taken.
+
+    Raises
+    ------
+    EnvLightsError
+        If `env` is not a map, an option is out of its range, or the given `lights` were found in a
+        map of another size.
+
+    See Also
+    --------
+    detect : which places are lights.
+
+    Notes
+    -----
+    At normal n the map gives :math:`n \cdot V`, with :math:`V = \int T \omega\, d\omega` for the
+    radiance T that is taken, and the light :math:`E\, n \cdot d`. They agree where the vectors of
+    all channels are parallel. The fill is tilted so that they are, unless that would show: suns end
+    with 1e-11 across the direction, and windows with a view may keep some per cent in one channel.
+    Where the horizon of a surface cuts a light, the difference is that of its shape from a disc.
+
+    Rings are added around a light as long as their median luminance falls by 1.1 to 1.25 from one
+    to the next but one. Glare does so, a sky does not. What is left of a broad glare is no lamp,
+    but `detect` may find it when it is asked again. Maps that end at a white lose what white has
+    left of a light: its irradiance is a lower bound.
+
+    References
+    ----------
+    The fill by cascadic multigrid: F. A. Bornemann, P. Deuflhard: "The cascadic multigrid method
+    for elliptic problems", Numerische Mathematik 75, 1996.
+
+    Examples
+    --------
+    >>> import envlights as el
+    >>> sun = el.synthetic.Disc((1, 1, 0), 1.0, (900, 800, 700))
+    >>> env = el.EnvMap(el.synthetic.scene(256, background=[0.2, 0.3, 0.4], shapes=[sun]).radiance)
+    >>> lights, rest = el.split(env)
+    >>> len(lights), rest.radiance.max(axis=(0, 1))
+    (1, array([0.2, 0.3, 0.4], dtype=float32))
+
+    The lights and what is left, as a rig: the rest as harmonics.
+
+    >>> sky = el.fit(rest, lights=0, ambient="sh2")
+    >>> rig = el.Rig(sky.ambient, lights.discs(), error=0.0)
+    >>> np.allclose(rig.probe([[0, 1, 0]]), env.probe([[0, 1, 0]]), rtol=1e-4)
+    True
+    """
+    env = as_envmap(env)
+    found, chosen = _chosen(env, lights, share, options)
+    start = perf_counter()
+    block = -(-env.width // found.report.working_size[1])
+    pixel, light = _pixels(env, chosen, block)
+    border_sampled = env.registration == "border-sampled"
+    threshold = chosen.report.threshold
+    parts = _native.split_map(
+        env.radiance, border_sampled, pixel, light, chosen.direction, block, threshold
+    )
+    report = _report(chosen, len(found), perf_counter() - start)
+    taken = _taken(chosen, parts, report)
+    notes = (*env.notes, *_notes(taken))
+    rest = EnvMap(parts.rest, registration=env.registration, white=env.white, notes=notes)
+    return Split(taken, rest)
+
+
+def _chosen(
+    env: EnvMap, lights: int | DetectedLights | None, share: float | None, options: dict[str, Any]
+) -> tuple[DetectedLights, DetectedLights]:
+    """All lights that were found, and those of them that are taken."""
+    if isinstance(lights, DetectedLights):
+        given = [*options, *(["share"] if share is not None else [])]
+        if given:
+            raise EnvLightsError(
+                f"{given[0]} has no meaning for lights that were found before; give one of both"
+            )
+        _check_size(env, lights.report)
+        return lights, lights
+    most = None if lights is None else _count(lights)
+    part = None if share is None else amount("share", share, most=1.0)
+    found = detect(env, **options)
+    if part is not None:
+        together = np.cumsum(found.flux_share)
+        enough = int(np.searchsorted(together, part * (1 - 1e-12) * found.flux_share.sum())) + 1
+        most = min(enough if part else 0, len(found) if most is None else most)
+    return found, found[:most]
+
+
+def _count(lights: object) -> int:
+    if isinstance(lights, bool) or not isinstance(lights, int | np.integer):
+        raise EnvLightsError(
+            "lights must be a number, or what `detect` has found, such as found[[0, 2]]; got"
+            f" {shown(lights)}"
+        )
+    return count("lights", int(lights))
+
+
+def _check_size(env: EnvMap, report: DetectionReport) -> None:
+    height, width = report.working_size
+    block = -(-env.width // width)
+    if report.method == "tree" and (height, width) != _size(env, block):
+        raise EnvLightsError(
+            f"the lights must be those of this map, of {env.width}x{env.height} pixels; they were"
+            f" found in one that was reduced to {width}x{height}"
+        )
+
+
+def _size(env: EnvMap, block: int) -> tuple[int, int]:
+    """Height and width of a map in blocks of pixels."""
+    return -(-env.height // block), -(-env.width // block)
+
+
+def _pixels(
+    env: EnvMap, lights: DetectedLights, block: int
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Pixels of the map in blocks, each with its light; those that stay have the number after."""
+    members = lights.members
+    pixel = np.concatenate([members.others, members.pixel])
+    light = np.concatenate([np.full(len(members.others), len(lights)), members.light])
+    if lights.report.method == "tree":
+        return pixel, light
+    return _bright_around(env, pixel, light, lights.report, block)
+
+
+def _bright_around(
+    env: EnvMap,
+    sample: NDArray[np.int64],
+    light: NDArray[np.int64],
+    report: DetectionReport,
+    block: int,
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Bright pixels around samples of the article; the first sample, the brightest, has them."""
+    size = _size(env, block)
+    image = reduced_luminance(
+        env.radiance, size[1], border_sampled=env.registration == "border-sampled"
+    )
+    centre = ((sample + 0.5) * size / report.working_size).astype(np.int64)
+    steps = np.arange(-_WINDOW, _WINDOW + 1)
+    window = np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1).reshape(-1, 2)
+    # From the last to the first: of the lights that are given a pixel, the last one has it.
+    pixel = (centre[::-1, None] + window).reshape(-1, 2)
+    light = light[::-1].repeat(len(window))
+    pixel[:, 1] %= size[1]
+    inside = (pixel[:, 0] >= 0) & (pixel[:, 0] < size[0])
+    pixel, light = pixel[inside], light[inside]
+    bright = image[pixel[:, 0], pixel[:, 1]] > report.threshold
+    return pixel[bright], light[bright]
+
+
+def _taken(chosen: DetectedLights, parts: _native.MapSplit, report: DetectionReport) -> TakenLights:
+    """What was taken, with the measurements of what was found."""
+    kept = {each.name: getattr(chosen, each.name) for each in fields(chosen) if each.init}
+    measured = {
+        "direction": parts.direction,
+        "irradiance": parts.irradiance,
+        "solid_angle": parts.solid_angle,
+        "flux_share": parts.flux / (parts.map_flux or 1.0),
+        "vector_irradiance": parts.vectors,
+        "reach": parts.reach,
+        "report": report,
+    }
+    return TakenLights(**(kept | measured))
+
+
+def _report(chosen: DetectedLights, found: int, seconds: float) -> DetectionReport:
+    """The report of the detection, with the lights that stay."""
+    report = chosen.report
+    stay = found - len(chosen)
+    skipped = (*report.skipped, f"{stay} lights, which stay in the map") if stay else report.skipped
+    return replace(report, skipped=skipped, seconds={**report.seconds, "split": seconds})
+
+
+def _notes(taken: TakenLights) -> tuple[str, ...]:
+    if not len(taken):
+        return ()
+    percent = 100 * taken.flux_share.sum()
+    return (f"{taken.in_short()} with {percent:.3g} % of the flux taken out",)

@@ -1,0 +1,90 @@
+"""Lights that were taken out of a map."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from envlights._check import rotation
+from envlights.detection.lights import DetectedLights
+from envlights.lights import Lights
+
+#: Share of a light's irradiance across its direction from which on it is told.
+_NOTED = 1e-3
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class TakenLights(DetectedLights):
+    r"""Lights that `split` has taken out of a map, brightest first.
+
+    `irradiance` is that at normal incidence, :math:`|\int T \omega\, d\omega|` for the radiance
+    :math:`T` that was taken, so that map and rest with the lights give the same wherever a surface
+    has all of a light before it; that of `DetectedLights` is :math:`\int L\, d\omega`. `direction`,
+    `solid_angle` and `flux_share` are those of what was taken too; the other measurements are
+    those of `detect`.
+
+    Examples
+    --------
+    >>> import envlights as el
+    >>> lamp = el.synthetic.Disc((0, 1, 0), 5.0, (9, 6, 3))
+    >>> world = el.synthetic.scene(128, background=[0.1] * 3, shapes=[lamp])
+    >>> lights, rest = el.split(world.radiance)
+    >>> np.allclose(lights.irradiance[0] / lights.irradiance[0, 0], [1, 5.9 / 8.9, 2.9 / 8.9])
+    True
+    """
+
+    vector_irradiance: NDArray[np.float64] = None  # type: ignore[assignment]
+    r""":math:`\int T \omega\, d\omega` of each channel, shape (n, 3 channels, 3 axes)."""
+
+    reach: NDArray[np.float64] = None  # type: ignore[assignment]
+    """Angles in radians around the directions within which all lies that was taken, shape (n,).
+
+    A surface whose normal is less than pi / 2 less this from the direction sees the light whole."""
+
+    @property
+    def off_axis(self) -> NDArray[np.float64]:
+        """Share of each channel's vector that stands across the direction, shape (n, 3).
+
+        One light has one direction, which is that of the luminance that was taken. Where a channel
+        has another, as in a window that is blue above and green below, map and rest with lights
+        differ in that channel by at most this share of the light.
+        """
+        lengths = np.linalg.norm(self.vector_irradiance, axis=2)
+        across = np.cross(self.vector_irradiance, self.direction[:, None])
+        shares: NDArray[np.float64] = np.linalg.norm(across, axis=2) / np.maximum(
+            lengths, np.finfo(float).tiny
+        )
+        return shares
+
+    def discs(self) -> Lights:
+        """The lights as discs of the same irradiance and solid angle."""
+        radius = np.minimum(self.angular_radius, np.pi / 2)
+        return Lights(self.direction, self.irradiance, radius)
+
+    def rotated(self, matrix: ArrayLike) -> TakenLights:
+        """The lights after a rotation; members and report still tell of the map as it was."""
+        vectors = self.vector_irradiance @ rotation(matrix).T
+        return replace(super().rotated(matrix), vector_irradiance=vectors)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything but the times as plain numbers, lists and strings."""
+        # Without the header of detected lights, whose irradiance is another: files are of `Lights`.
+        header = ("format", "version", "frame", "units")
+        return {name: value for name, value in super().to_dict().items() if name not in header}
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Lights:  # type: ignore[override]
+        """Read the direction, irradiance and size of taken lights that `save` wrote."""
+        return Lights.load(path)
+
+    def _together(self) -> str:
+        return f"the lights held {100 * self.flux_share.sum():.3g} % of the flux"
+
+    def _remarks(self, row: int) -> str:
+        remarks = super()._remarks(row)
+        most = self.off_axis[row].max()
+        return f"{remarks}  {100 * most:.2g} % off axis".strip() if most > _NOTED else remarks

@@ -1,0 +1,69 @@
+//! `kernels::split` for Python.
+
+use numpy::ndarray::{Array1, Array2, Array3};
+use numpy::{
+    IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
+};
+use pyo3::prelude::*;
+
+use super::pool::in_pool;
+use super::sphere::registration;
+use crate::kernels::split::{self, Found, Taken};
+
+/// A map without some lights, and what each of them was; see `envlights.split`.
+#[pyclass(frozen, get_all)]
+pub struct MapSplit {
+    rest: Py<PyArray3<f32>>,
+    direction: Py<PyArray2<f64>>,
+    irradiance: Py<PyArray2<f64>>,
+    flux: Py<PyArray1<f64>>,
+    solid_angle: Py<PyArray1<f64>>,
+    reach: Py<PyArray1<f64>>,
+    vectors: Py<PyArray3<f64>>,
+    map_flux: f64,
+}
+
+/// See `envlights.split`.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "what was found is one struct on the other side")]
+pub fn split_map(
+    py: Python<'_>,
+    radiance: PyReadonlyArray3<'_, f32>,
+    border_sampled: bool,
+    pixel: PyReadonlyArray2<'_, i64>,
+    light_of_pixel: PyReadonlyArray1<'_, i64>,
+    direction: PyReadonlyArray2<'_, f64>,
+    block: usize,
+    threshold: f64,
+) -> PyResult<MapSplit> {
+    let radiance = radiance.as_array();
+    let found = Found {
+        pixels: pixel.as_array(),
+        light_of_pixel: light_of_pixel.as_array(),
+        directions: direction.as_array(),
+        block,
+        threshold,
+    };
+    let parts = in_pool(py, || split::split(radiance, registration(border_sampled), &found))?;
+    let lights = &parts.lights;
+    let numbers =
+        |of: fn(&Taken) -> f64| lights.iter().map(of).collect::<Array1<f64>>().into_pyarray(py).unbind();
+    let vectors = |of: fn(&Taken) -> [f64; 3]| {
+        let rows: Vec<[f64; 3]> = lights.iter().map(of).collect();
+        Array2::from(rows).into_pyarray(py).unbind()
+    };
+    Ok(MapSplit {
+        direction: vectors(|light| light.direction.to_array()),
+        irradiance: vectors(|light| light.irradiance.to_array()),
+        flux: numbers(|light| light.flux),
+        solid_angle: numbers(|light| light.solid_angle),
+        reach: numbers(|light| light.reach),
+        vectors: Array3::from(
+            parts.lights.iter().map(|light| light.vectors.to_cols_array_2d()).collect::<Vec<_>>(),
+        )
+        .into_pyarray(py)
+        .unbind(),
+        map_flux: parts.flux,
+        rest: parts.rest.into_pyarray(py).unbind(),
+    })
+}

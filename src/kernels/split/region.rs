@@ -1,0 +1,173 @@
+//! The pixels that a light fills: those in which it was found, its rim and its glare.
+//!
+//! Detection keeps of a light what is brighter than a tenth of its peak. Around a sun of 10^5 times the sky,
+//! that leaves a glare in the map that is brighter than most lamps. So rings of one pixel are added around each
+//! light as long as their median luminance falls from ring to ring as that of glare does, and faster than that
+//! of a lit wall or of the sky. What is around the last ring closes the hole.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use std::f64::consts::PI;
+
+use glam::DVec3;
+
+use super::working::Working;
+use crate::interrupt;
+use crate::kernels::sphere::direction;
+
+/// Rings that every light has: the pixels on its rim are partly its own, and so are those into which a lens or
+/// a reduction has blurred it.
+const LEAST_RINGS: usize = 2;
+/// Angle from a light to its last ring, at most, in radians: 15 degrees.
+const FARTHEST: f64 = PI / 12.0;
+/// Rings from one to the one that it is compared with.
+const STRIDE: usize = 2;
+/// The rings end where one is less than so many times as bright as the one `STRIDE` further out: a ring that is
+/// brighter than the threshold of detection, and one that is not. Glare of suns falls by 1.1 to 3, skies and
+/// lit ceilings by less than 1.1.
+const FALLS: [f32; 2] = [1.1, 1.25];
+
+/// No light.
+const NONE: u32 = u32::MAX;
+
+/// The pixels of the working image that are taken.
+pub struct Regions {
+    /// Flat indices of the pixels of each light.
+    pub pixels: Vec<Vec<u32>>,
+    /// Whether each pixel of the image is one of them.
+    pub is_hole: Vec<bool>,
+}
+
+/// The pixels of the first `taken` lights of `members`: flat indices, each with its light. The others stay.
+pub fn regions(working: &Working, members: &[(usize, usize)], taken: usize, threshold: f64) -> Regions {
+    // Give each light the pixels in which it was found.
+    let mut light_of = vec![NONE; working.radiance.len()];
+    for &(index, light) in members {
+        light_of[index] = light as u32;
+    }
+    // Grow rings around all lights, and give each those up to its last one.
+    let lights = members.iter().map(|&(_, light)| light + 1).max().unwrap_or(0);
+    let mut rings = Rings::new(lights, threshold as f32);
+    for ring in grown(working, members, &light_of, &mut rings) {
+        if ring.number < rings.widths[ring.light as usize] {
+            light_of[ring.pixel as usize] = ring.light;
+        }
+    }
+    // List the pixels of the lights that are taken.
+    let mut pixels = vec![Vec::new(); taken];
+    for (index, &light) in light_of.iter().enumerate() {
+        if let Some(pixels) = pixels.get_mut(light as usize) {
+            pixels.push(index as u32);
+        }
+    }
+    Regions { pixels, is_hole: light_of.iter().map(|&light| (light as usize) < taken).collect() }
+}
+
+/// A pixel around a light.
+struct RingPixel {
+    pixel: u32,
+    light: u32,
+    /// Number of its ring, from 0.
+    number: usize,
+}
+
+/// The rings around each light, as they grow.
+struct Rings {
+    threshold: f32,
+    /// Luminance of the pixels of the ring that grows.
+    growing: Vec<Vec<f32>>,
+    /// Median luminance of the rings before it.
+    medians: Vec<Vec<f32>>,
+    /// How many rings belong to each light; all, as long as it grows.
+    widths: Vec<usize>,
+}
+
+impl Rings {
+    fn new(lights: usize, threshold: f32) -> Self {
+        let (growing, medians) = (vec![Vec::new(); lights], vec![Vec::new(); lights]);
+        Self { threshold, growing, medians, widths: vec![usize::MAX; lights] }
+    }
+
+    fn grows(&self, light: u32) -> bool {
+        self.widths[light as usize] == usize::MAX
+    }
+
+    /// Close the ring that grows, and end each light at the first ring from which luminance falls no more.
+    fn close(&mut self) {
+        for (light, values) in self.growing.iter_mut().enumerate() {
+            let medians = &mut self.medians[light];
+            medians.push(median(values));
+            values.clear();
+            let Some(ring) = medians.len().checked_sub(1 + STRIDE) else { continue };
+            let (inner, outer) = (medians[ring], medians[ring + STRIDE]);
+            let fall = FALLS[usize::from(inner <= self.threshold)];
+            let has_ended = self.widths[light] != usize::MAX;
+            if !has_ended && ring >= LEAST_RINGS && (inner <= fall * outer || inner <= 0.0) {
+                self.widths[light] = ring;
+            }
+        }
+    }
+}
+
+/// The pixels around all lights, the nearest first, each with the light that is nearest on the sphere.
+fn grown(
+    working: &Working,
+    members: &[(usize, usize)],
+    light_of: &[u32],
+    rings: &mut Rings,
+) -> Vec<RingPixel> {
+    let height = PI / working.size.0 as f64;
+    let farthest = FARTHEST.max((LEAST_RINGS + STRIDE) as f64 * height);
+    let mut heap = BinaryHeap::new();
+    let mut nearest = vec![f32::INFINITY; light_of.len()];
+    let mut visit = |heap: &mut BinaryHeap<_>, pixel: usize, source: usize, at: DVec3| {
+        if light_of[pixel] != NONE {
+            return;
+        }
+        let distance = centre(working, pixel).distance(at);
+        if distance < farthest && (distance as f32) < nearest[pixel] {
+            nearest[pixel] = distance as f32;
+            heap.push(Reverse(((distance as f32).to_bits(), pixel as u32, source as u32)));
+        }
+    };
+    for &(index, _) in members {
+        let at = centre(working, index);
+        working.around(index).iter().for_each(|&other| visit(&mut heap, other, index, at));
+    }
+    let (mut grown, mut is_done, mut current) = (Vec::new(), vec![false; light_of.len()], 0);
+    while let Some(Reverse((bits, pixel, source))) = heap.pop() {
+        let light = light_of[source as usize];
+        if !rings.grows(light) || std::mem::replace(&mut is_done[pixel as usize], true) {
+            continue;
+        }
+        let number = (f64::from(f32::from_bits(bits)) / height - 0.5).max(0.0) as usize;
+        while current < number {
+            interrupt::check();
+            rings.close();
+            current += 1;
+        }
+        grown.push(RingPixel { pixel, light, number });
+        rings.growing[light as usize].push(working.luminance(pixel as usize));
+        let at = centre(working, source as usize);
+        for other in working.around(pixel as usize) {
+            visit(&mut heap, other, source as usize, at);
+        }
+    }
+    grown
+}
+
+/// Direction of the middle of a pixel.
+fn centre(working: &Working, index: usize) -> DVec3 {
+    let (row, column) = (index / working.size.1, index % working.size.1);
+    let middle = |edges: &[f64]| 0.5 * (edges[0] + edges[1]);
+    direction(
+        middle(&working.grid.theta_edges[row..row + 2]),
+        middle(&working.grid.phi_edges[column..column + 2]),
+    )
+}
+
+/// The median, 0 of no values: a light without room for a ring ends before it.
+fn median(values: &mut [f32]) -> f32 {
+    let middle = values.len() / 2;
+    if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(middle, f32::total_cmp).1 }
+}

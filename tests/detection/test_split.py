@@ -1,0 +1,314 @@
+"""Lights taken out of maps: closed forms, closure of energy, and what is left."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import envlights as el
+from envlights import kernels
+from envlights.kernels.image import LUMINANCE
+from envlights.synthetic import Disc, PixelSun, Rectangle, scene
+from tests.conftest import real_maps
+from tests.helpers import printed_by_threads
+
+NORMALS, _ = kernels.icosphere(5120)
+SKY = np.array([0.2, 0.3, 0.4])
+
+#: On the seam, at both poles, and elsewhere.
+PLACES = [(0, 0, -1), (0.02, 0.3, -1), (0, 1, 0), (0.05, 1, 0.02), (0.1, -1, 0), (1, 0.4, 0.3)]
+
+
+def world(shapes, height=128, background=SKY):
+    return el.EnvMap(scene(height, background=background, shapes=shapes).radiance)
+
+
+def closure(env, lights, rest):
+    """Relative difference of map and rest with lights at normals that see each light whole or not.
+
+    Without what stands across the directions, which `vector_irradiance` tells.
+    """
+    cosine = NORMALS @ lights.direction.T
+    is_whole = (np.abs(cosine) > np.sin(lights.reach)).all(axis=1)
+    seen = np.einsum("nl,na,lca->nc", cosine > 0, NORMALS, lights.vector_irradiance)
+    truth = env.probe(NORMALS[is_whole])
+    return np.abs(rest.probe(NORMALS[is_whole]) + seen[is_whole] - truth) / truth
+
+
+# Closed forms
+
+
+@pytest.mark.parametrize("direction", PLACES)
+def test_a_disc_before_an_even_sky_leaves_that_sky(direction):
+    env = world([Disc(direction, 4.0, (90, 60, 30))])
+    lights, rest = el.split(env)
+    assert len(lights) == 1
+    np.testing.assert_array_equal(rest.radiance, np.broadcast_to(np.float32(SKY), (128, 256, 3)))
+    np.testing.assert_allclose(np.linalg.norm(lights.vector_irradiance, axis=2), lights.irradiance)
+    assert lights.off_axis.max() < 1e-6
+    taken = (env.radiance.astype(float) - rest.radiance).reshape(-1, 3)
+    angles = kernels.pixel_solid_angles(128, 256).reshape(-1, 1)
+    flux = (taken * angles).sum(axis=0) @ LUMINANCE
+    map_flux = (env.radiance.reshape(-1, 3) * angles).sum(axis=0) @ LUMINANCE
+    np.testing.assert_allclose(lights.flux_share, flux / map_flux, rtol=1e-6)
+
+
+def test_what_is_taken_of_a_disc_is_what_the_disc_gives():
+    radius = np.deg2rad(4.0)
+    lights, _ = el.split(world([Disc((1, 0.4, 0.3), 4.0, (90, 60, 30))], height=512))
+    # Of radiance L above the sky, a disc gives pi L sin^2 a at normal incidence.
+    expected = np.pi * np.sin(radius) ** 2 * (np.array([90, 60, 30]) - SKY)
+    np.testing.assert_allclose(lights.irradiance[0], expected, rtol=2e-3)
+    np.testing.assert_allclose(lights.angular_radius, radius, rtol=0.02)
+
+
+def test_a_membrane_closes_a_hole_in_a_harmonic_sky():
+    """The logarithm of tan(theta / 2) solves Laplace's equation on the sphere."""
+    theta = np.pi * (np.arange(256) + 0.5) / 256
+    sky = 5 + np.log(np.tan(theta / 2))[:, None, None] * np.ones((1, 512, 3))
+    sky = np.maximum(sky, 1)  # not so near the poles
+    for direction in [(1, 0.2, 0.3), (0, 0.2, -1)]:
+        shape = world([Disc(direction, 6.0, (900, 800, 700))], 256, (0, 0, 0)).radiance
+        _, rest = el.split((sky + shape).astype(np.float32))
+        np.testing.assert_allclose(rest.radiance, sky, rtol=2e-3)
+
+
+def test_lights_that_are_apart_are_taken_as_if_alone():
+    one, two = Disc((0, 0.2, -1), 3.0, (90, 60, 30)), Disc((1, 0.4, 0.3), 5.0, (9, 30, 60))
+    together, alone = el.split(world([one, two])), [el.split(world([each])) for each in (one, two)]
+    for light in together.lights:
+        (same,) = [
+            taken.lights[0]
+            for taken in alone
+            if np.allclose(taken.lights.direction[0], light.direction, atol=1e-6)
+        ]
+        np.testing.assert_allclose(light.irradiance, same.irradiance, rtol=1e-6)
+    np.testing.assert_array_equal(together.rest.radiance, alone[0].rest.radiance)
+
+
+def test_a_split_map_is_a_fixed_point():
+    lamps = [Disc(place, 3.0, (40, 50, 60)) for place in PLACES[::2]]
+    _, rest = el.split(world([*lamps, Rectangle((-1, 0.3, 0.2), 20, 12, (9, 8, 7))]))
+    lights, again = el.split(rest)
+    assert len(lights) == 0
+    np.testing.assert_array_equal(again.radiance, rest.radiance)
+
+
+# Exact energy
+
+
+@settings(max_examples=20)
+@given(
+    st.lists(
+        st.tuples(
+            st.tuples(*[st.floats(-1, 1)] * 3).filter(lambda v: np.linalg.norm(v) > 0.1),
+            st.floats(1, 12),
+            st.tuples(*[st.floats(2, 500)] * 3),
+        ),
+        min_size=1,
+        max_size=4,
+    ),
+    st.integers(0, 2**31),
+    st.sampled_from(["cell-centred", "border-sampled"]),
+)
+def test_energy_is_kept_in_each_channel(lamps, seed, registration):
+    shapes = [Disc(direction, radius, rgb) for direction, radius, rgb in lamps]
+    clean = scene(64, background=SKY, shapes=shapes).radiance
+    noise = np.random.default_rng(seed).uniform(0.7, 1.3, clean.shape)
+    env = el.EnvMap((clean * noise).astype(np.float32), registration=registration)
+    lights, rest = el.split(env)
+    assert rest.registration == registration
+    assert (rest.radiance >= 0).all()
+    assert closure(env, lights, rest).max(initial=0.0) < 1e-6
+    # Along the direction, the irradiance is all of the vector; the luminance has none across.
+    along = np.einsum("lca,la->lc", lights.vector_irradiance, lights.direction)
+    np.testing.assert_allclose(lights.irradiance, np.maximum(along, 0), rtol=1e-9, atol=1e-12)
+    luminance = np.einsum("lca,c->la", lights.vector_irradiance, LUMINANCE)
+    size = np.linalg.norm(luminance, axis=1, keepdims=True)
+    np.testing.assert_allclose(
+        luminance, size * lights.direction, rtol=0, atol=1e-9 * size.max(initial=1)
+    )
+
+
+@pytest.mark.parametrize("turn", [1, 64, 100, 255])
+def test_a_turned_map_has_turned_lights_and_rest(turn):
+    shapes = [Disc(place, 3.0, (40, 50, 60)) for place in PLACES[1::2]]
+    slope = 1 + 0.5 * kernels.pixel_directions(128, 256)[..., :1]
+    env = (world(shapes).radiance * slope).astype(np.float32)
+    there, back = el.split(np.roll(env, turn, axis=1)), el.split(env)
+    np.testing.assert_allclose(
+        np.roll(there.rest.radiance, -turn, axis=1), back.rest.radiance, rtol=2e-3
+    )
+    np.testing.assert_allclose(there.lights.irradiance, back.lights.irradiance, rtol=1e-4)
+
+
+def test_a_map_upside_down_has_the_same_rest_upside_down():
+    env = world([Disc((0.05, 1, 0.02), 6.0, (40, 50, 60))]).radiance
+    np.testing.assert_array_equal(
+        el.split(env[::-1]).rest.radiance, el.split(env).rest.radiance[::-1]
+    )
+
+
+def test_a_red_lamp_before_a_white_wall_takes_no_blue():
+    lamp = world([Disc((1, 0.2, 0), 5.0, (1, 1, 1))], background=(0, 0, 0)).radiance
+    env = el.EnvMap((1 + lamp * (89, -0.9, -0.95)).astype(np.float32))
+    lights, rest = el.split(env)
+    assert len(lights) == 1
+    assert lights.irradiance[0, 0] > 0.5
+    np.testing.assert_array_equal(lights.irradiance[0, 1:], 0)
+    np.testing.assert_array_less(-1e-9, env.radiance - rest.radiance)
+
+
+def test_a_lamp_of_two_colours_tells_what_stands_across():
+    halves = [
+        Rectangle((1, 0.07, 0), 8, 8, (90, 10, 10)),
+        Rectangle((1, -0.07, 0), 8, 8, (10, 10, 90)),
+    ]
+    env = world(halves)
+    lights, rest = el.split(env)
+    assert len(lights) == 1
+    assert lights.off_axis.max() > 0.01
+    assert "off axis" in str(lights)
+    assert closure(env, lights, rest).max() < 1e-6
+    np.testing.assert_allclose(rest.radiance, np.broadcast_to(SKY, rest.radiance.shape), rtol=1e-6)
+
+
+# Which lights
+
+
+@cache
+def three():
+    lamps = [((1, 0.4, 0.3), 90.0), ((0, 0.2, -1), 60.0), ((-1, 0.1, 0.2), 30.0)]
+    return world([Disc(place, 3.0, (peak,) * 3) for place, peak in lamps])
+
+
+def test_lights_are_chosen_by_number_by_share_or_by_name():
+    env = three()
+    found = el.detect(env)
+    assert len(found) == 3
+    one = el.split(env, 1)
+    assert len(one.lights) == 1
+    np.testing.assert_allclose(one.lights.direction[0], found.direction[0], atol=1e-4)
+    assert "2 lights, which stay in the map" in str(one.lights.report)
+    for same in (el.split(env, found[:1]), el.split(env, found[[0]]), el.split(env, share=0.5)):
+        np.testing.assert_array_equal(same.rest.radiance, one.rest.radiance)
+    assert len(el.split(env, share=0.51).lights) == 2
+    assert len(el.split(env, share=1).lights) == len(el.split(env).lights) == 3
+    assert len(el.split(env, 2, share=1).lights) == 2
+    assert len(el.split(env, 0).lights) == len(el.split(env, share=0).lights) == 0
+    others = el.split(env, found[np.array([False, True, True])])
+    left = el.detect(others.rest)
+    assert len(left) == 1
+    np.testing.assert_allclose(left.direction[0], found.direction[0], atol=1e-4)
+
+
+def test_a_lamp_that_stays_is_not_touched_by_one_beside_it():
+    env = world([Disc((1, 0, 0), 3.0, (90,) * 3), Disc((1, 0, 0.17), 3.0, (60,) * 3)])
+    found = el.detect(env)
+    assert len(found) == 2
+    rows, columns = found[1:].members.pixel.T
+    np.testing.assert_array_equal(
+        el.split(env, found[:1]).rest.radiance[rows, columns], env.radiance[rows, columns]
+    )
+
+
+def test_what_detect_takes_is_passed_through():
+    env = three()
+    assert len(el.split(env, max_lights=2).lights) == 2
+    lamp = world([Disc((1, 0.4, 0.3), 6.0, (90, 60, 30))], height=256)
+    lights, rest = el.split(lamp, method="article")
+    assert lights.report.method == "article"
+    np.testing.assert_allclose(rest.radiance - np.float32(SKY), 0, atol=1e-4)
+
+
+def test_pictures_that_end_at_white_keep_their_white():
+    codes = np.full((64, 128, 3), 60, np.uint8)
+    codes[20:24, 40:48] = 255
+    lights, rest = el.split(codes)
+    assert len(lights) == 1
+    assert rest.white == 1.0
+    assert "sRGB-coded" in rest.notes[0]
+    assert "1 light with" in rest.notes[1]
+    np.testing.assert_allclose(rest.radiance, el.EnvMap(codes).radiance[0, 0, 0], rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        ({"lights": -1}, "lights"),
+        ({"lights": True}, "lights must be a number"),
+        ({"lights": "sun"}, "lights must be a number"),
+        ({"share": 1.5}, "share"),
+        ({"methods": "tree"}, None),
+        ({"lights": "found", "share": 0.5}, "share has no meaning"),
+        ({"lights": "found", "gap_deg": 1}, "gap_deg has no meaning"),
+        ({"lights": "smaller"}, "they were found in one that was reduced to 96x48"),
+    ],
+)
+def test_refusals(arguments, sentence):
+    named = {"found": el.detect(three()), "smaller": el.detect(world([], 48))}
+    given = {
+        name: named.get(value, value) if name == "lights" else value
+        for name, value in arguments.items()
+    }
+    with pytest.raises(el.EnvLightsError if sentence else TypeError, match=sentence):
+        el.split(three(), **given)
+
+
+@pytest.mark.parametrize("value", [0.0, 1.0])
+def test_a_map_without_lights_stays(value):
+    env = np.full((16, 32, 3), value, np.float32)
+    lights, rest = el.split(env)
+    assert len(lights) == 0
+    assert rest.notes == ()
+    np.testing.assert_array_equal(rest.radiance, env)
+    assert el.TakenLights is type(lights)
+
+
+def test_taken_lights_are_discs_of_what_was_taken():
+    env = three()
+    lights, rest = el.split(env)
+    np.testing.assert_array_equal(lights.discs().irradiance, lights.irradiance)
+    sky = el.fit(rest, lights=0)
+    rig = el.Rig(sky.ambient, lights.discs(), error=0.0)
+    np.testing.assert_allclose(rig.probe(NORMALS), env.probe(NORMALS), rtol=2e-3)
+    np.testing.assert_allclose(
+        lights.to_map(128).probe(NORMALS) + rest.probe(NORMALS), env.probe(NORMALS), rtol=2e-3
+    )
+    assert lights[:1].vector_irradiance.shape == (1, 3, 3)
+    assert len(lights.to_dict()["reach"]) == 3
+
+
+# Maps
+
+
+def test_a_large_map_is_split_by_its_own_pixels():
+    shapes = [Disc((0, 0.3, -1), 0.6, (9e4, 8e4, 7e4)), PixelSun((0.2, 0.1, 1), (900, 800, 700))]
+    env = world(shapes, height=1024)
+    lights, rest = el.split(env, working_width=256)
+    assert len(lights) == 2
+    assert closure(env, lights, rest).max() < 1e-6
+    np.testing.assert_allclose(rest.radiance, np.broadcast_to(SKY, rest.radiance.shape), rtol=1e-6)
+
+
+def test_any_number_of_threads_gives_the_same_bits():
+    code = """
+import hashlib, numpy as np, envlights as el
+noise = np.random.default_rng(3).uniform(0.5, 1, (256, 512, 3)).astype(np.float32)
+lamp = el.synthetic.Disc((0, 1, 0.1), 20.0, (90, 80, 70))
+env = el.synthetic.scene(256, background=[0.1] * 3, shapes=[lamp]).radiance * noise
+lights, rest = el.split(env)
+print(hashlib.sha256(rest.radiance.tobytes() + lights.irradiance.tobytes()).hexdigest())
+"""
+    assert len(printed_by_threads(code)) == 1
+
+
+@real_maps("hdr/*.hdr", "exr/*.exr", "openexr_envmaps/*LatLong.exr")
+def test_real_maps_close(path):
+    env = el.EnvMap.open(path)
+    lights, rest = el.split(env)
+    assert rest.radiance.shape == env.radiance.shape
+    assert (rest.radiance >= 0).all()
+    assert closure(env, lights, rest).max(initial=0.0) < 1e-6
