@@ -35,10 +35,10 @@ impl Level {
         for (index, (value, is_hole)) in values.iter_mut().zip(&mut is_hole).enumerate() {
             let (mut sum, mut whole) = ([0.0_f64; 4], 0.0);
             let (row, column) = (2 * (index / size.1), 2 * (index % size.1));
-            for row in row..(row + 2).min(self.size.0) {
+            for (row, &band) in bands.iter().enumerate().skip(row).take(2) {
                 for column in column..(column + 2).min(self.size.1) {
                     let fine = row * self.size.1 + column;
-                    let weight = if self.is_hole[fine] { 0.0 } else { bands[row] };
+                    let weight = if self.is_hole[fine] { 0.0 } else { band };
                     whole += weight;
                     sum.iter_mut().zip(self.values[fine]).for_each(|(s, v)| *s += weight * f64::from(v));
                 }

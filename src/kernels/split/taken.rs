@@ -165,7 +165,7 @@ fn align(pixels: &mut [Pixel], cells: &Cells, axis: DVec3) {
         (f64::from(pixel.bump / highest), integral / solid_angle, integral)
     };
     let lengths = vectors(pixels, cells).map(DVec3::length);
-    for channel in 0..3 {
+    for (channel, length) in lengths.into_iter().enumerate() {
         let of = |part: &[Pixel]| {
             let mut sums = (DVec2::ZERO, DMat2::ZERO);
             for pixel in part {
@@ -177,7 +177,7 @@ fn align(pixels: &mut [Pixel], cells: &Cells, axis: DVec3) {
             sums
         };
         let (moment, products) = sum(pixels, of, |a, b| (a.0 + b.0, a.1 + b.1)).unwrap_or_default();
-        if moment.length() <= ROUNDING * lengths[channel] {
+        if moment.length() <= ROUNDING * length {
             continue;
         }
         let slope = products.inverse() * moment;
@@ -211,7 +211,7 @@ fn measured(pixels: &[Pixel], cells: &Cells, found: DVec3) -> Taken {
             let luminance: f64 = taken.iter().zip(LUMINANCE).map(|(taken, weight)| weight * taken).sum();
             sums.0 += luminance * solid_angle;
             sums.1 += luminance * luminance * solid_angle;
-            if taken != [0.0; 3] {
+            if taken.iter().any(|taken| taken.abs() > 0.0) {
                 sums.2 = sums.2.min(integral.dot(direction) / solid_angle);
             }
         }
