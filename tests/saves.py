@@ -34,6 +34,8 @@ SAVES = {
         suffix: (f"rig{suffix}", lambda path, which: RIGS[which].save(path))
         for target in el.export.TARGETS
         for suffix in target.suffixes
+        # Crates are packed by OpenUSD, in a folder of its own, and not everywhere.
+        if suffix != ".usdc"
     },
     "model": ("model.npz", lambda path, which: MODELS[which].save(path)),
     "image": ("image.exr", lambda path, which: el.io.write_exr(path, IMAGES[which])),

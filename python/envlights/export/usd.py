@@ -153,5 +153,10 @@ def _crate(text: str) -> bytes:
     layer.ImportFromString(text)
     with tempfile.TemporaryDirectory() as folder:
         crate = Path(folder, "scene.usdc")
-        layer.Export(str(crate))
-        return crate.read_bytes()
+        try:
+            layer.Export(str(crate))
+            return crate.read_bytes()
+        except (RuntimeError, OSError) as error:  # as on a full disk
+            raise EnvLightsError(
+                "OpenUSD cannot write a crate; save an .usda, or set TMPDIR to a folder with room"
+            ) from error
