@@ -465,4 +465,5 @@ LEFT_OUT = {
     "export.TARGETS": "is a table",
     "export.Target": "is a row of it",
     "kernels.WORKING_COLUMNS": "is a number",
+    "threads": "changes the threads of the process",
 }
