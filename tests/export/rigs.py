@@ -10,6 +10,8 @@ _IRRADIANCES = [[3, 2, 1], [1, 1.5, 2], [0.5, 0.25, 0.125], [0.2, 0, 0], [0, 0, 
 POINTS = el.Lights(_DIRECTIONS, _IRRADIANCES)
 #: The sun, lamps, a window and a wall: radii in radians.
 DISCS = el.Lights(_DIRECTIONS, _IRRADIANCES, [0.00465, 0.05, 0.15, 0.3, 0.7])
+#: Points and discs together.
+MIXED = el.Lights(_DIRECTIONS[:3], _IRRADIANCES[:3], [0.0, 0.02, 0.3])
 #: One lamp on each axis, red, green, blue.
 AXES = el.Lights(np.eye(3), 3 * np.eye(3))
 
@@ -32,5 +34,19 @@ def rigs(lights):
 
 def relative_error(irradiance, rig, normals=NORMALS):
     """Norm of the difference from `rig.probe` over its norm."""
-    wanted = rig.probe(normals)
-    return np.linalg.norm(irradiance - wanted) / np.linalg.norm(wanted)
+    return relative(irradiance, rig.probe(normals))
+
+
+def environment():
+    """A map that has no symmetry."""
+    return el.EnvMap(el.synthetic.hall(64).radiance)
+
+
+def irradiance_of_points(direction, irradiance, normals=NORMALS):
+    """Of lights in one direction each."""
+    return np.maximum(normals @ np.transpose(direction), 0) @ np.asarray(irradiance)
+
+
+def relative(seen, wanted):
+    """Norm of the difference over the norm of what is wanted."""
+    return np.linalg.norm(seen - wanted) / np.linalg.norm(wanted)

@@ -10,8 +10,7 @@ import envlights as el
 from envlights.export import AXES
 from envlights.export.engine import matrix_of
 from tests.export.rigs import AXES as ON_AXES
-from tests.export.rigs import DISCS, POINTS, rigs
-from tests.export.scenes import environment, relative
+from tests.export.rigs import DISCS, POINTS, environment, relative, rigs
 from tests.helpers import NORMALS
 
 RIGS = rigs(DISCS)

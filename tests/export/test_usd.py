@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import envlights as el
-from tests.export.rigs import AXES, DISCS, rigs
-from tests.export.scenes import environment, relative
+from tests.export.rigs import AXES, DISCS, environment, relative, rigs
 from tests.helpers import NORMALS
 
 pytest.importorskip("pxr", reason="needs usd-core")

@@ -17,15 +17,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights._native import EnvLightsError
 from envlights.envmap import EnvMap
+from envlights.export.discs import MOST_ROWS, rows_for, split_by_size
 from envlights.export.files import save_scene, texture_name
 from envlights.export.scene import Scene, scene_of
 
 if TYPE_CHECKING:
     from envlights.lights import Lights
     from envlights.rig import Rig
-
-#: Rows of a map for discs: as many as give the smallest a radius of that many, within limits.
-_DISC_ROWS, _LEAST_ROWS, _MOST_ROWS = 8, 256, 1024
 
 
 def mitsuba(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) -> dict[str, Any]:
@@ -135,12 +133,10 @@ def discs_on_poles(lights: Lights, least_rows: int = 0) -> NDArray[np.float64] |
     light has the same noise, but it was off by 0.4 % at a radius of 0.27 degrees and by half at
     89.5, and it hides the lights behind it.
     """
-    discs = _some(lights, lights.angular_radius > 0)
+    _, discs = split_by_size(lights, np.nextafter(0, 1))
     if not len(discs):
         return None
-    rows = int(_DISC_ROWS * np.pi / discs.angular_radius.min())
-    rows = least_rows or min(max(rows, _LEAST_ROWS), _MOST_ROWS)
-    return rows_on_poles(discs.to_map(rows).radiance)
+    return rows_on_poles(discs.to_map(least_rows or rows_for(discs)).radiance)
 
 
 def rows_on_poles(radiance: NDArray[Any]) -> NDArray[np.float64]:
@@ -155,7 +151,7 @@ def rows_on_poles(radiance: NDArray[Any]) -> NDArray[np.float64]:
 
 def sharp_rows_on_poles(env: EnvMap) -> NDArray[np.float64]:
     """The same of cells so fine that Mitsuba's interpolation hardly blurs the map."""
-    times = -(-_MOST_ROWS // env.height)
+    times = -(-MOST_ROWS // env.height)
     return rows_on_poles(env.cells().repeat(times, axis=0).repeat(times, axis=1))
 
 
@@ -171,11 +167,6 @@ def _map_of(scene: Scene, *, is_sharp: bool) -> NDArray[np.float64] | None:
     around = sharp_rows_on_poles(scene.environment)
     discs = discs_on_poles(scene.lights, len(around) - 1)
     return around if discs is None else around + discs
-
-
-def _some(lights: Lights, which: NDArray[np.bool_]) -> Lights:
-    arrays = lights.direction, lights.irradiance, lights.angular_radius
-    return type(lights)(*(array[which] for array in arrays))
 
 
 def _rgb(values: NDArray[np.float64]) -> dict[str, Any]:
