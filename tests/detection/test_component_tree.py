@@ -154,6 +154,29 @@ def test_a_disc_is_round_wherever_it_is(direction):
     np.testing.assert_allclose(lights.irradiance, world.irradiance_with_background, rtol=5e-3)
 
 
+@pytest.mark.parametrize("degrees", [0.5, 0.8, 1.5, 3, 10])
+def test_a_radius_is_that_of_the_disc_and_not_of_the_pixels_that_it_cuts(degrees):
+    """Wherever it stands, from 1.4 pixels on; a smaller one is too few pixels to tell."""
+    rng = np.random.default_rng(1)
+    for _ in range(3):
+        towards = (*rng.uniform(-0.6, 0.6, 2), 1)
+        world = scene(512, background=[0.01] * 3, shapes=[Disc(towards, degrees, (90, 90, 90))])
+        lights = el.detect(world.radiance)
+        np.testing.assert_allclose(np.rad2deg(lights.angular_radius), degrees, rtol=0.05)
+
+
+def test_the_radius_of_the_sun_is_right_in_the_mean():
+    """.8 pixels: how they cut it moves each by up to a tenth."""
+    turns = np.linspace(0, 1, 12, endpoint=False) * 2 * np.pi / 1024
+    found = []
+    for step, turn in enumerate(turns):
+        towards = (np.sin(turn), 0.3 + step * 0.7e-3, np.cos(turn))
+        world = scene(512, background=[0.01] * 3, shapes=[Disc(towards, 0.27, (9e3, 9e3, 9e3))])
+        found.append(np.rad2deg(el.detect(world.radiance).angular_radius[0]) / 0.27)
+    assert np.mean(found) == pytest.approx(1, abs=0.05)
+    assert np.abs(np.subtract(found, 1)).max() < 0.1
+
+
 def test_members_and_peaks_lie_in_their_lights():
     for seed in suite.JUDGING[:4]:
         lights = el.detect(suite.hard(seed).radiance)
