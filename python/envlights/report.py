@@ -72,7 +72,8 @@ class FitReport(Result):
 
     shadow_error: float | None = None
     """Relative RMS error where things stand in the way: of the irradiance at every normal, with all
-    hidden that lies behind a plane, over all planes. None where it was not measured."""
+    hidden that lies behind a plane, over all planes; each pixel of the map is a square of one
+    radiance. None where it was not measured."""
 
     direction_tolerances: tuple[float, ...] = ()
     """For a map: how far each light may stand elsewhere, in radians and in whichever direction

@@ -7,7 +7,7 @@ import envlights as el
 from envlights import kernels
 from tests.conftest import real_maps
 from tests.helpers import EQUIRECTANGULAR, angle_deg, paths_of_real_maps
-from tests.reference.shadows import shadow_error
+from tests.reference.shadows import shadow_error, shadow_error_by_kernel
 
 
 def disc(direction, irradiance, degrees):
@@ -147,6 +147,38 @@ def test_the_shadow_error_of_real_maps_is_that_of_its_definition(path):
     for sizes in (True, False):
         rig = el.fit(env, 4, sizes=sizes)
         assert rig.report.shadow_error == pytest.approx(brute(env, rig), rel=0.02)
+
+
+def by_kernel(env, rig):
+    """The error with shadows as a double sum of its kernel."""
+    return shadow_error_by_kernel(
+        env.radiance.astype(float),
+        rig.ambient,
+        rig.lights.direction,
+        rig.lights.irradiance,
+        rig.lights.angular_radius,
+    )
+
+
+@pytest.mark.parametrize("degrees", [0.27, 0.6])
+@pytest.mark.parametrize("shift", [0, 0.3])
+def test_the_shadow_error_is_right_for_a_sun_of_few_pixels(degrees, shift):
+    """The shape of its pixels counts, and its radius is not theirs."""
+    turn = 2 * np.pi * (0.3 + shift / 512)
+    towards = (np.sin(turn), 0.9, np.cos(turn))
+    _, env = world(
+        (0.1, 0.15, 0.2), disc(towards, 5, degrees), disc((-1, 0.5, 0.2), (1, 2, 3), 50), height=256
+    )
+    radiance = env.radiance * (1.5 + kernels.pixel_directions(256, 512)[..., :1])
+    rig = el.fit(radiance.astype(np.float32), 2)
+    assert rig.report.shadow_error == pytest.approx(by_kernel(el.EnvMap(radiance), rig), rel=0.02)
+
+
+@real_maps("hdr/kloppenheim_05_1k.hdr", "hdr/rooitou_park_1k.hdr")
+def test_the_shadow_error_is_right_for_real_suns(path):
+    env = el.EnvMap.open(path)
+    rig = el.fit(env, 8)
+    assert rig.report.shadow_error == pytest.approx(by_kernel(env, rig), rel=0.02)
 
 
 def smaller(env, width):

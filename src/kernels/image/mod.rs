@@ -20,6 +20,6 @@ pub(crate) use blocks::{BlockRow, samples_of};
 pub use codes::decoded;
 pub use grid::Grid;
 pub use luminance::{LUMINANCE, LUMINANCE_F32, luminance, luminance_f32};
-pub use reduce::{WorkingMap, reduce};
+pub use reduce::{Part, WorkingMap, reduce};
 pub use samples::{Unusable, unusable};
 pub(crate) use samples::{check_rgb, check_samples};

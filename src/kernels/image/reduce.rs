@@ -1,6 +1,8 @@
 //! A map in fewer cells, for probes that need not be exact.
 
+use std::array::from_fn;
 use std::f64::consts::FRAC_PI_2;
+use std::ops::Range;
 
 use glam::DVec3;
 use ndarray::{Array3, ArrayView3, ArrayViewMut2, s};
@@ -21,10 +23,22 @@ pub struct WorkingMap {
     pub grid: Grid,
     /// Vector irradiance of the cells that became sources, (n, 3 axes, 3 channels).
     pub sources: Array3<f64>,
-    /// How far the light of each is spread: the mean of 1 - cos of the angle to its middle.
-    pub spreads: Vec<f64>,
+    /// The same light in parts, so that a sun of a few pixels has its shape.
+    pub parts: Vec<Part>,
     /// Sides of a pixel of the map itself.
     pub pixel: Pixel,
+}
+
+/// Share of all flux from which a sixteenth of a source is a part of its own.
+const PART_SHARE: f64 = 1e-2;
+
+/// A source, or a part of one that is bright itself.
+#[derive(Clone, Copy, Debug)]
+pub struct Part {
+    /// Vector irradiance: for each axis, for each channel.
+    pub irradiance: [[f64; 3]; 3],
+    /// How far its light is spread: the mean of 1 - cos of the angle to its middle, over the squares of its pixels.
+    pub spread: f64,
 }
 
 /// The sides of a pixel, in radians: along theta, and along phi at the horizon.
@@ -66,6 +80,7 @@ impl WorkingMap {
                 source.fill(0.0);
             }
         }
+        self.parts.retain(|part| part.irradiance[1].iter().sum::<f64>() >= 0.0);
         self
     }
 }
@@ -94,22 +109,22 @@ pub fn reduce(
     let grid = pixels.in_blocks(block);
     let mut flux = block_flux(radiance, &pixels, block)?;
     let cells = bright_cells(&flux, source_share);
-    let sources: Vec<[[f64; 3]; 3]> =
-        cells.iter().map(|&(row, column)| vector_irradiance(radiance, &pixels, block, row, column)).collect();
     let pixel = Pixel::of(&pixels);
-    let spreads = cells.iter().zip(&sources).map(|(&(row, column), source)| {
-        let theta = 0.5 * (grid.theta_edges[row] + grid.theta_edges[row + 1]);
-        spread(source, flux.slice(s![row, column, ..]).sum()) + pixel.spread(theta)
-    });
-    let spreads = spreads.collect();
+    let whole = flux.sum();
+    let block_of = |&(row, column): &(usize, usize)| Block {
+        rows: row * block..((row + 1) * block).min(height),
+        columns: column * block..((column + 1) * block).min(width),
+    };
+    let split = |cell| block_of(cell).split(radiance, &pixels, PART_SHARE * whole, pixel);
+    let (sources, parts): (Vec<Sum>, Vec<Vec<Part>>) = cells.iter().map(split).unzip();
     for &(row, column) in &cells {
         flux.slice_mut(s![row, column, ..]).fill(0.0);
     }
     Ok(WorkingMap {
         radiance: mean_radiance(&flux, &grid),
         grid,
-        sources: Array3::from_shape_fn((cells.len(), 3, 3), |(i, axis, channel)| sources[i][axis][channel]),
-        spreads,
+        sources: Array3::from_shape_fn((cells.len(), 3, 3), |(i, axis, c)| sources[i].irradiance[axis][c]),
+        parts: parts.concat(),
         pixel,
     })
 }
@@ -167,39 +182,93 @@ fn bright_cells(flux: &Array3<f64>, share: f64) -> Vec<(usize, usize)> {
     (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))).filter(is_bright).collect()
 }
 
-/// `F = sum over the block's pixels of L w dw`: for each axis, for each channel.
-fn vector_irradiance(
-    radiance: ArrayView3<'_, f32>,
-    pixels: &Grid,
-    block: usize,
-    cell_row: usize,
-    cell_column: usize,
-) -> [[f64; 3]; 3] {
-    let (height, width, _) = radiance.dim();
-    let middle = |edges: &[f64], i: usize| 0.5 * (edges[i] + edges[i + 1]);
-    let mut sum = [[0.0; 3]; 3];
-    for row in cell_row * block..((cell_row + 1) * block).min(height) {
-        let theta = &pixels.theta_edges;
-        let band = band_heights(&theta[row..row + 2])[0];
-        for column in cell_column * block..((cell_column + 1) * block).min(width) {
-            let phi = &pixels.phi_edges;
-            let solid_angle = band * (phi[column + 1] - phi[column]);
-            let towards = direction(middle(theta, row), middle(phi, column)) * solid_angle;
-            for (axis, sum) in sum.iter_mut().enumerate() {
-                for (channel, sum) in sum.iter_mut().enumerate() {
-                    *sum += f64::from(radiance[[row, column, channel]]) * towards[axis];
+/// A block of pixels.
+#[derive(Clone, Debug)]
+struct Block {
+    rows: Range<usize>,
+    columns: Range<usize>,
+}
+
+/// Light of some pixels: the sum of `L w dw`, for each axis, for each channel, and that of `L dw` of all channels.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sum {
+    irradiance: [[f64; 3]; 3],
+    flux: f64,
+}
+
+impl Block {
+    /// Its sum, and its parts: those that hold more than a `flux` alone, and what is left of it.
+    fn split(
+        &self,
+        radiance: ArrayView3<'_, f32>,
+        pixels: &Grid,
+        flux: f64,
+        pixel: Pixel,
+    ) -> (Sum, Vec<Part>) {
+        const ROUNDING: f64 = 1e-9;
+        let whole = self.sum(radiance, pixels);
+        let theta = 0.5 * (pixels.theta_edges[self.rows.start] + pixels.theta_edges[self.rows.end]);
+        let part =
+            |sum: &Sum| Part { irradiance: sum.irradiance, spread: sum.spread() + pixel.spread(theta) };
+        if whole.flux <= flux {
+            return (whole, vec![part(&whole)]);
+        }
+        let sums = self.sixteenths().map(|one| one.sum(radiance, pixels));
+        let bright: Vec<Sum> = sums.filter(|sum| sum.flux > flux).collect();
+        let rest = bright.iter().fold(whole, Sum::less);
+        let parts =
+            bright.iter().chain((rest.flux > ROUNDING * whole.flux).then_some(&rest)).map(part).collect();
+        (whole, parts)
+    }
+
+    /// Blocks of a fourth of its sides, rounded up to pixels.
+    fn sixteenths(&self) -> impl Iterator<Item = Self> {
+        const SIDE: usize = 4;
+        let fourths = |range: &Range<usize>| -> Vec<Range<usize>> {
+            let step = range.len().div_ceil(SIDE);
+            range.clone().step_by(step).map(|first| first..(first + step).min(range.end)).collect()
+        };
+        let (rows, columns) = (fourths(&self.rows), fourths(&self.columns));
+        rows.into_iter().flat_map(move |rows| {
+            let block = move |columns| Self { rows: rows.clone(), columns };
+            columns.clone().into_iter().map(block)
+        })
+    }
+
+    /// The light of its pixels.
+    fn sum(&self, radiance: ArrayView3<'_, f32>, pixels: &Grid) -> Sum {
+        let middle = |edges: &[f64], i: usize| 0.5 * (edges[i] + edges[i + 1]);
+        let (theta, phi) = (&pixels.theta_edges, &pixels.phi_edges);
+        let mut sum = Sum::default();
+        for row in self.rows.clone() {
+            let band = band_heights(&theta[row..row + 2])[0];
+            for column in self.columns.clone() {
+                let solid_angle = band * (phi[column + 1] - phi[column]);
+                let towards = direction(middle(theta, row), middle(phi, column)) * solid_angle;
+                for channel in 0..3 {
+                    let value = f64::from(radiance[[row, column, channel]]);
+                    (0..3).for_each(|axis| sum.irradiance[axis][channel] += value * towards[axis]);
+                    sum.flux += value * solid_angle;
                 }
             }
         }
+        sum
     }
-    sum
 }
 
-/// Mean of 1 - cos of the angle to the middle, of a source and its whole `flux`: light that comes from several
-/// directions has a vector irradiance that is shorter.
-fn spread(source: &[[f64; 3]; 3], flux: f64) -> f64 {
-    let length = source.iter().map(|axis| axis.iter().sum::<f64>().powi(2)).sum::<f64>().sqrt();
-    if flux > 0.0 { (1.0 - length / flux).max(0.0) } else { 0.0 }
+impl Sum {
+    /// What is left without a part of it.
+    fn less(self, part: &Self) -> Self {
+        let [a, b] = [self, *part].map(|sum| sum.irradiance);
+        Self { irradiance: from_fn(|axis| from_fn(|c| a[axis][c] - b[axis][c])), flux: self.flux - part.flux }
+    }
+
+    /// Mean of 1 - cos of the angle to the middle: light that comes from several directions has a vector irradiance
+    /// that is shorter.
+    fn spread(&self) -> f64 {
+        let length = self.irradiance.iter().map(|axis| axis.iter().sum::<f64>().powi(2)).sum::<f64>().sqrt();
+        if self.flux > 0.0 { (1.0 - length / self.flux).max(0.0) } else { 0.0 }
+    }
 }
 
 fn mean_radiance(flux: &Array3<f64>, grid: &Grid) -> Array3<f32> {

@@ -220,7 +220,7 @@ mod tests {
             radiance,
             grid,
             sources: map.sources.clone(),
-            spreads: map.spreads.clone(),
+            parts: map.parts.clone(),
             pixel: map.pixel,
         }
     }

@@ -8,21 +8,24 @@
 //! | kernels, and discs, in Legendre polynomials           | `zonal.rs`      |
 //! | numbers with derivatives                              | `jet.rs`        |
 //! | the cone of the kernel, between two discs             | `chord.rs`      |
-//! | the map in harmonics                                  | `harmonics.rs`  |
+//! | the map in harmonics, and their values at a place     | `harmonics.rs`, `analysis.rs`, `place.rs`, `synthesis.rs` |
 //! | inner products of discs, the map and the ambient term | `target.rs`     |
 //! | radii to start from                                   | `start.rs`      |
 //! | best fluxes, and the cost to second order             | `state.rs`, `newton.rs` |
 //! | downhill                                              | `descent.rs`    |
 //! | the error at normals                                  | `judge.rs`      |
 
+mod analysis;
 mod chord;
 mod descent;
 mod harmonics;
 mod jet;
 mod judge;
 mod newton;
+mod place;
 mod start;
 mod state;
+mod synthesis;
 mod target;
 mod zonal;
 
@@ -84,7 +87,8 @@ impl<'a> Sizes<'a> {
         Self { map, shadows: target(Comparison::Shadows), other }
     }
 
-    /// Relative RMS error of the irradiance behind every plane, under a rig whose lights have these radii.
+    /// Relative RMS error of the irradiance behind every plane, under a rig whose lights have these radii. A pixel of
+    /// the map is the square that it is.
     pub fn shadow_error(&self, given: &Given, rig: &Rig, radii: &[f64]) -> f64 {
         let lights = rig.directions.iter().zip(radii);
         let discs: Vec<Disc> = lights

@@ -16,9 +16,9 @@ use std::ops::AddAssign;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::harmonics::Sum;
 use super::jet::Jet;
 use super::state::{GREATEST_RADIUS, LEAST_RADIUS, Problem, State};
+use super::synthesis::Sum;
 use super::target::Disc;
 
 /// `cost + 2 gradient.t + t^T hessian t`.
@@ -297,7 +297,7 @@ mod tests {
             (0.3 + 0.1 * c as f64 + 5.0 * near(18.0, 90.0, 9.0) + 3.0 * near(40.0, 30.0, 14.0) + hot) as f32
         });
         let map = image::reduce(map.view(), Registration::CellCentred, 256, 2e-3).unwrap();
-        assert!(!map.spreads.is_empty());
+        assert!(!map.parts.is_empty());
         for (ambient, has_floor) in [
             (Ambient::None, false),
             (Ambient::Constant, false),

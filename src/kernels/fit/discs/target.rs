@@ -4,16 +4,18 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::DVec3;
 use nalgebra::DMatrix;
-use ndarray::{Array3, ArrayView1, Axis};
+use ndarray::{Array3, ArrayView1};
 use rayon::prelude::*;
 
 use super::chord::mean_distance;
-use super::harmonics::{Harmonics, Place, Sum};
+use super::harmonics::Harmonics;
 use super::jet::Jet;
+use super::place::Place;
+use super::synthesis::Sum;
 use super::zonal::{Comparison, DEGREE, Factors, Kernel, factors};
 use crate::kernels::fit::ambient::Ambient;
 use crate::kernels::harmonics::{cosine_lobe, irradiance_of_moments, radiance};
-use crate::kernels::image::{Grid, WorkingMap};
+use crate::kernels::image::{Grid, Part, WorkingMap};
 use crate::kernels::sphere::direction;
 
 /// A light of uniform radiance within an angular radius.
@@ -119,8 +121,8 @@ fn bright_cells(radiance: &mut Array3<f32>, grid: &Grid) -> Vec<Patch> {
 /// the `rest` takes the difference.
 fn sources(map: &WorkingMap, rest: &mut Harmonics) -> Vec<Patch> {
     let mut patches = Vec::new();
-    for (source, &share) in map.sources.axis_iter(Axis(0)).zip(&map.spreads) {
-        let vectors = [0, 1, 2].map(|c| DVec3::new(source[[0, c]], source[[1, c]], source[[2, c]]));
+    for &Part { irradiance: [x, y, z], spread: share } in &map.parts {
+        let vectors = [0, 1, 2].map(|c| DVec3::new(x[c], y[c], z[c]));
         let Some(direction) = vectors.iter().sum::<DVec3>().try_normalize() else { continue };
         let along = vectors.map(|vector| vector.dot(direction).max(0.0));
         for c in 0..3 {
