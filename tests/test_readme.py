@@ -1,0 +1,37 @@
+"""Every block of Python in the README runs as pasted, from the top down, after its demos."""
+
+import os
+import re
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+
+from envlights.demo import demo, demo_transfer
+
+README = Path(__file__).parent.parent / "README.md"
+BLOCKS = re.findall(r"^```python\n(.*?)^```", README.read_text(encoding="utf-8"), re.M | re.S)
+
+
+@pytest.fixture(scope="module")
+def session(tmp_path_factory):
+    """A folder with the files of both demos, and the names that blocks leave behind."""
+    folder, before = tmp_path_factory.mktemp("newcomer"), Path.cwd()
+    demo(folder)
+    demo_transfer(folder)
+    os.chdir(folder)
+    yield {}
+    os.chdir(before)
+
+
+@pytest.mark.parametrize("number", range(len(BLOCKS)))
+def test_a_block_runs_as_pasted(number, session):
+    if "Mitsuba" in BLOCKS[number] and find_spec("mitsuba") is None:
+        pytest.skip("needs Mitsuba")
+    exec(compile(BLOCKS[number], f"README, block {number}", "exec"), session)
+
+
+def test_the_shortest_path_comes_first():
+    """The first block stands alone, in at most eight lines."""
+    assert BLOCKS[0].startswith("import envlights as el\n")
+    assert len(BLOCKS[0].splitlines()) <= 8
