@@ -95,7 +95,9 @@ def read_pairs(
     >>> pairs.direct.shape, pairs.indirect.shape
     ((3, 16, 16, 3), (3, 16, 16, 3))
     """
-    progress, is_folder = flag("progress", progress), isinstance(pairs, str | os.PathLike)
+    if progress is not None:
+        flag("progress", progress)
+    is_folder = isinstance(pairs, str | os.PathLike)
     paths = _in_folder(Path(pairs)) if is_folder else _checked(pairs)  # type: ignore[arg-type]
     try:
         with tempfile.TemporaryFile() as spool:
