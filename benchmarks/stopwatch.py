@@ -2,12 +2,10 @@
 
 import time
 
-import numpy as np
 
-
-def least_seconds(work, rounds=25, patience=10.0):
-    """Least seconds of each named piece of `work`; fewer rounds beyond `patience` seconds."""
-    least = dict.fromkeys(work, np.inf)
+def all_seconds(work, rounds=25, patience=10.0):
+    """Seconds of each piece of `work` in each round; fewer rounds beyond `patience` seconds."""
+    seconds = {name: [] for name in work}
     begun = time.perf_counter()
     for done in range(rounds):
         if done >= 3 and time.perf_counter() - begun > patience:
@@ -15,8 +13,13 @@ def least_seconds(work, rounds=25, patience=10.0):
         for name, piece in work.items():
             start = time.perf_counter()
             piece()
-            least[name] = min(least[name], time.perf_counter() - start)
-    return least
+            seconds[name].append(time.perf_counter() - start)
+    return seconds
+
+
+def least_seconds(work, rounds=25, patience=10.0):
+    """Least seconds of each named piece of `work`."""
+    return {name: min(found) for name, found in all_seconds(work, rounds, patience).items()}
 
 
 def compare(title, work, base=None, rounds=25):

@@ -1,0 +1,63 @@
+"""Few lights for a map: run time against two errors, that of a white probe and that of its shadows.
+
+Each method begins with the map in memory, 1024x512 float32, and ends with its lights.
+"""
+
+from functools import partial
+
+from curves import peers_of_lights as peers
+from curves.judge import Judge
+from curves.results import Point, timed
+
+import envlights as el
+
+TITLE = "Few lights for a map"
+READ = ": left is faster, down is more accurate"
+ERRORS = {"probe": "error of a white probe", "shadows": "error where things cast shadows"}
+#: What the settings count, and whose settings count something else.
+COUNTED, UNCOUNTED = "lights", ("harmonics, projected",)
+FEW = (1, 2, 4, 8, 16)
+MANY = (4, 16, 64, 256)
+
+
+def ours(radiance, lights, **options):
+    return el.fit(radiance, lights=lights, **options)
+
+
+OURS = ("fit", "fit, points", "fit, harmonics")
+
+#: By name: numbers of lights, and what finds them.
+METHODS = {
+    "fit": (FEW, ours),
+    "fit, points": (FEW, partial(ours, sizes=False)),
+    "fit, harmonics": ((0, 1, 2, 4), partial(ours, ambient="sh2")),
+    "median cut": (MANY, peers.median_cut),
+    "variance cuts": (MANY, peers.variance_cuts),
+    "k-means": (MANY, peers.k_means),
+    "importance samples": (MANY, peers.importance_samples),
+    "harmonics, projected": ((2, 4), peers.projected_harmonics),
+    "SciPy, bounded": (FEW[:4], peers.by_scipy),
+    "JAXopt": (FEW[:4], peers.by_jaxopt),
+}
+
+
+def are_comparable(our, their):
+    """Whether the peer has no more lights; harmonics have none."""
+    return their.method == "harmonics, projected" or their.setting <= our.setting
+
+
+def points(maps, rounds):
+    """Yield a point for each map, method and number of lights."""
+    for name, env in maps.items():
+        judge = Judge(env)
+        work = {
+            (method, setting): partial(find, env.radiance, setting)
+            for method, (settings, find) in METHODS.items()
+            for setting in settings
+        }
+        # The first call also compiles, where a method does.
+        answers = {key: find() for key, find in work.items()}
+        seconds = timed(work, rounds)
+        for (method, setting), answer in answers.items():
+            errors = {"probe": judge.probe_error(answer), "shadows": judge.shadow_error(answer)}
+            yield Point("lights", name, method, setting, *seconds[method, setting], errors)

@@ -1,0 +1,69 @@
+"""Curves of run time against error, in logarithms; ours are drawn thick."""
+
+import matplotlib as mpl
+from curves.results import curves
+from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
+
+_WIDTH, _HEIGHT = 5.6, 4.6
+
+
+def picture(part, points):
+    """A panel for each error over the run time, and over what the settings count, if they do.
+
+    Without errors, the run time over the setting.
+    """
+    panels = _panels(part, points)
+    size = (_WIDTH * len(panels) + 1.6, _HEIGHT)
+    figure = Figure(figsize=size, layout="constrained")
+    every = figure.subplots(1, len(panels), squeeze=False)[0]
+    for axes, (across, up, lines) in zip(every, panels, strict=True):
+        for index, (method, rows) in enumerate(lines.items()):
+            _line(axes, rows, _style(index, method in part.OURS), method)
+        axes.set(xscale="log", yscale="log", xlabel=across, ylabel=up)
+        axes.xaxis.set_minor_formatter(NullFormatter())
+        axes.yaxis.set_minor_formatter(NullFormatter())
+        axes.grid(which="both", alpha=0.2)
+    handles, labels = every[0].get_legend_handles_labels()
+    figure.legend(handles, labels, fontsize=8, loc="outside right center")
+    figure.suptitle(part.TITLE + part.READ)
+    return figure
+
+
+def _panels(part, points):
+    """Labels of the axes, and by method rows of x, y and what stands beside the point."""
+    if not part.ERRORS:
+        lines = {}
+        for point in points:
+            row = (point.setting / 1e6, 1e3 * point.seconds, "")
+            lines.setdefault(point.method, []).append(row)
+        return [("megapixels", "milliseconds", lines)]
+    panels = []
+    for error, label in part.ERRORS.items():
+        found = curves(points, error)
+        over_time = {
+            method: [(1e3 * seconds, value, f"{setting:g}") for setting, seconds, value, _ in rows]
+            for method, rows in found.items()
+        }
+        panels.append(("milliseconds", label, over_time))
+        if part.COUNTED:
+            over_count = {
+                method: [(setting, value, "") for setting, _, value, _ in rows if setting > 0]
+                for method, rows in found.items()
+                if method not in part.UNCOUNTED
+            }
+            panels.append((part.COUNTED, label, over_count))
+    return panels
+
+
+def _line(axes, rows, style, label):
+    axes.plot([row[0] for row in rows], [row[1] for row in rows], **style, label=label)
+    for x, y, beside in rows:
+        if len(rows) > 1:
+            axes.annotate(beside, (x, y), (3, 3), textcoords="offset points", fontsize=7)
+
+
+def _style(index, is_ours):
+    colour = mpl.colormaps["tab10"](index % 10)
+    width, dash = (2.5, "-") if is_ours else (1.2, "--")
+    return {"color": colour, "linewidth": width, "linestyle": dash, "marker": "o", "markersize": 4}

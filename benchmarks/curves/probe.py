@@ -1,0 +1,105 @@
+"""The probe of a map at 320 normals: run time against error."""
+
+from functools import partial
+
+import numpy as np
+from curves.peers_of_lights import projected_harmonics, sphere
+from curves.results import Point, timed
+from tests.helpers import NORMALS, SOLID_ANGLES
+
+from envlights import kernels
+from envlights.kernels.image import LUMINANCE
+
+TITLE = "The probe of a map"
+READ = ": left is faster, down is more accurate"
+ERRORS = {"probe": "error at 320 normals"}
+COUNTED = None
+OURS = ("exact", "working map")
+COLUMNS = (32, 64, 128, 256, 512, 1024)
+
+
+def exact(radiance, _):
+    return kernels.irradiance(radiance, NORMALS)
+
+
+def working(radiance, columns):
+    return kernels.working_irradiance(radiance, NORMALS, columns=columns)[0]
+
+
+def brute_force(radiance, columns):
+    """All pixels of a reduced map at all normals, as a product of matrices."""
+    step = max(1, radiance.shape[1] // columns)
+    small = radiance.reshape(len(radiance) // step, step, -1, step, 3).mean(axis=(1, 3))
+    directions, solid_angles = sphere(len(small))
+    flux = (small * solid_angles[..., None]).reshape(-1, 3)
+    return np.maximum(NORMALS @ directions.reshape(-1, 3).T, 0) @ flux
+
+
+def harmonics(radiance, order):
+    return projected_harmonics(radiance, order).ambient.irradiance(NORMALS)
+
+
+def drawn(radiance, samples):
+    """Monte Carlo: pixels drawn by their flux, the same for all normals."""
+    directions, solid_angles = sphere(len(radiance))
+    weights = ((radiance @ LUMINANCE) * solid_angles).ravel().astype(float)
+    share = weights.cumsum()
+    at = np.searchsorted(share, np.random.default_rng(0).random(samples) * share[-1])
+    flux = (radiance * solid_angles[..., None]).reshape(-1, 3)[at]
+    flux = flux * (share[-1] / (samples * weights[at]))[:, None]
+    return np.maximum(NORMALS @ directions.reshape(-1, 3)[at].T, 0) @ flux
+
+
+METHODS = {
+    "exact": ((0,), exact),
+    "working map": (COLUMNS, working),
+    "all pixels": (COLUMNS[:5], brute_force),
+    "harmonics": ((2, 4), harmonics),
+    "Monte Carlo": ((16, 256, 4096), drawn),
+}
+
+
+def are_comparable(our, their):
+    """Every setting against every other: they are no promise to the user."""
+    return our.case == their.case
+
+
+def points(maps, rounds):
+    """Yield a point for each map, method and setting; `exact` is judged by all pixels, halved."""
+    for name, env in maps.items():
+        wanted = reference(env.radiance)
+        work = {
+            (method, setting): partial(find, env.radiance, setting)
+            for method, (settings, find) in METHODS.items()
+            for setting in settings
+        }
+        answers = {key: find() for key, find in work.items()}
+        seconds = timed(work, rounds)
+        for (method, setting), seen in answers.items():
+            errors = {"probe": kernels.relative_rms(seen, wanted, SOLID_ANGLES)}
+            yield Point("probe", name, method, setting, *seconds[method, setting], errors)
+
+
+def reference(radiance, parts=4):
+    """Each pixel in parts x parts pieces, which sums over the pixels of their own tend to."""
+    height = parts * len(radiance)
+    total = np.zeros((len(NORMALS), 3))
+    directions = solid_angles = None
+    rows = 8 * parts
+    width = 2 * height
+    for top in range(0, height, rows):
+        directions, solid_angles = _rows(height, width, slice(top, top + rows))
+        part = radiance[top // parts : (top + rows) // parts]
+        flux = part.repeat(parts, axis=0).repeat(parts, axis=1) * solid_angles
+        total += np.maximum(NORMALS @ directions.reshape(-1, 3).T, 0) @ flux.reshape(-1, 3)
+    return total
+
+
+def _rows(height, width, rows):
+    """Directions and solid angles of some rows of a map."""
+    edges = np.pi * np.arange(rows.start, rows.stop + 1) / height
+    theta, phi = (edges[:-1] + edges[1:]) / 2, 2 * np.pi * (np.arange(width) + 0.5) / width
+    uv = np.stack(np.meshgrid(phi / (2 * np.pi), theta / np.pi), axis=-1)
+    directions = kernels.uv_to_direction(uv.reshape(-1, 2)).reshape(*uv.shape[:2], 3)
+    solid_angles = -np.diff(np.cos(edges)) * 2 * np.pi / width
+    return directions, solid_angles[:, None, None]

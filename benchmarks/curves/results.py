@@ -1,0 +1,72 @@
+"""Points of run time against error, kept as JSON lines."""
+
+import json
+from typing import NamedTuple
+
+import numpy as np
+from stopwatch import all_seconds
+
+
+class Point(NamedTuple):
+    """One method with one setting on one case."""
+
+    part: str
+    case: str
+    method: str
+    setting: float
+    seconds: float
+    """Median over the rounds, in which all methods took turns."""
+
+    spread: float
+    """Half the distance of the quartiles over the median."""
+
+    errors: dict
+    """Relative errors by their names."""
+
+
+def timed(work, rounds):
+    """Median seconds and spread of each piece of work."""
+    found = {}
+    for name, seconds in all_seconds(work, rounds, patience=np.inf).items():
+        low, median, high = np.percentile(seconds, [25, 50, 75])
+        found[name] = float(median), float((high - low) / 2 / median)
+    return found
+
+
+def write(path, machine, points):
+    """A line of the machine, and a line for each point."""
+    lines = [machine, *(point._asdict() for point in points)]
+    path.write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
+
+
+def read(path):
+    """The machine and the points of a file that `write` made."""
+    machine, *rows = map(json.loads, path.read_text(encoding="utf-8").splitlines())
+    return machine, [Point(**row) for row in rows]
+
+
+def curves(points, error):
+    """For each method its settings with typical seconds, errors and the worst spread.
+
+    Typical over the cases is the geometric mean.
+    """
+    table = {}
+    for point in points:
+        table.setdefault(point.method, {}).setdefault(point.setting, []).append(point)
+    return {
+        method: [
+            (
+                setting,
+                _typical([each.seconds for each in cases]),
+                _typical([each.errors[error] for each in cases]),
+                max(each.spread for each in cases),
+            )
+            for setting, cases in settings.items()
+        ]
+        for method, settings in table.items()
+    }
+
+
+def _typical(values):
+    """Geometric mean; an error below the last digits counts as those."""
+    return float(np.exp(np.mean(np.log(np.maximum(values, 1e-12)))))
