@@ -30,6 +30,7 @@ types:
 
 .PHONY: bench  ## Run time against error, peers in the same run
 bench:
+	$(PYTHON) -m benchmarks
 	$(PYTHON) benchmarks/probe.py
 	$(PYTHON) benchmarks/fit.py
 	$(PYTHON) benchmarks/detection_speed.py

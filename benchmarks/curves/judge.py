@@ -7,8 +7,11 @@ from tests.reference.shadows import points_of_disc
 
 from envlights import kernels
 
-#: Normals and planes of the error of shadows, and rows of the map that it sums over.
-_NORMALS, _PLANES, _ROWS = 320, 320, 128
+#: Normals and planes of the error of shadows, and rows of the grid that it sums over. Irradiance is
+#: smooth in the normal, but not in the plane: with 320 of them the error was 8 % too large.
+_NORMALS, _PLANES, _ROWS = 80, 1280, 128
+#: Cells with a larger share of the flux are cut into this many parts along each side.
+_BRIGHT, _PARTS = 3e-4, 8
 
 
 class Surroundings(NamedTuple):
@@ -69,20 +72,45 @@ class Judge:
 
 
 def _cells(env):
-    """Places, fluxes and solid angles of blocks of pixels: each at the centroid of its light."""
-    directions = kernels.pixel_directions(env.height, env.width)
-    solid_angles = kernels.pixel_solid_angles(env.height, env.width)[..., None]
-    flux = env.radiance * solid_angles
-    step = max(1, env.height // _ROWS)
-    place = _blocks(directions * flux.sum(axis=2, keepdims=True), step)
-    centre = _blocks(directions * solid_angles, step)
-    place = np.where(np.linalg.norm(place, axis=1, keepdims=True) > 0, place, centre)
-    place /= np.linalg.norm(place, axis=1, keepdims=True)
-    return place, _blocks(flux, step), _blocks(solid_angles, step)
+    """Places, fluxes and solid angles of the parts of a map, pixels being squares of one radiance.
+
+    Blocks of pixels with much of the flux are cut finely: at a plane's edge each part is seen whole
+    or not at all.
+    """
+    rows = min(env.height, _ROWS)
+    coarse = _grid(env, np.arange(rows), np.arange(2 * rows), rows)
+    share = coarse[1].sum(axis=1) / coarse[1].sum()
+    bright = np.flatnonzero(share > _BRIGHT)
+    row, column = np.unravel_index(bright, (rows, 2 * rows))
+    inside = np.arange(_PARTS)
+    fine = [
+        _grid(env, _PARTS * r + inside, _PARTS * c + inside, _PARTS * rows)
+        for r, c in zip(row, column, strict=True)
+    ]
+    rest = [np.delete(each, bright, axis=0) for each in coarse]
+    return [np.concatenate(parts) for parts in zip(rest, *fine, strict=True)]
 
 
-def _blocks(values, step):
-    """Sums over blocks, (blocks, channels)."""
-    rows, columns = np.arange(0, values.shape[0], step), np.arange(0, values.shape[1], step)
-    sums = np.add.reduceat(np.add.reduceat(values.astype(float), rows, axis=0), columns, axis=1)
-    return sums.reshape(-1, values.shape[2])
+def _grid(env, rows, columns, height):
+    """Places, fluxes and solid angles of cells of a grid with `height` rows."""
+    edges = np.pi * np.stack([rows, rows + 1]) / height
+    theta, phi = edges.mean(axis=0), 2 * np.pi * (columns + 0.5) / (2 * height)
+    u, v = np.meshgrid(phi / (2 * np.pi), theta / np.pi)
+    places = kernels.uv_to_direction(np.stack([u.ravel(), v.ravel()], axis=1))
+    areas = -np.diff(np.cos(edges), axis=0)[0] * np.pi / height
+    areas = np.repeat(areas, len(columns))[:, None]
+    radiance = _means(env.radiance, rows, columns, height)
+    return places, radiance * areas, areas
+
+
+def _means(radiance, rows, columns, height):
+    """Mean radiance of cells; the pixel's own in cells that are finer than pixels."""
+    step = len(radiance) / height
+    if step <= 1:
+        return radiance[np.ix_((rows * step).astype(int), (columns * step).astype(int))].reshape(
+            -1, 3
+        )
+    size = round(step)
+    top, left = size * rows[0], size * columns[0]
+    part = radiance[top : top + size * len(rows), left : left + size * len(columns)]
+    return part.reshape(len(rows), size, len(columns), size, 3).mean(axis=(1, 3)).reshape(-1, 3)
