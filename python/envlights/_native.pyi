@@ -137,7 +137,8 @@ class FitAnswer:
 
 @final
 class MapSplit:
-    rest: _Image
+    pixel: _Indices
+    left: _Image
     direction: _Reals
     irradiance: _Reals
     flux: _Reals

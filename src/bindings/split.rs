@@ -10,10 +10,11 @@ use super::pool::in_pool;
 use super::sphere::registration;
 use crate::kernels::split::{self, Found, Taken};
 
-/// A map without some lights, and what each of them was; see `envlights.split`.
+/// What is left of a map without some lights, and what each of them was; see `envlights.split`.
 #[pyclass(frozen, get_all)]
 pub struct MapSplit {
-    rest: Py<PyArray3<f32>>,
+    pixel: Py<PyArray1<i64>>,
+    left: Py<PyArray2<f32>>,
     direction: Py<PyArray2<f64>>,
     irradiance: Py<PyArray2<f64>>,
     flux: Py<PyArray1<f64>>,
@@ -64,6 +65,7 @@ pub fn split_map(
         .into_pyarray(py)
         .unbind(),
         map_flux: parts.flux,
-        rest: parts.rest.into_pyarray(py).unbind(),
+        pixel: parts.pixels.into_pyarray(py).unbind(),
+        left: Array2::from(parts.left).into_pyarray(py).unbind(),
     })
 }

@@ -125,7 +125,9 @@ def split(
     report = _report(chosen, len(found), perf_counter() - start)
     taken = _taken(chosen, parts, report)
     notes = (*env.notes, *_notes(taken))
-    rest = EnvMap(parts.rest, registration=env.registration, white=env.white, notes=notes)
+    radiance = env.radiance.copy()
+    radiance.reshape(-1, 3)[parts.pixel] = parts.left
+    rest = EnvMap(radiance, registration=env.registration, white=env.white, notes=notes)
     return Split(taken, rest)
 
 

@@ -1,21 +1,18 @@
-"""A map, what is left of it without its lights, and the lights."""
+"""A map, what is left of it without its lights, and what was taken."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from envlights.detection.split import Split
-from envlights.envmap import AnyMap, as_envmap
+from envlights.envmap import AnyMap, EnvMap, as_envmap
 from envlights.plot.figure import Picture
 from envlights.plot.ground import draw_map
 from envlights.plot.markers import draw_legend, draw_lights, legend_entries
 
-#: Rows of the map of lights, at most.
-_ROWS = 512
-
 
 def split_picture(env: AnyMap, parts: Split) -> Picture:
-    """Draw a map, what is left of it, and its lights as discs, all in the exposure of the map.
+    """Draw a map, what is left of it, and what was taken, all in the exposure of the map.
 
     Parameters
     ----------
@@ -39,15 +36,17 @@ def split_picture(env: AnyMap, parts: Split) -> Picture:
     env = as_envmap(env)
     lights = parts.lights
     figure = Picture(figsize=(9, 15))
-    on_map, on_rest, on_lights = np.ravel(figure.subplots(3, 1))
+    on_map, on_rest, on_taken = np.ravel(figure.subplots(3, 1))
     exposure = draw_map(on_map, env)
     draw_map(on_rest, parts.rest, like=env)
-    draw_map(on_lights, lights.to_map(min(env.height, _ROWS)), like=env)
-    draw_lights(on_lights, lights.discs())
-    draw_legend(on_lights, legend_entries(lights))
+    # What a channel has gained, where one light has several colours, is no light.
+    taken = np.maximum(env.radiance - parts.rest.radiance, 0)
+    draw_map(on_taken, EnvMap(taken, registration=env.registration), like=env)
+    draw_lights(on_taken, lights.discs())
+    draw_legend(on_taken, legend_entries(lights))
     on_map.set_title(f"the map: {exposure}", fontsize="small")
     on_rest.set_title("what is left", fontsize="small")
-    on_lights.set_title("the lights", fontsize="small")
+    on_taken.set_title("what was taken, and its lights", fontsize="small")
     share = 100 * lights.flux_share.sum()
     figure.suptitle(f"{lights.in_short()} with {share:.3g} % of the flux, taken out of a map")
     return figure

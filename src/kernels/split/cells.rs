@@ -8,7 +8,6 @@ use crate::kernels::sphere::{Registration, band_heights};
 
 /// Every cell of a map.
 pub struct Cells {
-    width: usize,
     /// Integrals of `sin^2`, of `sin cos` and of `sin` of the polar angle over each row.
     rows: Vec<[f64; 3]>,
     /// Integrals of the sine and the cosine of the azimuth over each column, and its width.
@@ -29,7 +28,6 @@ impl Cells {
             [chord * middle.sin(), chord * middle.cos(), 2.0 * half]
         };
         Self {
-            width,
             rows: theta.windows(2).zip(band_heights(&theta)).map(row).collect(),
             columns: registration.phi_edges(width).windows(2).map(column).collect(),
         }
@@ -42,9 +40,9 @@ impl Cells {
     }
 
     /// The integral of the direction over a pixel, and its solid angle.
-    pub fn at(&self, index: usize) -> (DVec3, f64) {
-        let [squares, product, band] = self.rows[index / self.width];
-        let [sin, cos, width] = self.columns[index % self.width];
+    pub fn at(&self, row: usize, column: usize) -> (DVec3, f64) {
+        let [squares, product, band] = self.rows[row];
+        let [sin, cos, width] = self.columns[column];
         (DVec3::new(sin * squares, width * product, -cos * squares), width * band)
     }
 }

@@ -1,5 +1,7 @@
 //! The sphere in fewer and fewer pixels, on which a membrane is found from the coarsest to the finest.
 
+use rayon::prelude::*;
+
 use crate::interrupt;
 use crate::kernels::image::Grid;
 use crate::kernels::sphere::band_heights;
@@ -32,22 +34,24 @@ impl Level {
         let bands = band_heights(&self.grid.theta_edges);
         let mut values = vec![[0.0; 4]; size.0 * size.1];
         let mut is_hole = vec![false; values.len()];
-        for (index, (value, is_hole)) in values.iter_mut().zip(&mut is_hole).enumerate() {
-            let (mut sum, mut whole) = ([0.0_f64; 4], 0.0);
-            let (row, column) = (2 * (index / size.1), 2 * (index % size.1));
-            for (row, &band) in bands.iter().enumerate().skip(row).take(2) {
-                for column in column..(column + 2).min(self.size.1) {
-                    let fine = row * self.size.1 + column;
-                    let weight = if self.is_hole[fine] { 0.0 } else { band };
-                    whole += weight;
-                    sum.iter_mut().zip(self.values[fine]).for_each(|(s, v)| *s += weight * f64::from(v));
+        let rows = values.par_chunks_mut(size.1).zip(is_hole.par_chunks_mut(size.1));
+        rows.zip(bands.par_chunks(2)).enumerate().for_each(|(row, ((values, is_hole), bands))| {
+            for (column, (value, is_hole)) in values.iter_mut().zip(is_hole).enumerate() {
+                let (mut sum, mut whole) = ([0.0_f64; 4], 0.0);
+                for (row, band) in (2 * row..).zip(bands) {
+                    for column in 2 * column..(2 * column + 2).min(self.size.1) {
+                        let fine = row * self.size.1 + column;
+                        let weight = if self.is_hole[fine] { 0.0 } else { *band };
+                        whole += weight;
+                        sum.iter_mut().zip(self.values[fine]).for_each(|(s, v)| *s += weight * f64::from(v));
+                    }
+                }
+                *is_hole = whole <= 0.0;
+                if whole > 0.0 {
+                    *value = sum.map(|sum| (sum / whole) as f32);
                 }
             }
-            *is_hole = whole <= 0.0;
-            if whole > 0.0 {
-                *value = sum.map(|sum| (sum / whole) as f32);
-            }
-        }
+        });
         Self { size, grid, values, is_hole }
     }
 
@@ -99,14 +103,16 @@ impl Level {
             .collect();
         let side: Vec<f64> =
             (0..height).map(|row| (theta[row + 1] - theta[row]) / middles[row].sin()).collect();
-        let holes: Vec<usize> = (0..self.values.len()).filter(|&index| self.is_hole[index]).collect();
+        let holes = (0..self.values.len()).filter(|&index| self.is_hole[index]);
+        let holes: Vec<(usize, usize)> = holes.map(|index| (index / width, index % width)).collect();
         for _ in 0..sweeps {
             interrupt::check();
-            for &index in &holes {
-                let (row, column) = (index / width, index % width);
-                let (left, right) = ((column + width - 1) % width, (column + 1) % width);
+            for &(row, column) in &holes {
+                let left = if column > 0 { column - 1 } else { width - 1 };
+                let right = if column + 1 < width { column + 1 } else { 0 };
                 let own = widths[column];
                 let line = row * width;
+                let index = line + column;
                 let neighbours = [
                     (line + left, 2.0 * side[row] / (own + widths[left])),
                     (line + right, 2.0 * side[row] / (own + widths[right])),

@@ -8,6 +8,8 @@
 //! Beside it stands a bump, the solution of Poisson's equation with a source of 1: smooth, 0 at the rim of
 //! each hole and positive inside.
 
+use rayon::prelude::*;
+
 use super::level::Level;
 use super::region::Regions;
 use super::working::Working;
@@ -23,7 +25,7 @@ const LEAST_ROWS: usize = 4;
 pub fn membrane(working: &Working, regions: &Regions) -> Level {
     let values = working
         .radiance
-        .iter()
+        .par_iter()
         .zip(&regions.is_hole)
         .map(|(&[red, green, blue], &is_hole)| if is_hole { [0.0; 4] } else { [red, green, blue, 0.0] });
     let mut levels = vec![Level::new(working.grid.clone(), values.collect(), regions.is_hole.clone())];

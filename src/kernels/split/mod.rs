@@ -30,12 +30,13 @@ mod region;
 mod taken;
 mod working;
 
-use ndarray::{Array3, ArrayView1, ArrayView2, ArrayView3};
+use ndarray::{ArrayView1, ArrayView2, ArrayView3};
 
 use crate::error::{Error, Result};
 use crate::kernels::image;
 use crate::kernels::sphere::{self, Registration};
 use cells::Cells;
+use taken::Map;
 pub use taken::Taken;
 use working::Working;
 
@@ -53,10 +54,12 @@ pub struct Found<'a> {
     pub threshold: f64,
 }
 
-/// A map without some lights, and what each of them was.
+/// What is left of a map without some lights, and what each of them was.
 pub struct Split {
-    /// Radiance, (height, width, 3), nowhere negative.
-    pub rest: Array3<f32>,
+    /// Flat indices of the pixels of all lights, each once.
+    pub pixels: Vec<i64>,
+    /// The radiance that is left in each of them, nowhere negative. The other pixels keep theirs.
+    pub left: Vec<[f32; 3]>,
     /// One for each direction that was given.
     pub lights: Vec<Taken>,
     /// Integral of the map's luminance.
@@ -79,13 +82,15 @@ pub fn split(radiance: ArrayView3<'_, f32>, registration: Registration, found: &
     let regions = region::regions(&working, &members, directions.len(), found.threshold);
     let membrane = membrane::membrane(&working, &regions);
     let cells = Cells::new(height, width, registration);
-    let flux = working.flux();
-    let mut rest = working.map;
-    let mut lights = Vec::with_capacity(directions.len());
+    let map = Map { radiance, cells, membrane, block: found.block.max(1) };
+    let (mut pixels, mut left, mut lights) = (Vec::new(), Vec::new(), Vec::new());
     for (region, &direction) in regions.pixels.iter().zip(&directions) {
-        lights.push(taken::take(&mut rest, &cells, &membrane, found.block.max(1), region, direction));
+        let (light, taken_from) = taken::take(&map, region, direction);
+        pixels.extend(taken_from.iter().map(|pixel| (pixel.row * width + pixel.column) as i64));
+        left.extend(taken_from.iter().map(|pixel| pixel.left));
+        lights.push(light);
     }
-    Ok(Split { rest, lights, flux })
+    Ok(Split { pixels, left, lights, flux: working.flux })
 }
 
 /// Flat indices of the pixels of lights in a working image of this size, each with its light.

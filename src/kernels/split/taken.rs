@@ -14,7 +14,7 @@
 //! the direction is that of the luminance taken.
 
 use glam::{DMat2, DMat3, DVec2, DVec3};
-use ndarray::Array3;
+use ndarray::ArrayView3;
 use rayon::prelude::*;
 
 use super::cells::Cells;
@@ -47,59 +47,58 @@ pub struct Taken {
     pub vectors: DMat3,
 }
 
+/// A map, its cells, and the membrane of its working image.
+pub struct Map<'a> {
+    pub radiance: ArrayView3<'a, f32>,
+    pub cells: Cells,
+    pub membrane: Level,
+    /// Pixels of the map along each side of a pixel of the working image.
+    pub block: usize,
+}
+
 /// A pixel of a light.
-struct Pixel {
-    index: u32,
+pub struct Pixel {
+    pub row: usize,
+    pub column: usize,
     given: [f32; 3],
-    left: [f32; 3],
+    pub left: [f32; 3],
     bump: f32,
 }
 
-/// Take the light in some pixels of the working image out of `rest`. Where nothing is taken, it keeps the
-/// `direction` that it was found in.
-pub fn take(
-    rest: &mut Array3<f32>,
-    cells: &Cells,
-    membrane: &Level,
-    block: usize,
-    region: &[u32],
-    direction: DVec3,
-) -> Taken {
-    let mut pixels = closed(rest, membrane, block, region);
+/// Take the light in some pixels of the working image. Where nothing is taken, it keeps the `direction` that it
+/// was found in.
+pub fn take(map: &Map<'_>, region: &[u32], direction: DVec3) -> (Taken, Vec<Pixel>) {
+    let cells = &map.cells;
+    let mut pixels = closed(map, region);
     keep_dark_channels(&mut pixels, cells);
     let axis = toward(&vectors(&pixels, cells)).try_normalize().unwrap_or(direction);
     align(&mut pixels, cells, axis);
-    let samples = rest.as_slice_mut().expect("standard layout").as_chunks_mut::<3>().0;
-    for pixel in &pixels {
-        samples[pixel.index as usize] = pixel.left;
-    }
-    measured(&pixels, cells, direction)
+    (measured(&pixels, cells, direction), pixels)
 }
 
 /// The map's pixels behind some of the working image, with the membrane wherever it is darker.
-fn closed(rest: &Array3<f32>, membrane: &Level, block: usize, region: &[u32]) -> Vec<Pixel> {
-    let (height, width, _) = rest.dim();
-    let samples = rest.as_slice().expect("standard layout").as_chunks::<3>().0;
-    let columns = membrane.size.1;
-    let pixels_of = |&place: &u32| {
-        let (row, column) = (place as usize / columns * block, place as usize % columns * block);
-        let columns = column..(column + block).min(width);
-        (row..(row + block).min(height))
-            .flat_map(move |row| columns.clone().map(move |column| (row, column)))
-            .map(|(row, column)| {
-                let given = samples[row * width + column];
-                let [red, green, blue, bump] = membrane.between(row, column, block).map(|value| value as f32);
-                let fill = [red, green, blue];
-                let left = if luminance_f32(given) > luminance_f32(fill) { fill } else { given };
-                Pixel { index: (row * width + column) as u32, given, left, bump }
-            })
-            .collect::<Vec<_>>()
+fn closed(map: &Map<'_>, region: &[u32]) -> Vec<Pixel> {
+    let ((height, width, _), block) = (map.radiance.dim(), map.block);
+    let columns = map.membrane.size.1;
+    let pixel = |row: usize, column: usize| {
+        let given = [0, 1, 2].map(|channel| map.radiance[[row, column, channel]]);
+        let [red, green, blue, bump] = map.membrane.between(row, column, block).map(|value| value as f32);
+        let fill = [red, green, blue];
+        let left = if luminance_f32(given) > luminance_f32(fill) { fill } else { given };
+        Pixel { row, column, given, left, bump }
     };
     let parts: Vec<Vec<Pixel>> = region
         .par_chunks(PIXELS_OF_A_PART / block.pow(2).min(PIXELS_OF_A_PART))
         .map(|part| {
             interrupt::check();
-            part.iter().flat_map(pixels_of).collect()
+            let mut pixels = Vec::with_capacity(part.len() * block.pow(2));
+            for &place in part {
+                let (row, column) = (place as usize / columns * block, place as usize % columns * block);
+                for row in row..(row + block).min(height) {
+                    pixels.extend((column..(column + block).min(width)).map(|column| pixel(row, column)));
+                }
+            }
+            pixels
         })
         .collect();
     parts.into_iter().flatten().collect()
@@ -138,7 +137,7 @@ fn vectors(pixels: &[Pixel], cells: &Cells) -> [DVec3; 3] {
     let of = |part: &[Pixel]| {
         let mut sums = [DVec3::ZERO; 3];
         for pixel in part {
-            let (integral, _) = cells.at(pixel.index as usize);
+            let (integral, _) = cells.at(pixel.row, pixel.column);
             for (sum, taken) in sums.iter_mut().zip(pixel.taken()) {
                 *sum += taken * integral;
             }
@@ -160,42 +159,50 @@ fn align(pixels: &mut [Pixel], cells: &Cells, axis: DVec3) {
     let highest = pixels.iter().map(|pixel| pixel.bump).fold(f32::MIN_POSITIVE, f32::max);
     // The bump of a pixel, its place across the axis, and the integral of that over the pixel.
     let place = |pixel: &Pixel| {
-        let (integral, solid_angle) = cells.at(pixel.index as usize);
+        let (integral, solid_angle) = cells.at(pixel.row, pixel.column);
         let integral = DVec2::new(integral.dot(across[0]), integral.dot(across[1]));
         (f64::from(pixel.bump / highest), integral / solid_angle, integral)
     };
-    let lengths = vectors(pixels, cells).map(DVec3::length);
-    for (channel, length) in lengths.into_iter().enumerate() {
-        let of = |part: &[Pixel]| {
-            let mut sums = (DVec2::ZERO, DMat2::ZERO);
-            for pixel in part {
-                let (bump, at, integral) = place(pixel);
-                sums.0 += pixel.taken()[channel] * integral;
-                let product = DMat2::from_cols(integral * at.x, integral * at.y);
-                sums.1 += f64::from(pixel.left[channel]) * bump * product;
+    // Solve for the slope of each channel.
+    let of = |part: &[Pixel]| {
+        let mut sums = [(DVec2::ZERO, DMat2::ZERO); 3];
+        for pixel in part {
+            let (bump, at, integral) = place(pixel);
+            let product = bump * DMat2::from_cols(integral * at.x, integral * at.y);
+            for ((sum, taken), left) in sums.iter_mut().zip(pixel.taken()).zip(pixel.left) {
+                sum.0 += taken * integral;
+                sum.1 += f64::from(left) * product;
             }
-            sums
-        };
-        let (moment, products) = sum(pixels, of, |a, b| (a.0 + b.0, a.1 + b.1)).unwrap_or_default();
-        if moment.length() <= ROUNDING * length {
-            continue;
         }
-        let slope = products.inverse() * moment;
-        let steepest = pixels.iter().map(|pixel| {
+        sums
+    };
+    let add = |a: [(DVec2, DMat2); 3], b: [(DVec2, DMat2); 3]| {
+        [0, 1, 2].map(|channel| (a[channel].0 + b[channel].0, a[channel].1 + b[channel].1))
+    };
+    let Some(sums) = sum(pixels, of, add) else { return };
+    let lengths = vectors(pixels, cells).map(DVec3::length);
+    let slopes = [0, 1, 2].map(|channel| {
+        let (moment, products) = sums[channel];
+        let is_aligned = moment.length() <= ROUNDING * lengths[channel];
+        if is_aligned { DVec2::ZERO } else { products.inverse() * moment }
+    });
+    // Tilt the channels that need no more than the largest tilt.
+    let steepest = |part: &[Pixel]| {
+        part.iter().fold([0.0_f64; 3], |most, pixel| {
             let (bump, at, _) = place(pixel);
-            (bump * slope.dot(at)).abs()
-        });
-        // A slope that is not a number passes no comparison: nothing is left that could be tilted.
-        let is_small = steepest.fold(0.0, f64::max) <= LARGEST_TILT && slope.is_finite();
-        if !is_small {
-            continue;
+            [0, 1, 2].map(|channel| most[channel].max((bump * slopes[channel].dot(at)).abs()))
+        })
+    };
+    let tilts = sum(pixels, steepest, |a, b| [0, 1, 2].map(|i| a[i].max(b[i]))).unwrap_or_default();
+    // A slope that is not a number is none: nothing is left that could be tilted.
+    let is_tilted = |channel: usize| tilts[channel] <= LARGEST_TILT && slopes[channel].is_finite();
+    let slopes = [0, 1, 2].map(|channel| if is_tilted(channel) { slopes[channel] } else { DVec2::ZERO });
+    pixels.par_iter_mut().for_each(|pixel| {
+        let (bump, at, _) = place(pixel);
+        for (left, slope) in pixel.left.iter_mut().zip(slopes) {
+            *left = (f64::from(*left) * (1.0 + bump * slope.dot(at))) as f32;
         }
-        pixels.par_iter_mut().for_each(|pixel| {
-            let (bump, at, _) = place(pixel);
-            let tilted = f64::from(pixel.left[channel]) * (1.0 + bump * slope.dot(at));
-            pixel.left[channel] = tilted as f32;
-        });
-    }
+    });
 }
 
 /// What was taken, after all rounding.
@@ -206,7 +213,7 @@ fn measured(pixels: &[Pixel], cells: &Cells, found: DVec3) -> Taken {
     let of = |part: &[Pixel]| {
         let mut sums = (0.0, 0.0, 1.0_f64);
         for pixel in part {
-            let (integral, solid_angle) = cells.at(pixel.index as usize);
+            let (integral, solid_angle) = cells.at(pixel.row, pixel.column);
             let taken = pixel.taken();
             let luminance: f64 = taken.iter().zip(LUMINANCE).map(|(taken, weight)| weight * taken).sum();
             sums.0 += luminance * solid_angle;

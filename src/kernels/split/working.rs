@@ -1,22 +1,22 @@
-//! A copy of the map, and the mean of each of its blocks: one pass over the pixels.
+//! The mean of each block of the map's pixels: one pass over them.
 
-use ndarray::{Array3, ArrayView3, Axis};
+use ndarray::ArrayView3;
 use rayon::prelude::*;
 
 use crate::interrupt;
-use crate::kernels::image::{BlockRow, Grid, luminance_f32};
+use crate::kernels::image::{BlockRow, Grid, luminance_f32, samples_of};
 use crate::kernels::sphere::{Registration, band_heights};
 
-/// A map, and its mean radiance in larger pixels, those in which lights were searched for.
+/// A map in larger pixels, those in which lights were searched for.
 pub struct Working {
-    /// The map itself, in standard layout.
-    pub map: Array3<f32>,
     /// Rows and columns of the larger pixels.
     pub size: (usize, usize),
     /// Their mean radiance, row after row.
     pub radiance: Vec<[f32; 3]>,
     /// Where they lie.
     pub grid: Grid,
+    /// Integral of the luminance over the sphere.
+    pub flux: f64,
 }
 
 impl Working {
@@ -25,39 +25,30 @@ impl Working {
         let pixels = Grid::of_pixels(height, width, registration);
         let grid = pixels.in_blocks(block);
         let size = (grid.theta_edges.len() - 1, grid.phi_edges.len() - 1);
-        let mut map = Array3::zeros((height, width, 3));
+        let widths: Vec<f64> = grid.phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect();
         let mut means = vec![[0.0; 3]; size.0 * size.1];
-        map.axis_chunks_iter_mut(Axis(0), block)
-            .into_par_iter()
-            .zip(means.par_chunks_mut(size.1))
-            .zip(radiance.axis_chunks_iter(Axis(0), block).into_par_iter())
+        let fluxes: Vec<f64> = means
+            .par_chunks_mut(size.1)
+            .zip(band_heights(&grid.theta_edges))
             .enumerate()
-            .for_each(|(row, ((mut copy, means), rows))| {
+            .map(|(row, (means, band))| {
                 interrupt::check();
-                copy.assign(&rows);
                 if block == 1 {
-                    let samples = copy.as_slice().unwrap_or_default();
+                    let samples = samples_of(radiance, row..row + 1);
                     means.copy_from_slice(samples.as_chunks::<3>().0);
                 } else {
                     fill_means(radiance, &pixels, block, row, means);
                 }
-            });
-        Self { map, size, radiance: means, grid }
+                let luminance = means.iter().map(|&mean| f64::from(luminance_f32(mean)));
+                band * luminance.zip(&widths).map(|(y, width)| y * width).sum::<f64>()
+            })
+            .collect();
+        Self { size, radiance: means, grid, flux: fluxes.into_iter().sum() }
     }
 
     /// Luminance of a pixel.
     pub fn luminance(&self, index: usize) -> f32 {
         luminance_f32(self.radiance[index])
-    }
-
-    /// Integral of the luminance over the sphere.
-    pub fn flux(&self) -> f64 {
-        let widths: Vec<f64> = self.grid.phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect();
-        let row = |(row, band): (usize, f64)| {
-            let luminance = (row * self.size.1..(row + 1) * self.size.1).map(|i| self.luminance(i));
-            band * luminance.zip(&widths).map(|(y, width)| f64::from(y) * width).sum::<f64>()
-        };
-        band_heights(&self.grid.theta_edges).into_iter().enumerate().map(row).sum()
     }
 
     /// The eight pixels around one, across the seam and the poles.
