@@ -87,9 +87,14 @@ def split(
     Where the horizon of a surface cuts a light, the difference is that of its shape from a disc.
 
     Rings are added around a light as long as their median luminance falls by 1.1 to 1.25 from one
-    to the next but one. Glare does so, a sky does not. What is left of a broad glare is no lamp,
-    but `detect` may find it when it is asked again. Maps that end at a white lose what white has
-    left of a light: its irradiance is a lower bound.
+    to the next but one, and for at most 15 degrees. Glare does so, a sky does not. The fill is not
+    brighter than what is around the last ring, up to the tilt of at most 30 %. But that may be
+    brighter than the threshold of `detect`: a broad glare, or a lit wall around a lamp. And where
+    most of the light is gone, the threshold itself is lower. So `detect` finds something again in
+    what is left of 12 of 19 real maps, with up to a quarter of their flux. With ``lights=1``, 13 of
+    them have nothing more within the `reach` of the light that was taken.
+
+    Maps that end at a white lose what white has left of a light: its irradiance is a lower bound.
 
     References
     ----------
