@@ -67,7 +67,8 @@ def killed(name, times):
         save(path, 0)
         left = [each for each in Path(folder).iterdir() if each.name.startswith(".")]
         assert all(each.stat().st_size == 0 for each in left), left
-        assert len(left) <= times / 10, left
+        # That takes microseconds: of a hundred kills one or two meet it, so of six one may.
+        assert len(left) <= 1 + times / 20, left
     return counted
 
 

@@ -1,5 +1,7 @@
 """Maps out, and back in."""
 
+import time
+
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813, its own name for itself
 import pytest
@@ -67,3 +69,13 @@ def test_what_cannot_be_written_is_refused(tmp_path):
     with pytest.raises(el.EnvLightsError, match=r"half and compression are of \.exr files"):
         env.save(tmp_path / "map.hdr", half=True)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("suffix", [".exr", ".hdr"])
+def test_a_file_does_not_depend_on_the_hour_of_writing(tmp_path, suffix):
+    env = el.EnvMap(el.synthetic.hall(8).radiance)
+    env.save(tmp_path / f"one{suffix}")
+    time.sleep(1.1)  # the clock of file headers counts seconds
+    env.save(tmp_path / f"two{suffix}")
+    one, two = ((tmp_path / f"{name}{suffix}").read_bytes() for name in ("one", "two"))
+    assert one == two

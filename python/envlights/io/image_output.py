@@ -80,7 +80,10 @@ def map_suffix(path: str | os.PathLike[str]) -> str:
 
 def _spec(radiance: NDArray[np.float32], sample: oiio.BASETYPE) -> oiio.ImageSpec:
     height, width, channels = radiance.shape
-    return oiio.ImageSpec(width, height, channels, sample)
+    spec = oiio.ImageSpec(width, height, channels, sample)
+    # Without the hour of writing, which is not that of the capture: one map has one file.
+    spec.attribute("DateTime", "")
+    return spec
 
 
 def _write(
