@@ -99,7 +99,7 @@ ceiling, merge_cap_deg, relative, move_to_maximum, sphere
     >>> env = el.EnvMap(el.synthetic.scene(256, background=[0.1] * 3, shapes=[lamp]).radiance)
     >>> lights = detect(env)
     >>> len(lights), round(float(lights.angular_radius[0]) * 57.3, 1)
-    (1, 5.1)
+    (1, 5.0)
     """
     check_choice("method", method, tuple(METHODS))
     return METHODS[method](env, **options)
