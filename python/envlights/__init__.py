@@ -21,7 +21,6 @@ from envlights.detection.split import Split, split
 from envlights.detection.taken import TakenLights
 from envlights.envmap import EnvMap
 from envlights.fitting.fit import fit, fit_probe
-from envlights.fitting.madsen import PaperFit, fit_paper
 from envlights.lights import Lights
 from envlights.report import FitReport, StopReason
 from envlights.rig import Rig
@@ -67,6 +66,7 @@ _SUBPACKAGES = (
 )
 #: Names of `__all__` that come from one of them.
 _LATER = {
+    **dict.fromkeys(("PaperFit", "fit_paper"), "fitting.madsen"),
     **dict.fromkeys(("BakedPairs", "DirectLight", "MitsubaScene", "Surface", "bake"), "scene"),
     **dict.fromkeys(("FilePairs", "TransferModel", "TransferReport", "read_pairs"), "transfer"),
 }
@@ -82,6 +82,7 @@ if _typing.TYPE_CHECKING:
     from envlights import scene as scene
     from envlights import synthetic as synthetic
     from envlights import transfer as transfer
+    from envlights.fitting.madsen import PaperFit, fit_paper
     from envlights.scene import BakedPairs, DirectLight, MitsubaScene, Surface
     from envlights.scene.bake import bake as bake
     from envlights.transfer import FilePairs, TransferModel, TransferReport, read_pairs

@@ -17,13 +17,14 @@ def counted(items: Collection[_T], what: str, unit: str, progress: bool | None) 
 
     None: only where somebody may look, in a terminal or a notebook, and only after a second.
     """
-    # Here, so that `import envlights` does not wait for it.
+    is_seen = sys.stderr.isatty() or _is_notebook()
+    if not (is_seen if progress is None else progress):
+        return items
+    # Here, so that what shows no bar does not wait for it.
     from tqdm.auto import tqdm
 
-    is_seen = sys.stderr.isatty() or _is_notebook()
-    hidden = not (is_seen if progress is None else progress)
     delay = _DELAY if progress is None else 0.0
-    bar: Iterable[_T] = tqdm(items, desc=what, unit=unit, disable=hidden, delay=delay)
+    bar: Iterable[_T] = tqdm(items, desc=what, unit=unit, delay=delay)
     return bar
 
 

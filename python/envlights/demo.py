@@ -71,7 +71,7 @@ def demo_transfer(
     Room(made.direct[:_PAIRS], made.indirect[:_PAIRS]).save(Path(folder) / "room")
     # Learn from the files, as from those of any other program.
     pairs = read_pairs(Path(folder) / "room", progress=progress)
-    model = TransferModel.fit(pairs.direct, pairs.indirect, ridge="loo")
+    model = TransferModel.fit(pairs.direct, pairs.indirect, ridge="loo", progress=progress)
     model.save(saved)
     # Predict the new frame, and draw it.
     write_exr(direct, made.direct[_PAIRS])

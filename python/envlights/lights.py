@@ -18,9 +18,6 @@ from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights._tables import MOST_ROWS, Table
 from envlights.envmap import EnvMap
-from envlights.export.csv import read_csv
-from envlights.export.own_json import read_json
-from envlights.export.targets import save
 from envlights.io.files import as_path
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
@@ -238,6 +235,9 @@ class Lights(Result):
         environment : EnvMap or array_like, optional
             A map around the lights, such as the rest of a split map, for targets that take one.
         """
+        # Here, so that `import envlights` does not wait for the exporters.
+        from envlights.export.targets import save
+
         save(self, path, environment)
 
     @classmethod
@@ -249,6 +249,9 @@ class Lights(Result):
         EnvLightsError
             If the file is missing, of another kind or version, or holds impossible lights.
         """
+        from envlights.export.csv import read_csv
+        from envlights.export.own_json import read_json
+
         if as_path(path).suffix.lower() == ".csv":
             table = read_csv(path)
             return Lights(table.direction, table.irradiance, table.angular_radius)

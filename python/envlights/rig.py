@@ -16,11 +16,9 @@ from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights.ambient import ambient_map, turned_ambient
 from envlights.envmap import EnvMap
-from envlights.export.csv import read_csv
-from envlights.export.own_json import FRAME, read_json
-from envlights.export.targets import save
 from envlights.io.files import as_path
 from envlights.kernels import probe
+from envlights.kernels.sphere import FRAME
 from envlights.lights import Lights, lights_of
 from envlights.report import FitReport, StopReason
 
@@ -185,6 +183,9 @@ class Rig(Result):
         --------
         envlights.export : the same as dictionaries and text.
         """
+        # Here, so that `import envlights` does not wait for the exporters.
+        from envlights.export.targets import save
+
         save(self, path, environment)
 
     @classmethod
@@ -196,6 +197,9 @@ class Rig(Result):
         EnvLightsError
             If the file is missing, of another kind or version, or holds impossible lights.
         """
+        from envlights.export.csv import read_csv
+        from envlights.export.own_json import read_json
+
         if as_path(path).suffix.lower() == ".csv":
             table = read_csv(path)
             if table.ambient is None or table.error is None:

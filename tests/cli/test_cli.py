@@ -5,13 +5,14 @@ import subprocess
 import sys
 from pathlib import Path
 
+import click
 import numpy as np
 import pytest
 from click.testing import CliRunner
 from matplotlib.image import imsave
 
 import envlights as el
-from envlights import io
+from envlights import cli, io
 from envlights.cli import main
 from tests.helpers import relative_errors
 
@@ -245,6 +246,19 @@ def test_json_is_written_without_the_library_that_draws(hall, tmp_path, command)
     arguments = [command, hall, "-o", tmp_path / "out.json"]
     subprocess.run([sys.executable, "-c", WITHOUT_MATPLOTLIB, *arguments], check=True)
     assert json.loads((tmp_path / "out.json").read_text())
+
+
+def test_the_help_lists_every_subcommand_and_imports_none():
+    context = click.Context(main)
+    listed = {path.stem for path in Path(cli.__file__).parent.iterdir()} - {"outputs"}
+    assert set(main.list_commands(context)) == {name for name in listed if name[0] != "_"}
+    for name in main.list_commands(context):
+        assert main.get_command(context, name).name == name
+    code = "import sys\nfrom envlights.cli import main\nmain(['--help'], standalone_mode=False)\n"
+    code += "print([name for name in sys.modules if name.startswith('envlights.cli.')])"
+    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert all(name in told.stdout for name in main.list_commands(context))
+    assert told.stdout.endswith("[]\n")
 
 
 def test_a_pipe_that_nobody_reads_ends_without_a_traceback(hall, tmp_path):

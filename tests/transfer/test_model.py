@@ -51,6 +51,13 @@ def test_projection_is_the_dense_projection(model):
     np.testing.assert_array_less(relative_errors(model.project(ROOM.indirect[NEW]), truth), 1e-4)
 
 
+def test_a_bar_for_each_pass_changes_nothing(model, capsys):
+    assert el.TransferModel.fit(*SCENE, rank=32, progress=True) == model
+    assert capsys.readouterr().err.count("learning: 100%") == 2
+    el.TransferModel.fit(*SCENE, rank=32)
+    assert not capsys.readouterr().err
+
+
 @pytest.mark.parametrize("notebook", [False, True])
 def test_the_basis_holds_what_it_was_made_of(notebook):
     direct, indirect = oblong()

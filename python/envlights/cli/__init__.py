@@ -3,17 +3,40 @@
 from __future__ import annotations
 
 import errno
+from importlib import import_module
 from typing import Any
 
 import click
 
 from envlights._native import EnvLightsError
-from envlights.cli import demo, detect, export, fit, split
-from envlights.cli.transfer import transfer
+
+#: The subcommands and what the help says of each. Its file is imported when it is called, so that
+#: nobody waits for the others.
+_COMMANDS = {
+    "demo": "Make something to try, and draw the result.",
+    "detect": "Find the bright places of a map.",
+    "export": "Write a rig or lights for other programs.",
+    "fit": "Fit an ambient term and a few lights to a map.",
+    "split": "Take the lights out of a map.",
+    "transfer": "Learn indirect light from pairs of images, and predict it.",
+}
 
 
-class _Refusing(click.Group):
-    """A group that turns a refusal into one sentence and the exit code 2, not a traceback."""
+class _Main(click.Group):
+    """The subcommands; a refusal is one sentence and the exit code 2, not a traceback."""
+
+    def list_commands(self, _: click.Context) -> list[str]:
+        return list(_COMMANDS)
+
+    def get_command(self, _: click.Context, name: str) -> click.Command | None:
+        if name not in _COMMANDS:
+            return None
+        command: click.Command = import_module(f"{__name__}.{name}").command
+        return command
+
+    def format_commands(self, _: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl(list(_COMMANDS.items()))
 
     def invoke(self, context: click.Context) -> Any:
         try:
@@ -28,18 +51,7 @@ class _Refusing(click.Group):
             context.exit(2)
 
 
-@click.group(cls=_Refusing, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(cls=_Main, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(package_name="envlights", prog_name="envlights")
 def main() -> None:
     """Turn an environment map into a handful of lights."""
-
-
-for _command in (
-    fit.command,
-    detect.command,
-    split.command,
-    export.command,
-    demo.command,
-    transfer,
-):
-    main.add_command(_command)

@@ -11,12 +11,12 @@ from envlights._check import shown
 from envlights._native import EnvLightsError
 from envlights.export.files import save_scene
 from envlights.io.files import as_path
+from envlights.kernels.sphere import FRAME
 
 if TYPE_CHECKING:
     from envlights.lights import Lights
     from envlights.rig import Rig
 
-FRAME = "right-handed, +y up; image centre +z, left quarter +x; towards the light"
 #: Of lights alone, whose `to_dict` is a part of other formats too.
 _LIGHTS = {
     "format": "envlights lights",

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import secrets
 import shutil
 import stat
 import zlib
@@ -95,7 +94,7 @@ def _file_beside(target: Path) -> Iterator[Path]:
     """The name of a new file in the folder of `target`, which is gone in the end."""
     # A short name: that of `target` may have all letters there can be.
     mark = f".{zlib.crc32(target.name.encode(errors='surrogateescape')):08x}"
-    token = secrets.token_hex(8)
+    token = os.urandom(8).hex()
     new = target.with_name(f".{token}{target.suffix}")
     beside = target.with_name(f"{mark}-{token[:7]}{target.suffix}")
     for stale in target.parent.glob(f"{mark}-*"):

@@ -8,6 +8,9 @@ from numpy.typing import ArrayLike, NDArray
 from envlights import _native
 from envlights._check import count, flag, reals
 
+#: The frame of all directions, as files name it.
+FRAME = "right-handed, +y up; image centre +z, left quarter +x; towards the light"
+
 
 def uv_to_direction(uv: ArrayLike) -> NDArray[np.float64]:
     """Directions of equirectangular image coordinates.

@@ -107,7 +107,13 @@ def outside(
     return own - coefficients @ coefficients.swapaxes(1, 2)
 
 
-def basis(pairs: Pairs, measured: Gram, first: Directions, centred: bool) -> tuple[Any, Any]:
+def basis(
+    pairs: Pairs,
+    measured: Gram,
+    first: Directions,
+    centred: bool,
+    progress: bool | None = False,
+) -> tuple[Any, Any]:
     """Orthonormal columns over the lit texels, (lit texels, rank), and the mean of all rows there.
 
     The values of one texel stand side by side: a frame reads them twice as fast as columns.
@@ -119,7 +125,7 @@ def basis(pairs: Pairs, measured: Gram, first: Directions, centred: bool) -> tup
     # Fill the rows of the basis part by part.
     columns = np.empty((np.count_nonzero(measured.lit), weights.shape[1]), pairs.dtype)
     end = 0
-    for where, part in parts(pairs):
+    for where, part in parts(pairs, progress):
         mixed = mixtures(pairs, part, measured.lit[where], weights)
         begin, end = end, end + len(mixed)
         columns[begin:end] = mixed

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from envlights import _native
 from envlights._native import EnvLightsError
+from envlights._progress import counted
 from envlights.transfer.pairs import Pairs, check_finite
 
 #: Texels of a part, rounded to rows of the image. For the kernels: enough for several threads. For
@@ -42,7 +43,7 @@ class Gram:
     """Texels that are not black in every image, (H, W)."""
 
 
-def gram(pairs: Pairs, centred: bool) -> Gram:
+def gram(pairs: Pairs, centred: bool, progress: bool | None = False) -> Gram:
     """Inner products of the scaled indirect images; `centred`: less the mean of all rows."""
     # Add up the lower half of the products, part by part.
     rows = 3 * len(pairs.scale)
@@ -51,7 +52,7 @@ def gram(pairs: Pairs, centred: bool) -> Gram:
     inner = _single if is_for_kernels(pairs) else _double
     # Overflow and NaN are refused below, with their place in the images.
     with np.errstate(over="ignore", invalid="ignore"):
-        for where, part in parts(pairs):
+        for where, part in parts(pairs, progress):
             found, is_lit = inner(part, pairs.scale)
             products += found
             lit[where] = is_lit.reshape(lit[where].shape)
@@ -84,11 +85,11 @@ def _double(part: NDArray[Any], scale: NDArray[np.float64]) -> tuple[Any, NDArra
     return block.T @ block, lit
 
 
-def parts(pairs: Pairs) -> Iterator[tuple[slice, NDArray[Any]]]:
+def parts(pairs: Pairs, progress: bool | None = False) -> Iterator[tuple[slice, NDArray[Any]]]:
     """Slices of rows, and all images in these rows: (k, texels, 3), not scaled."""
     images, height, width, _ = pairs.indirect.shape
     step = max(1, (_PART if is_for_kernels(pairs) else _SMALL_PART) // width)
-    for first in range(0, height, step):
+    for first in counted(range(0, height, step), "learning", "part", progress):
         where = slice(first, min(first + step, height))
         part = pairs.indirect[:, where].astype(pairs.dtype, copy=False)
         yield where, part.reshape(images, -1, 3)

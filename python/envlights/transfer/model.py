@@ -96,6 +96,7 @@ class TransferModel(Result):
         *,
         error: float | None = None,
         notebook: bool = False,
+        progress: bool | None = None,
     ) -> TransferModel:
         r"""Learn from pairs of images of one scene under many lights.
 
@@ -121,6 +122,9 @@ class TransferModel(Result):
             Fit the model of the notebook of Belcour, Deliot, Barbier and Soler instead, for
             comparison: around the mean image, each channel from all channels, from direct images of
             norm 1.
+        progress : bool, optional
+            As for `read_pairs`, for each of the two passes over the images. The workers of Dask
+            have bars of their own.
 
         Returns
         -------
@@ -152,12 +156,14 @@ class TransferModel(Result):
         (1, True)
         """
         wanted, notebook = _wanted(rank, ridge, error), flag("notebook", notebook)
+        if progress is not None:
+            flag("progress", progress)
         # Keep parameters as plain numbers, which a file can hold.
         ridge = ridge if isinstance(ridge, str) else float(ridge)
         parameters = {"rank": wanted.rank, "ridge": ridge, "error": wanted.error}
         start = perf_counter()
         pairs = pairs_of(direct, indirect)
-        columns, lit, mean, learnt, missed = trained(pairs, wanted, centred=notebook)
+        columns, lit, mean, learnt, missed = trained(pairs, wanted, notebook, progress)
         height, width = np.shape(direct)[1:3]
         notes = (*pairs.notes, *missed)
         model = _solved(columns, lit, mean, (height, width), parameters, learnt, notes)

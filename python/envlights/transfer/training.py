@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -37,9 +38,13 @@ class Trained(NamedTuple):
     """Where the basis falls short of what was asked for."""
 
 
-def trained(pairs: Pairs, wanted: Wanted, centred: bool) -> Trained:
+def trained(pairs: Pairs, wanted: Wanted, centred: bool, progress: bool | None) -> Trained:
     """The basis of the `pairs`; `centred`: around the mean of their rows."""
-    gram_of, basis_of = (cluster.gram, cluster.basis) if pairs.is_lazy else (gram, basis)
+    gram_of, basis_of = (
+        (cluster.gram, cluster.basis)
+        if pairs.is_lazy
+        else (partial(gram, progress=progress), partial(basis, progress=progress))
+    )
     # Find the directions of the images from their inner products.
     measured = gram_of(pairs, centred=centred)
     found = directions(measured.products, pairs.dtype, measured.energy.sum())

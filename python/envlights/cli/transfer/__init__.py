@@ -7,8 +7,8 @@ import click
 from envlights.cli.transfer import apply, figure, fit
 
 
-@click.group()
-def transfer() -> None:
+@click.group("transfer")
+def command() -> None:
     """Learn indirect light from pairs of images, and predict it.
 
     A pair shows one scene under one light: a small image of the direct light, direct_NAME.exr, and
@@ -27,5 +27,5 @@ def transfer() -> None:
     """  # noqa: D301, click reads the backspace as: keep these lines
 
 
-for _command in (fit.command, apply.command, figure.command):
-    transfer.add_command(_command)
+for _each in (fit.command, apply.command, figure.command):
+    command.add_command(_each)

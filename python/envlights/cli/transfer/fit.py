@@ -54,7 +54,9 @@ def command(
     pairs = read_pairs(folder, progress=True)
     for note in pairs.notes:
         click.echo(f"note: {note}", err=True)
-    model = TransferModel.fit(pairs.direct, pairs.indirect, rank, _ridge(ridge), error=error)
+    model = TransferModel.fit(
+        pairs.direct, pairs.indirect, rank, _ridge(ridge), error=error, progress=True
+    )
     model.save(output)
     click.echo(json.dumps(model.report.to_dict(), indent=2) if as_json else str(model))
     say_written([output])
