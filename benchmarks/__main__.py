@@ -1,21 +1,34 @@
 """Run time against error, ours and others', in one run: data, pictures and a page.
 
-Usage: python -m benchmarks [lights] [probe] [detection] [scale]
+Usage: python -m benchmarks [lights] [probe] [detection] [transfer] [scale] [stress]
            [--quick] [--out FOLDER] [--threads N]
 
-With `ENVLIGHTS_MAPS` set to a folder of maps, on those as well. Without names, all parts are
-measured. `--out docs` writes `docs/benchmarks.md` with its data and pictures.
+With `ENVLIGHTS_MAPS` set to a folder of maps, on those as well; `ENVLIGHTS_TRANSFER_DB` names a
+folder of pairs. Without names, all parts are measured. `--out docs` writes `docs/benchmarks.md`
+with its data and pictures; what other parts left there stays on the page.
 """
 
 import argparse
 import datetime
+import importlib
 import os
 import platform
 import sys
+import traceback
 from pathlib import Path
 
 _ROOT = Path(__file__).parents[1]
-_PARTS = ("lights", "probe", "detection", "scale")
+#: By name, in the order of the page.
+_PARTS = {
+    "lights": "curves.few_lights",
+    "probe": "curves.probe",
+    "detection": "curves.detection",
+    "transfer": "curves.transfer",
+    "scale": "curves.scale",
+    "stress": "tables.stress",
+}
+#: Rounds, and seconds of rounds for each case.
+_FULL, _QUICK = (9, 8.0), (3, 1.0)
 
 
 def main():
@@ -23,7 +36,7 @@ def main():
         prog="python -m benchmarks", description=__doc__.splitlines()[0]
     )
     parser.add_argument("parts", nargs="*", metavar="part", help=f"of {', '.join(_PARTS)}")
-    parser.add_argument("--quick", action="store_true", help="few maps and rounds: a minute or two")
+    parser.add_argument("--quick", action="store_true", help="few maps and rounds: about a minute")
     parser.add_argument(
         "--out", type=Path, default=Path("benchmark_results"), help="folder to write"
     )
@@ -35,51 +48,81 @@ def main():
     threads = ("RAYON_NUM_THREADS", "OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS")
     os.environ |= dict.fromkeys(threads, str(options.threads))
     sys.path[:0] = [str(_ROOT), str(Path(__file__).parent)]
-    measure(options.parts or _PARTS, options.quick, options.out, options.threads)
+    failed = measure(options.parts or _PARTS, options.quick, options.out, options.threads)
+    if failed:
+        sys.exit(f"not measured: {', '.join(failed)}")
 
 
 def measure(names, quick, out, threads):
-    """Measure the parts, then write data, pictures and the page."""
-    from curves import detection, few_lights, page, pictures, probe, results, scale
-
-    import envlights as el
-
-    known = {"lights": few_lights, "probe": probe, "detection": detection, "scale": scale}
-    parts = {name: known[name] for name in names}
+    """Measure the parts one by one, each with its data and picture; return those that failed."""
     worlds = maps(quick)
     machine = {
         "processor": processor(),
         "cores": os.cpu_count(),
         "threads": threads,
         "maps": len(worlds),
+        "quick": quick,
         "date": datetime.date.today().isoformat(),
     }
     folder = out / "benchmarks"
     folder.mkdir(parents=True, exist_ok=True)
-    points = []
-    for name, part in parts.items():
-        for point in part.points(worlds, 3 if quick else 9):
-            points.append(point)
-            print(f"{name}: {point.case}, {point.method} ({point.setting:g})", file=sys.stderr)
-        found = [point for point in points if point.part == name]
-        el.plot.save(pictures.picture(part, found), folder / f"{name}.png")
-    results.write(folder / "results.jsonl", machine, points)
-    text = page.page(machine, parts, points)
+    failed = []
+    for name in names:
+        try:
+            measure_part(name, worlds, machine, folder)
+        except Exception:
+            # The other parts take minutes: one that fails must not take them along.
+            traceback.print_exc()
+            failed.append(name)
+    write_page(out)
+    return failed
+
+
+def measure_part(name, worlds, machine, folder):
+    """Measure one part; write its data, and its picture if it has curves."""
+    from curves import page, pictures, results
+
+    import envlights as el
+
+    part, rows = importlib.import_module(_PARTS[name]), []
+    effort = results.Effort(*(_QUICK if machine["quick"] else _FULL))
+    measured = part.rows if page.is_table(part) else part.points
+    for row in measured(worlds, effort):
+        rows.append(row)
+        print(f"{name}: {', '.join(map(str, tuple(row)[1:4]))}", file=sys.stderr)
+    if not page.is_table(part):
+        el.plot.save(pictures.picture(part, rows), folder / f"{name}.png")
+    results.write(folder / f"{name}.jsonl", machine, rows)
+
+
+def write_page(out):
+    """Write the page of all parts whose data are there."""
+    from curves import page, results
+
+    found = []
+    for name, module in _PARTS.items():
+        path = out / "benchmarks" / f"{name}.jsonl"
+        if path.exists():
+            found.append((name, importlib.import_module(module), *results.read(path)))
+    text = page.page(found)
     (out / "benchmarks.md").write_text(text, encoding="utf-8")
     print(text)
 
 
 def maps(quick):
-    """Maps in memory at 1024x512 or as they are; of a quick run four."""
+    """One or two generated maps, and real ones: one of a quick run, else every third."""
     import numpy as np
     import probes
 
     import envlights as el
 
     real = [path for path in probes.paths() if path.suffix != ".png"]
-    found = {path.stem: el.EnvMap.open(path) for path in (real[2::5] if quick else real)}
+    found = {path.stem: el.EnvMap.open(path) for path in (real[7:8] if quick else real[::3])}
+    # The peers halve the map until it is small.
     found = {name: env for name, env in found.items() if env.height % 128 == 0}
-    generated = {"hall": el.synthetic.hall(512), "hard": el.synthetic.hard(el.synthetic.JUDGING[0])}
+    generated = {"hall": el.synthetic.hall(512)}
+    if not quick:
+        generated["hard"] = el.synthetic.hard(el.synthetic.JUDGING[0])
     for name, world in generated.items():
         found[name] = el.EnvMap(np.ascontiguousarray(world.radiance, np.float32))
     return found

@@ -43,13 +43,22 @@ def otsu_of_the_logarithm(luminance):
     return 1.0001 * np.exp(filters.threshold_otsu(_logarithm(luminance)))
 
 
-def components(threshold):
+def by_scikit_image(bright):
+    return measure.label(bright, connectivity=2)
+
+
+def by_opencv(bright):
+    import cv2
+
+    return cv2.connectedComponents(bright.astype(np.uint8), connectivity=8)[1]
+
+
+def components(threshold, label=by_scikit_image):
     """Threshold and connected components, whole at the seam and the poles."""
 
     def detector(radiance):
         luminance = radiance @ LUMINANCE
-        labels = measure.label(luminance > threshold(luminance), connectivity=2)
-        return measured(radiance, joined(labels))
+        return measured(radiance, joined(label(luminance > threshold(luminance))))
 
     return detector
 
@@ -148,6 +157,7 @@ DETECTORS = {
         method="article", relative=True, move_to_maximum=True, sphere=True, reduction="area"
     ),
     "threshold + components": components(twice_the_90_percent_quantile),
+    "threshold + OpenCV": components(twice_the_90_percent_quantile, by_opencv),
     "Otsu + components": components(otsu_of_the_logarithm),
     "blob_log": blobs,
     "median cut": median_cut,

@@ -14,6 +14,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+from curves.peers_of_transfer import notebook, scikit
 
 import envlights as el
 
@@ -32,53 +33,8 @@ def images():
     return direct, indirect
 
 
-def ours(direct, indirect):
-    return el.TransferModel.fit(direct, indirect, RANK).predict
-
-
-def notebook(direct, indirect):
-    """The notebook's steps with its types and sizes, and `eigh`."""
-    x = direct.reshape(PAIRS, -1).astype(np.float64)
-    norm = np.linalg.norm(x, axis=1, keepdims=True)
-    x /= norm
-    y = indirect.astype(np.float64).transpose(0, 3, 1, 2).reshape(PAIRS, 3, -1)
-    y /= norm[..., None]
-    rows = y.reshape(3 * PAIRS, -1)
-    mean = rows.mean(axis=0, keepdims=True)
-    centred = rows - mean
-    vectors = np.linalg.eigh(centred @ centred.T / (PAIRS - 1))[1][:, ::-1]
-    B = np.linalg.qr((vectors[:, :RANK].T @ centred).T, mode="reduced")[0].T
-    coefficients = (y - mean) @ B.T
-    inverse = np.linalg.pinv(x.T @ x + 1e-3 * np.eye(x.shape[1]))
-    T = np.einsum("ij,jkc->kic", inverse, np.einsum("ji,ikl->jkl", x.T, coefficients))
-
-    def predict(image):
-        length = np.linalg.norm(image)
-        p = image.ravel() / length
-        z = B.T @ np.stack([p @ T[channel] for channel in range(3)]).T + mean.T
-        return length * z.reshape(SIZE, SIZE, 3)
-
-    return predict
-
-
-def scikit(direct, indirect):
-    """PCA and ridge, in float32."""
-    from sklearn.decomposition import PCA
-    from sklearn.linear_model import Ridge
-
-    norm = np.linalg.norm(direct.reshape(PAIRS, -1), axis=1, keepdims=True)
-    x = direct.reshape(PAIRS, -1) / norm
-    rows = np.moveaxis(indirect, -1, 1).reshape(3 * PAIRS, -1) / np.repeat(norm, 3, axis=0)
-    pca = PCA(RANK, svd_solver="randomized", random_state=0)
-    coefficients = pca.fit_transform(rows).reshape(PAIRS, -1)
-    ridge = Ridge(1e-3).fit(x, coefficients)
-
-    def predict(image):
-        length = np.linalg.norm(image)
-        found = ridge.predict(image.reshape(1, -1) / length).reshape(3, RANK)
-        return length * np.moveaxis(pca.inverse_transform(found).reshape(3, SIZE, SIZE), 0, -1)
-
-    return predict
+def ours(direct, indirect, rank):
+    return el.TransferModel.fit(direct, indirect, rank).predict
 
 
 def measure(fit, answers):
@@ -86,7 +42,7 @@ def measure(fit, answers):
     direct, indirect = images()
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     start = time.perf_counter()
-    predict = fit(direct, indirect)
+    predict = fit(direct, indirect, RANK)
     fitted = time.perf_counter() - start
     grown = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024
     frames = []

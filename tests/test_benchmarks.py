@@ -1,14 +1,16 @@
 """What the benchmarks judge by, and the peers that they compare with."""
 
+import json
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import envlights as el
-from tests.helpers import flux
+from tests.helpers import angle_deg, flux
 
 ROOT = Path(__file__).parents[1]
 
@@ -74,4 +76,62 @@ def test_the_command_names_its_parts():
     command = [sys.executable, "-m", "benchmarks", "nonsense"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 2
-    assert "unknown part nonsense; there are lights, probe, detection, scale" in done.stderr
+    assert "unknown part nonsense; there are lights, probe, detection, transfer" in done.stderr
+
+
+def test_each_part_is_measured_alone_and_stays_on_the_page(tmp_path):
+    """What an earlier run left is shown again: a long run can be taken up part by part."""
+    parts = tmp_path / "benchmarks"
+    parts.mkdir()
+    machine = {"processor": "none", "cores": 1, "threads": 1, "maps": 0, "quick": True, "date": "x"}
+    row = {"part": "probe", "case": "a", "method": "exact", "setting": 0.0, "seconds": 0.1}
+    left = [machine, row | {"spread": 0.0, "errors": {"probe": 1e-7}}]
+    (parts / "probe.jsonl").write_text("".join(json.dumps(line) + "\n" for line in left))
+    command = [sys.executable, "-m", "benchmarks", "stress", "--quick", "--out", str(tmp_path)]
+    subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
+    page = (tmp_path / "benchmarks.md").read_text()
+    assert "| exact | 0 | 100 ms | 0 % | 1e-07 |" in page
+    assert "a sun of one pixel at the upper pole" in page
+    assert " NO " not in page
+
+
+def test_what_is_better_in_both_is_told(curves):
+    """A peer that wins, one that nothing of ours beats, and one that loses."""
+    results, page = curves["results"], curves["page"]
+    part = SimpleNamespace(
+        __doc__="Doc.",
+        TITLE="T",
+        ERRORS={"probe": "error"},
+        OURS=("ours",),
+        are_comparable=lambda our, their: True,
+    )
+    rows = [("ours", 1.0, 0.1), ("wins", 0.5, 0.05), ("fast", 0.5, 0.2), ("loses", 2.0, 0.2)]
+    points = [
+        results.Point("p", "a", name, 1, seconds, 0.0, {"probe": error})
+        for name, seconds, error in rows
+    ]
+    machine = {"processor": "none", "cores": 1, "threads": 1, "maps": 0, "quick": True, "date": "x"}
+    text = page.page([("p", part, machine, points)])
+    assert "more accurate than ours, error: wins (1) against ours (1) on 1 of 1." in text
+    assert "beats in both, error: fast (1) on 1 of 1; wins (1) on 1 of 1." in text
+
+
+def test_mksource_finds_a_sun(curves):
+    pytest.importorskip("pyradiance")
+    radiance = np.full((64, 128, 3), 0.1, np.float32)
+    radiance[20:22, 30:32] = 500, 400, 300
+    found = curves["peers"].by_mksource(radiance, 2.0)
+    towards = el.kernels.pixel_directions(64, 128)[20:22, 30:32].mean(axis=(0, 1))
+    assert angle_deg(found.lights.direction[0], towards / np.linalg.norm(towards)) < 3
+    whole = found.lights.irradiance.sum(axis=0) + 4 * np.pi * found.ambient
+    np.testing.assert_allclose(whole, flux(radiance), rtol=1e-3)
+
+
+def test_a_probe_of_mitsuba_tends_to_ours(curves, env):
+    pytest.importorskip("mitsuba")
+    from curves.mitsuba_probe import Probe
+
+    normals, _ = el.kernels.icosphere(20)
+    probe, wanted = Probe(env.radiance, normals, 1), env.probe(normals)
+    few, many = (np.linalg.norm(probe.render(n) - wanted) for n in (64, 4096))
+    assert many < min(few / 3, 0.03 * np.linalg.norm(wanted))

@@ -1,13 +1,15 @@
 """Few lights for a map: run time against two errors, that of a white probe and that of its shadows.
 
-Each method begins with the map in memory, 1024x512 float32, and ends with its lights.
+Each method begins with the map in memory, float32, and ends with its lights. Settings are numbers
+of lights; of harmonics alone, their order; of Radiance's `mksource`, its threshold over the mean,
+and its time has the files that it needs.
 """
 
 from functools import partial
 
 from curves import peers_of_lights as peers
 from curves.judge import Judge
-from curves.results import Point, timed
+from curves.results import Point, those_installed, timed
 
 import envlights as el
 
@@ -15,7 +17,7 @@ TITLE = "Few lights for a map"
 READ = ": left is faster, down is more accurate"
 ERRORS = {"probe": "error of a white probe", "shadows": "error where things cast shadows"}
 #: What the settings count, and whose settings count something else.
-COUNTED, UNCOUNTED = "lights", ("harmonics, projected",)
+COUNTED, UNCOUNTED = "lights", ("harmonics, projected", "mksource")
 FEW = (1, 2, 4, 8, 16)
 MANY = (4, 16, 64, 256)
 
@@ -27,6 +29,7 @@ def ours(radiance, lights, **options):
 OURS = ("fit", "fit, points", "fit, harmonics")
 
 #: By name: numbers of lights, and what finds them.
+NEEDS = {"k-means": "sklearn", "JAXopt": "jaxopt", "mksource": "pyradiance"}
 METHODS = {
     "fit": (FEW, ours),
     "fit, points": (FEW, partial(ours, sizes=False)),
@@ -38,15 +41,17 @@ METHODS = {
     "harmonics, projected": ((2, 4), peers.projected_harmonics),
     "SciPy, bounded": (FEW[:4], peers.by_scipy),
     "JAXopt": (FEW[:4], peers.by_jaxopt),
+    "mksource": (peers.THRESHOLDS, peers.by_mksource),
 }
+METHODS = those_installed(METHODS, NEEDS)
 
 
 def are_comparable(our, their):
-    """Whether the peer has no more lights; harmonics have none."""
-    return their.method == "harmonics, projected" or their.setting <= our.setting
+    """Whether the peer has no more lights; harmonics have none, of `mksource` nobody can ask."""
+    return their.method in UNCOUNTED or their.setting <= our.setting
 
 
-def points(maps, rounds):
+def points(maps, effort):
     """Yield a point for each map, method and number of lights."""
     for name, env in maps.items():
         judge = Judge(env)
@@ -57,7 +62,7 @@ def points(maps, rounds):
         }
         # The first call also compiles, where a method does.
         answers = {key: find() for key, find in work.items()}
-        seconds = timed(work, rounds)
+        seconds = timed(work, effort)
         for (method, setting), answer in answers.items():
             errors = {"probe": judge.probe_error(answer), "shadows": judge.shadow_error(answer)}
             yield Point("lights", name, method, setting, *seconds[method, setting], errors)

@@ -1,35 +1,59 @@
 """`docs/benchmarks.md`, from the results alone."""
 
-from itertools import product
-
 import numpy as np
 from curves.results import curves
 
 _HEAD = """# Run time against error
 
-`python -m benchmarks --out docs` measures everything on this page, and writes it. {machine}
+`python -m benchmarks --out docs` measures everything on this page, and writes it; with the names of
+parts, it measures those anew. Each part says on what machine it was measured.
 
 Within a part all methods take turns in one process, warmed up. Times are medians over the rounds;
 times and errors are geometric means over the cases. The spread is half the distance of the
-quartiles over the median, at worst. Compare ratios: the times are those of this machine.
+quartiles over the median, at worst. Compare ratios: the times are those of one machine.
 """
 
 
-def page(machine, parts, points):
-    """The page; `parts` are the modules that were run, by name."""
-    threads, cores = machine["threads"], machine["cores"]
-    where = f"{machine['processor']}, {cores} cores, {threads} threads, {machine['maps']} maps"
-    text = [_HEAD.format(machine=f"This is {where}, on {machine['date']}.")]
-    for name, part in parts.items():
-        found = [point for point in points if point.part == name]
-        text += [
-            f"\n## {part.TITLE}\n",
-            f"{_first_lines(part)}\n",
-            f"![{part.TITLE}](benchmarks/{name}.png)\n",
-        ]
-        text += _table(part.ERRORS, found)
-        text += _losses(part, part.ERRORS, found) if part.ERRORS else _slopes(found)
+def page(found):
+    """The page; `found` has for each part its name, module, machine and rows."""
+    text = [_HEAD]
+    for name, part, machine, rows in found:
+        text += [f"\n## {part.TITLE}\n", f"{_first_lines(part)}\n", f"{_measured_on(machine)}\n"]
+        text += _table_of_rows(rows) if is_table(part) else _curves(name, part, rows)
     return "\n".join(text).rstrip() + "\n"
+
+
+def is_table(part):
+    """Whether a part has rows in place of curves."""
+    return hasattr(part, "rows")
+
+
+def _measured_on(machine):
+    threads, cores, maps = machine["threads"], machine["cores"], machine["maps"]
+    few = "; a quick run, with few rounds" if machine["quick"] else ""
+    return (
+        f"Measured on {machine['date']}: {machine['processor']}, {cores} cores, of which"
+        f" {threads} were used, {maps} maps{few}."
+    )
+
+
+def _curves(name, part, points):
+    """The picture, the table, and what is lost."""
+    text = [f"![{part.TITLE}](benchmarks/{name}.png)\n", *_table(part.ERRORS, points)]
+    return text + (_losses(part, part.ERRORS, points) if part.ERRORS else _slopes(points))
+
+
+def _table_of_rows(rows):
+    """A table whose columns are the keys of the first row."""
+    if not rows:
+        return ["Nothing to measure here."]
+    head = list(rows[0])
+    text = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+    return text + ["| " + " | ".join(_cell(row[key]) for key in head) + " |" for row in rows]
+
+
+def _cell(value):
+    return f"{value:.2g}" if isinstance(value, float) else str(value)
 
 
 def _first_lines(part):
@@ -57,41 +81,47 @@ def _row(method, setting, seconds, spread, values):
 
 
 def _losses(part, errors, points):
-    """A sentence for each error: which peers are faster and more accurate than ours, and where."""
+    """Two sentences for each error: which peers beat ours, and which are beaten by none of ours."""
     cases = len({point.case for point in points})
     text = []
     for error, label in errors.items():
-        found = {}
-        for our, their in product(points, repeat=2):
-            if _is_beaten(part, error, our, their):
-                found.setdefault((their.method, their.setting, our.method), set()).add(our.case)
-        rows = [
-            f"{their} ({setting:g}) against {our} on {len(on)} of {cases}"
-            for (their, setting, our), on in sorted(found.items())
-        ]
-        said = "; ".join(rows) or "nowhere"
-        text.append(f"\nFaster and more accurate than ours, {label}: {said}.")
+        beaten, unbeaten = {}, {}
+        ours = [point for point in points if point.method in part.OURS]
+        for their in (point for point in points if point.method not in part.OURS):
+            rivals = [our for our in ours if our.case == their.case]
+            name = f"{their.method} ({their.setting:g})"
+            for our in rivals:
+                if part.are_comparable(our, their) and _is_better(their, our, error):
+                    key = f"{name} against {our.method} ({our.setting:g})"
+                    beaten.setdefault(key, set()).add(our.case)
+            if not any(_is_better(our, their, error) for our in rivals):
+                unbeaten.setdefault(name, set()).add(their.case)
+        text.append(f"\nFaster and more accurate than ours, {label}: {_said(beaten, cases)}.")
+        text.append(f"\nPeers that none of ours beats in both, {label}: {_said(unbeaten, cases)}.")
     return text
 
 
-def _is_beaten(part, error, our, their):
-    """Whether `their` is faster and more accurate on the same case, with no more lights."""
-    return (
-        our.method in part.OURS
-        and their.method not in part.OURS
-        and our.case == their.case
-        and part.are_comparable(our, their)
-        and their.seconds < our.seconds
-        and their.errors[error] < our.errors[error]
-    )
+def _said(found, cases):
+    rows = [f"{name} on {len(on)} of {cases}" for name, on in sorted(found.items())]
+    return "; ".join(rows) or "none"
+
+
+def _is_better(one, other, error):
+    """Whether a point is faster and more accurate than another."""
+    return one.seconds < other.seconds and one.errors[error] < other.errors[error]
 
 
 def _slopes(points):
-    """The exponent of each method between the two largest maps."""
-    text = ["\nExponent of the run time in the number of pixels, between the two largest maps:"]
-    for method in dict.fromkeys(point.method for point in points):
-        (few, fast), (many, slow) = [(p.setting, p.seconds) for p in points if p.method == method][
-            -2:
-        ]
-        text.append(f"{method} {np.log(slow / fast) / np.log(many / few):.2f};")
+    """Slopes over the larger maps, and how near the largest comes to the measured bandwidth."""
+    text = [
+        "\nExponent of the run time in the number of pixels, a line through the three largest maps;"
+        " in brackets the share of the bandwidth that `array.max()` has on the largest:"
+    ]
+    seconds = {}
+    for point in points:
+        seconds.setdefault(point.method, []).append((point.setting, point.seconds))
+    _, one_pass = seconds["array.max()"][-1]
+    for method, sizes in seconds.items():
+        slope, _ = np.polyfit(*np.log(sizes[-3:]).T, 1)
+        text.append(f"{method} {slope:.2f} ({100 * one_pass / sizes[-1][1]:.0f} %);")
     return [" ".join(text).rstrip(";") + "."]

@@ -1,13 +1,16 @@
 """Other ways to a few lights for a map, each as one would write it with NumPy and its library."""
 
 import heapq
+import os
+import subprocess
+import tempfile
 from functools import cache
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 from curves.judge import Surroundings
 from scipy.special import sph_harm_y
-from sklearn.cluster import KMeans
 from tests.helpers import NORMALS, SOLID_ANGLES
 from tests.reference import peers
 
@@ -17,6 +20,8 @@ from envlights.kernels.image import LUMINANCE
 
 #: Rows that k-means works on: more take longer than a minute.
 _ROWS = 64
+#: Of `mksource`: its own is 2; below 1 it takes what is darker than the mean, too.
+THRESHOLDS = (0.5, 2.0, 8.0)
 
 
 @cache
@@ -113,6 +118,8 @@ def _parts(region, is_across, at):
 
 def k_means(radiance, count):
     """scikit-learn's k-means on pixels of a reduced map, weighted by flux."""
+    from sklearn.cluster import KMeans
+
     step = max(1, len(radiance) // _ROWS)
     small = radiance.reshape(len(radiance) // step, step, -1, step, 3).mean(axis=(1, 3))
     directions, solid_angles = sphere(len(small))
@@ -205,3 +212,41 @@ def _solved(radiance, lights, solve):
     # Without bounds a radiance may end below zero, which no renderer takes.
     found = points(direction, scale * np.maximum(irradiance, 0))
     return SimpleNamespace(lights=found.lights, ambient=scale * np.maximum(ambient, 0))
+
+
+def by_mksource(radiance, threshold):
+    """Radiance's `mksource`, with its sources as discs, and all other flux as an even ambient term.
+
+    Larson, "mksource": sources for the bright parts of an environment, at most 10 degrees wide.
+    """
+    import pyradiance
+
+    home = Path(pyradiance.__file__).parent
+    with tempfile.TemporaryDirectory() as folder:
+        path, octree = Path(folder, "map.rad"), Path(folder, "map.oct")
+        nothing = el.Lights(np.zeros((0, 3)), np.zeros((0, 3)))
+        nothing.save(path, environment=el.EnvMap(radiance))
+        search = {"cwd": folder, "env": os.environ | {"RAYPATH": f".:{home / 'lib'}"}}
+        with octree.open("wb") as file:
+            subprocess.run([home / "bin/oconv", path], stdout=file, check=True, **search)
+        command = [home / "bin/mksource", "-d", "20000", "-t", str(threshold), octree]
+        text = subprocess.check_output(command, text=True, **search)
+    return _with_the_rest(radiance, *_sources(text))
+
+
+def _sources(text):
+    """Directions, radiances and angular radii of the sources in a scene of Radiance."""
+    rows = [line.split() for line in text.splitlines()]
+    colours = [row[1:] for row in rows if row[:1] == ["3"]]
+    places = np.array([row[1:] for row in rows if row[:1] == ["4"]], float).reshape(-1, 4)
+    towards = el.export.AXES["radiance"].from_target(places[:, :3])
+    return towards, np.array(colours, float).reshape(-1, 3), np.deg2rad(places[:, 3]) / 2
+
+
+def _with_the_rest(radiance, towards, colours, radii):
+    """Discs, and an ambient term of all the flux that they leave."""
+    flux = colours * (np.pi * np.sin(radii) ** 2)[:, None]
+    _, solid_angles = sphere(len(radiance))
+    left = (radiance * solid_angles[..., None]).sum(axis=(0, 1)) - flux.sum(axis=0)
+    ambient = np.maximum(left, 0) / (4 * np.pi)
+    return SimpleNamespace(lights=el.Lights(towards, flux, radii), ambient=ambient)

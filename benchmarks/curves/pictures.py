@@ -14,15 +14,20 @@ def picture(part, points):
     Without errors, the run time over the setting.
     """
     panels = _panels(part, points)
-    size = (_WIDTH * len(panels) + 1.6, _HEIGHT)
-    figure = Figure(figsize=size, layout="constrained")
-    every = figure.subplots(1, len(panels), squeeze=False)[0]
+    across = 2 if len(panels) == 4 else len(panels)
+    down = len(panels) // across
+    figure = Figure(figsize=(_WIDTH * across + 1.6, _HEIGHT * down), layout="constrained")
+    every = figure.subplots(down, across, squeeze=False).ravel()
+    colours = _colours(point.method for point in points)
     for axes, (across, up, lines) in zip(every, panels, strict=True):
-        for index, (method, rows) in enumerate(lines.items()):
-            _line(axes, rows, _style(index, method in part.OURS), method)
+        for method, rows in lines.items():
+            _line(axes, rows, _style(colours[method], method in part.OURS), method)
         axes.set(xscale="log", yscale="log", xlabel=across, ylabel=up)
-        axes.xaxis.set_minor_formatter(NullFormatter())
-        axes.yaxis.set_minor_formatter(NullFormatter())
+        for axis in (axes.xaxis, axes.yaxis):
+            low, high = axis.get_view_interval()
+            # Within a decade there may be no other numbers.
+            if high > 10 * low:
+                axis.set_minor_formatter(NullFormatter())
         axes.grid(which="both", alpha=0.2)
     handles, labels = every[0].get_legend_handles_labels()
     figure.legend(handles, labels, fontsize=8, loc="outside right center")
@@ -63,7 +68,12 @@ def _line(axes, rows, style, label):
             axes.annotate(beside, (x, y), (3, 3), textcoords="offset points", fontsize=7)
 
 
-def _style(index, is_ours):
-    colour = mpl.colormaps["tab10"](index % 10)
+def _colours(methods):
+    """A colour for each method, the same in all panels."""
+    every = [*mpl.colormaps["tab10"].colors, "black"]
+    return {method: every[i % len(every)] for i, method in enumerate(dict.fromkeys(methods))}
+
+
+def _style(colour, is_ours):
     width, dash = (2.5, "-") if is_ours else (1.2, "--")
     return {"color": colour, "linewidth": width, "linestyle": dash, "marker": "o", "markersize": 4}

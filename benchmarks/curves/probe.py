@@ -1,6 +1,13 @@
-"""The probe of a map at 320 normals: run time against error."""
+"""The probe of a map at 320 normals: run time against error.
 
+Settings are columns of a reduced map, of harmonics the order, of Monte Carlo and of Mitsuba samples
+at each normal. Mitsuba has a meter on each normal, its scalar variant, and its scene made before.
+The truth is a sum over all pixels, each in 4x4 parts.
+"""
+
+import os
 from functools import partial
+from importlib.util import find_spec
 
 import numpy as np
 from curves.peers_of_lights import projected_harmonics, sphere
@@ -16,6 +23,7 @@ ERRORS = {"probe": "error at 320 normals"}
 COUNTED = None
 OURS = ("exact", "working map")
 COLUMNS = (32, 64, 128, 256, 512, 1024)
+SAMPLES = (16, 256, 4096)
 
 
 def exact(radiance, _):
@@ -55,7 +63,7 @@ METHODS = {
     "working map": (COLUMNS, working),
     "all pixels": (COLUMNS[:5], brute_force),
     "harmonics": ((2, 4), harmonics),
-    "Monte Carlo": ((16, 256, 4096), drawn),
+    "Monte Carlo": (SAMPLES, drawn),
 }
 
 
@@ -64,23 +72,30 @@ def are_comparable(our, their):
     return our.case == their.case
 
 
-def points(maps, rounds):
+def points(maps, effort):
     """Yield a point for each map, method and setting; `exact` is judged by all pixels, halved."""
+    has_mitsuba = find_spec("mitsuba") is not None
     for name, env in maps.items():
-        wanted = reference(env.radiance)
+        wanted = reference(env.radiance, parts=2 if effort.is_quick else 4)
         work = {
             (method, setting): partial(find, env.radiance, setting)
             for method, (settings, find) in METHODS.items()
             for setting in settings
         }
+        if has_mitsuba:
+            from curves.mitsuba_probe import Probe
+
+            # Its scene is made beforehand: only rendering counts.
+            render = Probe(env.radiance, NORMALS, int(os.environ["RAYON_NUM_THREADS"])).render
+            work |= {("Mitsuba", count): partial(render, count) for count in SAMPLES}
         answers = {key: find() for key, find in work.items()}
-        seconds = timed(work, rounds)
+        seconds = timed(work, effort)
         for (method, setting), seen in answers.items():
             errors = {"probe": kernels.relative_rms(seen, wanted, SOLID_ANGLES)}
             yield Point("probe", name, method, setting, *seconds[method, setting], errors)
 
 
-def reference(radiance, parts=4):
+def reference(radiance, parts):
     """Each pixel in parts x parts pieces, which sums over the pixels of their own tend to."""
     height = parts * len(radiance)
     total = np.zeros((len(NORMALS), 3))

@@ -1,6 +1,7 @@
-"""Points of run time against error, kept as JSON lines."""
+"""Points of run time against error, and rows of tables, kept as JSON lines."""
 
 import json
+from importlib.util import find_spec
 from typing import NamedTuple
 
 import numpy as np
@@ -24,25 +25,46 @@ class Point(NamedTuple):
     """Relative errors by their names."""
 
 
-def timed(work, rounds):
+class Effort(NamedTuple):
+    """What a case may cost: rounds, of which three are made in any case, and seconds of them."""
+
+    rounds: int
+    seconds: float
+
+    @property
+    def is_quick(self):
+        """Whether a case may be made smaller."""
+        return self.rounds < 5
+
+
+def those_installed(methods, needs):
+    """The methods whose packages are here; `needs` names the package of some."""
+    return {
+        name: method
+        for name, method in methods.items()
+        if name not in needs or find_spec(needs[name]) is not None
+    }
+
+
+def timed(work, effort):
     """Median seconds and spread of each piece of work."""
     found = {}
-    for name, seconds in all_seconds(work, rounds, patience=np.inf).items():
+    for name, seconds in all_seconds(work, effort.rounds, effort.seconds).items():
         low, median, high = np.percentile(seconds, [25, 50, 75])
         found[name] = float(median), float((high - low) / 2 / median)
     return found
 
 
-def write(path, machine, points):
-    """A line of the machine, and a line for each point."""
-    lines = [machine, *(point._asdict() for point in points)]
+def write(path, machine, rows):
+    """A line of the machine, and a line for each point or row of a table."""
+    lines = [machine, *(row._asdict() if isinstance(row, Point) else row for row in rows)]
     path.write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
 
 
 def read(path):
-    """The machine and the points of a file that `write` made."""
+    """The machine, and the points or rows of a file that `write` made."""
     machine, *rows = map(json.loads, path.read_text(encoding="utf-8").splitlines())
-    return machine, [Point(**row) for row in rows]
+    return machine, [Point(**row) if "seconds" in row and "setting" in row else row for row in rows]
 
 
 def curves(points, error):

@@ -25,7 +25,7 @@ METHODS = {
 }
 
 
-def points(_, rounds):
+def points(_, effort):
     """Yield a point for each method and height of a map with a sun; the setting is its pixels."""
     small = el.synthetic.hall(HEIGHTS[0]).radiance
     for height in HEIGHTS:
@@ -34,5 +34,5 @@ def points(_, rounds):
         work = {method: partial(run, radiance) for method, run in METHODS.items()}
         for run in work.values():
             run()
-        for method, (seconds, spread) in timed(work, rounds).items():
+        for method, (seconds, spread) in timed(work, effort).items():
             yield Point("scale", "hall", method, 2 * height**2, seconds, spread, {})

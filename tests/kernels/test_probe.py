@@ -49,23 +49,13 @@ def test_a_constant_sky_gives_pi(height, bound, registration):
     np.testing.assert_allclose(received, np.pi * 0.25, rtol=bound)
 
 
-def vector_solid_angle(row, column, height, width):
-    """Integral of the direction over a pixel, from the antiderivatives in theta and phi."""
-    t0, t1 = np.pi * np.array([row, row + 1]) / height
-    p0, p1 = 2 * np.pi * np.array([column, column + 1]) / width
-    equatorial = (t1 - t0) / 2 - (np.sin(2 * t1) - np.sin(2 * t0)) / 4
-    polar = (np.sin(t1) ** 2 - np.sin(t0) ** 2) / 2
-    x, z = np.cos(p0) - np.cos(p1), np.sin(p0) - np.sin(p1)
-    return np.array([x * equatorial, polar * (p1 - p0), z * equatorial])
-
-
 @pytest.mark.parametrize(
     ("row", "column"), [(0, 5), (63, 5), (20, 0), (20, 127), (32, 64), (40, 90)]
 )
 def test_one_pixel_gives_its_flux_times_the_cosine(row, column):
     radiance = np.zeros((64, 128, 3), np.float32)
     radiance[row, column] = 1000, 500, 250
-    expected = NORMALS @ vector_solid_angle(row, column, 64, 128)[:, None] * [1000, 500, 250]
+    expected = NORMALS @ cells.vector_solid_angle(row, column, 64, 128)[:, None] * [1000, 500, 250]
     received = el.EnvMap(radiance).probe(NORMALS)
     # Only where the horizon cuts the pixel does its part behind it not count.
     cosine = NORMALS @ kernels.pixel_directions(64, 128)[row, column]

@@ -39,3 +39,13 @@ def edges(count, whole, *, outer_halves):
         return whole * np.arange(count + 1) / count
     between = (np.arange(count - 1) + 0.5) / (count - 1)
     return whole * np.concatenate([[0], between, [1]])
+
+
+def vector_solid_angle(row, column, height, width):
+    """Integral of the direction over a pixel, from the antiderivatives in theta and phi."""
+    t0, t1 = np.pi * np.array([row, row + 1]) / height
+    p0, p1 = 2 * np.pi * np.array([column, column + 1]) / width
+    equatorial = (t1 - t0) / 2 - (np.sin(2 * t1) - np.sin(2 * t0)) / 4
+    polar = (np.sin(t1) ** 2 - np.sin(t0) ** 2) / 2
+    x, z = np.cos(p0) - np.cos(p1), np.sin(p0) - np.sin(p1)
+    return np.array([x * equatorial, polar * (p1 - p0), z * equatorial])

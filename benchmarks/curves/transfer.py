@@ -1,0 +1,98 @@
+"""Indirect light from direct light: run time of a frame against the error on unseen lights.
+
+The error is the median of the relative errors of the unseen images. The second panel has the time
+of a fit. Settings are ranks; of `fewer pairs` their number, and of `smaller direct` texels along a
+side of the direct image, both at rank 32. All have the ridge 1e-3 but `ridge="loo"`, and the same
+pairs: the generated room without noise, 64x64, and the database in `ENVLIGHTS_TRANSFER_DB`, if any.
+"""
+
+import os
+from functools import partial
+
+import numpy as np
+from curves.peers_of_transfer import notebook, scikit
+from curves.results import Point, those_installed, timed
+from stopwatch import least_seconds
+from tests.helpers import relative_errors
+
+import envlights as el
+
+TITLE = "Indirect light"
+READ = ": left is faster, down is better"
+ERRORS = {"unseen": "error on unseen lights", "fit": "seconds of a fit"}
+COUNTED = None
+OURS = ("TransferModel", 'ridge="loo"', "compressed", "fewer pairs", "smaller direct")
+RANKS, RANK = (4, 8, 16, 32), 32
+#: Pairs of the room, and the share of all pairs that is learnt.
+PAIRS, LEARNT = 96, 0.75
+
+
+def ours(direct, indirect, rank, **options):
+    return el.TransferModel.fit(direct, indirect, rank, **options).predict
+
+
+def compressed(direct, indirect, rank):
+    return el.TransferModel.fit(direct, indirect, rank).compressed().predict
+
+
+def of_fewer_pairs(direct, indirect, pairs):
+    return ours(direct[:pairs], indirect[:pairs], RANK)
+
+
+def of_smaller_direct(direct, indirect, side):
+    predict = ours(reduced(direct, side), indirect, RANK)
+    return lambda image: predict(reduced(image[None], side)[0])
+
+
+def reduced(images, side):
+    """Images of direct light in fewer texels, each the mean of a block."""
+    count, height, width, _ = images.shape
+    return images.reshape(count, side, height // side, side, width // side, 3).mean(axis=(2, 4))
+
+
+METHODS = {
+    "TransferModel": (RANKS, ours),
+    'ridge="loo"': (RANKS, partial(ours, ridge="loo")),
+    "compressed": (RANKS, compressed),
+    "fewer pairs": ((12, 24, 36), of_fewer_pairs),
+    "smaller direct": ((2, 4, 8), of_smaller_direct),
+    "notebook": (RANKS, notebook),
+    "scikit-learn": (RANKS, scikit),
+}
+METHODS = those_installed(METHODS, {"scikit-learn": "sklearn"})
+
+
+def are_comparable(our, their):
+    """At the same rank, or where ours has the rank of all others."""
+    return our.setting == their.setting or (our.method in OURS[3:] and their.setting == RANK)
+
+
+def points(_, effort):
+    """Yield a point for each data set, method and setting."""
+    for name, direct, indirect in data():
+        learnt = int(LEARNT * len(direct))
+        new, truth = direct[learnt:], indirect[learnt:]
+        fits = {
+            (method, setting): partial(fit, direct[:learnt], indirect[:learnt], setting)
+            for method, (settings, fit) in METHODS.items()
+            for setting in settings
+        }
+        models = {key: fit() for key, fit in fits.items()}
+        fitted = least_seconds(fits, rounds=3, patience=effort.seconds)
+        frames = {key: partial(model, new[0]) for key, model in models.items()}
+        seconds = timed(frames, effort._replace(rounds=3 * effort.rounds))
+        for (method, setting), model in models.items():
+            seen = np.stack([model(image) for image in new])
+            unseen = float(np.median(relative_errors(seen, truth)))
+            errors = {"unseen": unseen, "fit": fitted[method, setting]}
+            yield Point("transfer", name, method, setting, *seconds[method, setting], errors)
+
+
+def data():
+    """Names, and pairs in float32."""
+    room = el.synthetic.room(PAIRS, width=64)
+    yield "room", room.direct, room.indirect
+    if folder := os.environ.get("ENVLIGHTS_TRANSFER_DB"):
+        pairs = el.read_pairs(folder)
+        both = (np.asarray(each, np.float32) for each in (pairs.direct, pairs.indirect))
+        yield "database", *both

@@ -1,0 +1,249 @@
+"""Maps and lights at the ends of what numbers and places there are."""
+
+from functools import cache, partial
+
+import numpy as np
+
+import envlights as el
+from envlights import kernels
+from tests.fitting import worst_cases
+from tests.helpers import NORMALS, SOLID_ANGLES, angle_deg
+from tests.reference import cells
+from tests.stress.case import U32, U64, Case
+
+_FEW = NORMALS[::4]
+
+
+@cache
+def _room(height=16, stops=4, seed=5):
+    rng = np.random.default_rng(seed)
+    return np.exp2(rng.uniform(0, stops, (height, 2 * height, 3))).astype(np.float32)
+
+
+def _probe(radiance):
+    return el.EnvMap(radiance).probe(_FEW)
+
+
+def _relative(found, wanted):
+    return float(np.abs(found / wanted - 1).max())
+
+
+def _scaled_probe(scale):
+    radiance = _room(64)
+    scaled = radiance.astype(float) * scale
+    return _relative(_probe(scaled.astype(np.float32)) / scale, _probe(radiance))
+
+
+def _scaled_fit(scale):
+    """Of direction, in radians, and of irradiance."""
+    radiance = el.synthetic.hall(64).radiance.astype(float)
+    one, other = (el.fit((radiance * s).astype(np.float32), 2, sizes=False) for s in (1, scale))
+    turned = np.deg2rad(angle_deg(one.lights.direction, other.lights.direction)).max()
+    return max(float(turned), _relative(other.lights.irradiance / scale, one.lights.irradiance))
+
+
+def _scaled_detection(scale):
+    radiance = el.synthetic.hall(64).radiance.astype(float)
+    one, other = (el.detect((radiance * s).astype(np.float32)) for s in (1, scale))
+    if len(one) != len(other):
+        return np.inf
+    turned = np.deg2rad(angle_deg(one.direction, other.direction)).max()
+    return max(float(turned), _relative(other.irradiance / scale, one.irradiance))
+
+
+def _range_probe(stops):
+    """Against an integral over the cells, one by one."""
+    radiance = _room(8, stops)
+    return _relative(_probe(radiance), cells.irradiance(radiance, _FEW))
+
+
+def _range_of_a_sun(stops):
+    """The room behind a sun, on the side that the sun does not light."""
+    room = _room(64)
+    sunny = room.copy()
+    room[0, 0] = 0
+    sunny[0, 0] = 2.0**stops
+    behind = NORMALS[NORMALS[:, 1] < -0.1]
+    seen, wanted = (el.EnvMap(each).probe(behind) for each in (sunny, room))
+    return _relative(seen, wanted)
+
+
+#: Row and column of a sun of one pixel, on a map of 64x128.
+PLACES = {
+    "the upper pole": (0, 77),
+    "the lower pole": (63, 77),
+    "the seam, left": (31, 0),
+    "the seam, right": (32, 127),
+    "the corner of seam and pole": (0, 0),
+    "the other corner": (63, 127),
+    "the middle": (32, 64),
+}
+
+
+def _sun(row, column):
+    radiance = np.zeros((64, 128, 3), np.float32)
+    radiance[row, column] = 1e6, 2e6, 3e6
+    flux = radiance[row, column] * kernels.pixel_solid_angles(64, 128)[row, 0]
+    return radiance, kernels.pixel_directions(64, 128)[row, column], flux
+
+
+def _sun_of_the_probe(row, column):
+    """Where the horizon does not cut the pixel: the flux of the whole pixel, a vector."""
+    radiance, towards, _ = _sun(row, column)
+    normals = NORMALS[NORMALS @ towards > 0.1]
+    vector = cells.vector_solid_angle(row, column, 64, 128)
+    wanted = (normals @ vector)[:, None] * radiance[row, column]
+    return _relative(el.EnvMap(radiance).probe(normals), wanted)
+
+
+def _sun_that_is_found(find, row, column):
+    radiance, towards, flux = _sun(row, column)
+    lights = find(radiance)
+    if len(lights) != 1:
+        return np.inf
+    turned = np.deg2rad(angle_deg(lights.direction[0], towards))
+    return max(float(turned), _relative(lights.irradiance[0], flux))
+
+
+def _fitted_point(radiance):
+    return el.fit(radiance, 1, ambient="none", sizes=False).lights
+
+
+def _explained(case, lights):
+    """The error of a probe that those lights explain, and infinite where the answer is unusable."""
+    irradiance = worst_cases.cases()[case]
+    rig = el.fit_probe(NORMALS, irradiance, lights, weights=SOLID_ANGLES)
+    usable = np.isfinite(rig.lights.direction).all() and (rig.lights.irradiance >= 0).all()
+    return rig.error if usable else np.inf
+
+
+def _detected_apart(degrees):
+    """Flux of two suns on neighbouring pixels or opposite each other, however many are told."""
+    radiance = np.zeros((512, 1024, 3), np.float32)
+    radiance[200, 300] = 1e5
+    beside = (200, 301) if degrees < 1 else (311, 812)
+    radiance[beside] = 1e5
+    wanted = (radiance * kernels.pixel_solid_angles(512, 1024)[..., None]).sum(axis=(0, 1))
+    lights = el.detect(radiance)
+    right = 1 if degrees < 1 else 2
+    found = lights.irradiance.sum(axis=0)
+    return _relative(found, wanted) if len(lights) == right else np.inf
+
+
+_ROUNDED = 8 * U32
+SCALES = (1e-38, 1e-20, 1e20, 1e35)
+
+CASES = [
+    *(
+        Case(
+            "scale",
+            f"probe of a map times {s:g}",
+            _ROUNDED,
+            "bound 5: samples in float32, rounded anew",
+            partial(_scaled_probe, s),
+        )
+        for s in SCALES
+    ),
+    *(
+        Case(
+            "scale",
+            f"fit to a map times {s:g}",
+            1e-5,
+            "samples rounded anew, and the step's end",
+            partial(_scaled_fit, s),
+        )
+        for s in SCALES
+    ),
+    *(
+        Case(
+            "scale",
+            f"detection on a map times {s:g}",
+            1e-5,
+            "samples rounded anew, and the step's end",
+            partial(_scaled_detection, s),
+        )
+        for s in SCALES
+    ),
+    Case(
+        "scale",
+        "probe of denormals, a map times 1e-42",
+        120 * 2.0**-150 / (1e-42 * np.pi / 2),
+        "bound 4: the last digit of a denormal is 2^-149",
+        partial(_scaled_probe, 1e-42),
+    ),
+    Case(
+        "range",
+        "probe, 30 stops in every pixel",
+        1e-4,
+        "strips of a map of few rows",
+        partial(_range_probe, 30),
+    ),
+    Case(
+        "range",
+        "room behind a sun 30 stops above it",
+        8 * 2.0**30 * U64,
+        "bound 6: prefix sums in float64",
+        partial(_range_of_a_sun, 30),
+    ),
+    Case(
+        "range",
+        "fit, 22 stops between lights",
+        1e-8,
+        "of what is explained, squared",
+        partial(_explained, "22 stops between the lights", 4),
+    ),
+    *(
+        Case(
+            "place",
+            f"probe, a sun of one pixel at {name}",
+            1e-6,
+            "four nodes across a strip integrate its latitudes",
+            partial(_sun_of_the_probe, *at),
+        )
+        for name, at in PLACES.items()
+    ),
+    *(
+        Case(
+            "place",
+            f"detection, a sun of one pixel at {name}",
+            1e-9,
+            "one pixel is one direction",
+            partial(_sun_that_is_found, el.detect, *at),
+        )
+        for name, at in PLACES.items()
+    ),
+    *(
+        Case(
+            "place",
+            f"fit, a sun of one pixel at {name}",
+            1e-9,
+            "one pixel is one direction",
+            partial(_sun_that_is_found, _fitted_point, *at),
+        )
+        for name, at in PLACES.items()
+    ),
+    Case(
+        "close",
+        "fit, two lights 0.01 degrees apart",
+        1e-8,
+        "one light explains both to 1e-8",
+        partial(_explained, "two lights 0.01 degrees apart", 4),
+    ),
+    Case(
+        "close",
+        "fit, opposite lights",
+        1e-8,
+        "rounding of the squared error",
+        partial(_explained, "opposite lights", 4),
+    ),
+    Case(
+        "close",
+        "detection, suns on two pixels side by side",
+        _ROUNDED,
+        "flux is kept",
+        partial(_detected_apart, 0.35),
+    ),
+    Case(
+        "close", "detection, opposite suns", _ROUNDED, "flux is kept", partial(_detected_apart, 180)
+    ),
+]
