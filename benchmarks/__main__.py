@@ -1,6 +1,6 @@
 """Run time against error, ours and others', in one run: data, pictures and a page.
 
-Usage: python -m benchmarks [lights] [probe] [detection] [transfer] [scale] [stress]
+Usage: python -m benchmarks [lights] [probe] [detection] [transfer] [scale] [stress] [skipping]
            [--quick] [--out FOLDER] [--threads N]
 
 With `ENVLIGHTS_MAPS` set to a folder of maps, on those as well; `ENVLIGHTS_TRANSFER_DB` names a
@@ -26,6 +26,7 @@ _PARTS = {
     "transfer": "curves.transfer",
     "scale": "curves.scale",
     "stress": "tables.stress",
+    "skipping": "tables.skipping",
 }
 #: Rounds, and seconds of rounds for each case.
 _FULL, _QUICK = (9, 8.0), (3, 1.0)

@@ -123,8 +123,8 @@ def test_copies_of_a_pair_are_left_out_together():
     assert told[96] == told[0]
     # The basis leans to what is given more often: errors differ by that alone.
     assert np.median(told[:64] / alone.unseen_errors) == pytest.approx(1, rel=0.05)
-    assert report.notes == ("33 pairs are copies of others: left out together with them",)
-    assert alone.notes == ()
+    assert "33 pairs are copies of others: left out together with them" in report.notes
+    assert not any("copies" in note for note in alone.notes)
 
 
 def test_frames_beyond_single_precision_are_refused(model):
@@ -244,7 +244,8 @@ def test_brightness_is_kept_whatever_it_is():
 def test_alpha_is_dropped_and_noted(model):
     opaque = [np.concatenate([images, images[..., :1] > 9], axis=-1) for images in SCENE]
     other = el.TransferModel.fit(*opaque, rank=32)
-    assert other.report.notes == ("alpha of direct was dropped", "alpha of indirect was dropped")
+    notes = ("alpha of direct was dropped", "alpha of indirect was dropped")
+    assert other.report.notes[:2] == notes
     np.testing.assert_array_equal(other.predict(opaque[0]), model.predict(SCENE[0]))
 
 

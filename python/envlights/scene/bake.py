@@ -32,6 +32,9 @@ class BakedPairs(Result):
     noise: NDArray[np.float64]
     """Noise of each image of indirect light, relative to it, (k,)."""
 
+    skipped: tuple[str, ...] = ()
+    """What was not rendered, in words."""
+
     def in_short(self) -> str:
         """Number and size of the images."""
         return f"direct {self.direct.shape}, indirect {self.indirect.shape}"
@@ -105,4 +108,11 @@ def bake(
         rendered = scene.indirect(rig, samples, seed + k)
         indirect[k] = rendered.image
         noise.append(rendered.noise)
-    return BakedPairs(np.stack(direct), indirect, np.array(noise))
+    return BakedPairs(np.stack(direct), indirect, np.array(noise), _skipped(scene))
+
+
+def _skipped(scene: MitsubaScene) -> tuple[str, ...]:
+    """A note on the texels of the lightmap that no path starts from."""
+    covered = scene.lightmap.covered
+    bare = np.count_nonzero(~covered)
+    return (f"{bare} of {covered.size} texels of the lightmap: no surface",) if bare else ()

@@ -26,6 +26,8 @@ from envlights.transfer.report import TransferReport
 from envlights.transfer.training import solved, trained
 
 _PARAMETERS = {"rank", "ridge", "error"}
+#: How the note on texels that are not computed ends.
+_BLACK = "texels are black in every image: they are predicted black, without work"
 _TYPES = " nor ".join(LARGEST)
 
 
@@ -351,7 +353,8 @@ class TransferModel(Result):
         # Grow the basis, then solve for its matrix.
         wanted = _wanted(**self.parameters)
         columns, lit, learnt = grow.grown(basis, self.lit, self.learnt, pairs, wanted)
-        notes = (*self.report.notes, *pairs.notes)
+        earlier = (note for note in self.report.notes if not note.endswith(_BLACK))
+        notes = (*earlier, *pairs.notes)
         model = _solved(columns, lit, self.mean, self.size, self.parameters, learnt, notes)
         seconds = {**self.report.seconds, "add": perf_counter() - start}
         return replace(model, report=replace(model.report, seconds=seconds))
@@ -427,5 +430,8 @@ def _solved(
     notes: tuple[str, ...],
 ) -> TransferModel:
     """The model of a basis: its transfer matrix and its errors."""
+    black = np.count_nonzero(~lit)
+    if black:
+        notes = (*notes, f"{black} of {lit.size} {_BLACK}")
     transfer, report = solved(learnt, parameters["ridge"], channelwise=not len(mean), notes=notes)
     return TransferModel(columns, lit, transfer, mean, size, parameters, learnt, report)

@@ -41,7 +41,8 @@ class TransferReport(Result):
     """Error of each pair in the model that was trained on it; says little about new lights."""
 
     notes: tuple[str, ...] = ()
-    """Channels that were dropped, images that were left out, and bounds that were not reached."""
+    """Channels that were dropped, images that were left out, bounds that were not reached, and
+    texels that are not computed."""
 
     seconds: Mapping[str, float] = field(default_factory=dict, compare=False)
     """Wall time of each stage."""

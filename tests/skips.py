@@ -1,0 +1,180 @@
+"""What each stage skips, and the same work with the skip switched off.
+
+A skip has no option: it is switched off by data that leave nothing to skip and change the result by
+no more than the bound, or by the exact step that it stands for.
+"""
+
+from collections.abc import Callable
+from functools import cache, partial
+from typing import NamedTuple
+
+import numpy as np
+
+import envlights as el
+from envlights import kernels, synthetic
+from envlights.kernels.image import LUMINANCE
+from tests.helpers import NORMALS, SOLID_ANGLES
+from tests.stress.case import U32
+
+
+class Skip(NamedTuple):
+    """One skip of one stage on one scene."""
+
+    scene: str
+    stage: str
+    skipped: str
+    """What is left out, and how much of it on this scene."""
+
+    on: Callable[[], object]
+    off: Callable[[], object]
+    differ: Callable[[object, object], float]
+    """Relative difference of both results."""
+
+    bound: float
+    reason: str
+
+    def error(self):
+        """What the skip costs."""
+        return self.differ(self.on(), self.off())
+
+
+def _gradient(height):
+    up = kernels.pixel_directions(height, 2 * height)[..., 1:2]
+    return ((1.5 + up) * [0.8, 1.0, 1.2]).astype(np.float32)
+
+
+def _dark(height):
+    """Three lamps, and nothing else."""
+    radiance = np.zeros((height, 2 * height, 3), np.float32)
+    for row, column, size in ((0.2, 0.1, 0.01), (0.25, 0.6, 0.02), (0.4, 0.8, 0.01)):
+        side = max(1, int(size * height))
+        top, left = int(row * height), int(2 * column * height)
+        radiance[top : top + side, left : left + side] = 90, 70, 40
+    return radiance
+
+
+def _sunny(height):
+    radiance = _gradient(height)
+    radiance[height // 4, height // 3] = 4e4, 3.8e4, 3.4e4
+    return radiance
+
+
+@cache
+def scenes(height=512):
+    """A dark, an overcast, a sunny and a cluttered map."""
+    return {
+        "dark": _dark(height),
+        "overcast": _gradient(height),
+        "sunny": _sunny(height),
+        "cluttered": synthetic.hard(synthetic.JUDGING[0], height).radiance.astype(np.float32),
+    }
+
+
+def skips(height=512, width=256):
+    """Yield each skip on each scene, then those of the indirect light of the generated room."""
+    for scene, radiance in scenes(height).items():
+        yield _black_rows(scene, radiance)
+        yield _pixels(scene, radiance)
+        yield _grey_channels(scene, radiance)
+        yield _dark_tiles(scene, radiance)
+    yield from _of_frames(width)
+
+
+def _differ(found, wanted):
+    return kernels.relative_rms(found, wanted, SOLID_ANGLES)
+
+
+def _black_rows(scene, radiance):
+    """Rows that are black are not summed; a map that is black nowhere has none."""
+    black = int((radiance == 0).all(axis=(1, 2)).sum())
+    lit = np.maximum(radiance, np.float32(1e-9) * radiance.max())
+    on, off = (partial(kernels.irradiance, each, NORMALS) for each in (radiance, lit))
+    skipped = f"{black} of {len(radiance)} rows, which are black"
+    root_mean_square = np.sqrt((on() ** 2).mean())
+    bound = 8 * U32 + 1e-9 * float(radiance.max()) * np.pi / float(root_mean_square)
+    return Skip(scene, "probe", skipped, on, off, _differ, bound, "what was added, and float32")
+
+
+def _pixels(scene, radiance):
+    """A fit works on a reduced map; the exact probe reads all pixels."""
+    on = partial(kernels.working_irradiance, radiance, NORMALS)
+    off = partial(kernels.irradiance, radiance, NORMALS)
+    columns = kernels.probe.WORKING_COLUMNS
+    skipped = f"all but {columns} of {radiance.shape[1]} columns; {on()[1]} cells are points"
+    return Skip(
+        scene, "fit: the probe", skipped, on, off, _first_differs, 2e-4, "`RENDERING_ERROR`"
+    )
+
+
+def _grey_channels(scene, radiance):
+    """Channels that are equal are fitted once."""
+    grey = np.repeat((radiance @ LUMINANCE)[..., None], 3, axis=2).astype(np.float32)
+    coloured = grey * np.array([1, 1 + 1e-4, 1 - 1e-4], np.float32)
+    on, off = (partial(el.fit, each, 4, sizes=False) for each in (grey, coloured))
+    said = [note for note in on().report.skipped if "channels" in note]
+    why = "the colour that was added"
+    return Skip(scene, "fit of a grey map", "; ".join(said), on, off, _rigs_differ, 1e-3, why)
+
+
+def _dark_tiles(scene, radiance):
+    """Tiles without a bright pixel stay shut; a speck opens each, too dim to be a light."""
+    lights = el.detect(radiance)
+    level = 1.1 * lights.report.threshold
+    specks = radiance.copy()
+    places = specks[8::16, 8::16]
+    places[places @ LUMINANCE < level] = level
+    on, off = partial(el.detect, radiance), partial(el.detect, specks)
+    said = [note for note in lights.report.skipped if "tiles" in note]
+    why = "specks in the local background"
+    return Skip(scene, "detection", "; ".join(said), on, off, _lights_differ, 1e-3, why)
+
+
+def _first_differs(found, wanted):
+    return _differ(found[0], wanted)
+
+
+def _rigs_differ(one, other):
+    return _differ(one.probe(NORMALS), other.probe(NORMALS))
+
+
+def _lights_differ(one, other):
+    if len(one) != len(other):
+        return np.inf
+    return float(np.abs(other.irradiance / one.irradiance - 1).max(initial=0))
+
+
+def _of_frames(width):
+    """Skips of frames of indirect light; half of the texels are black in all images."""
+    room = synthetic.room(64, width=width)
+    direct, indirect, image = room.direct[:48], room.indirect[:48].copy(), room.direct[50]
+    indirect[:, :, : width // 2] = 0
+    model = el.TransferModel.fit(direct, indirect, 32)
+    exact = partial(model.predict, image)
+    for error in (0.01, 0.05):
+        on, spared = partial(model.predict, image, error=error), _directions(model, image, error)
+        stage, why = f"predict(error={error:g})", "the components left out, by Parseval"
+        yield Skip("room", stage, spared, on, exact, _images_differ, error, why)
+    region = slice(10, 20), slice(40, 60)
+    on, off = partial(model.predict, image, region=region), lambda: exact()[region]
+    spared, why = f"all texels but 10x20 of {width}x{width}", "the same sums in float32"
+    yield Skip("room", "predict(region=)", spared, on, off, _images_differ, 1e-6, why)
+    speckled = indirect.copy()
+    speckled[0, :, : width // 2] = 1e-6 * indirect.max()
+    whole = partial(el.TransferModel.fit(direct, speckled, 32).predict, image)
+    said = [note for note in model.report.notes if "black" in note]
+    why = "what was added"
+    yield Skip("room", "predict", "; ".join(said), exact, whole, _images_differ, 1e-4, why)
+
+
+def _images_differ(found, wanted):
+    return float(np.linalg.norm(found - wanted) / np.linalg.norm(wanted))
+
+
+def _directions(model, image, error):
+    """How many directions of the basis the frame spares."""
+    from envlights.transfer.expand import truncated
+
+    rows = image.transpose(2, 0, 1).reshape(1, 3, -1).astype(float)
+    coefficients = np.swapaxes(rows.swapaxes(0, 1) @ model.transfer, 0, 1)
+    rank = model.transfer.shape[2]
+    return f"{rank - truncated(coefficients, error).shape[-1]} of {rank} directions"

@@ -1,0 +1,43 @@
+"""What is skipped changes the result by no more than its bound, and somebody says what it was."""
+
+import numpy as np
+import pytest
+
+import envlights as el
+from tests.skips import skips
+
+SKIPS = list(skips(256, width=64))
+
+
+@pytest.mark.parametrize("skip", SKIPS, ids=lambda skip: f"{skip.scene}: {skip.stage}")
+def test_on_and_off_agree_to_the_bound(skip):
+    assert skip.skipped
+    error = skip.error()
+    assert error <= skip.bound, f"{error:.2g}, bound {skip.bound:.2g}: {skip.reason}"
+
+
+def test_without_dark_tiles_all_are_opened():
+    """The specks of the comparison open every tile."""
+    for skip in SKIPS:
+        if skip.stage == "detection":
+            notes = skip.off().report.skipped
+            assert any(note.startswith("0 of ") for note in notes), notes
+
+
+def test_black_texels_are_told_once_and_counted_anew():
+    room = el.synthetic.room(12, width=16)
+    indirect = room.indirect.copy()
+    indirect[:, :4] = 0
+    model = el.TransferModel.fit(room.direct[:8], indirect[:8])
+    black = np.count_nonzero(~indirect[:8].any(axis=(0, 3)))
+    assert [note for note in model.report.notes if "black" in note] == [
+        f"{black} of 256 texels are black in every image: they are predicted black, without work"
+    ]
+    grown = model.add(room.direct[8:], room.indirect[8:])
+    black = np.count_nonzero(~grown.lit)
+    said = [note for note in grown.report.notes if "black" in note]
+    assert said == (
+        [f"{black} of 256 texels are black in every image: they are predicted black, without work"]
+        if black
+        else []
+    )
