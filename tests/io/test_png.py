@@ -6,6 +6,7 @@ import zlib
 import pytest
 
 import envlights as el
+from envlights.io import png
 
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
 
@@ -20,7 +21,8 @@ def header(width=4, height=2, depth=8, colours=2, packing=0, filtering=0, interl
     return chunk(b"IHDR", struct.pack(">2I5B", *fields))
 
 
-PIXELS = chunk(b"IDAT", zlib.compress(bytes(2 * 13)))
+ROWS = zlib.compress(bytes(2 * 13))
+PIXELS = chunk(b"IDAT", ROWS)
 END = chunk(b"IEND")
 DAMAGED = {
     "no header": (PIXELS + END, "its header is damaged"),
@@ -41,6 +43,22 @@ DAMAGED = {
     "no end": (header() + PIXELS, "the file is cut off"),
     "nothing": (b"", "the file is cut off"),
 }
+#: Pixels under a right checksum, wherever libpng finds them wrong.
+NOT_PACKED, NO_END = "its pixels are not packed", "its pixels do not end as its header says"
+WRONG_PIXELS = {
+    "no stream": (bytes(20), NOT_PACKED),
+    "a wrong checksum": (ROWS[:-1] + b"x", NOT_PACKED),
+    "a dictionary": (b"\x78\xbb" + ROWS[2:], NOT_PACKED),
+    "a stream cut off": (ROWS[:-6], NO_END),
+    "a checksum cut off": (ROWS[:-2], NO_END),
+    "a row too few": (zlib.compress(bytes(13)), NO_END),
+    "a byte too few": (zlib.compress(bytes(2 * 13 - 1)), NO_END),
+    "an unknown filter of a row": (zlib.compress(bytes(13) + b"\5" + bytes(12)), "unknown filter"),
+}
+DAMAGED |= {
+    name: (header() + chunk(b"IDAT", data) + END, sentence)
+    for name, (data, sentence) in WRONG_PIXELS.items()
+}
 
 
 @pytest.mark.parametrize("damage", DAMAGED)
@@ -56,3 +74,49 @@ def test_whole_files_are_read(tmp_path):
     text = chunk(b"tEXt", b"Comment\0none") + chunk(b"prIv", b"anything")
     (tmp_path / "map.png").write_bytes(SIGNATURE + header() + text + PIXELS + END + b"after")
     assert el.EnvMap.open(tmp_path / "map.png").width == 4
+
+
+@pytest.mark.parametrize("interlace", [0, 1])
+@pytest.mark.parametrize(("width", "height"), [(1, 1), (3, 2), (5, 9), (33, 17)])
+@pytest.mark.parametrize(("colours", "depth"), [(0, 1), (0, 16), (2, 8), (2, 16), (4, 8), (6, 16)])
+def test_whole_pixels_of_each_kind_are_no_damage(
+    tmp_path, capfd, interlace, width, height, colours, depth
+):
+    """They are read, and one byte less is found too few, as libpng finds it."""
+    if interlace:
+        # As the specification draws them: each pass has the pixels that bear its number.
+        pattern = ["16462646", "77777777", "56565656", "77777777"]
+        pattern += ["36463646", "77777777", "56565656", "77777777"]
+        numbers = [[pattern[y % 8][x % 8] for x in range(width)] for y in range(height)]
+    else:
+        numbers = [["1"] * width for _ in range(height)]
+    bits = depth * {0: 1, 2: 3, 4: 2, 6: 4}[colours]
+    rows = b""
+    for number in "1234567":
+        for row in numbers:
+            if number in row:
+                rows += b"\4" + bytes((row.count(number) * bits + 7) // 8)
+    start = SIGNATURE + header(width, height, depth, colours, interlace=interlace)
+    path = tmp_path / "map.png"
+    # In several chunks, one of them empty, with bytes after the last row.
+    data = zlib.compress(rows + b"after")
+    pieces = [chunk(b"IDAT", piece) for piece in (data[:3], b"", data[3:])]
+    path.write_bytes(start + b"".join(pieces) + END)
+    assert png.damage_of_pixels(str(path)) == ""
+    assert el.io.read_image(path).pixels.shape[:2] == (height, width)
+    path.write_bytes(start + chunk(b"IDAT", zlib.compress(rows[:-1])) + END)
+    assert NO_END in png.damage_of_pixels(str(path))
+    assert capfd.readouterr().err == ""
+
+
+def test_long_streams_are_unpacked_piece_by_piece(tmp_path):
+    """Several blocks, one of which ends with the stream; and a wrong filter far behind."""
+    height, width = 1024, 1024
+    rows = (b"\1" + bytes(3 * width)) * height
+    rows += bytes(-len(rows) % 2**20)
+    path = tmp_path / "map.png"
+    for data, sentence in [(rows, ""), (rows[: 3072 * 900] + b"\7" * 3073, "unknown filter")]:
+        content = header(width, height) + chunk(b"IDAT", zlib.compress(data)) + END
+        path.write_bytes(SIGNATURE + content)
+        assert sentence in png.damage_of_pixels(str(path))
+        assert bool(png.damage_of_pixels(str(path))) == bool(sentence)

@@ -82,6 +82,8 @@ def read_image(path: str | os.PathLike[str], *, max_pixels: int = MOST_PIXELS) -
         raise EnvLightsError(f"cannot read {name} as an image: {reason}; {_WANTED}")
     try:
         _check_spec(name, file.spec(), max_pixels)
+        if obstacle := png.damage_of_pixels(path):
+            raise EnvLightsError(f"cannot read {name}: {obstacle}; {_WANTED}")
         return _read(name, file)
     except MemoryError:
         raise EnvLightsError(

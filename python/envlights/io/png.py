@@ -1,11 +1,14 @@
-"""Damage to a PNG file that libpng would print to stderr: found before it reads the file."""
+"""Damage to a PNG file that libpng would print to stderr: found before it reads the file.
+
+Chunks, packing and the filters of rows are those of the PNG specification (ISO/IEC 15948).
+"""
 
 from __future__ import annotations
 
 import os
 import struct
 import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import BinaryIO
 
@@ -16,21 +19,48 @@ _FRAME = 12
 _CRITICAL = {b"IHDR", b"PLTE", b"IDAT", b"IEND"}
 #: Columns, and rows, that libpng reads at most.
 _LONGEST = 1_000_000
-#: Bits of a sample, for each colour type.
+#: Bits of a sample, and samples of a pixel, for each colour type.
 _DEPTHS = {0: (1, 2, 4, 8, 16), 2: (8, 16), 3: (1, 2, 4, 8), 4: (8, 16), 6: (8, 16)}
+_SAMPLES = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}
+#: First column and row of each pass over an interlaced image, and the steps to the next ones.
+_ADAM7 = [
+    (0, 0, 8, 8),
+    (4, 0, 8, 8),
+    (0, 4, 4, 8),
+    (2, 0, 4, 4),
+    (0, 2, 2, 4),
+    (1, 0, 2, 2),
+    (0, 1, 1, 2),
+]
+#: Kinds of filters, one of which begins each row.
+_FILTERS = bytes(range(5))
+#: Bytes that are unpacked at once.
+_BLOCK = 2**20
 
 
 def damage(path: str) -> str:
     """What is wrong with the header and the chunks of a file; empty where nothing is.
 
-    Files without the signature of PNG are left to others. Pixels are not unpacked: of those that
-    were packed wrongly, under a right checksum, libpng still prints a line before they are refused.
+    Files without the signature of PNG are left to others. Pixels are not unpacked: a header may
+    claim any number of them.
     """
+    return _damage(path, _check)
+
+
+def damage_of_pixels(path: str) -> str:
+    """What is wrong with the pixels of a file without other damage; they are not kept."""
+    return _damage(path, _check_pixels)
+
+
+def _damage(path: str, check: Callable[[Iterator[tuple[bytes, bytes]]], None]) -> str:
+    """What `check` finds wrong with the chunks of a file."""
     with Path(path).open("rb") as file:
         if file.read(len(_SIGNATURE)) != _SIGNATURE:
             return ""
         try:
-            _check(_chunks(file))
+            check(_chunks(file))
+        except zlib.error:
+            return "its pixels are not packed as they must be; the file is damaged"
         except ValueError as error:
             return str(error)
     return ""
@@ -69,6 +99,68 @@ def _check(chunks: Iterator[tuple[bytes, bytes]]) -> None:
             if not has_pixels:
                 raise ValueError("it has no pixels; the file is damaged")
             return
+
+
+def _check_pixels(chunks: Iterator[tuple[bytes, bytes]]) -> None:
+    """Unpack the pixels, and look for all rows and the end."""
+    _, header = next(chunks)
+    pixels = _Pixels(header)
+    for kind, body in chunks:
+        if kind == b"IDAT":
+            pixels.take(body)
+        if kind == b"IEND":
+            pixels.end()
+            return
+
+
+class _Pixels:
+    """What of the pixels has been unpacked, to see that there are all rows, each with a filter."""
+
+    def __init__(self, header: bytes) -> None:
+        self._stream = zlib.decompressobj()
+        #: Bytes of a row and of all rows, for each pass that is left.
+        self._passes = _passes(header)
+        #: Bytes of the first of them that have come.
+        self._come = 0
+
+    def take(self, body: bytes) -> None:
+        """Unpack the next piece; what comes after the last row is not looked at."""
+        while self._passes:
+            block = self._stream.decompress(body, _BLOCK)
+            self._check_filters(block)
+            body = self._stream.unconsumed_tail
+            if not body and len(block) < _BLOCK:
+                return
+        # The end of the stream is its checksum.
+        self._stream.decompress(body, _BLOCK)
+
+    def _check_filters(self, block: bytes) -> None:
+        """Look at the first byte of each row."""
+        while block and self._passes:
+            row, whole = self._passes[0]
+            part, block = block[: whole - self._come], block[whole - self._come :]
+            if part[-self._come % row :: row].translate(None, _FILTERS):
+                raise ValueError("a row has an unknown filter; the file is damaged")
+            self._come += len(part)
+            if self._come == whole:
+                self._passes, self._come = self._passes[1:], 0
+
+    def end(self) -> None:
+        """Refuse rows that are missing, or a stream without its end."""
+        if self._passes or not self._stream.eof:
+            raise ValueError("its pixels do not end as its header says; the file is damaged")
+
+
+def _passes(header: bytes) -> list[tuple[int, int]]:
+    """Bytes of a row with its filter, and of all rows, for each pass over the image."""
+    width, height, depth, colours, _, _, is_interlaced = struct.unpack(">2I5B", header)
+    passes = []
+    for x, y, right, down in _ADAM7 if is_interlaced else [(0, 0, 1, 1)]:
+        columns, rows = (width - x + right - 1) // right, (height - y + down - 1) // down
+        row = 1 + (columns * _SAMPLES[colours] * depth + 7) // 8
+        if columns and rows:
+            passes.append((row, row * rows))
+    return passes
 
 
 def _is_header(body: bytes) -> bool:
