@@ -6,7 +6,8 @@ from scipy.spatial.transform import Rotation
 
 import envlights as el
 from envlights import kernels
-from tests.helpers import NORMALS, angle_deg, flux
+from tests.helpers import NORMALS, angle_deg, flux, printed_by_threads
+from tests.reference import rotation
 
 TURNS = Rotation.random(4, random_state=5).as_matrix()
 HALL = el.EnvMap(el.synthetic.hall(128).radiance)
@@ -45,6 +46,28 @@ def test_other_turns_keep_flux_and_turn_the_probe(turn):
     turned = HALL.rotated(turn)
     np.testing.assert_allclose(flux(turned.radiance), flux(HALL.radiance), rtol=1e-7)
     assert relative(turned.probe(NORMALS @ turn.T), HALL.probe(NORMALS)) < 3e-4
+
+
+@pytest.mark.parametrize("shape", [(64, 128), (33, 66), (2, 4)])
+@pytest.mark.parametrize("turn", TURNS)
+def test_turned_maps_are_those_of_the_reference(shape, turn):
+    """Among them pixels that are brighter than all others, and wide lamps."""
+    radiance = np.random.default_rng(3).gamma(0.3, 1, (*shape, 3)).astype(np.float32)
+    radiance[0, 1] = [1e5, 10, 0]
+    radiance[shape[0] // 2 :, :3] *= 1000
+    turned = el.EnvMap(radiance).rotated(turn).radiance
+    np.testing.assert_allclose(turned, rotation.rotated(radiance, turn), rtol=1e-6)
+
+
+def test_the_threads_change_no_bit_of_a_turned_map():
+    code = """
+import hashlib
+import envlights as el
+env = el.EnvMap(el.synthetic.hard(3, 128).radiance)
+turned = env.rotated([[0.36, 0.48, -0.8], [-0.8, 0.6, 0], [0.48, 0.64, 0.6]])
+print(hashlib.sha256(turned.radiance.tobytes()).hexdigest())
+"""
+    assert len(printed_by_threads(code)) == 1
 
 
 @pytest.mark.parametrize("turn", TURNS)

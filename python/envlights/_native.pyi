@@ -52,6 +52,7 @@ __all__ = [
     "relative_rms",
     "resize_bilinear",
     "rig_irradiance",
+    "rotated",
     "split_map",
     "sum_over_sources",
     "suppress",
@@ -271,6 +272,7 @@ def rig_irradiance(
     radii: _Reals,
     floor: bool,
 ) -> _Reals: ...
+def rotated(radiance: _Image, matrix: _Reals) -> _Image: ...
 def split_map(
     radiance: _Image,
     border_sampled: bool,

@@ -360,7 +360,7 @@ class EnvMap:
         turned = resampling.turned_by_columns(self._radiance, turn, border_sampled=is_border)
         registration = self._registration
         if turned is None:
-            turned, registration = resampling.rotated(self.cells(), turn), REGISTRATIONS[0]
+            turned, registration = _native.rotated(self.cells(), turn), REGISTRATIONS[0]
         return EnvMap(turned, registration=registration, notes=self._notes, white=self._white)
 
     def cells(self) -> NDArray[np.float32]:

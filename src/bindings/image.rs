@@ -1,9 +1,10 @@
 //! `kernels::image` for Python.
 
+use glam::DMat3;
 use numpy::{IntoPyArray, PyArray3, PyReadonlyArray1, PyReadonlyArray3};
 use pyo3::prelude::*;
 
-use super::pool::in_pool;
+use super::pool::{in_pool, interruptible};
 use crate::kernels::image;
 
 /// See `envlights.EnvMap`: the numbers of NaN, infinite and negative samples.
@@ -36,4 +37,16 @@ pub fn decoded_16<'py>(
     let (codes, table) = (codes.as_array(), table.as_slice()?);
     let values = in_pool(py, || Ok(image::decoded(codes, table)))?;
     Ok(values.into_pyarray(py))
+}
+
+/// See `envlights.EnvMap.rotated`; `matrix` row by row.
+#[pyfunction]
+pub fn rotated<'py>(
+    py: Python<'py>,
+    radiance: PyReadonlyArray3<'py, f32>,
+    matrix: [[f64; 3]; 3],
+) -> PyResult<Bound<'py, PyArray3<f32>>> {
+    let (radiance, rotation) = (radiance.as_array(), DMat3::from_cols_array_2d(&matrix).transpose());
+    let turned = interruptible(py, || image::rotated(radiance, rotation))?;
+    Ok(turned.into_pyarray(py))
 }

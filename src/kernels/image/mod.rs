@@ -8,12 +8,14 @@
 //! | luminance                                     | `luminance.rs` |
 //! | a smaller working map, bright cells as points | `reduce.rs`    |
 //! | the one pass over blocks of pixels            | `blocks.rs`    |
+//! | a map after a rotation                        | `rotate.rs`    |
 
 mod blocks;
 mod codes;
 mod grid;
 mod luminance;
 mod reduce;
+mod rotate;
 mod samples;
 
 pub(crate) use blocks::{BlockRow, samples_of};
@@ -21,5 +23,6 @@ pub use codes::decoded;
 pub use grid::Grid;
 pub use luminance::{LUMINANCE, LUMINANCE_F32, luminance, luminance_f32};
 pub use reduce::{Part, WorkingMap, reduce};
+pub use rotate::rotated;
 pub use samples::{Unusable, unusable};
 pub(crate) use samples::{check_rgb, check_samples};
