@@ -97,10 +97,31 @@ def test_unity_mirrors_x_as_importers_of_gltf_do():
     np.testing.assert_array_equal(AXES["unity"].matrix, np.diag([-1, 1, 1]))
 
 
+#: One metre forward, two to the left and three up: as the centre of our map looks, +z, and our +x.
+FORWARD_LEFT_UP = (1.0, 2.0, 3.0)
+OURS = [2.0, 3.0, 1.0]
+
+
+def test_unitys_axes_by_its_own_conversion_to_forward_left_up():
+    """ROSGeometry.md of Unity's ROS-TCP-Connector: X right, Y up, Z forward is "RUF", not "FLU"."""
+    right, up, forward = AXES["unity"].to_target(OURS)
+    assert (forward, -right, up) == FORWARD_LEFT_UP
+
+
+def test_unreals_axes_by_the_worked_conversion_of_a_coordinate():
+    """(x, y, z) in an Unreal Engine scene is (x, -y, z) where x is forward, y left and z up.
+
+    "Coordinate Systems for Unreal Engine Simulation", Robotics System Toolbox of MathWorks.
+    """
+    x, y, z = AXES["unreal"].to_target(OURS)
+    assert (x, -y, z) == FORWARD_LEFT_UP
+
+
 def turned_in_unity(euler):
     """Unity's forward after turns about z, x and y, in the left-handed sense of its manual.
 
-    A positive turn about y takes forward (+z) to the right (+x), one about x takes it down.
+    Counter-clockwise "when looking from the origin along the axis of rotation" (Quaternion.Euler):
+    a positive turn about y takes forward (+z) to the right (+x), one about x takes it down.
     """
     pitch, yaw, _ = np.deg2rad(euler)
     forward = np.array([0, -np.sin(pitch), np.cos(pitch)])
@@ -128,7 +149,11 @@ def test_unitys_first_light_of_a_new_scene():
 
 
 def test_unreals_rotator_turns_a_light_to_its_direction():
-    """Its forward vector is cos p cos y, cos p sin y, sin p: pitch is up, yaw to the right."""
+    """Its forward vector is cos p cos y, cos p sin y, sin p.
+
+    "Looking up and down (0=Straight Ahead, +Up, -Down)", "turning around (0=Forward, +Right,
+    -Left)": Epic's words for the inputs of its node MakeRotator.
+    """
     for light in el.export.unreal(POINTS)["lights"]:
         pitch, yaw = (np.deg2rad(light["rotator"][name]) for name in ("pitch", "yaw"))
         forward = [np.cos(pitch) * np.cos(yaw), np.cos(pitch) * np.sin(yaw), np.sin(pitch)]
