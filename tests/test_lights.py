@@ -297,3 +297,9 @@ def test_lobes_have_the_irradiance_and_the_spread_of_their_lights():
     seen = np.maximum(NORMALS @ at.T, 0) * solid_angles @ radiance
     rig = el.Rig([0] * 3, wide, error=0.0)
     assert relative(seen, rig.probe(NORMALS)) < 0.01
+
+
+def test_rows_of_several_lengths_take_no_lights():
+    lights = el.Lights(np.eye(3), np.eye(3))
+    with pytest.raises(el.EnvLightsError, match="lights are taken by a number"):
+        lights[[[0, 1], [2]]]

@@ -69,15 +69,13 @@ def one_or_more(name: str, values: ArrayLike) -> tuple[NDArray[np.float64], bool
     return (array[None], True) if is_one else (array, False)
 
 
-def count(name: str, value: object, least: int = 0) -> int:
-    """`value` as an int of at least `least`, or a refusal that names it."""
+def count(name: str, value: object, least: int = 0, most: int = LARGEST_COUNT) -> int:
+    """`value` as an int from `least` to `most`, or a refusal that names it."""
     is_whole = isinstance(value, numbers.Integral) and not isinstance(value, bool)
     if not is_whole or int(value) < least:  # type: ignore[call-overload]
         raise EnvLightsError(f"{name} must be a whole number, {least} or more; got {shown(value)}")
-    if int(value) > LARGEST_COUNT:  # type: ignore[call-overload]
-        raise EnvLightsError(
-            f"{name} must be a whole number up to {LARGEST_COUNT}; got {shown(value)}"
-        )
+    if int(value) > most:  # type: ignore[call-overload]
+        raise EnvLightsError(f"{name} must be a whole number up to {most}; got {shown(value)}")
     return int(value)  # type: ignore[call-overload, no-any-return]
 
 

@@ -428,7 +428,10 @@ def rows_of(which: object, lights: int) -> NDArray[np.intp] | None:
         return np.arange(lights)[which]
     if not isinstance(which, list | np.ndarray):
         return None
-    chosen = np.asarray(which, np.intp if not len(np.atleast_1d(which)) else None)
+    try:
+        chosen = np.asarray(which, None if np.size(which) else np.intp)
+    except ValueError:  # rows of several lengths
+        return None
     if chosen.ndim != 1 or chosen.dtype.kind not in "iub":
         return None
     rows: NDArray[np.intp] = np.arange(lights)[chosen]

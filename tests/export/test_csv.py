@@ -59,6 +59,13 @@ def test_a_damaged_table_is_refused_in_one_sentence(content, sentence, tmp_path)
         el.export.read_csv(tmp_path / "rig.csv")
 
 
+@pytest.mark.parametrize("path", ["a\0b", "\ud800"])
+@pytest.mark.parametrize("use", [el.export.read_csv, el.Rig.load, el.DetectedLights.load])
+def test_what_can_be_no_name_is_refused(use, path):
+    with pytest.raises(el.EnvLightsError, match="must be text that can name a file"):
+        use(path)
+
+
 def test_what_is_no_text_is_refused(tmp_path):
     (tmp_path / "rig.csv").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(el.EnvLightsError, match="it is not text"):

@@ -172,3 +172,16 @@ def test_a_turn_by_90_degrees_swaps_the_sides():
     turned = Rectangle((1, 0.3, 0), 5, 30, (1, 1, 1), tilt_deg=90).coverage(128)
     np.testing.assert_allclose(turned, upright, atol=0.26)  # a row of samples on an edge
     assert turned.sum() == pytest.approx(upright.sum(), rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("make", "sentence"),
+    [
+        (lambda: el.synthetic.scene(2, background=[[1, 2], [3]]), "background must be an array of"),
+        (lambda: el.synthetic.scene(2**31), "height must be a whole number up to 1048576"),
+        (lambda: el.synthetic.rigs(10**6), "number must be a whole number up to 20000"),
+    ],
+)
+def test_what_no_scene_can_be_made_of_is_refused(make, sentence):
+    with pytest.raises(el.EnvLightsError, match=sentence):
+        make()

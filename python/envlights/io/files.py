@@ -24,9 +24,17 @@ PICTURES = (".png", ".pdf", ".svg")
 def as_path(path: object) -> Path:
     """`path` as a `Path`, or a refusal."""
     try:
-        return Path(path)  # type: ignore[arg-type]
+        found = Path(path)  # type: ignore[arg-type]
+        is_name = b"\0" not in os.fsencode(found)
     except TypeError:
         raise EnvLightsError(f"a path must be text; got {type(path).__name__}") from None
+    except UnicodeEncodeError:  # half of a character
+        is_name = False
+    if not is_name:
+        raise EnvLightsError(
+            "a path must be text that can name a file; it holds a zero byte or half a character"
+        )
+    return found
 
 
 def check_writable(path: str | os.PathLike[str]) -> Path:

@@ -13,6 +13,8 @@ from envlights.lights import Lights
 from envlights.rig import Rig
 from envlights.scene.renderer import mitsuba
 
+#: Rigs at most: their pairs would take days to bake.
+_MOST_RIGS = 20_000
 #: Metres: half of the yard's width, the height of its walls, and that of the canopy.
 _HALF, _WALL, _CANOPY = 4.0, 3.0, 2.2
 #: Corners of the boxes, in metres.
@@ -81,7 +83,7 @@ def rigs(number: int, seed: int = 0) -> list[Rig]:
     Parameters
     ----------
     number : int
-        Number of rigs.
+        Number of rigs, at most 20 000.
     seed : int
         Seed of the rigs; the same seed gives the same rigs.
 
@@ -95,7 +97,7 @@ def rigs(number: int, seed: int = 0) -> list[Rig]:
     [3, 2, 3, 1]
     """
     rng = np.random.default_rng(count("seed", seed))
-    return [_random_rig(rng) for _ in range(count("number", number, least=1))]
+    return [_random_rig(rng) for _ in range(count("number", number, least=1, most=_MOST_RIGS))]
 
 
 def _random_rig(rng: np.random.Generator) -> Rig:

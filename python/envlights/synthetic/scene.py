@@ -6,6 +6,7 @@ for its map.
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -21,6 +22,8 @@ from envlights.kernels import sphere
 from envlights.lights import Lights, brightest_first
 from envlights.synthetic.shapes import Shape
 
+#: Rows at most: NumPy cannot count the numbers of much larger maps.
+_MOST_ROWS = 2**20
 #: Linear radiance to stored radiance, (height, width, 3) -> (height, width, 3).
 Camera = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
@@ -100,7 +103,7 @@ def scene(
     >>> float(lamp.solid_angle[0].round(3)), float((2 * np.pi * (1 - np.cos(np.pi / 36))).round(3))
     (0.024, 0.024)
     """
-    height = count("height", height, least=2)
+    height = count("height", height, least=2, most=_MOST_ROWS)
     map_shape = (height, 2 * height, 3)
     backdrop = _radiance("background", background, map_shape)
     # Find the share of every pixel that shows each shape, behind those in front of it.
@@ -202,7 +205,10 @@ class _Picture:
 
 def _radiance(name: str, values: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float64]:
     """`values` as an RGB radiance of `shape`, or a refusal that names it."""
-    array = reals(name, values, np.ndim(values))
+    is_colour = False
+    with contextlib.suppress(ValueError):  # rows of several lengths, which `reals` refuses
+        is_colour = np.ndim(values) == 1
+    array = reals(name, values, 1 if is_colour else len(shape))
     if array.shape not in ((3,), shape) or not np.isfinite(array).all() or (array < 0).any():
         raise EnvLightsError(
             f"{name} must be finite RGB, not negative, of the shape {shape};"
