@@ -5,6 +5,7 @@ import pytest
 
 import envlights as el
 from envlights import kernels
+from tests.helpers import angle_deg
 
 mi = pytest.importorskip("mitsuba")
 
@@ -110,6 +111,55 @@ def test_the_error_is_that_between_renders_under_map_and_rig():
     noise = np.sqrt(np.sum(noisy**2)) / whole / (2 * error)
     assert noise < 0.02 * error
     assert abs(error - rig.error) < 3 * noise, f"{error:.4f} +- {noise:.4f}, said {rig.error:.4f}"
+
+
+def test_a_rendered_probe_under_sun_and_sky_gives_the_sun_back():
+    """`fit_probe` on what another program rendered: a hard sun, and a sky of a few harmonics."""
+    ours, theirs = soft_sky(256)
+    towards = np.array([0.48, 0.6, 0.64])
+    irradiance = np.array([5.0, 4.5, 4.0])
+    sun = {"type": "directional", "direction": (-towards).tolist(), "irradiance": rgb(irradiance)}
+    sky = {"type": "envmap", "bitmap": mi.Bitmap(theirs)}
+    # Each emitter for itself leaves no noise of which one is drawn.
+    (probe, weights), (under_sky, _) = (
+        whole_probe({"emitter": each}, samples, seeds=(1,))
+        for each, samples in ((sun, 64), (sky, 256))
+    )
+    rig = el.fit_probe(whole_normals(), (probe + under_sky)[0], 1, weights=weights, ambient="sh2")
+    assert len(rig.lights) == 1
+    # A pixel is a 24th of the radius wide: across the terminator its mean is not its middle.
+    assert angle_deg(rig.lights.direction[0], towards) < 0.2
+    np.testing.assert_allclose(rig.lights.irradiance[0], irradiance, rtol=0.02)
+    wanted = el.EnvMap(ours).probe(whole_normals())
+    found = el.Rig(rig.ambient, el.Lights(np.zeros((0, 3)), np.zeros((0, 3))), 0.0)
+    difference = found.probe(whole_normals()) - wanted
+    assert np.linalg.norm(difference) < 0.05 * np.linalg.norm(wanted)
+
+
+def soft_sky(height):
+    """A gradient for us and for Mitsuba, which nine harmonics hold."""
+    rows = np.pi * (np.arange(height) + 0.5) / height, np.pi * np.arange(height) / (height - 1)
+    colour = np.array([0.4, 0.5, 0.7])
+    return [
+        np.broadcast_to(
+            (1 + 0.6 * np.cos(theta))[:, None, None] * colour, (height, 2 * height, 3)
+        ).astype(np.float32)
+        for theta in rows
+    ]
+
+
+def whole_normals():
+    """The normals of `whole_probe`, in its order."""
+    at = (2 * np.arange(SIZE) + 1) / SIZE - 1
+    x, y = np.meshgrid(at, -at)
+    z = np.sqrt(np.maximum(1 - x**2 - y**2, 0))
+    own = (z > 0) & (z >= np.abs(x)) & (z >= np.abs(y))
+    inside = np.stack([x[own], y[own], z[own]], axis=1)
+    frames = []
+    for view in np.concatenate([np.eye(3), -np.eye(3)]):
+        up = np.roll(view, 1)
+        frames.append(inside @ np.stack([np.cross(up, view), up, view]))
+    return np.concatenate(frames)
 
 
 def whole_probe(emitters, samples, seeds):

@@ -60,6 +60,33 @@ def test_it_agrees_with_the_reference_on_synthetic_maps(which, options):
     assert_agrees_with_the_reference(list(some_maps())[which], options)
 
 
+def lamps_before_noise():
+    """No two pixels are alike, so that rounding decides nothing."""
+    lamps = [Disc((1, 0.5, 0), 12, (3, 3, 3)), Rectangle((0, 0.2, 1), 30, 8, (1.4, 1.3, 1.3))]
+    radiance = scene(256, background=[0.2] * 3, shapes=lamps).radiance
+    noise = np.random.default_rng(6).uniform(0.9, 1.1, radiance.shape[:2])
+    return (radiance * noise[..., None]).astype(np.float32)
+
+
+@pytest.mark.parametrize("blur_px", [0.0, 1.0, 2.0])
+@pytest.mark.parametrize("options", [OPTIONS[0], OPTIONS[1], OPTIONS[3]], ids=" ".join)
+def test_reduction_and_blur_are_those_of_the_reference_from_end_to_end(blur_px, options):
+    """Here the reference has its own steps 1 and 2, in float64."""
+    radiance = lamps_before_noise()
+    found = el.detect(radiance, method="article", working_width=200, blur_px=blur_px, **options)
+    image = loghin.reduced(radiance.astype(float) @ [0.2126, 0.7152, 0.0722], 200)
+    if blur_px:
+        image = loghin.blurred(image, blur_px)
+    kept, light, directions = loghin.detect(image, **options)
+    assert len(found) == len(directions) > 0
+    assert found.members.pixel.tolist() == [list(pixel) for pixel in kept]
+    number = {home: found.members.light[home] for home in directions}
+    assert found.members.light.tolist() == [number[home] for home in light]
+    for home, wanted in directions.items():
+        # The weights of the working image are float32.
+        np.testing.assert_allclose(found.direction[number[home]], wanted, atol=1e-6)
+
+
 @pytest.mark.parametrize("options", [OPTIONS[0], OPTIONS[3]], ids=" ".join)
 @real_maps("hdr/*.hdr")
 def test_it_agrees_with_the_reference_on_real_maps(path, options):

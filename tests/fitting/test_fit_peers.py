@@ -156,6 +156,23 @@ def test_from_even_starts_no_solver_of_scipy_ends_lower_than_the_search_on_real_
     assert_no_peer_ends_lower_than_the_search(probe_of(el.EnvMap.open(path)), SCIPY)
 
 
+@real_maps("hdr/*.hdr")
+def test_from_its_own_starts_jaxopt_does_not_end_lower_than_the_search_on_real_maps(path):
+    """From even ones and from two that are drawn."""
+    pytest.importorskip("jaxopt")
+    irradiance = probe_of(el.EnvMap.open(path))
+    for problem in problems(irradiance, (1, 2, 4)):
+        cost = ours(problem).error ** 2
+        rng = np.random.default_rng(problem.lights)
+        starts = [problem.unknowns(ours(problem, fixed=even(problem.lights)))]
+        starts += [problem.random_start(rng) for _ in range(2)]
+        for start in starts:
+            theirs = PEERS["jaxopt"](problem, start)
+            if problem.is_possible(theirs):
+                gain = np.sqrt(ratio(cost, problem.share(theirs)))
+                assert gain <= 1 + 1e-6, f"{problem.lights} lights, {problem.ambient}: {gain}"
+
+
 def test_the_search_never_ends_higher_than_the_even_start_of_the_paper():
     for name, irradiance in some_probes().items():
         for problem in problems(irradiance, range(1, 9)):

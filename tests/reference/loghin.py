@@ -7,6 +7,35 @@ import math
 import numpy as np
 
 
+def reduced(luminance, width):
+    """Step 1: each new pixel is mixed from the four whose centres are around its own."""
+    height = round(len(luminance) * width / luminance.shape[1])
+    rows, down = _between(height, len(luminance))
+    columns, across = _between(width, luminance.shape[1])
+    upper, lower = (luminance[np.minimum(rows + i, len(luminance) - 1)] for i in (0, 1))
+    column = (1 - down)[:, None] * upper + down[:, None] * lower
+    left, right = (column[:, np.minimum(columns + i, luminance.shape[1] - 1)] for i in (0, 1))
+    return (1 - across) * left + across * right
+
+
+def _between(new, old):
+    """The pixel before each new one, and how far that lies towards the next."""
+    at = np.clip((np.arange(new) + 0.5) * old / new - 0.5, 0, old - 1)
+    before = at.astype(int)
+    return before, at - before
+
+
+def blurred(image, sigma):
+    """Step 2: a Gaussian out to three standard deviations; columns meet, rows end."""
+    reach = math.ceil(3 * sigma)
+    offsets = range(-reach, reach + 1)
+    weights = [math.exp(-0.5 * (offset / sigma) ** 2) for offset in offsets]
+    across = sum(w * np.roll(image, -o, axis=1) for w, o in zip(weights, offsets, strict=True))
+    rows = np.arange(len(image))
+    down = (across[np.clip(rows + offset, 0, len(image) - 1)] for offset in offsets)
+    return sum(w * row for w, row in zip(weights, down, strict=True)) / sum(weights) ** 2
+
+
 def radical_inverse(i: int) -> float:
     """Van der Corput's sequence by reversing 32 bits."""
     return int(f"{i:032b}"[::-1], 2) / 2**32
