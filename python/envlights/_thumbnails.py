@@ -11,6 +11,8 @@ from envlights.kernels.image import LUMINANCE
 
 #: Columns of a thumbnail.
 _COLUMNS = 240
+#: Rows of pixels that decide which luminance is white, at least, where there are as many.
+_ROWS = 256
 #: Share of the sphere that is darker than white in a picture of a map: lamps are not.
 _DARKER_THAN_WHITE = 0.98
 #: White over the median of the sphere, at least.
@@ -26,8 +28,11 @@ _MOST_LIGHTS = 64
 def white_of(radiance: NDArray[np.floating]) -> tuple[float, float]:
     """The luminance that becomes white in a picture of a map, and the share that is darker.
 
-    Only lamps exceed it. It is some times the median at least: an even sky is no lamp.
+    Only lamps exceed it. It is some times the median at least: an even sky is no lamp. Of large
+    maps it is that of some pixels.
     """
+    step = max(radiance.shape[0] // _ROWS, 1)
+    radiance = radiance[::step, ::step]
     height = radiance.shape[0]
     luminance = radiance @ LUMINANCE
     bands = np.sin(np.pi * (np.arange(height) + 0.5) / height)

@@ -84,3 +84,31 @@ def test_the_basis_is_drawn_direction_by_direction():
         np.testing.assert_array_equal(image.get_array(), wanted)
         low, high = image.get_clim()
         assert low == -high
+
+
+def test_a_number_stands_beside_its_disc_on_the_small_map_of_a_row():
+    figure = plot.rigs_picture(HALL, *RIGS)
+    figure.draw_without_rendering()
+    rows = [axes for axes in figure.axes if axes.get_title().startswith("ambient")]
+    for axes, rig in zip(rows, RIGS, strict=True):
+        discs = axes.collections[-1]
+        assert len(axes.texts) == len(rig.lights)
+        for text, at, area in zip(axes.texts, discs.get_offsets(), discs.get_sizes(), strict=True):
+            box = text.get_window_extent()
+            middle = axes.transData.transform(at)
+            nearest = np.clip(middle, box.min, box.max)
+            radius = np.sqrt(area / np.pi) * figure.dpi / 72
+            assert np.hypot(*(nearest - middle)) >= radius
+
+
+def test_all_probes_of_a_picture_are_seen_from_one_place():
+    one, other = (
+        [
+            axes
+            for axes in plot.rigs_picture(HALL, *rigs).axes
+            if "under the map" in axes.get_title()
+        ]
+        for rigs in (RIGS, RIGS[:1])
+    )
+    for axes in one:
+        np.testing.assert_array_equal(axes.images[0].get_array(), other[0].images[0].get_array())

@@ -211,3 +211,14 @@ def test_rims_of_probes_are_smooth():
     assert ((seen.cover > 0.1) & (seen.cover < 0.9)).sum() > size
     np.testing.assert_allclose(np.linalg.norm(seen.normals, axis=1), 1)
     assert (seen.normals @ [0.6, 0, 0.8] >= -1e-12).all()
+
+
+def test_a_long_reason_does_not_cover_the_map():
+    lights = el.detect(HALL)
+    figure = plot.detection_picture(
+        HALL, replace(lights, report=replace(lights.report, reason="brightest of all " * 20))
+    )
+    figure.draw_without_rendering()
+    (axes,) = figure.axes
+    assert figure.get_suptitle().endswith("is darker")
+    assert figure._suptitle.get_window_extent().y0 >= axes.get_tightbbox().y1

@@ -17,11 +17,13 @@ from envlights.kernels import image as images
 from envlights.kernels import loghin, sampling, sphere
 from envlights.plot.figure import Picture
 from envlights.plot.globe import draw_globe, on_page
-from envlights.plot.ground import degrees, draw_map
+from envlights.plot.ground import degrees, draw_ground, exposed
 from envlights.plot.markers import RIM, area, draw_discs, draw_numbers
 
 #: Colour of what is kept, and of what a step leaves behind.
 _KEPT, _LEFT = "gold", "deepskyblue"
+#: Points of the page that a degree of a map takes, at least.
+_POINTS = 1.1
 #: Where the sphere is seen from.
 _EYE = np.array([0.48, 0.36, 0.8])
 
@@ -77,8 +79,9 @@ def article_picture(env: AnyMap, **options: Any) -> Picture:
     figure = Picture(figsize=(13, 8))
     globe, bright, survivors, merged = figure.subplots(2, 2).ravel()
     _draw_samples(globe, env, steps)
+    ground = exposed(env)
     for axes in (bright, survivors, merged):
-        draw_map(axes, env)
+        draw_ground(axes, ground)
         axes.set(xlabel="", ylabel="")
     _draw_bright(bright, steps)
     _draw_survivors(survivors, steps)
@@ -148,7 +151,7 @@ def _draw_lights(axes: Axes, lights: DetectedLights, steps: _Steps) -> None:
     kept = np.unique(steps.survivor)
     _draw_links(axes, degrees(steps.bright[kept]), at[steps.light[kept]], RIM)
     draw_discs(axes, at, areas, lights.irradiance)
-    draw_numbers(axes, at, areas)
+    draw_numbers(axes, at, areas, _POINTS)
     axes.set_title(f"4. lights: {len(lights)}, merged along bright lines")
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._check import count
-from envlights.plot.figure import Picture
+from envlights.plot.figure import Picture, hide_frame
 from envlights.transfer import TransferModel
 
 #: Images in a row.
@@ -48,7 +48,7 @@ def basis_picture(model: TransferModel, directions: int = 16) -> Picture:
     figure = Picture(figsize=(1.5 * columns, 1.75 * rows + 0.5))
     share = energy_shares(model)
     for number, axes in enumerate(figure.subplots(rows, columns, squeeze=False).flat):
-        axes.axis("off")
+        hide_frame(axes)
         if number < len(images):
             limit = float(np.abs(images[number]).max())
             axes.imshow(images[number], cmap="RdBu_r", vmin=-limit, vmax=limit)

@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 from matplotlib.axes import Axes
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import LogLocator, MaxNLocator
 
 from envlights._native import EnvLightsError
 from envlights.envmap import AnyMap, as_envmap
 from envlights.plot.figure import Picture
-from envlights.plot.ground import draw_map
+from envlights.plot.ground import draw_ground, exposed
 from envlights.plot.markers import draw_lights
-from envlights.plot.probe import draw_probes
+from envlights.plot.probe import draw_probes, lit_by, viewpoint
 from envlights.rig import Rig
+
+#: Points of the page that a degree of a map takes, at least, in a row of a picture.
+_POINTS = 0.95
 
 
 def rigs_picture(env: AnyMap, *rigs: Rig) -> Picture:
     """Draw several rigs of one map, a row for each: lights, probes and the difference.
+
+    All probes are seen from beside the brightest light of the first rig.
 
     Parameters
     ----------
@@ -40,11 +45,13 @@ def rigs_picture(env: AnyMap, *rigs: Rig) -> Picture:
     env = as_envmap(env)
     figure = Picture(figsize=(13, 2.9 * len(rigs) + 0.3))
     rows = figure.subplots(len(rigs), 4, width_ratios=(2.3, 1, 1, 1.25), squeeze=False)
+    ground, eye = exposed(env), viewpoint(rigs[0])
+    lit = {floor: lit_by(env, eye, floor) for floor in {rig.floor for rig in rigs}}
     for (on_map, *probes), rig in zip(rows, rigs, strict=True):
-        draw_map(on_map, env)
-        draw_lights(on_map, rig.lights)
-        on_map.set(xlabel="", ylabel="", title=rig.in_short())
-        draw_probes(figure, probes, env, rig)
+        draw_ground(on_map, ground)
+        draw_lights(on_map, rig.lights, _POINTS)
+        on_map.set(xlabel="", ylabel="", xticks=[], yticks=[], title=rig.in_short())
+        draw_probes(figure, probes, lit[rig.floor], rig)
         for axes in probes:
             axes.title.set_fontsize("small")
     return figure
@@ -79,6 +86,7 @@ def error_picture(*rigs: Rig) -> Picture:
         _draw_curve(axes, rig, f"C{number}")
     axes.set(xlabel="lights", ylabel="relative RMS error (%)", yscale="log")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     axes.yaxis.set_major_formatter("{x:g}")
     axes.grid(which="both", alpha=0.25)
     axes.legend()
@@ -87,10 +95,13 @@ def error_picture(*rigs: Rig) -> Picture:
 
 def _draw_curve(axes: Axes, rig: Rig, colour: str) -> None:
     """Errors of the numbers that were tried, and the rig."""
-    tried = {lights: 100 * error for lights, error in rig.report.errors.items() if error > 0}
-    axes.plot(list(tried), list(tried.values()), ".-", color=colour)
     ambient = rig.report.ambient or "given"
-    label = f"ambient {ambient}: {len(rig.lights)} lights, {100 * rig.error:.3g} %"
+    tried = {lights: 100 * error for lights, error in rig.report.errors.items() if error > 0}
+    points = "points" if rig.report.sized_error is not None else "lights"
+    told = f"ambient {ambient}: {points} that were tried"
+    axes.plot(list(tried), list(tried.values()), ".-", color=colour, label=told)
+    sizes = " with sizes" if rig.lights.angular_radius.any() else ""
+    label = f"the rig: {rig.lights.in_short()}{sizes}, {100 * rig.error:.3g} %"
     error = 100 * rig.error or float("nan")  # a logarithm has no place for 0
     axes.plot([len(rig.lights)], [error], "o", ms=9, mfc="none", mec=colour, label=label)
 

@@ -12,7 +12,7 @@ from envlights.envmap import AnyMap, EnvMap, as_envmap
 from envlights.kernels import sphere
 from envlights.lights import Lights
 from envlights.plot.ball import axes_of, ball
-from envlights.plot.figure import Picture
+from envlights.plot.figure import Picture, hide_frame
 from envlights.plot.ground import working
 from envlights.plot.markers import area, draw_discs
 
@@ -72,7 +72,7 @@ def draw_globe(axes: Axes, env: EnvMap, eye: NDArray[np.float64]) -> None:
     colours = encode_srgb(radiance[rows, columns] / _thumbnails.white_of(radiance)[0])
     axes.imshow(seen.image(colours), extent=(-1, 1, -1, 1), interpolation="antialiased")
     axes.set(xlim=(-1.08, 1.08), ylim=(-1.08, 1.08))
-    axes.axis("off")
+    hide_frame(axes)
 
 
 def on_page(

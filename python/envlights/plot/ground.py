@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
@@ -32,13 +34,39 @@ def working(env: EnvMap) -> NDArray[np.float64]:
     return _thumbnails.reduced(env.radiance[::step, ::step], _COLUMNS)
 
 
-def draw_map(axes: Axes, env: EnvMap, like: EnvMap | None = None) -> str:
-    """Draw a map, exposed like another one if that is given, and return the exposure in words."""
+class Ground(NamedTuple):
+    """A map as it is drawn."""
+
+    codes: NDArray[np.floating]
+    """Colours, (height, width, 3)."""
+
+    white: float
+    """The luminance that becomes white."""
+
+    exposure: str
+    """The same in words."""
+
+
+def exposed(env: EnvMap, white: float | None = None) -> Ground:
+    """A map so that its lamps are seen, or with a given luminance as white."""
     radiance = working(env)
-    white, darker = _thumbnails.white_of(radiance if like is None else working(like))
-    axes.imshow(encode_srgb(radiance / white), extent=EXTENT, interpolation="antialiased")
+    bound, darker = _thumbnails.white_of(radiance)
+    told = f"white is a luminance of {bound:.3g}; {100 * darker:.3g} % of the sphere is darker"
+    bound = bound if white is None else white
+    return Ground(encode_srgb(radiance / bound), bound, told)
+
+
+def draw_ground(axes: Axes, ground: Ground) -> None:
+    """Draw what `exposed` made, as often as a figure needs it."""
+    axes.imshow(ground.codes, extent=EXTENT, interpolation="antialiased")
     _draw_frame(axes)
-    return f"white is a luminance of {white:.3g}; {100 * darker:.3g} % of the sphere is darker"
+
+
+def draw_map(axes: Axes, env: EnvMap) -> str:
+    """Draw a map, and return its exposure in words."""
+    ground = exposed(env)
+    draw_ground(axes, ground)
+    return ground.exposure
 
 
 def draw_luminance(axes: Axes, env: EnvMap) -> ScalarMappable:

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
+from numpy.typing import NDArray
 
 from envlights._check import flag
 from envlights.detection.lights import DetectedLights
@@ -24,7 +25,7 @@ from envlights.plot.markers import (
     legend_entries,
 )
 from envlights.plot.outlines import outlines
-from envlights.plot.probe import draw_probes
+from envlights.plot.probe import draw_probes, lit_by, viewpoint
 from envlights.rig import Rig, error_line
 
 #: Links that are drawn, at most.
@@ -102,8 +103,9 @@ def picture(env: AnyMap, rig: Rig) -> Picture:
     exposure = draw_map(on_map, env)
     draw_lights(on_map, rig.lights)
     axes = [figure.add_subplot(grid[1, column]) for column in range(3)]
-    azimuth, elevation = draw_probes(figure, axes, env, rig)
-    draw_legend(on_map, [*legend_entries(rig.lights), _draw_eye(on_map, azimuth, elevation)])
+    eye = viewpoint(rig)
+    draw_probes(figure, axes, lit_by(env, eye, rig.floor), rig)
+    draw_legend(on_map, [*legend_entries(rig.lights), _draw_eye(on_map, eye)])
     on_map.set_title(exposure, fontsize="small")
     figure.suptitle(f"ambient + {rig.lights.in_short()}: {error_line(rig)}")
     return figure
@@ -153,16 +155,16 @@ def detection_picture(env: AnyMap, lights: DetectedLights) -> Picture:
     if lights.report.method == "article":
         outline.set_label("samples, and the light of each")
     draw_legend(axes, [outline, cross])
-    axes.set_title(exposure, fontsize="small")
     report = lights.report
     told = f"{lights.in_short()}: brighter than {report.threshold:.3g}, {report.reason}"
     # Matplotlib leaves no room for lines that it wraps itself.
-    figure.suptitle(fill(told, _LETTERS))
+    figure.suptitle(f"{fill(told, _LETTERS)}\n{exposure}")
     return figure
 
 
-def _draw_eye(axes: Axes, azimuth: float, elevation: float) -> Line2D:
+def _draw_eye(axes: Axes, eye: NDArray[np.float64]) -> Line2D:
     """Mark the direction from which the probe is seen."""
+    ((azimuth, elevation),) = degrees(eye[None])
     axes.scatter([azimuth], [elevation], s=81, marker="^", c="deepskyblue", edgecolors="black")
     label = f"eye of the probe ({azimuth:.0f}°, {elevation:+.0f}°)"
     return Line2D([], [], ls="", marker="^", ms=9, mfc="deepskyblue", mec="black", label=label)

@@ -22,9 +22,9 @@ _LARGEST, _SMALLEST = 900.0, 14.0
 _SHARES = (0.5, 0.1, 0.01)
 #: Colour of rims and outlines: rare in photographs.
 RIM = "#ff2bd6"
-#: Size of numbers in points, and how many degrees of the map a letter and a line of it take.
-_FONT, _LETTER, _LINE = 9, 3.6, 6.4
-#: Points of the page that a degree of the map takes, at least.
+#: Size of numbers, and width of a letter and height of a line of them, in points.
+_FONT, _LETTER, _LINE = 9, 5.8, 10.2
+#: Points of the page that a degree of the map takes, at least, where a map fills the page.
 _POINTS = 1.6
 #: Numbers on one map, at most.
 _MOST_NUMBERS = 40
@@ -36,12 +36,15 @@ def area(share: NDArray[np.float64]) -> NDArray[np.float64]:
     return found
 
 
-def draw_lights(axes: Axes, lights: Lights) -> None:
-    """Draw the rim of each light that has a size, a disc in its colour, and numbers with room."""
-    at, areas = degrees(lights.direction), area(lights.share)
+def draw_lights(axes: Axes, lights: Lights, points: float = _POINTS) -> None:
+    """Draw the rim of each light that has a size, a disc in its colour, and numbers with room.
+
+    `points` of the page are a degree of the map, at least; discs are smaller on smaller maps.
+    """
+    at, areas = degrees(lights.direction), area(lights.share) * (points / _POINTS) ** 2
     draw_rims(axes, lights.direction, lights.angular_radius)
     draw_discs(axes, at, areas, lights.irradiance)
-    draw_numbers(axes, at, areas)
+    draw_numbers(axes, at, areas, points)
 
 
 def draw_rims(axes: Axes, directions: NDArray[np.float64], radii: NDArray[np.float64]) -> None:
@@ -83,17 +86,20 @@ def _rim(direction: NDArray[np.float64], radius: float) -> NDArray[np.float64]:
     return np.vstack([rim, [[np.nan, np.nan]]])
 
 
-def draw_numbers(axes: Axes, at: NDArray[np.float64], areas: NDArray[np.float64]) -> None:
+def draw_numbers(
+    axes: Axes, at: NDArray[np.float64], areas: NDArray[np.float64], points: float = _POINTS
+) -> None:
     """Number lights beside their discs, the brightest first, where there is room.
 
     A number neither covers another, nor a disc that is numbered, nor leaves the map.
     """
-    radii = np.sqrt(_ring(areas) / np.pi) / _POINTS
+    radii = np.sqrt(_ring(areas) / np.pi) / points
+    size = np.array([_LETTER, _LINE]) / points
     reach = np.minimum(radii, 12)[:_MOST_NUMBERS, None]
     taken = np.hstack([at[:_MOST_NUMBERS] - reach, at[:_MOST_NUMBERS] + reach])
     for k in range(min(len(at), _MOST_NUMBERS)):
         others = np.delete(taken, k, axis=0)
-        box = _free_box(f"{k + 1}", at[k], radii[k], others)
+        box = _free_box(f"{k + 1}", size, at[k], radii[k], others)
         if box is None:
             continue
         taken = np.vstack([taken, box])
@@ -111,10 +117,17 @@ def draw_numbers(axes: Axes, at: NDArray[np.float64], areas: NDArray[np.float64]
 
 
 def _free_box(
-    text: str, at: NDArray[np.float64], radius: float, taken: NDArray[np.float64]
+    text: str,
+    size: NDArray[np.float64],
+    at: NDArray[np.float64],
+    radius: float,
+    taken: NDArray[np.float64],
 ) -> NDArray[np.float64] | None:
-    """Left, bottom, right and top of a place for `text` beside a disc, or None."""
-    half = np.array([_LETTER * len(text) / 2, _LINE / 2])
+    """Left, bottom, right and top of a place for `text` beside a disc, or None.
+
+    `size` is that of a letter in degrees.
+    """
+    half = size * (len(text), 1) / 2
     for across, up in ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1)):
         middle = at + np.array([across, up]) * (radius + half + 0.8)
         box = np.concatenate([middle - half, middle + half])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,46 +17,43 @@ from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import working_irradiance
 from envlights.plot.ball import Ball, ball
+from envlights.plot.figure import hide_frame
 from envlights.rig import Rig
 
 
-def draw_probes(figure: Figure, axes: Sequence[Axes], env: EnvMap, rig: Rig) -> tuple[float, float]:
-    """Draw the probe under the map, under the rig, and the difference, each on its axes.
+class Lit(NamedTuple):
+    """The probe under a map, from one direction."""
 
-    Returns
-    -------
-    azimuth, elevation : float
-        Where the probe is looked at from, in degrees.
-    """
-    eye = viewpoint(rig)
+    seen: Ball
+    irradiance: NDArray[np.float64]
+    """At each pixel that shows the probe, (n, 3)."""
+
+
+def lit_by(env: EnvMap, eye: NDArray[np.float64], floor: bool) -> Lit:
+    """The probe under a map, from the direction `eye`; over a floor if the rigs are."""
     seen = ball(eye)
-    # A floor hides the same from both.
-    world = above_horizon(env) if rig.floor else env
-    under_map, under_rig = under(world, seen.normals), rig.probe(seen.normals)
-    white = max(float((under_map @ LUMINANCE).max()), np.finfo(float).tiny)
-    for axis, name, irradiance in zip(axes, ("map", "rig"), (under_map, under_rig), strict=False):
-        axis.imshow(seen.image(encode_srgb(irradiance / white)), interpolation="antialiased")
+    return Lit(seen, under(above_horizon(env) if floor else env, seen.normals))
+
+
+def draw_probes(figure: Figure, axes: Sequence[Axes], lit: Lit, rig: Rig) -> None:
+    """Draw the probe under the map, under the rig, and the difference, each on its axes."""
+    under_rig = rig.probe(lit.seen.normals)
+    white = max(float((lit.irradiance @ LUMINANCE).max()), np.finfo(float).tiny)
+    for axis, name, light in zip(axes, ("map", "rig"), (lit.irradiance, under_rig), strict=False):
+        axis.imshow(lit.seen.image(encode_srgb(light / white)), interpolation="antialiased")
         axis.set_title(f"probe under the {name}")
-        axis.axis("off")
-    _draw_difference(figure, axes[2], seen, under_map, under_rig)
-    ((u, v),) = sphere.direction_to_uv([eye])
-    return 360 * u, 90 - 180 * v
+        hide_frame(axis)
+    _draw_difference(figure, axes[2], lit, under_rig)
 
 
-def _draw_difference(
-    figure: Figure,
-    axes: Axes,
-    seen: Ball,
-    under_map: NDArray[np.float64],
-    under_rig: NDArray[np.float64],
-) -> None:
-    wanted = under_map @ LUMINANCE
+def _draw_difference(figure: Figure, axes: Axes, lit: Lit, under_rig: NDArray[np.float64]) -> None:
+    wanted = lit.irradiance @ LUMINANCE
     percent = 100 * (under_rig @ LUMINANCE - wanted) / max(wanted.mean(), np.finfo(float).tiny)
     limit = max(float(np.abs(percent).max()), 0.1)
-    values, cover = seen.values(percent), seen.values(seen.cover)
+    values, cover = lit.seen.values(percent), lit.seen.values(lit.seen.cover)
     image = axes.imshow(values, cmap="RdBu_r", vmin=-limit, vmax=limit, alpha=np.nan_to_num(cover))
     axes.set_title("rig minus map")
-    axes.axis("off")
+    hide_frame(axes)
     figure.colorbar(image, ax=axes, label="% of the mean", shrink=0.85)
 
 

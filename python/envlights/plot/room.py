@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._native import EnvLightsError
 from envlights._srgb import encode_srgb
 from envlights.plot.ball import axes_of
-from envlights.plot.figure import Picture
+from envlights.plot.figure import Picture, hide_frame
 from envlights.synthetic.room import Chart, room_charts
 
 #: Where the eye stands: faces that look away from it are left out, such as the walls before it.
@@ -109,7 +109,7 @@ def _draw_room(axes: Axes, image: NDArray[np.floating], charts: list[Chart]) -> 
         at = chart.origin + place * (chart.rows + chart.columns)
         _draw_letter(axes, number, np.array([at @ right, at @ up]))
     axes.set_aspect("equal")
-    axes.axis("off")
+    hide_frame(axes)
 
 
 def _draw_letter(axes: Axes, number: int, at: NDArray[np.float64]) -> None:

@@ -11,7 +11,7 @@ from envlights._srgb import encode_srgb
 from envlights.envmap import AnyMap, as_envmap
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
-from envlights.plot.figure import Picture
+from envlights.plot.figure import Picture, hide_frame
 from envlights.plot.probe import viewpoint
 from envlights.rig import Rig
 from envlights.scene.still_life import Still, still_life
@@ -80,7 +80,7 @@ def scene(env: AnyMap, *rigs: Rig, samples: int = 128, seed: int = 0) -> Picture
         axis.set_title(title)
     _draw_differences(figure, axes[1, 1:].tolist(), truth, stills)
     for axis in axes.flat:
-        axis.axis("off")
+        hide_frame(axis)
     return figure
 
 

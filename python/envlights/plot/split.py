@@ -7,7 +7,7 @@ import numpy as np
 from envlights.detection.split import Split
 from envlights.envmap import AnyMap, EnvMap, as_envmap
 from envlights.plot.figure import Picture
-from envlights.plot.ground import draw_map
+from envlights.plot.ground import draw_ground, exposed
 from envlights.plot.markers import draw_legend, draw_lights, legend_entries
 
 
@@ -37,14 +37,15 @@ def split_picture(env: AnyMap, parts: Split) -> Picture:
     lights = parts.lights
     figure = Picture(figsize=(9, 15))
     on_map, on_rest, on_taken = np.ravel(figure.subplots(3, 1))
-    exposure = draw_map(on_map, env)
-    draw_map(on_rest, parts.rest, like=env)
+    ground = exposed(env)
+    draw_ground(on_map, ground)
+    draw_ground(on_rest, exposed(parts.rest, ground.white))
     # What a channel has gained, where one light has several colours, is no light.
     taken = np.maximum(env.radiance - parts.rest.radiance, 0)
-    draw_map(on_taken, EnvMap(taken, registration=env.registration), like=env)
+    draw_ground(on_taken, exposed(EnvMap(taken, registration=env.registration), ground.white))
     draw_lights(on_taken, lights.discs())
     draw_legend(on_taken, legend_entries(lights))
-    on_map.set_title(f"the map: {exposure}", fontsize="small")
+    on_map.set_title(f"the map: {ground.exposure}", fontsize="small")
     on_rest.set_title("what is left", fontsize="small")
     on_taken.set_title("what was taken, and its lights", fontsize="small")
     share = 100 * lights.flux_share.sum()

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._native import EnvLightsError
 from envlights._srgb import encode_srgb
 from envlights.kernels.image import LUMINANCE
-from envlights.plot.figure import Picture
+from envlights.plot.figure import Picture, hide_frame
 from envlights.transfer import TransferModel
 from envlights.transfer.pairs import image_stack
 
@@ -98,7 +98,7 @@ def _draw_direct(axes: Axes, light: NDArray[Any]) -> None:
     white = max(float(np.percentile(light, _SHARE)), np.finfo(float).tiny)
     axes.imshow(encode_srgb(light / white), interpolation="nearest")
     axes.set_title(f"direct: {light.shape[1]}x{light.shape[0]} texels")
-    axes.axis("off")
+    hide_frame(axes)
 
 
 def _draw_images(
@@ -114,7 +114,7 @@ def _draw_images(
     for axes, title, image in zip(row, titles, (truth, predicted, projected), strict=True):
         axes.imshow(encode_srgb(image / white))
         axes.set_title(title)
-        axes.axis("off")
+        hide_frame(axes)
 
 
 def _draw_difference(
@@ -133,7 +133,7 @@ def _draw_difference(
     drawn = np.where(lit, percent, np.nan)
     image = axes.imshow(drawn, cmap=colours, vmin=-limit, vmax=limit)
     axes.set_title("transfer minus reference")
-    axes.axis("off")
+    hide_frame(axes)
     figure.colorbar(image, ax=axes, label="% of the mean", shrink=0.85, extend="both")
 
 
