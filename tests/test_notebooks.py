@@ -29,7 +29,7 @@ def test_nothing_that_was_printed_is_kept(path):
 
 
 def executed(name):
-    """The cells of a notebook that needs no renderer, after a run."""
+    """The cells of a notebook, after a run."""
     notebook = nbformat.read(FOLDER / f"{name}.ipynb", as_version=4)
     nbclient.NotebookClient(notebook, timeout=600).execute()
     return notebook.cells
@@ -57,6 +57,37 @@ def test_the_error_on_new_lights_falls_with_more_pairs():
     assert len(errors) == 3
     assert errors == sorted(errors, reverse=True)
     assert errors[-1] < 12
+
+
+def test_each_choice_is_worth_what_the_notebook_says():
+    told = "".join(map(printed, executed("choice")))
+    rates = re.findall(r"precision ([\d.]+) %, recall ([\d.]+) %", told)
+    tree, article = ([float(rate) for rate in each] for each in rates)
+    assert min(tree) > 90 > max(article)
+    sized = re.findall(
+        r"^ +\d+ +([\d.]+) % +([\d.]+) % +([\d.]+) % +([\d.]+) %$", told, re.MULTILINE
+    )
+    assert len(sized) == 4
+    for points, with_shadows, discs, with_soft_shadows in sized:
+        assert float(discs) < float(points)
+        assert float(with_soft_shadows) < float(with_shadows)
+    needed = {
+        name: int(count) for name, count in re.findall(r"^(\w+): .*? \+ (\d+) light", told, re.M)
+    }
+    assert needed.pop("auto") == min(needed.values()) < needed["none"]
+    timed = re.findall(r"fit \d+ ms, ([\d.]+) %; fit_probe \d+ ms, ([\d.]+) %", told)
+    assert len(timed) == 4
+    assert all(float(whole) <= float(measured) for whole, measured in timed)
+
+
+def test_mitsuba_agrees_with_a_rig_within_its_noise():
+    pytest.importorskip("mitsuba")
+    cells = executed("against_mitsuba")
+    told = "".join(map(printed, cells))
+    apart, noise, error = (float(each) for each in re.findall(r"([\d.]+)%", told))
+    assert apart < max(1.2 * noise, error)
+    assert noise < 2
+    assert "image/png" in cells[-1].outputs[-1].data
 
 
 def test_the_courtyard_goes_from_a_map_to_a_lightmap_within_the_stated_error():
