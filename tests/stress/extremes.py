@@ -59,11 +59,11 @@ def _range_probe(stops):
 
 def _range_of_a_sun(stops):
     """The room behind a sun, on the side that the sun does not light."""
-    room = _room(64)
+    room, at = _room(64).copy(), (20, 40)
     sunny = room.copy()
-    room[0, 0] = 0
-    sunny[0, 0] = 2.0**stops
-    behind = NORMALS[NORMALS[:, 1] < -0.1]
+    room[at] = 0
+    sunny[at] = 2.0**stops
+    behind = NORMALS[NORMALS @ kernels.pixel_directions(64, 128)[at] < -0.1]
     seen, wanted = (el.EnvMap(each).probe(behind) for each in (sunny, room))
     return _relative(seen, wanted)
 
