@@ -9,12 +9,19 @@ within its radius where that is more, up to 20 degrees.
 found: pictures in which the brightest HDR light is found. empty: pictures without a light, of maps
 with one. flux: share of the HDR lights' flux that is found. angle: from the brightest HDR light to
 the nearest light of the picture, the median over all pictures. false: lights of a picture that hold
-no HDR light, by number and by their flux in the picture. Then generated pictures, by `synthetic`.
+no HDR light, by number and by their flux in the picture. time: processor time of `detect` on the
+picture over that on the HDR map of the same size, as float32; the geometric mean over the maps, and
+the largest. Only ratios of one run mean anything, with one thread: RAYON_NUM_THREADS=1.
+
+Then generated pictures, by `synthetic`; and one JPEG from its file to its lights.
 """
 
 import argparse
 import io
+import tempfile
 from dataclasses import dataclass
+from pathlib import Path
+from time import process_time
 
 import numpy as np
 from detectors import sphere
@@ -28,6 +35,9 @@ from envlights.kernels.image import LUMINANCE
 
 #: HDR maps in the folder `ENVLIGHTS_MAPS`.
 HDR = ("hdr/*.hdr", "exr/*.exr", "openexr_envmaps/Stage*LatLong.exr")
+
+#: Times that each detection is timed; the least counts.
+_LAPS = 7
 
 #: What counts as found, in degrees.
 LEAST_DEG, MOST_DEG = 3.0, 20.0
@@ -110,13 +120,14 @@ class Score:
     false: int
     flux_of_all: float
     flux_of_false: float
+    time: float = np.nan
 
 
-def score(truth, lights):
+def score(truth, lights, time):
     """Compare the lights of a picture with those of the HDR map, brightest first."""
     flux, seen = truth.irradiance @ LUMINANCE, lights.irradiance @ LUMINANCE
     if not len(lights):
-        return Score(False, True, 0.0, 180.0, 0, 0, 0.0, 0.0)
+        return Score(False, True, 0.0, 180.0, 0, 0, 0.0, 0.0, time)
     chords = np.linalg.norm(truth.direction[:, None] - lights.direction[None], axis=2)
     angles = np.rad2deg(2 * np.arcsin(np.clip(chords / 2, 0, 1)))
     reach, held = tolerance(truth.angular_radius), np.rad2deg(lights.angular_radius)
@@ -131,6 +142,7 @@ def score(truth, lights):
         false=int(is_false.sum()),
         flux_of_all=float(seen.sum()),
         flux_of_false=float(seen[is_false].sum()),
+        time=time,
     )
 
 
@@ -148,23 +160,36 @@ def reduced(radiance, width):
 
 
 def twins(width, most=None):
-    """For each map its name, the HDR lights, and its pictures by tone."""
+    """For each map its name, the HDR map and its lights, and its pictures by tone."""
     for path in paths_of_real_maps(*HDR)[:most]:
         radiance = reduced(el.EnvMap.open(path).radiance, width)
         truth = el.detect(radiance)
         if len(truth):
             pictures = {tone: store(curve(radiance)) for tone, (curve, store) in TONES.items()}
-            yield path.stem, truth, pictures
+            yield path.stem, radiance.astype(np.float32), truth, pictures
+
+
+def seconds(detect, maps):
+    """Least processor time of `detect` on each map; they take turns."""
+    laps = np.empty((_LAPS, len(maps)))
+    for lap in laps:
+        for place, radiance in enumerate(maps):
+            start = process_time()
+            detect(radiance)
+            lap[place] = process_time() - start
+    return laps.min(axis=0)
 
 
 def table(detect, worlds):
     """Lines of the table, by tone."""
     by_tone = {tone: [] for tone in TONES}
-    for _, truth, pictures in worlds:
-        for tone, picture in pictures.items():
-            by_tone[tone].append(score(truth, detect(picture)))
+    for _, radiance, truth, pictures in worlds:
+        of_map, *of_pictures = seconds(detect, [radiance, *pictures.values()])
+        for (tone, picture), of_picture in zip(pictures.items(), of_pictures, strict=True):
+            by_tone[tone].append(score(truth, detect(picture), of_picture / of_map))
     by_tone["all"] = [each for scores in list(by_tone.values()) for each in scores]
-    yield f"{'':<20}{'found':>7}{'empty':>7}{'flux':>7}{'angle':>8}{'false':>8}{'by flux':>9}"
+    heads = f"{'found':>7}{'empty':>7}{'flux':>7}{'angle':>8}{'false':>8}{'by flux':>9}"
+    yield f"{'':<20}{heads}{'time':>7}{'worst':>7}"
     for tone, scores in by_tone.items():
         yield f"{tone:<20}{line(scores)}"
 
@@ -176,9 +201,11 @@ def line(scores):
     shares = [each.flux_of_false / each.flux_of_all for each in scores if each.lights]
     false = sum(each.false for each in scores) / max(sum(each.lights for each in scores), 1)
     angle = np.median([each.angle_deg for each in scores])
+    times = [each.time for each in scores]
     return (
         f"{100 * mean('found'):>5.0f} %{sum(each.empty for each in scores):>7}{mean('flux'):>7.2f}"
         f"{angle:>7.2f}°{100 * false:>6.0f} %{100 * np.mean(shares or [0.0]):>7.0f} %"
+        f"{np.exp(np.mean(np.log(times))):>7.2f}{max(times):>7.2f}"
     )
 
 
@@ -196,6 +223,23 @@ def families():
         )
 
 
+def from_file():
+    """A line on a JPEG of 8192x4096 pixels: from file to lights, and the share of its decoding."""
+    picture = eight_bits(synthetic.hard(3).radiance.repeat(8, axis=0).repeat(8, axis=1))
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "map.jpg"
+        Image.fromarray(picture).save(path, quality=90)
+        whole, decoded, found = (
+            seconds(work, [path])[0]
+            for work in (el.detect, el.io.read_image, lambda _: el.detect(picture))
+        )
+    height, width, _ = picture.shape
+    return (
+        f"{width}x{height} JPEG from file to lights: {1e3 * whole:.0f} ms of processor time,"
+        f" {decoded / whole:.0%} to decode the file; detect on its array {1e3 * found:.0f} ms"
+    )
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--width", type=int, default=1024, help="columns of the pictures, at most")
@@ -206,6 +250,7 @@ def main():
     print("\ngenerated maps that are clipped at white")
     for text in families():
         print(text)
+    print(f"\n{from_file()}")
 
 
 if __name__ == "__main__":

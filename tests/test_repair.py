@@ -1,10 +1,13 @@
 """What white has cut off, and the ground as a light meter."""
 
+import inspect
+
 import numpy as np
 import pytest
 
 import envlights as el
-from envlights import kernels
+from envlights import kernels, repair
+from envlights.detection import component_tree
 from envlights.kernels.image import LUMINANCE
 from tests.helpers import angle_deg, flux, printed_by_threads
 
@@ -162,3 +165,10 @@ def test_the_seam_and_the_number_of_threads_change_nothing():
     turned = el.EnvMap(np.roll(env.radiance, 37, axis=1), white=1.0)
     rolled = np.roll(env.repaired().radiance, 37, axis=1)
     np.testing.assert_allclose(turned.repaired().radiance, rolled, rtol=1e-5)
+
+
+def test_the_plateau_is_that_of_detection():
+    options = inspect.signature(el.detect_tree).parameters
+    columns = options["working_width"].default // component_tree._FEWER_COLUMNS
+    assert columns == repair.PLATEAU_COLUMNS
+    assert np.deg2rad(options["gap_deg"].default) == pytest.approx(repair.PLATEAU_GAP)

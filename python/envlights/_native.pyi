@@ -146,7 +146,6 @@ class MapSplit:
     solid_angle: _Reals
     reach: _Reals
     vectors: _Reals
-    map_flux: float
 
 def are_clipped(
     radiance: _Image, pixels: _Indices, reach: int, sphere: bool, white: float | None

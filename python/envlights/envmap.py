@@ -94,12 +94,19 @@ class EnvMap:
         self._radiance = _read_only(self._cleaned(self._linear(map_array(radiance, self._notes))))
 
     @classmethod
-    def unchecked(cls, radiance: ArrayLike) -> EnvMap:
-        """A map whose samples are not checked, for kernels that check every one."""
+    def unchecked(
+        cls,
+        radiance: ArrayLike,
+        *,
+        registration: str = REGISTRATIONS[0],
+        notes: Iterable[str] = (),
+        white: float | None = None,
+    ) -> EnvMap:
+        """A map whose samples are not checked: kernels will check each, or have made it."""
         env = cls.__new__(cls)
-        env._notes = []
-        env._projection, env._registration = PROJECTIONS[0], REGISTRATIONS[0]
-        env._white, env._clipped = None, None
+        env._notes = list(notes)
+        env._projection, env._registration = PROJECTIONS[0], registration
+        env._white, env._clipped = white, None
         env._radiance = _read_only(env._linear(map_array(radiance, env._notes)))
         return env
 

@@ -40,9 +40,9 @@ _LEAST_GROUND = 0.1
 #: Albedos of the ground under the light in the map that a white floor explains as well.
 _WHITE_FLOOR = 0.7, 1.1
 
-#: Parts of the plateau are told apart in an image of that many columns, and not where a gap of
-#: less than that many degrees divides them: what `detect_tree` does with such maps.
-_COLUMNS, _GAP_DEG = 512, 0.8
+#: Parts of a plateau are told apart in an image of that many columns, and not where a gap of less
+#: than that many radians divides them: what `detect_tree` does with such maps by default.
+PLATEAU_COLUMNS, PLATEAU_GAP = 512, math.radians(0.8)
 
 #: Rows that are looked at together: what is computed of them takes more memory than they do.
 _ROWS = 128
@@ -56,8 +56,9 @@ def repaired(
     ratio: float | None,
 ) -> tuple[NDArray[np.float32], str]:
     """The radiance of a map with what was cut off at `white`, and a remark on how much that is."""
-    gap = math.radians(_GAP_DEG)
-    share = _native.clipped_light_shares(radiance, border_sampled, white, _COLUMNS, gap)
+    share = _native.clipped_light_shares(
+        radiance, border_sampled, white, PLATEAU_COLUMNS, PLATEAU_GAP
+    )
     if not share.any():
         return radiance, "nothing was added, for nothing is clipped"
     light = _measured(radiance, share, white, border_sampled)

@@ -21,7 +21,6 @@ pub struct MapSplit {
     solid_angle: Py<PyArray1<f64>>,
     reach: Py<PyArray1<f64>>,
     vectors: Py<PyArray3<f64>>,
-    map_flux: f64,
 }
 
 /// See `envlights.split`.
@@ -64,7 +63,6 @@ pub fn split_map(
         )
         .into_pyarray(py)
         .unbind(),
-        map_flux: parts.flux,
         pixel: parts.pixels.into_pyarray(py).unbind(),
         left: Array2::from(parts.left).into_pyarray(py).unbind(),
     })

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.image import AxesImage
@@ -18,10 +16,8 @@ from envlights.envmap import AnyMap, EnvMap, as_envmap
 from envlights.plot.figure import Picture
 from envlights.plot.ground import EXTENT, degrees, draw_map
 from envlights.plot.markers import RIM, area, draw_discs, draw_legend, draw_numbers, draw_rims
+from envlights.repair import PLATEAU_COLUMNS, PLATEAU_GAP
 
-#: The plateau is drawn in an image of that many columns, with gaps of less than that many degrees
-#: closed: what `detect_tree` does with such maps.
-_COLUMNS, _GAP_DEG = 512, 0.8
 #: Colour of what is clipped, and how much of it covers the map: red, green, blue, alpha.
 _CLIPPED = (0.0, 0.75, 1.0, 0.5)
 
@@ -102,8 +98,9 @@ def _tint(env: EnvMap, white: float) -> NDArray[np.float64]:
 def _draw_depth(axes: Axes, env: EnvMap, white: float) -> AxesImage:
     """Draw the depth of the plateau in degrees."""
     is_border = env.registration == "border-sampled"
-    gap = math.radians(_GAP_DEG)
-    depth = np.rad2deg(_native.plateau_depth(env.radiance, is_border, white, _COLUMNS, gap))
+    depth = np.rad2deg(
+        _native.plateau_depth(env.radiance, is_border, white, PLATEAU_COLUMNS, PLATEAU_GAP)
+    )
     image = axes.imshow(np.where(depth > 0, depth, np.nan), cmap="viridis", vmin=0, extent=EXTENT)
     axes.set(facecolor="0.15", xlabel="azimuth (degrees)", ylabel="elevation (degrees)")
     axes.set(xticks=range(0, 361, 45), yticks=range(-90, 91, 45))

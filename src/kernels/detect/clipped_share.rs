@@ -38,7 +38,7 @@ pub fn clipped_share(
     let least = if let Some(white) = white {
         (LEAST_WHITE * f64::from(white)) as f32
     } else {
-        let top_of_row = |row| Top::of(samples_of(radiance, row..row + 1).as_chunks::<3>().0.iter());
+        let top_of_row = |row| Top::of(samples_of(radiance, row..row + 1).as_chunks::<3>().0);
         let top = (0..height).into_par_iter().map(top_of_row).reduce(Top::default, Top::and);
         if !top.is_clipped(Ceiling::Maximum(top.sample)) || top.sample <= 0.0 {
             return Ok(none);

@@ -28,8 +28,10 @@ pub struct Top {
 
 impl Top {
     /// The top of some pixels.
-    pub fn of<'a>(pixels: impl Iterator<Item = &'a [f32; 3]>) -> Self {
-        pixels.fold(Self::default(), |top, &[r, g, b]| top.and(Self { sample: r.max(g).max(b), pixels: 1 }))
+    pub fn of(pixels: &[[f32; 3]]) -> Self {
+        let sample = largest(pixels.as_flattened());
+        let is_top = |pixel: &&[f32; 3]| pixel[0] >= sample || pixel[1] >= sample || pixel[2] >= sample;
+        Self { sample, pixels: pixels.iter().filter(is_top).count() }
     }
 
     /// The top of both.
@@ -49,13 +51,24 @@ impl Top {
     }
 }
 
+/// The largest of some samples, in lanes that do not wait for one another; 0 of none.
+fn largest(samples: &[f32]) -> f32 {
+    let higher = |a: f32, b: f32| if b > a { b } else { a };
+    let (most, rest) = samples.as_chunks::<16>();
+    let mut lanes = [0.0; 16];
+    for samples in most {
+        lanes.iter_mut().zip(samples).for_each(|(lane, &sample)| *lane = higher(*lane, sample));
+    }
+    lanes.iter().chain(rest).copied().fold(0.0, higher)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn top(samples: &[f32]) -> Top {
         let pixels: Vec<[f32; 3]> = samples.iter().map(|&sample| [0.1, sample, 0.2]).collect();
-        Top::of(pixels.iter())
+        Top::of(&pixels)
     }
 
     #[test]

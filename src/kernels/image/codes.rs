@@ -3,22 +3,21 @@
 use ndarray::{Array3, ArrayView3};
 use rayon::prelude::*;
 
-/// Samples that are decoded at once.
-const SAMPLES_AT_ONCE: usize = 1 << 15;
+/// Samples that are decoded at once: a whole number of pixels, and most maps are a whole number of these.
+const SAMPLES_AT_ONCE: usize = 24;
+/// So many times as many samples make a task.
+const OF_A_TASK: usize = 1 << 10;
 
 /// For each of `codes` its value in `table`. A code beyond the table takes the last value.
 pub fn decoded<Code: Copy + Into<usize> + Sync>(codes: ArrayView3<'_, Code>, table: &[f32]) -> Array3<f32> {
-    let last = table.len().saturating_sub(1);
-    let value = |code: Code| table.get(code.into().min(last)).copied().unwrap_or(0.0);
+    let last = table.last().copied().unwrap_or(0.0);
+    let value = |code: Code| table.get(code.into()).copied().unwrap_or(last);
     let Some(given) = codes.as_slice() else { return codes.map(|&code| value(code)) };
-    let mut values = vec![0.0; given.len()];
-    values.par_chunks_mut(SAMPLES_AT_ONCE).zip(given.par_chunks(SAMPLES_AT_ONCE)).for_each(
-        |(values, codes)| {
-            for (out, &code) in values.iter_mut().zip(codes) {
-                *out = value(code);
-            }
-        },
-    );
+    let (given, rest) = given.as_chunks::<SAMPLES_AT_ONCE>();
+    let values: Vec<[f32; SAMPLES_AT_ONCE]> =
+        given.par_iter().with_min_len(OF_A_TASK).map(|codes| codes.map(value)).collect();
+    let mut values = values.into_flattened();
+    values.extend(rest.iter().map(|&code| value(code)));
     Array3::from_shape_vec(codes.dim(), values).unwrap_or_else(|_| codes.map(|&code| value(code)))
 }
 

@@ -1,7 +1,5 @@
 //! The sphere in fewer and fewer pixels, on which a membrane is found from the coarsest to the finest.
 
-use rayon::prelude::*;
-
 use crate::interrupt;
 use crate::kernels::image::Grid;
 use crate::kernels::sphere::band_heights;
@@ -14,50 +12,76 @@ pub struct Level {
     pub size: (usize, usize),
     grid: Grid,
     pub values: Vec<Value>,
-    pub is_hole: Vec<bool>,
+    is_hole: Vec<bool>,
+    /// Flat indices of the holes, in ascending order.
+    pub holes: Vec<usize>,
 }
 
 impl Level {
-    pub fn new(grid: Grid, values: Vec<Value>, is_hole: Vec<bool>) -> Self {
-        let size = (grid.theta_edges.len() - 1, grid.phi_edges.len() - 1);
-        Self { size, grid, values, is_hole }
+    /// A level with these holes, in ascending order, of which no value is known.
+    pub fn new(grid: Grid, holes: Vec<usize>) -> Self {
+        let size @ (height, width) = (grid.theta_edges.len() - 1, grid.phi_edges.len() - 1);
+        let mut is_hole = vec![false; height * width];
+        for &hole in &holes {
+            is_hole[hole] = true;
+        }
+        Self { size, grid, values: vec![[0.0; 4]; is_hole.len()], is_hole, holes }
     }
 
-    pub fn has_holes(&self) -> bool {
-        self.is_hole.contains(&true)
-    }
-
-    /// The level with pixels of twice the size: the mean of those that are given; a hole where none is.
+    /// The level with pixels of twice the size: a hole where no pixel is given.
     pub fn coarser(&self) -> Self {
         let grid = self.grid.in_blocks(2);
-        let size = (grid.theta_edges.len() - 1, grid.phi_edges.len() - 1);
-        let bands = band_heights(&self.grid.theta_edges);
-        let mut values = vec![[0.0; 4]; size.0 * size.1];
-        let mut is_hole = vec![false; values.len()];
-        let rows = values.par_chunks_mut(size.1).zip(is_hole.par_chunks_mut(size.1));
-        rows.zip(bands.par_chunks(2)).enumerate().for_each(|(row, ((values, is_hole), bands))| {
-            for (column, (value, is_hole)) in values.iter_mut().zip(is_hole).enumerate() {
-                let (mut sum, mut whole) = ([0.0_f64; 4], 0.0);
-                for (row, band) in (2 * row..).zip(bands) {
-                    for column in 2 * column..(2 * column + 2).min(self.size.1) {
-                        let fine = row * self.size.1 + column;
-                        let weight = if self.is_hole[fine] { 0.0 } else { *band };
-                        whole += weight;
-                        sum.iter_mut().zip(self.values[fine]).for_each(|(s, v)| *s += weight * f64::from(v));
-                    }
-                }
-                *is_hole = whole <= 0.0;
-                if whole > 0.0 {
-                    *value = sum.map(|sum| (sum / whole) as f32);
-                }
+        let columns = grid.phi_edges.len() - 1;
+        let mut outer: Vec<usize> = self.holes.iter().map(|&hole| self.outside(columns, hole)).collect();
+        outer.sort_unstable();
+        outer.dedup();
+        outer.retain(|&pixel| self.inside(columns, pixel).all(|fine| self.is_hole[fine]));
+        Self::new(grid, outer)
+    }
+
+    /// Let each of these pixels, unless it is a hole, be the mean of those given in a level of half its pixels' size.
+    pub fn average(&mut self, finer: &Self, pixels: &[usize]) {
+        let bands = band_heights(&finer.grid.theta_edges);
+        for &pixel in pixels.iter().filter(|&&pixel| !self.is_hole[pixel]) {
+            let (mut sum, mut whole) = ([0.0_f64; 4], 0.0);
+            for fine in finer.inside(self.size.1, pixel) {
+                let weight = if finer.is_hole[fine] { 0.0 } else { bands[fine / finer.size.1] };
+                whole += weight;
+                sum.iter_mut().zip(finer.values[fine]).for_each(|(s, v)| *s += weight * f64::from(v));
             }
-        });
-        Self { size, grid, values, is_hole }
+            self.values[pixel] = sum.map(|sum| (sum / whole) as f32);
+        }
+    }
+
+    /// The pixel of a level with `columns` columns of twice the width in which a pixel lies.
+    pub fn outside(&self, columns: usize, pixel: usize) -> usize {
+        pixel / self.size.1 / 2 * columns + pixel % self.size.1 / 2
+    }
+
+    /// Whether a pixel is a hole.
+    pub fn is_hole(&self, pixel: usize) -> bool {
+        self.is_hole[pixel]
+    }
+
+    /// The pixels inside one of a level with `columns` columns of twice the width.
+    pub fn inside(&self, columns: usize, pixel: usize) -> impl Iterator<Item = usize> {
+        let (row, column) = (2 * (pixel / columns), 2 * (pixel % columns));
+        let (height, width) = self.size;
+        let rows = row..(row + 2).min(height);
+        rows.flat_map(move |row| (column..(column + 2).min(width)).map(move |column| row * width + column))
+    }
+
+    /// A pixel and those around it, across the seam.
+    pub fn around(&self, pixel: usize) -> impl Iterator<Item = usize> {
+        let (height, width) = self.size;
+        let (row, column) = (pixel / width, pixel % width);
+        let rows = row.saturating_sub(1)..(row + 2).min(height);
+        rows.flat_map(move |row| [width - 1, 0, 1].map(|step| row * width + (column + step) % width))
     }
 
     /// Start the holes with the values of a coarser level.
     pub fn start_from(&mut self, coarser: &Self) {
-        for index in (0..self.values.len()).filter(|&index| self.is_hole[index]) {
+        for &index in &self.holes {
             let (row, column) = (index / self.size.1, index % self.size.1);
             self.values[index] = coarser.between(row, column, 2).map(|value| value as f32);
         }
@@ -103,8 +127,8 @@ impl Level {
             .collect();
         let side: Vec<f64> =
             (0..height).map(|row| (theta[row + 1] - theta[row]) / middles[row].sin()).collect();
-        let holes = (0..self.values.len()).filter(|&index| self.is_hole[index]);
-        let holes: Vec<(usize, usize)> = holes.map(|index| (index / width, index % width)).collect();
+        let holes: Vec<(usize, usize)> =
+            self.holes.iter().map(|index| (index / width, index % width)).collect();
         for _ in 0..sweeps {
             interrupt::check();
             for &(row, column) in &holes {

@@ -21,19 +21,27 @@ const MOST_SWEEPS: usize = 256;
 /// Rows of the coarsest level, at least.
 const LEAST_ROWS: usize = 4;
 
-/// The working image with the holes closed; its fourth value is the bump.
-pub fn membrane(working: &Working, regions: &Regions) -> Level {
-    let values = working
-        .radiance
-        .par_iter()
-        .zip(&regions.is_hole)
-        .map(|(&[red, green, blue], &is_hole)| if is_hole { [0.0; 4] } else { [red, green, blue, 0.0] });
-    let mut levels = vec![Level::new(working.grid.clone(), values.collect(), regions.is_hole.clone())];
-    while levels[levels.len() - 1].has_holes() && levels[levels.len() - 1].size.0 > LEAST_ROWS {
+/// The working image with the holes closed; its fourth value is the bump. Far from holes, no value is known.
+pub fn membrane(working: &Working<'_>, regions: &Regions) -> Level {
+    // Find the holes of each level, up to one that has none.
+    let mut levels = vec![Level::new(working.grid.clone(), regions.holes())];
+    while !levels[levels.len() - 1].holes.is_empty() && levels[levels.len() - 1].size.0 > LEAST_ROWS {
         levels.push(levels[levels.len() - 1].coarser());
     }
+    // Average what is given, from the finest level to the coarsest, where a hole needs it.
+    let needed = needed(&levels);
+    let given = needed[0].par_iter().filter(|&&pixel| !levels[0].is_hole(pixel));
+    let given: Vec<_> = given.map(|&pixel| (pixel, working.mean(pixel))).collect();
+    for (pixel, [red, green, blue]) in given {
+        levels[0].values[pixel] = [red, green, blue, 0.0];
+    }
+    for (number, pixels) in needed.iter().enumerate().skip(1) {
+        let (finer, coarser) = levels.split_at_mut(number);
+        coarser[0].average(&finer[number - 1], pixels);
+    }
+    // Close the holes, from the coarsest to the finest.
     let mut solved = levels.pop().expect("one level at least");
-    if solved.has_holes() {
+    if !solved.holes.is_empty() {
         solved.relax(MOST_SWEEPS);
     }
     while let Some(mut finer) = levels.pop() {
@@ -44,10 +52,35 @@ pub fn membrane(working: &Working, regions: &Regions) -> Level {
     solved
 }
 
+/// For each level the pixels on which its holes and those of finer levels depend.
+fn needed(levels: &[Level]) -> Vec<Vec<usize>> {
+    let mut needed: Vec<Vec<usize>> = Vec::new();
+    // From the coarsest level to the finest.
+    for (number, level) in levels.iter().enumerate().rev() {
+        let (mut is_needed, mut pixels) = (vec![false; level.values.len()], Vec::new());
+        let mut need = |pixel: usize| {
+            if !std::mem::replace(&mut is_needed[pixel], true) {
+                pixels.push(pixel);
+            }
+        };
+        // A hole depends on the pixels around it, and starts from those around the coarser pixel that it is in.
+        level.holes.iter().flat_map(|&hole| level.around(hole)).for_each(&mut need);
+        if let Some(finer) = number.checked_sub(1).map(|finer| &levels[finer]) {
+            let started = finer.holes.iter().map(|&hole| finer.outside(level.size.1, hole));
+            started.flat_map(|pixel| level.around(pixel)).for_each(&mut need);
+        }
+        // A coarser pixel depends on those inside of it.
+        if let (Some(coarser), Some(pixels)) = (levels.get(number + 1), needed.last()) {
+            pixels.iter().flat_map(|&pixel| level.inside(coarser.size.1, pixel)).for_each(&mut need);
+        }
+        needed.push(pixels);
+    }
+    needed.reverse();
+    needed
+}
+
 #[cfg(test)]
 mod tests {
-    use ndarray::Array3;
-
     use super::*;
     use crate::kernels::sphere::Registration;
 
@@ -61,10 +94,20 @@ mod tests {
         let places = || (0..SIZE.0).flat_map(|row| (0..SIZE.1).map(move |column| (row, column)));
         // What stands in the hole must not matter.
         let given = |row, column| if is_hole(row, column) { 1e6 } else { radiance(row, column) };
-        let map = Array3::from_shape_fn((SIZE.0, SIZE.1, 3), |(row, column, _)| given(row, column));
-        let working = Working::of(map.view(), Registration::CellCentred, 1);
-        let is_hole = places().map(|(row, column)| is_hole(row, column)).collect();
-        membrane(&working, &Regions { pixels: Vec::new(), is_hole }).values
+        let map: Vec<[f32; 3]> = places().map(|(row, column)| [given(row, column); 3]).collect();
+        let working = Working::of(&map, SIZE, Registration::CellCentred, 1);
+        let is_hole: Vec<bool> = places().map(|(row, column)| is_hole(row, column)).collect();
+        let holes = (0..is_hole.len()).filter(|&pixel| is_hole[pixel]).map(|pixel| pixel as u32);
+        let solved = membrane(&working, &Regions { pixels: vec![holes.collect()] });
+        let pixels = places().zip(solved.values).zip(is_hole);
+        let value = |(((row, column), value), is_hole)| {
+            if is_hole {
+                value
+            } else {
+                [radiance(row, column), radiance(row, column), radiance(row, column), 0.0]
+            }
+        };
+        pixels.map(value).collect()
     }
 
     /// Largest difference of two images in red, green and blue.

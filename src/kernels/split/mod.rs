@@ -62,8 +62,6 @@ pub struct Split {
     pub left: Vec<[f32; 3]>,
     /// One for each direction that was given.
     pub lights: Vec<Taken>,
-    /// Integral of the map's luminance.
-    pub flux: f64,
 }
 
 /// Take lights out of an equirectangular map of radiance, (height, width, 3), finite and not negative.
@@ -77,12 +75,15 @@ pub fn split(radiance: ArrayView3<'_, f32>, registration: Registration, found: &
     let directions = sphere::unit_vectors("direction", found.directions)?;
     let (height, width, _) = radiance.dim();
     sphere::check_memory(&[height, width, 2])?;
-    let working = Working::of(radiance, registration, found.block.max(1));
+    let radiance = radiance.as_standard_layout();
+    let map = radiance.as_slice().map_or(&[][..], |samples| samples.as_chunks::<3>().0);
+    let (size, block) = ((height, width), found.block.max(1));
+    let working = Working::of(map, size, registration, block);
     let members = members(found, working.size)?;
     let regions = region::regions(&working, &members, directions.len(), found.threshold);
     let membrane = membrane::membrane(&working, &regions);
     let cells = Cells::new(height, width, registration);
-    let map = Map { radiance, cells, membrane, block: found.block.max(1) };
+    let map = Map { pixels: map, size, cells, membrane, block };
     let (mut pixels, mut left, mut lights) = (Vec::new(), Vec::new(), Vec::new());
     for (region, &direction) in regions.pixels.iter().zip(&directions) {
         let (light, taken_from) = taken::take(&map, region, direction);
@@ -90,7 +91,7 @@ pub fn split(radiance: ArrayView3<'_, f32>, registration: Registration, found: &
         left.extend(taken_from.iter().map(|pixel| pixel.left));
         lights.push(light);
     }
-    Ok(Split { pixels, left, lights, flux: working.flux })
+    Ok(Split { pixels, left, lights })
 }
 
 /// Flat indices of the pixels of lights in a working image of this size, each with its light.

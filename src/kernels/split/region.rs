@@ -13,7 +13,6 @@ use glam::DVec3;
 
 use super::working::Working;
 use crate::interrupt;
-use crate::kernels::sphere::direction;
 
 /// Rings that every light has: the pixels on its rim are partly its own, and so are those into which a lens or
 /// a reduction has blurred it.
@@ -34,33 +33,46 @@ const NONE: u32 = u32::MAX;
 pub struct Regions {
     /// Flat indices of the pixels of each light.
     pub pixels: Vec<Vec<u32>>,
-    /// Whether each pixel of the image is one of them.
-    pub is_hole: Vec<bool>,
 }
 
 /// The pixels of the first `taken` lights of `members`: flat indices, each with its light. The others stay.
-pub fn regions(working: &Working, members: &[(usize, usize)], taken: usize, threshold: f64) -> Regions {
+pub fn regions(working: &Working<'_>, members: &[(usize, usize)], taken: usize, threshold: f64) -> Regions {
     // Give each light the pixels in which it was found.
-    let mut light_of = vec![NONE; working.radiance.len()];
+    let mut light_of = vec![NONE; working.size.0 * working.size.1];
     for &(index, light) in members {
         light_of[index] = light as u32;
+    }
+    let mut pixels = vec![Vec::new(); taken];
+    for &(index, _) in members {
+        if let Some(pixels) = pixels.get_mut(light_of[index] as usize) {
+            pixels.push(index as u32);
+        }
     }
     // Grow rings around all lights, and give each those up to its last one.
     let lights = members.iter().map(|&(_, light)| light + 1).max().unwrap_or(0);
     let mut rings = Rings::new(lights, threshold as f32);
     for ring in grown(working, members, &light_of, &mut rings) {
-        if ring.number < rings.widths[ring.light as usize] {
-            light_of[ring.pixel as usize] = ring.light;
+        if let Some(pixels) = pixels.get_mut(ring.light as usize)
+            && ring.number < rings.widths[ring.light as usize]
+        {
+            pixels.push(ring.pixel);
         }
     }
-    // List the pixels of the lights that are taken.
-    let mut pixels = vec![Vec::new(); taken];
-    for (index, &light) in light_of.iter().enumerate() {
-        if let Some(pixels) = pixels.get_mut(light as usize) {
-            pixels.push(index as u32);
-        }
+    // List the pixels of each light in their order, each once.
+    for pixels in &mut pixels {
+        pixels.sort_unstable();
+        pixels.dedup();
     }
-    Regions { pixels, is_hole: light_of.iter().map(|&light| (light as usize) < taken).collect() }
+    Regions { pixels }
+}
+
+impl Regions {
+    /// All of these pixels, in ascending order.
+    pub fn holes(&self) -> Vec<usize> {
+        let mut holes: Vec<usize> = self.pixels.iter().flatten().map(|&pixel| pixel as usize).collect();
+        holes.sort_unstable();
+        holes
+    }
 }
 
 /// A pixel around a light.
@@ -111,7 +123,7 @@ impl Rings {
 
 /// The pixels around all lights, the nearest first, each with the light that is nearest on the sphere.
 fn grown(
-    working: &Working,
+    working: &Working<'_>,
     members: &[(usize, usize)],
     light_of: &[u32],
     rings: &mut Rings,
@@ -124,14 +136,14 @@ fn grown(
         if light_of[pixel] != NONE {
             return;
         }
-        let distance = centre(working, pixel).distance(at);
+        let distance = working.centre(pixel).distance(at);
         if distance < farthest && (distance as f32) < nearest[pixel] {
             nearest[pixel] = distance as f32;
             heap.push(Reverse(((distance as f32).to_bits(), pixel as u32, source as u32)));
         }
     };
     for &(index, _) in members {
-        let at = centre(working, index);
+        let at = working.centre(index);
         working.around(index).iter().for_each(|&other| visit(&mut heap, other, index, at));
     }
     let (mut grown, mut is_done, mut current) = (Vec::new(), vec![false; light_of.len()], 0);
@@ -148,22 +160,12 @@ fn grown(
         }
         grown.push(RingPixel { pixel, light, number });
         rings.growing[light as usize].push(working.luminance(pixel as usize));
-        let at = centre(working, source as usize);
+        let at = working.centre(source as usize);
         for other in working.around(pixel as usize) {
             visit(&mut heap, other, source as usize, at);
         }
     }
     grown
-}
-
-/// Direction of the middle of a pixel.
-fn centre(working: &Working, index: usize) -> DVec3 {
-    let (row, column) = (index / working.size.1, index % working.size.1);
-    let middle = |edges: &[f64]| 0.5 * (edges[0] + edges[1]);
-    direction(
-        middle(&working.grid.theta_edges[row..row + 2]),
-        middle(&working.grid.phi_edges[column..column + 2]),
-    )
 }
 
 /// The median, 0 of no values: a light without room for a ring ends before it.

@@ -14,7 +14,6 @@
 //! the direction is that of the luminance taken.
 
 use glam::{DMat2, DMat3, DVec2, DVec3};
-use ndarray::ArrayView3;
 use rayon::prelude::*;
 
 use super::cells::Cells;
@@ -49,7 +48,9 @@ pub struct Taken {
 
 /// A map, its cells, and the membrane of its working image.
 pub struct Map<'a> {
-    pub radiance: ArrayView3<'a, f32>,
+    /// Its pixels, row after row, and its height and width.
+    pub pixels: &'a [[f32; 3]],
+    pub size: (usize, usize),
     pub cells: Cells,
     pub membrane: Level,
     /// Pixels of the map along each side of a pixel of the working image.
@@ -70,18 +71,18 @@ pub struct Pixel {
 pub fn take(map: &Map<'_>, region: &[u32], direction: DVec3) -> (Taken, Vec<Pixel>) {
     let cells = &map.cells;
     let mut pixels = closed(map, region);
-    keep_dark_channels(&mut pixels, cells);
-    let axis = toward(&vectors(&pixels, cells)).try_normalize().unwrap_or(direction);
-    align(&mut pixels, cells, axis);
+    let vectors = keep_dark_channels(&mut pixels, cells);
+    let axis = toward(&vectors).try_normalize().unwrap_or(direction);
+    align(&mut pixels, cells, axis, vectors.map(DVec3::length));
     (measured(&pixels, cells, direction), pixels)
 }
 
 /// The map's pixels behind some of the working image, with the membrane wherever it is darker.
 fn closed(map: &Map<'_>, region: &[u32]) -> Vec<Pixel> {
-    let ((height, width, _), block) = (map.radiance.dim(), map.block);
+    let ((height, width), block) = (map.size, map.block);
     let columns = map.membrane.size.1;
     let pixel = |row: usize, column: usize| {
-        let given = [0, 1, 2].map(|channel| map.radiance[[row, column, channel]]);
+        let given = map.pixels[row * width + column];
         let [red, green, blue, bump] = map.membrane.between(row, column, block).map(|value| value as f32);
         let fill = [red, green, blue];
         let left = if luminance_f32(given) > luminance_f32(fill) { fill } else { given };
@@ -106,15 +107,17 @@ fn closed(map: &Map<'_>, region: &[u32]) -> Vec<Pixel> {
 
 /// In a channel of which the membrane holds more than the light, take nothing from any pixel that is darker.
 ///
-/// So a red lamp before a white wall takes no negative blue with it.
-fn keep_dark_channels(pixels: &mut [Pixel], cells: &Cells) {
-    let vectors = vectors(pixels, cells);
-    let axis = toward(&vectors);
-    for channel in (0..3).filter(|&channel| vectors[channel].dot(axis) < 0.0) {
+/// So a red lamp before a white wall takes no negative blue with it. Gives the vector irradiance of what is taken.
+fn keep_dark_channels(pixels: &mut [Pixel], cells: &Cells) -> [DVec3; 3] {
+    let before = vectors(pixels, cells);
+    let axis = toward(&before);
+    let is_dark = before.map(|vector| vector.dot(axis) < 0.0);
+    for channel in (0..3).filter(|&channel| is_dark[channel]) {
         for pixel in &mut *pixels {
             pixel.left[channel] = pixel.left[channel].min(pixel.given[channel]);
         }
     }
+    if is_dark.contains(&true) { vectors(pixels, cells) } else { before }
 }
 
 /// The vector of the luminance, from those of the channels.
@@ -153,8 +156,8 @@ impl Pixel {
     }
 }
 
-/// Tilt what is left so that the vector of each channel becomes parallel to `axis`.
-fn align(pixels: &mut [Pixel], cells: &Cells, axis: DVec3) {
+/// Tilt what is left so that the vector of each channel, of these `lengths`, becomes parallel to `axis`.
+fn align(pixels: &mut [Pixel], cells: &Cells, axis: DVec3, lengths: [f64; 3]) {
     let across = tangents(axis);
     let highest = pixels.iter().map(|pixel| pixel.bump).fold(f32::MIN_POSITIVE, f32::max);
     // The bump of a pixel, its place across the axis, and the integral of that over the pixel.
@@ -180,7 +183,6 @@ fn align(pixels: &mut [Pixel], cells: &Cells, axis: DVec3) {
         [0, 1, 2].map(|channel| (a[channel].0 + b[channel].0, a[channel].1 + b[channel].1))
     };
     let Some(sums) = sum(pixels, of, add) else { return };
-    let lengths = vectors(pixels, cells).map(DVec3::length);
     let slopes = [0, 1, 2].map(|channel| {
         let (moment, products) = sums[channel];
         let is_aligned = moment.length() <= ROUNDING * lengths[channel];
@@ -200,7 +202,8 @@ fn align(pixels: &mut [Pixel], cells: &Cells, axis: DVec3) {
     pixels.par_iter_mut().for_each(|pixel| {
         let (bump, at, _) = place(pixel);
         for (left, slope) in pixel.left.iter_mut().zip(slopes) {
-            *left = (f64::from(*left) * (1.0 + bump * slope.dot(at))) as f32;
+            let tilted = f64::from(*left) * (1.0 + bump * slope.dot(at));
+            *left = tilted.min(f64::from(f32::MAX)) as f32;
         }
     });
 }

@@ -68,7 +68,7 @@ fn top_around(map: &[[f32; 3]], width: usize, pixel: Pixel, windows: &Windows) -
     for row in windows.rows(pixel) {
         interrupt::check();
         for columns in windows.columns(row, pixel) {
-            top = top.and(Top::of(map[row * width..][columns].iter()));
+            top = top.and(Top::of(&map[row * width..][columns]));
         }
     }
     top

@@ -84,7 +84,7 @@ impl<'a> Map<'a> {
     fn measure(&self, runs: &[Run], background: f64) -> Light {
         let parts = runs.par_chunks(RUNS_OF_A_PART);
         let peak = parts.clone().map(|part| self.peak(part)).reduce(|| 0.0, f32::max);
-        let largest = parts.clone().map(|part| Top::of(self.pixels_of(part))).reduce(Top::default, Top::and);
+        let largest = parts.clone().map(|part| self.top(part)).reduce(Top::default, Top::and);
         let background = background as f32;
         let sum = |part| self.widest.dispatch(Sum { map: self, part, peak, background });
         let lights: Vec<Light> = parts.map(sum).collect();
@@ -95,12 +95,21 @@ impl<'a> Map<'a> {
 
     /// Luminance of the brightest pixel.
     fn peak(&self, part: &[Run]) -> f32 {
-        self.pixels_of(part).fold(0.0, |peak, &pixel| peak.max(luminance_f32(pixel)))
+        let higher = |peak: f32, &pixel: &[f32; 3]| {
+            let luminance = luminance_f32(pixel);
+            if luminance > peak { luminance } else { peak }
+        };
+        self.rows_of_all(part).flatten().fold(0.0, higher)
     }
 
-    /// The map's pixels behind a part.
-    fn pixels_of(&self, part: &[Run]) -> impl Iterator<Item = &[f32; 3]> {
-        part.iter().flat_map(|run| self.rows_of(run)).flat_map(|(_, _, pixels)| pixels)
+    /// The largest sample.
+    fn top(&self, part: &[Run]) -> Top {
+        self.rows_of_all(part).map(Top::of).fold(Top::default(), Top::and)
+    }
+
+    /// Rows of the map's pixels behind a part.
+    fn rows_of_all(&self, part: &[Run]) -> impl Iterator<Item = &[[f32; 3]]> {
+        part.iter().flat_map(|run| self.rows_of(run)).map(|(_, _, pixels)| pixels)
     }
 
     /// Rows of the map's pixels behind a run, each with its number and its columns.

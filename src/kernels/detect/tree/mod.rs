@@ -27,7 +27,7 @@ pub(super) mod linkage;
 pub(super) mod measure;
 pub(super) mod moments;
 pub(super) mod outline;
-mod run;
+pub(super) mod run;
 #[cfg(test)]
 pub(super) mod test_maps;
 pub(super) mod threshold;

@@ -89,10 +89,16 @@ impl WorkingImage {
     /// The same pixels with another luminance.
     #[must_use]
     pub fn with_luminance(&self, luminance: Vec<f32>) -> Self {
-        let width = self.size.1;
-        let widths: Vec<f64> = self.grid.phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect();
-        let mut tile_maxima = Array2::zeros(self.tile_maxima.dim());
-        let mut row_sums = vec![0.0; self.size.0];
+        Self::of_luminance(self.grid.clone(), self.block, luminance)
+    }
+
+    /// The pixels of a `grid` with this luminance, each the mean of `block` x `block` of a map's.
+    pub fn of_luminance(grid: Grid, block: usize, luminance: Vec<f32>) -> Self {
+        let bands = band_heights(&grid.theta_edges);
+        let widths: Vec<f64> = grid.phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect();
+        let size @ (height, width) = (bands.len(), widths.len());
+        let mut tile_maxima = Array2::zeros((height.div_ceil(TILE), width.div_ceil(TILE)));
+        let mut row_sums = vec![0.0; height];
         luminance
             .par_chunks(TILE * width)
             .zip(row_sums.par_chunks_mut(TILE))
@@ -107,9 +113,8 @@ impl WorkingImage {
                     *maximum = columns.iter().copied().fold(0.0, f32::max);
                 }
             });
-        let flux = row_sums.iter().zip(&self.bands).map(|(sum, band)| sum * band).sum();
-        let (grid, bands) = (self.grid.clone(), self.bands.clone());
-        Self { luminance, grid, bands, tile_maxima, flux, ..*self }
+        let flux = row_sums.iter().zip(&bands).map(|(sum, band)| sum * band).sum();
+        Self { size, luminance, grid, bands, block, tile_maxima, flux }
     }
 
     /// Height of a row, in radians; the last may be lower.

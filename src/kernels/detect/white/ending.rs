@@ -4,12 +4,8 @@
 //! its largest luminance then takes the place of white. A picture that ends far below white, or in a broad
 //! even top, has lost nothing: what it shows is what there is.
 
-use ndarray::ArrayView3;
-use rayon::prelude::*;
-
 use super::super::clipping::LEAST_WHITE;
 use super::super::tree::working_image::{TILE, WorkingImage};
-use crate::kernels::image::{luminance_f32, samples_of};
 
 /// A picture that ends below this share of white has lost nothing to it.
 const LEAST_END: f64 = 0.7;
@@ -30,14 +26,9 @@ pub enum Ending {
 }
 
 impl Ending {
-    /// Where a picture ends whose values end at `white`.
-    pub fn of(radiance: ArrayView3<'_, f32>, working: &WorkingImage, white: f64) -> Self {
-        let in_working = working.tile_maxima.iter().copied().fold(0.0, f32::max);
-        if f64::from(in_working) >= LEAST_WHITE * white {
-            return Self::White(white);
-        }
-        // A lamp that is smaller than a working pixel may still reach white.
-        let maximum = f64::from(largest_luminance(radiance));
+    /// Where a picture ends whose values end at `white`, from the `maximum` luminance of its pixels: a lamp that is
+    /// smaller than a working pixel reaches white too.
+    pub fn of(working: &WorkingImage, maximum: f64, white: f64) -> Self {
         if maximum >= LEAST_WHITE * white {
             return Self::White(white);
         }
@@ -52,14 +43,6 @@ impl Ending {
             Self::Whole(_) => None,
         }
     }
-}
-
-fn largest_luminance(radiance: ArrayView3<'_, f32>) -> f32 {
-    let in_row = |row: usize| {
-        let samples = samples_of(radiance, row..row + 1);
-        samples.as_chunks::<3>().0.iter().map(|&pixel| luminance_f32(pixel)).fold(0.0, f32::max)
-    };
-    (0..radiance.dim().0).into_par_iter().map(in_row).reduce(|| 0.0, f32::max)
 }
 
 /// The share of the sphere whose luminance is `least` or more. Only tiles that hold any are read.

@@ -6,8 +6,9 @@
 //!
 //! | step                                                            | file           |
 //! |-----------------------------------------------------------------|----------------|
+//! | the map in fewer pixels: luminance, and expanded luminance      | `reduction.rs` |
 //! | the value at which the picture ends                             | `ending.rs`    |
-//! | expand luminance below it                                       | `expansion.rs` |
+//! | the curve that expands luminance below it                       | `expansion.rs` |
 //! | threshold, component tree, bridging                             | `../tree/`     |
 //! | the plateau of white pixels, its bars closed                    | `plateau.rs`   |
 //! | the depth of each of its pixels                                 | `depth.rs`     |
@@ -24,12 +25,14 @@ mod necks;
 mod order;
 mod placement;
 mod plateau;
+mod reduction;
 mod sharing;
 
 use ndarray::ArrayView3;
 
 pub use ending::Ending;
 pub use placement::Place;
+use reduction::Reduced;
 pub use sharing::{plateau_depth, shares};
 
 use super::clipping::LEAST_WHITE;
@@ -37,7 +40,6 @@ use super::tree::adjacency::Adjacency;
 use super::tree::components::Segments;
 use super::tree::linkage::Selection;
 use super::tree::threshold;
-use super::tree::working_image::WorkingImage;
 use super::tree::{Detection, Options, Report, background, bridging, components, linkage, measure, outline};
 use crate::error::Result;
 use crate::kernels::sphere::Registration;
@@ -81,16 +83,17 @@ fn detect_in_pool(
     options: &Options,
 ) -> Result<WhiteDetection> {
     // Find where the picture ends. One that ends far below white has lost nothing to it.
-    let working = WorkingImage::of(radiance, registration, options.working_columns)?;
-    let ending = Ending::of(radiance, &working, white);
+    let reduced = |end| Reduced::of(radiance, registration, options.working_columns, end);
+    let Reduced { working, expanded, maximum } = reduced(white)?;
+    let ending = Ending::of(&working, maximum, white);
     let clipped_share = ending::share_above(&working, LEAST_WHITE * white);
     let Some(end) = ending.luminance() else {
         let detection = super::tree::detect(radiance, registration, options)?;
         return Ok(WhiteDetection::measured(detection, ending, clipped_share));
     };
-    // Find the segments of lights in the expanded image.
+    // Find the segments of lights in the expanded image. Few pictures end in a peak below white.
+    let expanded = if end < white { reduced(end)?.expanded } else { expanded };
     let adjacency = Adjacency::of(&working);
-    let expanded = expansion::expanded(radiance, registration, &working, end);
     let mut level = threshold::from_histogram(&expanded);
     level.luminance =
         expansion::below_white(level.luminance, ending::share_above(&working, LEAST_WHITE * end));

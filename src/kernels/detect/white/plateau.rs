@@ -26,8 +26,12 @@ pub fn closed(expanded: &WorkingImage, bright: &[u32], gap: f64) -> Vec<u32> {
     close_rows(expanded, &white, reach, &mut is_white, &mut all);
     let by_rows = all.clone();
     close_columns(expanded, &by_rows, reach, &mut is_white, &mut all);
-    all.sort_unstable();
-    all
+    let is_closed = all.len() > white.len();
+    if is_closed {
+        (0..is_white.len() as u32).filter(|&pixel| is_white[pixel as usize]).collect()
+    } else {
+        white
+    }
 }
 
 /// Close the gaps between pixels of a row, across the seam too.

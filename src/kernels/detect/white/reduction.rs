@@ -1,0 +1,215 @@
+//! A map in fewer pixels: its luminance, and its expanded luminance, in one pass over the samples.
+//!
+//! Each pixel of the map is expanded before blocks are averaged: a lamp that is smaller than a block stays as
+//! bright as its share of the block.
+#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+
+use ndarray::ArrayView3;
+use pulp::{Arch, Simd, WithSimd};
+use rayon::prelude::*;
+
+use super::super::tree::working_image::WorkingImage;
+use super::expansion::expand;
+use crate::error::{Error, Result};
+use crate::kernels::image::{Grid, check_rgb, check_samples, luminance_f32, samples_of};
+use crate::kernels::sphere::{Registration, band_heights};
+
+/// A map in fewer pixels.
+pub struct Reduced {
+    /// Their luminance.
+    pub working: WorkingImage,
+    /// Their expanded luminance; the end becomes 50.
+    pub expanded: WorkingImage,
+    /// The largest luminance of a pixel of the map itself.
+    pub maximum: f64,
+}
+
+impl Reduced {
+    /// `radiance` that ends at the luminance `end`, in at most `columns` columns.
+    ///
+    /// # Errors
+    ///
+    /// As [`WorkingImage::of`].
+    pub fn of(
+        radiance: ArrayView3<'_, f32>,
+        registration: Registration,
+        columns: usize,
+        end: f64,
+    ) -> Result<Self> {
+        // Cut the map into blocks, one for each working pixel.
+        check_rgb(radiance)?;
+        let (height, width, _) = radiance.dim();
+        let block = width.div_ceil(columns.max(1));
+        let pixels = Grid::of_pixels(height, width, registration);
+        let grid = pixels.in_blocks(block);
+        let weights = Weights::new(&pixels, block);
+        // Average each block.
+        let columns = grid.phi_edges.len() - 1;
+        let count = columns * (grid.theta_edges.len() - 1);
+        let (mut luminance, mut expanded) = (vec![0.0; count], vec![0.0; count]);
+        let rows = luminance.par_chunks_mut(columns).zip(expanded.par_chunks_mut(columns)).enumerate();
+        let reduce = |(row, (luminance, expanded)): (usize, (&mut [f32], &mut [f32]))| {
+            let rows = row * block..((row + 1) * block).min(height);
+            let mut sums = Sums::new(width, (1.0 / end) as f32);
+            for row in rows.clone() {
+                sums.add(samples_of(radiance, row..row + 1).as_chunks::<3>().0, weights.rows[row]);
+            }
+            across(&mut sums.luminance, &weights.columns, block, luminance);
+            across(&mut sums.expanded, &weights.columns, block, expanded);
+            (sums.largest, sums.bits)
+        };
+        let seen = rows.map(reduce).reduce(Default::default, |a, b| (a.0.max(b.0), a.1 | b.1));
+        // Refuse what no light can have: it shows as a minus sign or in the sum over the sphere.
+        let working = WorkingImage::of_luminance(grid, block, luminance);
+        if seen.1 >> 31 == 1 || !working.flux.is_finite() {
+            check_samples(radiance)?;
+        }
+        if !working.flux.is_finite() {
+            return Err(Error::TooBright);
+        }
+        let expanded = working.with_luminance(expanded);
+        Ok(Self { working, expanded, maximum: f64::from(f32::from_bits(seen.0)) })
+    }
+}
+
+/// The share of each row and column of pixels in that of its block.
+struct Weights {
+    rows: Vec<f32>,
+    columns: Vec<f32>,
+}
+
+impl Weights {
+    fn new(pixels: &Grid, block: usize) -> Self {
+        let shares = |sizes: &[f64]| -> Vec<f32> {
+            let share = |of: &[f64]| {
+                let whole: f64 = of.iter().sum();
+                of.iter().map(|size| (size / whole) as f32).collect::<Vec<f32>>()
+            };
+            sizes.chunks(block).flat_map(share).collect()
+        };
+        let widths: Vec<f64> = pixels.phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect();
+        Self { rows: shares(&band_heights(&pixels.theta_edges)), columns: shares(&widths) }
+    }
+}
+
+/// Write the mean of each block of some columns. The usual sizes are known when this is compiled: no loop in a loop.
+fn across(columns: &mut [f32], weights: &[f32], block: usize, out: &mut [f32]) {
+    columns.iter_mut().zip(weights).for_each(|(value, weight)| *value *= weight);
+    match block {
+        1 => out.copy_from_slice(columns),
+        2 if columns.len().is_multiple_of(2) => sum_blocks::<2>(columns, out),
+        4 if columns.len().is_multiple_of(4) => sum_blocks::<4>(columns, out),
+        _ => out.iter_mut().zip(columns.chunks(block)).for_each(|(out, block)| *out = block.iter().sum()),
+    }
+}
+
+fn sum_blocks<const BLOCK: usize>(columns: &[f32], out: &mut [f32]) {
+    for (out, block) in out.iter_mut().zip(columns.as_chunks::<BLOCK>().0) {
+        *out = block.iter().sum();
+    }
+}
+
+/// Weighted sums of rows of pixels.
+struct Sums {
+    luminance: Vec<f32>,
+    expanded: Vec<f32>,
+    /// One over the end of the picture.
+    per_end: f32,
+    /// Bits of the largest luminance: those of floats that are not negative are in the order of the floats.
+    largest: u32,
+    /// All bits that a sample has.
+    bits: u32,
+}
+
+impl Sums {
+    fn new(width: usize, per_end: f32) -> Self {
+        Self { luminance: vec![0.0; width], expanded: vec![0.0; width], per_end, largest: 0, bits: 0 }
+    }
+
+    /// Add a row of pixels, in vectors as wide as this processor has.
+    fn add(&mut self, pixels: &[[f32; 3]], weight: f32) {
+        Arch::new().dispatch(AddRow { sums: self, pixels, weight });
+    }
+}
+
+struct AddRow<'a> {
+    sums: &'a mut Sums,
+    pixels: &'a [[f32; 3]],
+    weight: f32,
+}
+
+impl WithSimd for AddRow<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { sums, pixels, weight } = self;
+        let (per_end, mut largest, mut bits) = (sums.per_end, sums.largest, sums.bits);
+        let means = sums.luminance.iter_mut().zip(&mut sums.expanded);
+        for ((luminance, expanded), &pixel) in means.zip(pixels) {
+            let y = luminance_f32(pixel);
+            *luminance += weight * y;
+            *expanded += weight * expand(y * per_end);
+            largest = largest.max((y + 0.0).to_bits()); // minus zero becomes zero
+            bits |= pixel[0].to_bits() | pixel[1].to_bits() | pixel[2].to_bits();
+        }
+        (sums.largest, sums.bits) = (largest, bits);
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use approx::assert_relative_eq;
+    use ndarray::Array3;
+
+    use super::*;
+
+    #[test]
+    fn a_lamp_in_a_quarter_of_a_block_keeps_a_quarter_of_white() {
+        let mut map = Array3::zeros((8, 16, 3));
+        map.slice_mut(ndarray::s![4, 6, ..]).fill(2.0);
+        let reduced = Reduced::of(map.view(), Registration::CellCentred, 8, 2.0).unwrap();
+        // Rows 4 and 5 are not of the same height.
+        let bands = band_heights(&Registration::CellCentred.theta_edges(8));
+        let share = bands[4] / (bands[4] + bands[5]) / 2.0;
+        let pixel = 2 * 8 + 3;
+        assert_relative_eq!(f64::from(reduced.expanded.luminance[pixel]), 50.0 * share, max_relative = 1e-4);
+        assert_relative_eq!(f64::from(reduced.working.luminance[pixel]), 2.0 * share, max_relative = 1e-6);
+        assert_relative_eq!(reduced.maximum, 2.0, max_relative = 1e-6);
+    }
+
+    #[test]
+    fn luminance_is_that_of_the_working_image() {
+        for registration in [Registration::CellCentred, Registration::BorderSampled] {
+            for (height, width, columns) in [(30, 60, 60), (30, 60, 16), (37, 74, 10), (150, 300, 1)] {
+                let map =
+                    Array3::from_shape_fn((height, width, 3), |(y, x, c)| ((y * 7 + x * 3 + c) % 11) as f32);
+                let wanted = WorkingImage::of(map.view(), registration, columns).unwrap();
+                let found = Reduced::of(map.view(), registration, columns, 11.0).unwrap();
+                assert_eq!((found.working.size, found.working.block), (wanted.size, wanted.block));
+                assert_relative_eq!(found.working.flux, wanted.flux, max_relative = 1e-6);
+                for (found, wanted) in found.working.luminance.iter().zip(&wanted.luminance) {
+                    assert_relative_eq!(found, wanted, max_relative = 1e-5);
+                }
+                assert_relative_eq!(
+                    found.maximum,
+                    map.rows()
+                        .into_iter()
+                        .map(|p| f64::from(luminance_f32([p[0], p[1], p[2]])))
+                        .fold(0.0, f64::max)
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_sample_that_is_not_radiance_is_refused() {
+        for (value, columns) in [(f32::NAN, 16), (-1.0, 16), (f32::INFINITY, 2), (-1.0, 2)] {
+            let mut map = Array3::from_elem((8, 16, 3), 0.5_f32);
+            map[[3, 5, 1]] = value;
+            let refused = Reduced::of(map.view(), Registration::CellCentred, columns, 1.0);
+            assert!(matches!(refused, Err(Error::UnusableSamples { row: 3, .. })), "{value} {columns}");
+        }
+    }
+}
