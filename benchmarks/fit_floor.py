@@ -1,8 +1,8 @@
 """A ball and a box on a floor, rendered by Mitsuba: what a fit gains that knows of the floor.
 
-The truth is the image under the map itself: shadows and one bounce, from two views, the scene
-turned four times. `worst` is the ratio of the worst turn. `noise` is that of the mean of the two
-images, relative RMS. Lights are points: what is compared is where they stand.
+The truth is the image under the map itself, from eight sides. `worst` is the ratio of the worst
+side. `noise` is that of the mean of the two images, relative RMS. Lights are points: what is
+compared is where they stand.
 
 Some minutes. Usage: python benchmarks/fit_floor.py MAP...
 """
@@ -10,9 +10,7 @@ Some minutes. Usage: python benchmarks/fit_floor.py MAP...
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
-from ball_and_box import TURNS, error, under_ambient, under_map, under_rig
-from tests.reference.mitsuba_images import noise_of
+from ball_and_box import AZIMUTHS, from_all_sides, of_side
 
 import envlights as el
 
@@ -20,30 +18,30 @@ LIGHTS = (4, 8)
 
 
 def table(paths):
-    under_one = under_ambient()
     print("relative RMS error of images, fitted without a floor and over one")
     columns = f"{'without':>10}{'over':>10}{'ratio':>8}{'worst':>8}{'noise':>8}"
     print(f"{'map':<28}{'noise':>8}{'lights':>8}{columns}")
     for path in paths:
         env = el.EnvMap.open(path)
-        truth = under_map(env)
+        truth = from_all_sides(env)
         for lights in LIGHTS:
             plain, over = (
-                under_rig(el.fit(env, lights, floor=floor, sizes=False), under_one)
+                from_all_sides(el.fit(env, lights, floor=floor, sizes=False))
                 for floor in (False, True)
             )
             print(row(path.stem, lights, truth, plain, over), flush=True)
 
 
 def row(name, lights, truth, plain, over):
-    without, with_floor = error(plain, truth), error(over, truth)
-    by_turn = [
-        error(over[:, k], truth[:, k]) / error(plain[:, k], truth[:, k]) for k in range(len(TURNS))
-    ]
+    without, with_floor = plain.error(truth), over.error(truth)
+    by_side = []
+    for side in range(len(AZIMUTHS)):
+        one, two, seen = (of_side(stills, side) for stills in (over, plain, truth))
+        by_side.append(one.error(seen) / two.error(seen))
     return (
-        f"{name:<28}{100 * noise_of(*truth):>6.2f} %{lights:>8}"
+        f"{name:<28}{100 * truth.noise:>6.2f} %{lights:>8}"
         f"{100 * without:>8.2f} %{100 * with_floor:>8.2f} %{with_floor / without:>8.3f}"
-        f"{max(by_turn):>8.3f}{100 * noise_of(*over):>6.2f} %"
+        f"{max(by_side):>8.3f}{100 * over.noise:>6.2f} %"
     )
 
 

@@ -1,10 +1,10 @@
 """A ball and a box on a floor, rendered by Mitsuba: what sizes of the lights gain.
 
-The truth is the image under the map itself: shadows and one bounce, from two views, the scene
-turned four times. Each rig is that of `fit` without sizes, or with sizes for an objective. For each
-the table has the error of the probe, the error with shadows, that of the image, and the noise of
-the latter, all relative RMS. Last come the geometric means of the ratios to the points of as many
-lights, and the rank correlation of the error with shadows and that of the image.
+The truth is the image under the map itself, from eight sides. Each rig is that of `fit` without
+sizes, or with sizes for an objective. For each the table has the error of the probe, the error with
+shadows, that of the image, and the noise of the latter, all relative RMS. Last come the geometric
+means of the ratios to the points of as many lights, and the rank correlation of the error with
+shadows and that of the image.
 
 A minute and more for each map. Usage: python benchmarks/fit_sizes.py MAP...
 """
@@ -13,11 +13,8 @@ import sys
 from pathlib import Path
 
 import numpy as np
+from ball_and_box import from_all_sides
 from scipy.stats import spearmanr
-
-sys.path.insert(0, str(Path(__file__).parents[1]))
-from ball_and_box import error, under_ambient, under_map, under_rig
-from tests.reference.mitsuba_images import noise_of
 
 import envlights as el
 
@@ -26,23 +23,22 @@ RIGS = {4: (None, "shadows", "mixed"), 8: (None, "shadows", "mixed"), 16: (None,
 
 
 def table(paths):
-    under_one = under_ambient()
     columns = f"{'probe':>10}{'shadows':>10}{'image':>10}{'noise':>8}"
     print(f"{'map':<28}{'noise':>8}{'lights':>8} {'sizes':<8}{columns}")
     figures = {}
     for path in paths:
         env = el.EnvMap.open(path)
-        truth = under_map(env)
+        truth = from_all_sides(env)
         for lights, objectives in RIGS.items():
             for objective in objectives:
                 options = {"objective": objective} if objective else {"sizes": False}
                 rig = el.fit(env, lights, **options)
-                seen = under_rig(rig, under_one)
-                figure = rig.error, rig.report.shadow_error, error(seen, truth), noise_of(*seen)
+                seen = from_all_sides(rig)
+                figure = rig.error, rig.report.shadow_error, seen.error(truth), seen.noise
                 figures[path.stem, lights, objective] = figure
                 shown = "".join(f"{100 * value:>8.2f} %" for value in figure[:3])
                 print(
-                    f"{path.stem:<28}{100 * noise_of(*truth):>6.2f} %{lights:>8}"
+                    f"{path.stem:<28}{100 * truth.noise:>6.2f} %{lights:>8}"
                     f" {objective or 'none':<8}{shown}{100 * figure[3]:>6.2f} %",
                     flush=True,
                 )
