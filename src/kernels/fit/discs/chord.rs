@@ -24,12 +24,13 @@
 //!
 //! and comes from the series of |x - y| = sqrt(2 - 2 c) in Legendre polynomials, whose factors are closed.
 
-use std::array::from_fn;
+#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+#![allow(clippy::needless_range_loop, reason = "loops, not closures, are inlined")]
+
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
 use nalgebra::DMatrix;
-use wide::f64x4;
 
 use super::jet::Jet;
 use super::zonal::{chord_factor, disc_factors, legendre_values};
@@ -42,7 +43,7 @@ const SPLINES: [usize; 3] = [NODES[0] + 2, NODES[1] + 2, NODES[2] + 2];
 const GREATEST_SCALE: f64 = 1.0;
 
 /// The mean distance, from c, A and B; A + B must not be 0.
-#[inline]
+#[inline(always)]
 pub fn mean_distance<const N: usize>(cosine: Jet<N>, share: Jet<N>, other: Jet<N>) -> Jet<N> {
     let (p, product) = (share + other, share * other);
     let square = (Jet::constant(1.0) - (Jet::constant(1.0) - p + product) * cosine) * 2.0;
@@ -56,52 +57,70 @@ pub fn mean_distance<const N: usize>(cosine: Jet<N>, share: Jet<N>, other: Jet<N
 }
 
 /// rho, and its derivatives.
+#[inline(always)]
 fn table(at: [f64; 3]) -> Jet<3> {
-    let units = [at[0], at[1], at[2] / GREATEST_SCALE];
-    let knots: [f64; 3] = from_fn(|i| units[i].clamp(0.0, 1.0) * (NODES[i] - 1) as f64);
-    let first: [usize; 3] = from_fn(|i| (knots[i] as usize).min(NODES[i] - 2));
-    let [u, v, t] = from_fn(|i| splines(knots[i] - first[i] as f64));
+    let table: &[f64] = &TABLE;
+    let (mut first, mut along, mut scale) = ([0; 3], [[[0.0; 3]; 4]; 3], [0.0; 3]);
+    for i in 0..3 {
+        scale[i] = (NODES[i] - 1) as f64 / if i == 2 { GREATEST_SCALE } else { 1.0 };
+        let knot = (at[i] * scale[i]).clamp(0.0, (NODES[i] - 1) as f64);
+        first[i] = (knot as usize).min(NODES[i] - 2);
+        along[i] = splines(knot - first[i] as f64);
+    }
     // Along p four coefficients at once; by derivatives along w and r, up to two together.
-    let mut rows = [[f64x4::ZERO; 3]; 3];
-    for (i, u) in u.iter().enumerate() {
-        let mut plane = [f64x4::ZERO; 3];
-        for (k, v) in v.iter().enumerate() {
+    let mut rows = [[[0.0; 4]; 3]; 3];
+    for i in 0..4 {
+        let mut plane = [[0.0; 4]; 3];
+        for k in 0..4 {
             let start = ((first[0] + i) * SPLINES[1] + first[1] + k) * SPLINES[2] + first[2];
-            let row: &[f64; 4] = TABLE[start..].first_chunk().unwrap_or(&[0.0; 4]); // the table reaches that far
-            let row = f64x4::from(*row);
-            (0..3).for_each(|n| plane[n] += row * f64x4::splat(v[n]));
+            let row: &[f64; 4] = table[start..].first_chunk().unwrap_or(&[0.0; 4]); // the table reaches that far
+            for n in 0..3 {
+                for j in 0..4 {
+                    plane[n][j] += row[j] * along[1][k][n];
+                }
+            }
         }
         for m in 0..3 {
-            (0..3 - m).for_each(|n| rows[m][n] += plane[n] * f64x4::splat(u[m]));
+            for n in 0..3 - m {
+                for j in 0..4 {
+                    rows[m][n][j] += plane[n][j] * along[0][i][m];
+                }
+            }
         }
     }
-    let along: [f64x4; 3] = from_fn(|o| f64x4::from(from_fn::<f64, 4, _>(|j| t[j][o])));
     let mut sums = [[[0.0; 3]; 3]; 3];
     for m in 0..3 {
         for n in 0..3 - m {
-            (0..3 - m - n).for_each(|o| sums[m][n][o] = (rows[m][n] * along[o]).reduce_add());
+            for o in 0..3 - m - n {
+                for j in 0..4 {
+                    sums[m][n][o] += rows[m][n][j] * along[2][j][o];
+                }
+            }
         }
     }
-    let scale: [f64; 3] = from_fn(|i| (NODES[i] - 1) as f64 / if i == 2 { GREATEST_SCALE } else { 1.0 });
-    let order = |i: usize, k: usize, axis: usize| usize::from(i == axis) + usize::from(k == axis);
-    Jet {
-        value: sums[0][0][0],
-        first: [sums[1][0][0] * scale[0], sums[0][1][0] * scale[1], sums[0][0][1] * scale[2]],
-        second: from_fn(|i| {
-            from_fn(|k| sums[order(i, k, 0)][order(i, k, 1)][order(i, k, 2)] * scale[i] * scale[k])
-        }),
+    let mut out = Jet::constant(sums[0][0][0]);
+    for i in 0..3 {
+        let order = |axis: usize| usize::from(i == axis);
+        out.first[i] = sums[order(0)][order(1)][order(2)] * scale[i];
+        for k in 0..3 {
+            let order = |axis: usize| usize::from(i == axis) + usize::from(k == axis);
+            out.second[i][k] = sums[order(0)][order(1)][order(2)] * scale[i] * scale[k];
+        }
     }
+    out
 }
 
 /// The four cubic B-splines over a cell at t from 0 to 1, each with its first and second derivatives by t.
+#[inline(always)]
 fn splines(t: f64) -> [[f64; 3]; 4] {
+    const SIXTH: f64 = 1.0 / 6.0;
     let s = 1.0 - t;
-    let [values, slopes, bends] = [
-        [s * s * s, 4.0 - 3.0 * t * t * (1.0 + s), 4.0 - 3.0 * s * s * (1.0 + t), t * t * t].map(|w| w / 6.0),
-        [-0.5 * s * s, t * (1.5 * t - 2.0), s * (2.0 - 1.5 * s), 0.5 * t * t],
-        [s, t - 2.0 * s, s - 2.0 * t, t],
-    ];
-    from_fn(|i| [values[i], slopes[i], bends[i]])
+    [
+        [s * s * s * SIXTH, -0.5 * s * s, s],
+        [(4.0 - 3.0 * t * t * (1.0 + s)) * SIXTH, t * (1.5 * t - 2.0), t - 2.0 * s],
+        [(4.0 - 3.0 * s * s * (1.0 + t)) * SIXTH, s * (2.0 - 1.5 * s), s - 2.0 * t],
+        [t * t * t * SIXTH, 0.5 * t * t, t],
+    ]
 }
 
 /// The coefficients of the splines through rho at the nodes.

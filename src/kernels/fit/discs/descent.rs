@@ -57,11 +57,19 @@ fn lower(
             }
             let next = state.moved(problem, step.as_slice());
             if next.cost < state.cost {
-                *damping = (*damping * 0.1).max(LEAST_DAMPING);
+                *damping =
+                    (*damping * softer((state.cost - next.cost) / model.fall(&step))).max(LEAST_DAMPING);
                 return Some(next);
             }
         }
         *damping *= 10.0;
     }
     None
+}
+
+/// What the damping is multiplied by after a step that lowered the cost by this share of what its model had promised
+/// (Nielsen 1999): a step that kept less than half of the promise asks for more damping, not for less.
+fn softer(kept: f64) -> f64 {
+    const LEAST: f64 = 0.1;
+    (1.0 - (2.0 * kept - 1.0).powi(3)).max(LEAST)
 }

@@ -9,6 +9,7 @@
 //! | numbers with derivatives                              | `jet.rs`        |
 //! | the cone of the kernel, between two discs             | `chord.rs`      |
 //! | the map in harmonics, and their values at a place     | `harmonics.rs`, `analysis.rs`, `place.rs`, `synthesis.rs` |
+//! | a light; bright cells of the map and their cones      | `disc.rs`, `patches.rs` |
 //! | inner products of discs, the map and the ambient term | `target.rs`     |
 //! | radii to start from                                   | `start.rs`      |
 //! | best fluxes, and the cost to second order             | `state.rs`, `newton.rs` |
@@ -18,10 +19,12 @@
 mod analysis;
 mod chord;
 mod descent;
+mod disc;
 mod harmonics;
 mod jet;
 mod judge;
 mod newton;
+mod patches;
 mod place;
 mod start;
 mod state;
@@ -37,9 +40,10 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use self::descent::{Descended, descend};
+use self::disc::Disc;
 use self::newton::Quadratic;
 use self::state::{Problem, State};
-use self::target::{Disc, Picture, Target};
+use self::target::{Picture, Target};
 use super::objective::Given;
 use super::rig::Rig;
 use super::state::StopReason;

@@ -16,10 +16,10 @@ use std::ops::AddAssign;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
+use super::disc::Disc;
 use super::jet::Jet;
 use super::state::{GREATEST_RADIUS, LEAST_RADIUS, Problem, State};
 use super::synthesis::Sum;
-use super::target::Disc;
 
 /// `cost + 2 gradient.t + t^T hessian t`.
 #[derive(Clone, Debug)]
@@ -207,27 +207,29 @@ impl Quadratic {
         let scale = DVector::from_fn(scale.len(), |i, _| {
             if self.held[i] { 1.0 } else { scale[i].max(FLATTEST * highest).sqrt() }
         });
-        let scaled = DMatrix::from_fn(scale.len(), scale.len(), |i, k| {
-            hessian[(i, k)] / (scale[i] * scale[k]) + if i == k { damping } else { 0.0 }
-        });
-        let gradient = gradient.component_div(&scale);
-        let mut step = match scaled.clone().cholesky() {
-            Some(factor) => -factor.solve(&gradient),
-            None => upright(scaled, damping, &gradient),
-        };
+        let scaled =
+            DMatrix::from_fn(scale.len(), scale.len(), |i, k| hessian[(i, k)] / (scale[i] * scale[k]));
+        let mut step = down(scaled, damping, &gradient.component_div(&scale));
         step.component_div_assign(&scale);
+        // Rounding must not free what is held.
+        (0..step.len()).filter(|&i| self.held[i]).for_each(|i| step[i] = 0.0);
         self.touching.iter().for_each(|Touching { radius, slope }| step[*radius] = slope * step[radius - 2]);
         Some(step)
     }
 }
 
-/// The step down against a `gradient` where a Hessian, with `damping` on its diagonal, has eigenvalues below 0.
-fn upright(damped: DMatrix<f64>, damping: f64, gradient: &DVector<f64>) -> DVector<f64> {
-    /// Curvature that counts as none: the step would know no end.
-    const FLAT: f64 = 1e-6;
-    let eigen = damped.symmetric_eigen();
+/// The step down against a `gradient`: each eigenvalue counts with its size, and `damping` more. Where none is below
+/// 0, which has to be asked without the damping, no eigenvalue is needed for that; the two ways meet at 0.
+fn down(hessian: DMatrix<f64>, damping: f64, gradient: &DVector<f64>) -> DVector<f64> {
+    if hessian.clone().cholesky().is_some() {
+        let damped = &hessian + DMatrix::from_diagonal_element(gradient.len(), gradient.len(), damping);
+        if let Some(factor) = damped.cholesky() {
+            return -factor.solve(gradient);
+        }
+    }
+    let eigen = hessian.symmetric_eigen();
     let along = eigen.eigenvectors.tr_mul(gradient);
-    let sizes = eigen.eigenvalues.map(|value| ((value - damping).abs() + damping).max(FLAT));
+    let sizes = eigen.eigenvalues.map(|value| value.abs() + damping);
     -(&eigen.eigenvectors * along.component_div(&sizes))
 }
 
@@ -286,16 +288,48 @@ mod tests {
     use crate::kernels::sphere::{Registration, direction};
     use ndarray::Array3;
 
-    /// Every slope and every curvature of the cost with the best fluxes, of lights that all channels use.
-    #[test]
-    fn the_quadratic_is_that_of_the_cost() {
-        let map = Array3::from_shape_fn((64, 128, 3), |(y, x, c)| {
+    /// Two broad lights and a hot pixel in a coloured sky.
+    fn world() -> Array3<f32> {
+        Array3::from_shape_fn((64, 128, 3), |(y, x, c)| {
             let near = |row: f64, column: f64, width: f64| {
                 (-((y as f64 - row).powi(2) + (x as f64 - column).powi(2)) / (width * width)).exp()
             };
             let hot = if (y, x) == (20, 37) { 900.0 } else { 0.0 };
             (0.3 + 0.1 * c as f64 + 5.0 * near(18.0, 90.0, 9.0) + 3.0 * near(40.0, 30.0, 14.0) + hot) as f32
-        });
+        })
+    }
+
+    /// Where the hessian bends down, a held coordinate must not take what rounding leaves, for its scale is not that of
+    /// the map: a radius would come off its bound under one map, and not under the same one brighter.
+    #[test]
+    fn a_brighter_map_has_the_same_steps_to_the_bit() {
+        let steps = |scale: f32| {
+            let map = world() * scale;
+            let map = image::reduce(map.view(), Registration::CellCentred, 256, 2e-3).unwrap();
+            let sphere = Sphere::new(&map, Ambient::Constant, false);
+            let target = Target::new(&Picture::new(&map), Comparison::Mixed, Ambient::Constant, false);
+            let problem = Problem { target: &target, given: sphere.given(), fixed: 0, max_steps: 10 };
+            let of_turned = |turn: i32| {
+                let turn = 0.8 * f64::from(turn);
+                let discs =
+                    [(1.0, 1.8, 0.3), (0.8, 4.4 + turn, 0.1), (1.1, 2.5 + turn, 1.0), (2.0, turn, 0.5)];
+                let discs = discs.map(|(theta, phi, radius)| problem.disc(direction(theta, phi), radius));
+                let mut model = Quadratic::around(&problem, &State::new(&problem, discs.to_vec(), &[]));
+                (model.held[5], model.held[7]) = (true, true);
+                (model.step(1e-4).unwrap(), model.free().0.symmetric_eigenvalues().min() < 0.0)
+            };
+            (0..8).map(of_turned).collect::<Vec<_>>()
+        };
+        let wanted = steps(1.0);
+        assert!(wanted.iter().filter(|(_, bends)| *bends).count() > 2);
+        assert!(wanted.iter().all(|(step, _)| step[5] == 0.0 && step[7] == 0.0));
+        assert_eq!(wanted, steps(32.0));
+    }
+
+    /// Every slope and every curvature of the cost with the best fluxes, of lights that all channels use.
+    #[test]
+    fn the_quadratic_is_that_of_the_cost() {
+        let map = world();
         let map = image::reduce(map.view(), Registration::CellCentred, 256, 2e-3).unwrap();
         assert!(!map.parts.is_empty());
         for (ambient, has_floor) in [

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use glam::DVec3;
 use nalgebra::DMatrix;
 
-use super::target::{Disc, Target};
+use super::disc::Disc;
+use super::target::Target;
 use crate::interrupt;
 use crate::kernels::fit::nnls::Support;
 use crate::kernels::fit::objective::Given;

@@ -19,6 +19,17 @@ pub struct Sum {
     pub second: [[f64; 3]; 3],
 }
 
+impl Sum {
+    /// Add a multiple of another.
+    pub fn add(&mut self, other: &Self, factor: f64) {
+        (0..3).for_each(|i| self.value[i] += factor * other.value[i]);
+        for i in 0..3 {
+            (0..3).for_each(|k| self.first[i][k] += factor * other.first[i][k]);
+            (0..3).for_each(|k| self.second[i][k] += factor * other.second[i][k]);
+        }
+    }
+}
+
 impl Harmonics {
     /// Values at a place, each degree times its factor.
     pub fn value(&self, place: &Place, factors: &Factors) -> [f64; 3] {

@@ -4,50 +4,19 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::DVec3;
 use nalgebra::DMatrix;
-use ndarray::{Array3, ArrayView1};
+use ndarray::Array3;
 use rayon::prelude::*;
 
 use super::chord::mean_distance;
+use super::disc::{Disc, on_tangents};
 use super::harmonics::Harmonics;
 use super::jet::Jet;
-use super::place::Place;
+use super::patches::{Patch, bright_cells, distances, distances_around, distances_to, sources};
 use super::synthesis::Sum;
-use super::zonal::{Comparison, DEGREE, Factors, Kernel, factors};
+use super::zonal::{Comparison, DEGREE, Kernel, factors};
 use crate::kernels::fit::ambient::Ambient;
 use crate::kernels::harmonics::{cosine_lobe, irradiance_of_moments, radiance};
-use crate::kernels::image::{Grid, Part, WorkingMap};
-use crate::kernels::sphere::direction;
-
-/// A light of uniform radiance within an angular radius.
-#[derive(Clone, Copy, Debug)]
-pub struct Disc {
-    pub direction: DVec3,
-    pub radius: f64,
-    /// A = sin^2(radius / 2): its vector irradiance is 1 - A times its flux.
-    pub share: f64,
-    place: Place,
-    factors: Factors,
-}
-
-impl Disc {
-    pub fn new(direction: DVec3, radius: f64) -> Self {
-        let share = (0.5 * radius).sin().powi(2);
-        Self { direction, radius, share, place: Place::new(direction), factors: factors(share) }
-    }
-
-    /// Two tangents: the first two coordinates of derivatives; the third is A.
-    pub fn frame(&self) -> [DVec3; 2] {
-        self.place.frame
-    }
-}
-
-/// A bright cell of the map, as a disc of the same spread.
-#[derive(Clone, Copy, Debug)]
-struct Patch {
-    direction: DVec3,
-    share: f64,
-    flux: [f64; 3],
-}
+use crate::kernels::image::{Grid, WorkingMap};
 
 /// The map as bright cells and harmonics of the rest.
 #[derive(Clone, Debug)]
@@ -58,6 +27,8 @@ pub struct Picture {
     bright: Harmonics,
     /// By channel: what the harmonics of the rest leave out of the integral of its square.
     fine: [f64; 3],
+    /// By channel: the mean distances between the patches.
+    distances: [f64; 3],
 }
 
 impl Picture {
@@ -79,58 +50,9 @@ impl Picture {
             bright.add_disc(patch.direction, &factors(patch.share), patch.flux);
         }
         let fine = fine(&radiance, &map.grid, &rest);
-        Self { rest, patches, bright, fine }
+        let distances = distances(&patches);
+        Self { rest, patches, bright, fine, distances }
     }
-}
-
-/// Cells that are too bright for harmonics to be sharp enough, taken out of the map: each with more than a share of the
-/// flux, where its radiance stands out.
-fn bright_cells(radiance: &mut Array3<f32>, grid: &Grid) -> Vec<Patch> {
-    /// Of the flux of all channels.
-    const SHARE: f64 = 1.5e-3;
-    /// Times the mean radiance.
-    const STANDS_OUT: f64 = 8.0;
-    let bands: Vec<f64> = grid.theta_edges.windows(2).map(|edges| edges[0].cos() - edges[1].cos()).collect();
-    let widths: Vec<f64> = grid.phi_edges.windows(2).map(|edges| edges[1] - edges[0]).collect();
-    let sum = |cell: ArrayView1<'_, f32>| f64::from(cell[0] + cell[1] + cell[2]);
-    let mut whole = 0.0;
-    for (row, band) in radiance.outer_iter().zip(&bands) {
-        whole += band * row.outer_iter().zip(&widths).map(|(cell, width)| width * sum(cell)).sum::<f64>();
-    }
-    let bright = STANDS_OUT * whole / (4.0 * PI);
-    let mut patches = Vec::new();
-    for (y, mut row) in radiance.outer_iter_mut().enumerate() {
-        let (top, height) = (grid.theta_edges[y], grid.theta_edges[y + 1] - grid.theta_edges[y]);
-        for (x, mut cell) in row.outer_iter_mut().enumerate() {
-            let solid_angle = bands[y] * widths[x];
-            let own = sum(cell.view());
-            if own > bright && own * solid_angle > SHARE * whole {
-                let theta = top + 0.5 * height;
-                let direction = direction(theta, grid.phi_edges[x] + 0.5 * widths[x]);
-                let share = (height.powi(2) + (widths[x] * theta.sin()).powi(2)) / 24.0;
-                let flux = [0, 1, 2].map(|c| f64::from(cell[c]) * solid_angle);
-                patches.push(Patch { direction, share, flux });
-                cell.fill(0.0);
-            }
-        }
-    }
-    patches
-}
-
-/// The sources of the map as discs. Where their channels have their middles aside of each other, the first degree of
-/// the `rest` takes the difference.
-fn sources(map: &WorkingMap, rest: &mut Harmonics) -> Vec<Patch> {
-    let mut patches = Vec::new();
-    for &Part { irradiance: [x, y, z], spread: share } in &map.parts {
-        let vectors = [0, 1, 2].map(|c| DVec3::new(x[c], y[c], z[c]));
-        let Some(direction) = vectors.iter().sum::<DVec3>().try_normalize() else { continue };
-        let along = vectors.map(|vector| vector.dot(direction).max(0.0));
-        for c in 0..3 {
-            rest.add_first(c, vectors[c] - along[c] * direction);
-        }
-        patches.push(Patch { direction, share, flux: along.map(|vector| vector / (1.0 - share)) });
-    }
-    patches
 }
 
 /// The integral of the square of the cells beyond that of their harmonics, by channel.
@@ -180,21 +102,15 @@ impl Target {
     /// `<L, L>`. What is finer than the harmonics of the rest falls off with the degree as `k^-2`, and the kernel as
     /// `k^-3`: it counts a quarter of what it would in the last degree.
     fn energy(&self, picture: &Picture) -> [f64; 3] {
-        let Picture { rest, bright, fine, .. } = picture;
+        let Picture { rest, bright, fine, distances, .. } = picture;
         let Kernel { whole, smooth, cone } = &self.kernel;
         let [rests, mixed, brights] =
             [rest.product(rest, whole), rest.product(bright, whole), bright.product(bright, smooth)];
         let last = 0.5 * (whole[DEGREE] + whole[DEGREE - 1]);
-        let mut energy = [0, 1, 2].map(|c| rests[c] + 2.0 * mixed[c] + brights[c] + 0.25 * last * fine[c]);
-        for (i, one) in self.patches.iter().enumerate() {
-            for (k, other) in self.patches[..=i].iter().enumerate() {
-                let cosine = if i == k { 1.0 } else { one.direction.dot(other.direction) };
-                let [c, a, b] = [cosine, one.share, other.share].map(Jet::<0>::constant);
-                let weight = cone * mean_distance(c, a, b).value * if i == k { 1.0 } else { 2.0 };
-                (0..3).for_each(|c| energy[c] -= weight * one.flux[c] * other.flux[c]);
-            }
-        }
-        energy
+        [0, 1, 2].map(|c| {
+            let smooth = rests[c] + 2.0 * mixed[c] + brights[c] + 0.25 * last * fine[c];
+            smooth - cone * distances[c]
+        })
     }
 
     fn set_ambient_products(&mut self, picture: &Picture) {
@@ -249,12 +165,8 @@ impl Target {
     fn sides(&self, disc: &Disc) -> [f64; 3] {
         let mut sides = self.field.value(&disc.place, &disc.factors);
         if self.kernel.cone > 0.0 {
-            for patch in &self.patches {
-                let variables = [disc.direction.dot(patch.direction), disc.share, patch.share];
-                let [c, a, b] = variables.map(Jet::<0>::constant);
-                let product = self.kernel.cone * mean_distance(c, a, b).value;
-                (0..3).for_each(|channel| sides[channel] -= product * patch.flux[channel]);
-            }
+            let distances = distances_to(disc, &self.patches);
+            (0..3).for_each(|channel| sides[channel] -= self.kernel.cone * distances[channel]);
         }
         sides
     }
@@ -263,20 +175,7 @@ impl Target {
     pub fn sides_around(&self, disc: &Disc, shares: [f64; 3]) -> Sum {
         let mut sum = self.field.sum(&disc.place, &disc.factors, shares);
         if self.kernel.cone > 0.0 {
-            for patch in &self.patches {
-                let cosine = disc.direction.dot(patch.direction);
-                let product = mean_distance(
-                    Jet::<2>::variable(cosine, 0),
-                    Jet::variable(disc.share, 1),
-                    Jet::constant(patch.share),
-                ) * -self.kernel.cone;
-                let product = on_tangents(&product, disc, patch.direction, cosine);
-                let weight: f64 = (0..3).map(|channel| shares[channel] * patch.flux[channel]).sum();
-                for i in 0..3 {
-                    (0..3).for_each(|c| sum.first[i][c] += product.first[i] * patch.flux[c]);
-                    (0..3).for_each(|k| sum.second[i][k] += product.second[i][k] * weight);
-                }
-            }
+            sum.add(&distances_around(disc, &self.patches, shares), -self.kernel.cone);
         }
         sum
     }
@@ -341,24 +240,6 @@ impl Target {
 /// Degree of the i-th harmonic of [`Ambient::Sh2`].
 fn degree(i: usize) -> usize {
     i.isqrt()
-}
-
-/// A function of the cosine with a fixed direction and of A, by the coordinates of a disc: along a tangent t, the
-/// cosine changes by `t.other`, and by `-cosine / 2` to second order.
-fn on_tangents(product: &Jet<2>, disc: &Disc, other: DVec3, cosine: f64) -> Jet<3> {
-    let [s, t] = disc.frame().map(|tangent| tangent.dot(other));
-    let [by_cosine, by_a] = product.first;
-    let [[cc, ca], [_, aa]] = product.second;
-    let round = -by_cosine * cosine;
-    Jet {
-        value: product.value,
-        first: [by_cosine * s, by_cosine * t, by_a],
-        second: [
-            [cc * s * s + round, cc * s * t, ca * s],
-            [cc * s * t, cc * t * t + round, ca * t],
-            [ca * s, ca * t, aa],
-        ],
-    }
 }
 
 /// The nine harmonics by the tangent coordinates of a disc. They are polynomials of degree 2, so differences are exact.
