@@ -16,6 +16,8 @@ LONG = {
     "suppress": "kernels.suppress(np.random.default_rng(0).random((3_000_000, 3)), 1e-5)",
     "irradiance": "kernels.irradiance(image, normals)",
     "working_irradiance": "kernels.working_irradiance(image, normals, columns=2048)",
+    "disc_map": "kernels.disc_map(2048, even[:400], even[:400] ** 2, np.full(400, 0.3))",
+    "rotated": "[el.EnvMap(image).rotated(turn) for _ in range(1000)]",
     "fit": "[el.fit(image, 20, ambient='sh2') for _ in range(20)]",
     "fit_probe": "el.fit_probe(*probe, 30)",
     "fit_paper": "el.fit_paper(image, 100, max_steps=10**6)",
@@ -32,6 +34,7 @@ grey = rng.random((2048, 4096), dtype=np.float32)
 normals = rng.normal(size=(400_000, 3))
 normals /= np.linalg.norm(normals, axis=1, keepdims=True)
 even, _ = kernels.icosphere(5120)
+turn = [[0.36, 0.48, -0.8], [-0.8, 0.6, 0], [0.48, 0.64, 0.6]]
 probe = even, kernels.irradiance(image, even)
 
 def interrupt(sent):

@@ -23,6 +23,7 @@ use rayon::prelude::*;
 use super::disc::Discs;
 use super::sphere::{self, Registration, angles, band_heights};
 use crate::error::Result;
+use crate::interrupt;
 
 /// Parallels in each row at which its pixels are measured.
 const PARALLELS: usize = 16;
@@ -47,6 +48,7 @@ pub fn drawn(discs: &Discs, height: usize) -> Result<Array3<f64>> {
         let disc = Disc { direction, radius: radius.max(SMALLEST * PI / height as f64) };
         let unit = disc.radiance(&map);
         radiance.outer_iter_mut().into_par_iter().zip(&unit).for_each(|(mut row, unit)| {
+            interrupt::check();
             for (mut pixel, share) in row.axis_iter_mut(Axis(0)).zip(unit) {
                 pixel.iter_mut().zip(irradiance.to_array()).for_each(|(sum, e)| *sum += share * e);
             }
@@ -114,6 +116,7 @@ impl Disc {
         // Find the linear radiance that is missing, and add it.
         let slope = products.inverse() * (self.direction - uniform * vector);
         rows.par_iter_mut().enumerate().for_each(|(row, shares)| {
+            interrupt::check();
             for (share, (_, centre)) in shares.iter_mut().zip(map.row(row)) {
                 *share *= uniform + slope.dot(centre);
             }
@@ -123,6 +126,7 @@ impl Disc {
 
     /// Share of each pixel of a row that the disc covers; no pixels where it covers none.
     fn covered(&self, map: &Map, row: usize) -> Vec<f64> {
+        interrupt::check();
         let (theta, phi) = angles(self.direction);
         let (top, bottom) = (map.theta_edges[row], map.theta_edges[row + 1]);
         if bottom <= theta - self.radius || top >= theta + self.radius {
@@ -166,6 +170,7 @@ fn add_interval(shares: &mut [f64], left: f64, right: f64, weight: f64) {
 
 /// Integral of the direction over the covered part of a row, and of its product with the centres of pixels.
 fn moments(map: &Map, row: usize, shares: &[f64]) -> (DVec3, DMat3) {
+    interrupt::check();
     let mut sums = (DVec3::ZERO, DMat3::ZERO);
     for (&share, (integral, centre)) in shares.iter().zip(map.row(row)) {
         let integral = share * integral;
