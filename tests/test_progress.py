@@ -1,5 +1,6 @@
 """Progress bars: where they show, and that they change nothing."""
 
+import subprocess
 import sys
 
 import pytest
@@ -38,3 +39,20 @@ def test_short_work_shows_nothing_unasked(monkeypatch):
     monkeypatch.setattr(sys, "stderr", stream)
     assert list(counted(range(5), "counting", "item", None)) == list(range(5))
     assert "counting" not in stream.told
+
+
+def test_a_notebook_without_widgets_gets_a_bar_and_no_warning():
+    code = """if True:
+        import sys, warnings
+        warnings.simplefilter("error")
+        sys.modules["ipywidgets"] = None
+        from envlights import _progress
+        import tqdm.notebook
+        tqdm.notebook.IProgress = None
+        import IPython
+        IPython.get_ipython = lambda: type("Shell", (), {"config": {"IPKernelApp": 1}})()
+        list(_progress.counted(range(3), "counting", "item", True))
+    """
+    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert "counting: 100%" in told.stderr
+    assert "Warning" not in told.stderr

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import warnings
 from collections.abc import Collection, Iterable
 from typing import TypeVar
 
@@ -21,7 +22,12 @@ def counted(items: Collection[_T], what: str, unit: str, progress: bool | None) 
     if not (is_seen if progress is None else progress):
         return items
     # Here, so that what shows no bar does not wait for it.
-    from tqdm.auto import tqdm
+    from tqdm import TqdmWarning
+
+    # Without ipywidgets the bar is text, which is no reason for a red warning in the notebook.
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", TqdmWarning)
+        from tqdm.auto import tqdm
 
     delay = _DELAY if progress is None else 0.0
     bar: Iterable[_T] = tqdm(items, desc=what, unit=unit, delay=delay)

@@ -222,3 +222,17 @@ def test_a_long_reason_does_not_cover_the_map():
     (axes,) = figure.axes
     assert figure.get_suptitle().endswith("is darker")
     assert figure._suptitle.get_window_extent().y0 >= axes.get_tightbbox().y1
+
+
+@pytest.mark.parametrize(
+    ("draw", "given", "told"),
+    [
+        (plot.picture, el.Lights([[0, 1, 0]], [[1, 1, 1]]), "rig must be Rig; got Lights"),
+        (plot.detection_picture, None, "lights must be DetectedLights; got NoneType"),
+        (plot.sphere_picture, HALL, "lights must be Lights; got EnvMap"),
+        (plot.split_picture, HALL, "parts must be Split; got EnvMap"),
+    ],
+)
+def test_something_else_in_place_of_lights_is_refused(draw, given, told):
+    with pytest.raises(el.EnvLightsError, match=told):
+        draw(HALL, given)

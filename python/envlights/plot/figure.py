@@ -31,6 +31,12 @@ class Picture(Figure):
         return _drawn(self, "png")
 
 
+def check_is(name: str, value: object, kind: type) -> None:
+    """Refuse an argument of another kind, such as the lights of a rig in place of the rig."""
+    if not isinstance(value, kind):
+        raise EnvLightsError(f"{name} must be {kind.__name__}; got {type(value).__name__}")
+
+
 def hide_frame(axes: Axes) -> None:
     """Leave frame and ticks out; ticks that are only not drawn take their time all the same."""
     axes.set(xticks=[], yticks=[])

@@ -12,7 +12,7 @@ from envlights.envmap import AnyMap, EnvMap, as_envmap
 from envlights.kernels import sphere
 from envlights.lights import Lights
 from envlights.plot.ball import axes_of, ball
-from envlights.plot.figure import Picture, hide_frame
+from envlights.plot.figure import Picture, check_is, hide_frame
 from envlights.plot.ground import working
 from envlights.plot.markers import area, draw_discs
 
@@ -45,6 +45,7 @@ def sphere_picture(env: AnyMap, lights: Lights) -> Picture:
     >>> [axes.get_title() for axes in figure.axes]
     ['from azimuth 180°, elevation 25°', 'from azimuth 0°, elevation -25°']
     """
+    check_is("lights", lights, Lights)
     env = as_envmap(env)
     azimuth = float(lights.azimuth[0]) if len(lights) else np.pi
     elevation = np.deg2rad(_ELEVATION)

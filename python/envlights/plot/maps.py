@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from envlights._check import flag
 from envlights.detection.lights import DetectedLights
 from envlights.envmap import AnyMap, as_envmap
-from envlights.plot.figure import Picture
+from envlights.plot.figure import Picture, check_is
 from envlights.plot.ground import degrees, draw_luminance, draw_map
 from envlights.plot.markers import (
     RIM,
@@ -96,6 +96,7 @@ def picture(env: AnyMap, rig: Rig) -> Picture:
     >>> len(figure.axes)
     5
     """
+    check_is("rig", rig, Rig)
     env = as_envmap(env)
     figure = Picture(figsize=(10, 8.6))
     grid = figure.add_gridspec(2, 3, height_ratios=(1.6, 1))
@@ -137,6 +138,7 @@ def detection_picture(env: AnyMap, lights: DetectedLights) -> Picture:
     >>> len(figure.axes)
     1
     """
+    check_is("lights", lights, DetectedLights)
     env = as_envmap(env)
     figure = Picture(figsize=(12, 7))
     axes = figure.add_subplot()

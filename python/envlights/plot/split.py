@@ -6,7 +6,7 @@ import numpy as np
 
 from envlights.detection.split import Split
 from envlights.envmap import AnyMap, EnvMap, as_envmap
-from envlights.plot.figure import Picture
+from envlights.plot.figure import Picture, check_is
 from envlights.plot.ground import draw_ground, exposed
 from envlights.plot.markers import draw_legend, draw_lights, legend_entries
 
@@ -33,6 +33,7 @@ def split_picture(env: AnyMap, parts: Split) -> Picture:
     >>> len(figure.axes)
     3
     """
+    check_is("parts", parts, Split)
     env = as_envmap(env)
     lights = parts.lights
     figure = Picture(figsize=(9, 15))
