@@ -113,7 +113,7 @@ def test_what_is_better_in_both_is_told(curves):
     machine = {"processor": "none", "cores": 1, "threads": 1, "maps": 0, "quick": True, "date": "x"}
     text = page.page([("p", part, machine, points)])
     assert "more accurate than ours, error: wins (1) against ours (1) on 1 of 1." in text
-    assert "beats in both, error: fast (1) on 1 of 1; wins (1) on 1 of 1." in text
+    assert "matches in less time, error: fast (1) on 1 of 1; wins (1) on 1 of 1." in text
 
 
 def test_mksource_finds_a_sun(curves):
