@@ -179,6 +179,7 @@ def test_a_turn_by_90_degrees_swaps_the_sides():
     [
         (lambda: el.synthetic.scene(2, background=[[1, 2], [3]]), "background must be an array of"),
         (lambda: el.synthetic.scene(2**31), "height must be a whole number up to 1048576"),
+        (lambda: el.synthetic.plain(0, 2**31), "height must be a whole number up to 1048576"),
         (lambda: el.synthetic.rigs(10**6), "number must be a whole number up to 20000"),
     ],
 )

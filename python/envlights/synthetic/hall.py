@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights._check import count
 from envlights.kernels import sphere
-from envlights.synthetic.scene import SyntheticMap, scene
+from envlights.synthetic.scene import MOST_ROWS, SyntheticMap, scene
 from envlights.synthetic.shapes import supersampled, unit
 
 # A hall like that of Madsen et al. (2003), in metres; the camera is at the origin.
@@ -47,7 +47,7 @@ def hall(height: int = 512) -> SyntheticMap:
     >>> hall(64).lights.direction[:, 1].round(1)  # the windows are high up
     array([0.5, 0.4, 0.4])
     """
-    height = count("height", height, least=2)
+    height = count("height", height, least=2, most=MOST_ROWS)
     # Render the room at twice the size, and reduce it to smooth its edges.
     fine = _room(sphere.pixel_directions(2 * height, 4 * height))
     room = fine.reshape(height, 2, 2 * height, 2, 3).mean(axis=(1, 3))

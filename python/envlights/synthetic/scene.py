@@ -23,7 +23,7 @@ from envlights.lights import Lights, brightest_first
 from envlights.synthetic.shapes import Shape
 
 #: Rows at most: NumPy cannot count the numbers of much larger maps.
-_MOST_ROWS = 2**20
+MOST_ROWS = 2**20
 #: Linear radiance to stored radiance, (height, width, 3) -> (height, width, 3).
 Camera = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
@@ -103,7 +103,7 @@ def scene(
     >>> float(lamp.solid_angle[0].round(3)), float((2 * np.pi * (1 - np.cos(np.pi / 36))).round(3))
     (0.024, 0.024)
     """
-    height = count("height", height, least=2, most=_MOST_ROWS)
+    height = count("height", height, least=2, most=MOST_ROWS)
     map_shape = (height, 2 * height, 3)
     backdrop = _radiance("background", background, map_shape)
     # Find the share of every pixel that shows each shape, behind those in front of it.

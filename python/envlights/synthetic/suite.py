@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from envlights._check import count
 from envlights._srgb import decode_srgb
 from envlights.synthetic import backdrops, lamps
-from envlights.synthetic.scene import Camera, SyntheticMap, scene
+from envlights.synthetic.scene import MOST_ROWS, Camera, SyntheticMap, scene
 from envlights.synthetic.shapes import Lamp, PixelSun
 
 #: Seeds for choosing thresholds.
@@ -69,7 +69,7 @@ def plain(seed: int, height: int = 512) -> SyntheticMap:
     >>> plain(3, height=128).note
     'pair, pole, window before white wall; linear, x 4.14, 0 % noise'
     """
-    height = count("height", height, least=_LEAST_HEIGHT)
+    height = count("height", height, least=_LEAST_HEIGHT, most=MOST_ROWS)
     rng = np.random.default_rng([count("seed", seed), 1])
     # Take backgrounds in turn, which keeps every range of seeds balanced.
     name = _nth(_PLAIN_BACKDROPS, seed + seed // 10)
@@ -109,7 +109,7 @@ def hard(seed: int, height: int = 512) -> SyntheticMap:
     >>> hard(3, height=128).note
     'sun, window before clouds; linear, x 1, 0 % noise'
     """
-    height = count("height", height, least=_LEAST_HEIGHT)
+    height = count("height", height, least=_LEAST_HEIGHT, most=MOST_ROWS)
     rng = np.random.default_rng([count("seed", seed), 2])
     has_lights = seed % 8 != 7
     name = _nth(_HARD_BACKDROPS, seed) if has_lights else _CLUTTER[seed // 8 % 2]
