@@ -22,7 +22,7 @@ from envlights.kernels.image import LUMINANCE, reduced_luminance
 #: Pixels to each side of a sample of the article that may belong to its light: its own window.
 _WINDOW = 6
 
-#: Times that lights are taken out of what is left, at most. Of 20 real maps, one needs four.
+#: Times that lights are taken out of what is left, at most. Of 21 real maps, two need four.
 _MOST_ROUNDS = 8
 
 
@@ -95,7 +95,7 @@ def split(
     brighter than what is around the last ring, up to the tilt of at most 30 %. That may still be
     brighter than the threshold of `detect`: the bright sky around a sun, or a lit wall around a
     lamp. When all lights are taken, these become lights of their own, broad ones, in one to three
-    more rounds on 12 of 19 real maps; the report tells how many. So the split of a rest takes
+    more rounds on 12 of 21 real maps; the report tells how many. So the split of a rest takes
     nothing. With a number, a share, `max_lights` or given lights, nothing else is taken.
 
     Maps that end at a white lose what white has left of a light: its irradiance is a lower bound.
