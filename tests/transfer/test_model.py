@@ -135,6 +135,20 @@ def test_frames_beyond_single_precision_are_refused(model):
             each.predict(1e10 * bright)
 
 
+@pytest.mark.parametrize("texels", [8, 128])  # summed by NumPy, and by the kernels
+@pytest.mark.parametrize(("stops", "dim"), [(100, -100), (-100, 100)])
+def test_pairs_two_hundred_stops_apart_have_the_model_of_the_same_pairs_at_one_scale(
+    stops, dim, texels
+):
+    rng = np.random.default_rng(texels)
+    direct = rng.random((6, 4, 4, 3)).astype(np.float32)
+    indirect = rng.random((6, texels, texels, 3)).astype(np.float32)
+    plain = el.TransferModel.fit(direct, indirect, rank=4)
+    apart = el.TransferModel.fit(np.ldexp(direct, stops), np.ldexp(indirect, dim), rank=4)
+    seen = np.ldexp(apart.predict(np.ldexp(direct[0], stops)), -dim)
+    np.testing.assert_allclose(seen, plain.predict(direct[0]), rtol=1e-5)
+
+
 def test_training_errors_are_those_of_the_predictions(model):
     truth = relative_errors(model.predict(SCENE[0]), SCENE[1])
     np.testing.assert_allclose(model.report.training_errors, truth, rtol=1e-2, atol=1e-4)

@@ -138,7 +138,10 @@ def mixtures(
     pairs: Pairs, part: NDArray[Any], lit: NDArray[np.bool_], weights: NDArray[np.float64]
 ) -> NDArray[Any]:
     """Mixtures of the rows of a part of the images in its lit texels, (lit texels, rank)."""
-    scale, shares = pairs.scale.astype(part.dtype), weights.astype(part.dtype)
+    # Direct light of 1e30 beside indirect light of 1e-31 has weights beyond float32: a power of
+    # two, which rounds nothing, moves from them to the scale.
+    unit = np.ldexp(1.0, np.frexp(np.abs(weights).max(initial=0))[1])
+    scale, shares = (pairs.scale * unit).astype(part.dtype), (weights / unit).astype(part.dtype)
     if is_for_kernels(pairs):
         return _native.transfer_columns(part, scale, lit.ravel(), shares)
     mixed: NDArray[Any] = texel_rows(part[:, lit.ravel()], scale) @ shares
