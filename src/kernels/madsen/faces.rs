@@ -4,6 +4,7 @@ use ndarray::{Array2, ArrayView2, ArrayView3, Axis};
 use rayon::prelude::*;
 
 use crate::error::Result;
+use crate::interrupt;
 use crate::kernels::image::{check_rgb, check_samples};
 use crate::kernels::sampling::{self, FaceSearch};
 use crate::kernels::sphere::{Registration, band_heights, direction};
@@ -42,6 +43,7 @@ pub fn face_radiance(
         .map(|run| {
             let mut flux = Array2::zeros((faces, 3));
             for row in run * height / runs..(run + 1) * height / runs {
+                interrupt::check();
                 pixels.add_row(row, radiance.index_axis(Axis(0), row), &search, &mut flux);
             }
             flux
