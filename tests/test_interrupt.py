@@ -16,7 +16,7 @@ LONG = {
     "suppress": "kernels.suppress(np.random.default_rng(0).random((3_000_000, 3)), 1e-5)",
     "irradiance": "kernels.irradiance(image, normals)",
     "working_irradiance": "kernels.working_irradiance(image, normals, columns=2048)",
-    "face_radiance": "kernels.face_radiance(np.tile(image, (8, 8, 1)), 81_920)",
+    "face_radiance": "kernels.face_radiance(large, 81_920)",
     "disc_map": "kernels.disc_map(2048, even[:400], even[:400] ** 2, np.full(400, 0.3))",
     "rotated": "[el.EnvMap(image).rotated(turn) for _ in range(1000)]",
     "fit": "[el.fit(image, 20, ambient='sh2') for _ in range(20)]",
@@ -31,6 +31,7 @@ from envlights import kernels
 
 rng = np.random.default_rng(0)
 image = el.synthetic.hard(3, 512).radiance
+large = np.tile(image, (8, 8, 1))
 grey = rng.random((2048, 4096), dtype=np.float32)
 normals = rng.normal(size=(400_000, 3))
 normals /= np.linalg.norm(normals, axis=1, keepdims=True)
