@@ -128,6 +128,14 @@ def test_alone_it_is_shown_in_full_and_in_a_list_as_a_line(result):
     assert "\n" not in repr(result)
 
 
+def test_a_split_shows_its_lights_and_the_rest():
+    split = el.split(el.synthetic.hard(0, height=128).radiance, lights=1)
+    html = split._repr_html_()
+    tags_of(html)
+    assert html == split.lights._repr_html_() + split.rest._repr_html_()
+    assert html.index("TakenLights") < html.index("EnvMap")
+
+
 def test_long_tables_show_a_dozen_rows_and_say_what_the_rest_hold():
     lights = many(77)
     *rows, rest = str(lights).splitlines()

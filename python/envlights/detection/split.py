@@ -35,6 +35,9 @@ class Split(NamedTuple):
     rest: EnvMap
     """The map without them, of the same size and nowhere negative."""
 
+    def _repr_html_(self) -> str:
+        return self.lights._repr_html_() + self.rest._repr_html_()
+
 
 def split(
     env: AnyMap,
