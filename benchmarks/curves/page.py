@@ -33,7 +33,7 @@ def _measured_on(machine):
     few = "; a quick run, with few rounds" if machine["quick"] else ""
     return (
         f"Measured on {machine['date']}: {machine['processor']}, {cores} cores, of which"
-        f" {threads} were used, {maps} maps{few}."
+        f" {threads} {'was' if threads == 1 else 'were'} used, {maps} maps{few}."
     )
 
 
