@@ -96,47 +96,6 @@ def test_a_split_map_is_a_fixed_point():
     np.testing.assert_array_equal(again.radiance, rest.radiance)
 
 
-def in_bright_sky():
-    """A sun in a sky that is brighter around it: above the threshold, and even near the sun."""
-    angle = np.arccos(kernels.pixel_directions(128, 256) @ (np.array((1, 0.4, 0.3)) / 1.118))
-    sky = 0.2 + 1.5 / (1 + np.exp((np.rad2deg(angle) - 17) / 2))
-    return el.EnvMap(
-        (
-            world([Disc((1, 0.4, 0.3), 3.0, (900,) * 3)], background=(0,) * 3).radiance
-            + sky[..., None]
-        ).astype(np.float32)
-    )
-
-
-def test_what_the_first_lights_leave_is_taken_until_nothing_is_found():
-    env = in_bright_sky()
-    assert len(el.detect(env)) == 1
-    lights, rest = el.split(env)
-    assert len(lights) == 2
-    np.testing.assert_allclose(lights.direction[0], lights.direction[1], atol=0.02)
-    assert lights.angular_radius[1] > 4 * lights.angular_radius[0]
-    assert "1 of the lights were found in what the others left" in str(lights.report)
-    assert set(lights.members.light) == {0, 1}
-    assert closure(env, lights, rest).max() < 1e-6
-    angles = kernels.pixel_solid_angles(128, 256)
-    taken = (env.radiance.astype(float) - rest.radiance) @ LUMINANCE
-    share = (taken * angles).sum() / (env.radiance.astype(float) @ LUMINANCE * angles).sum()
-    np.testing.assert_allclose(lights.flux_share.sum(), share, rtol=1e-6)
-    assert len(el.detect(rest)) == 0
-    np.testing.assert_array_equal(el.split(rest).rest.radiance, rest.radiance)
-
-
-@pytest.mark.parametrize(
-    "chosen", [{"lights": 5}, {"share": 1.0}, {"max_lights": 3}, {"lights": "found"}]
-)
-def test_lights_that_are_chosen_are_all_that_is_taken(chosen):
-    env = in_bright_sky()
-    chosen = {name: el.detect(env) if value == "found" else value for name, value in chosen.items()}
-    lights, rest = el.split(env, **chosen)
-    assert len(lights) == 1
-    assert len(el.detect(rest)) == 1
-
-
 # Exact energy
 
 
@@ -353,4 +312,3 @@ def test_real_maps_close(path):
     assert rest.radiance.shape == env.radiance.shape
     assert (rest.radiance >= 0).all()
     assert closure(env, lights, rest).max(initial=0.0) < 1e-6
-    assert len(el.detect(rest)) == 0

@@ -14,16 +14,12 @@ from envlights._check import amount, count, shown
 from envlights._native import EnvLightsError
 from envlights.detection.detect import detect
 from envlights.detection.lights import DetectedLights, DetectionReport
-from envlights.detection.members import Members
 from envlights.detection.taken import TakenLights
 from envlights.envmap import AnyMap, EnvMap, as_envmap
 from envlights.kernels.image import LUMINANCE, reduced_luminance
 
 #: Pixels to each side of a sample of the article that may belong to its light: its own window.
 _WINDOW = 6
-
-#: Times that lights are taken out of what is left, at most. Of 21 real maps, two need four.
-_MOST_ROUNDS = 8
 
 
 class Split(NamedTuple):
@@ -60,8 +56,8 @@ def split(
         The map.
     lights : int or DetectedLights, optional
         How many lights to take, at most, the brightest first: 1 for the sun. Or lights that
-        `detect` has found in this map, such as ``found[[0, 2]]``. All when left out: those that
-        `detect` finds, and what it then finds in the rest, until it finds nothing.
+        `detect` has found in this map, such as ``found[[0, 2]]``. All that `detect` finds when left
+        out.
     share : float, optional
         Take the fewest lights, the brightest first, that give this share of what all found lights
         give together.
@@ -95,11 +91,11 @@ def split(
 
     Rings are added around a light as long as their median luminance falls by 1.1 to 1.25 from one
     to the next but one, and for at most 15 degrees. Glare does so, a sky does not. The fill is not
-    brighter than what is around the last ring, up to the tilt of at most 30 %. That may still be
+    brighter than what is around the last ring, up to the tilt of at most 30 %. But that may be
     brighter than the threshold of `detect`: the bright sky around a sun, or a lit wall around a
-    lamp. When all lights are taken, these become lights of their own, broad ones, in one to three
-    more rounds on 12 of 21 real maps; the report tells how many. So the split of a rest takes
-    nothing. With a number, a share, `max_lights` or given lights, nothing else is taken.
+    lamp. And where most of the light is gone, the threshold itself may be lower. So `detect` finds
+    something again in what is left of 12 of 21 real maps. To take that too would take the walls of
+    a studio for lamps.
 
     Maps that end at a white lose what white has left of a light: its irradiance is a lower bound.
 
@@ -127,29 +123,13 @@ def split(
     env = as_envmap(env)
     found, chosen = _chosen(env, lights, share, options)
     start = perf_counter()
+    parts = _parts(env, chosen)
     radiance = env.radiance.copy()
-    rest = _like(env, radiance, env.notes)
-    flux = _map_flux(chosen)
-    rounds = [_take(rest, radiance, chosen, flux)]
-    again = chosen[:0]
-    if lights is None and share is None and options.get("max_lights") is None:
-        again = detect(rest, **options)
-        while len(again) and len(rounds) < _MOST_ROUNDS:
-            rounds.append(_take(rest, radiance, again, flux))
-            again = detect(rest, **options)
-    taken = _together(rounds, _report(chosen, len(found), rounds, len(again), start))
-    return Split(taken, _like(env, radiance, (*env.notes, *_notes(taken))))
-
-
-def _like(env: EnvMap, radiance: NDArray[np.float32], notes: tuple[str, ...]) -> EnvMap:
-    """A map that differs from `env` in its radiance: samples of a map, or between those of one."""
-    return EnvMap.unchecked(radiance, registration=env.registration, notes=notes, white=env.white)
-
-
-def _map_flux(lights: DetectedLights) -> float:
-    """Luminance flux of the map in which lights were found; 1 where none were."""
-    share = float(lights.flux_share.sum())
-    return float((lights.irradiance @ LUMINANCE).sum()) / share if share else 1.0
+    radiance.reshape(-1, 3)[parts.pixel] = parts.left
+    taken = _taken(chosen, parts, _report(chosen, len(found), perf_counter() - start))
+    notes = (*env.notes, *_notes(taken))
+    rest = EnvMap.unchecked(radiance, registration=env.registration, notes=notes, white=env.white)
+    return Split(taken, rest)
 
 
 def _chosen(
@@ -235,12 +215,10 @@ def _bright_around(
     return pixel[bright], light[bright]
 
 
-def _take(
-    env: EnvMap, radiance: NDArray[np.float32], lights: DetectedLights, map_flux: float
-) -> TakenLights:
-    """Take lights out of a map whose `radiance` can be written to."""
+def _parts(env: EnvMap, lights: DetectedLights) -> _native.MapSplit:
+    """The lights and what is left of their pixels."""
     block = -(-env.width // lights.report.working_size[1])
-    parts = _native.split_map(
+    return _native.split_map(
         env.radiance,
         env.registration == "border-sampled",
         *_pixels(env, lights, block),
@@ -248,51 +226,35 @@ def _take(
         block,
         lights.report.threshold,
     )
-    radiance.reshape(-1, 3)[parts.pixel] = parts.left
-    kept = {each.name: getattr(lights, each.name) for each in fields(lights) if each.init}
+
+
+def _taken(chosen: DetectedLights, parts: _native.MapSplit, report: DetectionReport) -> TakenLights:
+    """What was taken, with the measurements of what was found."""
+    kept = {each.name: getattr(chosen, each.name) for each in fields(chosen) if each.init}
     measured = {
         "direction": parts.direction,
         "irradiance": parts.irradiance,
         "solid_angle": parts.solid_angle,
-        "flux_share": parts.flux / map_flux,
+        "flux_share": parts.flux / _map_flux(chosen),
         "vector_irradiance": parts.vectors,
         "reach": parts.reach,
+        "report": report,
     }
     return TakenLights(**(kept | measured))
 
 
-def _together(rounds: list[TakenLights], report: DetectionReport) -> TakenLights:
-    """The lights of all rounds, brightest first."""
-    if len(rounds) == 1:
-        return replace(rounds[0], report=report)
-    names = [each.name for each in fields(rounds[0]) if each.init]
-    arrays = {
-        name: np.concatenate([getattr(taken, name) for taken in rounds])
-        for name in names
-        if name not in ("members", "report") and getattr(rounds[0], name) is not None
-    }
-    before = np.cumsum([0, *map(len, rounds)])
-    members = [taken.members for taken in rounds]
-    light = np.concatenate([each.light + n for each, n in zip(members, before, strict=False)])
-    pixel = np.concatenate([each.pixel for each in members])
-    return TakenLights(**arrays, members=Members(pixel, light), report=report)
+def _map_flux(lights: DetectedLights) -> float:
+    """Luminance flux of the map in which lights were found; 1 where none were."""
+    share = float(lights.flux_share.sum())
+    return float((lights.irradiance @ LUMINANCE).sum()) / share if share else 1.0
 
 
-def _report(
-    chosen: DetectedLights, found: int, rounds: list[TakenLights], again: int, start: float
-) -> DetectionReport:
-    """The report of the detection, with the lights that stay and those of further rounds."""
+def _report(chosen: DetectedLights, found: int, seconds: float) -> DetectionReport:
+    """The report of the detection, with the lights that stay."""
     report = chosen.report
     stay = found - len(chosen)
     skipped = (*report.skipped, f"{stay} lights, which stay in the map") if stay else report.skipped
-    notes = report.notes
-    if len(rounds) > 1:
-        more = sum(map(len, rounds[1:]))
-        notes = (*notes, f"{more} of the lights were found in what the others left")
-    if again:
-        notes = (*notes, f"{again} lights are still found in what is left")
-    seconds = {**report.seconds, "split": perf_counter() - start}
-    return replace(report, skipped=skipped, notes=notes, seconds=seconds)
+    return replace(report, skipped=skipped, seconds={**report.seconds, "split": seconds})
 
 
 def _notes(taken: TakenLights) -> tuple[str, ...]:
