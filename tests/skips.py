@@ -14,7 +14,7 @@ import envlights as el
 from envlights import kernels, synthetic
 from envlights.kernels.image import LUMINANCE
 from tests.helpers import NORMALS, SOLID_ANGLES
-from tests.stress.case import U32
+from tests.stress.case import U32, lights_apart
 
 
 class Skip(NamedTuple):
@@ -138,9 +138,7 @@ def _rigs_differ(one, other):
 
 
 def _lights_differ(one, other):
-    if len(one) != len(other):
-        return np.inf
-    return float(np.abs(other.irradiance / one.irradiance - 1).max(initial=0))
+    return lights_apart(other, one.direction, one.irradiance)
 
 
 def _of_frames(width):

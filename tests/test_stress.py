@@ -1,6 +1,5 @@
 """Each case of the stress suite holds its bound, or is listed as open."""
 
-import numpy as np
 import pytest
 
 from tests.stress import CASES
@@ -20,6 +19,4 @@ def test_the_bound_holds_or_is_listed_as_open(case):
 )
 def test_float32_alone_would_not_hold_the_bounds_of_float64(case):
     """Where it did, the case would tell nothing."""
-    assert not np.isnan(case.float32())
-    if case.bound < 1e-12:
-        assert case.float32() > case.bound
+    assert case.float32() > case.bound

@@ -60,11 +60,16 @@ def reals(name: str, values: ArrayLike, ndim: int) -> NDArray[np.float64]:
     return for_kernels(array, np.float64)
 
 
+def is_vector(values: ArrayLike) -> bool:
+    """Whether `values` have one axis; rows of several lengths, which `reals` refuses, have not."""
+    with contextlib.suppress(ValueError):
+        return np.ndim(values) == 1
+    return False
+
+
 def one_or_more(name: str, values: ArrayLike) -> tuple[NDArray[np.float64], bool]:
     """Vectors as rows, (n, 3), or one of them, (3,), as a row; True if it was one."""
-    is_one = False
-    with contextlib.suppress(ValueError):  # rows of several lengths, which `reals` refuses
-        is_one = np.ndim(values) == 1 and np.size(values) > 0
+    is_one = is_vector(values) and np.size(values) > 0
     array = reals(name, values, 1 if is_one else 2)
     return (array[None], True) if is_one else (array, False)
 
@@ -129,6 +134,12 @@ def flag(name: str, value: object) -> bool:
     if not isinstance(value, bool | np.bool_):
         raise EnvLightsError(f"{name} must be True or False; got {shown(value)}")
     return bool(value)
+
+
+def check_progress(value: object) -> None:
+    """Refuse a `progress` that is neither a flag nor None."""
+    if value is not None:
+        flag("progress", value)
 
 
 def texts(name: str, values: object) -> list[str]:

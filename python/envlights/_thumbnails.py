@@ -11,7 +11,7 @@ from envlights.kernels.image import LUMINANCE
 
 #: Columns of a thumbnail.
 _COLUMNS = 240
-#: Rows of pixels that decide which luminance is white, at least, where there are as many.
+#: Rows that are looked at for the luminance of white, at least.
 _ROWS = 256
 #: Share of the sphere that is darker than white in a picture of a map: lamps are not.
 _DARKER_THAN_WHITE = 0.98
@@ -28,8 +28,8 @@ _MOST_LIGHTS = 64
 def white_of(radiance: NDArray[np.floating]) -> tuple[float, float]:
     """The luminance that becomes white in a picture of a map, and the share that is darker.
 
-    Only lamps exceed it. It is some times the median at least: an even sky is no lamp. Of large
-    maps it is that of some pixels.
+    Only lamps exceed it. It is some times the median at least: an even sky is no lamp. In large
+    maps only every n-th row and column is looked at.
     """
     step = max(radiance.shape[0] // _ROWS, 1)
     radiance = radiance[::step, ::step]

@@ -577,19 +577,6 @@ def as_envmap(env: AnyMap) -> EnvMap:
     return env if isinstance(env, EnvMap) else EnvMap(env)
 
 
-def clipping_notes(env: EnvMap) -> tuple[str, ...]:
-    """What a rig of this map rests on, where some of it was cut off; empty where none was.
-
-    Maps without a white are not looked through: that would take a third of the time of a fit.
-    `EnvMap.clipped_flux_share` does so when it is asked.
-    """
-    share = 0.0 if env.white is None else env.clipped_flux_share
-    if not share:
-        return ()
-    lost = f"{100 * share:.2g} % of the map's flux lies in clipped pixels"
-    return (f"{lost}: the lights there are a lower bound",)
-
-
 def seen_through(env: AnyMap, work: Callable[[EnvMap], _T]) -> tuple[EnvMap, _T]:
     """The map, and the result of `work` on it.
 

@@ -6,7 +6,7 @@ import operator
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, NamedTuple, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights import _html, _thumbnails
 from envlights._arrays import sealed
 from envlights._check import reals, rotation, shown
+from envlights._lobes import SphericalGaussians, lobes
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights._tables import MOST_ROWS, Table
@@ -26,11 +27,6 @@ from envlights.light import Light, azimuths, elevations
 
 if TYPE_CHECKING:
     import pandas as pd
-
-#: Angular radius of the sun, in radians: 0.267 degrees at its mean distance.
-SUN_RADIUS = 0.00465
-#: Steps that find the sharpness of a lobe; from the start taken, 4 suffice for any disc.
-_NEWTON_STEPS = 6
 
 
 def brightest_first(irradiance: NDArray[np.float64]) -> NDArray[np.intp]:
@@ -49,19 +45,6 @@ def brightest_first(irradiance: NDArray[np.float64]) -> NDArray[np.intp]:
 
 #: What takes several lights out of all: a slice, numbers, or a mask.
 Rows = slice | list[int] | NDArray[Any]
-
-
-class SphericalGaussians(NamedTuple):
-    """Lobes of radiance ``amplitude * exp(sharpness * (axis . w - 1))`` in each direction w."""
-
-    axis: NDArray[np.float64]
-    """Unit vectors, (n, 3)."""
-
-    sharpness: NDArray[np.float64]
-    """Greater for a narrower lobe, (n,)."""
-
-    amplitude: NDArray[np.float64]
-    """Radiance along the axis, linear RGB, (n, 3)."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -333,10 +316,7 @@ class Lights(Result):
         (array([16.34]), array([[8.31, 8.31, 8.31]]))
         """
         discs = self.discs()
-        sharpness = _sharpness(np.sin(np.maximum(discs.angular_radius, SUN_RADIUS) / 2) ** 2)
-        at_normal = 2 * np.pi * (sharpness - 1 + np.exp(-sharpness)) / sharpness**2
-        amplitude = discs.irradiance / at_normal[:, None]
-        return SphericalGaussians(discs.direction, sealed(sharpness), sealed(amplitude))
+        return lobes(discs.direction, discs.irradiance, discs.angular_radius)
 
 
 # Without its methods `count` and `index`, which nobody looks for here.
@@ -375,19 +355,6 @@ def _radii(values: ArrayLike | None, lights: int) -> NDArray[np.float64]:
             f" row {bad[0]} holds {radii[bad[0]]:.6g}"
         )
     return radii
-
-
-def _sharpness(spread: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Sharpness of lobes whose mean of 1 - cos is `spread`, below 1: 1 + 1/k - coth k, inverted."""
-    # Start near the solution (Banerjee et al. 2005, equation 4.4), and take Newton's steps.
-    mean = 1 - spread
-    k = mean * (3 - mean**2) / (spread * (1 + mean))
-    for _ in range(_NEWTON_STEPS):
-        # coth k - 1 = 2 / (e^2k - 1), without cancellation and overflow.
-        beyond = 2 * np.exp(-2 * k) / -np.expm1(-2 * k)
-        slope = 1 / k**2 - beyond * (2 + beyond)
-        k = k + (1 / k - beyond - spread) / slope
-    return k
 
 
 def light_arrays(

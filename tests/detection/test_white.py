@@ -6,7 +6,7 @@ import pytest
 import envlights as el
 from envlights import kernels
 from envlights._srgb import encode_srgb
-from envlights.envmap import clipping_notes
+from envlights.fitting import notes
 from envlights.synthetic import Disc, Rectangle, judge, scene, suite
 from tests.helpers import angle_deg, printed_by_threads
 
@@ -227,6 +227,7 @@ def test_any_number_of_threads_gives_the_same_bits():
     code = """
 import hashlib, numpy as np, envlights as el
 from envlights._srgb import encode_srgb
+from envlights.fitting import notes
 world = el.synthetic.hard(8, 256)
 lights = el.detect(np.round(255 * encode_srgb(world.radiance)).astype(np.uint8))
 arrays = lights.direction, lights.irradiance, lights.weight, lights.direction_uncertainty
@@ -277,9 +278,9 @@ def test_the_map_knows_its_clipped_share():
 
 def test_what_a_rig_rests_on_is_a_sentence():
     radiance = np.full((64, 128, 3), 0.25)
-    assert clipping_notes(el.EnvMap(radiance)) == ()
+    assert notes.clipping(el.EnvMap(radiance)) == ()
     radiance[:32] = 1
-    (note,) = clipping_notes(el.EnvMap(radiance, white=1.0))
+    (note,) = notes.clipping(el.EnvMap(radiance, white=1.0))
     assert note == (
         "80 % of the map's flux lies in clipped pixels: the lights there are a lower bound"
     )

@@ -1,7 +1,12 @@
 """A case of the stress suite."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
+
+import numpy as np
+
+from tests.helpers import angle_deg
 
 #: Largest relative error of one rounding.
 U32, U64 = 2.0**-24, 2.0**-53
@@ -24,3 +29,26 @@ class Case(NamedTuple):
 
     is_open: bool = False
     """True where the bound is known not to hold: a defect to be mended."""
+
+
+def cases_of(group, what, bound, reason, measure, arguments):
+    """A case for each name in `arguments`, whose values `measure` takes."""
+    return [
+        Case(group, what + name, bound, reason, partial(measure, *given))
+        for name, given in arguments.items()
+    ]
+
+
+def lights_apart(found, direction, irradiance):
+    """Largest turn in radians or relative change of irradiance; infinite unless one for one."""
+    if len(found) != len(direction):
+        return np.inf
+    if not len(found):
+        return 0.0
+    nearest = np.argmax(found.direction @ direction.T, axis=0)
+    if len(np.unique(nearest)) < len(nearest):
+        return np.inf
+    turned = np.deg2rad(angle_deg(found.direction[nearest], direction))
+    change = np.abs(found.irradiance[nearest] / irradiance - 1)
+    # Python's `max` would drop NaN.
+    return float(np.maximum(turned.max(initial=0), change.max(initial=0)))

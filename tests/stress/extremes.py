@@ -7,9 +7,9 @@ import numpy as np
 import envlights as el
 from envlights import kernels
 from tests.fitting import worst_cases
-from tests.helpers import NORMALS, SOLID_ANGLES, angle_deg
+from tests.helpers import NORMALS, SOLID_ANGLES
 from tests.reference import cells
-from tests.stress.case import U32, U64, Case
+from tests.stress.case import U32, U64, Case, cases_of, lights_apart
 
 _FEW = NORMALS[::4]
 
@@ -37,18 +37,18 @@ def _scaled_probe(scale):
 def _scaled_fit(scale):
     """Of direction, in radians, and of irradiance."""
     radiance = el.synthetic.hall(64).radiance.astype(float)
-    one, other = (el.fit((radiance * s).astype(np.float32), 2, sizes=False) for s in (1, scale))
-    turned = np.deg2rad(angle_deg(one.lights.direction, other.lights.direction)).max()
-    return max(float(turned), _relative(other.lights.irradiance / scale, one.lights.irradiance))
+    one, other = (_fitted_points((radiance * s).astype(np.float32)) for s in (1, scale))
+    return lights_apart(other, one.direction, scale * one.irradiance)
+
+
+def _fitted_points(radiance):
+    return el.fit(radiance, 2, sizes=False).lights
 
 
 def _scaled_detection(scale):
     radiance = el.synthetic.hall(64).radiance.astype(float)
     one, other = (el.detect((radiance * s).astype(np.float32)) for s in (1, scale))
-    if len(one) != len(other):
-        return np.inf
-    turned = np.deg2rad(angle_deg(one.direction, other.direction)).max()
-    return max(float(turned), _relative(other.irradiance / scale, one.irradiance))
+    return lights_apart(other, one.direction, scale * one.irradiance)
 
 
 def _range_probe(stops):
@@ -98,11 +98,7 @@ def _sun_of_the_probe(row, column):
 
 def _sun_that_is_found(find, row, column):
     radiance, towards, flux = _sun(row, column)
-    lights = find(radiance)
-    if len(lights) != 1:
-        return np.inf
-    turned = np.deg2rad(angle_deg(lights.direction[0], towards))
-    return max(float(turned), _relative(lights.irradiance[0], flux))
+    return lights_apart(find(radiance), towards[None], flux[None])
 
 
 def _fitted_point(radiance):
@@ -131,39 +127,20 @@ def _detected_apart(degrees):
 
 
 _ROUNDED = 8 * U32
-SCALES = (1e-38, 1e-20, 1e20, 1e35)
+SCALES = {f"{s:g}": (s,) for s in (1e-38, 1e-20, 1e20, 1e35)}
+_AGAIN = "bound 5: samples in float32, rounded anew"
 
 CASES = [
-    *(
-        Case(
-            "scale",
-            f"probe of a map times {s:g}",
-            _ROUNDED,
-            "bound 5: samples in float32, rounded anew",
-            partial(_scaled_probe, s),
-        )
-        for s in SCALES
+    *cases_of("scale", "probe of a map times ", _ROUNDED, _AGAIN, _scaled_probe, SCALES),
+    *cases_of(
+        "scale",
+        "fit to a map times ",
+        1e-5,
+        "samples rounded anew, and the step's end",
+        _scaled_fit,
+        SCALES,
     ),
-    *(
-        Case(
-            "scale",
-            f"fit to a map times {s:g}",
-            1e-5,
-            "samples rounded anew, and the step's end",
-            partial(_scaled_fit, s),
-        )
-        for s in SCALES
-    ),
-    *(
-        Case(
-            "scale",
-            f"detection on a map times {s:g}",
-            1e-5,
-            "samples rounded anew, and the step's end",
-            partial(_scaled_detection, s),
-        )
-        for s in SCALES
-    ),
+    *cases_of("scale", "detection on a map times ", _ROUNDED, _AGAIN, _scaled_detection, SCALES),
     Case(
         "scale",
         "probe of denormals, a map times 1e-42",
@@ -189,38 +166,32 @@ CASES = [
         "range",
         "fit, 22 stops between lights",
         1e-8,
-        "of what is explained, squared",
+        "the error is a root of a rounded square",
         partial(_explained, "22 stops between the lights", 4),
     ),
-    *(
-        Case(
-            "place",
-            f"probe, a sun of one pixel at {name}",
-            1e-6,
-            "four nodes across a strip integrate its latitudes",
-            partial(_sun_of_the_probe, *at),
-        )
-        for name, at in PLACES.items()
+    *cases_of(
+        "place",
+        "probe, a sun of one pixel at ",
+        1e-6,
+        "four nodes across a strip integrate its latitudes",
+        _sun_of_the_probe,
+        PLACES,
     ),
-    *(
-        Case(
-            "place",
-            f"detection, a sun of one pixel at {name}",
-            1e-9,
-            "one pixel is one direction",
-            partial(_sun_that_is_found, el.detect, *at),
-        )
-        for name, at in PLACES.items()
+    *cases_of(
+        "place",
+        "detection, a sun of one pixel at ",
+        1e-9,
+        "one pixel is one direction",
+        partial(_sun_that_is_found, el.detect),
+        PLACES,
     ),
-    *(
-        Case(
-            "place",
-            f"fit, a sun of one pixel at {name}",
-            1e-9,
-            "one pixel is one direction",
-            partial(_sun_that_is_found, _fitted_point, *at),
-        )
-        for name, at in PLACES.items()
+    *cases_of(
+        "place",
+        "fit, a sun of one pixel at ",
+        1e-9,
+        "one pixel is one direction",
+        partial(_sun_that_is_found, _fitted_point),
+        PLACES,
     ),
     Case(
         "close",

@@ -6,7 +6,7 @@ import numpy as np
 
 import envlights as el
 from tests.helpers import NORMALS, angle_deg, relative_errors
-from tests.stress.case import U32, Case
+from tests.stress.case import U32, Case, cases_of, lights_apart
 
 _CHANNELS = [2, 0, 1]
 #: Columns of a map of 256 that are a quarter of a turn.
@@ -62,15 +62,8 @@ def _probe(changed, directions, irradiance):
 
 
 def _lights(find, changed, directions, irradiance):
-    """Of direction, in radians, and of irradiance; infinite where the number changes."""
     one, other = find(_random()), find(np.ascontiguousarray(changed(_random())))
-    if len(one) != len(other):
-        return np.inf
-    wanted = directions(one.direction)
-    nearest = np.argmax(other.direction @ wanted.T, axis=0)
-    turned = np.deg2rad(angle_deg(other.direction[nearest], wanted)).max()
-    change = np.abs(other.irradiance[nearest] / irradiance(one.irradiance) - 1).max()
-    return float(max(turned, change))
+    return lights_apart(other, directions(one.direction), irradiance(one.irradiance))
 
 
 def _mirrored_lamps():
@@ -100,14 +93,9 @@ def _added_lights(find):
     """Lights of the sum of two maps: those of both."""
     one, other = _suns((20, 30, 9e3), (70, 200, 5e3)), _suns((100, 90, 7e3))
     parts = [find(each) for each in (one, other)]
-    both = find(one + other)
     wanted = np.concatenate([each.direction for each in parts])
     flux = np.concatenate([each.irradiance for each in parts])
-    if len(both) != len(wanted):
-        return np.inf
-    nearest = np.argmax(both.direction @ wanted.T, axis=0)
-    turned = np.deg2rad(angle_deg(both.direction[nearest], wanted)).max()
-    return float(max(turned, np.abs(both.irradiance[nearest] / flux - 1).max()))
+    return lights_apart(find(one + other), wanted, flux)
 
 
 def _fitted_suns(radiance):
@@ -148,44 +136,29 @@ _TRANSFER = {
 
 _SUMS = "bound 2 in blocks of float32"
 
+#: Detection weighs channels by luminance.
+_OF_DETECTION = {name: law for name, law in LAWS.items() if name != "channels exchanged"}
+
 CASES = [
-    *(
-        Case("law", f"probe, {name}", 8 * U32, _SUMS, partial(_probe, *law))
-        for name, law in LAWS.items()
+    *cases_of("law", "probe, ", 8 * U32, _SUMS, _probe, LAWS),
+    *cases_of(
+        "law",
+        "detection, ",
+        8 * U32,
+        "weights and samples in float32",
+        partial(_lights, el.detect),
+        _OF_DETECTION,
     ),
-    *(
-        Case(
-            "law",
-            f"detection, {name}",
-            1e-5,
-            "weights and samples in float32",
-            partial(_lights, el.detect, *law),
-        )
-        for name, law in LAWS.items()
-        if name != "channels exchanged"
-    ),
-    *(
-        Case(
-            "law",
-            f"fit, {name}",
-            1e-7,
-            "descent to 1e-9 of a step",
-            partial(_lights, _fitted, *law),
-        )
-        for name, law in LAWS.items()
-    ),
+    *cases_of("law", "fit, ", 1e-7, "descent to 1e-9 of a step", partial(_lights, _fitted), LAWS),
     Case(
         "law",
         "fit, a mirror, pixels alike",
         1e-7,
-        "of pixels alike, the first become points",
+        "equal pixels: the first ones become points",
         _mirrored_lamps,
         is_open=True,
     ),
-    *(
-        Case("law", f"transfer, {name}", 1e-5, "a basis in float32", partial(_transfer, *law))
-        for name, law in _TRANSFER.items()
-    ),
+    *cases_of("law", "transfer, ", 1e-5, "a basis in float32", _transfer, _TRANSFER),
     Case("law", "probe, two maps added", 8 * U32, _SUMS, _added_probe),
     Case(
         "law",

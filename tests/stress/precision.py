@@ -170,7 +170,8 @@ CASES = [
         "Gram terms of transfer",
         (32 * 32 + 2) * U32,
         "bound 2 in float32, over a block of 1024 texels",
-        **_from(_ours_gram, _gram),
+        # Plain sums in float32 hold it too: 6e-8.
+        measure=lambda: _worst(_ours_gram(), _gram(LONG)),
     ),
     Case(
         "precision",

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights import _native
 from envlights._check import check_choice, flag, reals
 from envlights._native import EnvLightsError, FitAnswer
-from envlights.envmap import AnyMap, EnvMap, clipping_notes, seen_through
+from envlights.envmap import AnyMap, EnvMap, seen_through
 from envlights.fitting import notes
 from envlights.fitting.answer import rig_of
 from envlights.fitting.asked import MAX_STEPS, STARTS_WITHOUT_MAP, Asked, asked
@@ -206,7 +206,7 @@ def fit(
             *notes.fewer_lights(rig, wanted, RENDERING_ERROR),
         ),
     )
-    return replace(rig, report=report, notes=(*world.notes, *clipping_notes(world)), floor=floor)
+    return replace(rig, report=report, notes=(*world.notes, *notes.clipping(world)), floor=floor)
 
 
 def fit_probe(

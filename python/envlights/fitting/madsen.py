@@ -14,7 +14,8 @@ from envlights._check import amount, colour, count, reals
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights._tables import Table
-from envlights.envmap import AnyMap, EnvMap, as_envmap, clipping_notes
+from envlights.envmap import AnyMap, EnvMap, as_envmap
+from envlights.fitting.notes import clipping
 from envlights.kernels import madsen, probe, sampling
 from envlights.light import azimuths, elevations
 from envlights.lights import Lights, rgb_cell
@@ -221,7 +222,7 @@ def fit_paper(
     x, errors, stop = _gauss_newton(problem, x, damped, max_steps)
     found, directions, irradiance = (frozen(part) for part in madsen.unpack_lights(x))
     history, (k_a, k_d, _) = tuple(errors), surface
-    notes = (*env.notes, *clipping_notes(env))
+    notes = (*env.notes, *clipping(env))
     return PaperFit(found, directions, irradiance, history, stop, k_a, k_d, notes)
 
 

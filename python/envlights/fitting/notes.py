@@ -51,3 +51,16 @@ def fewer_lights(rig: Rig, wanted: Asked, rendering_error: float) -> tuple[str, 
         why = "they would not lower the error"
     untried = f"; more than {tried} were not tried" if tried < most else ""
     return (f"{most - used} of {most} lights: {why}{untried}",)
+
+
+def clipping(env: EnvMap) -> tuple[str, ...]:
+    """What a rig of this map rests on, where some of it was cut off; empty where none was.
+
+    Maps without a white are not looked through: that would take a third of the time of a fit.
+    `EnvMap.clipped_flux_share` does so when it is asked.
+    """
+    share = 0.0 if env.white is None else env.clipped_flux_share
+    if not share:
+        return ()
+    lost = f"{100 * share:.2g} % of the map's flux lies in clipped pixels"
+    return (f"{lost}: the lights there are a lower bound",)

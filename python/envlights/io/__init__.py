@@ -5,7 +5,8 @@
 | read images; a file's colour space                | `images.py`       |
 | write images                                      | `image_output.py` |
 | several exposures as one image                    | `exposures.py`    |
-| the image library, loaded when it is first needed | `library.py`      |
+| damage to PNG files, found before they are read   | `png.py`          |
+| OpenImageIO, loaded when it is first needed       | `openimageio.py`  |
 | write any file whole or not at all                | `files.py`        |
 """
 

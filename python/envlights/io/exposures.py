@@ -20,7 +20,7 @@ from envlights._check import amount
 from envlights._native import EnvLightsError
 from envlights._srgb import decode_codes
 from envlights.io.images import read_image
-from envlights.io.library import oiio
+from envlights.io.openimageio import oiio
 from envlights.kernels.sphere import pixel_solid_angles
 
 #: Samples between these are compared: neither in the noise nor close to white.

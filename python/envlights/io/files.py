@@ -51,7 +51,7 @@ def check_writable(path: str | os.PathLike[str]) -> Path:
     try:
         target = Path(os.path.realpath(as_path(path)))
         obstacle = _obstacle(target)
-    except (OSError, ValueError) as error:  # a name that is too long, or holds a NUL
+    except (OSError, ValueError) as error:  # a name that is too long, or names no file
         obstacle = getattr(error, "strerror", None) or str(error)
     if obstacle:
         raise EnvLightsError(f"cannot write {path}: {obstacle}")

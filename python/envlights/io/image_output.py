@@ -12,7 +12,7 @@ from envlights._check import check_choice, flag
 from envlights._native import EnvLightsError
 from envlights.io.files import as_path, write_atomically
 from envlights.io.images import REC709, failure, read_image
-from envlights.io.library import oiio
+from envlights.io.openimageio import oiio
 
 #: Of OpenEXR; all keep every bit.
 COMPRESSIONS = ("zip", "piz", "rle", "none")

@@ -14,7 +14,7 @@ from envlights._check import count
 from envlights._native import EnvLightsError
 from envlights._srgb import decode_codes
 from envlights.io import png
-from envlights.io.library import oiio
+from envlights.io.openimageio import oiio
 
 #: Pixels of an image at most, 32768 x 16384, unless a caller takes more: a few damaged bytes of a
 #: header ask for all memory.

@@ -36,6 +36,8 @@ _ADAM7 = [
 _FILTERS = bytes(range(5))
 #: Bytes that are unpacked at once.
 _BLOCK = 2**20
+#: Bytes that zlib is given at once: it copies what it leaves.
+_PIECE = 2**16
 
 
 def damage(path: str) -> str:
@@ -107,7 +109,8 @@ def _check_pixels(chunks: Iterator[tuple[bytes, bytes]]) -> None:
     pixels = _Pixels(header)
     for kind, body in chunks:
         if kind == b"IDAT":
-            pixels.take(body)
+            for start in range(0, len(body), _PIECE):
+                pixels.take(body[start : start + _PIECE])
         if kind == b"IEND":
             pixels.end()
             return
@@ -120,8 +123,8 @@ class _Pixels:
         self._stream = zlib.decompressobj()
         #: Bytes of a row and of all rows, for each pass that is left.
         self._passes = _passes(header)
-        #: Bytes of the first of them that have come.
-        self._come = 0
+        #: Bytes of the first of them that have been unpacked.
+        self._unpacked = 0
 
     def take(self, body: bytes) -> None:
         """Unpack the next piece; what comes after the last row is not looked at."""
@@ -131,19 +134,20 @@ class _Pixels:
             body = self._stream.unconsumed_tail
             if not body and len(block) < _BLOCK:
                 return
-        # The end of the stream is its checksum.
-        self._stream.decompress(body, _BLOCK)
+        # The end of the stream is its checksum; zlib would keep whatever follows.
+        if not self._stream.eof:
+            self._stream.decompress(body, _BLOCK)
 
     def _check_filters(self, block: bytes) -> None:
         """Look at the first byte of each row."""
         while block and self._passes:
             row, whole = self._passes[0]
-            part, block = block[: whole - self._come], block[whole - self._come :]
-            if part[-self._come % row :: row].translate(None, _FILTERS):
+            part, block = block[: whole - self._unpacked], block[whole - self._unpacked :]
+            if part[-self._unpacked % row :: row].translate(None, _FILTERS):
                 raise ValueError("a row has an unknown filter; the file is damaged")
-            self._come += len(part)
-            if self._come == whole:
-                self._passes, self._come = self._passes[1:], 0
+            self._unpacked += len(part)
+            if self._unpacked == whole:
+                self._passes, self._unpacked = self._passes[1:], 0
 
     def end(self) -> None:
         """Refuse rows that are missing, or a stream without its end."""

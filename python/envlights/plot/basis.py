@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._check import count
-from envlights.plot.figure import Picture, hide_frame
+from envlights.plot.figure import Picture, check_is, hide_frame
 from envlights.transfer import TransferModel
 
 #: Images in a row.
@@ -42,6 +42,7 @@ def basis_picture(model: TransferModel, directions: int = 16) -> Picture:
     >>> len([axes for axes in figure.axes if axes.images])
     4
     """
+    check_is("model", model, TransferModel)
     images = model.directions(count("directions", directions, least=1))
     columns = min(_COLUMNS, len(images))
     rows = math.ceil(len(images) / columns)
@@ -79,6 +80,7 @@ def spectrum_picture(model: TransferModel) -> Picture:
     >>> [text.get_text().split(":")[0] for text in figure.axes[0].get_legend().get_texts()]
     ['90 %', '95 %', '99 %']
     """
+    check_is("model", model, TransferModel)
     held = np.cumsum(energy_shares(model))
     figure = Picture(figsize=(7, 4.4))
     axes = figure.add_subplot()

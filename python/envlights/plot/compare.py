@@ -10,7 +10,7 @@ from envlights.envmap import AnyMap, as_envmap
 from envlights.plot.figure import Picture
 from envlights.plot.ground import draw_ground, exposed
 from envlights.plot.markers import draw_lights
-from envlights.plot.probe import draw_probes, lit_by, viewpoint
+from envlights.plot.probe import draw_probes, shaded_ball, viewpoint
 from envlights.rig import Rig
 
 #: Points of the page that a degree of a map takes, at least, in a row of a picture.
@@ -46,12 +46,12 @@ def rigs_picture(env: AnyMap, *rigs: Rig) -> Picture:
     figure = Picture(figsize=(13, 2.9 * len(rigs) + 0.3))
     rows = figure.subplots(len(rigs), 4, width_ratios=(2.3, 1, 1, 1.25), squeeze=False)
     ground, eye = exposed(env), viewpoint(rigs[0])
-    lit = {floor: lit_by(env, eye, floor) for floor in {rig.floor for rig in rigs}}
+    shaded = {floor: shaded_ball(env, eye, floor) for floor in {rig.floor for rig in rigs}}
     for (on_map, *probes), rig in zip(rows, rigs, strict=True):
         draw_ground(on_map, ground)
         draw_lights(on_map, rig.lights, _POINTS)
         on_map.set(xlabel="", ylabel="", xticks=[], yticks=[], title=rig.in_short())
-        draw_probes(figure, probes, lit[rig.floor], rig)
+        draw_probes(figure, probes, shaded[rig.floor], rig)
         for axes in probes:
             axes.title.set_fontsize("small")
     return figure

@@ -25,7 +25,7 @@ from envlights.plot.markers import (
     legend_entries,
 )
 from envlights.plot.outlines import outlines
-from envlights.plot.probe import draw_probes, lit_by, viewpoint
+from envlights.plot.probe import draw_probes, shaded_ball, viewpoint
 from envlights.rig import Rig, error_line
 
 #: Links that are drawn, at most.
@@ -105,7 +105,7 @@ def picture(env: AnyMap, rig: Rig) -> Picture:
     draw_lights(on_map, rig.lights)
     axes = [figure.add_subplot(grid[1, column]) for column in range(3)]
     eye = viewpoint(rig)
-    draw_probes(figure, axes, lit_by(env, eye, rig.floor), rig)
+    draw_probes(figure, axes, shaded_ball(env, eye, rig.floor), rig)
     draw_legend(on_map, [*legend_entries(rig.lights), _draw_eye(on_map, eye)])
     on_map.set_title(exposure, fontsize="small")
     figure.suptitle(f"ambient + {rig.lights.in_short()}: {error_line(rig)}")

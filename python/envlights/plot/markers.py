@@ -39,7 +39,7 @@ def area(share: NDArray[np.float64]) -> NDArray[np.float64]:
 def draw_lights(axes: Axes, lights: Lights, points: float = _POINTS) -> None:
     """Draw the rim of each light that has a size, a disc in its colour, and numbers with room.
 
-    `points` of the page are a degree of the map, at least; discs are smaller on smaller maps.
+    A degree of the map takes at least `points` of the page; discs shrink with it.
     """
     at, areas = degrees(lights.direction), area(lights.share) * (points / _POINTS) ** 2
     draw_rims(axes, lights.direction, lights.angular_radius)

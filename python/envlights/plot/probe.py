@@ -21,36 +21,40 @@ from envlights.plot.figure import hide_frame
 from envlights.rig import Rig
 
 
-class Lit(NamedTuple):
-    """The probe under a map, from one direction."""
+class ShadedBall(NamedTuple):
+    """A ball as the eye sees it, and its irradiance under a map."""
 
-    seen: Ball
+    ball: Ball
     irradiance: NDArray[np.float64]
     """At each pixel that shows the probe, (n, 3)."""
 
 
-def lit_by(env: EnvMap, eye: NDArray[np.float64], floor: bool) -> Lit:
+def shaded_ball(env: EnvMap, eye: NDArray[np.float64], floor: bool) -> ShadedBall:
     """The probe under a map, from the direction `eye`; over a floor if the rigs are."""
     seen = ball(eye)
-    return Lit(seen, under(above_horizon(env) if floor else env, seen.normals))
+    return ShadedBall(seen, under(above_horizon(env) if floor else env, seen.normals))
 
 
-def draw_probes(figure: Figure, axes: Sequence[Axes], lit: Lit, rig: Rig) -> None:
+def draw_probes(figure: Figure, axes: Sequence[Axes], shaded: ShadedBall, rig: Rig) -> None:
     """Draw the probe under the map, under the rig, and the difference, each on its axes."""
-    under_rig = rig.probe(lit.seen.normals)
-    white = max(float((lit.irradiance @ LUMINANCE).max()), np.finfo(float).tiny)
-    for axis, name, light in zip(axes, ("map", "rig"), (lit.irradiance, under_rig), strict=False):
-        axis.imshow(lit.seen.image(encode_srgb(light / white)), interpolation="antialiased")
+    under_rig = rig.probe(shaded.ball.normals)
+    white = max(float((shaded.irradiance @ LUMINANCE).max()), np.finfo(float).tiny)
+    for axis, name, light in zip(
+        axes, ("map", "rig"), (shaded.irradiance, under_rig), strict=False
+    ):
+        axis.imshow(shaded.ball.image(encode_srgb(light / white)), interpolation="antialiased")
         axis.set_title(f"probe under the {name}")
         hide_frame(axis)
-    _draw_difference(figure, axes[2], lit, under_rig)
+    _draw_difference(figure, axes[2], shaded, under_rig)
 
 
-def _draw_difference(figure: Figure, axes: Axes, lit: Lit, under_rig: NDArray[np.float64]) -> None:
-    wanted = lit.irradiance @ LUMINANCE
+def _draw_difference(
+    figure: Figure, axes: Axes, shaded: ShadedBall, under_rig: NDArray[np.float64]
+) -> None:
+    wanted = shaded.irradiance @ LUMINANCE
     percent = 100 * (under_rig @ LUMINANCE - wanted) / max(wanted.mean(), np.finfo(float).tiny)
     limit = max(float(np.abs(percent).max()), 0.1)
-    values, cover = lit.seen.values(percent), lit.seen.values(lit.seen.cover)
+    values, cover = shaded.ball.values(percent), shaded.ball.values(shaded.ball.cover)
     image = axes.imshow(values, cmap="RdBu_r", vmin=-limit, vmax=limit, alpha=np.nan_to_num(cover))
     axes.set_title("rig minus map")
     hide_frame(axes)

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._native import EnvLightsError
 from envlights._srgb import encode_srgb
 from envlights.kernels.image import LUMINANCE
-from envlights.plot.figure import Picture, hide_frame
+from envlights.plot.figure import Picture, check_is, hide_frame
 from envlights.transfer import TransferModel
 from envlights.transfer.pairs import image_stack
 
@@ -62,6 +62,7 @@ def transfer_picture(model: TransferModel, direct: ArrayLike, indirect: ArrayLik
     >>> [axes.get_title().split(":")[0] for axes in figure.axes[:4]]
     ['direct', 'reference', 'transfer', 'projection']
     """
+    check_is("model", model, TransferModel)
     height, width = model.lit.shape
     reference, _ = image_stack("indirect", indirect, (height, width))
     lights, _ = image_stack("direct", direct, model.size)

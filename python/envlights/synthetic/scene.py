@@ -6,7 +6,6 @@ for its map.
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _html, _thumbnails
-from envlights._check import count, reals
+from envlights._check import count, is_vector, reals
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights.kernels import sphere
@@ -205,10 +204,7 @@ class _Picture:
 
 def _radiance(name: str, values: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float64]:
     """`values` as an RGB radiance of `shape`, or a refusal that names it."""
-    is_colour = False
-    with contextlib.suppress(ValueError):  # rows of several lengths, which `reals` refuses
-        is_colour = np.ndim(values) == 1
-    array = reals(name, values, 1 if is_colour else len(shape))
+    array = reals(name, values, 1 if is_vector(values) else len(shape))
     if array.shape not in ((3,), shape) or not np.isfinite(array).all() or (array < 0).any():
         raise EnvLightsError(
             f"{name} must be finite RGB, not negative, of the shape {shape};"

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _html, _thumbnails
-from envlights._check import first_not_finite, flag, shown
+from envlights._check import check_progress, first_not_finite, shown
 from envlights._native import EnvLightsError
 from envlights._progress import counted
 from envlights._result import Result
@@ -95,8 +95,7 @@ def read_pairs(
     >>> pairs.direct.shape, pairs.indirect.shape
     ((3, 16, 16, 3), (3, 16, 16, 3))
     """
-    if progress is not None:
-        flag("progress", progress)
+    check_progress(progress)
     is_folder = isinstance(pairs, str | os.PathLike)
     paths = _in_folder(Path(pairs)) if is_folder else _checked(pairs)  # type: ignore[arg-type]
     try:

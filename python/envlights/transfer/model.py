@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _html, _thumbnails
-from envlights._check import amount, check_choice, count, flag
+from envlights._check import amount, check_choice, check_progress, count, flag
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights.transfer import archive, grow
@@ -158,8 +158,7 @@ class TransferModel(Result):
         (1, True)
         """
         wanted, notebook = _wanted(rank, ridge, error), flag("notebook", notebook)
-        if progress is not None:
-            flag("progress", progress)
+        check_progress(progress)
         # Keep parameters as plain numbers, which a file can hold.
         ridge = ridge if isinstance(ridge, str) else float(ridge)
         parameters = {"rank": wanted.rank, "ridge": ridge, "error": wanted.error}
@@ -353,8 +352,7 @@ class TransferModel(Result):
         # Grow the basis, then solve for its matrix.
         wanted = _wanted(**self.parameters)
         columns, lit, learnt = grow.grown(basis, self.lit, self.learnt, pairs, wanted)
-        earlier = (note for note in self.report.notes if not note.endswith(_BLACK))
-        notes = (*earlier, *pairs.notes)
+        notes = (*self.report.notes, *pairs.notes)
         model = _solved(columns, lit, self.mean, self.size, self.parameters, learnt, notes)
         seconds = {**self.report.seconds, "add": perf_counter() - start}
         return replace(model, report=replace(model.report, seconds=seconds))
@@ -430,8 +428,9 @@ def _solved(
     notes: tuple[str, ...],
 ) -> TransferModel:
     """The model of a basis: its transfer matrix and its errors."""
-    black = np.count_nonzero(~lit)
-    if black:
+    # A model that grew has the count of before in its notes.
+    notes = tuple(note for note in notes if not note.endswith(_BLACK))
+    if black := np.count_nonzero(~lit):
         notes = (*notes, f"{black} of {lit.size} {_BLACK}")
     transfer, report = solved(learnt, parameters["ridge"], channelwise=not len(mean), notes=notes)
     return TransferModel(columns, lit, transfer, mean, size, parameters, learnt, report)

@@ -1,4 +1,5 @@
-//! Blocks of a map's pixels: the one pass over the whole map that every reduction makes.
+//! Blocks of a map's pixels: the pass over the whole map that reductions make. That of a picture that ends at white,
+//! which expands each pixel first, is `detect/white/reduction.rs`.
 //!
 //! A reduction takes the mean of each block in two steps: down the rows of a row of blocks, here, and then
 //! across the columns of each block, where the reductions differ.

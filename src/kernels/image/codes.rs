@@ -3,10 +3,10 @@
 use ndarray::{Array3, ArrayView3};
 use rayon::prelude::*;
 
-/// Samples that are decoded at once: a whole number of pixels, and most maps are a whole number of these.
+/// Samples of a chunk, decoded at once: a whole number of pixels, and most maps are a whole number of chunks.
 const SAMPLES_AT_ONCE: usize = 24;
-/// So many times as many samples make a task.
-const OF_A_TASK: usize = 1 << 10;
+/// Chunks that one task decodes, at least.
+const CHUNKS_OF_A_TASK: usize = 1 << 10;
 
 /// For each of `codes` its value in `table`. A code beyond the table takes the last value.
 pub fn decoded<Code: Copy + Into<usize> + Sync>(codes: ArrayView3<'_, Code>, table: &[f32]) -> Array3<f32> {
@@ -15,7 +15,7 @@ pub fn decoded<Code: Copy + Into<usize> + Sync>(codes: ArrayView3<'_, Code>, tab
     let Some(given) = codes.as_slice() else { return codes.map(|&code| value(code)) };
     let (given, rest) = given.as_chunks::<SAMPLES_AT_ONCE>();
     let values: Vec<[f32; SAMPLES_AT_ONCE]> =
-        given.par_iter().with_min_len(OF_A_TASK).map(|codes| codes.map(value)).collect();
+        given.par_iter().with_min_len(CHUNKS_OF_A_TASK).map(|codes| codes.map(value)).collect();
     let mut values = values.into_flattened();
     values.extend(rest.iter().map(|&code| value(code)));
     Array3::from_shape_vec(codes.dim(), values).unwrap_or_else(|_| codes.map(|&code| value(code)))

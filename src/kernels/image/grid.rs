@@ -1,5 +1,9 @@
 //! The lines that cut the sphere into the cells of an image.
 
+use ndarray::ArrayView3;
+
+use super::samples::check_rgb;
+use crate::error::Result;
 use crate::kernels::sphere::Registration;
 
 /// The lines that cut the sphere into the cells of an image.
@@ -28,6 +32,20 @@ impl Grid {
             columns_per_radian: columns / std::f64::consts::TAU,
             first_column,
         }
+    }
+
+    /// Every pixel of a map a cell, and the cells of at most `columns` columns, with the pixels along their sides.
+    pub(crate) fn of_map(
+        radiance: ArrayView3<'_, f32>,
+        registration: Registration,
+        columns: usize,
+    ) -> Result<(Self, Self, usize)> {
+        check_rgb(radiance)?;
+        let (height, width, _) = radiance.dim();
+        let pixels = Self::of_pixels(height, width, registration);
+        let block = width.div_ceil(columns.max(1));
+        let cells = pixels.in_blocks(block);
+        Ok((pixels, cells, block))
     }
 
     /// Every `block` x `block` pixels a cell; what is left over at the far edges makes smaller ones.

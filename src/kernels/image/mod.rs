@@ -7,7 +7,7 @@
 //! | the cells of an image on the sphere           | `grid.rs`      |
 //! | luminance                                     | `luminance.rs` |
 //! | a smaller working map, bright cells as points | `reduce.rs`    |
-//! | the one pass over blocks of pixels            | `blocks.rs`    |
+//! | block means                                   | `blocks.rs`    |
 //! | a map after a rotation                        | `rotate.rs`    |
 
 mod blocks;

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::blocks::BlockRow;
 use super::grid::Grid;
-use super::samples::{check_rgb, check_samples};
+use super::samples::check_samples;
 use crate::error::Result;
 use crate::kernels::sphere::{Registration, angles, band_heights, direction};
 
@@ -102,11 +102,8 @@ pub fn reduce(
     columns: usize,
     source_share: f64,
 ) -> Result<WorkingMap> {
-    check_rgb(radiance)?;
+    let (pixels, grid, block) = Grid::of_map(radiance, registration, columns)?;
     let (height, width, _) = radiance.dim();
-    let pixels = Grid::of_pixels(height, width, registration);
-    let block = width.div_ceil(columns.max(1)).max(1);
-    let grid = pixels.in_blocks(block);
     let mut flux = block_flux(radiance, &pixels, block)?;
     let cells = bright_cells(&flux, source_share);
     let pixel = Pixel::of(&pixels);

@@ -2,7 +2,7 @@
 //!
 //! A map is piecewise constant here: a pixel stands for its cell, as in the exact probe. Each new cell is the mean
 //! over a grid of samples. Bright cells, which small lights are made of, are sampled more finely and scaled so that
-//! each keeps its flux; then all the rest is scaled to its own.
+//! each keeps its flux: the rest is turned and scaled to its own first, then they are added.
 
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
@@ -14,6 +14,8 @@ use ndarray::{Array3, ArrayView3};
 use pulp::Arch;
 use rayon::prelude::*;
 
+use super::blocks::samples_of;
+use super::samples::check_rgb;
 use crate::error::Result;
 use crate::interrupt;
 use crate::kernels::sphere::{self, Registration, band_heights};
@@ -26,7 +28,7 @@ const FINE: f64 = (FINE_SIDE * FINE_SIDE) as f64;
 /// A cell with more than this share of the flux of any channel, and this many times the mean radiance, is bright.
 const BRIGHT_SHARE: f64 = 1e-4;
 const BRIGHT_CONTRAST: f64 = 10.0;
-/// Fewer hits do not tell the solid angle of a cell: it is smaller than the new ones.
+/// With fewer hits, the solid angle of a cell is not known well enough: the cell is smaller than the new ones.
 const ENOUGH_HITS: u64 = 64;
 
 type Rgb = [f32; 3];
@@ -36,25 +38,27 @@ type Rgb = [f32; 3];
 ///
 /// # Errors
 ///
-/// [`crate::error::Error::TooFewPixels`], [`crate::error::Error::NoMemory`].
+/// [`crate::error::Error::NotAMap`], [`crate::error::Error::NoMemory`].
+#[allow(clippy::missing_panics_doc, reason = "each pixel has three samples")]
 pub fn rotated(radiance: ArrayView3<'_, f32>, rotation: DMat3) -> Result<Array3<f32>> {
     let (height, width, _) = radiance.dim();
-    sphere::check_size(height, width)?;
+    check_rgb(radiance)?;
     sphere::check_memory(&[height, width, 6])?;
     let cells = Cells::new(height, width);
-    let old: Vec<Rgb> = radiance.rows().into_iter().map(|rgb| [rgb[0], rgb[1], rgb[2]]).collect();
+    let samples = samples_of(radiance, 0..height);
+    let old = samples.as_chunks::<3>().0;
     // Turn the map without its bright cells.
-    let bright = bright_cells(&old, &cells);
-    let mut rest = old.clone();
+    let bright = bright_cells(old, &cells);
+    let mut rest = old.to_vec();
     for &cell in &bright {
         rest[cell] = [0.0; 3];
     }
     let mut new = means(&rest, &cells, rotation);
     let factors = ratio(flux(&rest, &cells), flux(&new, &cells));
-    new.par_iter_mut().for_each(|rgb| *rgb = scaled(*rgb, factors).map(|value| value as f32));
+    new.par_iter_mut().for_each(|rgb| *rgb = finite(scaled(*rgb, factors)));
     // Add those.
-    add_bright(&mut new, &old, &bright, &cells, rotation);
-    Ok(Array3::from_shape_fn((height, width, 3), |(row, column, i)| new[row * width + column][i]))
+    add_bright(&mut new, old, &bright, &cells, rotation);
+    Ok(Array3::from_shape_vec((height, width, 3), new.into_flattened()).expect("three samples a pixel"))
 }
 
 /// The cells of a map: where they lie, and which one a direction is in.
@@ -225,36 +229,42 @@ fn bright_cells(old: &[Rgb], cells: &Cells) -> Vec<usize> {
 
 /// Add the `bright` cells of `old` to the turned map, each with its flux.
 fn add_bright(new: &mut [Rgb], old: &[Rgb], bright: &[usize], cells: &Cells, rotation: DMat3) {
+    if bright.is_empty() {
+        return;
+    }
     let places = places_of(bright, cells, rotation);
     // Measure how often each bright cell is met, and over what solid angle.
     let samples = Samples::new(cells, rotation, FINE_SIDE);
     let met: Vec<Vec<(usize, u64)>> =
         places.par_iter().map(|&place| bright_counts(&samples, place, bright)).collect();
-    let (mut hits, mut seen) = (vec![0; bright.len()], vec![0.0; bright.len()]);
+    let (mut hits, mut measured) = (vec![0; bright.len()], vec![0.0; bright.len()]);
     for (&place, met) in places.iter().zip(&met) {
         for &(number, count) in met {
             hits[number] += count;
-            seen[number] += count as f64 * cells.area(place) / FINE;
+            measured[number] += count as f64 * cells.area(place) / FINE;
         }
     }
     // Scale these cells to their flux.
     for (&place, met) in places.iter().zip(&met) {
         let mut sum = new[place].map(f64::from);
         for &(number, count) in met.iter().filter(|(number, _)| hits[*number] >= ENOUGH_HITS) {
-            let factor = cells.area(bright[number]) / seen[number] * count as f64 / FINE;
+            let factor = cells.area(bright[number]) / measured[number] * count as f64 / FINE;
             add(&mut sum, scaled(old[bright[number]], [factor; 3]));
         }
-        new[place] = sum.map(|value| value as f32);
+        new[place] = finite(sum);
     }
-    // Drop those that were hardly met in from where they were.
+    // Add the others cell by cell, from samples of the old cell.
     let few: Vec<usize> = (0..bright.len()).filter(|&number| hits[number] < ENOUGH_HITS).collect();
+    if few.is_empty() {
+        return;
+    }
     let forward = Samples::new(cells, rotation.transpose(), FINE_SIDE);
     for cell in few.into_iter().map(|number| bright[number]) {
         for (place, count) in forward.counts(cell) {
             let factor = cells.area(cell) / cells.area(place) * count as f64 / FINE;
             let mut sum = new[place].map(f64::from);
             add(&mut sum, scaled(old[cell], [factor; 3]));
-            new[place] = sum.map(|value| value as f32);
+            new[place] = finite(sum);
         }
     }
 }
@@ -309,9 +319,14 @@ fn flux(map: &[Rgb], cells: &Cells) -> [f64; 3] {
     total
 }
 
-/// `wanted` over `seen`, channel by channel; 0 where nothing is seen.
-fn ratio(wanted: [f64; 3], seen: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|i| if seen[i] > 0.0 { wanted[i] / seen[i] } else { 0.0 })
+/// `wanted` over `found`, channel by channel; 0 where nothing is found.
+fn ratio(wanted: [f64; 3], found: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|i| if found[i] > 0.0 { wanted[i] / found[i] } else { 0.0 })
+}
+
+/// In single precision, and finite: sampled flux may be scaled up past its largest value.
+fn finite(rgb: [f64; 3]) -> Rgb {
+    rgb.map(|value| value.min(f64::from(f32::MAX)) as f32)
 }
 
 fn scaled(rgb: Rgb, factors: [f64; 3]) -> [f64; 3] {
@@ -366,6 +381,13 @@ mod tests {
                 prop_assert!((seen / wanted - 1.0).abs() < 1e-6, "{seen} {wanted}");
             }
         }
+    }
+
+    #[test]
+    fn a_map_near_the_largest_float_stays_finite() {
+        let map = Array3::from_shape_fn((8, 16, 3), |(row, _, _)| if row < 4 { f32::MAX } else { 0.0 });
+        let turned = rotated(map.view(), DMat3::from_rotation_x(0.3)).unwrap();
+        assert!(turned.iter().all(|value| value.is_finite()));
     }
 
     #[test]

@@ -75,8 +75,8 @@ pub fn split(radiance: ArrayView3<'_, f32>, registration: Registration, found: &
     let directions = sphere::unit_vectors("direction", found.directions)?;
     let (height, width, _) = radiance.dim();
     sphere::check_memory(&[height, width, 2])?;
-    let radiance = radiance.as_standard_layout();
-    let map = radiance.as_slice().map_or(&[][..], |samples| samples.as_chunks::<3>().0);
+    let samples = image::samples_of(radiance, 0..height);
+    let map = samples.as_chunks::<3>().0;
     let (size, block) = ((height, width), found.block.max(1));
     let working = Working::of(map, size, registration, block);
     let members = members(found, working.size)?;

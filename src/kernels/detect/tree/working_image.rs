@@ -3,14 +3,12 @@
 //! Detection is bound by memory: this pass reads every sample once, what follows reads a
 //! sixteenth of them and less.
 
-use ndarray::{Array2, ArrayView3};
+use ndarray::{Array2, ArrayView3, ArrayViewMut1};
 use rayon::prelude::*;
 
 use super::dot_product::dot;
 use crate::error::{Error, Result};
-use crate::kernels::image::{
-    BlockRow, Grid, LUMINANCE_F32, check_rgb, check_samples, luminance_f32, samples_of,
-};
+use crate::kernels::image::{BlockRow, Grid, LUMINANCE_F32, check_samples, luminance_f32, samples_of};
 use crate::kernels::sphere::{Registration, band_heights};
 
 /// Sides of a tile, in pixels of the working image.
@@ -44,11 +42,7 @@ impl WorkingImage {
     /// this pass reads them all; [`Error::TooBright`].
     pub fn of(radiance: ArrayView3<'_, f32>, registration: Registration, columns: usize) -> Result<Self> {
         // Cut the map into blocks, one for each working pixel.
-        check_rgb(radiance)?;
-        let (height, width, _) = radiance.dim();
-        let pixels = Grid::of_pixels(height, width, registration);
-        let block = width.div_ceil(columns.max(1));
-        let grid = pixels.in_blocks(block);
+        let (pixels, grid, block) = Grid::of_map(radiance, registration, columns)?;
         let reduction = Reduction::new(radiance, &pixels, &grid, block);
         // Reduce the map, one row of tiles at a time: its luminance, the sum of each row, the maxima.
         let bands = band_heights(&grid.theta_edges);
@@ -64,16 +58,11 @@ impl WorkingImage {
             .zip(tile_maxima.outer_iter_mut().into_par_iter())
             .zip(&mut signs)
             .enumerate()
-            .for_each(|(tile_row, (((rows, sums), mut maxima), signs))| {
-                let mut largest = vec![0.0; size.1];
-                for (i, (row, sum)) in rows.chunks_mut(size.1).zip(sums).enumerate() {
+            .for_each(|(tile_row, (((rows, sums), maxima), signs))| {
+                for (i, row) in rows.chunks_mut(size.1).enumerate() {
                     *signs |= reduction.fill_row(tile_row * TILE + i, row);
-                    *sum = dot(row, &widths);
-                    raise(&mut largest, row);
                 }
-                for (maximum, columns) in maxima.iter_mut().zip(largest.chunks(TILE)) {
-                    *maximum = columns.iter().copied().fold(0.0, f32::max);
-                }
+                measure_tiles(rows, &widths, sums, maxima);
             });
         // Refuse what no light can have: it shows as a minus sign or in the sum over the sphere.
         let flux: f64 = row_sums.iter().zip(&bands).map(|(sum, band)| sum * band).sum();
@@ -103,16 +92,7 @@ impl WorkingImage {
             .par_chunks(TILE * width)
             .zip(row_sums.par_chunks_mut(TILE))
             .zip(tile_maxima.outer_iter_mut().into_par_iter())
-            .for_each(|((rows, sums), mut maxima)| {
-                let mut largest = vec![0.0; width];
-                for (row, sum) in rows.chunks(width).zip(sums) {
-                    *sum = dot(row, &widths);
-                    raise(&mut largest, row);
-                }
-                for (maximum, columns) in maxima.iter_mut().zip(largest.chunks(TILE)) {
-                    *maximum = columns.iter().copied().fold(0.0, f32::max);
-                }
-            });
+            .for_each(|((rows, sums), maxima)| measure_tiles(rows, &widths, sums, maxima));
         let flux = row_sums.iter().zip(&bands).map(|(sum, band)| sum * band).sum();
         Self { size, luminance, grid, bands, block, tile_maxima, flux }
     }
@@ -121,6 +101,18 @@ impl WorkingImage {
     pub fn row_height(&self) -> f64 {
         let theta = &self.grid.theta_edges;
         theta[1..].iter().zip(theta).map(|(below, above)| below - above).fold(0.0, f64::max)
+    }
+}
+
+/// Sum each row of a row of tiles, and find the maximum of each tile.
+fn measure_tiles(rows: &[f32], widths: &[f64], sums: &mut [f64], mut maxima: ArrayViewMut1<'_, f32>) {
+    let mut largest = vec![0.0; widths.len()];
+    for (row, sum) in rows.chunks(widths.len()).zip(sums) {
+        *sum = dot(row, widths);
+        raise(&mut largest, row);
+    }
+    for (maximum, columns) in maxima.iter_mut().zip(largest.chunks(TILE)) {
+        *maximum = columns.iter().copied().fold(0.0, f32::max);
     }
 }
 

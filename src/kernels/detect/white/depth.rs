@@ -16,6 +16,7 @@ use std::ops::Range;
 
 use super::super::tree::run::{Run, runs};
 use super::super::tree::working_image::WorkingImage;
+use crate::interrupt;
 
 /// The depth of each of the pixels `plateau`, in ascending order, in radians, as an image; 0 outside.
 pub fn depths(working: &WorkingImage, plateau: &[u32]) -> Vec<f32> {
@@ -26,6 +27,7 @@ pub fn depths(working: &WorkingImage, plateau: &[u32]) -> Vec<f32> {
     let mut is_covered = vec![false; width];
     let runs = runs(plateau, width);
     for row in runs.chunk_by(|one, other| one.row == other.row) {
+        interrupt::check();
         for (run, ends) in row.iter().zip(ends(row, width)) {
             for column in run.columns.clone() {
                 is_covered[column] = true;
@@ -37,6 +39,7 @@ pub fn depths(working: &WorkingImage, plateau: &[u32]) -> Vec<f32> {
     let mut depth = vec![0.0; height * width];
     let mut hull = Hull::default();
     for (column, outer) in outer.chunks_exact(height).enumerate().filter(|(column, _)| is_covered[*column]) {
+        interrupt::check();
         let mut top = 0;
         for run in outer.chunk_by(|one, other| (*one > 0.0) == (*other > 0.0)) {
             let bottom = top + run.len();

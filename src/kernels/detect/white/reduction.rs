@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::super::tree::working_image::WorkingImage;
 use super::expansion::expand;
 use crate::error::{Error, Result};
-use crate::kernels::image::{Grid, check_rgb, check_samples, luminance_f32, samples_of};
+use crate::kernels::image::{Grid, check_samples, luminance_f32, samples_of};
 use crate::kernels::sphere::{Registration, band_heights};
 
 /// A map in fewer pixels.
@@ -37,11 +37,8 @@ impl Reduced {
         end: f64,
     ) -> Result<Self> {
         // Cut the map into blocks, one for each working pixel.
-        check_rgb(radiance)?;
+        let (pixels, grid, block) = Grid::of_map(radiance, registration, columns)?;
         let (height, width, _) = radiance.dim();
-        let block = width.div_ceil(columns.max(1));
-        let pixels = Grid::of_pixels(height, width, registration);
-        let grid = pixels.in_blocks(block);
         let weights = Weights::new(&pixels, block);
         // Average each block.
         let columns = grid.phi_edges.len() - 1;

@@ -52,13 +52,14 @@ fn lower(
                 step *= LONGEST_STEP / longest;
             }
             // Less than that is not worth the try.
-            if model.fall(&step) <= 0.1 * tolerance * state.cost {
+            let promised = model.fall(&step);
+            if promised <= 0.1 * tolerance * state.cost {
                 return None;
             }
             let next = state.moved(problem, step.as_slice());
             if next.cost < state.cost {
-                *damping =
-                    (*damping * softer((state.cost - next.cost) / model.fall(&step))).max(LEAST_DAMPING);
+                let kept = (state.cost - next.cost) / promised;
+                *damping = (*damping * softer(kept)).max(LEAST_DAMPING);
                 return Some(next);
             }
         }

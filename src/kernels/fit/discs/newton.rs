@@ -218,8 +218,8 @@ impl Quadratic {
     }
 }
 
-/// The step down against a `gradient`: each eigenvalue counts with its size, and `damping` more. Where none is below
-/// 0, which has to be asked without the damping, no eigenvalue is needed for that; the two ways meet at 0.
+/// The step down against a `gradient`: each eigenvalue counts with its size plus `damping`. Cholesky does the same
+/// sooner where the undamped Hessian has none below 0; the two ways meet at 0.
 fn down(hessian: DMatrix<f64>, damping: f64, gradient: &DVector<f64>) -> DVector<f64> {
     if hessian.clone().cholesky().is_some() {
         let damped = &hessian + DMatrix::from_diagonal_element(gradient.len(), gradient.len(), damping);

@@ -131,9 +131,8 @@ impl WithSimd for To<'_> {
         let Self { disc, patches } = self;
         let mut out = [0.0; 3];
         for patch in patches {
-            let variables = [disc.direction.dot(patch.direction), disc.share, patch.share];
-            let [c, a, b] = variables;
-            let distance = mean_distance(Jet::<0>::constant(c), Jet::constant(a), Jet::constant(b)).value;
+            let cosine = Jet::<0>::constant(disc.direction.dot(patch.direction));
+            let distance = mean_distance(cosine, Jet::constant(disc.share), Jet::constant(patch.share)).value;
             for (out, flux) in out.iter_mut().zip(patch.flux) {
                 *out += distance * flux;
             }

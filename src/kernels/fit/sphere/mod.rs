@@ -12,6 +12,7 @@
 //! | step                                     | file                 |
 //! |------------------------------------------|----------------------|
 //! | inner products of lights                 | `kernel.rs`          |
+//! | bright sources, kept as points           | `points.rs`          |
 //! | the map in spherical harmonics           | `harmonics.rs`       |
 //! | a smooth even function, quick to look up | `field.rs`           |
 //! | the ambient term beside a light          | `ambient_columns.rs` |
@@ -26,7 +27,6 @@ mod points;
 
 use glam::{DMat3, DVec3};
 use nalgebra::DMatrix;
-use ndarray::{ArrayView2, Axis};
 use pulp::{Arch, Simd, WithSimd};
 
 use self::ambient_columns::{Columns, Radiance};
@@ -38,9 +38,6 @@ use super::ambient::Ambient;
 use super::objective::{Directions, Given, Moments, Objective, distinct_channels, pair};
 use super::rig::Rig;
 use crate::kernels::image::WorkingMap;
-
-/// Points that are kept at most, the brightest: beyond, harmonics are as good.
-const MOST_POINTS: usize = 24;
 
 /// The probe under a map, at every normal.
 #[derive(Clone, Debug)]
@@ -62,7 +59,7 @@ impl Sphere {
     /// The probe under `map`, and the `ambient` term that may explain it. Where it `has_floor`, no light may
     /// stand below the horizon, and the map has none there.
     pub fn new(map: &WorkingMap, ambient: Ambient, has_floor: bool) -> Self {
-        let (points, faint, aside) = points(map);
+        let (points, faint, aside) = Points::chosen(map);
         let mut rest = Spectrum::new(map.radiance.view(), &map.grid).with_points(&faint);
         (0..3).for_each(|channel| rest.first[channel] += aside[channel]);
         let factors = spectrum(harmonics::DEGREE / 2 + 1);
@@ -290,25 +287,6 @@ impl WithSimd for Values<'_> {
     }
 }
 
-/// The brightest sources of the map, then the others, then the vector irradiance that is left of the first: their
-/// channels may have their middles aside of each other, which counts in the first degree alone.
-fn points(map: &WorkingMap) -> (Vec<Point>, Vec<Point>, [DVec3; 3]) {
-    let mut sources: Vec<[DVec3; 3]> = map.sources.axis_iter(Axis(0)).map(by_channel).collect();
-    let power = |source: &[DVec3; 3]| source.iter().map(|e| e.length()).sum::<f64>();
-    sources.sort_by(|a, b| power(b).total_cmp(&power(a)));
-    let mut aside = [DVec3::ZERO; 3];
-    let point = |source: &[DVec3; 3]| {
-        let direction = source.iter().sum::<DVec3>().normalize_or(DVec3::Y);
-        Point { direction, irradiance: source.map(|e| e.dot(direction)) }
-    };
-    let mut points: Vec<Point> = sources.iter().map(point).collect();
-    for (source, point) in sources.iter().zip(&points) {
-        (0..3).for_each(|c| aside[c] += source[c] - point.irradiance[c] * point.direction);
-    }
-    let faint = points.split_off(MOST_POINTS.min(points.len()));
-    (points, faint, aside)
-}
-
 /// Moments of the radiance of a channel of the whole map.
 fn radiance(rest: &Spectrum, points: &[Point], channel: usize) -> Radiance {
     let (whole, first, second) = (rest.whole(channel), rest.first[channel], rest.second(channel));
@@ -316,10 +294,6 @@ fn radiance(rest: &Spectrum, points: &[Point], channel: usize) -> Radiance {
         let (l, e) = (point.direction, point.irradiance[channel]);
         Radiance { whole: sum.whole + e, first: sum.first + l * e, second: sum.second + outer(l, l) * e }
     })
-}
-
-fn by_channel(source: ArrayView2<'_, f64>) -> [DVec3; 3] {
-    [0, 1, 2].map(|channel| DVec3::new(source[[0, channel]], source[[1, channel]], source[[2, channel]]))
 }
 
 #[cfg(test)]

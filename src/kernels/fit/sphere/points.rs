@@ -3,8 +3,13 @@
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
 use glam::{DMat3, DVec3};
+use ndarray::{ArrayView2, Axis};
 
 use super::kernel::{Angles, LANES, Lanes, second_derivative};
+use crate::kernels::image::WorkingMap;
+
+/// Points that are kept at most, the brightest: beyond, harmonics are as good.
+const MOST_POINTS: usize = 24;
 
 /// A light of the map that is kept as a point: its direction, and its irradiance at normal incidence.
 #[derive(Clone, Copy, Debug)]
@@ -21,6 +26,25 @@ pub struct Points {
 }
 
 impl Points {
+    /// The brightest sources of the map, then the others, then the vector irradiance that is left of the first: their
+    /// channels may have their middles aside of each other, which counts in the first degree alone.
+    pub fn chosen(map: &WorkingMap) -> (Vec<Point>, Vec<Point>, [DVec3; 3]) {
+        let mut sources: Vec<[DVec3; 3]> = map.sources.axis_iter(Axis(0)).map(by_channel).collect();
+        let power = |source: &[DVec3; 3]| source.iter().map(|e| e.length()).sum::<f64>();
+        sources.sort_by(|a, b| power(b).total_cmp(&power(a)));
+        let mut aside = [DVec3::ZERO; 3];
+        let point = |source: &[DVec3; 3]| {
+            let direction = source.iter().sum::<DVec3>().normalize_or(DVec3::Y);
+            Point { direction, irradiance: source.map(|e| e.dot(direction)) }
+        };
+        let mut points: Vec<Point> = sources.iter().map(point).collect();
+        for (source, point) in sources.iter().zip(&points) {
+            (0..3).for_each(|c| aside[c] += source[c] - point.irradiance[c] * point.direction);
+        }
+        let faint = points.split_off(MOST_POINTS.min(points.len()));
+        (points, faint, aside)
+    }
+
     /// Of one list.
     pub fn new(points: Vec<Point>) -> Self {
         let block = |points: &[Point]| {
@@ -64,4 +88,8 @@ impl Points {
         }
         out
     }
+}
+
+fn by_channel(source: ArrayView2<'_, f64>) -> [DVec3; 3] {
+    [0, 1, 2].map(|channel| DVec3::new(source[[0, channel]], source[[1, channel]], source[[2, channel]]))
 }

@@ -1,4 +1,4 @@
-"""The image library, which is loaded when a file is first read or written: it takes a while."""
+"""OpenImageIO, which is loaded when a file is first read or written: it takes a while."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ if TYPE_CHECKING:
     import OpenImageIO as oiio  # noqa: N813, its own name for itself
 else:
 
-    class _Library:
+    class _OnDemand:
         def __getattr__(self, name: str) -> Any:
             return getattr(import_module("OpenImageIO"), name)
 
-    oiio = _Library()
+    oiio = _OnDemand()
 
 __all__ = ["oiio"]
 

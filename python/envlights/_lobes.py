@@ -1,0 +1,53 @@
+"""Lights as lobes of radiance: spherical Gaussians."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights._arrays import sealed
+
+#: Angular radius of the sun, in radians: 0.267 degrees at its mean distance.
+SUN_RADIUS = 0.00465
+#: Steps that find the sharpness of a lobe; from the start taken, 4 suffice for any disc.
+_NEWTON_STEPS = 6
+
+
+class SphericalGaussians(NamedTuple):
+    """Lobes of radiance ``amplitude * exp(sharpness * (axis . w - 1))`` in each direction w."""
+
+    axis: NDArray[np.float64]
+    """Unit vectors, (n, 3)."""
+
+    sharpness: NDArray[np.float64]
+    """Greater for a narrower lobe, (n,)."""
+
+    amplitude: NDArray[np.float64]
+    """Radiance along the axis, linear RGB, (n, 3)."""
+
+
+def lobes(
+    direction: NDArray[np.float64],
+    irradiance: NDArray[np.float64],
+    angular_radius: NDArray[np.float64],
+) -> SphericalGaussians:
+    """Lobes with the irradiance and the spread of discs; see `Lights.spherical_gaussians`."""
+    sharpness = _sharpness(np.sin(np.maximum(angular_radius, SUN_RADIUS) / 2) ** 2)
+    at_normal = 2 * np.pi * (sharpness - 1 + np.exp(-sharpness)) / sharpness**2
+    amplitude = irradiance / at_normal[:, None]
+    return SphericalGaussians(direction, sealed(sharpness), sealed(amplitude))
+
+
+def _sharpness(spread: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Sharpness of lobes whose mean of 1 - cos is `spread`, below 1: 1 + 1/k - coth k, inverted."""
+    # Start near the solution (Banerjee et al. 2005, equation 4.4), and take Newton's steps.
+    mean = 1 - spread
+    k = mean * (3 - mean**2) / (spread * (1 + mean))
+    for _ in range(_NEWTON_STEPS):
+        # coth k - 1 = 2 / (e^2k - 1), without cancellation and overflow.
+        beyond = 2 * np.exp(-2 * k) / -np.expm1(-2 * k)
+        slope = 1 / k**2 - beyond * (2 + beyond)
+        k = k + (1 / k - beyond - spread) / slope
+    return k
