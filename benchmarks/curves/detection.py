@@ -39,7 +39,7 @@ METHODS = {
     "article": [
         (columns, ours(method="article", working_width=columns)) for columns in (256, 1024)
     ],
-    **{name: [(0, DETECTORS[name])] for name in PEERS},
+    **{name: [(None, DETECTORS[name])] for name in PEERS},
 }
 METHODS = those_installed(METHODS, {"threshold + OpenCV": "cv2"})
 

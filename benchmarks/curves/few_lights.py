@@ -2,7 +2,8 @@
 
 Each method begins with the map in memory, float32, and ends with its lights. Settings are numbers
 of lights; of harmonics alone, their order; of Radiance's `mksource`, its threshold over the mean,
-and its time has the files that it needs.
+and its time has the files that it needs. A peer counts as better only with no more lights than
+ours; harmonics and `mksource` always count.
 """
 
 from functools import partial

@@ -1,7 +1,7 @@
 """`docs/benchmarks.md`, from the results alone."""
 
 import numpy as np
-from curves.results import curves
+from curves.results import curves, told
 
 _HEAD = """# Run time against error
 
@@ -29,17 +29,22 @@ def is_table(part):
 
 
 def _measured_on(machine):
-    threads, cores, maps = machine["threads"], machine["cores"], machine["maps"]
+    threads, cores = machine["threads"], machine["cores"]
     few = "; a quick run, with few rounds" if machine["quick"] else ""
     return (
         f"Measured on {machine['date']}: {machine['processor']}, {cores} cores, of which"
-        f" {threads} {'was' if threads == 1 else 'were'} used, {maps} maps{few}."
+        f" {threads} {'was' if threads == 1 else 'were'} used{few}."
     )
 
 
 def _curves(name, part, points):
     """The picture, the table, and what is lost."""
-    text = [f"![{part.TITLE}](benchmarks/{name}.png)\n", *_table(part.ERRORS, points)]
+    cases = len({point.case for point in points})
+    text = [
+        f"![{part.TITLE}](benchmarks/{name}.png)\n",
+        f"{cases} case{'s' if cases != 1 else ''}.\n",
+        *_table(part.ERRORS, points),
+    ]
     return text + (_losses(part, part.ERRORS, points) if part.ERRORS else _slopes(points))
 
 
@@ -76,7 +81,8 @@ def _table(errors, points):
 
 
 def _row(method, setting, seconds, spread, values):
-    shown = [method, f"{setting:g}", f"{1e3 * seconds:.3g} ms", f"{100 * spread:.0f} %"]
+    milliseconds = f"{1e3 * seconds:,.0f}" if seconds >= 1 else f"{1e3 * seconds:.3g}"
+    shown = [method, told(setting), f"{milliseconds} ms", f"{100 * spread:.0f} %"]
     return "| " + " | ".join([*shown, *(f"{value:.2g}" for value in values)]) + " |"
 
 
@@ -89,10 +95,10 @@ def _losses(part, errors, points):
         ours = [point for point in points if point.method in part.OURS]
         for their in (point for point in points if point.method not in part.OURS):
             rivals = [our for our in ours if our.case == their.case]
-            name = f"{their.method} ({their.setting:g})"
+            name = _named(their)
             for our in rivals:
                 if part.are_comparable(our, their) and _is_better(their, our, error):
-                    key = f"{name} against {our.method} ({our.setting:g})"
+                    key = f"{name} against {_named(our)}"
                     beaten.setdefault(key, set()).add(our.case)
             if not any(_is_matched(our, their, error) for our in rivals):
                 unbeaten.setdefault(name, set()).add(their.case)
@@ -101,6 +107,11 @@ def _losses(part, errors, points):
             f"\nPeers that none of ours matches in less time, {label}: {_said(unbeaten, cases)}."
         )
     return text
+
+
+def _named(point):
+    """A method, with its setting if it has one."""
+    return point.method + ("" if point.setting is None else f" ({told(point.setting)})")
 
 
 def _said(found, cases):

@@ -1,7 +1,7 @@
 """Curves of run time against error, in logarithms; ours are drawn thick."""
 
 import matplotlib as mpl
-from curves.results import curves
+from curves.results import curves, told
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
@@ -47,7 +47,7 @@ def _panels(part, points):
     for error, label in part.ERRORS.items():
         found = curves(points, error)
         over_time = {
-            method: [(1e3 * seconds, value, f"{setting:g}") for setting, seconds, value, _ in rows]
+            method: [(1e3 * seconds, value, told(setting)) for setting, seconds, value, _ in rows]
             for method, rows in found.items()
         }
         panels.append(("milliseconds", label, over_time))

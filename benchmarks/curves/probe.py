@@ -61,7 +61,7 @@ def drawn(radiance, samples):
 
 
 METHODS = {
-    "exact": ((0,), exact),
+    "exact": ((None,), exact),
     "working map": (COLUMNS, working),
     "all pixels": (COLUMNS[:5], brute_force),
     "harmonics": ((2, 4), harmonics),

@@ -14,7 +14,9 @@ class Point(NamedTuple):
     part: str
     case: str
     method: str
-    setting: float
+    setting: float | None
+    """None for a method that has none."""
+
     seconds: float
     """Median over the rounds, in which all methods took turns."""
 
@@ -35,6 +37,11 @@ class Effort(NamedTuple):
     def is_quick(self):
         """Whether a case may be made smaller."""
         return self.rounds < 5
+
+
+def told(setting):
+    """A setting as text; nothing for a method that has none."""
+    return "" if setting is None else f"{setting:,.10g}"
 
 
 def those_installed(methods, needs):

@@ -1,9 +1,10 @@
 """Indirect light from direct light: run time of a frame against the error on unseen lights.
 
 The error is the median of the relative errors of the unseen images. The second panel has the time
-of a fit. Settings are ranks; of `fewer pairs` their number, and of `smaller direct` texels along a
-side of the direct image, both at rank 32. All have the ridge 1e-3 but `ridge="loo"`, and the same
-pairs: the generated room without noise, 64x64, and the database in `ENVLIGHTS_TRANSFER_DB`, if any.
+of a fit, the least of three. Settings are ranks; of `fewer pairs` their number, and of `smaller
+direct` texels along a side of the direct image, both at rank 32. All have the ridge 1e-3 but
+`ridge="loo"`, and the same pairs: the generated room without noise, 64x64, and the database in
+`ENVLIGHTS_TRANSFER_DB`, if any.
 """
 
 import os

@@ -1,4 +1,4 @@
-"""What each stage skips on each scene, with the time that it saves and the error that it costs.
+"""Each skip on each scene, with the time that it saves and the error that it costs.
 
 Both ways take turns; "without" is the same work on data that leave nothing to skip, or the exact
 step. The comparisons are those of `tests/skips.py`. Where the saving is negative, the skip costs
@@ -20,10 +20,10 @@ def rows(_maps, effort):
         yield {
             "scene": skip.scene,
             "stage": skip.stage,
-            "skipped": skip.skipped or "nothing",
+            "skipped": skip.skipped,
             "with skip": f"{1e3 * on:.3g} ms",
             "without": f"{1e3 * off:.3g} ms",
-            "saved": f"{100 * (1 - on / off):.0f} %",
+            "saved": f"{round(100 * (1 - on / off)) or 0} %",
             "error": error,
             "bound": float(skip.bound),
             "agrees": "yes" if error <= skip.bound else "NO",

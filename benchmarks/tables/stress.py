@@ -1,4 +1,4 @@
-"""What each extreme case was bound to, and the error that was seen.
+"""Each extreme case: its bound, and the error seen.
 
 Errors are relative, directions in radians; `float32` is the error of the same formula in float32.
 The cases are those of `tests/stress/`; bounds that have a number are derived in
