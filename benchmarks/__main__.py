@@ -37,7 +37,9 @@ def main():
         prog="python -m benchmarks", description=__doc__.splitlines()[0]
     )
     parser.add_argument("parts", nargs="*", metavar="part", help=f"of {', '.join(_PARTS)}")
-    parser.add_argument("--quick", action="store_true", help="few maps and rounds: about two minutes")
+    parser.add_argument(
+        "--quick", action="store_true", help="few maps and rounds: about two minutes"
+    )
     parser.add_argument(
         "--out", type=Path, default=Path("benchmark_results"), help="folder to write"
     )

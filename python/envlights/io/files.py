@@ -102,13 +102,11 @@ def _file_beside(target: Path) -> Iterator[Path]:
     """The name of a new file in the folder of `target`, which is gone in the end."""
     # A short name: that of `target` may have all letters there can be.
     mark = f".{zlib.crc32(target.name.encode(errors='surrogateescape')):08x}"
-    token = os.urandom(8).hex()
-    new = target.with_name(f".{token}{target.suffix}")
-    beside = target.with_name(f"{mark}-{token[:7]}{target.suffix}")
+    beside = target.with_name(f"{mark}-{os.urandom(4).hex()[:7]}{target.suffix}")
     for stale in target.parent.glob(f"{mark}-*"):
         _clear(stale)
     try:
-        with _locked_file(new, beside):
+        with _locked_file(beside):
             yield beside
     finally:
         with contextlib.suppress(OSError):
@@ -116,19 +114,22 @@ def _file_beside(target: Path) -> Iterator[Path]:
 
 
 @contextlib.contextmanager
-def _locked_file(new: Path, beside: Path) -> Iterator[None]:
+def _locked_file(beside: Path) -> Iterator[None]:
     """An empty file `beside`, locked as long as this process lives and writes it.
 
-    It is made as `new`: only what is locked gets a name by which others look for stale files.
-    Windows, which can neither lock so nor rename what is open, does without.
+    Another process that looks for stale files may find it before it is locked, and remove it: then
+    it has no name any more, and is made once more. Windows, which can neither lock so nor rename
+    what is open, does without.
     """
     if fcntl is None:
         yield
         return
-    with new.open("xb") as file:
-        fcntl.flock(file, fcntl.LOCK_EX)
-        new.rename(beside)
-        yield
+    while True:
+        with beside.open("xb") as file:
+            fcntl.flock(file, fcntl.LOCK_EX)
+            if os.fstat(file.fileno()).st_nlink:
+                yield
+                return
 
 
 def _clear(stale: Path) -> None:
