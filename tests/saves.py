@@ -64,7 +64,8 @@ def killed(name, times):
             counted[whole.index(path.read_bytes())] += 1
         # The next save clears away what the killed ones left.
         save(path, 0)
-        assert not [each for each in Path(folder).iterdir() if each.name.startswith(".")]
+        left = [each for each in Path(folder).iterdir() if each.name.startswith(".")]
+        assert not left, [(each, each.stat()) for each in left]
     return counted
 
 
