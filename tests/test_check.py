@@ -86,3 +86,9 @@ def test_kernels_get_no_number_at_an_odd_address(check, dtype):
     odd = bytes_[1:].view(dtype).reshape(2, 12)
     assert not odd.flags.aligned
     assert check(odd).flags.aligned
+
+
+@pytest.mark.parametrize("angles", [90, [0, 90, 0]])
+def test_angles_are_no_rotation(angles):
+    with pytest.raises(el.EnvLightsError, match=r"a rotation of the shape \(3, 3\), not angles"):
+        el.EnvMap(np.ones((4, 8, 3))).rotated(angles)

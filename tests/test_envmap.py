@@ -91,7 +91,8 @@ def test_unusable_samples_are_cleaned_and_counted():
         (np.ones((4, 8, 3), np.int32), r"got the dtype int32"),
         ([[1, 2], [3]], r"a map must be an array of numbers"),
         ("hall.exr", r"`EnvMap.open` reads files; got 'hall.exr'"),
-        (None, r"got the dtype object"),
+        (None, r"a map must be an array of numbers; got NoneType"),
+        (el.Lights([[0, 1, 0]], [[1, 1, 1]]), r"an array of numbers; got Lights"),
         (np.full((4, 8, 3), np.nan), r"no finite sample"),
     ],
 )

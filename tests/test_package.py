@@ -35,7 +35,9 @@ def test_a_subpackage_is_reachable_and_completed(name):
     assert run(code).stdout.strip() == f"envlights.{name}"
 
 
-@pytest.mark.parametrize("name", ["io", "kernels", "plot", "scene", "synthetic", "transfer"])
+@pytest.mark.parametrize(
+    "name", ["export", "io", "kernels", "plot", "scene", "synthetic", "transfer"]
+)
 def test_a_subpackage_lists_what_is_meant_to_be_used(name):
     module = getattr(el, name)
     assert dir(module) == sorted(module.__all__)

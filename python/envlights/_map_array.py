@@ -19,6 +19,8 @@ def map_array(radiance: ArrayLike, notes: list[str]) -> NDArray[Any]:
         array = np.asarray(radiance)
     except ValueError as error:
         raise EnvLightsError(f"a map must be an array of numbers; {error}") from None
+    if array.dtype.kind == "O":
+        raise EnvLightsError(f"a map must be an array of numbers; got {type(radiance).__name__}")
     is_coded = array.dtype.kind == "u" and array.dtype.itemsize <= 2  # in either byte order
     if array.dtype.kind != "f" and not is_coded:
         raise EnvLightsError(

@@ -60,10 +60,15 @@ def reduced(radiance: NDArray[np.floating], columns: int) -> NDArray[np.float64]
     return means
 
 
+def exposed(radiance: NDArray[np.floating], white: float) -> NDArray[np.uint8]:
+    """Codes of radiance, with the luminance that becomes white."""
+    return _codes(encode_srgb(radiance / white))
+
+
 def of_map(radiance: NDArray[np.floating]) -> NDArray[np.uint8]:
     """Codes of a picture of a map, exposed so that lamps stand out."""
     small = reduced(radiance, _COLUMNS)
-    return _codes(encode_srgb(small / white_of(small)[0]))
+    return exposed(small, white_of(small)[0])
 
 
 def of_lights(
@@ -103,7 +108,7 @@ def of_signed(images: NDArray[np.floating]) -> NDArray[np.uint8]:
 def _exposed(image: NDArray[np.floating]) -> NDArray[np.uint8]:
     small = _scaled(image.astype(np.float64))
     white = np.percentile(small, 99) or small.max() or 1.0
-    return _codes(encode_srgb(small / white))
+    return exposed(small, white)
 
 
 def _scaled(image: NDArray[np.floating]) -> NDArray[np.floating]:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _html, _native, _thumbnails, resampling
+from envlights._arrays import converted
 from envlights._check import amount, check_choice, for_kernels, one_or_more, rotation, shown, texts
 from envlights._map_array import map_array
 from envlights._native import EnvLightsError, UnusableSamplesError
@@ -495,11 +496,7 @@ class EnvMap:
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
         """The radiance, so that NumPy takes a map wherever it takes an array."""
-        if copy:
-            return np.array(self._radiance, dtype)
-        if copy is False and dtype is not None and np.dtype(dtype) != np.float32:
-            raise ValueError(f"the radiance is float32; as {np.dtype(dtype)} it must be copied")
-        return np.asarray(self._radiance, dtype)
+        return converted(self._radiance, dtype, copy)
 
     def __reduce__(self) -> tuple[Any, ...]:
         # A copy is looked through again: only its constructor closes the array to writing.

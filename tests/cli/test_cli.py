@@ -279,3 +279,18 @@ def test_the_demo_writes_nothing_where_one_of_its_files_cannot_be(tmp_path, name
     assert result.exit_code == 2
     assert f"{name}: it is a folder" in result.stderr
     assert [path.name for path in tmp_path.iterdir()] == [name]
+
+
+def test_repair_writes_the_map_with_the_light_that_was_cut_off(tmp_path):
+    picture, repaired = tmp_path / "clipped.png", tmp_path / "repaired.exr"
+    sky = np.full((64, 128, 3), 0.35)
+    sky[12:14, 60:62] = 1.0
+    sky[32:] = 0.4
+    imsave(picture, sky)
+    assert run("repair", picture).exit_code == 2
+    result = run("repair", picture, "-o", repaired, "--irradiance", 2)
+    assert result.exit_code == 0, result.output
+    assert "the flux was raised by a factor of" in result.stdout
+    expected = el.EnvMap.open(picture).repaired(irradiance=2.0)
+    np.testing.assert_allclose(el.EnvMap.open(repaired).radiance, expected.radiance, rtol=1e-3)
+    assert "suffix must be one of .exr, .hdr" in run("repair", picture, "-o", picture).stderr

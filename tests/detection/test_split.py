@@ -284,6 +284,12 @@ def test_taken_lights_are_discs_of_what_was_taken():
 # Maps
 
 
+def test_a_split_prints_its_lights_and_what_is_left():
+    parts = el.split(world([Disc((0, 0, 1), 5.0, (9, 9, 9))]))
+    assert str(parts) == f"{parts.lights}\n\nwhat is left: {parts.rest}"
+    assert "<TakenLights" not in str(parts)
+
+
 def test_a_large_map_is_split_by_its_own_pixels():
     shapes = [Disc((0, 0.3, -1), 0.6, (9e4, 8e4, 7e4)), PixelSun((0.2, 0.1, 1), (900, 800, 700))]
     env = world(shapes, height=1024)

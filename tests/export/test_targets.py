@@ -29,6 +29,20 @@ def test_an_unknown_suffix_lists_what_can_be_written(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize(
+    ("name", "hint"),
+    [
+        ("scene.blend", r"give \.py, a script"),
+        ("scene.GLB", r"give \.gltf"),
+        ("scene.png", "`plot.save` writes pictures"),
+        ("scene.exr", "`to_map` makes a map"),
+    ],
+)
+def test_a_suffix_that_is_nearly_right_says_what_to_write(tmp_path, name, hint):
+    with pytest.raises(el.EnvLightsError, match=f"{hint}.*; the suffix must be one of"):
+        RIG.save(tmp_path / name)
+
+
 def test_what_is_no_rig_is_refused(tmp_path):
     with pytest.raises(el.EnvLightsError, match="a rig or lights can be exported; got 'lamp'"):
         el.export.save("lamp", tmp_path / "scene.csv")

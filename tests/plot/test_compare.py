@@ -1,5 +1,7 @@
 """Rigs side by side, errors, the sphere, the article's steps, the basis: what they show."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -30,12 +32,16 @@ def test_the_curve_is_that_of_the_report_and_the_ring_the_rig():
     assert plot.error_picture(exact)._repr_png_()
 
 
-@pytest.mark.parametrize("given", [(), (HALL,), (RIGS[0], None)])
-def test_what_is_no_rig_is_refused(given):
-    with pytest.raises(el.EnvLightsError, match="rigs must be one rig or more"):
-        plot.error_picture(*given)
-    with pytest.raises(el.EnvLightsError, match="rigs must be one rig or more"):
-        plot.rigs_picture(HALL, *given)
+@pytest.mark.parametrize(
+    ("given", "seen"),
+    [((), "none"), ((HALL,), "EnvMap"), ((RIGS[0], None), "NoneType"), ((RIGS,), "list")],
+)
+def test_what_is_no_rig_is_refused(given, seen):
+    for draw in (plot.error_picture, partial(plot.rigs_picture, HALL)):
+        with pytest.raises(
+            el.EnvLightsError, match=f"one rig or more, each an argument; got {seen}"
+        ):
+            draw(*given)
 
 
 def test_every_light_is_on_one_side_of_the_sphere():

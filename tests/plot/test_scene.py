@@ -71,8 +71,8 @@ def test_seeds_give_the_same_image_and_titles_tell_its_figures():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ([], "rigs must be one rig or more after the map"),
-        ([LIGHTS], "rigs must be one rig or more after the map"),
+        ([], "rigs must be one rig or more, each an argument; got none"),
+        ([LIGHTS], "rigs must be one rig or more, each an argument; got Lights"),
     ],
 )
 def test_what_is_no_rig_is_refused(arguments, message):

@@ -186,3 +186,10 @@ def test_a_turn_by_90_degrees_swaps_the_sides():
 def test_what_no_scene_can_be_made_of_is_refused(make, sentence):
     with pytest.raises(el.EnvLightsError, match=sentence):
         make()
+
+
+def test_a_synthetic_map_is_taken_as_a_map():
+    hall = synthetic.hall(32)
+    assert el.EnvMap(hall) == el.EnvMap(hall.radiance)
+    assert np.asarray(hall) is hall.radiance
+    assert np.array(hall, dtype=np.float64).dtype == np.float64

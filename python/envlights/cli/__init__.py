@@ -17,6 +17,7 @@ _COMMANDS = {
     "detect": "Find the bright places of a map.",
     "export": "Write a rig or lights for other programs.",
     "fit": "Fit an ambient term and a few lights to a map.",
+    "repair": "Estimate the light that white cut off in a picture.",
     "split": "Take the lights out of a map.",
     "transfer": "Learn indirect light from pairs of images, and predict it.",
 }

@@ -31,6 +31,12 @@ class Split(NamedTuple):
     rest: EnvMap
     """The map without them, of the same size and nowhere negative."""
 
+    def __str__(self) -> str:
+        return f"{self.lights}\n\nwhat is left: {self.rest}"
+
+    def _repr_pretty_(self, printer: Any, _: bool) -> None:
+        printer.text(str(self))
+
     def _repr_html_(self) -> str:
         return self.lights._repr_html_() + self.rest._repr_html_()
 

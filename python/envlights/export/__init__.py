@@ -66,3 +66,7 @@ __all__ = [
     "unreal",
     "usd",
 ]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

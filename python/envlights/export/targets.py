@@ -20,7 +20,7 @@ from envlights.export.pbrt import save_pbrt
 from envlights.export.radiance import save_radiance
 from envlights.export.three import save_three
 from envlights.export.usd import save_usd
-from envlights.io.files import as_path
+from envlights.io.files import PICTURES, as_path
 
 if TYPE_CHECKING:
     from envlights.lights import Lights
@@ -152,6 +152,14 @@ TARGETS = (
     ),
 )
 
+#: What is asked for at times, and what to write in its place.
+_INSTEAD = {
+    ".blend": "give .py, a script that Blender runs",
+    ".glb": "give .gltf",
+    ".usdz": "give .usda",
+    **dict.fromkeys(PICTURES, "`plot.save` writes pictures"),
+    **dict.fromkeys((".exr", ".hdr"), "`to_map` makes a map, whose `save` writes it"),
+}
 #: All that can be written.
 SUFFIXES = tuple(suffix for target in TARGETS for suffix in target.suffixes)
 
@@ -167,7 +175,10 @@ def target_of(path: str | os.PathLike[str]) -> Target:
     ]
     if not fits:
         wanted = ", ".join(SUFFIXES)
-        raise EnvLightsError(f"cannot write {path}: the suffix must be one of {wanted}")
+        hint = _INSTEAD.get(as_path(path).suffix.lower())
+        raise EnvLightsError(
+            f"cannot write {path}: {f'{hint}; ' if hint else ''}the suffix must be one of {wanted}"
+        )
     return max(fits, key=lambda fit: fit[0])[1]
 
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, MaxNLocator
 
-from envlights._native import EnvLightsError
 from envlights.envmap import AnyMap, as_envmap
-from envlights.plot.figure import Picture
-from envlights.plot.ground import draw_ground, exposed
+from envlights.plot.figure import Picture, check_are_rigs
+from envlights.plot.ground import draw_ground, exposed, working
 from envlights.plot.markers import draw_lights
 from envlights.plot.probe import draw_probes, shaded_ball, viewpoint
 from envlights.rig import Rig
@@ -41,14 +40,14 @@ def rigs_picture(env: AnyMap, *rigs: Rig) -> Picture:
     >>> [each.get_title().split(",")[0] for each in figure.axes[:8:4]]
     ['ambient + 1 light', 'ambient + 2 lights']
     """
-    _check_rigs(rigs)
+    check_are_rigs(rigs)
     env = as_envmap(env)
     figure = Picture(figsize=(13, 2.9 * len(rigs) + 0.3))
     rows = figure.subplots(len(rigs), 4, width_ratios=(2.3, 1, 1, 1.25), squeeze=False)
-    ground, eye = exposed(env), viewpoint(rigs[0])
+    ground, eye = exposed(working(env)), viewpoint(rigs[0])
     shaded = {floor: shaded_ball(env, eye, floor) for floor in {rig.floor for rig in rigs}}
     for (on_map, *probes), rig in zip(rows, rigs, strict=True):
-        draw_ground(on_map, ground)
+        draw_ground(on_map, ground.codes)
         draw_lights(on_map, rig.lights, _POINTS)
         on_map.set(xlabel="", ylabel="", xticks=[], yticks=[], title=rig.in_short())
         draw_probes(figure, probes, shaded[rig.floor], rig)
@@ -79,7 +78,7 @@ def error_picture(*rigs: Rig) -> Picture:
     >>> figure.axes[0].get_xlabel()
     'lights'
     """
-    _check_rigs(rigs)
+    check_are_rigs(rigs)
     figure = Picture(figsize=(7, 4.4))
     axes = figure.add_subplot()
     for number, rig in enumerate(rigs):
@@ -104,8 +103,3 @@ def _draw_curve(axes: Axes, rig: Rig, colour: str) -> None:
     label = f"the rig: {rig.lights.in_short()}{sizes}, {100 * rig.error:.3g} %"
     error = 100 * rig.error or float("nan")  # a logarithm has no place for 0
     axes.plot([len(rig.lights)], [error], "o", ms=9, mfc="none", mec=colour, label=label)
-
-
-def _check_rigs(rigs: tuple[object, ...]) -> None:
-    if not rigs or not all(isinstance(rig, Rig) for rig in rigs):
-        raise EnvLightsError("rigs must be one rig or more")

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 
 from envlights._native import EnvLightsError
 from envlights.io.files import PICTURES, as_path, write_atomically
+from envlights.rig import Rig
 
 #: Colour of the ground.
 GROUND = "#e4e4e2"
@@ -37,6 +38,14 @@ def check_is(name: str, value: object, kind: type) -> None:
         raise EnvLightsError(f"{name} must be {kind.__name__}; got {type(value).__name__}")
 
 
+def check_are_rigs(values: tuple[object, ...]) -> None:
+    """Refuse what is not one rig or more."""
+    others = [type(value).__name__ for value in values if not isinstance(value, Rig)]
+    if others or not values:
+        seen = others[0] if others else "none"
+        raise EnvLightsError(f"rigs must be one rig or more, each an argument; got {seen}")
+
+
 def hide_frame(axes: Axes) -> None:
     """Leave frame and ticks out; ticks that are only not drawn take their time all the same."""
     axes.set(xticks=[], yticks=[])
@@ -45,6 +54,7 @@ def hide_frame(axes: Axes) -> None:
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:
     """Write a picture as PNG, PDF or SVG, whole or not at all."""
+    check_is("figure", figure, Figure)
     suffix = as_path(path).suffix.lower()
     if suffix not in PICTURES:
         raise EnvLightsError(f"cannot draw {path}; the suffix must be {', '.join(PICTURES)}")

@@ -7,12 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from numpy.typing import NDArray
 
 from envlights import _thumbnails
-from envlights._srgb import encode_srgb
 from envlights.envmap import EnvMap
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
@@ -27,17 +25,17 @@ _BELOW, _ABOVE = 8, 6
 _STEP = 2
 
 
-def working(env: EnvMap) -> NDArray[np.float64]:
+def working(env: EnvMap) -> NDArray[np.float32]:
     """The radiance of a map in at most about 2000 columns."""
     # Of a very large map, leave pixels out before taking means.
     step = max(env.width // (4 * _COLUMNS), 1)
-    return _thumbnails.reduced(env.radiance[::step, ::step], _COLUMNS)
+    return _thumbnails.reduced(env.radiance[::step, ::step], _COLUMNS).astype(np.float32)
 
 
 class Ground(NamedTuple):
     """A map as it is drawn."""
 
-    codes: NDArray[np.floating]
+    codes: NDArray[np.uint8]
     """Colours, (height, width, 3)."""
 
     white: float
@@ -47,37 +45,34 @@ class Ground(NamedTuple):
     """The same in words."""
 
 
-def exposed(env: EnvMap, white: float | None = None) -> Ground:
-    """A map so that its lamps are seen, or with a given luminance as white."""
-    radiance = working(env)
-    bound, darker = _thumbnails.white_of(radiance)
-    told = f"white is a luminance of {bound:.3g}; {100 * darker:.3g} % of the sphere is darker"
-    bound = bound if white is None else white
-    return Ground(encode_srgb(radiance / bound), bound, told)
+def exposed(radiance: NDArray[np.float32]) -> Ground:
+    """A map, in the form of `working`, so that its lamps are seen."""
+    white, darker = _thumbnails.white_of(radiance)
+    told = f"white is a luminance of {white:.3g}; {100 * darker:.3g} % of the sphere is darker"
+    return Ground(_thumbnails.exposed(radiance, white), white, told)
 
 
-def draw_ground(axes: Axes, ground: Ground) -> None:
-    """Draw what `exposed` made, as often as a figure needs it."""
-    axes.imshow(ground.codes, extent=EXTENT, interpolation="antialiased")
+def draw_ground(axes: Axes, codes: NDArray[np.uint8]) -> None:
+    """Draw the colours of a map, as often as a figure needs it."""
+    axes.imshow(codes, extent=EXTENT, interpolation="antialiased")
     _draw_frame(axes)
 
 
 def draw_map(axes: Axes, env: EnvMap) -> str:
     """Draw a map, and return its exposure in words."""
-    ground = exposed(env)
-    draw_ground(axes, ground)
+    ground = exposed(working(env))
+    draw_ground(axes, ground.codes)
     return ground.exposure
 
 
-def draw_luminance(axes: Axes, env: EnvMap) -> ScalarMappable:
-    """Draw luminance in stops above and below the white of `draw_map`, as colours."""
+def draw_luminance(axes: Axes, env: EnvMap) -> str:
+    """Draw luminance in stops above and below the white of `draw_map`; return that in words."""
     radiance = working(env)
-    luminance = radiance @ LUMINANCE
+    white, _ = _thumbnails.white_of(radiance)
     # What is black lies below every stop.
-    least = np.finfo(float).tiny
-    stops = np.log2(np.maximum(luminance / _thumbnails.white_of(radiance)[0], least))
+    ratio = np.maximum(radiance @ LUMINANCE / white, np.finfo(float).tiny)
     image = axes.imshow(
-        stops,
+        np.log2(ratio),
         extent=EXTENT,
         cmap=colormaps["inferno"],
         norm=Normalize(-_BELOW, _ABOVE),
@@ -87,7 +82,7 @@ def draw_luminance(axes: Axes, env: EnvMap) -> ScalarMappable:
     bar = axes.figure.colorbar(image, ax=axes, extend="both", shrink=0.7)
     bar.set_label("stops from white")
     bar.set_ticks(range(-_BELOW, _ABOVE + 1, _STEP))
-    return image
+    return f"luminance in stops, powers of two, from a white of {white:.3g}"
 
 
 def _draw_frame(axes: Axes) -> None:

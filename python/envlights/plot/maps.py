@@ -58,13 +58,12 @@ def map_picture(env: AnyMap, *, stops: bool = False) -> Picture:
     '128x64 pixels'
     """
     env = as_envmap(env)
-    figure = Picture(figsize=(10, 5.6))
+    stops = flag("stops", stops)
+    # The colour bar takes a part of the width.
+    figure = Picture(figsize=(10, 5.1 if stops else 5.6))
     axes = figure.add_subplot()
-    if flag("stops", stops):
-        draw_luminance(axes, env)
-        told = "luminance"
-    else:
-        told = draw_map(axes, env)
+    draw = draw_luminance if stops else draw_map
+    told = draw(axes, env)
     figure.suptitle(f"{env.width}x{env.height} pixels\n{told}")
     return figure
 

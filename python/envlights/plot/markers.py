@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -67,6 +68,14 @@ def draw_discs(
     axes.scatter(
         x, y, s=areas, c=colours, edgecolors="white", linewidths=1.2, clip_on=False, zorder=4
     )
+
+
+def draw_rings(axes: Axes, at: NDArray[np.float64], areas: NDArray[np.float64]) -> None:
+    """Draw a ring in place of each disc, which covers nothing of the map."""
+    x, y = at.T
+    ring: dict[str, Any] = {"facecolors": "none", "clip_on": False}
+    axes.scatter(x, y, s=_ring(areas), edgecolors="black", linewidths=2.8, zorder=3, **ring)
+    axes.scatter(x, y, s=_ring(areas), edgecolors="white", linewidths=1.2, zorder=4, **ring)
 
 
 def _ring(areas: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -6,12 +6,11 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from envlights._check import count
-from envlights._native import EnvLightsError
 from envlights._srgb import encode_srgb
 from envlights.envmap import AnyMap, as_envmap
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
-from envlights.plot.figure import Picture, hide_frame
+from envlights.plot.figure import Picture, check_are_rigs, hide_frame
 from envlights.plot.probe import viewpoint
 from envlights.rig import Rig
 from envlights.scene.still_life import Still, still_life
@@ -59,8 +58,7 @@ def scene(env: AnyMap, *rigs: Rig, samples: int = 128, seed: int = 0) -> Picture
     'ambient + 1 light with sizes'
     """
     env = as_envmap(env)
-    if not rigs or not all(isinstance(rig, Rig) for rig in rigs):
-        raise EnvLightsError("rigs must be one rig or more after the map")
+    check_are_rigs(rigs)
     samples, seed = count("samples", samples, least=1), count("seed", seed)
     # Render all from the same place, each with paths of its own.
     ((u, _),) = sphere.direction_to_uv([viewpoint(rigs[0])])

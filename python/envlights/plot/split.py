@@ -3,12 +3,23 @@
 from __future__ import annotations
 
 import numpy as np
+from matplotlib.axes import Axes
 
+from envlights import _thumbnails
 from envlights.detection.split import Split
+from envlights.detection.taken import TakenLights
 from envlights.envmap import AnyMap, EnvMap, as_envmap
+from envlights.kernels.image import LUMINANCE
 from envlights.plot.figure import Picture, check_is
-from envlights.plot.ground import draw_ground, exposed
-from envlights.plot.markers import draw_legend, draw_lights, legend_entries
+from envlights.plot.ground import degrees, draw_ground, exposed, working
+from envlights.plot.markers import (
+    area,
+    draw_legend,
+    draw_numbers,
+    draw_rims,
+    draw_rings,
+    legend_entries,
+)
 
 
 def split_picture(env: AnyMap, parts: Split) -> Picture:
@@ -38,17 +49,35 @@ def split_picture(env: AnyMap, parts: Split) -> Picture:
     lights = parts.lights
     figure = Picture(figsize=(9, 15))
     on_map, on_rest, on_taken = np.ravel(figure.subplots(3, 1))
-    ground = exposed(env)
-    draw_ground(on_map, ground)
-    draw_ground(on_rest, exposed(parts.rest, ground.white))
+    whole, rest = working(env), working(parts.rest)
+    ground = exposed(whole)
+    draw_ground(on_map, ground.codes)
+    draw_ground(on_rest, _thumbnails.exposed(rest, ground.white))
     # What a channel has gained, where one light has several colours, is no light.
-    taken = np.maximum(env.radiance - parts.rest.radiance, 0)
-    draw_ground(on_taken, exposed(EnvMap(taken, registration=env.registration), ground.white))
-    draw_lights(on_taken, lights.discs())
-    draw_legend(on_taken, legend_entries(lights))
-    on_map.set_title(f"the map: {ground.exposure}", fontsize="small")
-    on_rest.set_title("what is left", fontsize="small")
+    draw_ground(on_taken, _thumbnails.exposed(np.maximum(whole - rest, 0), ground.white))
+    _draw_marks(on_taken, lights)
+    brightest, left = _brightest(env), _brightest(parts.rest)
+    told = (
+        f"the map: white is a luminance of {ground.white:.3g}, the brightest pixel has {brightest}"
+    )
+    on_map.set_title(told, fontsize="small")
+    on_rest.set_title(f"what is left: the brightest pixel has {left}", fontsize="small")
     on_taken.set_title("what was taken, and its lights", fontsize="small")
     share = 100 * lights.flux_share.sum()
     figure.suptitle(f"{lights.in_short()} with {share:.3g} % of the flux, taken out of a map")
     return figure
+
+
+def _draw_marks(axes: Axes, lights: TakenLights) -> None:
+    """Draw rings around lights, which leave to be seen what was taken, and their numbers."""
+    draw_rims(axes, lights.direction, lights.discs().angular_radius)
+    at, areas = degrees(lights.direction), area(lights.share)
+    draw_rings(axes, at, areas)
+    draw_numbers(axes, at, areas)
+    draw_legend(axes, legend_entries(lights.discs()))
+
+
+def _brightest(env: EnvMap) -> str:
+    """The largest luminance of a map."""
+    largest = float((env.radiance @ LUMINANCE.astype(np.float32)).max())
+    return np.format_float_positional(largest, 3, fractional=False, trim="-")

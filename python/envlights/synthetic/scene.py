@@ -9,11 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _html, _thumbnails
+from envlights._arrays import converted
 from envlights._check import count, is_vector, reals
 from envlights._native import EnvLightsError
 from envlights._result import Result
@@ -45,6 +47,10 @@ class SyntheticMap(Result):
 
     note: str = ""
     """Description of the map."""
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        """The radiance, so that the map is taken wherever an array is."""
+        return converted(self.radiance, dtype, copy)
 
     def in_short(self) -> str:
         """Size, number of lights and description."""
