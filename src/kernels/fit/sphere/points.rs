@@ -41,7 +41,8 @@ impl Points {
         for (source, point) in sources.iter().zip(&points) {
             (0..3).for_each(|c| aside[c] += source[c] - point.irradiance[c] * point.direction);
         }
-        let faint = points.split_off(MOST_POINTS.min(points.len()));
+        let powers: Vec<f64> = sources.iter().map(power).collect();
+        let faint = points.split_off(brightest(&powers));
         (points, faint, aside)
     }
 
@@ -90,6 +91,33 @@ impl Points {
     }
 }
 
+/// How many of the sources stand before the others, their `powers` falling: at most [`MOST_POINTS`], and no cut
+/// between two that are alike. Which of those comes first depends on the side that the map is read from.
+fn brightest(powers: &[f64]) -> usize {
+    const ALIKE: f64 = 1e-6;
+    let is_gap = |&count: &usize| count == 0 || powers[count] < (1.0 - ALIKE) * powers[count - 1];
+    if powers.len() <= MOST_POINTS {
+        return powers.len();
+    }
+    (0..=MOST_POINTS).rev().find(is_gap).unwrap_or(0)
+}
+
 fn by_channel(source: ArrayView2<'_, f64>) -> [DVec3; 3] {
     [0, 1, 2].map(|channel| DVec3::new(source[[0, channel]], source[[1, channel]], source[[2, channel]]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sources_that_are_alike_are_kept_or_left_together() {
+        let (bright, alike) = (vec![2.0; 20], vec![1.0; 6]);
+        assert_eq!(brightest(&[bright.clone(), alike].concat()), 20);
+        assert_eq!(brightest(&vec![1.0; MOST_POINTS + 1]), 0);
+        assert_eq!(brightest(&vec![1.0; MOST_POINTS]), MOST_POINTS);
+        let falling: Vec<f64> = (0..30).map(|i| 1.0 - 0.01 * f64::from(i)).collect();
+        assert_eq!(brightest(&falling), MOST_POINTS);
+        assert_eq!(brightest(&[]), 0);
+    }
 }
