@@ -228,8 +228,13 @@ class Rig(Result):
 
     def in_short(self) -> str:
         """Its parts, and its error."""
-        ambient = "harmonics" if len(self.ambient) == 9 else "ambient"
-        return f"{ambient} + {self.lights.in_short()}, error {100 * self.error:.3g} %"
+        return f"{parts_line(self)}, error {100 * self.error:.3g} %"
+
+
+def parts_line(rig: Rig) -> str:
+    """The ambient term and the number of lights."""
+    ambient = "harmonics" if len(rig.ambient) == 9 else "ambient"
+    return f"{ambient} + {rig.lights.in_short()}"
 
 
 def error_line(rig: Rig) -> str:

@@ -42,6 +42,11 @@ def test_the_title_says_which_normals_the_error_is_of():
     )
 
 
+def test_the_title_names_harmonics():
+    rig = el.fit(HALL, lights=1, ambient="sh2")
+    assert plot.picture(HALL, rig).get_suptitle().startswith("harmonics + 1 light: ")
+
+
 def test_the_title_has_the_error_with_shadows_where_it_was_measured():
     rig = el.fit(HALL, lights=1)
     told = replace(rig, report=replace(rig.report, shadow_error=0.0312))

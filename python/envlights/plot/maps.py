@@ -26,7 +26,7 @@ from envlights.plot.markers import (
 )
 from envlights.plot.outlines import outlines
 from envlights.plot.probe import draw_probes, shaded_ball, viewpoint
-from envlights.rig import Rig, error_line
+from envlights.rig import Rig, error_line, parts_line
 
 #: Links that are drawn, at most.
 _MOST_LINKS = 20_000
@@ -107,7 +107,7 @@ def picture(env: AnyMap, rig: Rig) -> Picture:
     draw_probes(figure, axes, shaded_ball(env, eye, rig.floor), rig)
     draw_legend(on_map, [*legend_entries(rig.lights), _draw_eye(on_map, eye)])
     on_map.set_title(exposure, fontsize="small")
-    figure.suptitle(f"ambient + {rig.lights.in_short()}: {error_line(rig)}")
+    figure.suptitle(f"{parts_line(rig)}: {error_line(rig)}")
     return figure
 
 

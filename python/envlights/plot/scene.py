@@ -12,7 +12,7 @@ from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
 from envlights.plot.figure import Picture, check_are_rigs, hide_frame
 from envlights.plot.probe import viewpoint
-from envlights.rig import Rig
+from envlights.rig import Rig, parts_line
 from envlights.scene.still_life import Still, still_life
 
 #: Share of the pixels that are not brighter than white.
@@ -96,7 +96,7 @@ def _draw_differences(figure: Picture, axes: list[Axes], truth: Still, stills: l
 
 def _parts(rig: Rig) -> str:
     sizes = " with sizes" if rig.lights.angular_radius.any() else ""
-    return f"ambient + {rig.lights.in_short()}{sizes}"
+    return f"{parts_line(rig)}{sizes}"
 
 
 def _percent(share: float) -> str:
