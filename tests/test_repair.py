@@ -138,6 +138,16 @@ def test_only_clipped_pixels_change_and_they_keep_their_colour():
     assert env.notes == repaired.notes[:-1]
 
 
+def test_an_estimate_that_adds_nothing_leaves_what_detection_finds():
+    env = el.EnvMap(picture(256, ground=1e-4), white=1.0)
+    repaired = env.repaired()
+    assert repaired.notes[-1].startswith("nothing was added")
+    assert repaired == env
+    assert repaired.white == 1.0
+    assert len(el.detect(repaired)) == len(el.detect(env)) > 0
+    assert env.repaired(ratio=1.1).white is None
+
+
 def test_detection_and_fit_find_the_sun_with_its_flux():
     env = el.EnvMap(picture(256, ground=0.1), white=1.0)
     repaired = env.repaired(irradiance=3.0)

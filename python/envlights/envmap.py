@@ -402,7 +402,8 @@ class EnvMap:
         -------
         EnvMap
             Without a `white`. Its last note holds the factor by which the flux was raised and where
-            it comes from. Where the ground tells nothing, nothing is added, and the note says why.
+            it comes from. Where the ground tells nothing, nothing is added, the map keeps its
+            white, and the note says why.
 
         Raises
         ------
@@ -451,7 +452,10 @@ class EnvMap:
         is_border = self._registration == "border-sampled"
         radiance, note = repaired(self._radiance, is_border, white, *asked)
         notes = (*self._notes, note)
-        return EnvMap(radiance, registration=self._registration, notes=notes)
+        # An estimate that adds nothing leaves what is at white as lost as it was.
+        is_as_it_was = irradiance is None and ratio is None and radiance is self._radiance
+        kept = self._white if is_as_it_was else None
+        return EnvMap(radiance, registration=self._registration, notes=notes, white=kept)
 
     def __repr__(self) -> str:
         size = f"{self.width}x{self.height}"
