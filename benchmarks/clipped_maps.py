@@ -18,6 +18,7 @@ Then generated pictures, by `synthetic`; and one JPEG from its file to its light
 
 import argparse
 import io
+import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,6 +27,8 @@ from time import process_time
 import numpy as np
 from detectors import sphere
 from PIL import Image
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
 from tests.helpers import paths_of_real_maps
 
 import envlights as el

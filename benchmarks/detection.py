@@ -1,4 +1,4 @@
-"""Detectors on the two families of synthetic maps with known lights.
+"""Detectors on the families of synthetic maps with known lights.
 
 Usage: python benchmarks/detection.py [--tuning] [--only NAME ...]
 
@@ -16,7 +16,11 @@ from detectors import DETECTORS
 
 from envlights import synthetic
 
-FAMILIES = {"plain": synthetic.plain, "hard": synthetic.hard}
+FAMILIES = {
+    "plain": synthetic.plain,
+    "hard": synthetic.hard,
+    "openings": synthetic.openings,
+}
 
 
 def main():

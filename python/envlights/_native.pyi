@@ -94,6 +94,8 @@ class TreeDetection:
     is_clipped: NDArray[np.bool_]
     pixel: _Indices
     light_of_pixel: _Indices
+    panes: list[int]
+    widest_bar: tuple[float, float]
     threshold: float
     threshold_rule: tuple[float, float, float | None]
     map_flux: float
@@ -168,6 +170,7 @@ def detect_tree(
     extent: float,
     gap: float,
     min_flux_share: float,
+    min_worth: float,
     max_lights: int,
 ) -> TreeDetection: ...
 def detect_white(
@@ -179,6 +182,7 @@ def detect_white(
     extent: float,
     gap: float,
     min_flux_share: float,
+    min_worth: float,
     max_lights: int,
 ) -> WhiteDetection: ...
 def direction_to_uv(direction: _Reals) -> _Reals: ...

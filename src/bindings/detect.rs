@@ -24,6 +24,8 @@ pub struct TreeDetection {
     is_clipped: Py<PyArray1<bool>>,
     pixel: Py<PyArray2<i64>>,
     light_of_pixel: Py<PyArray1<i64>>,
+    panes: Vec<usize>,
+    widest_bar: (f64, f64),
     threshold: f64,
     threshold_rule: (f64, f64, Option<f64>),
     map_flux: f64,
@@ -59,10 +61,11 @@ pub fn detect_tree(
     extent: f64,
     gap: f64,
     min_flux_share: f64,
+    min_worth: f64,
     max_lights: usize,
 ) -> PyResult<TreeDetection> {
     let radiance = radiance.as_array();
-    let options = Options { working_columns, prominence, extent, gap, min_flux_share, max_lights };
+    let options = Options { working_columns, prominence, extent, gap, min_flux_share, min_worth, max_lights };
     let found = in_pool(py, || tree::detect(radiance, registration(border_sampled), &options))?;
     Ok(TreeDetection::new(py, &found, None))
 }
@@ -91,10 +94,11 @@ pub fn detect_white(
     extent: f64,
     gap: f64,
     min_flux_share: f64,
+    min_worth: f64,
     max_lights: usize,
 ) -> PyResult<WhiteDetection> {
     let radiance = radiance.as_array();
-    let options = Options { working_columns, prominence, extent, gap, min_flux_share, max_lights };
+    let options = Options { working_columns, prominence, extent, gap, min_flux_share, min_worth, max_lights };
     let found = interruptible(py, || white::detect(radiance, registration(border_sampled), white, &options))?;
     let numbers = |values: Vec<f64>| Array1::from(values).into_pyarray(py).unbind();
     Ok(WhiteDetection {
@@ -196,6 +200,8 @@ impl TreeDetection {
             is_clipped: found.are_clipped(white).collect::<Array1<bool>>().into_pyarray(py).unbind(),
             pixel: Array2::from(pixels).into_pyarray(py).unbind(),
             light_of_pixel: indices(found.light_of_pixel.iter().map(|&light| i64::from(light)).collect()),
+            panes: found.panes.clone(),
+            widest_bar: (tree::WIDEST_BAR, tree::WIDEST_ANGLE),
             threshold: found.report.threshold.luminance,
             threshold_rule: rule(found.report.threshold.rule),
             map_flux: found.report.flux,

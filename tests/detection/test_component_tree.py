@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import envlights as el
-from envlights import kernels
+from envlights import kernels, synthetic
 from envlights.kernels.image import LUMINANCE
 from envlights.synthetic import Disc, Rectangle, scene, suite
 from tests.conftest import real_maps
@@ -41,7 +41,7 @@ def smooth_noise(seed, height=48):
 
 def assert_as_reference(radiance, prominence=4.0):
     """Every light and every member, from the very luminance that the kernel sees."""
-    lights = el.detect(radiance, gap_deg=0, extent=0, prominence=prominence)
+    lights = el.detect(radiance, gap_deg=0, extent=0, prominence=prominence, min_worth=0)
     luminance = kernels.reduced_luminance(radiance, 1024)
     threshold = np.float32(lights.report.threshold)
     wanted = component_tree.lights(luminance, threshold, prominence, np.float32(2.5) * threshold)
@@ -225,12 +225,48 @@ def test_members_follow_their_lights_into_the_order_of_flux():
     [(0, 0, 1), (0, 0.1, -1), (1, 2, 0), (0.05, 1, 0.05), (0, -1, 0)],
     ids=["equator", "seam", "63 degrees", "86 degrees", "pole"],
 )
-@pytest.mark.parametrize(("bar_deg", "count"), [(0.75, 1), (2.0, 2)])
-def test_a_bar_divides_by_its_angle_wherever_it_is(direction, tilt_deg, bar_deg, count):
-    """0.8 degrees is the limit, in pixels of 0.35 degrees."""
+@pytest.mark.parametrize(
+    ("bar_deg", "gap_deg", "count"), [(0.75, 0.8, 1), (1.5, 0.8, 1), (1.5, 0, 2), (3.5, 0.8, 2)]
+)
+def test_a_bar_divides_by_its_angle_wherever_it_is(direction, tilt_deg, bar_deg, gap_deg, count):
+    """2.5 degrees is the limit between panes, in pixels of 0.35 degrees; none without a gap."""
     panes = {"panes": (2, 1), "bar_deg": bar_deg, "tilt_deg": tilt_deg}
     window = Rectangle(direction, 14, 8, (9, 9, 9), **panes)
-    assert len(el.detect(scene(512, background=[0.1] * 3, shapes=[window]).radiance)) == count
+    radiance = scene(512, background=[0.1] * 3, shapes=[window]).radiance
+    assert len(el.detect(radiance, gap_deg=gap_deg)) == count
+
+
+def test_an_opening_holds_all_flux_of_its_panes_and_the_report_says_what_was_joined():
+    window = Rectangle((1, 0.4, 0), 30, 20, (9, 9, 9), panes=(3, 2), bar_deg=1.5)
+    radiance = scene(512, background=[0.1] * 3, shapes=[window]).radiance
+    panes, opening = el.detect(radiance, gap_deg=0), el.detect(radiance)
+    assert (len(panes), len(opening)) == (6, 1)
+    np.testing.assert_allclose(opening.irradiance[0], panes.irradiance.sum(axis=0), rtol=1e-12)
+    (joined,) = (note for note in opening.report.skipped if "panes" in note)
+    assert "between 6 panes of one opening at azimuth 90" in joined
+
+
+def test_openings_are_one_light_each_and_lamps_of_a_row_stay_apart():
+    worlds = [synthetic.openings(seed) for seed in range(24)]
+    for kind in ("window", "skylight", "sky behind", "row"):
+        some = [world for world in worlds if kind in world.note]
+        found = [el.detect(world.radiance) for world in some]
+        results = zip(some, found, strict=True)
+        score = synthetic.judge([(world, e.direction, e.irradiance) for world, e in results])
+        assert score.known >= 6
+        assert score.f1 >= 0.95, (kind, score)
+
+
+def test_what_gives_little_and_stands_out_little_is_listed_only_when_all_are_wanted():
+    """A lamp, a chink of six times its background, and a bright point."""
+    shapes = [
+        Rectangle((1, 0, 0), 10, 10, (9, 9, 9)),
+        Rectangle((0, 0, 1), 0.7, 0.7, (6, 6, 6)),
+        Disc((-1, 0, 0), 0.4, (60, 60, 60)),
+    ]
+    radiance = scene(512, background=[1.0] * 3, shapes=shapes).radiance
+    assert [len(el.detect(radiance, min_worth=least)) for least in (0, 0.0005)] == [3, 2]
+    assert "1 lights below min_flux_share or min_worth" in str(el.detect(radiance).report)
 
 
 @pytest.mark.parametrize("tilt_deg", [0, 90])

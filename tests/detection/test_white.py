@@ -94,6 +94,20 @@ def test_a_window_with_bars_is_one_light():
     assert angle_deg(lights.direction[0], unit(window.direction)) < 0.3
 
 
+@pytest.mark.parametrize(("between", "count"), [(0.1, 1), (0.5, 1), (0.9, 6)])
+def test_panes_behind_wide_bars_are_one_light_and_clouds_before_a_pale_sky_are_not(between, count):
+    window = Rectangle((1, 0.2, 0.3), 30, 20, (9, 9, 9), panes=(3, 2), bar_deg=2.0)
+    picture = eight_bits(scene(512, background=[between] * 3, shapes=[window]).radiance)
+    lights, panes = el.detect(picture), el.detect(picture, gap_deg=0)
+    assert (len(lights), len(panes)) == (count, 6)
+    np.testing.assert_allclose(lights.irradiance.sum(axis=0), panes.irradiance.sum(axis=0))
+    assert lights.weight.sum() == pytest.approx(panes.weight.sum(), rel=1e-3)
+    assert ("6 panes of one opening" in str(lights.report)) == (count == 1)
+    if count == 1:
+        off = angle_deg(lights.direction[0], unit(window.direction))
+        assert off < 0.3 < np.rad2deg(lights.direction_uncertainty[0])
+
+
 def test_a_lamp_that_is_smaller_than_a_working_pixel_is_found():
     lamp = Disc((1, 0.4, 0.3), 0.25, (50, 50, 50))
     lights = el.detect(eight_bits(scene(1024, background=[0.2] * 3, shapes=[lamp]).radiance))

@@ -11,6 +11,7 @@ from envlights._check import LARGEST_COUNT, amount, count
 from envlights.detection.lights import DetectedLights, DetectionReport
 from envlights.detection.members import Members
 from envlights.envmap import AnyMap, EnvMap, checked_white, seen_through
+from envlights.light import azimuths, elevations
 
 #: The narrowest working image.
 _LEAST_COLUMNS = 16
@@ -24,6 +25,7 @@ def detect_tree(
     *,
     max_lights: int | None = None,
     min_flux_share: float = 0.0,
+    min_worth: float = 0.0005,
     prominence: float = 4.0,
     gap_deg: float = 0.8,
     extent: float = 0.1,
@@ -47,10 +49,14 @@ def detect_tree(
         cost first (Ward 1963); no flux is dropped. `detect_article` leaves lights out instead.
     min_flux_share : float
         Lights with a smaller share of the map's flux are left out.
+    min_worth : float
+        Lights whose share of the map's flux times contrast, peak over local background, is smaller
+        are left out; 0 lists all. Maps that end at a white have a rule of their own; see Notes.
     prominence : float
         Ratio of a light's peak to its saddle, at least; 1 keeps every local maximum apart.
     gap_deg : float
-        Dark bars of up to this many degrees do not divide a light.
+        Dark gaps of up to this many degrees do not divide a light. Wider bars do not divide an
+        opening, see Notes; 0 keeps all panes apart.
     extent : float
         A light ends where its luminance has fallen to this share of its peak.
     working_width : int
@@ -71,6 +77,11 @@ def detect_tree(
 
     Notes
     -----
+    Two lights are panes of one opening if they touch nowhere, the bar between them is at most half
+    as wide as they are deep and at most 2.5 degrees, lies along a quarter of their sides and is
+    darker, at most 0.8 of them, and their mean luminances are within a factor of 4. The joined
+    light holds the flux of its panes. The rule is ours.
+
     Maps that end at a white, as those of integers do, are treated differently, for their threshold
     would often lie above white. Luminance :math:`y`, in units of white, is expanded to
     :math:`y / (1.02 - y)` first: white becomes 50. Pixels of 0.985 and more form a plateau, and a
@@ -106,6 +117,7 @@ def detect_tree(
         "extent": amount("extent", extent, most=1.0),
         "gap": math.radians(amount("gap_deg", gap_deg, most=90.0)),
         "min_flux_share": amount("min_flux_share", min_flux_share, most=1.0),
+        "min_worth": amount("min_worth", min_worth),
         "max_lights": most,
     }
 
@@ -196,7 +208,21 @@ def _skipped(found: _native.TreeDetection) -> list[str]:
     if not len(found.flux) and not found.dropped:
         notes.append("everything: nothing rises far enough above the threshold")
     if found.dropped:
-        notes.append(f"{found.dropped} lights below min_flux_share")
+        notes.append(f"{found.dropped} lights below min_flux_share or min_worth")
+    notes += _joined(found)
     if found.merged:
         notes.append(f"the difference between {found.merged} lights and their neighbours")
     return notes
+
+
+def _joined(found: _native.TreeDetection) -> list[str]:
+    """The openings that were joined from panes, and why."""
+    share, widest = found.widest_bar
+    places = zip(found.panes, azimuths(found.direction), elevations(found.direction), strict=False)
+    return [
+        f"the bars between {panes} panes of one opening at azimuth {math.degrees(azimuth):.0f}°,"
+        f" elevation {math.degrees(elevation):.0f}°: at most {share:g} of a pane and"
+        f" {math.degrees(widest):g}° wide, darker than both sides, which are alike"
+        for panes, azimuth, elevation in places
+        if panes
+    ]

@@ -10,6 +10,7 @@ Frame and units are those of `EnvMap`; pixels are cell-centred.
 | surroundings that are no lights                 | `backdrops.py` |
 | lights of random kind, size and place           | `lamps.py`     |
 | two families of random maps, to judge detectors | `suite.py`     |
+| openings behind bars and leaves, rows of lamps  | `openings.py`  |
 | what a detector found against what is there     | `score.py`     |
 | a closed room under many lamps, in pairs        | `room.py`      |
 | an open courtyard for Mitsuba, and rigs for it  | `courtyard.py` |
@@ -17,6 +18,7 @@ Frame and units are those of `EnvMap`; pixels are cell-centred.
 
 from envlights.synthetic.courtyard import courtyard, rigs
 from envlights.synthetic.hall import hall
+from envlights.synthetic.openings import openings
 from envlights.synthetic.room import Room, room, room_charts
 from envlights.synthetic.scene import SyntheticMap, scene
 from envlights.synthetic.score import Score, judge, match
@@ -38,6 +40,7 @@ __all__ = [
     "hard",
     "judge",
     "match",
+    "openings",
     "plain",
     "rigs",
     "room",

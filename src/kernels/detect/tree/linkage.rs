@@ -22,12 +22,14 @@ pub struct Selection {
     pub part_of: Vec<Option<usize>>,
     /// Lights that were dropped.
     pub dropped: usize,
+    /// Lights that became part of another.
+    pub merged: usize,
 }
 
-/// Select at most `most` lights from `measured`, none with less flux than `least_flux`.
-pub fn select(measured: Vec<Light>, least_flux: f64, most: usize) -> Selection {
-    // Drop the dimmest and rank the others.
-    let mut ranked: Vec<usize> = (0..measured.len()).filter(|&i| measured[i].flux >= least_flux).collect();
+/// Select at most `most` lights from those of `measured` that are `listed`.
+pub fn select(measured: Vec<Light>, listed: &[bool], most: usize) -> Selection {
+    // Drop the others and rank these.
+    let mut ranked: Vec<usize> = (0..measured.len()).filter(|&i| listed[i]).collect();
     ranked.sort_by(|&i, &j| Light::most_flux_first(&measured[i], &measured[j]));
     // Merge neighbours.
     let kept: Vec<Light> = ranked.iter().map(|&i| measured[i].clone()).collect();
@@ -37,7 +39,8 @@ pub fn select(measured: Vec<Light>, least_flux: f64, most: usize) -> Selection {
     for (&i, light) in ranked.iter().zip(merged_into) {
         part_of[i] = Some(light);
     }
-    Selection { lights, part_of, dropped: measured.len() - ranked.len() }
+    let (dropped, merged) = (measured.len() - ranked.len(), ranked.len() - lights.len());
+    Selection { lights, part_of, dropped, merged }
 }
 
 /// Merge `lights`, most flux first, until at most `most` are left. For each of them the one that it became
@@ -170,24 +173,26 @@ mod tests {
     fn of_two_pairs_of_neighbours_the_dimmer_is_merged_first() {
         let at = |phi, flux| Light::towards(direction(1.0, phi), flux);
         let far_and_near = vec![at(0.0, 3.0), at(3.0, 5.0), at(3.1, 2.0), at(0.1, 1.0)];
-        let three = select(far_and_near.clone(), 0.0, 3);
+        let three = select(far_and_near.clone(), &[true; 4], 3);
         assert_eq!(three.part_of, [Some(1), Some(0), Some(2), Some(1)]);
-        let two = select(far_and_near, 0.0, 2);
+        let two = select(far_and_near, &[true; 4], 2);
         assert_eq!(two.part_of, [Some(1), Some(0), Some(0), Some(1)]);
         assert!((two.lights[0].flux - 7.0).abs() < 1e-12);
     }
 
     #[test]
     fn nothing_is_merged_where_few_enough_are_given() {
-        let selection = select(vec![Light::default(); 3], 0.0, 3);
+        let selection = select(vec![Light::default(); 3], &[true; 3], 3);
         assert_eq!(selection.lights.len(), 3);
         assert_eq!(selection.part_of, [Some(0), Some(1), Some(2)]);
+        assert_eq!((selection.dropped, selection.merged), (0, 0));
     }
 
     #[test]
-    fn dim_lights_are_dropped_before_the_others_are_merged() {
-        let selection = select(vec![light(1.0), light(5.0), light(0.1), light(2.0)], 0.5, 2);
-        assert_eq!(selection.dropped, 1);
+    fn lights_that_are_not_listed_are_dropped_before_the_others_are_merged() {
+        let lights = vec![light(1.0), light(5.0), light(0.1), light(2.0)];
+        let selection = select(lights, &[true, true, false, true], 2);
+        assert_eq!((selection.dropped, selection.merged), (1, 1));
         assert_eq!(selection.part_of[2], None);
         assert_eq!(selection.lights.len(), 2);
         let flux: f64 = selection.lights.iter().map(|light| light.flux).sum();
@@ -196,7 +201,9 @@ mod tests {
 
     #[test]
     fn too_many_lights_to_compare_all_pairs_are_merged_too() {
-        let selection = select((1..=MOST_IN_PAIRS + 500).map(|i| light(i as f64)).collect(), 0.0, 7);
+        let lights: Vec<Light> = (1..=MOST_IN_PAIRS + 500).map(|i| light(i as f64)).collect();
+        let listed = vec![true; lights.len()];
+        let selection = select(lights, &listed, 7);
         assert_eq!(selection.lights.len(), 7);
         let flux: f64 = selection.lights.iter().map(|light| light.flux).sum();
         let wanted = (MOST_IN_PAIRS + 500) * (MOST_IN_PAIRS + 501) / 2;

@@ -15,10 +15,13 @@
 //! | - its coverage of each pixel                               | `coverage.rs`        |
 //! | - its moments                                              | `moments.rs`         |
 //! | - dot products in wide vectors                             | `dot_product.rs`     |
+//! | join the panes of one opening behind bars                  | `bars.rs`            |
+//! | which lights are worth a line                              | `worth.rs`           |
 //! | drop the dimmest lights, merge neighbours (Ward's linkage) | `linkage.rs`         |
 
 pub(super) mod adjacency;
 pub(super) mod background;
+pub(super) mod bars;
 pub(super) mod bridging;
 pub(super) mod components;
 mod coverage;
@@ -32,10 +35,12 @@ pub(super) mod run;
 pub(super) mod test_maps;
 pub(super) mod threshold;
 pub(super) mod working_image;
+mod worth;
 
 use ndarray::ArrayView3;
 
 use adjacency::Adjacency;
+pub use bars::{WIDEST_ANGLE, WIDEST_BAR};
 use components::{BrightPixels, Segments};
 use linkage::Selection;
 pub use moments::Light;
@@ -60,6 +65,8 @@ pub struct Options {
     pub gap: f64,
     /// Lights with a smaller share of the map's flux are left out.
     pub min_flux_share: f64,
+    /// Lights whose share of the map's flux times contrast is smaller are left out: see `worth.rs`.
+    pub min_worth: f64,
     /// Most lights; neighbours are merged until there are no more.
     pub max_lights: usize,
 }
@@ -73,6 +80,8 @@ pub struct Detection {
     pub pixels: Vec<u32>,
     /// The light of each of `pixels`.
     pub light_of_pixel: Vec<u32>,
+    /// How many panes behind bars each light was joined from; 0 for all others.
+    pub panes: Vec<usize>,
     /// How they were found.
     pub report: Report,
 }
@@ -90,7 +99,7 @@ pub struct Report {
     pub tiles: usize,
     /// Tiles that hold a bright pixel.
     pub opened_tiles: usize,
-    /// Lights below `min_flux_share`.
+    /// Lights below `min_flux_share` or `min_worth`.
     pub dropped: usize,
     /// Lights that became part of another for `max_lights`.
     pub merged: usize,
@@ -126,9 +135,15 @@ fn detect_in_pool(
     let outline = outline::outline(&adjacency, &segments);
     let backgrounds = background::local_backgrounds(&working, &adjacency, &segments, &outline);
     let lights = measure::measure(radiance, registration, &working, &segments, &backgrounds);
-    let selection = linkage::select(lights, options.min_flux_share * working.flux, options.max_lights);
+    let openings = bars::join(&working, &adjacency, &segments, &outline, options.gap, lights, backgrounds);
+    // Select the lights that hold enough flux and are worth a line.
+    let is_listed = |light: &Light, background: f64| {
+        light.flux >= options.min_flux_share * working.flux
+            && worth::is_worth_a_line(light, background, working.flux, options.min_worth)
+    };
+    let (selection, panes) = openings.select(is_listed, options.max_lights);
     let report = Report::of(&working, threshold, &bright, &selection);
-    Ok(Detection::new(&segments, selection, report))
+    Ok(Detection::new(&segments, selection, panes, report))
 }
 
 impl Report {
@@ -145,7 +160,7 @@ impl Report {
             tiles: working.tile_maxima.len(),
             opened_tiles: bright.opened_tiles,
             dropped: selection.dropped,
-            merged: selection.part_of.len() - selection.dropped - selection.lights.len(),
+            merged: selection.merged,
         }
     }
 }
@@ -158,13 +173,13 @@ impl Detection {
         self.lights.iter().map(move |light| light.is_clipped(ceiling))
     }
 
-    pub(super) fn new(segments: &Segments, selection: Selection, report: Report) -> Self {
+    pub(super) fn new(segments: &Segments, selection: Selection, panes: Vec<usize>, report: Report) -> Self {
         let (mut pixels, mut light_of_pixel) = (Vec::new(), Vec::new());
         for (segment, light) in segments.pixels.iter().zip(&selection.part_of) {
             let Some(light) = light else { continue };
             pixels.extend(segment.iter().filter(|&&index| segments.label[index as usize] != 0));
             light_of_pixel.resize(pixels.len(), *light as u32);
         }
-        Self { lights: selection.lights, pixels, light_of_pixel, report }
+        Self { lights: selection.lights, pixels, light_of_pixel, panes, report }
     }
 }

@@ -13,12 +13,16 @@ pub const THRESHOLD: Threshold =
     Threshold { luminance: 0.5, rule: Rule::Background { factor: 2.0, share: 0.9 } };
 
 /// A map from its drawing: a digit is its luminance, a dot 0.1.
-pub fn drawn(rows: &[&str]) -> WorkingImage {
+pub fn map_of(rows: &[&str]) -> Array3<f32> {
     let luminance = |c: u8| if c == b'.' { 0.1 } else { f32::from(c - b'0') };
     let (height, width) = (rows.len(), rows[0].len());
-    let map = Array3::from_shape_fn((height, width, 3), |(y, x, _)| luminance(rows[y].as_bytes()[x]));
+    Array3::from_shape_fn((height, width, 3), |(y, x, _)| luminance(rows[y].as_bytes()[x]))
+}
+
+/// The working image of a drawing, pixel by pixel.
+pub fn drawn(rows: &[&str]) -> WorkingImage {
     #[allow(clippy::unwrap_used, reason = "a drawing is a map")]
-    WorkingImage::of(map.view(), Registration::CellCentred, width).unwrap()
+    WorkingImage::of(map_of(rows).view(), Registration::CellCentred, rows[0].len()).unwrap()
 }
 
 /// `rows` of a drawing between dark ones: 8 rows of 16 pixels, the first in row `top`.

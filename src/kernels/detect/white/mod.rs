@@ -37,10 +37,9 @@ pub use sharing::{plateau_depth, shares};
 
 use super::clipping::LEAST_WHITE;
 use super::tree::adjacency::Adjacency;
-use super::tree::components::Segments;
-use super::tree::linkage::Selection;
+use super::tree::moments::Light;
 use super::tree::threshold;
-use super::tree::{Detection, Options, Report, background, bridging, components, linkage, measure, outline};
+use super::tree::{Detection, Options, Report, background, bars, bridging, components, measure, outline};
 use crate::error::Result;
 use crate::kernels::sphere::Registration;
 
@@ -117,10 +116,15 @@ fn detect_in_pool(
     let lights = measure::measure(radiance, registration, &working, &segments, &backgrounds);
     let lights: Vec<_> =
         lights.into_iter().zip(&places).map(|(light, place)| light.turned_to(place.direction)).collect();
-    let selection = linkage::select(lights, options.min_flux_share * working.flux, options.max_lights);
+    // Join panes, and select the lights that hold enough flux.
+    let openings = bars::join(&working, &adjacency, &segments, &outline, options.gap, lights, backgrounds);
+    let is_listed = |light: &Light, _| light.flux >= options.min_flux_share * working.flux;
+    let (selection, panes) = openings.select(is_listed, options.max_lights);
     level.luminance = expansion::compressed(level.luminance, end);
     let report = Report::of(&working, level, &bright, &selection);
-    Ok(WhiteDetection::new(&segments, selection, report, &places, &weights, ending, clipped_share))
+    let part_of = selection.part_of.clone();
+    let detection = Detection::new(&segments, selection, panes, report);
+    Ok(WhiteDetection::new(detection, &part_of, &places, &weights, ending, clipped_share))
 }
 
 impl WhiteDetection {
@@ -132,30 +136,23 @@ impl WhiteDetection {
     }
 
     fn new(
-        segments: &Segments,
-        selection: Selection,
-        report: Report,
+        detection: Detection,
+        part_of: &[Option<usize>],
         places: &[Place],
         weights: &[f64],
         ending: Ending,
         clipped_share: f64,
     ) -> Self {
-        // Join the places and the weights of the lights that were merged.
-        let mut joined: Vec<Option<Place>> = vec![None; selection.lights.len()];
-        let mut sums = vec![0.0; selection.lights.len()];
-        for ((place, weight), light) in places.iter().zip(weights).zip(&selection.part_of) {
+        // Join the places and the weights of the lights that were joined or merged.
+        let mut joined: Vec<Option<Place>> = vec![None; detection.lights.len()];
+        let mut sums = vec![0.0; detection.lights.len()];
+        for ((place, weight), light) in places.iter().zip(weights).zip(part_of) {
             let Some(light) = *light else { continue };
             let whole = joined[light].get_or_insert_with(|| place.clone());
-            *whole = whole.and(place, selection.lights[light].direction());
+            *whole = whole.and(place, detection.lights[light].direction());
             sums[light] += weight;
         }
         let places = joined.into_iter().flatten().collect();
-        Self {
-            detection: Detection::new(segments, selection, report),
-            places,
-            weights: sums,
-            ending,
-            clipped_share,
-        }
+        Self { detection, places, weights: sums, ending, clipped_share }
     }
 }

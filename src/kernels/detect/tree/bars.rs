@@ -1,0 +1,355 @@
+//! Bars: segments that are panes of one opening become one light, as a roof behind mullions.
+//!
+//! [`super::bridging`] joins across gaps that no light has. A wider gap may be a bar, or the dark between two
+//! lamps of a row: what tells them apart is how wide it is beside what it divides. Panes face each other along
+//! their sides, over a bar that is narrow; lamps face each other at a point, or over a gap like themselves. With
+//! the length `l` along which two segments of the solid angles `W` face each other, and the mean width `g` of
+//! the gap between them, they are panes of one opening where
+//!
+//! ```text
+//!   g <= 0.5 sqrt(d_1 d_2),   d = min(W / l, sqrt W)      narrow beside the panes' depths across it
+//!   g <= 2.5 degrees                                      what is wider is a wall
+//!   l >= g / 2,   l >= sqrt(W) / 4 of the smaller         they face each other along a side
+//!   mean luminances within a factor of 4                  one source lies behind both
+//!   the gap's is at most 0.8 of either                    a bar is dark: between two clouds lies a pale sky
+//! ```
+//!
+//! Lights that touch anywhere are never panes: what divides them is no bar but a saddle, and that is for prominence
+//! to judge, or for the necks of a plateau.
+//!
+//! The lights are joined after they are measured, for moments add up: a joined light holds all flux of its panes.
+
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+
+use super::adjacency::Adjacency;
+use super::components::{Segments, root};
+use super::linkage::{self, Selection};
+use super::moments::Light;
+use super::working_image::WorkingImage;
+
+/// Widest bar, as a share of the geometric mean of the depths of its two panes.
+pub const WIDEST_BAR: f64 = 0.5;
+/// Widest bar, in radians.
+pub const WIDEST_ANGLE: f64 = 2.5 / 360.0 * TAU;
+/// Panes face each other along this many widths of the bar, at least.
+const LEAST_LENGTH: f64 = 0.5;
+/// And along this share of the side of the smaller pane.
+const LEAST_SIDE: f64 = 0.25;
+/// Mean luminances of two panes differ by this factor, at most.
+const MOST_UNLIKE: f64 = 4.0;
+/// Mean luminance of a bar over that of the dimmer pane, at most. Pictures that end at white need it: there, all panes
+/// are alike, and what lies between two clouds at white is little darker.
+const MOST_LUMINANCE: f64 = 0.8;
+
+/// Lights after panes were joined.
+pub struct Openings {
+    pub lights: Vec<Light>,
+    /// For each light the luminance of its local background: the least of its panes'.
+    pub backgrounds: Vec<f64>,
+    /// For each measured light, the one that it is part of.
+    pub part_of: Vec<usize>,
+}
+
+/// Where two segments face each other, seen along the rows and along the columns.
+#[derive(Default)]
+struct Facing {
+    /// Lengths across the view, in radians.
+    lengths: [f64; 2],
+    /// Solid angles of the gap between.
+    gaps: [f64; 2],
+    /// Integral of the luminance over both of them.
+    flux: f64,
+    /// Whether there is no gap somewhere.
+    touch: bool,
+}
+
+impl Facing {
+    /// Length of the bar, which is oblique to rows and columns.
+    fn length(&self) -> f64 {
+        self.lengths[0].hypot(self.lengths[1])
+    }
+
+    /// Width of the bar. At the angle a to the columns, both views see its solid angle `g L`, over the lengths
+    /// `L cos a` and `L sin a`: the mean of what each tells of g, weighted by the squares of these.
+    fn width(&self) -> f64 {
+        let [rows, columns] = [0, 1].map(|view| self.gaps[view] * self.lengths[view].powi(2));
+        (rows + columns) / self.length().powi(3)
+    }
+
+    /// Mean luminance of the gap.
+    fn luminance(&self) -> f64 {
+        self.flux / (self.gaps[0] + self.gaps[1])
+    }
+
+    fn add(&mut self, view: usize, length: f64, width: f64, luminance: f64) {
+        self.lengths[view] += length;
+        self.gaps[view] += length * width;
+        self.flux += length * width * luminance;
+        self.touch |= width == 0.0;
+    }
+}
+
+/// Join the lights that are panes of one opening; without a `gap` that may be bridged, none.
+pub fn join(
+    working: &WorkingImage,
+    adjacency: &Adjacency,
+    segments: &Segments,
+    outline: &[u32],
+    gap: f64,
+    lights: Vec<Light>,
+    backgrounds: Vec<f64>,
+) -> Openings {
+    let mut parent: Vec<u32> = (0..lights.len() as u32).collect();
+    if lights.len() > 1 && gap > 0.0 {
+        for ((one, other), facing) in facing(working, adjacency, segments, outline, &lights) {
+            if are_panes(&lights[one as usize], &lights[other as usize], &facing) {
+                let (one, other) = (root(&mut parent, one), root(&mut parent, other));
+                parent[one.max(other) as usize] = one.min(other);
+            }
+        }
+    }
+    Openings::of(lights, backgrounds, &mut parent)
+}
+
+/// Whether what lies between two lights is a bar.
+fn are_panes(one: &Light, other: &Light, facing: &Facing) -> bool {
+    if facing.touch {
+        return false;
+    }
+    let (width, length) = (facing.width(), facing.length());
+    let side = one.solid_angle().min(other.solid_angle()).sqrt();
+    let depth = |light: &Light| (light.solid_angle() / length).min(light.solid_angle().sqrt());
+    let mean = |light: &Light| light.flux / light.solid_angle();
+    let (dimmer, brighter) = (mean(one).min(mean(other)), mean(one).max(mean(other)));
+    width <= WIDEST_BAR * (depth(one) * depth(other)).sqrt()
+        && width <= WIDEST_ANGLE
+        && length >= (LEAST_LENGTH * width).max(LEAST_SIDE * side)
+        && brighter <= MOST_UNLIKE * dimmer
+        && facing.luminance() <= MOST_LUMINANCE * dimmer
+}
+
+/// Find the pairs of segments that face each other to the right or downwards. A map in order: the same joins in
+/// the same order, always.
+fn facing(
+    working: &WorkingImage,
+    adjacency: &Adjacency,
+    segments: &Segments,
+    outline: &[u32],
+    lights: &[Light],
+) -> BTreeMap<(u32, u32), Facing> {
+    let (height, width) = working.size;
+    let (reaches, high) = (reaches(lights), working.row_height());
+    let mut pairs: BTreeMap<(u32, u32), Facing> = BTreeMap::new();
+    for index in outline.iter().map(|&index| index as usize) {
+        let own = segments.label[index];
+        let (row, column) = (index / width, index % width);
+        let [_, right, _, down] = adjacency.sides(index);
+        let reach = reaches[own as usize - 1];
+        // Find how broad the pixel is, and how many of them are within reach.
+        let broad = working.bands[row] * TAU / width as f64 / high;
+        let on_the_right = ((reach / broad) as usize + 1).min(width / 2);
+        let below = ((reach / high) as usize + 1).min(height - 1 - row);
+        // Look along the row and along the column for another segment.
+        let mut look = |view: usize, met: Option<Gap>, length: f64, step: f64| {
+            if let Some(gap) = met.filter(|gap| gap.label != own) {
+                let pair = (own.min(gap.label) - 1, own.max(gap.label) - 1);
+                pairs.entry(pair).or_default().add(view, length, step * gap.pixels as f64, gap.luminance);
+            }
+        };
+        if segments.label[right] != own {
+            let pixels = (1..=on_the_right).map(|k| row * width + (column + k) % width);
+            look(0, Gap::along(working, segments, pixels), high, broad);
+        }
+        if segments.label[down] != own {
+            let pixels = (1..=below).map(|k| index + k * width);
+            look(1, Gap::along(working, segments, pixels), broad, high);
+        }
+    }
+    pairs
+}
+
+/// What lies before the first pixel that has a label.
+struct Gap {
+    pixels: usize,
+    /// Their mean; 0 without any.
+    luminance: f64,
+    /// That label.
+    label: u32,
+}
+
+impl Gap {
+    /// The gap along these `pixels`, if one of them has a label.
+    fn along(
+        working: &WorkingImage,
+        segments: &Segments,
+        pixels: impl Iterator<Item = usize>,
+    ) -> Option<Self> {
+        let mut sum = 0.0;
+        for (count, pixel) in pixels.enumerate() {
+            let label = segments.label[pixel];
+            if label != 0 {
+                return Some(Self { pixels: count, luminance: sum / count.max(1) as f64, label });
+            }
+            sum += f64::from(working.luminance[pixel]);
+        }
+        None
+    }
+}
+
+/// How far from each light a bar may end: no other light is deeper than the largest.
+fn reaches(lights: &[Light]) -> Vec<f64> {
+    let sides: Vec<f64> = lights.iter().map(|light| light.solid_angle().sqrt()).collect();
+    let largest = sides.iter().copied().fold(0.0, f64::max);
+    // The mean over a curved gap may be less than one ray of it: twice the widest bar.
+    sides.iter().map(|side| 2.0 * (WIDEST_BAR * (side * largest).sqrt()).min(WIDEST_ANGLE)).collect()
+}
+
+impl Openings {
+    /// Select at most `most` of the lights that are listed, which [`Self::panes`] counts; each segment is part of its
+    /// opening's light.
+    pub fn select(mut self, is_listed: impl Fn(&Light, f64) -> bool, most: usize) -> (Selection, Vec<usize>) {
+        let listed: Vec<bool> = self
+            .lights
+            .iter()
+            .zip(&self.backgrounds)
+            .map(|(light, &behind)| is_listed(light, behind))
+            .collect();
+        let selection = linkage::select(std::mem::take(&mut self.lights), &listed, most);
+        let panes = self.panes(&selection);
+        let part_of = self.part_of.iter().map(|&opening| selection.part_of[opening]).collect();
+        (Selection { part_of, ..selection }, panes)
+    }
+
+    /// How many panes each of the selected lights was joined from; 0 for one that has none.
+    fn panes(&self, selection: &Selection) -> Vec<usize> {
+        // Count the segments of each opening.
+        let mut segments = vec![0; self.backgrounds.len()];
+        self.part_of.iter().for_each(|&opening| segments[opening] += 1);
+        // Add up those of openings with bars, as lights may have been merged since.
+        let mut panes = vec![0; selection.lights.len()];
+        for (&segments, light) in segments.iter().zip(&selection.part_of) {
+            if let Some(light) = light.filter(|_| segments > 1) {
+                panes[light] += segments;
+            }
+        }
+        panes
+    }
+
+    /// Join the lights of each tree of `parent`.
+    fn of(lights: Vec<Light>, backgrounds: Vec<f64>, parent: &mut [u32]) -> Self {
+        let mut openings = Self { lights: Vec::new(), backgrounds: Vec::new(), part_of: Vec::new() };
+        for ((i, light), background) in (0..).zip(lights).zip(backgrounds) {
+            let first = root(parent, i);
+            if first == i {
+                openings.part_of.push(openings.lights.len());
+                openings.lights.push(light);
+                openings.backgrounds.push(background);
+            } else {
+                // The first of a tree stands before the others.
+                let whole = openings.part_of[first as usize];
+                openings.part_of.push(whole);
+                openings.lights[whole] = openings.lights[whole].and(&light);
+                openings.backgrounds[whole] = openings.backgrounds[whole].min(background);
+            }
+        }
+        openings
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::super::background::local_backgrounds;
+    use super::super::measure::measure;
+    use super::super::outline;
+    use super::super::test_maps::{map_of, segments};
+    use super::*;
+    use crate::kernels::sphere::Registration;
+
+    /// The lights of a drawing of 128 x 256 pixels of 1.4 degrees, with these `rows` in the middle; before they are
+    /// joined and after. A light ends at the share `extent` of its peak.
+    fn before_and_after(rows: &[&str], extent: f64) -> (Vec<Light>, Openings) {
+        let dark = ".".repeat(256);
+        let mut all = vec![dark; 128];
+        for (row, drawn) in all[60..].iter_mut().zip(rows) {
+            row.replace_range(80..80 + drawn.len(), drawn);
+        }
+        let all: Vec<&str> = all.iter().map(String::as_str).collect();
+        let map = map_of(&all);
+        let working = WorkingImage::of(map.view(), Registration::CellCentred, 256).unwrap();
+        let adjacency = Adjacency::of(&working);
+        let segments = outline::trim(&adjacency, segments(&working, extent));
+        let outline = outline::outline(&adjacency, &segments);
+        let backgrounds = local_backgrounds(&working, &adjacency, &segments, &outline);
+        let lights = measure(map.view(), Registration::CellCentred, &working, &segments, &backgrounds);
+        (lights.clone(), join(&working, &adjacency, &segments, &outline, 0.01, lights, backgrounds))
+    }
+
+    fn lights_of(rows: &[&str]) -> usize {
+        before_and_after(rows, 0.5).1.lights.len()
+    }
+
+    #[test]
+    fn panes_behind_a_narrow_bar_are_one_light_with_all_their_flux() {
+        let (panes, opening) = before_and_after(&["8888.8888.8888"; 3], 0.5);
+        assert_eq!((panes.len(), opening.lights.len()), (3, 1));
+        let flux: f64 = panes.iter().map(|pane| pane.flux).sum();
+        assert!((opening.lights[0].flux - flux).abs() < 1e-12 * flux, "{flux}");
+        assert_eq!(opening.part_of, [0, 0, 0]);
+    }
+
+    #[test]
+    fn lamps_as_far_apart_as_they_are_broad_stay_apart() {
+        assert_eq!(lights_of(&["8.8.8.8"; 3]), 4); // tubes
+        assert_eq!(lights_of(&["8.8", "...", "8.8"]), 4);
+    }
+
+    /// The bridge between them is above the edge of both: they meet halfway, and what divides them is no bar.
+    #[test]
+    fn lamps_on_a_bridge_stay_apart_as_prominence_says() {
+        let bridge = ["9999222222229999"; 6];
+        assert_eq!(before_and_after(&bridge, 0.0).1.lights.len(), 2);
+    }
+
+    #[test]
+    fn a_lamp_beside_a_window_of_another_luminance_stays_apart() {
+        assert_eq!(lights_of(&["9999.2222", "9999.2222", "9999.2222"]), 2);
+        assert_eq!(lights_of(&["9999.4444", "9999.4444", "9999.4444"]), 1);
+    }
+
+    /// Panes of 4 x 4 pixels at luminance 8, and what lies between: 1.4 degrees wide.
+    #[test]
+    fn a_bar_is_dark_lies_along_a_side_and_is_nowhere_open() {
+        let (panes, _) = before_and_after(&["8888.8888"; 4], 0.5);
+        let is_bar = |luminance: f64, length: f64, open: f64| {
+            let mut facing = Facing::default();
+            facing.add(0, length, 0.0245, luminance);
+            if open > 0.0 {
+                facing.add(1, open, 0.0, 0.0);
+            }
+            are_panes(&panes[0], &panes[1], &facing)
+        };
+        assert!(is_bar(6.3, 0.098, 0.0) && !is_bar(6.5, 0.098, 0.0));
+        assert!(is_bar(0.1, 0.026, 0.0) && !is_bar(0.1, 0.023, 0.0));
+        assert!(!is_bar(0.1, 0.098, 0.001));
+    }
+
+    /// Two pixels are 2.8 degrees.
+    #[test]
+    fn what_is_wider_than_2_5_degrees_is_a_wall() {
+        assert_eq!(lights_of(&["8888888888..8888888888"; 10]), 2);
+        assert_eq!(lights_of(&["8888888888.8888888888"; 10]), 1);
+    }
+
+    #[test]
+    fn the_width_of_an_oblique_bar_is_measured_across_it() {
+        let mut facing = Facing::default();
+        let (length, width, angle) = (3.0, 0.2, 0.4_f64);
+        facing.add(0, length * angle.cos(), width / angle.cos(), 0.25);
+        facing.add(1, length * angle.sin(), width / angle.sin(), 0.75);
+        assert!((facing.length() - length).abs() < 1e-12);
+        assert!((facing.width() - width).abs() < 1e-12);
+        assert!((facing.luminance() - 0.5).abs() < 1e-12);
+    }
+}
