@@ -114,8 +114,8 @@ mod tests {
     fn sources_that_are_alike_are_kept_or_left_together() {
         let (bright, alike) = (vec![2.0; 20], vec![1.0; 6]);
         assert_eq!(brightest(&[bright.clone(), alike].concat()), 20);
-        assert_eq!(brightest(&vec![1.0; MOST_POINTS + 1]), 0);
-        assert_eq!(brightest(&vec![1.0; MOST_POINTS]), MOST_POINTS);
+        assert_eq!(brightest(&[1.0; MOST_POINTS + 1]), 0);
+        assert_eq!(brightest(&[1.0; MOST_POINTS]), MOST_POINTS);
         let falling: Vec<f64> = (0..30).map(|i| 1.0 - 0.01 * f64::from(i)).collect();
         assert_eq!(brightest(&falling), MOST_POINTS);
         assert_eq!(brightest(&[]), 0);
