@@ -42,6 +42,14 @@ def test_the_title_says_which_normals_the_error_is_of():
     )
 
 
+def test_no_light_and_no_number_hides_the_eye():
+    on_map = plot.picture(HALL, el.fit(HALL, lights=4)).axes[0]
+    *others, eye = on_map.collections
+    assert len(eye.get_offsets()) == 1
+    assert len(on_map.texts) == 4
+    assert eye.zorder > max(each.zorder for each in (*others, *on_map.texts))
+
+
 def test_the_title_names_harmonics():
     rig = el.fit(HALL, lights=1, ambient="sh2")
     assert plot.picture(HALL, rig).get_suptitle().startswith("harmonics + 1 light: ")

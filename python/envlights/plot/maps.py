@@ -166,7 +166,10 @@ def detection_picture(env: AnyMap, lights: DetectedLights) -> Picture:
 def _draw_eye(axes: Axes, eye: NDArray[np.float64]) -> Line2D:
     """Mark the direction from which the probe is seen."""
     ((azimuth, elevation),) = degrees(eye[None])
-    axes.scatter([azimuth], [elevation], s=81, marker="^", c="deepskyblue", edgecolors="black")
+    # It lies above the numbers, which would hide it among many lights.
+    axes.scatter(
+        [azimuth], [elevation], s=81, marker="^", c="deepskyblue", edgecolors="black", zorder=6
+    )
     label = f"eye of the probe ({azimuth:.0f}°, {elevation:+.0f}°)"
     return Line2D([], [], ls="", marker="^", ms=9, mfc="deepskyblue", mec="black", label=label)
 
