@@ -13,6 +13,7 @@ import envlights as el
 from tests.helpers import angle_deg, flux
 
 ROOT = Path(__file__).parents[1]
+MACHINE = {"processor": "none", "cores": 1, "threads": 1, "maps": 0, "quick": True, "date": "x"}
 
 
 @pytest.fixture(scope="module")
@@ -20,9 +21,10 @@ def curves():
     """The modules of `benchmarks/curves`, which find each other by the folder above them."""
     sys.path.insert(0, str(ROOT / "benchmarks"))
     try:
-        from curves import judge, page, peers_of_lights, results
+        from curves import judge, page, peers_of_lights, results, scale
 
-        yield {"judge": judge, "page": page, "peers": peers_of_lights, "results": results}
+        found = {"judge": judge, "page": page, "peers": peers_of_lights}
+        yield found | {"results": results, "scale": scale}
     finally:
         sys.path.remove(str(ROOT / "benchmarks"))
 
@@ -83,9 +85,8 @@ def test_each_part_is_measured_alone_and_stays_on_the_page(tmp_path):
     """What an earlier run left is shown again: a long run can be taken up part by part."""
     parts = tmp_path / "benchmarks"
     parts.mkdir()
-    machine = {"processor": "none", "cores": 1, "threads": 1, "maps": 0, "quick": True, "date": "x"}
     row = {"part": "probe", "case": "a", "method": "exact", "setting": 0.0, "seconds": 0.1}
-    left = [machine, row | {"spread": 0.0, "errors": {"probe": 1e-7}}]
+    left = [MACHINE, row | {"spread": 0.0, "errors": {"probe": 1e-7}}]
     (parts / "probe.jsonl").write_text("".join(json.dumps(line) + "\n" for line in left))
     command = [sys.executable, "-m", "benchmarks", "stress", "--quick", "--out", str(tmp_path)]
     subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
@@ -100,6 +101,7 @@ def test_what_is_better_in_both_is_told(curves):
     results, page = curves["results"], curves["page"]
     part = SimpleNamespace(
         __doc__="Doc.",
+        points=None,
         TITLE="T",
         ERRORS={"probe": "error"},
         OURS=("ours",),
@@ -110,8 +112,7 @@ def test_what_is_better_in_both_is_told(curves):
         results.Point("p", "a", name, 1, seconds, 0.0, {"probe": error})
         for name, seconds, error in rows
     ]
-    machine = {"processor": "none", "cores": 1, "threads": 1, "maps": 0, "quick": True, "date": "x"}
-    text = page.page([("p", part, machine, points)])
+    text = page.page([("p", part, MACHINE, points)])
     assert "more accurate than ours, error: wins (1) against ours (1) on 1 of 1." in text
     assert "matches in less time, error: fast (1) on 1 of 1; wins (1) on 1 of 1." in text
 
@@ -135,3 +136,42 @@ def test_a_probe_of_mitsuba_tends_to_ours(curves, env):
     probe, wanted = Probe(env.radiance, normals, 1), env.probe(normals)
     few, many = (np.linalg.norm(probe.render(n) - wanted) for n in (64, 4096))
     assert many < min(few / 3, 0.03 * np.linalg.norm(wanted))
+
+
+def two_runs(tmp_path, times, errors):
+    """What two runs wrote: ours beside a peer of 2 s, all with spreads of 5 %."""
+    for name, time, error in zip(("first", "second"), times, errors, strict=True):
+        rows = [
+            {"method": method, "seconds": seconds, "spread": 0.05, "errors": {"probe": error}}
+            for method, seconds in (("exact", time), ("Monte Carlo", 2.0))
+        ]
+        parts = tmp_path / name / "benchmarks"
+        parts.mkdir(parents=True)
+        lines = [MACHINE, *({"part": "probe", "case": "a", "setting": None} | row for row in rows)]
+        text = "".join(json.dumps(line) + "\n" for line in lines)
+        (parts / "probe.jsonl").write_text(text)
+    command = [sys.executable, "-m", "benchmarks", "--against", str(tmp_path / "second")]
+    command += ["--out", str(tmp_path / "first")]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    return done, (tmp_path / "first/benchmarks.md").read_text()
+
+
+def test_a_second_run_agrees_within_the_spreads(tmp_path):
+    """Four spreads and a tenth allow a ratio to change by exp(0.3) = 1.35."""
+    done, page = two_runs(tmp_path, (1.0, 1.3), (1e-3, 1e-3))
+    assert done.returncode == 0, done.stderr
+    assert "| The probe of a map | 1 | 1 | 30 % | 30 % | 30 % | 2 | 2 |" in page
+
+
+def test_a_ratio_and_errors_that_changed_are_named(tmp_path):
+    done, page = two_runs(tmp_path, (1.0, 1.4), (1e-3, 1.1e-3))
+    assert done.returncode == 1
+    assert "exact over Monte Carlo on a: 40 %, allowed 35 %" in done.stderr
+    assert "probe of exact on a: 10 %" in done.stderr
+    assert "| The probe of a map | 1 | 0 | 40 % | 40 % | 40 % | 2 | 0 |" in page
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="memory is read from /proc")
+def test_the_peak_memory_of_a_copy_is_that_of_the_copy(curves):
+    megabytes = curves["scale"].peak("array.copy()", 2 * 1024**2)
+    assert megabytes == pytest.approx(24, rel=0.05)

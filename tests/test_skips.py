@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import envlights as el
-from tests.skips import skips
+from tests.conftest import real_maps
+from tests.skips import of_map, skips
 
 SKIPS = list(skips(256, width=64))
 
@@ -14,6 +15,14 @@ def test_on_and_off_agree_to_the_bound(skip):
     assert skip.skipped
     error = skip.error()
     assert error <= skip.bound, f"{error:.2g}, bound {skip.bound:.2g}: {skip.reason}"
+
+
+@real_maps("hdr/*.hdr", "exr/*.exr", "openexr_envmaps/*LatLong.exr")
+def test_on_and_off_agree_on_a_real_map(path):
+    radiance = np.ascontiguousarray(el.EnvMap.open(path).radiance)
+    for skip in of_map(path.stem, radiance):
+        error = skip.error()
+        assert error <= skip.bound, f"{skip.stage}: {error:.2g}, bound {skip.bound:.2g}"
 
 
 def test_without_dark_tiles_all_are_opened():

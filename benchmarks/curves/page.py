@@ -6,11 +6,13 @@ from curves.results import curves, told
 _HEAD = """# Run time against error
 
 `python -m benchmarks --out docs` measures everything on this page, and writes it; with the names of
-parts, it measures those anew. Each part says on what machine it was measured.
+parts, it measures those anew. Each part says on what machine it was measured. The last table has
+what a second run of the command changed.
 
-Within a part all methods take turns in one process, warmed up. Times are medians over the rounds;
-times and errors are geometric means over the cases. The spread is half the distance of the
-quartiles over the median, at worst. Compare ratios: the times are those of one machine.
+Within a part all methods take turns in one process, warmed up. Times are medians over the rounds,
+on one thread those of the processor; times and errors are geometric means over the cases. The
+spread is half the distance of the quartiles over the median, at worst. Compare ratios: the times
+are those of one machine.
 """
 
 
@@ -25,7 +27,7 @@ def page(found):
 
 def is_table(part):
     """Whether a part has rows in place of curves."""
-    return hasattr(part, "rows")
+    return not hasattr(part, "points")
 
 
 def _measured_on(machine):
@@ -40,12 +42,10 @@ def _measured_on(machine):
 def _curves(name, part, points):
     """The picture, the table, and what is lost."""
     cases = len({point.case for point in points})
-    text = [
-        f"![{part.TITLE}](benchmarks/{name}.png)\n",
-        f"{cases} case{'s' if cases != 1 else ''}.\n",
-        *_table(part.ERRORS, points),
-    ]
-    return text + (_losses(part, part.ERRORS, points) if part.ERRORS else _slopes(points))
+    text = [f"![{part.TITLE}](benchmarks/{name}.png)\n"]
+    if part.ERRORS:
+        text += [f"{cases} case{'s' if cases != 1 else ''}.\n", *_table(part.ERRORS, points)]
+    return text + (_losses(part, part.ERRORS, points) if part.ERRORS else _slopes(part, points))
 
 
 def _table_of_rows(rows):
@@ -70,8 +70,6 @@ def _table(errors, points):
     head = ["method", "setting", "time", "spread", *errors.values()]
     rows = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
     by_error = {error: curves(points, error) for error in errors}
-    if not errors:
-        return [*rows, *(_row(p.method, p.setting, p.seconds, p.spread, []) for p in points)]
     first = next(iter(by_error.values()))
     for method, settings in first.items():
         for index, (setting, seconds, _, spread) in enumerate(settings):
@@ -129,17 +127,47 @@ def _is_matched(our, their, error):
     return our.seconds < their.seconds and our.errors[error] <= their.errors[error]
 
 
-def _slopes(points):
-    """Slopes over the larger maps, and how near the largest comes to the measured bandwidth."""
-    text = [
-        "\nExponent of the run time in the number of pixels, a line through the three largest maps;"
-        " in brackets the share of the bandwidth that `array.max()` has on the largest:"
-    ]
-    seconds = {}
-    for point in points:
-        seconds.setdefault(point.method, []).append((point.setting, point.seconds))
-    _, one_pass = seconds["array.max()"][-1]
-    for method, sizes in seconds.items():
-        slope, _ = np.polyfit(*np.log(sizes[-3:]).T, 1)
-        text.append(f"{method} {slope:.2f} ({100 * one_pass / sizes[-1][1]:.0f} %);")
-    return [" ".join(text).rstrip(";") + "."]
+def _slopes(part, points):
+    """For what grows, a table of run times with their slopes; and the memory, where it is there."""
+    text = []
+    for case in dict.fromkeys(point.case for point in points):
+        found = [point for point in points if point.case == case]
+        sizes = sorted({point.setting for point in found})
+        text += [f"\nRun time in milliseconds, by the number of {case}:\n"]
+        head = ["method", *(told(size) for size in sizes), "exponent"]
+        is_bound = case == "pixels"
+        head += ["of the bandwidth"] if is_bound else []
+        text += ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+        for method in dict.fromkeys(point.method for point in found):
+            seconds = {p.setting: p.seconds for p in found if p.method == method}
+            cells = [method, *(f"{1e3 * seconds[size]:.3g}" for size in sizes)]
+            cells.append(f"{_slope(seconds):.2f}")
+            cells += [f"{100 * _one_pass(found) / seconds[sizes[-1]]:.0f} %"] if is_bound else []
+            text.append("| " + " | ".join(cells) + " |")
+    return [*text, *_memory([point for point in points if point.errors]), "\n" + part.SAID]
+
+
+def _slope(values):
+    """Exponent of a power law: a line through the three largest."""
+    return np.polyfit(*np.log(sorted(values.items())[-3:]).T, 1)[0]
+
+
+def _one_pass(points):
+    """Seconds of the pass over the largest map that sets the bandwidth."""
+    return max((p.setting, p.seconds) for p in points if p.method == "array.max()")[1]
+
+
+def _memory(points):
+    """Peak megabytes by the number of pixels."""
+    if not points:
+        return []
+    sizes = sorted({point.setting for point in points})
+    head = ["method", *(told(size) for size in sizes), "bytes a pixel"]
+    text = ["\nPeak memory in megabytes beyond the map, by the number of pixels:\n"]
+    text += ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+    for method in dict.fromkeys(point.method for point in points):
+        found = {p.setting: p.errors["memory"] for p in points if p.method == method}
+        slope = 2**20 * np.polyfit(list(found), list(found.values()), 1)[0]
+        cells = [method, *(f"{found[size]:.3g}" for size in sizes), f"{slope:.2g}"]
+        text.append("| " + " | ".join(cells) + " |")
+    return text

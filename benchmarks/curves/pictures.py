@@ -11,7 +11,7 @@ _WIDTH, _HEIGHT = 5.6, 4.6
 def picture(part, points):
     """A panel for each error over the run time, and over what the settings count, if they do.
 
-    Without errors, the run time over the setting.
+    Without errors, the run time over the setting, a panel for each case.
     """
     panels = _panels(part, points)
     across = 2 if len(panels) == 4 else len(panels)
@@ -29,8 +29,12 @@ def picture(part, points):
             if high > 10 * low:
                 axis.set_minor_formatter(NullFormatter())
         axes.grid(which="both", alpha=0.2)
-    handles, labels = every[0].get_legend_handles_labels()
-    figure.legend(handles, labels, fontsize=8, loc="outside right center")
+    # A method may be in some panels only.
+    handles = [axes.get_legend_handles_labels() for axes in every]
+    named = {
+        name: line for lines, names in handles for line, name in zip(lines, names, strict=True)
+    }
+    figure.legend(named.values(), named.keys(), fontsize=8, loc="outside right center")
     figure.suptitle(part.TITLE + part.READ)
     return figure
 
@@ -38,11 +42,11 @@ def picture(part, points):
 def _panels(part, points):
     """Labels of the axes, and by method rows of x, y and what stands beside the point."""
     if not part.ERRORS:
-        lines = {}
+        panels = {}
         for point in points:
-            row = (point.setting / 1e6, 1e3 * point.seconds, "")
-            lines.setdefault(point.method, []).append(row)
-        return [("megapixels", "milliseconds", lines)]
+            lines = panels.setdefault(point.case, {}).setdefault(point.method, [])
+            lines.append((point.setting, 1e3 * point.seconds, ""))
+        return [(case, "milliseconds", lines) for case, lines in panels.items()]
     panels = []
     for error, label in part.ERRORS.items():
         found = curves(points, error)
@@ -65,15 +69,18 @@ def _line(axes, rows, style, label):
     axes.plot([row[0] for row in rows], [row[1] for row in rows], **style, label=label)
     for x, y, beside in rows:
         if len(rows) > 1:
-            axes.annotate(beside, (x, y), (3, 3), textcoords="offset points", fontsize=7)
+            where = {"xytext": (3, 3), "textcoords": "offset points"}
+            axes.annotate(beside, (x, y), **where, fontsize=7, color=style["color"])
 
 
 def _colours(methods):
     """A colour for each method, the same in all panels."""
-    every = [*mpl.colormaps["tab10"].colors, "black"]
+    every = [*mpl.colormaps["tab10"].colors, "black", "gold"]
     return {method: every[i % len(every)] for i, method in enumerate(dict.fromkeys(methods))}
 
 
 def _style(colour, is_ours):
     width, dash = (2.5, "-") if is_ours else (1.2, "--")
-    return {"color": colour, "linewidth": width, "linestyle": dash, "marker": "o", "markersize": 4}
+    above = 3 if is_ours else 2
+    line = {"color": colour, "linewidth": width, "linestyle": dash, "zorder": above}
+    return line | {"marker": "o", "markersize": 5 if is_ours else 4}

@@ -102,7 +102,6 @@ def reference(radiance, parts):
     height = parts * len(radiance)
     normals = NORMALS[_JUDGED]
     total = np.zeros((len(normals), 3))
-    directions = solid_angles = None
     rows = 8 * parts
     width = 2 * height
     for top in range(0, height, rows):

@@ -1,11 +1,13 @@
 """Points of run time against error, and rows of tables, kept as JSON lines."""
 
 import json
+import os
+import time
 from importlib.util import find_spec
 from typing import NamedTuple
 
 import numpy as np
-from stopwatch import all_seconds
+from stopwatch import all_seconds, processor_seconds
 
 
 class Point(NamedTuple):
@@ -24,11 +26,14 @@ class Point(NamedTuple):
     """Half the distance of the quartiles over the median."""
 
     errors: dict
-    """Relative errors by their names."""
+    """Relative errors by their names; some are run times."""
+
+    spreads: dict | None = None
+    """Of those errors that are run times."""
 
 
 class Effort(NamedTuple):
-    """What a case may cost: rounds, of which three are made in any case, and seconds of them."""
+    """What a case may cost: rounds, of which each piece has three in any case, and seconds."""
 
     rounds: int
     seconds: float
@@ -54,9 +59,14 @@ def those_installed(methods, needs):
 
 
 def timed(work, effort):
-    """Median seconds and spread of each piece of work."""
+    """Median seconds and spread of each piece of work.
+
+    On one thread they are seconds of the processor: what else the machine does counts less.
+    """
+    is_alone = os.environ["RAYON_NUM_THREADS"] == "1"
+    clock = processor_seconds if is_alone else time.perf_counter
     found = {}
-    for name, seconds in all_seconds(work, effort.rounds, effort.seconds).items():
+    for name, seconds in all_seconds(work, effort.rounds, effort.seconds, clock).items():
         low, median, high = np.percentile(seconds, [25, 50, 75])
         found[name] = float(median), float((high - low) / 2 / median)
     return found

@@ -1,6 +1,15 @@
-"""Run time against the number of pixels, beside one pass of NumPy over the same map."""
+"""Run time and memory against what grows: pixels, lights, normals, images.
 
+All maps are the generated hall, its pixels repeated; lights are fitted to it at 1024x512, which the
+probe of many normals reads, too. Images are pairs of the generated room at rank 16. Beside them one
+pass of NumPy over the same map. Memory is the peak of a process of its own beyond what it had
+before the call, on Linux, from 2048x1024 on.
+"""
+
+import sys
 from functools import partial
+from multiprocessing import get_context
+from pathlib import Path
 
 import numpy as np
 from curves.results import Point, timed
@@ -8,31 +17,115 @@ from curves.results import Point, timed
 import envlights as el
 from envlights import kernels
 
-TITLE = "Run time by size of the map"
+TITLE = "Run time and memory by size"
 READ = ""
+#: Of the tables.
+SAID = (
+    "The exponent of a power law is a line through the three largest; the bandwidth is that of"
+    " `array.max()` on the largest map, a share above 100 % comes from the spread."
+)
 ERRORS = {}
-OURS = ("EnvMap(array)", "env.probe, 320 normals", "detect", "fit, 4 lights")
-HEIGHTS = (256, 512, 1024, 2048, 4096)
-NORMALS, _ = kernels.icosphere(320)
+OURS = (
+    "EnvMap(array)",
+    "env.probe, 320 normals",
+    "detect",
+    "fit, 4 lights",
+    "fit",
+    "fit, points",
+    "env.probe",
+    "working map",
+    "TransferModel.fit",
+)
+#: Up to 16384 columns, and of a quick run; those whose memory is measured.
+HEIGHTS, FEW_HEIGHTS = (256, 512, 1024, 2048, 4096, 8192), (256, 512, 1024)
+MEASURED = (1024, 4096, 8192)
+LIGHTS = (1, 2, 4, 8, 16, 32, 64)
+#: Of icospheres.
+NORMALS = (20, 80, 320, 1280, 5120)
+IMAGES = (12, 24, 48, 96)
 
 METHODS = {
     "array.max()": lambda radiance: radiance.max(),
     "array.copy()": lambda radiance: radiance.copy(),
     "EnvMap(array)": el.EnvMap,
-    "env.probe, 320 normals": lambda radiance: kernels.irradiance(radiance, NORMALS),
+    "env.probe, 320 normals": lambda radiance: kernels.irradiance(
+        radiance, kernels.icosphere(320)[0]
+    ),
     "detect": el.detect,
     "fit, 4 lights": lambda radiance: el.fit(radiance, lights=4),
 }
 
 
+def are_comparable(our, their):
+    """On a map of the same size."""
+    return our.setting == their.setting
+
+
 def points(_, effort):
-    """Yield a point for each method and height of a map with a sun; the setting is its pixels."""
-    small = el.synthetic.hall(HEIGHTS[0]).radiance
-    for height in HEIGHTS:
-        times = height // HEIGHTS[0]
-        radiance = np.ascontiguousarray(small.repeat(times, axis=0).repeat(times, axis=1))
-        work = {method: partial(run, radiance) for method, run in METHODS.items()}
+    """Yield a point for each method and size; the case is what grows."""
+    half = effort._replace(seconds=effort.seconds / 2)
+    for case, size, work in _all(effort.is_quick):
+        told = case == "pixels" and not effort.is_quick and _has_memory(size)
+        memory = {method: peak(method, size) for method in work} if told else {}
         for run in work.values():
             run()
-        for method, (seconds, spread) in timed(work, effort).items():
-            yield Point("scale", "hall", method, 2 * height**2, seconds, spread, {})
+        for method, (seconds, spread) in timed(work, half).items():
+            errors = {"memory": memory[method]} if told else {}
+            yield Point("scale", case, method, size, seconds, spread, errors)
+
+
+def _all(is_quick):
+    """What grows, its size, and the work by methods."""
+    few = 4 if is_quick else None
+    for height in FEW_HEIGHTS if is_quick else HEIGHTS:
+        radiance = hall(height)
+        yield (
+            "pixels",
+            2 * height**2,
+            {name: partial(run, radiance) for name, run in METHODS.items()},
+        )
+    radiance = hall(512)
+    for count in LIGHTS[:few]:
+        points = partial(el.fit, radiance, count, sizes=False)
+        yield "lights", count, {"fit": partial(el.fit, radiance, count), "fit, points": points}
+    for count in NORMALS[:few]:
+        kinds = {"env.probe": kernels.irradiance, "working map": kernels.working_irradiance}
+        normals, _ = kernels.icosphere(count)
+        yield "normals", count, {name: partial(f, radiance, normals) for name, f in kinds.items()}
+    room = el.synthetic.room(IMAGES[-1], width=64)
+    for count in IMAGES[:few]:
+        pairs = room.direct[:count], room.indirect[:count]
+        yield "images", count, {"TransferModel.fit": partial(el.TransferModel.fit, *pairs, 16)}
+
+
+def hall(height):
+    """The hall of the demo, each pixel repeated."""
+    small = el.synthetic.hall(256).radiance.astype(np.float32)
+    times = height // 256
+    return np.ascontiguousarray(small.repeat(times, axis=0).repeat(times, axis=1))
+
+
+def _has_memory(pixels):
+    return sys.platform == "linux" and pixels in {2 * height**2 for height in MEASURED}
+
+
+def peak(method, pixels):
+    """Megabytes that a call takes at most, beyond those of its process before it."""
+    with get_context("spawn").Pool(1) as pool:
+        return pool.apply(_peak, (method, pixels))
+
+
+def _peak(method, pixels):
+    radiance = hall(int((pixels / 2) ** 0.5))
+    METHODS[method](hall(256))  # What the first call of all makes is no part of it.
+    before = _kilobytes("VmRSS")
+    # From now on the peak is counted anew.
+    Path("/proc/self/clear_refs").write_text("5")
+    METHODS[method](radiance)
+    return (_kilobytes("VmHWM") - before) / 1024
+
+
+def _kilobytes(name):
+    """Of this process."""
+    lines = dict(line.split(":") for line in Path("/proc/self/status").read_text().splitlines())
+    return int(lines[name].split()[0])

@@ -1,7 +1,7 @@
 """Indirect light from direct light: run time of a frame against the error on unseen lights.
 
 The error is the median of the relative errors of the unseen images. The second panel has the time
-of a fit, the least of three. Settings are ranks; of `fewer pairs` their number, and of `smaller
+of a fit. Settings are ranks; of `fewer pairs` their number, and of `smaller
 direct` texels along a side of the direct image, both at rank 32. All have the ridge 1e-3 but
 `ridge="loo"`, and the same pairs: the generated room without noise, 64x64, and the database in
 `ENVLIGHTS_TRANSFER_DB`, if any.
@@ -13,7 +13,6 @@ from functools import partial
 import numpy as np
 from curves.peers_of_transfer import notebook, scikit
 from curves.results import Point, those_installed, timed
-from stopwatch import least_seconds
 from tests.helpers import relative_errors
 
 import envlights as el
@@ -21,6 +20,8 @@ import envlights as el
 TITLE = "Indirect light"
 READ = ": left is faster, down is better"
 ERRORS = {"unseen": "error on unseen lights", "fit": "seconds of a fit"}
+#: Errors that are run times.
+TIMED = ("fit",)
 COUNTED = None
 OURS = ("TransferModel", 'ridge="loo"', "compressed", "fewer pairs", "smaller direct")
 RANKS, RANK = (4, 8, 16, 32), 32
@@ -70,7 +71,7 @@ def are_comparable(our, their):
 
 def points(_, effort):
     """Yield a point for each data set, method and setting."""
-    for name, direct, indirect in data():
+    for name, direct, indirect in data(effort.is_quick):
         learnt = int(LEARNT * len(direct))
         new, truth = direct[learnt:], indirect[learnt:]
         fits = {
@@ -79,21 +80,24 @@ def points(_, effort):
             for setting in settings
         }
         models = {key: fit() for key, fit in fits.items()}
-        fitted = least_seconds(fits, rounds=3, patience=effort.seconds)
+        fitted = timed(fits, effort)
         frames = {key: partial(model, new[0]) for key, model in models.items()}
         seconds = timed(frames, effort._replace(rounds=3 * effort.rounds))
         for (method, setting), model in models.items():
             seen = np.stack([model(image) for image in new])
             unseen = float(np.median(relative_errors(seen, truth)))
-            errors = {"unseen": unseen, "fit": fitted[method, setting]}
-            yield Point("transfer", name, method, setting, *seconds[method, setting], errors)
+            fit, spread = fitted[method, setting]
+            errors, spreads = {"unseen": unseen, "fit": fit}, {"fit": spread}
+            time = seconds[method, setting]
+            yield Point("transfer", name, method, setting, *time, errors, spreads)
 
 
-def data():
-    """Names, and pairs in float32."""
+def data(is_quick):
+    """Names, and pairs in float32; of a quick run those of the room alone."""
     room = el.synthetic.room(PAIRS, width=64)
     yield "room", room.direct, room.indirect
-    if folder := os.environ.get("ENVLIGHTS_TRANSFER_DB"):
+    folder = os.environ.get("ENVLIGHTS_TRANSFER_DB")
+    if folder and not is_quick:
         pairs = el.read_pairs(folder)
         both = (np.asarray(each, np.float32) for each in (pairs.direct, pairs.indirect))
         yield "database", *both

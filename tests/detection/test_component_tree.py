@@ -76,6 +76,11 @@ def test_noise_falls_into_the_lights_of_the_reference(height, steep, prominence,
     assert_as_reference(grey(np.exp(steep * levels).reshape(height, 2 * height)), prominence)
 
 
+@real_maps("hdr/*.hdr", "exr/*.exr", "openexr_envmaps/*LatLong.exr")
+def test_a_real_map_falls_into_the_lights_of_the_reference(path):
+    assert_as_reference(np.ascontiguousarray(el.EnvMap.open(path).radiance))
+
+
 @pytest.mark.parametrize("rows", [slice(0, 2), slice(38, 40)])
 def test_lamps_that_meet_only_at_a_pole_are_lights_of_the_reference(rows):
     """Spokes around a pole, each with its own peak: the pole row joins them."""
