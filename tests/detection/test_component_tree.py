@@ -262,6 +262,23 @@ def test_openings_are_one_light_each_and_lamps_of_a_row_stay_apart():
         assert score.f1 >= 0.95, (kind, score)
 
 
+@pytest.mark.parametrize("direction", [(1, 0.4, 0), (0, 0.1, -1), (0, 1, 0.2)])
+@pytest.mark.parametrize("registration", ["cell-centred", "border-sampled"])
+def test_a_light_whose_peak_has_a_black_channel_is_noted(direction, registration):
+    shapes = [Disc(direction, 3, (9, 8, 7)), Disc((0, -1, 1), 3, (9, 8, 7))]
+    radiance = scene(128, background=[0.1] * 3, shapes=shapes).radiance
+    env = el.EnvMap(radiance, registration=registration)
+    assert el.detect(env).report.notes == ()
+    row, column = np.unravel_index(radiance[:64].sum(axis=2).argmax(), (64, 256))
+    damaged = radiance.copy()
+    damaged[row, column] = 30, 25, np.nan
+    (_, note) = el.detect(el.EnvMap(damaged, registration=registration)).report.notes
+    assert "has no blue there" in note
+    damaged[row, column] = 0, 25, 0
+    (note,) = el.detect(el.EnvMap(damaged, registration=registration)).report.notes
+    assert "has no red and no blue there" in note
+
+
 def test_what_gives_little_and_stands_out_little_is_listed_only_when_all_are_wanted():
     """A lamp, a chink of six times its background, and a bright point."""
     shapes = [

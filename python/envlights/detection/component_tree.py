@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 from envlights import _native
 from envlights._check import LARGEST_COUNT, amount, count
+from envlights.detection.casts import cast_notes
 from envlights.detection.lights import DetectedLights, DetectionReport
 from envlights.detection.members import Members
 from envlights.envmap import AnyMap, EnvMap, checked_white, seen_through
@@ -134,7 +135,9 @@ def detect_tree(
         return _Found(behind_white.tree, behind_white)
 
     world, found = seen_through(env, found_in)
-    return _wrapped(found, world.notes, time.perf_counter() - start)
+    tree = found.tree
+    casts = cast_notes(world, tree.peak_direction, tree.peak_luminance)
+    return _wrapped(found, (*world.notes, *casts), time.perf_counter() - start)
 
 
 class _Found(NamedTuple):

@@ -1,0 +1,55 @@
+"""Lights whose peak has a black channel: of saturated colour, or damaged."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights.envmap import EnvMap
+from envlights.kernels import image as images
+from envlights.kernels.sphere import direction_to_uv
+from envlights.light import azimuths, elevations
+
+#: A pixel of this share of the peak's luminance is the peak.
+_AT_PEAK = 0.99
+
+_CHANNELS = ("red", "green", "blue")
+
+
+def cast_notes(
+    world: EnvMap, peak_direction: NDArray[np.float64], peak_luminance: NDArray[np.float64]
+) -> list[str]:
+    """A sentence for each light whose peak has no red, green or blue.
+
+    Few real lights have none: the channel was below zero, not a number, or outside of the colours
+    that the file can hold, and was set to 0.
+    """
+    # Find the pixels of the peaks. A top of several pixels may have its centroid beside them.
+    radiance = _pixels(world, peak_direction).astype(np.float64)
+    is_peak = radiance @ images.LUMINANCE >= _AT_PEAK * peak_luminance
+    is_black = (radiance == 0) & is_peak[:, None]
+    lights = np.flatnonzero(is_black.any(axis=1) & (radiance > 0).any(axis=1))
+    places = zip(azimuths(peak_direction), elevations(peak_direction), strict=True)
+    degrees = [tuple(math.degrees(angle) for angle in place) for place in places]
+    return [
+        f"the light with its peak at azimuth {degrees[light][0]:.0f}°, elevation"
+        f" {degrees[light][1]:.0f}° has no {_names(is_black[light])} there: its colour may be wrong"
+        for light in lights
+    ]
+
+
+def _pixels(world: EnvMap, directions: NDArray[np.float64]) -> NDArray[np.float32]:
+    """The radiance of the pixels that directions point to.
+
+    In border-sampled maps too: pixel k of n lies at k / (n - 1), and k n / (n - 1) is below k + 1.
+    """
+    uv = direction_to_uv(directions)
+    row, column = images.uv_to_pixel(uv, world.height, world.width).T
+    pixels: NDArray[np.float32] = world.radiance[row, column]
+    return pixels
+
+
+def _names(is_black: NDArray[np.bool_]) -> str:
+    return " and no ".join(name for name, black in zip(_CHANNELS, is_black, strict=True) if black)
