@@ -184,6 +184,7 @@ CALLS = {
             "max_lights": LIGHTS,
             "min_flux_share": SHARE,
             "min_worth": SMALL,
+            "rise": SMALL,
             "prominence": SMALL,
             "gap_deg": SMALL,
             "extent": SHARE,

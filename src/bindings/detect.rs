@@ -57,6 +57,7 @@ pub fn detect_tree(
     radiance: PyReadonlyArray3<'_, f32>,
     border_sampled: bool,
     working_columns: usize,
+    rise: f64,
     prominence: f64,
     extent: f64,
     gap: f64,
@@ -65,7 +66,8 @@ pub fn detect_tree(
     max_lights: usize,
 ) -> PyResult<TreeDetection> {
     let radiance = radiance.as_array();
-    let options = Options { working_columns, prominence, extent, gap, min_flux_share, min_worth, max_lights };
+    let options =
+        Options { working_columns, rise, prominence, extent, gap, min_flux_share, min_worth, max_lights };
     let found = in_pool(py, || tree::detect(radiance, registration(border_sampled), &options))?;
     Ok(TreeDetection::new(py, &found, None))
 }
@@ -90,6 +92,7 @@ pub fn detect_white(
     border_sampled: bool,
     white: f64,
     working_columns: usize,
+    rise: f64,
     prominence: f64,
     extent: f64,
     gap: f64,
@@ -98,7 +101,8 @@ pub fn detect_white(
     max_lights: usize,
 ) -> PyResult<WhiteDetection> {
     let radiance = radiance.as_array();
-    let options = Options { working_columns, prominence, extent, gap, min_flux_share, min_worth, max_lights };
+    let options =
+        Options { working_columns, rise, prominence, extent, gap, min_flux_share, min_worth, max_lights };
     let found = interruptible(py, || white::detect(radiance, registration(border_sampled), white, &options))?;
     let numbers = |values: Vec<f64>| Array1::from(values).into_pyarray(py).unbind();
     Ok(WhiteDetection {

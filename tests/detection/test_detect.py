@@ -442,6 +442,7 @@ def test_white_noise_is_answered():
     [
         ({"max_lights": 0}, "max_lights must be a whole number, 1 or more"),
         ({"min_flux_share": 2}, "min_flux_share must be a finite number, from 0 to 1"),
+        ({"rise": 0.5}, "rise must be a finite number, 1 or more"),
         ({"prominence": 0.5}, "prominence must be a finite number, 1 or more"),
         ({"gap_deg": -1}, "gap_deg"),
         ({"extent": 2}, "extent"),

@@ -27,6 +27,7 @@ def detect_tree(
     max_lights: int | None = None,
     min_flux_share: float = 0.0,
     min_worth: float = 0.0005,
+    rise: float = 2.5,
     prominence: float = 4.0,
     gap_deg: float = 0.8,
     extent: float = 0.1,
@@ -53,6 +54,9 @@ def detect_tree(
     min_worth : float
         Lights whose share of the map's flux times contrast, peak over local background, is smaller
         are left out; 0 lists all. Maps that end at a white have a rule of their own; see Notes.
+    rise : float
+        Ratio of a light's peak to the threshold, at least; 1 takes whatever is above it. A light
+        extends down to the threshold.
     prominence : float
         Ratio of a light's peak to its saddle, at least; 1 keeps every local maximum apart.
     gap_deg : float
@@ -114,6 +118,7 @@ def detect_tree(
     most = LARGEST_COUNT if max_lights is None else count("max_lights", max_lights, 1)
     options: dict[str, Any] = {
         "working_columns": count("working_width", working_width, least=_LEAST_COLUMNS),
+        "rise": amount("rise", rise, least=1.0),
         "prominence": amount("prominence", prominence, least=1.0),
         "extent": amount("extent", extent, most=1.0),
         "gap": math.radians(amount("gap_deg", gap_deg, most=90.0)),

@@ -28,6 +28,7 @@ def detect(
     max_lights: int | None = ...,
     min_flux_share: float = ...,
     min_worth: float = ...,
+    rise: float = ...,
     prominence: float = ...,
     gap_deg: float = ...,
     extent: float = ...,
@@ -77,7 +78,7 @@ def detect(env: AnyMap, method: str = "tree", **options: Any) -> DetectedLights:
         Lights, at most. The tree merges neighbours; the article leaves out the dimmest.
     working_width : int
         Columns of the image that is searched, at most.
-    min_flux_share, min_worth, prominence, gap_deg, extent, white
+    min_flux_share, min_worth, rise, prominence, gap_deg, extent, white
         Of the tree: which lights count, where they end and what divides them; see `detect_tree`.
     reduction, blur_px, samples_per_pixel, window_px, threshold, suppression_deg, tolerance, \
 ceiling, merge_cap_deg, relative, move_to_maximum, sphere

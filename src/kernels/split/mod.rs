@@ -6,6 +6,7 @@
 //! |----------------------------------------------------------|----------------|
 //! | the map in the pixels in which its lights were found     | `working.rs`   |
 //! | which pixels each light fills: itself, its rim, its glare | `region.rs`   |
+//! | - and the glow that would be found as a light without it | `glow.rs`      |
 //! | the membrane that closes the hole of each light          | `membrane.rs`  |
 //! | - the sphere in fewer and fewer pixels                   | `level.rs`     |
 //! | solid angle and direction of the map's own pixels        | `cells.rs`     |
@@ -24,6 +25,7 @@
 //! far as that does not show.
 
 mod cells;
+mod glow;
 mod level;
 mod membrane;
 mod region;

@@ -1,9 +1,10 @@
-//! The pixels that a light fills: those in which it was found, its rim and its glare.
+//! The pixels that a light fills: those in which it was found, its rim, its glare and its glow.
 //!
 //! Detection keeps of a light what is brighter than a tenth of its peak. Around a sun of 10^5 times the sky,
 //! that leaves a glare in the map that is brighter than most lamps. So rings of one pixel are added around each
 //! light as long as their median luminance falls from ring to ring as that of glare does, and faster than that
-//! of a lit wall or of the sky. What is around the last ring closes the hole.
+//! of a lit wall or of the sky. What is still bright around the last ring is its glow. What is around that
+//! closes the hole.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -11,6 +12,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
+use super::glow;
 use super::working::Working;
 use crate::interrupt;
 
@@ -27,7 +29,7 @@ const STRIDE: usize = 2;
 const FALLS: [f32; 2] = [1.1, 1.25];
 
 /// No light.
-const NONE: u32 = u32::MAX;
+pub(super) const NONE: u32 = u32::MAX;
 
 /// The pixels of the working image that are taken.
 pub struct Regions {
@@ -56,6 +58,15 @@ pub fn regions(working: &Working<'_>, members: &[(usize, usize)], taken: usize, 
             && ring.number < rings.widths[ring.light as usize]
         {
             pixels.push(ring.pixel);
+        }
+    }
+    // Add the bright pixels around what each light has so far.
+    for (light, pixels) in pixels.iter().enumerate() {
+        pixels.iter().for_each(|&pixel| light_of[pixel as usize] = light as u32);
+    }
+    for (pixel, light) in glow::glow(working, &mut light_of, threshold) {
+        if let Some(pixels) = pixels.get_mut(light as usize) {
+            pixels.push(pixel);
         }
     }
     // List the pixels of each light in their order, each once.

@@ -21,8 +21,6 @@ use super::run::{Run, runs};
 use super::threshold::Threshold;
 use super::working_image::{TILE, WorkingImage};
 
-/// A light rises this far above the threshold; down to the threshold it extends (hysteresis).
-const HYSTERESIS: f32 = 2.5;
 /// A clipped light rises at least this far above it.
 const CLIPPED_HYSTERESIS: f32 = 1.2;
 /// Runs that one task takes together.
@@ -83,6 +81,7 @@ pub fn segments(
     adjacency: &Adjacency,
     bright: &BrightPixels,
     threshold: &Threshold,
+    rise: f64,
     prominence: f64,
     extent: f64,
 ) -> Segments {
@@ -94,7 +93,8 @@ pub fn segments(
     // Join basins over their saddles, and number the lights.
     let border = border(adjacency, luminance, &runs, &image);
     let light = absorb(adjacency, luminance, &border, &image, &level, prominence as f32);
-    let (label_of_basin, peaks) = labels(light, &level, &basin, threshold);
+    let lowest_peak = lowest_peak(&level, threshold.luminance as f32, rise as f32);
+    let (label_of_basin, peaks) = labels(light, &level, &basin, lowest_peak);
     // Collect the pixels of each light, and label those within its edge.
     let edges: Vec<f32> = peaks.iter().map(|&peak| threshold.edge(f64::from(peak), extent) as f32).collect();
     let mut segments = Segments { pixels: vec![Vec::new(); peaks.len()], peaks, label: image };
@@ -111,8 +111,7 @@ pub fn segments(
 
 /// For each peak the label of its light, 0 where that does not rise high enough; and the peaks of the
 /// lights.
-fn labels(mut light: Vec<u32>, level: &[f32], basin: &[u32], threshold: &Threshold) -> (Vec<u32>, Vec<f32>) {
-    let lowest_peak = lowest_peak(level, threshold.luminance as f32);
+fn labels(mut light: Vec<u32>, level: &[f32], basin: &[u32], lowest_peak: f32) -> (Vec<u32>, Vec<f32>) {
     let (mut labels, mut peaks) = (vec![0; level.len()], Vec::new());
     for peak in (0..level.len()).filter(|&place| basin[place] as usize == place) {
         let highest = root(&mut light, peak as u32) as usize;
@@ -125,13 +124,14 @@ fn labels(mut light: Vec<u32>, level: &[f32], basin: &[u32], threshold: &Thresho
     (labels, peaks)
 }
 
-/// The luminance that a light must reach, from the levels of the bright pixels.
+/// The luminance that a light must reach, from the levels of the bright pixels: it rises that far above the
+/// threshold, and extends down to it (hysteresis).
 ///
 /// At the ceiling of a clipped picture the true luminance is unknown, so a light need not rise as far.
-fn lowest_peak(level: &[f32], threshold: f32) -> f32 {
+fn lowest_peak(level: &[f32], threshold: f32, rise: f32) -> f32 {
     let ceiling = CEILING * level.iter().copied().fold(0.0, f32::max);
     let is_clipped = level.iter().filter(|&&level| level >= ceiling).count() >= CEILING_PIXELS;
-    let enough = HYSTERESIS * threshold;
+    let enough = rise * threshold;
     if is_clipped { enough.min(ceiling.max(CLIPPED_HYSTERESIS * threshold)) } else { enough }
 }
 

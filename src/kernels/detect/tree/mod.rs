@@ -56,6 +56,8 @@ use crate::kernels::sphere::Registration;
 pub struct Options {
     /// Most columns of the working image, in pixels.
     pub working_columns: usize,
+    /// A light's peak over the threshold, at least.
+    pub rise: f64,
     /// A light's peak over the highest saddle to a brighter one, at least: 4 tells two lamps apart
     /// where the way between them falls to a quarter of the dimmer.
     pub prominence: f64,
@@ -128,8 +130,15 @@ fn detect_in_pool(
     let adjacency = Adjacency::of(&working);
     let threshold = threshold::from_histogram(&working);
     let bright = components::bright_pixels(&working, threshold.luminance);
-    let segments =
-        components::segments(&working, &adjacency, &bright, &threshold, options.prominence, options.extent);
+    let segments = components::segments(
+        &working,
+        &adjacency,
+        &bright,
+        &threshold,
+        options.rise,
+        options.prominence,
+        options.extent,
+    );
     let segments = bridging::bridge(&working, &adjacency, segments, options.prominence, options.gap);
     let segments = outline::trim(&adjacency, segments);
     let outline = outline::outline(&adjacency, &segments);

@@ -36,7 +36,7 @@ pub fn drawn_from(top: usize, rows: &[&str]) -> WorkingImage {
 /// The segments of a test map, before gaps are bridged.
 pub fn segments(working: &WorkingImage, extent: f64) -> Segments {
     let bright = components::bright_pixels(working, THRESHOLD.luminance);
-    components::segments(working, &Adjacency::of(working), &bright, &THRESHOLD, 4.0, extent)
+    components::segments(working, &Adjacency::of(working), &bright, &THRESHOLD, 2.5, 4.0, extent)
 }
 
 /// How many pixels each light has, the smallest first.

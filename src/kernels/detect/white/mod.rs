@@ -97,8 +97,15 @@ fn detect_in_pool(
     level.luminance =
         expansion::below_white(level.luminance, ending::share_above(&working, LEAST_WHITE * end));
     let bright = components::bright_pixels(&expanded, level.luminance);
-    let segments =
-        components::segments(&expanded, &adjacency, &bright, &level, options.prominence, options.extent);
+    let segments = components::segments(
+        &expanded,
+        &adjacency,
+        &bright,
+        &level,
+        options.rise,
+        options.prominence,
+        options.extent,
+    );
     let segments = bridging::bridge(&expanded, &adjacency, segments, options.prominence, options.gap);
     // Divide them at the necks of the plateau.
     let plateau = plateau::closed(&expanded, &bright.indices, options.gap);

@@ -30,7 +30,7 @@ pub fn parts(working: &WorkingImage, plateau: &[u32], depth: &[f32]) -> Vec<u32>
     let pixels = BrightPixels { indices: plateau.to_vec(), opened_tiles: 0 };
     // Each part counts, however shallow.
     let none = Threshold { luminance: 0.0, rule: Rule::Background { factor: 0.0, share: 0.0 } };
-    components::segments(&level, &Adjacency::of(&level), &pixels, &none, PROMINENCE, 0.0).label
+    components::segments(&level, &Adjacency::of(&level), &pixels, &none, 1.0, PROMINENCE, 0.0).label
 }
 
 /// Divide each segment among the parts of the plateau that it holds. A pixel outside of them joins the part that

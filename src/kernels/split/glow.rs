@@ -1,0 +1,44 @@
+//! The glow of a light: the bright place that it stands in.
+//!
+//! Detection takes a bright place that is connected to a brighter light for a part of it, down to the threshold.
+//! With that light gone, the clouds around a sun or the dim part of a softbox would be found in its stead. So
+//! they go with it: all pixels above the threshold that are connected to it. The membrane is nowhere brighter than
+//! what is around it, and a light must rise above the threshold: none is left.
+
+use std::f64::consts::PI;
+
+use super::region::NONE;
+use super::working::Working;
+use crate::interrupt;
+
+/// Angle from a light to the end of its glow, at most, in radians: 45 degrees. The sky above a city may be one
+/// bright place, and no direction stands for all of it.
+const FARTHEST: f64 = PI / 4.0;
+
+/// The bright pixels that are connected to a light, each with the light that is the fewest steps away; those are
+/// written into `light_of` as well.
+pub fn glow(working: &Working<'_>, light_of: &mut [u32], threshold: f64) -> Vec<(u32, u32)> {
+    let threshold = threshold as f32;
+    // Each pixel knows the pixel of a light from which it was reached.
+    let lights = (0..light_of.len()).filter(|&pixel| light_of[pixel] != NONE);
+    let mut front: Vec<(usize, usize)> = lights.map(|pixel| (pixel, pixel)).collect();
+    let mut glow = Vec::new();
+    // Take one step from all lights at a time.
+    while !front.is_empty() {
+        interrupt::check();
+        let mut next = Vec::new();
+        for (pixel, source) in front {
+            let (light, at) = (light_of[source], working.centre(source));
+            for other in working.around(pixel) {
+                let is_near = || working.centre(other).distance(at) < FARTHEST;
+                if light_of[other] == NONE && is_near() && working.luminance(other) > threshold {
+                    light_of[other] = light;
+                    next.push((other, source));
+                    glow.push((other as u32, light));
+                }
+            }
+        }
+        front = next;
+    }
+    glow
+}
