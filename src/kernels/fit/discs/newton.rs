@@ -197,7 +197,9 @@ impl Quadratic {
     /// coordinate. Where H bends down, it counts with the size of each eigenvalue over D instead (Nocedal and Wright
     /// 2006, section 3.4): that leads along valleys which are bent downwards as fast as along others.
     pub fn step(&self, damping: f64) -> Option<DVector<f64>> {
-        const FLATTEST: f64 = 1e-4;
+        /// The least curvature that damping assumes, over the greatest. A weak light beside a sun has little. With 1e-4
+        /// it hardly moved: of 168 fits of real maps six ended 6 to 28 % above those with 1e-6, two 1 and 6 % below.
+        const FLATTEST: f64 = 1e-6;
         let scale = self.hessian.diagonal().abs();
         let highest = scale.max();
         if highest <= 0.0 {

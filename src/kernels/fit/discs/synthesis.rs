@@ -1,6 +1,7 @@
 //! From harmonics to values: sums of them at a place, with their derivatives.
 
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+#![allow(clippy::needless_range_loop, reason = "loops, not closures, are inlined")]
 
 use pulp::{Arch, Simd, WithSimd};
 
@@ -77,13 +78,41 @@ impl WithSimd for Value<'_> {
 
 /// See [`Harmonics::sum`].
 ///
-/// With `P' = (l cos P_l - b_l P_(l-1)) / sin` by theta, where `b_l = (2l + 1) a_l`, `P'' = -cot P' + (m^2 / sin^2 -
-/// l (l + 1)) P`, and `R = m P / sin`; along phi the second derivative is what Laplace's equation leaves.
+/// With `P' = (l cos P_l - b_l P_(l-1)) / sin` by theta, where `b_l = (2l + 1) a_l`, and `P'' = -cot P' + (m^2 / sin^2 -
+/// l (l + 1)) P`; along phi the first derivative is `m P / sin`, and the second is what Laplace's equation leaves.
 struct Around<'a> {
     harmonics: &'a Harmonics,
     place: &'a Place,
     factors: &'a Factors,
     shares: [f64; 3],
+}
+
+/// Sums over the degrees of the order m, with the factors d of a disc and their derivatives by A: of `d P`, `d P' sin`,
+/// `d_A P`, `-l (l + 1) d P`, `d_A P' sin`, `d_AA P`. Registers hold as many.
+#[inline(always)]
+fn order_sums(
+    values: &[Rgb2],
+    m: usize,
+    column: &[f64; DEGREES],
+    cosine: f64,
+    factors: &Factors,
+) -> [Rgb2; 6] {
+    let mut sums = [[0.0; 8]; 6];
+    let mut below = 0.0;
+    for (l, value) in (m..DEGREES).zip(values) {
+        let (p, degree) = (column[l], l as f64);
+        let slope = degree * cosine * p - (2.0 * degree + 1.0) * RECURRENCE[m][l][0] * below;
+        below = p;
+        let [d, by_a, by_aa] = factors[l];
+        let flat = d * p;
+        let weights = [flat, d * slope, by_a * p, -degree * (degree + 1.0) * flat, by_a * slope, by_aa * p];
+        for k in 0..6 {
+            for i in 0..8 {
+                sums[k][i] += weights[k] * value[i];
+            }
+        }
+    }
+    sums
 }
 
 impl WithSimd for Around<'_> {
@@ -97,55 +126,35 @@ impl WithSimd for Around<'_> {
         let mut legendre = Legendre::new(cosine, sine);
         let mut out = Sum::default();
         let mut rest = &harmonics.values[..];
-        let [mut tt, mut tp, mut laplace, mut ta, mut pa, mut aa] = [0.0; 6];
         for m in 0..DEGREES {
-            let column = legendre.column(m);
             let (values, others) = rest.split_at(DEGREES - m);
             rest = others;
-            let order = m as f64;
-            let mut sums = [[0.0; 8]; 4];
-            let mut bends = [[0.0; 2]; 6];
-            for (l, value) in (m..DEGREES).zip(values) {
-                let p = column[l];
-                let below = if l > m { column[l - 1] } else { 0.0 };
-                let degree = l as f64;
-                let b = (2.0 * degree + 1.0) * RECURRENCE[m][l][0];
-                let slope = (degree * cosine * p - b * below) * over;
-                let eigenvalue = degree * (degree + 1.0);
-                let bend = -cot * slope + (order * order * over * over - eigenvalue) * p;
-                let round = order * p * over;
-                let round_slope = (order * slope - round * cosine) * over;
-                let [d, by_a, by_aa] = factors[l];
-                let weights = [d * p, d * slope, d * round, by_a * p];
-                for (sum, weight) in sums.iter_mut().zip(weights) {
-                    (0..8).for_each(|i| sum[i] += weight * value[i]);
-                }
-                let both = [0, 4]
-                    .map(|i| shares[0] * value[i] + shares[1] * value[i + 1] + shares[2] * value[i + 2]);
-                let weights =
-                    [d * bend, d * round_slope, -eigenvalue * d * p, by_a * slope, by_a * round, by_aa * p];
-                for (sum, weight) in bends.iter_mut().zip(weights) {
-                    (0..2).for_each(|i| sum[i] += weight * both[i]);
-                }
-            }
-            let (sin, cos) = (order * azimuth).sin_cos();
+            let sums = order_sums(values, m, legendre.column(m), cosine, factors);
+            let (sin, cos) = (m as f64 * azimuth).sin_cos();
+            let turn = m as f64 * over;
             for c in 0..3 {
-                let along = |sum: &Rgb2| cos * sum[c] + sin * sum[4 + c];
-                out.value[c] += along(&sums[0]);
-                out.first[0][c] += along(&sums[1]);
-                out.first[1][c] += cos * sums[2][4 + c] - sin * sums[2][c];
-                out.first[2][c] += along(&sums[3]);
+                let (mut along, mut across) = ([0.0; 6], [0.0; 6]);
+                for k in 0..6 {
+                    along[k] = cos * sums[k][c] + sin * sums[k][4 + c];
+                    across[k] = cos * sums[k][4 + c] - sin * sums[k][c];
+                }
+                let slope = over * along[1];
+                out.value[c] += along[0];
+                out.first[0][c] += slope;
+                out.first[1][c] += turn * across[0];
+                out.first[2][c] += along[2];
+                let share = shares[c];
+                out.second[0][0] += share * (turn * turn * along[0] - cot * slope + along[3]);
+                out.second[0][1] += share * turn * (over * across[1] - cot * across[0]);
+                out.second[1][1] += share * (cot * slope - turn * turn * along[0]);
+                out.second[0][2] += share * over * along[4];
+                out.second[1][2] += share * turn * across[2];
+                out.second[2][2] += share * along[5];
             }
-            let along = |sum: [f64; 2]| cos * sum[0] + sin * sum[1];
-            let across = |sum: [f64; 2]| cos * sum[1] - sin * sum[0];
-            tt += along(bends[0]);
-            tp += across(bends[1]);
-            laplace += along(bends[2]);
-            ta += along(bends[3]);
-            pa += across(bends[4]);
-            aa += along(bends[5]);
         }
-        out.second = [[tt, tp, ta], [tp, laplace - tt, pa], [ta, pa, aa]];
+        for (i, k) in [(1, 0), (2, 0), (2, 1)] {
+            out.second[i][k] = out.second[k][i];
+        }
         out
     }
 }
