@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 import envlights as el
 from envlights import export, io, kernels, synthetic
 
-RNG = np.random.default_rng(0)
 RIG = synthetic.rigs(1)[0]
 ROOM = synthetic.room(8, width=16)
 MODEL = el.TransferModel.fit(ROOM.direct, ROOM.indirect)

@@ -96,6 +96,12 @@ def test_what_cannot_be_exported_is_refused_in_one_sentence(
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_name_that_is_no_target_is_told_those_that_are(folder):
+    result = run("export", folder / "rig.json", "nosuch")
+    assert result.exit_code == 2
+    assert f"a target ({', '.join(target.name for target in TARGETS)})" in result.stderr
+
+
 def test_the_rig_itself_is_not_overwritten(folder):
     result = run("export", folder / "rig.json", "json")
     assert result.exit_code == 2

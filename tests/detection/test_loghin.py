@@ -95,7 +95,7 @@ def test_it_agrees_with_the_reference_on_real_maps(path, options):
     assert_agrees_with_the_reference(np.ascontiguousarray(radiance[::2, ::2]), options)
 
 
-@pytest.mark.parametrize("reach", [0, 1, 6])
+@pytest.mark.parametrize("reach", [0, 1, 2, 6, 59, 60, 500])
 def test_the_neighbour_maximum_is_that_of_scipy(reach):
     ndimage = pytest.importorskip("scipy.ndimage")
     image = random_image(1)
@@ -104,6 +104,25 @@ def test_the_neighbour_maximum_is_that_of_scipy(reach):
     wanted = ndimage.maximum_filter(image, 2 * reach + 1, mode="constant", cval=-1)
     np.testing.assert_array_equal(found, wanted.ravel())
     np.testing.assert_array_equal(image[place[:, 0], place[:, 1]], found)
+
+
+@given(
+    size=st.tuples(st.integers(1, 12), st.integers(1, 16)),
+    reach=st.integers(0, 18),
+    levels=st.integers(1, 5),
+    pixels=st.sampled_from([1, 3000]),
+    sphere=st.booleans(),
+)
+def test_of_equal_neighbours_the_first_counts(size, reach, levels, pixels, sphere):
+    """Windows are read one by one for a few pixels; for many, maxima run along the image."""
+    rng = np.random.default_rng(levels)
+    image = rng.integers(0, levels, size).astype(np.float32)
+    pixels = rng.integers(0, size, (pixels, 2))
+    found, place = kernels.neighbour_maximum(image, pixels, reach, sphere=sphere)
+    answers = dict(zip(map(tuple, pixels.tolist()), zip(found, place, strict=True), strict=True))
+    for pixel, (value, at) in answers.items():
+        wanted = loghin.brightest_around(image, pixel, reach, sphere)
+        assert (value, tuple(at)) == wanted
 
 
 def test_on_the_sphere_the_window_crosses_the_seam_and_spans_the_pole_row():

@@ -242,6 +242,24 @@ def test_opposite_normals_differ_by_the_flux_of_the_working_map():
     np.testing.assert_allclose(both[40:], alone, rtol=1e-5)
 
 
+@pytest.mark.parametrize("unit", [1e-300, 1e-160, 1, 1e160, 1e300])
+def test_relative_rms_has_no_unit(unit):
+    seen, wanted, weights = (np.random.default_rng(0).random(s) for s in [(5, 3), (5, 3), 5])
+    squares = [(weights @ values**2).sum() for values in (seen - wanted, wanted)]
+    error = np.sqrt(squares[0] / squares[1])
+    found = [
+        kernels.relative_rms(unit * seen, unit * wanted, weights),
+        kernels.relative_rms(seen, wanted, unit * weights),
+    ]
+    np.testing.assert_allclose(found, error, rtol=1e-14)
+
+
+def test_relative_rms_of_numbers_as_far_apart_as_floats_go():
+    assert kernels.relative_rms(UP, [[0, 1e300, 0]], [1]) == 1
+    assert kernels.relative_rms([[0, 1.7e308, 0]], [[0, -1.7e308, 0]], [1.7e308]) == 2
+    assert kernels.relative_rms([[0, 1e100, 0]], [[0, 1e-100, 0]], [1]) == pytest.approx(1e200)
+
+
 def test_harmonic_irradiance_is_that_of_a_rig():
     normals, _ = kernels.icosphere(80)
     coefficients = np.random.default_rng(4).normal(size=(9, 3))

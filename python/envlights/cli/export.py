@@ -9,6 +9,7 @@ from pathlib import Path
 
 import click
 
+from envlights._native import EnvLightsError
 from envlights.cli.outputs import check_output, say_written
 from envlights.detection.lights import DetectedLights
 from envlights.envmap import EnvMap
@@ -61,6 +62,9 @@ def _place(rig_path: str, target: str) -> str:
     """The file that a TARGET stands for."""
     suffixes = {each.name: each.suffixes[0] for each in TARGETS}
     if target not in suffixes:
+        if "." not in target:
+            wanted = f"a target ({', '.join(suffixes)}) or a file with a suffix"
+            raise EnvLightsError(f"cannot write {target}: it must be the name of {wanted}")
         return target
     return str(Path(rig_path).with_suffix(suffixes[target]))
 

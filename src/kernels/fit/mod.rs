@@ -49,7 +49,7 @@ pub use state::StopReason;
 pub use uncertainty::Uncertainty;
 
 use glam::DVec3;
-use ndarray::{ArrayView1, ArrayView2, Zip};
+use ndarray::{Array2, ArrayView1, ArrayView2, Axis};
 
 use self::discs::{Sized, Sizes};
 use self::light_count::Tried;
@@ -276,14 +276,21 @@ pub fn relative_rms(
 ) -> Result<f64> {
     check_rows("wanted", wanted, 3)?;
     check_values("wanted", wanted.nrows(), ("seen", seen), weights)?;
-    let (mut difference, mut reference) = (0.0, 0.0);
-    Zip::from(seen.rows()).and(wanted.rows()).and(weights).for_each(|seen, wanted, &weight| {
-        for (a, b) in seen.iter().zip(wanted) {
-            difference += weight * (a - b) * (a - b);
-            reference += weight * b * b;
-        }
-    });
-    Ok(if reference > 0.0 { (difference / reference).sqrt() } else { difference.sqrt() })
+    // Bring all numbers near 1: the square of one beyond 1e154 is infinite, the difference of two may be.
+    let (weight, weights) = near_one(weights.insert_axis(Axis(1)).to_owned());
+    let (error, errors) = near_one(&seen / 2.0 - &wanted / 2.0);
+    let (size, sizes) = near_one(&wanted / 2.0);
+    // Compare their norms.
+    let norm = |rows: &Array2<f64>| (&weights * rows * rows).sum().sqrt();
+    let (errors, sizes) = (norm(&errors), norm(&sizes));
+    Ok(if sizes > 0.0 { error * (errors / sizes) / size } else { 2.0 * error * errors * weight.sqrt() })
+}
+
+/// The largest of some numbers without its sign, 1 if all are 0; and the numbers in that unit.
+fn near_one(numbers: Array2<f64>) -> (f64, Array2<f64>) {
+    let largest = numbers.iter().fold(0.0_f64, |largest, number| largest.max(number.abs()));
+    let unit = if largest > 0.0 { largest } else { 1.0 };
+    (unit, numbers / unit)
 }
 
 #[cfg(test)]

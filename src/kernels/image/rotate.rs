@@ -49,13 +49,13 @@ pub fn rotated(radiance: ArrayView3<'_, f32>, rotation: DMat3) -> Result<Array3<
     let old = samples.as_chunks::<3>().0;
     // Turn the map without its bright cells.
     let bright = bright_cells(old, &cells);
-    let mut rest = old.to_vec();
-    for &cell in &bright {
-        rest[cell] = [0.0; 3];
-    }
+    let rest = without(&bright, old, width);
     let mut new = means(&rest, &cells, rotation);
     let factors = ratio(flux(&rest, &cells), flux(&new, &cells));
-    new.par_iter_mut().for_each(|rgb| *rgb = finite(scaled(*rgb, factors)));
+    new.par_chunks_mut(width).for_each(|line| {
+        interrupt::check();
+        line.iter_mut().for_each(|rgb| *rgb = finite(scaled(*rgb, factors)));
+    });
     // Add those.
     add_bright(&mut new, old, &bright, &cells, rotation);
     Ok(Array3::from_shape_vec((height, width, 3), new.into_flattened()).expect("three samples a pixel"))
@@ -220,11 +220,28 @@ fn means(old: &[Rgb], cells: &Cells, rotation: DMat3) -> Vec<Rgb> {
 /// The cells that keep their own flux.
 fn bright_cells(old: &[Rgb], cells: &Cells) -> Vec<usize> {
     let flux = flux(old, cells);
-    let is_bright = |cell: &usize| {
-        let most = (BRIGHT_SHARE / cells.area(*cell)).max(BRIGHT_CONTRAST / (4.0 * PI));
-        old[*cell].iter().zip(flux).any(|(&value, flux)| f64::from(value) > most * flux)
+    let in_row = |row: usize| {
+        interrupt::check();
+        let most = (BRIGHT_SHARE / cells.areas[row]).max(BRIGHT_CONTRAST / (4.0 * PI));
+        let limits = flux.map(|flux| most * flux);
+        let is_bright =
+            move |rgb: &Rgb| rgb.iter().zip(limits).any(|(&value, limit)| f64::from(value) > limit);
+        (row * cells.width..(row + 1) * cells.width).filter(move |&cell| is_bright(&old[cell]))
     };
-    (0..old.len()).into_par_iter().filter(is_bright).collect()
+    (0..cells.height).into_par_iter().flat_map_iter(in_row).collect()
+}
+
+/// The map `old` of this `width` with those cells black.
+fn without(bright: &[usize], old: &[Rgb], width: usize) -> Vec<Rgb> {
+    let mut rest = vec![[0.0; 3]; old.len()];
+    rest.par_chunks_mut(width).zip(old.par_chunks(width)).for_each(|(rest, old)| {
+        interrupt::check();
+        rest.copy_from_slice(old);
+    });
+    for &cell in bright {
+        rest[cell] = [0.0; 3];
+    }
+    rest
 }
 
 /// Add the `bright` cells of `old` to the turned map, each with its flux.
@@ -308,6 +325,7 @@ fn mark_around(cell: usize, cells: &Cells, marked: &mut [bool]) {
 /// Flux of each channel, summed by rows and then in their order.
 fn flux(map: &[Rgb], cells: &Cells) -> [f64; 3] {
     let rows = map.par_chunks(cells.width).zip(&cells.areas).map(|(line, &area)| {
+        interrupt::check();
         let mut sum = [0.0; 3];
         for &rgb in line {
             add(&mut sum, scaled(rgb, [area; 3]));

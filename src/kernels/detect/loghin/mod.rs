@@ -13,6 +13,7 @@
 //! | 8: the samples that a bright line joins       | `merge.rs`      |
 //! | 9: the weighted mean of each light            | `means.rs`      |
 //! | - the lights that a camera has clipped        | `clipping.rs`   |
+//! | - the maximum of a window along a line        | `running.rs`    |
 //! | - the windows around samples                  | `windows.rs`    |
 //! | - the arguments of all steps                  | `image.rs`      |
 //!
@@ -30,4 +31,5 @@ pub mod resize;
 pub mod suppress;
 
 mod image;
+mod running;
 mod windows;

@@ -4,6 +4,7 @@ use ndarray::ArrayView2;
 use rayon::prelude::*;
 
 use super::image::{Image, Pixel, pixels_inside};
+use super::running::first_maxima;
 use super::windows::Windows;
 use crate::error::Result;
 use crate::interrupt;
@@ -32,8 +33,17 @@ pub fn neighbour_maximum(
     let image = Image::new("luminance", samples.view())?;
     let pixels = pixels_inside(pixels, luminance.dim())?;
     let windows = Windows::new(luminance.dim(), reach, sphere);
-    Ok(pixels.into_par_iter().map(|pixel| brightest_around(&image, pixel, &windows)).collect())
+    let size = image.height * image.width;
+    if pixels.len().saturating_mul(windows.area()) <= READS.saturating_mul(size) {
+        return Ok(pixels.into_par_iter().map(|pixel| brightest_around(&image, pixel, &windows)).collect());
+    }
+    // For each pixel of the image the column of a maximum, and its row.
+    check_memory(&[image.height, image.width])?;
+    Ok(brightest_around_all(&image, &pixels, &windows))
 }
+
+/// Maxima around all pixels of an image take as long as reading it about this often, window by window.
+const READS: usize = 80;
 
 /// The brightest pixel of the window around `pixel`, and its value.
 fn brightest_around(image: &Image<'_>, pixel: Pixel, windows: &Windows) -> (f32, Pixel) {
@@ -51,4 +61,26 @@ fn brightest_around(image: &Image<'_>, pixel: Pixel, windows: &Windows) -> (f32,
         }
     }
     best
+}
+
+/// The same for all `pixels`, at a cost that does not grow with the windows: how far a window reaches in a row depends
+/// on the row alone, so maxima run along each row first, and then down the columns.
+fn brightest_around_all(image: &Image<'_>, pixels: &[Pixel], windows: &Windows) -> Vec<(f32, Pixel)> {
+    let along = |row: usize| {
+        interrupt::check();
+        first_maxima(image.row(row), windows.reach_in_row[row], windows.sphere)
+    };
+    let across: Vec<Vec<u32>> = (0..image.height).into_par_iter().map(along).collect();
+    let brightest = |row: usize, column: usize| [row, across[row][column] as usize];
+    let along = |column: usize| {
+        interrupt::check();
+        let values: Vec<f32> = (0..image.height).map(|row| image.at(brightest(row, column))).collect();
+        first_maxima(&values, windows.reach, false)
+    };
+    let down: Vec<Vec<u32>> = (0..image.width).into_par_iter().map(along).collect();
+    let around = |&[row, column]: &Pixel| {
+        let pixel = brightest(down[column][row] as usize, column);
+        (image.at(pixel), pixel)
+    };
+    pixels.par_iter().map(around).collect()
 }

@@ -9,10 +9,10 @@ pub struct Windows {
     height: usize,
     width: usize,
     /// Rows on either side of the centre.
-    reach: usize,
+    pub reach: usize,
     /// For each row its columns on either side of the centre.
-    reach_in_row: Vec<usize>,
-    sphere: bool,
+    pub reach_in_row: Vec<usize>,
+    pub sphere: bool,
 }
 
 impl Windows {
@@ -22,12 +22,18 @@ impl Windows {
         let sine = |row: usize| ((row as f64 + 0.5) / height as f64 * std::f64::consts::PI).sin();
         let columns = |row: usize| if sphere { (reach as f64 / sine(row)) as usize } else { reach };
         let reach_in_row = (0..height).map(|row| columns(row).min(width)).collect();
-        Self { height, width, reach, reach_in_row, sphere }
+        Self { height, width, reach: reach.min(height), reach_in_row, sphere }
+    }
+
+    /// Pixels of a window in the middle of the image, about.
+    pub fn area(&self) -> usize {
+        let side = |reach: usize, size: usize| (2 * reach + 1).min(size);
+        side(self.reach, self.height) * side(self.reach_in_row[self.height / 2], self.width)
     }
 
     /// The rows of the window around a pixel.
     pub fn rows(&self, [row, _]: Pixel) -> Range<usize> {
-        row.saturating_sub(self.reach)..(row + self.reach.min(self.height) + 1).min(self.height)
+        row.saturating_sub(self.reach)..(row + self.reach + 1).min(self.height)
     }
 
     /// The columns in `row` of the window around a pixel: one range, or two across the seam of a sphere.
