@@ -244,7 +244,8 @@ def test_opposite_normals_differ_by_the_flux_of_the_working_map():
 
 @pytest.mark.parametrize("unit", [1e-300, 1e-160, 1, 1e160, 1e300])
 def test_relative_rms_has_no_unit(unit):
-    seen, wanted, weights = (np.random.default_rng(0).random(s) for s in [(5, 3), (5, 3), 5])
+    rng = np.random.default_rng(0)
+    seen, wanted, weights = (rng.random(shape) for shape in [(5, 3), (5, 3), 5])
     squares = [(weights @ values**2).sum() for values in (seen - wanted, wanted)]
     error = np.sqrt(squares[0] / squares[1])
     found = [
