@@ -331,8 +331,8 @@ class FailingFile:
         Path(path).write_bytes(b"half")
         return self.failing != "open"
 
-    def write_image(self, _):
-        return self.failing != "write_image"
+    def write_scanlines(self, *_):
+        return self.failing != "write_scanlines"
 
     def spec(self):
         return oiio.ImageSpec(32, 16, 3, oiio.FLOAT)
@@ -360,7 +360,7 @@ def use(monkeypatch, file):
     [
         ("create", "no such format"),
         ("open", r"no room for .*map\.exr"),
-        ("write_image", r"no room for .*map\.exr"),
+        ("write_scanlines", r"no room for .*map\.exr"),
         ("close", r"no room for .*map\.exr"),
     ],
 )

@@ -18,6 +18,8 @@ from envlights.io.openimageio import oiio
 COMPRESSIONS = ("zip", "piz", "rle", "none")
 #: Width and height of tiles: OpenImageIO writes the attribute `envmap` into tiled files only.
 _TILE = 64
+#: A multiple of that, and of the rows that OpenEXR compresses together.
+_ROWS_AT_ONCE = 128
 _LARGEST_HALF = float(np.finfo(np.float16).max)
 
 
@@ -93,13 +95,27 @@ def _write(
 
     def write(beside: Path) -> None:
         file = oiio.ImageOutput.create(str(beside))
-        done = file and file.open(str(beside), spec) and file.write_image(radiance) and file.close()
+        done = file and file.open(str(beside), spec) and _fill(file, radiance) and file.close()
         if not done:
             reason = failure(file or oiio)
             raise OSError(reason.replace(str(beside), str(path)))
         _check_whole(beside)
 
     write_atomically(path, write)
+
+
+def _fill(file: oiio.ImageOutput, radiance: NDArray[np.float32]) -> bool:
+    """Write the pixels some rows at a time, so that Ctrl-C need not wait for the last; success."""
+    spec = file.spec()
+    for top in range(0, spec.height, _ROWS_AT_ONCE):
+        rows = radiance[top : top + _ROWS_AT_ONCE]
+        if spec.tile_width:
+            written = file.write_tiles(0, spec.width, top, top + len(rows), 0, 1, rows)
+        else:
+            written = file.write_scanlines(top, top + len(rows), 0, rows)
+        if not written:
+            return False
+    return True
 
 
 def _check_whole(path: Path) -> None:

@@ -54,7 +54,9 @@ pub fn rotated(radiance: ArrayView3<'_, f32>, rotation: DMat3) -> Result<Array3<
     let factors = ratio(flux(&rest, &cells), flux(&new, &cells));
     new.par_chunks_mut(width).for_each(|line| {
         interrupt::check();
-        line.iter_mut().for_each(|rgb| *rgb = finite(scaled(*rgb, factors)));
+        for rgb in line {
+            *rgb = finite(scaled(*rgb, factors));
+        }
     });
     // Add those.
     add_bright(&mut new, old, &bright, &cells, rotation);
