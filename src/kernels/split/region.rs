@@ -62,7 +62,9 @@ pub fn regions(working: &Working<'_>, members: &[(usize, usize)], taken: usize, 
     }
     // Add the bright pixels around what each light has so far.
     for (light, pixels) in pixels.iter().enumerate() {
-        pixels.iter().for_each(|&pixel| light_of[pixel as usize] = light as u32);
+        for &pixel in pixels {
+            light_of[pixel as usize] = light as u32;
+        }
     }
     for (pixel, light) in glow::glow(working, &mut light_of, threshold) {
         if let Some(pixels) = pixels.get_mut(light as usize) {
