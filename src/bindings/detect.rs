@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use super::pool::{in_pool, interruptible};
 use super::sphere::registration;
 use crate::kernels::detect::clipped_share as clipped;
-use crate::kernels::detect::tree::{self, Detection, Light, Options, Rule, WorkingImage};
+use crate::kernels::detect::tree::{self, Detection, Light, Options, Rule, Run, WorkingImage, runs};
 use crate::kernels::detect::white::{self, Ending};
 
 /// The lights of `detect_tree`, and how they were found; see `envlights.detect_tree`.
@@ -189,9 +189,9 @@ impl TreeDetection {
             Array2::from(rows).into_pyarray(py).unbind()
         };
         let indices = |values: Array1<i64>| values.into_pyarray(py).unbind();
-        let columns = found.report.working_size.1 as u32;
-        let place = |&index: &u32| [index / columns, index % columns].map(i64::from);
-        let pixels: Vec<[i64; 2]> = found.pixels.iter().map(place).collect();
+        let runs = runs(&found.pixels, found.report.working_size.1);
+        let places = |Run { row, columns }: Run| columns.map(move |column| [row as i64, column as i64]);
+        let pixels: Vec<[i64; 2]> = runs.into_iter().flat_map(places).collect();
         Self {
             direction: vectors(|light| light.direction().to_array()),
             irradiance: vectors(|light| light.irradiance),

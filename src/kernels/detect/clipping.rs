@@ -23,15 +23,25 @@ pub enum Ceiling {
 pub struct Top {
     /// The largest of red, green and blue.
     pub sample: f32,
+    /// Up to a flat top's.
     pixels: usize,
 }
 
 impl Top {
     /// The top of some pixels.
     pub fn of(pixels: &[[f32; 3]]) -> Self {
+        Self::default().and_of(pixels)
+    }
+
+    /// The top of these pixels and some more.
+    #[must_use]
+    pub fn and_of(self, pixels: &[[f32; 3]]) -> Self {
         let sample = largest(pixels.as_flattened());
+        if sample < self.sample {
+            return self;
+        }
         let is_top = |pixel: &&[f32; 3]| pixel[0] >= sample || pixel[1] >= sample || pixel[2] >= sample;
-        Self { sample, pixels: pixels.iter().filter(is_top).count() }
+        self.and(Self { sample, pixels: pixels.iter().filter(is_top).take(FLAT_TOP_PIXELS).count() })
     }
 
     /// The top of both.
@@ -51,8 +61,8 @@ impl Top {
     }
 }
 
-/// The largest of some samples, in lanes that do not wait for one another; 0 of none.
-fn largest(samples: &[f32]) -> f32 {
+/// The largest of some samples or levels, in lanes that do not wait for one another; 0 of none.
+pub fn largest(samples: &[f32]) -> f32 {
     let higher = |a: f32, b: f32| if b > a { b } else { a };
     let (most, rest) = samples.as_chunks::<16>();
     let mut lanes = [0.0; 16];

@@ -35,10 +35,14 @@ impl Adjacency {
         (row, index - row * self.width)
     }
 
+    /// Columns of the image.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
     /// The pixels of a run.
     pub fn pixels(&self, run: &Run) -> Range<usize> {
-        let first = run.row * self.width;
-        first + run.columns.start..first + run.columns.end
+        run.pixels(self.width)
     }
 
     /// The neighbours of a pixel; the pixel itself where there is none.
@@ -100,12 +104,17 @@ impl Adjacency {
         [at(row, column + self.width - columns), at(row, column + columns), at(up, column), at(down, column)]
     }
 
-    fn hub(&self, index: usize, row: usize) -> usize {
+    /// The hub of a row, if a pole is in it.
+    pub fn hub_of_row(&self, row: usize) -> Option<usize> {
         match row {
-            0 => self.hubs[0],
-            row if row + 1 == self.height => self.hubs[1],
-            _ => index,
+            0 => Some(self.hubs[0]),
+            row if row + 1 == self.height => Some(self.hubs[1]),
+            _ => None,
         }
+    }
+
+    fn hub(&self, index: usize, row: usize) -> usize {
+        self.hub_of_row(row).unwrap_or(index)
     }
 
     fn columns(&self, column: usize) -> [usize; 3] {

@@ -23,7 +23,8 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use super::adjacency::Adjacency;
-use super::components::{Segments, root};
+use super::components::Segments;
+use super::forest::root;
 use super::linkage::{self, Selection};
 use super::moments::Light;
 use super::working_image::WorkingImage;

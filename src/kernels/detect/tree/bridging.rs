@@ -14,7 +14,8 @@
 use std::f64::consts::PI;
 
 use super::adjacency::Adjacency;
-use super::components::{Segments, root};
+use super::components::Segments;
+use super::forest::root;
 use super::working_image::WorkingImage;
 
 /// Join the segments whose solid pixels are at most `gap` radians apart.

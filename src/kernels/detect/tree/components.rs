@@ -11,15 +11,19 @@
 //! else the brighter absorbs it. The line check of Loghin (2021) tries one straight path instead.
 //!
 //! The tree needs no pixel in order of luminance. Each pixel flows uphill, to its brightest neighbour,
-//! to one peak: its basin. Islands meet only between basins, so only those pairs of pixels are sorted.
+//! to one peak: its basin. Islands meet only between basins, so only those pairs of pixels are sorted. The pixels
+//! of a top are one basin, however many peaks it has: see [`super::top`].
 
 use ndarray::ArrayView1;
 use rayon::prelude::*;
 
 use super::adjacency::Adjacency;
-use super::run::{Run, runs};
+use super::forest::{apart, root};
+use super::run::runs;
 use super::threshold::Threshold;
+use super::top::{Stretch, Tops, height};
 use super::working_image::{TILE, WorkingImage};
+use crate::kernels::detect::clipping::largest;
 
 /// A clipped light rises at least this far above it.
 const CLIPPED_HYSTERESIS: f32 = 1.2;
@@ -89,27 +93,37 @@ pub fn segments(
     let luminance = &working.luminance;
     let level: Vec<f32> = bright.indices.iter().map(|&index| luminance[index as usize]).collect();
     let runs = runs(&bright.indices, working.size.1);
-    let (basin, image) = basins(adjacency, luminance, bright, &runs);
+    let tops = Tops::of(adjacency, luminance, &level, runs, prominence as f32);
+    let (basin, image) = basins(adjacency, luminance, bright, &tops);
     // Join basins over their saddles, and number the lights.
-    let border = border(adjacency, luminance, &runs, &image);
-    let light = absorb(adjacency, luminance, &border, &image, &level, prominence as f32);
+    let border = border(adjacency, luminance, &tops.slopes, &image);
+    let mut peaks = level.clone();
+    for (_, peak, most) in &tops.tops {
+        peaks[*peak as usize] = *most;
+    }
+    let light = absorb(adjacency, luminance, &border, &image, &peaks, prominence as f32);
     let lowest_peak = lowest_peak(&level, threshold.luminance as f32, rise as f32);
-    let (label_of_basin, peaks) = labels(light, &level, &basin, lowest_peak);
+    let (label_of_basin, peaks) = labels(light, &peaks, &basin, lowest_peak);
     // Collect the pixels of each light, and label those within its edge.
     let edges: Vec<f32> = peaks.iter().map(|&peak| threshold.edge(f64::from(peak), extent) as f32).collect();
     let mut segments = Segments { pixels: vec![Vec::new(); peaks.len()], peaks, label: image };
-    for ((&index, &basin), &level) in bright.indices.iter().zip(&basin).zip(&level) {
-        let label = label_of_basin[basin as usize];
-        let is_within = label > 0 && level >= edges[label as usize - 1];
-        segments.label[index as usize] = if is_within { label } else { 0 };
+    let mut place = 0;
+    for basin in basin.chunk_by(|one, other| one == other) {
+        let places = place..place + basin.len();
+        place = places.end;
+        let label = label_of_basin[basin[0] as usize];
+        let edge = if label == 0 { f32::INFINITY } else { edges[label as usize - 1] };
+        for (&index, &level) in bright.indices[places.clone()].iter().zip(&level[places.clone()]) {
+            segments.label[index as usize] = if level >= edge { label } else { 0 };
+        }
         if label > 0 {
-            segments.pixels[label as usize - 1].push(index);
+            segments.pixels[label as usize - 1].extend_from_slice(&bright.indices[places]);
         }
     }
     segments
 }
 
-/// For each peak the label of its light, 0 where that does not rise high enough; and the peaks of the
+/// For each peak the label of its light, 0 where that does not rise to the `lowest_peak`; and the peaks of the
 /// lights.
 fn labels(mut light: Vec<u32>, level: &[f32], basin: &[u32], lowest_peak: f32) -> (Vec<u32>, Vec<f32>) {
     let (mut labels, mut peaks) = (vec![0; level.len()], Vec::new());
@@ -129,16 +143,10 @@ fn labels(mut light: Vec<u32>, level: &[f32], basin: &[u32], lowest_peak: f32) -
 ///
 /// At the ceiling of a clipped picture the true luminance is unknown, so a light need not rise as far.
 fn lowest_peak(level: &[f32], threshold: f32, rise: f32) -> f32 {
-    let ceiling = CEILING * level.iter().copied().fold(0.0, f32::max);
+    let ceiling = CEILING * largest(level);
     let is_clipped = level.iter().filter(|&&level| level >= ceiling).count() >= CEILING_PIXELS;
     let enough = rise * threshold;
     if is_clipped { enough.min(ceiling.max(CLIPPED_HYSTERESIS * threshold)) } else { enough }
-}
-
-/// Luminance and index as one number, in the order of luminance: the bits of floats that are not
-/// negative are in the order of the floats. Of two equal pixels the earlier one is higher.
-fn height(luminance: &[f32], index: usize) -> u64 {
-    (u64::from(luminance[index].to_bits()) << 32) | u64::from(!(index as u32))
 }
 
 /// The peak that each bright pixel flows to, as a place among the bright pixels; and the same plus 1 as
@@ -147,42 +155,57 @@ fn basins(
     adjacency: &Adjacency,
     luminance: &[f32],
     bright: &BrightPixels,
-    runs: &[Run],
+    Tops { tops, slopes }: &Tops,
 ) -> (Vec<u32>, Vec<u32>) {
-    // Write the place of each bright pixel into an image.
-    let mut image = vec![0; luminance.len()];
-    for (place, &index) in (0..).zip(&bright.indices) {
-        image[index as usize] = place;
+    // Write the place of each bright pixel into an image; on a top, that of its peak.
+    let (mut basin, mut image) = (apart(bright.indices.len()), vec![0; luminance.len()]);
+    for slope in slopes {
+        image[adjacency.pixels(&slope.run)].copy_from_slice(&basin[slope.places()]);
     }
-    // Point each bright pixel to the highest pixel around it, itself included.
-    let uphill = |runs: &[Run]| {
+    for (top, peak, _) in tops {
+        image[adjacency.pixels(&top.run)].fill(*peak);
+    }
+    // Point each pixel of a slope to the highest pixel around it, itself included.
+    let uphill = |slopes: &[Stretch]| {
         let (mut uphill, mut columns) = (Vec::new(), Vec::new());
-        for run in runs {
+        for slope in slopes {
             let highest =
-                adjacency.around_each(run, &mut columns, |index| height(luminance, index), u64::max);
+                adjacency.around_each(&slope.run, &mut columns, |index| height(luminance, index), u64::max);
             uphill.extend(highest.map(|highest| image[!(highest as u32) as usize]));
         }
         uphill
     };
-    let mut basin = runs.par_chunks(RUNS_AT_ONCE).map(uphill).collect::<Vec<_>>().concat();
+    let uphill = slopes.par_chunks(RUNS_AT_ONCE).map(uphill).collect::<Vec<_>>().concat();
+    let mut uphill = uphill.as_slice();
+    for slope in slopes {
+        let (own, others) = uphill.split_at(slope.run.columns.len());
+        basin[slope.places()].copy_from_slice(own);
+        uphill = others;
+    }
     // Follow the pointers up to the peaks.
-    for place in 0..basin.len() {
-        basin[place] = root(&mut basin, place as u32);
-        image[bright.indices[place] as usize] = basin[place] + 1;
+    for (top, peak, _) in tops {
+        basin[top.places()].fill(*peak);
+        image[adjacency.pixels(&top.run)].fill(peak + 1);
+    }
+    for slope in slopes {
+        for (place, pixel) in slope.places().zip(adjacency.pixels(&slope.run)) {
+            basin[place] = root(&mut basin, place as u32);
+            image[pixel] = basin[place] + 1;
+        }
     }
     (basin, image)
 }
 
-/// Heights of the pixels that touch another basin than their own, highest first.
-fn border(adjacency: &Adjacency, luminance: &[f32], runs: &[Run], basin: &[u32]) -> Vec<u64> {
+/// Heights of the pixels of `slopes` that touch another basin than their own, highest first.
+fn border(adjacency: &Adjacency, luminance: &[f32], slopes: &[Stretch], basin: &[u32]) -> Vec<u64> {
     // Take the first and the last of the basins around a pixel. For a dark pixel, 0, the last is below all
     // others and the first wraps around to above them.
     let ends = |index: usize| (basin[index].wrapping_sub(1), basin[index]);
     let wider = |a: (u32, u32), b: (u32, u32)| (a.0.min(b.0), a.1.max(b.1));
     // Keep the pixels that have more than one basin around them.
-    let on_border = |runs: &[Run]| {
+    let on_border = |slopes: &[Stretch]| {
         let (mut border, mut columns) = (Vec::new(), Vec::new());
-        for run in runs {
+        for Stretch { run, .. } in slopes {
             let around = adjacency.around_each(run, &mut columns, ends, wider);
             let touching = adjacency.pixels(run).zip(around).filter(|(_, (first, last))| first + 1 != *last);
             border.extend(touching.map(|(index, _)| !height(luminance, index)));
@@ -190,7 +213,7 @@ fn border(adjacency: &Adjacency, luminance: &[f32], runs: &[Run], basin: &[u32])
         border
     };
     // Sort them, highest first: their heights are inverted.
-    let mut border = runs.par_chunks(RUNS_AT_ONCE).map(on_border).collect::<Vec<_>>().concat();
+    let mut border = slopes.par_chunks(RUNS_AT_ONCE).map(on_border).collect::<Vec<_>>().concat();
     border.par_sort_unstable();
     border
 }
@@ -206,7 +229,7 @@ fn absorb(
     level: &[f32],
     prominence: f32,
 ) -> Vec<u32> {
-    let mut island: Vec<u32> = (0..level.len() as u32).collect();
+    let mut island = apart(level.len());
     let mut light = island.clone();
     // Lower the level from one border pixel to the next.
     for own in border.iter().map(|inverted| !inverted) {
@@ -231,19 +254,11 @@ fn absorb(
     light
 }
 
-/// Root of a union-find forest, with path halving.
-pub fn root(parent: &mut [u32], mut i: u32) -> u32 {
-    while parent[i as usize] != i {
-        let up = parent[parent[i as usize] as usize];
-        parent[i as usize] = up;
-        i = up;
-    }
-    i
-}
-
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::super::test_maps::{drawn, drawn_from, segments, sizes};
     use super::*;
 
@@ -323,6 +338,61 @@ mod tests {
         assert_eq!(labelled, [4 * 16 + 6, 4 * 16 + 7]); // 9 and 5, not 2 and 1
         assert_eq!(segments.label.iter().filter(|&&label| label != 0).count(), 2);
         assert!((segments.peaks[0] - 9.0).abs() < 1e-5);
+    }
+
+    /// For each pixel the first of its light, plus 1: the tree of all pixels, from the brightest down, one by one.
+    fn plain_lights(working: &WorkingImage, prominence: f32) -> Vec<usize> {
+        let (luminance, adjacency) = (&working.luminance, Adjacency::of(working));
+        let mut falling: Vec<usize> = (0..luminance.len()).filter(|&pixel| luminance[pixel] > 0.5).collect();
+        falling.sort_by_key(|&pixel| !height(luminance, pixel));
+        let mut island = apart(luminance.len());
+        let mut light = island.clone();
+        for &pixel in &falling {
+            // Let the pixel flow to its highest neighbour, if one is higher.
+            let is_higher = |&other: &usize| height(luminance, other) > height(luminance, pixel);
+            let higher: Vec<usize> = adjacency.around(pixel).into_iter().filter(is_higher).collect();
+            let Some(&highest) = higher.iter().max_by_key(|&&other| height(luminance, other)) else {
+                continue;
+            };
+            island[pixel] = root(&mut island, highest as u32);
+            light[pixel] = highest as u32;
+            // Join the islands that it touches, at its level.
+            for other in higher {
+                let (one, other) = (root(&mut island, pixel as u32), root(&mut island, other as u32));
+                let level = |island: u32| luminance[island as usize];
+                let (above, below) = if level(one) >= level(other) { (one, other) } else { (other, one) };
+                island[below as usize] = above;
+                if level(below) < prominence * luminance[pixel] {
+                    light[below as usize] = above;
+                }
+            }
+        }
+        let lights: Vec<u32> = (0..luminance.len() as u32).map(|pixel| root(&mut light, pixel)).collect();
+        let first = |pixel: usize| lights.iter().position(|&light| light == lights[pixel]);
+        (0..lights.len())
+            .map(|pixel| if luminance[pixel] > 0.5 { first(pixel).map_or(0, |i| i + 1) } else { 0 })
+            .collect()
+    }
+
+    proptest! {
+        #[test]
+        fn tops_and_basins_are_the_tree_of_all_pixels(
+            levels in prop::collection::vec(prop_oneof![Just(0.1_f32), Just(1.0), Just(8.0), 0.6..9.0_f32], 8 * 16),
+            prominence in 1.5..5.0,
+        ) {
+            let working = drawn(&["................"; 8]).with_luminance(levels);
+            let bright = bright_pixels(&working, 0.5);
+            let none = Threshold { luminance: 0.0, ..super::super::test_maps::THRESHOLD };
+            let adjacency = Adjacency::of(&working);
+            let found = super::segments(&working, &adjacency, &bright, &none, 1.0, prominence, 0.0);
+            let mut first = vec![0; 8 * 16];
+            for pixels in &found.pixels {
+                for &pixel in pixels {
+                    first[pixel as usize] = pixels[0] as usize + 1;
+                }
+            }
+            prop_assert_eq!(first, plain_lights(&working, prominence as f32));
+        }
     }
 
     #[test]

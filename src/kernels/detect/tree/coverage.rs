@@ -54,6 +54,10 @@ pub struct CoveredPixels {
     pub solid_angle: Vec<f64>,
     /// Luminance times solid angle.
     pub flux: Vec<f64>,
+    /// Luminance times flux.
+    pub square: Vec<f64>,
+    /// 1 for each pixel at the peak, 0 for any other; and the solid angles of those at the peak.
+    pub top: (Vec<f32>, Vec<f64>),
 }
 
 impl CoveredPixels {
@@ -69,6 +73,21 @@ impl CoveredPixels {
         refill(&mut self.solid_angle, levels.map(|(&y, width)| f64::from(share(y)) * width * band));
         let levels = self.luminance.iter().zip(&self.solid_angle);
         refill(&mut self.flux, levels.map(|(&y, solid_angle)| f64::from(y) * solid_angle));
+        let levels = self.luminance.iter().zip(&self.flux);
+        refill(&mut self.square, levels.map(|(&y, flux)| f64::from(y) * flux));
+    }
+
+    /// Find the pixels of the luminance `least` and more, if there are any.
+    #[inline(always)]
+    pub fn find_top(&mut self, least: f64) -> bool {
+        let is_top = self.luminance.iter().map(|&y| f64::from(y) >= least);
+        let found = is_top.clone().any(|is_top| is_top);
+        if found {
+            refill(&mut self.top.0, is_top.map(|is_top| if is_top { 1.0 } else { 0.0 }));
+            let flags = self.top.0.iter().zip(&self.solid_angle);
+            refill(&mut self.top.1, flags.map(|(&flag, solid_angle)| f64::from(flag) * solid_angle));
+        }
+        found
     }
 }
 

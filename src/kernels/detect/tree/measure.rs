@@ -95,16 +95,12 @@ impl<'a> Map<'a> {
 
     /// Luminance of the brightest pixel.
     fn peak(&self, part: &[Run]) -> f32 {
-        let higher = |peak: f32, &pixel: &[f32; 3]| {
-            let luminance = luminance_f32(pixel);
-            if luminance > peak { luminance } else { peak }
-        };
-        self.rows_of_all(part).flatten().fold(0.0, higher)
+        self.widest.dispatch(Peak { map: self, part })
     }
 
     /// The largest sample.
     fn top(&self, part: &[Run]) -> Top {
-        self.rows_of_all(part).map(Top::of).fold(Top::default(), Top::and)
+        self.rows_of_all(part).fold(Top::default(), Top::and_of)
     }
 
     /// Rows of the map's pixels behind a part.
@@ -117,6 +113,35 @@ impl<'a> Map<'a> {
         let columns = within(run.columns.clone(), self.block, self.width);
         let rows = within(run.row..run.row + 1, self.block, self.rows.len());
         rows.map(move |row| (row, columns.clone(), &self.pixels[row * self.width..][columns.clone()]))
+    }
+}
+
+/// Luminance of the brightest pixel of `part`.
+struct Peak<'a> {
+    map: &'a Map<'a>,
+    part: &'a [Run],
+}
+
+impl WithSimd for Peak<'_> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> f32 {
+        let higher = |a: f32, b: f32| if b > a { b } else { a };
+        let mut lanes = [0.0_f32; 8];
+        for pixels in self.map.rows_of_all(self.part) {
+            let (most, rest) = pixels.as_chunks::<8>();
+            for pixels in most {
+                lanes
+                    .iter_mut()
+                    .zip(pixels)
+                    .for_each(|(lane, &pixel)| *lane = higher(*lane, luminance_f32(pixel)));
+            }
+            for &pixel in rest {
+                lanes[0] = higher(lanes[0], luminance_f32(pixel));
+            }
+        }
+        lanes.into_iter().fold(0.0, higher)
     }
 }
 
@@ -140,7 +165,7 @@ impl WithSimd for Sum<'_> {
             let [sin, cos, band] = map.rows[row];
             let columns = map.columns.at(columns);
             covered.refill(pixels, columns.width, band, peak, background);
-            light.add(&covered, &columns, [sin, cos]);
+            light.add(&mut covered, &columns, [sin, cos]);
         }
         light
     }

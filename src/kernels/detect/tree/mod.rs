@@ -8,6 +8,8 @@
 //! | choose the threshold above which a pixel is bright         | `threshold.rs`       |
 //! | which pixels are neighbours, pixels side by side           | `adjacency.rs`, `run.rs` |
 //! | the component tree: segments of connected bright pixels    | `components.rs`      |
+//! | - bright pixels that no saddle divides                     | `top.rs`             |
+//! | - what is joined with what                                 | `forest.rs`          |
 //! | join the segments that only a bar divides                  | `bridging.rs`        |
 //! | trim the segments; the pixels on the outline of each       | `outline.rs`         |
 //! | the local background of each segment                       | `background.rs`      |
@@ -26,6 +28,7 @@ pub(super) mod bridging;
 pub(super) mod components;
 mod coverage;
 mod dot_product;
+mod forest;
 pub(super) mod linkage;
 pub(super) mod measure;
 pub(super) mod moments;
@@ -34,6 +37,7 @@ pub(super) mod run;
 #[cfg(test)]
 pub(super) mod test_maps;
 pub(super) mod threshold;
+mod top;
 pub(super) mod working_image;
 mod worth;
 
@@ -44,6 +48,7 @@ pub use bars::{WIDEST_ANGLE, WIDEST_BAR};
 use components::{BrightPixels, Segments};
 use linkage::Selection;
 pub use moments::Light;
+pub use run::{Run, runs};
 pub use threshold::{Rule, Threshold};
 pub use working_image::WorkingImage;
 

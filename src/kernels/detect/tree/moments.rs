@@ -171,7 +171,7 @@ impl Light {
     /// With `d = (sin phi sin theta, cos theta, -cos phi sin theta)` each sum is one over the azimuths,
     /// times a factor that the row has in common.
     #[inline(always)]
-    pub fn add(&mut self, row: &CoveredPixels, columns: &Columns<&[f64]>, [sin, cos]: [f64; 2]) {
+    pub fn add(&mut self, row: &mut CoveredPixels, columns: &Columns<&[f64]>, [sin, cos]: [f64; 2]) {
         // Sum over the azimuths.
         let flux = dot(&row.luminance, &row.solid_angle);
         let [flux_sin, flux_cos] = [columns.sin, columns.cos].map(|of| sin * dot(of, &row.flux));
@@ -186,23 +186,17 @@ impl Light {
         self.second[1] += DVec3::new(flux_sin * cos, -flux_cos * cos, -sin_cos);
         self.width_squared += dot(&row.flux, &row.solid_angle) / 12.0;
         self.luminance_squared += dot(&row.luminance, &row.flux);
-        let square: Vec<f64> =
-            row.luminance.iter().zip(&row.flux).map(|(&y, flux)| f64::from(y) * flux).collect();
-        self.luminance_cubed += dot(&row.luminance, &square);
+        self.luminance_cubed += dot(&row.luminance, &row.square);
         self.add_top(row, columns, [sin, cos]);
     }
 
     /// Add the pixels of a row that are at the peak.
     #[inline(always)]
-    fn add_top(&mut self, row: &CoveredPixels, columns: &Columns<&[f64]>, [sin, cos]: [f64; 2]) {
-        let top = TOP * self.peak;
-        let is_top = row.luminance.iter().map(|&y| f64::from(y) >= top);
-        if is_top.clone().any(|is_top| is_top) {
-            let flags: Vec<f32> = is_top.map(|is_top| if is_top { 1.0 } else { 0.0 }).collect();
-            let top: Vec<f64> =
-                flags.iter().zip(&row.solid_angle).map(|(&flag, angle)| f64::from(flag) * angle).collect();
-            let [top_sin, top_cos] = [columns.sin, columns.cos].map(|of| sin * dot(of, &top));
-            self.top += DVec3::new(top_sin, cos * dot(&flags, &row.solid_angle), -top_cos);
+    fn add_top(&mut self, row: &mut CoveredPixels, columns: &Columns<&[f64]>, [sin, cos]: [f64; 2]) {
+        if row.find_top(TOP * self.peak) {
+            let (flags, top) = &row.top;
+            let [top_sin, top_cos] = [columns.sin, columns.cos].map(|of| sin * dot(of, top));
+            self.top += DVec3::new(top_sin, cos * dot(flags, &row.solid_angle), -top_cos);
         }
     }
 }
@@ -231,7 +225,7 @@ mod tests {
         edges.windows(2).for_each(|edge| columns.push(edge, true));
         let (mut row, mut light) = (CoveredPixels::default(), Light::of_peak(peak));
         row.refill(pixels, &columns.width, BAND, peak, background);
-        light.add(&row, &columns.at(0..pixels.len()), theta.sin_cos().into());
+        light.add(&mut row, &columns.at(0..pixels.len()), theta.sin_cos().into());
         let mut plain = Light::of_peak(peak);
         for (pixel, edge) in pixels.iter().zip(edges.windows(2)) {
             let y = crate::kernels::image::luminance(pixel.map(f64::from));

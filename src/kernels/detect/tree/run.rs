@@ -5,18 +5,33 @@ use std::ops::Range;
 /// Pixels of the working image side by side in one row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
+    /// Its row.
     pub row: usize,
+    /// Its columns.
     pub columns: Range<usize>,
+}
+
+impl Run {
+    /// Flat indices into an image of `width` columns.
+    pub fn pixels(&self, width: usize) -> Range<usize> {
+        self.row * width + self.columns.start..self.row * width + self.columns.end
+    }
 }
 
 /// Flat indices into an image of `columns` columns as runs, in their order.
 pub fn runs(pixels: &[u32], columns: usize) -> Vec<Run> {
-    let goes_on = |&one: &u32, &other: &u32| other == one + 1 && !(other as usize).is_multiple_of(columns);
-    let run = |run: &[u32]| {
-        let (row, first) = (run[0] as usize / columns, run[0] as usize % columns);
-        Run { row, columns: first..first + run.len() }
-    };
-    pixels.chunk_by(goes_on).map(run).collect()
+    let mut runs = Vec::new();
+    for side_by_side in pixels.chunk_by(|&one, &other| other == one + 1) {
+        // Cut them where a row ends.
+        let (mut first, end) = (side_by_side[0] as usize, side_by_side[0] as usize + side_by_side.len());
+        while first < end {
+            let row = first / columns;
+            let own = first - row * columns..end.min((row + 1) * columns) - row * columns;
+            first += own.len();
+            runs.push(Run { row, columns: own });
+        }
+    }
+    runs
 }
 
 #[cfg(test)]

@@ -14,24 +14,24 @@
 
 use std::ops::Range;
 
-use super::super::tree::run::{Run, runs};
+use super::super::tree::run::Run;
 use super::super::tree::working_image::WorkingImage;
 use crate::interrupt;
 
-/// The depth of each of the pixels `plateau`, in ascending order, in radians, as an image; 0 outside.
-pub fn depths(working: &WorkingImage, plateau: &[u32]) -> Vec<f32> {
+/// The depth of each pixel of a `plateau`, in ascending order, in radians, as an image; 0 outside.
+pub fn depths(working: &WorkingImage, plateau: &[Run]) -> Vec<f32> {
     let (height, width) = working.size;
     let sphere = Sphere::new(working);
     // Find the nearest outer pixel of each row, and turn rows into columns.
     let mut outer = vec![0.0; height * width];
-    let mut is_covered = vec![false; width];
-    let runs = runs(plateau, width);
-    for row in runs.chunk_by(|one, other| one.row == other.row) {
+    let (mut is_covered, mut turns) = (vec![false; width], Vec::new());
+    for row in plateau.chunk_by(|one, other| one.row == other.row) {
         interrupt::check();
         for (run, ends) in row.iter().zip(ends(row, width)) {
-            for column in run.columns.clone() {
-                is_covered[column] = true;
-                outer[column * height + run.row] = sphere.turn(column, ends);
+            is_covered[run.columns.clone()].fill(true);
+            sphere.fill_turns(run.columns.clone(), ends, &mut turns);
+            for (column, &turn) in run.columns.clone().zip(&turns) {
+                outer[column * height + run.row] = turn;
             }
         }
     }
@@ -138,19 +138,24 @@ impl Sphere {
     /// Unit vector towards a pixel, in the frame of [`crate::kernels::sphere`].
     pub fn direction(&self, pixel: u32) -> glam::DVec3 {
         let pixel = pixel as usize;
-        let ((sin, cos), (sin_phi, cos_phi)) = self.at([pixel / self.width, pixel % self.width]);
+        self.at(pixel / self.width, pixel % self.width)
+    }
+
+    /// Unit vector towards a pixel.
+    pub fn at(&self, row: usize, column: usize) -> glam::DVec3 {
+        let ((sin, cos), (sin_phi, cos_phi)) = (self.rows[row], self.columns[column]);
         glam::DVec3::new(sin * sin_phi, cos, -sin * cos_phi)
     }
 
-    /// 1 - cos of the azimuth between a column and the nearer one of its run's `ends`.
-    fn turn(&self, column: usize, ends: Option<[usize; 2]>) -> f32 {
-        let (sin, cos) = self.columns[column];
-        let turn = |end: usize| 1.0 - (sin * self.columns[end].0 + cos * self.columns[end].1);
-        ends.map_or(NO_OUTER, |[before, after]| turn(before).min(turn(after)) as f32)
-    }
-
-    fn at(&self, [row, column]: [usize; 2]) -> ((f64, f64), (f64, f64)) {
-        (self.rows[row], self.columns[column])
+    /// For each of some columns, 1 - cos of the azimuth between it and the nearer one of its run's `ends`.
+    fn fill_turns(&self, columns: Range<usize>, ends: Option<[usize; 2]>, turns: &mut Vec<f32>) {
+        turns.clear();
+        let Some(ends) = ends else { return turns.resize(columns.len(), NO_OUTER) };
+        let [before, after] = ends.map(|end| self.columns[end]);
+        turns.extend(self.columns[columns].iter().map(|(sin, cos)| {
+            let turn = |end: (f64, f64)| 1.0 - (sin * end.0 + cos * end.1);
+            turn(before).min(turn(after)) as f32
+        }));
     }
 }
 
@@ -161,10 +166,16 @@ mod tests {
     use glam::DVec3;
     use ndarray::Array3;
 
+    use super::super::super::tree::run::runs;
     use super::*;
     use crate::kernels::sphere::Registration;
 
     const HEIGHT: usize = 64;
+
+    /// The depths of pixels in ascending order.
+    fn depths_of(working: &WorkingImage, plateau: &[u32]) -> Vec<f32> {
+        depths(working, &runs(plateau, 2 * HEIGHT))
+    }
 
     fn image() -> WorkingImage {
         let map = Array3::zeros((HEIGHT, 2 * HEIGHT, 3));
@@ -185,7 +196,7 @@ mod tests {
         for centre in [DVec3::new(0.3, 0.4, 1.0), DVec3::new(0.05, 0.3, -1.0), DVec3::new(0.1, -1.0, 0.1)] {
             let mut plateau = cap(&sphere, centre.normalize(), 0.35);
             plateau.retain(|pixel| pixel % 41 != 0); // some holes
-            let found = depths(&working, &plateau);
+            let found = depths_of(&working, &plateau);
             let outer: Vec<DVec3> = (0..found.len() as u32)
                 .filter(|pixel| plateau.binary_search(pixel).is_err())
                 .map(|pixel| sphere.direction(pixel))
@@ -202,14 +213,14 @@ mod tests {
     fn the_centre_of_a_cap_is_as_deep_as_its_radius() {
         let working = image();
         let plateau = cap(&Sphere::new(&working), DVec3::Y, 0.5);
-        let deepest = depths(&working, &plateau).into_iter().fold(0.0, f32::max);
+        let deepest = depths_of(&working, &plateau).into_iter().fold(0.0, f32::max);
         assert_relative_eq!(f64::from(deepest), 0.5, epsilon = working.row_height());
     }
 
     #[test]
     fn a_plateau_without_a_rim_is_half_a_turn_deep() {
         let all: Vec<u32> = (0..(2 * HEIGHT * HEIGHT) as u32).collect();
-        let depth = depths(&image(), &all);
+        let depth = depths_of(&image(), &all);
         assert!(depth.iter().all(|&depth| (depth - std::f32::consts::PI).abs() < 1e-5));
     }
 }

@@ -12,6 +12,7 @@ use std::collections::VecDeque;
 
 use super::super::tree::adjacency::Adjacency;
 use super::super::tree::components::{self, BrightPixels, Segments};
+use super::super::tree::run::{Run, runs};
 use super::super::tree::threshold::{Rule, Threshold};
 use super::super::tree::working_image::WorkingImage;
 
@@ -21,13 +22,17 @@ const PROMINENCE: f64 = 2.0;
 const MORE_DEPTH: f32 = std::f32::consts::PI / 180.0;
 
 /// For each pixel its part of the `plateau` plus 1, 0 outside.
-pub fn parts(working: &WorkingImage, plateau: &[u32], depth: &[f32]) -> Vec<u32> {
+pub fn parts(working: &WorkingImage, plateau: &[Run], depth: &[f32]) -> Vec<u32> {
     let mut level = vec![0.0; depth.len()];
-    for &pixel in plateau {
-        level[pixel as usize] = depth[pixel as usize] + MORE_DEPTH;
+    let mut indices = Vec::new();
+    for run in plateau {
+        let pixels = run.pixels(working.size.1);
+        indices.extend(pixels.clone().map(|pixel| pixel as u32));
+        level[pixels.clone()].copy_from_slice(&depth[pixels.clone()]);
+        level[pixels].iter_mut().for_each(|level| *level += MORE_DEPTH);
     }
     let level = working.with_luminance(level);
-    let pixels = BrightPixels { indices: plateau.to_vec(), opened_tiles: 0 };
+    let pixels = BrightPixels { indices, opened_tiles: 0 };
     // Each part counts, however shallow.
     let none = Threshold { luminance: 0.0, rule: Rule::Background { factor: 0.0, share: 0.0 } };
     components::segments(&level, &Adjacency::of(&level), &pixels, &none, 1.0, PROMINENCE, 0.0).label
@@ -80,15 +85,18 @@ fn grow(
     numbers: &[u32],
     owner: &mut [u32],
 ) {
-    // Start from the plateau, and mark the pixels that are free.
+    // Mark the pixels that are free.
     const FREE: u32 = u32::MAX;
-    let mut front = VecDeque::new();
     for &pixel in pixels {
         let part = if label[pixel as usize] == 0 { 0 } else { parts[pixel as usize] };
         owner[pixel as usize] = if part == 0 { FREE } else { numbers[part as usize] };
-        if owner[pixel as usize] != FREE {
-            front.push_back(pixel as usize);
-        }
+    }
+    // Start from the rim of the plateau: from the pixels beside a free one.
+    let (mut front, mut columns) = (VecDeque::new(), Vec::new());
+    for run in runs(pixels, adjacency.width()) {
+        let is_near = adjacency.around_each(&run, &mut columns, |pixel| owner[pixel] == FREE, |a, b| a | b);
+        let own = adjacency.pixels(&run).zip(is_near);
+        front.extend(own.filter(|&(pixel, is_near)| is_near && owner[pixel] != FREE).map(|(pixel, _)| pixel));
     }
     // Grow over the free pixels, all parts at the same pace.
     while let Some(pixel) = front.pop_front() {
@@ -158,7 +166,7 @@ mod tests {
             let (y, x) = (f64::from(pixel / 128) - 31.5, f64::from(pixel % 128) - 64.0);
             (x + 8.0).hypot(y) < 6.0 || (x - 8.0).hypot(y) < 3.0 || (x.abs() < 8.0 && y.abs() < bridge)
         };
-        let plateau: Vec<u32> = (0..64 * 128).filter(inside).collect();
+        let plateau = runs(&(0..64 * 128).filter(inside).collect::<Vec<u32>>(), 128);
         let depth = super::super::depth::depths(&working, &plateau);
         let mut labels = parts(&working, &plateau, &depth);
         labels.retain(|&label| label != 0);

@@ -14,6 +14,7 @@
 use std::f64::consts::TAU;
 
 use super::super::tree::components::Segments;
+use super::super::tree::run::runs;
 use super::super::tree::working_image::WorkingImage;
 use super::placement::Place;
 
@@ -35,9 +36,9 @@ pub fn weights(expanded: &WorkingImage, segments: &Segments, places: &[Place]) -
     let weight = |(pixels, place): (&Vec<u32>, &Place)| {
         // Sum solid angle and expanded flux.
         let (mut solid_angle, mut flux) = (0.0, 0.0);
-        for pixel in pixels.iter().map(|&pixel| pixel as usize) {
-            if segments.label[pixel] != 0 {
-                let pixel_solid_angle = expanded.bands[pixel / width] * TAU / width as f64;
+        for run in runs(pixels, width) {
+            let pixel_solid_angle = expanded.bands[run.row] * TAU / width as f64;
+            for pixel in run.pixels(width).filter(|&pixel| segments.label[pixel] != 0) {
                 solid_angle += pixel_solid_angle;
                 flux += f64::from(expanded.luminance[pixel]) * pixel_solid_angle;
             }

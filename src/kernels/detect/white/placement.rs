@@ -8,6 +8,7 @@ use glam::DVec3;
 
 use super::super::tree::components::Segments;
 use super::super::tree::moments::Light;
+use super::super::tree::run::{Run, runs};
 use super::super::tree::working_image::WorkingImage;
 use super::depth::Sphere;
 
@@ -68,17 +69,20 @@ pub fn places(
     let sphere = Sphere::new(working);
     let width = working.size.1;
     let place = |pixels: &Vec<u32>| {
-        let labelled = pixels.iter().copied().filter(|&pixel| segments.label[pixel as usize] != 0);
-        let deepest = labelled.clone().map(|pixel| depth[pixel as usize]).fold(0.0, f32::max);
+        let runs = runs(pixels, width);
+        let labelled = |run: &Run| run.pixels(width).filter(|&pixel| segments.label[pixel] != 0);
+        let deepest = runs.iter().flat_map(labelled).map(|pixel| depth[pixel]).fold(0.0, f32::max);
         let (mut on_plateau, mut outside, mut solid_angle) = (DVec3::ZERO, DVec3::ZERO, 0.0);
-        for pixel in labelled {
-            let index = pixel as usize;
-            let towards = sphere.direction(pixel) * working.bands[index / width];
-            if depth[index] >= SHALLOW * deepest {
-                on_plateau += towards * f64::from(depth[index]).powi(2);
+        for run in &runs {
+            let band = working.bands[run.row];
+            for pixel in labelled(run) {
+                let towards = sphere.at(run.row, pixel - run.row * width) * band;
+                if depth[pixel] >= SHALLOW * deepest {
+                    on_plateau += towards * f64::from(depth[pixel]).powi(2);
+                }
+                outside += towards * f64::from(expanded.luminance[pixel]).powi(2);
+                solid_angle += band;
             }
-            outside += towards * f64::from(expanded.luminance[index]).powi(2);
-            solid_angle += working.bands[index / width];
         }
         let sum = if deepest > 0.0 { on_plateau } else { outside };
         // The rim lies between the last pixel of the plateau and the first outside of it.

@@ -17,6 +17,7 @@ use ndarray::{Array2, ArrayView3, Axis};
 use rayon::prelude::*;
 
 use super::super::clipping::LEAST_WHITE;
+use super::super::tree::run::Run;
 use super::super::tree::working_image::WorkingImage;
 use super::depth::{self, Sphere};
 use super::expansion::expand;
@@ -100,8 +101,8 @@ impl Clipped<'_> {
         pixels.filter(|(_, rgb)| rgb.iter().any(|&y| y >= self.least)).map(|(column, _)| column).collect()
     }
 
-    /// Flat indices of the pixels of the plateau: those of a working image that hold any, with gaps closed.
-    fn plateau(&self, working: &WorkingImage, gap: f64) -> Vec<u32> {
+    /// The plateau: the pixels of a working image that hold any, with gaps closed.
+    fn plateau(&self, working: &WorkingImage, gap: f64) -> Vec<Run> {
         let covered = self.covered(working.size);
         let mut luminance = vec![0.0; working.luminance.len()];
         for &pixel in &covered {
