@@ -7,7 +7,7 @@ use super::image::{Pixel, pixels_inside};
 use super::windows::Windows;
 use crate::error::Result;
 use crate::interrupt;
-use crate::kernels::detect::clipping::{Ceiling, Top};
+use crate::kernels::detect::clipping::{Ceiling, Top, largest};
 use crate::kernels::image::check_rgb;
 
 /// Whether each light is clipped: at `white` where that is known, else at the map's largest sample. Its pixels are
@@ -48,18 +48,6 @@ pub fn are_clipped(
     Ok(at(Ceiling::Maximum(
         map.par_chunks(width).map(|row| largest(row.as_flattened())).reduce(|| 0.0, f32::max),
     )))
-}
-
-/// The largest of some samples, in lanes that do not wait for one another.
-fn largest(samples: &[f32]) -> f32 {
-    let (most, rest) = samples.as_chunks::<16>();
-    let mut lanes = [0.0_f32; 16];
-    for samples in most {
-        for (lane, &sample) in lanes.iter_mut().zip(samples) {
-            *lane = if sample > *lane { sample } else { *lane };
-        }
-    }
-    lanes.iter().chain(rest).copied().fold(0.0, f32::max)
 }
 
 /// The top of the window around `pixel` in a `map` of this `width`.
