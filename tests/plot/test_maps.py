@@ -12,6 +12,7 @@ import envlights as el
 from envlights import plot
 from envlights._srgb import decode_srgb, encode_srgb
 from envlights.plot.ball import ball
+from envlights.plot.markers import draw_discs, draw_numbers
 from envlights.plot.outlines import outlines
 
 HALL = el.EnvMap(el.synthetic.hall(64).radiance)
@@ -188,6 +189,23 @@ def test_numbers_neither_overlap_nor_leave_the_map_and_the_brightest_have_one():
         assert frame.x0 <= box.x0 <= box.x1 <= frame.x1
         assert frame.y0 <= box.y0 <= box.y1 <= frame.y1
         assert not any(box.overlaps(other) for other in boxes[:number])
+
+
+def test_numbers_cover_no_disc_with_or_without_a_number():
+    rng = np.random.default_rng(4)
+    at = np.stack([rng.uniform(0, 360, 300), rng.uniform(-30, 30, 300)], axis=1)
+    figure = plot.map_picture(HALL)
+    (axes,) = figure.axes
+    draw_discs(axes, at, np.full(300, 14.0), np.ones((300, 3)))
+    draw_numbers(axes, at, np.full(300, 14.0))
+    figure.canvas.draw()
+    rings = axes.collections[0]
+    middle = axes.transData.transform(rings.get_offsets())
+    radius = np.sqrt(rings.get_sizes() / np.pi)[:, None] * figure.dpi / 72
+    assert len(axes.texts) > 5
+    for box in (text.get_window_extent() for text in axes.texts):
+        apart = np.abs(middle - (box.p0 + box.p1) / 2) - (box.p1 - box.p0) / 2
+        assert (apart > radius).any(axis=1).all()
 
 
 def test_every_light_is_one_entry_of_the_same_few_artists():

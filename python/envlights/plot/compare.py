@@ -7,7 +7,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator
 
 from envlights.envmap import AnyMap, as_envmap
 from envlights.plot.figure import Picture, check_are_rigs
-from envlights.plot.ground import draw_ground, exposed, working
+from envlights.plot.ground import EXTENT, draw_small_ground, exposed, working
 from envlights.plot.markers import draw_lights
 from envlights.plot.probe import draw_probes, shaded_ball, viewpoint
 from envlights.rig import Rig
@@ -47,9 +47,9 @@ def rigs_picture(env: AnyMap, *rigs: Rig) -> Picture:
     ground, eye = exposed(working(env)), viewpoint(rigs[0])
     shaded = {floor: shaded_ball(env, eye, floor) for floor in {rig.floor for rig in rigs}}
     for (on_map, *probes), rig in zip(rows, rigs, strict=True):
-        draw_ground(on_map, ground.codes)
+        draw_small_ground(on_map, ground.codes)
         draw_lights(on_map, rig.lights, _POINTS)
-        on_map.set(xlabel="", ylabel="", xticks=[], yticks=[], title=rig.in_short())
+        on_map.set(xlim=EXTENT[:2], ylim=EXTENT[2:], title=rig.in_short())
         draw_probes(figure, probes, shaded[rig.floor], rig)
         for axes in probes:
             axes.title.set_fontsize("small")

@@ -58,6 +58,12 @@ def draw_ground(axes: Axes, codes: NDArray[np.uint8]) -> None:
     _draw_frame(axes)
 
 
+def draw_small_ground(axes: Axes, codes: NDArray[np.uint8]) -> None:
+    """Draw the colours of a map that is too small for degrees beside it."""
+    axes.set(xticks=[], yticks=[])
+    axes.imshow(codes, extent=EXTENT, interpolation="antialiased")
+
+
 def draw_map(axes: Axes, env: EnvMap) -> str:
     """Draw a map, and return its exposure in words."""
     ground = exposed(working(env))

@@ -100,12 +100,12 @@ def draw_numbers(
 ) -> None:
     """Number lights beside their discs, the brightest first, where there is room.
 
-    A number neither covers another, nor a disc that is numbered, nor leaves the map.
+    A number neither covers another, nor any disc, nor leaves the map.
     """
     radii = np.sqrt(_ring(areas) / np.pi) / points
     size = np.array([_LETTER, _LINE]) / points
-    reach = np.minimum(radii, 12)[:_MOST_NUMBERS, None]
-    taken = np.hstack([at[:_MOST_NUMBERS] - reach, at[:_MOST_NUMBERS] + reach])
+    reach = np.minimum(radii, 12)[:, None]
+    taken = np.hstack([at - reach, at + reach])
     for k in range(min(len(at), _MOST_NUMBERS)):
         others = np.delete(taken, k, axis=0)
         box = _free_box(f"{k + 1}", size, at[k], radii[k], others)

@@ -20,6 +20,8 @@ from envlights.repair import PLATEAU_COLUMNS, PLATEAU_GAP
 
 #: Colour of what is clipped, and how much of it covers the map: red, green, blue, alpha.
 _CLIPPED = (0.0, 0.75, 1.0, 0.5)
+#: Points of the page that a degree of the map takes, at least: the scale takes a part of the width.
+_POINTS = 1.45
 
 
 def plateau_picture(env: AnyMap, lights: DetectedLights) -> Picture:
@@ -76,7 +78,7 @@ def plateau_picture(env: AnyMap, lights: DetectedLights) -> Picture:
         # Discs are half as large as those of a rig: lamps may stand close together.
         at, areas = degrees(lights.direction), area(share) / 2
         draw_discs(axes, at, areas, lights.irradiance)
-        draw_numbers(axes, at, areas)
+        draw_numbers(axes, at, areas, _POINTS)
     clipped = Patch(color=_CLIPPED, label="clipped")
     circle = Line2D([], [], color=RIM, lw=1.4, label="two thirds of such lights are within")
     draw_legend(below, [clipped, circle])
@@ -88,11 +90,12 @@ def plateau_picture(env: AnyMap, lights: DetectedLights) -> Picture:
     return figure
 
 
-def _tint(env: EnvMap, white: float) -> NDArray[np.float64]:
-    """The colour of what is clipped where the map is, as RGBA."""
+def _tint(env: EnvMap, white: float) -> NDArray[np.uint8]:
+    """The colour of what is clipped where the map is, as RGBA in bytes, an eighth of the memory."""
     rows, columns = max(env.height // 512, 1), max(env.width // 1024, 1)
     largest: NDArray[np.float32] = env.radiance[::rows, ::columns].max(axis=2, keepdims=True)
-    return np.where(largest >= _native.LEAST_WHITE * white, np.array(_CLIPPED), 0.0)
+    colour = np.round(255 * np.array(_CLIPPED)).astype(np.uint8)
+    return np.where(largest >= _native.LEAST_WHITE * white, colour, np.uint8(0))
 
 
 def _draw_depth(axes: Axes, env: EnvMap, white: float) -> AxesImage:
