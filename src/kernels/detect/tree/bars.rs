@@ -24,7 +24,7 @@ use std::f64::consts::TAU;
 
 use super::adjacency::Adjacency;
 use super::components::Segments;
-use super::forest::root;
+use super::forest::{self, root};
 use super::linkage::{self, Selection};
 use super::moments::Light;
 use super::working_image::WorkingImage;
@@ -101,12 +101,11 @@ pub fn join(
     lights: Vec<Light>,
     backgrounds: Vec<f64>,
 ) -> Openings {
-    let mut parent: Vec<u32> = (0..lights.len() as u32).collect();
+    let mut parent = forest::apart(lights.len());
     if lights.len() > 1 && gap > 0.0 {
         for ((one, other), facing) in facing(working, adjacency, segments, outline, &lights) {
             if are_panes(&lights[one as usize], &lights[other as usize], &facing) {
-                let (one, other) = (root(&mut parent, one), root(&mut parent, other));
-                parent[one.max(other) as usize] = one.min(other);
+                forest::join(&mut parent, one, other);
             }
         }
     }
