@@ -130,6 +130,17 @@ def test_known_lights_are_found_in_pictures_of_eight_bits(name):
 # Order, floors, and maps without lights
 
 
+def test_an_overexposed_picture_is_searched_in_fewer_pixels():
+    sun = unit((0.3, 0.5, 1.0))
+    radiance = glow(512, sun, 3.0)
+    lower = kernels.pixel_directions(512, 1024)[..., 1] < -0.3
+    few, many = (eight_bits(np.where(lower[..., None], floor, radiance)) for floor in (0.1, 1.0))
+    assert el.detect(few).report.working_size == (256, 512)
+    lights = el.detect(many)
+    assert lights.report.working_size == (128, 256)  # a third of the sphere is white
+    assert angle_deg(lights.direction, sun).min() < 0.3
+
+
 def test_of_two_plateaus_the_higher_and_smaller_one_comes_first():
     shapes = [Disc((1, 1, 0), 3, (9, 9, 9)), Disc((0, 0.1, 1), 9, (9, 9, 9))]
     lights = el.detect(eight_bits(scene(256, background=[0.1] * 3, shapes=shapes).radiance))

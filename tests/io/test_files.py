@@ -36,7 +36,7 @@ def test_a_write_that_fails_leaves_the_old_file_and_nothing_else(tmp_path):
         lambda: el.TransferModel.load(None),
         lambda: el.read_pairs(5),
         lambda: el.EnvMap.open(None),
-        lambda: plot.save(None, 3.5),
+        lambda: plot.save(plot.Picture(), 3.5),
     ],
 )
 def test_what_is_no_path_is_refused(call):

@@ -66,7 +66,8 @@ def detect_tree(
         A light ends where its luminance has fallen to this share of its peak.
     working_width : int
         Lights are searched for in a reduction of the map to at most this many columns; to half of
-        them where it has a white, for a plateau has no fine detail.
+        them where it has a white, for a plateau has no fine detail, and to fewer still where more
+        than 12 % of the sphere is bright.
     white : float, optional
         The value at which the map was cut off, in place of `EnvMap.white`.
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._check import count
 from envlights.kernels import sampling, sphere
 from envlights.synthetic import backdrops
-from envlights.synthetic.scene import SyntheticMap, scene
+from envlights.synthetic.scene import MOST_ROWS, SyntheticMap, scene
 from envlights.synthetic.shapes import Disc, Rectangle, Shape, unit
 
 #: Rows of the smallest map that shows a bar of 0.5 degrees.
@@ -71,7 +71,7 @@ def openings(seed: int, height: int = 512) -> SyntheticMap:
     >>> world.note, len(world.lights)
     ('a window of 6 x 4 panes', 1)
     """
-    height = count("height", height, least=_LEAST_HEIGHT)
+    height = count("height", height, least=_LEAST_HEIGHT, most=MOST_ROWS)
     rng = np.random.default_rng([count("seed", seed), 3])
     draw = list(_KINDS.values())[seed % len(_KINDS)]
     ground = (backdrops.constant, backdrops.gradient)[seed // len(_KINDS) % 2](rng, height)

@@ -7,10 +7,11 @@
 
 use std::f64::consts::PI;
 
-use super::region::NONE;
 use super::working::Working;
 use crate::interrupt;
 
+/// No light.
+pub const NONE: u32 = u32::MAX;
 /// Angle from a light to the end of its glow, at most, in radians: 45 degrees. The sky above a city may be one
 /// bright place, and no direction stands for all of it.
 const FARTHEST: f64 = PI / 4.0;

@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::glow;
+use super::glow::{self, NONE};
 use super::working::Working;
 use crate::interrupt;
 
@@ -27,9 +27,6 @@ const STRIDE: usize = 2;
 /// brighter than the threshold of detection, and one that is not. Glare of suns falls by 1.1 to 3, skies and
 /// lit ceilings by less than 1.1.
 const FALLS: [f32; 2] = [1.1, 1.25];
-
-/// No light.
-pub(super) const NONE: u32 = u32::MAX;
 
 /// The pixels of the working image that are taken.
 pub struct Regions {

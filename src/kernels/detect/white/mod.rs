@@ -38,10 +38,14 @@ pub use sharing::{plateau_depth, shares};
 use super::clipping::LEAST_WHITE;
 use super::tree::adjacency::Adjacency;
 use super::tree::moments::Light;
-use super::tree::threshold;
+use super::tree::threshold::{self, Threshold};
 use super::tree::{Detection, Options, Report, background, bars, bridging, components, measure, outline};
 use crate::error::Result;
 use crate::kernels::sphere::Registration;
+
+/// The share of the sphere that may be bright before fewer pixels do: the work is that of bright pixels, and so much
+/// of them has no fine detail.
+const MOST_BRIGHT: f64 = 0.12;
 
 /// Lights of a map that ends at white, and how they were found.
 #[derive(Clone, Debug)]
@@ -83,19 +87,23 @@ fn detect_in_pool(
 ) -> Result<WhiteDetection> {
     // Find where the picture ends. One that ends far below white has lost nothing to it.
     let reduced = |end| Reduced::of(radiance, registration, options.working_columns, end);
-    let Reduced { working, expanded, maximum } = reduced(white)?;
-    let ending = Ending::of(&working, maximum, white);
-    let clipped_share = ending::share_above(&working, LEAST_WHITE * white);
+    let first = reduced(white)?;
+    let ending = Ending::of(&first.working, first.maximum, white);
+    let clipped_share = ending::share_above(&first.working, LEAST_WHITE * white);
     let Some(end) = ending.luminance() else {
         let detection = super::tree::detect(radiance, registration, options)?;
         return Ok(WhiteDetection::measured(detection, ending, clipped_share));
     };
-    // Find the segments of lights in the expanded image. Few pictures end in a peak below white.
-    let expanded = if end < white { reduced(end)?.expanded } else { expanded };
+    // Expand it anew if it ends in a peak below white, as few pictures do.
+    let first = if end < white { reduced(end)? } else { first };
+    // Reduce it further if much of it is bright.
+    let bright_share = ending::share_above(&first.expanded, threshold_of(&first, end).luminance);
+    let factor = (bright_share / MOST_BRIGHT).sqrt().ceil() as usize;
+    let reduced = if factor > 1 { first.coarser(factor) } else { first };
+    // Find the segments of lights in the expanded image.
+    let mut level = threshold_of(&reduced, end);
+    let Reduced { working, expanded, .. } = reduced;
     let adjacency = Adjacency::of(&working);
-    let mut level = threshold::from_histogram(&expanded);
-    level.luminance =
-        expansion::below_white(level.luminance, ending::share_above(&working, LEAST_WHITE * end));
     let bright = components::bright_pixels(&expanded, level.luminance);
     let segments = components::segments(
         &expanded,
@@ -132,6 +140,14 @@ fn detect_in_pool(
     let part_of = selection.part_of.clone();
     let detection = Detection::new(&segments, selection, panes, report);
     Ok(WhiteDetection::new(detection, &part_of, &places, &weights, ending, clipped_share))
+}
+
+/// The expanded luminance above which a pixel is bright, of a picture that ends there.
+fn threshold_of(reduced: &Reduced, end: f64) -> Threshold {
+    let mut threshold = threshold::from_histogram(&reduced.expanded);
+    let white_share = ending::share_above(&reduced.working, LEAST_WHITE * end);
+    threshold.luminance = expansion::below_white(threshold.luminance, white_share);
+    threshold
 }
 
 impl WhiteDetection {

@@ -67,6 +67,29 @@ impl Reduced {
         let expanded = working.with_luminance(expanded);
         Ok(Self { working, expanded, maximum: f64::from(f32::from_bits(seen.0)) })
     }
+
+    /// The same in pixels with sides `factor` times as long.
+    pub fn coarser(&self, factor: usize) -> Self {
+        let grid = self.working.grid.in_blocks(factor);
+        let weights = Weights::new(&self.working.grid, factor);
+        let means = |fine: &[f32]| -> Vec<f32> {
+            let (width, columns) = (self.working.size.1, grid.phi_edges.len() - 1);
+            let mut means = vec![0.0; columns * (grid.theta_edges.len() - 1)];
+            let blocks = fine.chunks(factor * width).zip(weights.rows.chunks(factor));
+            for ((rows, shares), out) in blocks.zip(means.chunks_mut(columns)) {
+                let mut sums = vec![0.0; width];
+                for (row, share) in rows.chunks(width).zip(shares) {
+                    sums.iter_mut().zip(row).for_each(|(sum, value)| *sum += share * value);
+                }
+                across(&mut sums, &weights.columns, factor, out);
+            }
+            means
+        };
+        let expanded = means(&self.expanded.luminance);
+        let luminance = means(&self.working.luminance);
+        let working = WorkingImage::of_luminance(grid.clone(), factor * self.working.block, luminance);
+        Self { expanded: working.with_luminance(expanded), working, maximum: self.maximum }
+    }
 }
 
 /// The share of each row and column of pixels in that of its block.
@@ -196,6 +219,27 @@ mod tests {
                         .map(|p| f64::from(luminance_f32([p[0], p[1], p[2]])))
                         .fold(0.0, f64::max)
                 );
+            }
+        }
+    }
+
+    #[test]
+    fn coarser_pixels_are_those_of_larger_blocks() {
+        for registration in [Registration::CellCentred, Registration::BorderSampled] {
+            for (height, width) in [(30, 60), (37, 74)] {
+                let map =
+                    Array3::from_shape_fn((height, width, 3), |(y, x, c)| ((y * 7 + x * 3 + c) % 11) as f32);
+                let of = |block| Reduced::of(map.view(), registration, width.div_ceil(block), 11.0).unwrap();
+                let (wanted, found) = (of(6), of(2).coarser(3));
+                assert_eq!((found.working.size, found.working.block), (wanted.working.size, 6));
+                for (found, wanted) in
+                    [(&found.working, &wanted.working), (&found.expanded, &wanted.expanded)]
+                {
+                    assert_relative_eq!(found.flux, wanted.flux, max_relative = 1e-6);
+                    for (found, wanted) in found.luminance.iter().zip(&wanted.luminance) {
+                        assert_relative_eq!(found, wanted, max_relative = 1e-5);
+                    }
+                }
             }
         }
     }
