@@ -73,7 +73,8 @@ def _sum(rest, discs, azimuth, paths):
 def _closure(env, lights, rest):
     """Largest relative difference where each light is whole or hidden: luminance, channels."""
     cosine = _NORMALS @ lights.direction.T
-    whole = (np.abs(cosine) > np.sin(lights.reach)).all(axis=1)
+    # A light that reaches a right angle from its direction is seen whole by no surface.
+    whole = (np.abs(cosine) > np.sin(np.minimum(lights.reach, np.pi / 2))).all(axis=1)
     if not whole.any():
         return np.nan, np.nan
     truth = env.probe(_NORMALS[whole])
