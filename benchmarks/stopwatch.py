@@ -5,8 +5,10 @@ import time
 
 def processor_seconds():
     """Seconds that the processor has worked for this process and for those that it has ended."""
-    import resource  # Not on Windows.
-
+    try:
+        import resource
+    except ImportError:  # on Windows, where nobody counts those
+        return time.process_time()
     children = resource.getrusage(resource.RUSAGE_CHILDREN)
     return time.process_time() + children.ru_utime + children.ru_stime
 

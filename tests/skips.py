@@ -161,7 +161,7 @@ def _rigs_differ(one, other):
 
 
 def _lights_differ(one, other):
-    return lights_apart(other, one.direction, one.irradiance)
+    return lights_apart(other, one.direction, one.irradiance, in_order=True)
 
 
 def _of_frames(width):

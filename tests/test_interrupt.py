@@ -9,7 +9,7 @@ import pytest
 #: Calls that take many seconds.
 LONG = {
     "blur": "kernels.blur(grey, 1500)",
-    "neighbour_maximum": "[kernels.neighbour_maximum(grey, all_pixels, 1500) for _ in range(100)]",
+    "neighbour_maximum": "kernels.neighbour_maximum(np.tile(grey, (4, 2)), few, 1500)",
     "halton": "kernels.halton(200_000_000)",
     "hammersley": "kernels.hammersley(200_000_000)",
     "resize_bilinear": "kernels.resize_bilinear(grey, 16384, 32768)",
@@ -33,7 +33,7 @@ rng = np.random.default_rng(0)
 image = el.synthetic.hard(3, 512).radiance
 large = np.tile(image, (8, 8, 1))
 grey = rng.random((2048, 4096), dtype=np.float32)
-all_pixels = np.argwhere(grey >= 0)
+few = np.argwhere(grey > 0.999)
 normals = rng.normal(size=(400_000, 3))
 normals /= np.linalg.norm(normals, axis=1, keepdims=True)
 even, _ = kernels.icosphere(5120)

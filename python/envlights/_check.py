@@ -101,7 +101,7 @@ def amount(name: str, value: object, least: float = 0.0, most: float = math.inf)
             number = float(value)
     if not (least <= number <= most and math.isfinite(number)):
         limits = f"from {least:g} to {most:g}" if math.isfinite(most) else f"{least:g} or more"
-        limits += ", which is 100 %" if most == 1 else ""
+        limits += " (1 is 100 %)" if most == 1 else ""
         raise EnvLightsError(f"{name} must be a finite number, {limits}; got {shown(value)}")
     return number
 
@@ -191,7 +191,7 @@ def whole_numbers(name: str, values: ArrayLike) -> NDArray[np.int64]:
 
 def rotation(matrix: ArrayLike) -> NDArray[np.float64]:
     """`matrix` as a rotation, (3, 3), or a refusal of what is none."""
-    if isinstance(matrix, numbers.Real) or is_vector(matrix):
+    if np.ndim(matrix) < 2:
         raise EnvLightsError(
             f"matrix must be a rotation of the shape (3, 3), not angles; got {shown(matrix)}"
         )

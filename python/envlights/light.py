@@ -84,6 +84,12 @@ class DetectedLight(Light):
     direction_uncertainty: float | None = None
 
 
+def place_of(direction: NDArray[np.float64]) -> str:
+    """Azimuth and elevation of a direction, in words."""
+    (azimuth,), (elevation,) = azimuths(direction[None]), elevations(direction[None])
+    return f"azimuth {np.rad2deg(azimuth):.0f}°, elevation {np.rad2deg(elevation):.0f}°"
+
+
 def azimuths(direction: NDArray[np.float64]) -> NDArray[np.float64]:
     """Radians from -z over +x, as columns of a map run, from 0 to 2 pi, (n,)."""
     radians: NDArray[np.float64] = 2 * np.pi * sphere.direction_to_uv(direction)[:, 0]

@@ -253,7 +253,6 @@ def test_any_number_of_threads_gives_the_same_bits():
     code = """
 import hashlib, numpy as np, envlights as el
 from envlights._srgb import encode_srgb
-from envlights.fitting import notes
 world = el.synthetic.hard(8, 256)
 lights = el.detect(np.round(255 * encode_srgb(world.radiance)).astype(np.uint8))
 arrays = lights.direction, lights.irradiance, lights.weight, lights.direction_uncertainty

@@ -259,6 +259,9 @@ def test_relative_rms_of_numbers_as_far_apart_as_floats_go():
     assert kernels.relative_rms(UP, [[0, 1e300, 0]], [1]) == 1
     assert kernels.relative_rms([[0, 1.7e308, 0]], [[0, -1.7e308, 0]], [1.7e308]) == 2
     assert kernels.relative_rms([[0, 1e100, 0]], [[0, 1e-100, 0]], [1]) == pytest.approx(1e200)
+    # What has no weight counts for nothing, however large.
+    one, other = [[1.5, 1.5, 1.5], [0, 0, 0]], [[1, 1, 1], [1e170, 0, 0]]
+    assert kernels.relative_rms(one, other, [1, 0]) == pytest.approx(0.5)
 
 
 def test_harmonic_irradiance_is_that_of_a_rig():

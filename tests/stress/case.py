@@ -39,13 +39,18 @@ def cases_of(group, what, bound, reason, measure, arguments):
     ]
 
 
-def lights_apart(found, direction, irradiance):
-    """Largest turn in radians or relative change of irradiance; infinite unless one for one."""
+def lights_apart(found, direction, irradiance, in_order=False):
+    """Largest turn in radians or relative change of irradiance; infinite unless one for one.
+
+    Each is compared with the nearest, or with the one at its place.
+    """
     if len(found) != len(direction):
         return np.inf
     if not len(found):
         return 0.0
     nearest = np.argmax(found.direction @ direction.T, axis=0)
+    if in_order and (nearest != np.arange(len(found))).any():
+        return np.inf
     if len(np.unique(nearest)) < len(nearest):
         return np.inf
     turned = np.deg2rad(angle_deg(found.direction[nearest], direction))

@@ -38,7 +38,7 @@ def _scaled_fit(scale):
     """Of direction, in radians, and of irradiance."""
     radiance = el.synthetic.hall(64).radiance.astype(float)
     one, other = (_fitted_points((radiance * s).astype(np.float32)) for s in (1, scale))
-    return lights_apart(other, one.direction, scale * one.irradiance)
+    return lights_apart(other, one.direction, scale * one.irradiance, in_order=True)
 
 
 def _fitted_points(radiance):
@@ -48,7 +48,7 @@ def _fitted_points(radiance):
 def _scaled_detection(scale):
     radiance = el.synthetic.hall(64).radiance.astype(float)
     one, other = (el.detect((radiance * s).astype(np.float32)) for s in (1, scale))
-    return lights_apart(other, one.direction, scale * one.irradiance)
+    return lights_apart(other, one.direction, scale * one.irradiance, in_order=True)
 
 
 def _range_probe(stops):

@@ -310,7 +310,7 @@ def test_what_cannot_be_is_refused_in_a_sentence(model, both):
     for call, message in [
         (
             lambda: model.predict(NEW, error=-1),
-            "error must be a finite .*, from 0 to 1, which is 100 %; got -1",
+            "error must be a finite .*, from 0 to 1 \\(1 is 100 %\\); got -1",
         ),
         (lambda: model.predict(NEW, error=np.nan), "error must be a finite number"),
         (lambda: model.predict(NEW, region=(3, 4)), r"region must be two slices.*; got \(3, 4\)"),

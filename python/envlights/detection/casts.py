@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
 from envlights.envmap import EnvMap
 from envlights.kernels import image as images
 from envlights.kernels.sphere import direction_to_uv
-from envlights.light import azimuths, elevations
+from envlights.light import place_of
 
 #: A pixel of this share of the peak's luminance is the peak.
 _AT_PEAK = 0.99
@@ -31,11 +29,9 @@ def cast_notes(
     is_peak = radiance @ images.LUMINANCE >= _AT_PEAK * peak_luminance
     is_black = (radiance == 0) & is_peak[:, None]
     lights = np.flatnonzero(is_black.any(axis=1) & (radiance > 0).any(axis=1))
-    places = zip(azimuths(peak_direction), elevations(peak_direction), strict=True)
-    degrees = [tuple(math.degrees(angle) for angle in place) for place in places]
     return [
-        f"the light with its peak at azimuth {degrees[light][0]:.0f}°, elevation"
-        f" {degrees[light][1]:.0f}° has no {_names(is_black[light])} there: its colour may be wrong"
+        f"the light with its peak at {place_of(peak_direction[light])} has no"
+        f" {_names(is_black[light])} there: its colour may be wrong"
         for light in lights
     ]
 

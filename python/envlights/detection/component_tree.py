@@ -12,7 +12,7 @@ from envlights.detection.casts import cast_notes
 from envlights.detection.lights import DetectedLights, DetectionReport
 from envlights.detection.members import Members
 from envlights.envmap import AnyMap, EnvMap, checked_white, seen_through
-from envlights.light import azimuths, elevations
+from envlights.light import place_of
 
 #: The narrowest working image.
 _LEAST_COLUMNS = 16
@@ -52,8 +52,9 @@ def detect_tree(
     min_flux_share : float
         Lights with a smaller share of the map's flux are left out.
     min_worth : float
-        Lights whose share of the map's flux times contrast, peak over local background, is smaller
-        are left out; 0 lists all. Maps that end at a white have a rule of their own; see Notes.
+        Least worth of a light that is listed: its share of the map's flux times its contrast, the
+        peak over the local background. 0 lists all. Maps that end at a white have a rule of their
+        own; see Notes.
     rise : float
         Ratio of a light's peak to the threshold, at least; 1 takes whatever is above it. A light
         extends down to the threshold.
@@ -217,7 +218,8 @@ def _skipped(found: _native.TreeDetection) -> list[str]:
     if not len(found.flux) and not found.dropped:
         notes.append("everything: nothing rises far enough above the threshold")
     if found.dropped:
-        notes.append(f"{found.dropped} lights below min_flux_share or min_worth")
+        lights = "light" if found.dropped == 1 else "lights"
+        notes.append(f"{found.dropped} {lights} below min_flux_share or min_worth")
     notes += _joined(found)
     if found.merged:
         notes.append(f"the difference between {found.merged} lights and their neighbours")
@@ -227,11 +229,9 @@ def _skipped(found: _native.TreeDetection) -> list[str]:
 def _joined(found: _native.TreeDetection) -> list[str]:
     """The openings that were joined from panes, and why."""
     share, widest = found.widest_bar
-    places = zip(found.panes, azimuths(found.direction), elevations(found.direction), strict=False)
     return [
-        f"the bars between {panes} panes of one opening at azimuth {math.degrees(azimuth):.0f}°,"
-        f" elevation {math.degrees(elevation):.0f}°: at most {share:g} of a pane and"
-        f" {math.degrees(widest):g}° wide, darker than both sides, which are alike"
-        for panes, azimuth, elevation in places
+        f"the bars between {panes} panes of one opening at {place_of(direction)}: at most {share:g}"
+        f" of a pane and {math.degrees(widest):g}° wide, darker than both sides, which are alike"
+        for panes, direction in zip(found.panes, found.direction, strict=True)
         if panes
     ]

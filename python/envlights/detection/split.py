@@ -19,7 +19,7 @@ from envlights.envmap import AnyMap, EnvMap, as_envmap
 from envlights.kernels.image import LUMINANCE, reduced_luminance
 
 #: Options of the component tree that find what would be a light once the others are gone: then the
-#: threshold of real maps falls by up to 8 %, and each share of the flux rises.
+#: threshold of most real maps falls by less than a tenth, and each share of the flux rises.
 _ALL: dict[str, Any] = {"rise": 2.25, "min_worth": 0.0}
 
 #: Pixels to each side of a sample of the article that may belong to its light: its own window.
@@ -39,7 +39,7 @@ class Split(NamedTuple):
         return f"{self.lights}\n\nwhat is left: {self.rest}"
 
     def _repr_pretty_(self, printer: Any, _: bool) -> None:
-        printer.text(str(self))
+        printer.text(repr(self) if printer.indentation else str(self))
 
     def _repr_html_(self) -> str:
         return self.lights._repr_html_() + self.rest._repr_html_()
@@ -102,10 +102,10 @@ def split(
 
     Rings are added around a light as long as their median luminance falls by 1.1 to 1.25 from one
     to the next but one, and for at most 15 degrees. Glare does so, a sky does not. Then comes what
-    is connected to the light, within 45 degrees, by places above the threshold of `detect`: the
-    bright clouds around a sun, or the dim part of a softbox. The fill is not brighter than what is
-    around all that, up to the tilt of at most 30 %, so `detect` finds nothing in the places of
-    lights. It may find what is bright only once they are gone: in a dark studio, of which hardly a
+    is connected to those, within 45 degrees, by places above the threshold of `detect`: the bright
+    clouds around a sun, or the dim part of a softbox. The fill is not brighter than what is around
+    all that, up to the tilt of at most 30 %, so `detect` finds nothing in the places of lights. It
+    may find what is bright only once they are gone: in a dark studio, of which hardly a
     twentieth of the light is left, the lit floor.
 
     Maps that end at a white lose what white has left of a light: its irradiance is a lower bound.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,10 +14,10 @@ from envlights.synthetic import backdrops
 from envlights.synthetic.scene import MOST_ROWS, SyntheticMap, scene
 from envlights.synthetic.shapes import Disc, Rectangle, Shape, unit
 
-#: Rows of the smallest map that shows a bar of 0.5 degrees.
+#: Narrowest and widest bar, in degrees, and the widest as a share of a pane.
+_NARROWEST_BAR_DEG, _WIDEST_BAR_DEG, _WIDEST_SHARE = 0.5, 2.2, 0.3
+#: Rows of the smallest map that shows the narrowest bar.
 _LEAST_HEIGHT = 256
-#: Widest bar, in degrees, and as a share of a pane.
-_WIDEST_BAR_DEG, _WIDEST_SHARE = 2.2, 0.3
 
 #: Narrowest gap between two lamps of a row; what is narrower, `detect` bridges by its `gap_deg`.
 _NARROWEST_GAP_DEG = 1.5
@@ -73,7 +73,7 @@ def openings(seed: int, height: int = 512) -> SyntheticMap:
     """
     height = count("height", height, least=_LEAST_HEIGHT, most=MOST_ROWS)
     rng = np.random.default_rng([count("seed", seed), 3])
-    draw = list(_KINDS.values())[seed % len(_KINDS)]
+    draw = _KINDS[seed % len(_KINDS)]
     ground = (backdrops.constant, backdrops.gradient)[seed // len(_KINDS) % 2](rng, height)
     radiance = np.exp(rng.uniform(np.log(8), np.log(60))) * backdrops.tint(rng)
     shapes, note = draw(rng, radiance)
@@ -93,11 +93,9 @@ def _panes(
     # Draw how many panes there are, then how large each is.
     across, along = int(rng.integers(2, 9)), int(rng.integers(1, 6))
     pane = rng.uniform(2.5, min(10.0, 90 / max(across, along)))
-    bar = min(pane * rng.uniform(0.1, _WIDEST_SHARE), _WIDEST_BAR_DEG)
+    bar = np.clip(pane * rng.uniform(0.1, _WIDEST_SHARE), _NARROWEST_BAR_DEG, _WIDEST_BAR_DEG)
     width, height = across * pane, along * pane * rng.uniform(0.8, 1.25)
-    window = Rectangle(
-        direction, width, height, radiance, panes=(across, along), bar_deg=max(bar, 0.5)
-    )
+    window = Rectangle(direction, width, height, radiance, panes=(across, along), bar_deg=bar)
     return [window], f"{across} x {along} panes"
 
 
@@ -139,9 +137,4 @@ def _row(rng: np.random.Generator, radiance: NDArray[np.float64]) -> tuple[list[
 
 
 #: What each map in turn shows.
-_KINDS: Mapping[str, _Draw] = {
-    "window": _window,
-    "row": _row,
-    "skylight": _skylight,
-    "leaves": _leaves,
-}
+_KINDS: tuple[_Draw, ...] = (_window, _row, _skylight, _leaves)

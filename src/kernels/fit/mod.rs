@@ -276,12 +276,14 @@ pub fn relative_rms(
 ) -> Result<f64> {
     check_rows("wanted", wanted, 3)?;
     check_values("wanted", wanted.nrows(), ("seen", seen), weights)?;
-    // Bring all numbers near 1: the square of one beyond 1e154 is infinite, the difference of two may be.
+    // Bring all numbers near 1, each row by its weight: the square of one beyond 1e154 is infinite, the difference of
+    // two may be.
     let (weight, weights) = near_one(weights.insert_axis(Axis(1)).to_owned());
-    let (error, errors) = near_one(&seen / 2.0 - &wanted / 2.0);
-    let (size, sizes) = near_one(&wanted / 2.0);
+    let (roots, half) = (weights.sqrt(), &wanted / 2.0);
+    let (error, errors) = near_one(&roots * (&seen / 2.0 - &half));
+    let (size, sizes) = near_one(roots * half);
     // Compare their norms.
-    let norm = |rows: &Array2<f64>| (&weights * rows * rows).sum().sqrt();
+    let norm = |rows: &Array2<f64>| (rows * rows).sum().sqrt();
     let (errors, sizes) = (norm(&errors), norm(&sizes));
     Ok(if sizes > 0.0 { error * (errors / sizes) / size } else { 2.0 * error * errors * weight.sqrt() })
 }

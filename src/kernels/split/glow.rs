@@ -3,7 +3,8 @@
 //! Detection takes a bright place that is connected to a brighter light for a part of it, down to the threshold.
 //! With that light gone, the clouds around a sun or the dim part of a softbox would be found in its stead. So
 //! they go with it: all pixels above the threshold that are connected to it. The membrane is nowhere brighter than
-//! what is around it, and a light must rise above the threshold: none is left.
+//! what is around it, and a light must rise above the threshold: none is left where the glow ends before
+//! [`FARTHEST`], and the threshold of the rest is not much lower.
 
 use std::f64::consts::PI;
 
@@ -12,14 +13,16 @@ use crate::interrupt;
 
 /// No light.
 pub const NONE: u32 = u32::MAX;
-/// Angle from a light to the end of its glow, at most, in radians: 45 degrees. The sky above a city may be one
-/// bright place, and no direction stands for all of it.
+/// Angle from the rings of a light to the end of its glow, at most, in radians: 45 degrees. The sky above a city may
+/// be one bright place, and no direction stands for all of it.
 const FARTHEST: f64 = PI / 4.0;
 
 /// The bright pixels that are connected to a light, each with the light that is the fewest steps away; those are
 /// written into `light_of` as well.
 pub fn glow(working: &Working<'_>, light_of: &mut [u32], threshold: f64) -> Vec<(u32, u32)> {
-    let threshold = threshold as f32;
+    let (threshold, farthest) = (threshold as f32, 2.0 * (FARTHEST / 2.0).sin());
+    // No pixel is read twice: its mean takes time.
+    let mut is_dark = vec![false; light_of.len()];
     // Each pixel knows the pixel of a light from which it was reached.
     let lights = (0..light_of.len()).filter(|&pixel| light_of[pixel] != NONE);
     let mut front: Vec<(usize, usize)> = lights.map(|pixel| (pixel, pixel)).collect();
@@ -31,8 +34,12 @@ pub fn glow(working: &Working<'_>, light_of: &mut [u32], threshold: f64) -> Vec<
         for (pixel, source) in front {
             let (light, at) = (light_of[source], working.centre(source));
             for other in working.around(pixel) {
-                let is_near = || working.centre(other).distance(at) < FARTHEST;
-                if light_of[other] == NONE && is_near() && working.luminance(other) > threshold {
+                let is_near = || working.centre(other).distance(at) < farthest;
+                if light_of[other] != NONE || is_dark[other] || !is_near() {
+                    continue;
+                }
+                is_dark[other] = working.luminance(other) <= threshold;
+                if !is_dark[other] {
                     light_of[other] = light;
                     next.push((other, source));
                     glow.push((other as u32, light));

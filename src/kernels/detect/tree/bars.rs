@@ -14,13 +14,13 @@
 //!   the gap's is at most 0.8 of either                    a bar is dark: between two clouds lies a pale sky
 //! ```
 //!
-//! Lights that touch anywhere are never panes: what divides them is no bar but a saddle, and that is for prominence
+//! Lights that touch along a side are never panes: what divides them is no bar but a saddle, and that is for prominence
 //! to judge, or for the necks of a plateau.
 //!
 //! The lights are joined after they are measured, for moments add up: a joined light holds all flux of its panes.
 
 use std::collections::BTreeMap;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use super::adjacency::Adjacency;
 use super::components::Segments;
@@ -28,11 +28,12 @@ use super::forest::{self, root};
 use super::linkage::{self, Selection};
 use super::moments::Light;
 use super::working_image::WorkingImage;
+use crate::interrupt;
 
 /// Widest bar, as a share of the geometric mean of the depths of its two panes.
 pub const WIDEST_BAR: f64 = 0.5;
 /// Widest bar, in radians.
-pub const WIDEST_ANGLE: f64 = 2.5 / 360.0 * TAU;
+pub const WIDEST_ANGLE: f64 = PI / 72.0;
 /// Panes face each other along this many widths of the bar, at least.
 const LEAST_LENGTH: f64 = 0.5;
 /// And along this share of the side of the smaller pane.
@@ -42,6 +43,9 @@ const MOST_UNLIKE: f64 = 4.0;
 /// Mean luminance of a bar over that of the dimmer pane, at most. Pictures that end at white need it: there, all panes
 /// are alike, and what lies between two clouds at white is little darker.
 const MOST_LUMINANCE: f64 = 0.8;
+
+/// Pixels of an outline between two looks for Ctrl-C.
+const PIXELS_AT_ONCE: usize = 4096;
 
 /// Lights after panes were joined.
 pub struct Openings {
@@ -141,7 +145,10 @@ fn facing(
     let (height, width) = working.size;
     let (reaches, high) = (reaches(lights), working.row_height());
     let mut pairs: BTreeMap<(u32, u32), Facing> = BTreeMap::new();
-    for index in outline.iter().map(|&index| index as usize) {
+    for (count, index) in outline.iter().map(|&index| index as usize).enumerate() {
+        if count.is_multiple_of(PIXELS_AT_ONCE) {
+            interrupt::check();
+        }
         let own = segments.label[index];
         let (row, column) = (index / width, index % width);
         let [_, right, _, down] = adjacency.sides(index);
@@ -206,34 +213,20 @@ fn reaches(lights: &[Light]) -> Vec<f64> {
 }
 
 impl Openings {
-    /// Select at most `most` of the lights that are listed, which [`Self::panes`] counts; each segment is part of its
+    /// Select at most `most` of the lights that are listed, with the number of their panes; each segment is part of its
     /// opening's light.
-    pub fn select(mut self, is_listed: impl Fn(&Light, f64) -> bool, most: usize) -> (Selection, Vec<usize>) {
+    pub fn select(self, is_listed: impl Fn(&Light, f64) -> bool, most: usize) -> (Selection, Vec<usize>) {
         let listed: Vec<bool> = self
             .lights
             .iter()
             .zip(&self.backgrounds)
             .map(|(light, &behind)| is_listed(light, behind))
             .collect();
-        let selection = linkage::select(std::mem::take(&mut self.lights), &listed, most);
-        let panes = self.panes(&selection);
-        let part_of = self.part_of.iter().map(|&opening| selection.part_of[opening]).collect();
+        let Self { lights, part_of, .. } = self;
+        let selection = linkage::select(lights, &listed, most);
+        let panes = panes(&part_of, &selection);
+        let part_of = part_of.iter().map(|&opening| selection.part_of[opening]).collect();
         (Selection { part_of, ..selection }, panes)
-    }
-
-    /// How many panes each of the selected lights was joined from; 0 for one that has none.
-    fn panes(&self, selection: &Selection) -> Vec<usize> {
-        // Count the segments of each opening.
-        let mut segments = vec![0; self.backgrounds.len()];
-        self.part_of.iter().for_each(|&opening| segments[opening] += 1);
-        // Add up those of openings with bars, as lights may have been merged since.
-        let mut panes = vec![0; selection.lights.len()];
-        for (&segments, light) in segments.iter().zip(&selection.part_of) {
-            if let Some(light) = light.filter(|_| segments > 1) {
-                panes[light] += segments;
-            }
-        }
-        panes
     }
 
     /// Join the lights of each tree of `parent`.
@@ -255,6 +248,24 @@ impl Openings {
         }
         openings
     }
+}
+
+/// How many panes each of the selected lights was joined from; 0 for one that has none. Each segment is part of one
+/// opening.
+fn panes(part_of: &[usize], selection: &Selection) -> Vec<usize> {
+    // Count the segments of each opening.
+    let mut segments = vec![0; selection.part_of.len()];
+    for &opening in part_of {
+        segments[opening] += 1;
+    }
+    // Add up those of openings with bars, as lights may have been merged since.
+    let mut panes = vec![0; selection.lights.len()];
+    for (&segments, light) in segments.iter().zip(&selection.part_of) {
+        if let Some(light) = light.filter(|_| segments > 1) {
+            panes[light] += segments;
+        }
+    }
+    panes
 }
 
 #[cfg(test)]

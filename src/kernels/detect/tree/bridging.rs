@@ -15,7 +15,7 @@ use std::f64::consts::PI;
 
 use super::adjacency::Adjacency;
 use super::components::Segments;
-use super::forest::root;
+use super::forest::{self, root};
 use super::working_image::WorkingImage;
 
 /// Join the segments whose solid pixels are at most `gap` radians apart.
@@ -40,7 +40,7 @@ pub fn bridge(
         label => label,
     };
     let reach = Reach::new(working, gap + working.row_height());
-    let mut parent: Vec<u32> = (0..segments.pixels.len() as u32).collect();
+    let mut parent = forest::apart(segments.pixels.len());
     // Search from all segments but the largest: of two segments, one that searches is enough.
     let size = |&segment: &usize| segments.pixels[segment].len();
     let largest = (0..segments.pixels.len()).max_by_key(size);
@@ -54,8 +54,7 @@ pub fn bridge(
         reach.for_each(pixel, |other| {
             let other = solid_label(other);
             if other != 0 && other != own {
-                let (one, other) = (root(&mut parent, own - 1), root(&mut parent, other - 1));
-                parent[one.max(other) as usize] = one.min(other);
+                forest::join(&mut parent, own - 1, other - 1);
             }
         });
     }

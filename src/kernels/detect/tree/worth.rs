@@ -7,9 +7,8 @@
 //!   F / F_0 * P / B >= least
 //! ```
 //!
-//! so with 0.0005 a two-thousandth of the flux is enough for any place, and five millionths for a lamp of a hundred
-//! times its background, but not for a chink in the leaves that is three times as bright as they are. With twice that,
-//! one known lamp of the generated maps is not listed.
+//! so with 0.0005 five millionths of the flux are enough for a lamp of a hundred times its background, but not for a
+//! chink in the leaves that is three times as bright as they are. At 0.001 a known lamp of the generated maps is lost.
 
 use super::moments::Light;
 

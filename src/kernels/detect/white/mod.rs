@@ -39,13 +39,17 @@ use super::clipping::LEAST_WHITE;
 use super::tree::adjacency::Adjacency;
 use super::tree::moments::Light;
 use super::tree::threshold::{self, Threshold};
-use super::tree::{Detection, Options, Report, background, bars, bridging, components, measure, outline};
+use super::tree::{
+    Detection, Options, Report, WorkingImage, background, bars, bridging, components, measure, outline,
+};
 use crate::error::Result;
 use crate::kernels::sphere::Registration;
 
-/// The share of the sphere that may be bright before fewer pixels do: the work is that of bright pixels, and so much
-/// of them has no fine detail.
+/// The share of the sphere that may be bright before fewer pixels do: the work is that of bright pixels, and so large a
+/// bright area has no fine detail.
 const MOST_BRIGHT: f64 = 0.12;
+/// But not fewer columns than these.
+const LEAST_COLUMNS: usize = 16;
 
 /// Lights of a map that ends at white, and how they were found.
 #[derive(Clone, Debug)]
@@ -97,12 +101,17 @@ fn detect_in_pool(
     // Expand it anew if it ends in a peak below white, as few pictures do.
     let first = if end < white { reduced(end)? } else { first };
     // Reduce it further if much of it is bright.
-    let bright_share = ending::share_above(&first.expanded, threshold_of(&first, end).luminance);
-    let factor = (bright_share / MOST_BRIGHT).sqrt().ceil() as usize;
-    let reduced = if factor > 1 { first.coarser(factor) } else { first };
+    let mut level = threshold_of(&first, end);
+    let bright_share = ending::share_above(&first.expanded, level.luminance);
+    let factor = coarser_by(&first.working, radiance.dim().1, (bright_share / MOST_BRIGHT).sqrt());
+    let Reduced { working, expanded, .. } = if factor > 1 {
+        let coarser = first.coarser(factor);
+        level = threshold_of(&coarser, end);
+        coarser
+    } else {
+        first
+    };
     // Find the segments of lights in the expanded image.
-    let mut level = threshold_of(&reduced, end);
-    let Reduced { working, expanded, .. } = reduced;
     let adjacency = Adjacency::of(&working);
     let bright = components::bright_pixels(&expanded, level.luminance);
     let segments = components::segments(
@@ -142,6 +151,17 @@ fn detect_in_pool(
     Ok(WhiteDetection::new(detection, &part_of, &places, &weights, ending, clipped_share))
 }
 
+/// By what factor the pixels of a map of this `width` become coarser, at most the next whole number from `wanted` on:
+/// one with which they are those of a reduction to as many columns. That is how the pixels of lights are found again.
+fn coarser_by(working: &WorkingImage, width: usize, wanted: f64) -> usize {
+    let is_reduction = |factor: &usize| {
+        let block = factor * working.block;
+        let columns = width.div_ceil(block);
+        columns >= LEAST_COLUMNS && width.div_ceil(columns) == block
+    };
+    (2..=wanted.ceil() as usize).rev().find(is_reduction).unwrap_or(1)
+}
+
 /// The expanded luminance above which a pixel is bright, of a picture that ends there.
 fn threshold_of(reduced: &Reduced, end: f64) -> Threshold {
     let mut threshold = threshold::from_histogram(&reduced.expanded);
@@ -177,5 +197,31 @@ impl WhiteDetection {
         }
         let places = joined.into_iter().flatten().collect();
         Self { detection, places, weights: sums, ending, clipped_share }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use ndarray::Array3;
+
+    use super::*;
+
+    #[test]
+    fn coarser_pixels_are_told_by_the_number_of_their_columns() {
+        for (width, columns) in [(256, 32), (300, 100), (74, 37), (1024, 512), (1440, 480), (64, 16)] {
+            let map = Array3::from_elem((width / 2, width, 3), 0.5_f32);
+            let working = WorkingImage::of(map.view(), Registration::CellCentred, columns).unwrap();
+            for wanted in [0.3, 1.0, 1.2, 2.0, 2.9] {
+                let factor = coarser_by(&working, width, wanted);
+                assert!(factor >= 1 && factor as f64 <= wanted.ceil().max(1.0), "{width} {wanted}");
+                let fewer = working.size.1.div_ceil(factor);
+                assert!(factor == 1 || fewer >= LEAST_COLUMNS, "{width} {wanted}");
+                assert_eq!(width.div_ceil(fewer), factor * working.block, "{width} {wanted}");
+            }
+        }
+        let map = Array3::from_elem((512, 1024, 3), 0.5_f32);
+        let working = WorkingImage::of(map.view(), Registration::CellCentred, 512).unwrap();
+        assert_eq!([0.9, 1.7, 2.8].map(|wanted| coarser_by(&working, 1024, wanted)), [1, 2, 3]);
     }
 }
