@@ -191,7 +191,7 @@ def whole_numbers(name: str, values: ArrayLike) -> NDArray[np.int64]:
 
 def rotation(matrix: ArrayLike) -> NDArray[np.float64]:
     """`matrix` as a rotation, (3, 3), or a refusal of what is none."""
-    if np.ndim(matrix) < 2:
+    if isinstance(matrix, numbers.Real) or is_vector(matrix):
         raise EnvLightsError(
             f"matrix must be a rotation of the shape (3, 3), not angles; got {shown(matrix)}"
         )
