@@ -42,6 +42,14 @@ def test_a_folder_gives_the_model_of_its_arrays(lettered):
     np.testing.assert_array_equal(model.predict(ROOM.direct), other.predict(ROOM.direct))
 
 
+def test_pairs_that_were_read_are_saved_again(folder, tmp_path):
+    pairs = el.read_pairs(folder)
+    pairs.save(tmp_path / "copy")
+    copy = el.read_pairs(tmp_path / "copy")
+    assert copy == pairs
+    np.testing.assert_array_equal(copy.indirect, ROOM.indirect)
+
+
 def test_paths_are_taken_in_their_order_and_notes_once(lettered, capsys):
     opaque = np.ones((32, 32, 4), np.float32)
     io.write_exr(lettered / "lightmap_a.exr", opaque)

@@ -2,56 +2,33 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights import _html, _thumbnails
 from envlights._check import count
 from envlights._native import EnvLightsError
 from envlights._progress import counted
-from envlights._result import Result
 from envlights.scene.direct import AnyLights, as_rig
 from envlights.scene.mitsuba_scene import MitsubaScene
-from envlights.transfer.database import write_pairs
+from envlights.transfer.database import ImagePairs
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class BakedPairs(Result):
-    """Direct and indirect light of one scene under many rigs: reflected radiance, linear RGB."""
+class BakedPairs(ImagePairs):
+    """Reflected radiance of one scene under many rigs.
 
-    direct: NDArray[np.float32]
-    """Direct light, (k, 16, 16, 3), from `MitsubaScene.direct`."""
-
-    indirect: NDArray[np.float32]
-    """Indirect light on the lightmap, (k, H, W, 3), path-traced."""
+    Direct light, (k, 16, 16, 3), is that of `MitsubaScene.direct`; indirect light, (k, H, W, 3), is
+    path-traced on the lightmap.
+    """
 
     noise: NDArray[np.float64]
     """Noise of each image of indirect light, relative to it, (k,)."""
 
     skipped: tuple[str, ...] = ()
     """What was not rendered, in words."""
-
-    def in_short(self) -> str:
-        """Number and size of the images."""
-        return f"direct {self.direct.shape}, indirect {self.indirect.shape}"
-
-    def _html_parts(self) -> tuple[str, ...]:
-        codes = _thumbnails.of_pairs(self.direct, self.indirect)
-        return (_html.picture(codes, "the first pairs, direct light above indirect light"),)
-
-    def save(self, folder: str | os.PathLike[str]) -> None:
-        """Write files ``direct_0000.exr``, ``lightmap_0000.exr`` and so on for `read_pairs`.
-
-        Parameters
-        ----------
-        folder : path-like
-            Where they go; it is made if it does not exist.
-        """
-        write_pairs(folder, self.direct, self.indirect)
 
 
 def bake(

@@ -7,19 +7,16 @@ the direct light.
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights import _html, _thumbnails
 from envlights._check import count
 from envlights._native import EnvLightsError
-from envlights._result import Result
 from envlights.synthetic.smoothstep import smoothstep
-from envlights.transfer.database import write_pairs
+from envlights.transfer.database import ImagePairs
 
 #: Corners of the room, whose inner faces are used, and of the boxes, with outer faces; in metres.
 _ROOM = np.array([[-1.0, 0.0, -1.0], [1.0, 2.0, 1.0]])
@@ -38,32 +35,12 @@ _BLOCK = 256
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Room(Result):
-    """Pairs of images of the room: irradiance, linear RGB."""
+class Room(ImagePairs):
+    """Pairs of images of the room: irradiance.
 
-    direct: NDArray[np.float32]
-    """Direct light, (pairs, 16, 16, 3); each texel is the mean over its part of a wall."""
-
-    indirect: NDArray[np.float32]
-    """Indirect light, (pairs, width, width, 3)."""
-
-    def in_short(self) -> str:
-        """Number and size of the images."""
-        return f"direct {self.direct.shape}, indirect {self.indirect.shape}"
-
-    def _html_parts(self) -> tuple[str, ...]:
-        codes = _thumbnails.of_pairs(self.direct, self.indirect)
-        return (_html.picture(codes, "the first pairs, direct light above indirect light"),)
-
-    def save(self, folder: str | os.PathLike[str]) -> None:
-        """Write files ``direct_0000.exr``, ``lightmap_0000.exr`` and so on for `read_pairs`.
-
-        Parameters
-        ----------
-        folder : path-like
-            Where they go; it is made if it does not exist.
-        """
-        write_pairs(folder, self.direct, self.indirect)
+    Direct light, (pairs, 16, 16, 3): each texel is the mean over its part of a wall. Indirect
+    light, (pairs, width, width, 3).
+    """
 
 
 class Chart(NamedTuple):

@@ -31,22 +31,14 @@ PathPair = tuple[str | os.PathLike[str], str | os.PathLike[str]]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class FilePairs(Result):
-    """Pairs that were read from files.
-
-    `indirect` is mapped from a file without a name in the folder for temporary files, ``TMPDIR``.
-    So a database may be larger than memory, and the file is gone with the array. That folder should
-    be on a disk; some systems keep ``/tmp`` in memory.
-    """
+class ImagePairs(Result):
+    """Images of direct and indirect light under the same lights, linear RGB, wherever from."""
 
     direct: NDArray[np.float32]
     """Direct light, (k, h, w, 3)."""
 
     indirect: NDArray[np.float32]
     """Indirect light, (k, H, W, 3)."""
-
-    notes: tuple[str, ...]
-    """Channels of the files that were left out."""
 
     def in_short(self) -> str:
         """Number and size of the images."""
@@ -55,6 +47,29 @@ class FilePairs(Result):
     def _html_parts(self) -> tuple[str, ...]:
         codes = _thumbnails.of_pairs(self.direct, self.indirect)
         return (_html.picture(codes, "the first pairs, direct light above indirect light"),)
+
+    def save(self, folder: str | os.PathLike[str]) -> None:
+        """Write files ``direct_0000.exr``, ``lightmap_0000.exr`` and so on for `read_pairs`.
+
+        Parameters
+        ----------
+        folder : path-like
+            Where they go; it is made if it does not exist.
+        """
+        write_pairs(folder, self.direct, self.indirect)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FilePairs(ImagePairs):
+    """Pairs that were read from files.
+
+    `indirect` is mapped from a file without a name in the folder for temporary files, ``TMPDIR``.
+    So a database may be larger than memory, and the file is gone with the array. That folder should
+    be on a disk; some systems keep ``/tmp`` in memory.
+    """
+
+    notes: tuple[str, ...]
+    """Channels of the files that were left out."""
 
 
 def read_pairs(
