@@ -20,6 +20,8 @@
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
 mod ambient_columns;
+#[cfg(test)]
+mod extended_precision;
 mod field;
 mod harmonics;
 mod kernel;
