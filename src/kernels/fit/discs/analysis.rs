@@ -144,8 +144,7 @@ impl Row {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernels::fit::discs::place::Place;
-    use crate::kernels::fit::discs::zonal::factors;
+    use crate::kernels::fit::discs::disc::Disc;
     use crate::kernels::sphere::{Registration, direction};
     use glam::DVec3;
     use ndarray::Array3;
@@ -175,7 +174,7 @@ mod tests {
             let (map, grid) = waves(registration, columns);
             let harmonics = Harmonics::of_cells(map.view(), &grid);
             for place in [direction(0.0, 0.0), direction(1.0, 2.0), direction(2.9, 5.0)] {
-                let values = harmonics.value(&Place::new(place), &factors(0.0));
+                let values = harmonics.values(&[Disc::new(place, 0.0)])[0];
                 for (channel, value) in values.into_iter().enumerate() {
                     assert!(
                         (value - wave(place, channel)).abs() < 2e-3,

@@ -33,6 +33,7 @@ use std::sync::LazyLock;
 use nalgebra::DMatrix;
 
 use super::jet::Jet;
+use super::lanes::{MOST, Number};
 use super::zonal::{chord_factor, disc_factors, legendre_values};
 
 /// Nodes along w, r and p.
@@ -44,83 +45,141 @@ const GREATEST_SCALE: f64 = 1.0;
 
 /// The mean distance, from c, A and B; A + B must not be 0.
 #[inline(always)]
-pub fn mean_distance<const N: usize>(cosine: Jet<N>, share: Jet<N>, other: Jet<N>) -> Jet<N> {
+pub fn mean_distance<const N: usize, T: Number>(
+    cosine: Jet<N, T>,
+    share: Jet<N, T>,
+    other: Jet<N, T>,
+) -> Jet<N, T> {
     let (p, product) = (share + other, share * other);
-    let square = (Jet::constant(1.0) - (Jet::constant(1.0) - p + product) * cosine) * 2.0;
+    let square = (cosine * (p - product) - cosine + 1.0) * 2.0;
     let distance = square.sqrt();
     let scale = p.recip();
     let w = p * (cosine + 1.0) * (p * 2.0 - cosine + 1.0).recip();
     let r = product * 4.0 * scale * scale;
-    let rho = Jet::compose(&table([w.value, r.value, p.value]), &[w, r, p]);
-    let taken = p * 0.5 * (Jet::constant(1.0) - square * 0.25 - rho);
-    distance - taken * distance.recip()
+    let at = [w.value, r.value, p.value];
+    let outer = if N > 0 { table::<3, T>(at) } else { table::<1, T>(at) };
+    let rho = Jet::compose(&outer, &[w, r, p]);
+    let taken = p * (square * 0.25 + rho + -1.0) * 0.5;
+    distance + taken * distance.recip()
 }
 
-/// rho, and its derivatives.
+/// rho; with three orders, its derivatives as well.
 #[inline(always)]
-fn table(at: [f64; 3]) -> Jet<3> {
-    let table: &[f64] = &TABLE;
-    let (mut first, mut along, mut scale) = ([0; 3], [[[0.0; 3]; 4]; 3], [0.0; 3]);
-    for i in 0..3 {
-        scale[i] = (NODES[i] - 1) as f64 / if i == 2 { GREATEST_SCALE } else { 1.0 };
-        let knot = (at[i] * scale[i]).clamp(0.0, (NODES[i] - 1) as f64);
-        first[i] = (knot as usize).min(NODES[i] - 2);
-        along[i] = splines(knot - first[i] as f64);
-    }
-    // Along p four coefficients at once; by derivatives along w and r, up to two together.
-    let mut rows = [[[0.0; 4]; 3]; 3];
-    for i in 0..4 {
-        let mut plane = [[0.0; 4]; 3];
-        for k in 0..4 {
-            let start = ((first[0] + i) * SPLINES[1] + first[1] + k) * SPLINES[2] + first[2];
-            let row: &[f64; 4] = table[start..].first_chunk().unwrap_or(&[0.0; 4]); // the table reaches that far
-            for n in 0..3 {
-                for j in 0..4 {
-                    plane[n][j] += row[j] * along[1][k][n];
-                }
-            }
-        }
-        for m in 0..3 {
-            for n in 0..3 - m {
-                for j in 0..4 {
-                    rows[m][n][j] += plane[n][j] * along[0][i][m];
+fn table<const ORDERS: usize, T: Number>(at: [T; 3]) -> Jet<3, T> {
+    let one = at[0].like(1.0);
+    let mut sums = [[[[0.0; MOST]; ORDERS]; ORDERS]; ORDERS];
+    for lane in 0..T::COUNT {
+        let cell = cell::<ORDERS, T>(one, [at[0].lane(lane), at[1].lane(lane), at[2].lane(lane)]);
+        for m in 0..ORDERS {
+            for n in 0..ORDERS - m {
+                for o in 0..ORDERS - m - n {
+                    sums[m][n][o][lane] = cell[m][n][o];
                 }
             }
         }
     }
-    let mut sums = [[[0.0; 3]; 3]; 3];
-    for m in 0..3 {
-        for n in 0..3 - m {
-            for o in 0..3 - m - n {
-                for j in 0..4 {
-                    sums[m][n][o] += rows[m][n][j] * along[2][j][o];
-                }
-            }
-        }
+    let mut out = Jet::constant(one.like_all(&sums[0][0][0]));
+    if ORDERS < 3 {
+        return out;
     }
-    let mut out = Jet::constant(sums[0][0][0]);
     for i in 0..3 {
         let order = |axis: usize| usize::from(i == axis);
-        out.first[i] = sums[order(0)][order(1)][order(2)] * scale[i];
-        for k in 0..3 {
+        out.first[i] = one.like_all(&sums[order(0)][order(1)][order(2)]);
+        for k in 0..=i {
             let order = |axis: usize| usize::from(i == axis) + usize::from(k == axis);
-            out.second[i][k] = sums[order(0)][order(1)][order(2)] * scale[i] * scale[k];
+            let second = one.like_all(&sums[order(0)][order(1)][order(2)]);
+            (out.second[i][k], out.second[k][i]) = (second, second);
         }
     }
     out
 }
 
-/// The four cubic B-splines over a cell at t from 0 to 1, each with its first and second derivatives by t.
+/// Sums over a cell of the table by their derivatives along w, r and p, up to two together. Vectors are like `one`, and
+/// hold coefficients along p.
 #[inline(always)]
-fn splines(t: f64) -> [[f64; 3]; 4] {
-    const SIXTH: f64 = 1.0 / 6.0;
-    let s = 1.0 - t;
-    [
-        [s * s * s * SIXTH, -0.5 * s * s, s],
-        [(4.0 - 3.0 * t * t * (1.0 + s)) * SIXTH, t * (1.5 * t - 2.0), t - 2.0 * s],
-        [(4.0 - 3.0 * s * s * (1.0 + t)) * SIXTH, s * (2.0 - 1.5 * s), s - 2.0 * t],
-        [t * t * t * SIXTH, 0.5 * t * t, t],
-    ]
+fn cell<const ORDERS: usize, T: Number>(one: T, at: [f64; 3]) -> [[[f64; ORDERS]; ORDERS]; ORDERS] {
+    let (table, zero, parts): (&[f64], T, usize) = (&TABLE, one.like(0.0), 4_usize.div_ceil(T::COUNT));
+    let (mut first, mut along) = ([0; 3], [[[zero; 4]; ORDERS]; 3]);
+    for i in 0..3 {
+        let scale = (NODES[i] - 1) as f64 / if i == 2 { GREATEST_SCALE } else { 1.0 };
+        let knot = (at[i] * scale).clamp(0.0, (NODES[i] - 1) as f64);
+        first[i] = (knot as usize).min(NODES[i] - 2);
+        along[i] = splines(one.like(knot - first[i] as f64), scale);
+    }
+    let weight =
+        |axis: usize, order: usize, k: usize| one.like(along[axis][order][k / T::COUNT].lane(k % T::COUNT));
+    let mut rows = [[[zero; 4]; ORDERS]; ORDERS];
+    for i in 0..4 {
+        let mut plane = [[zero; 4]; ORDERS];
+        for k in 0..4 {
+            let start = ((first[0] + i) * SPLINES[1] + first[1] + k) * SPLINES[2] + first[2];
+            let row = parts_of(one, &table[start..]);
+            for n in 0..ORDERS {
+                let weight = weight(1, n, k);
+                for j in 0..parts {
+                    plane[n][j] = plane[n][j].add_product(row[j], weight);
+                }
+            }
+        }
+        for m in 0..ORDERS {
+            let weight = weight(0, m, i);
+            for n in 0..ORDERS - m {
+                for j in 0..parts {
+                    rows[m][n][j] = rows[m][n][j].add_product(plane[n][j], weight);
+                }
+            }
+        }
+    }
+    let mut sums = [[[0.0; ORDERS]; ORDERS]; ORDERS];
+    for m in 0..ORDERS {
+        for n in 0..ORDERS - m {
+            for o in 0..ORDERS - m - n {
+                let mut sum = zero;
+                for j in 0..parts {
+                    sum = sum.add_product(rows[m][n][j], along[2][o][j]);
+                }
+                sums[m][n][o] = sum.sum();
+            }
+        }
+    }
+    sums
+}
+
+/// The first four of `values` in vectors like `one`, and whatever comes with them.
+#[inline(always)]
+fn parts_of<T: Number>(one: T, values: &[f64]) -> [T; 4] {
+    let mut parts = [one; 4];
+    for j in 0..4_usize.div_ceil(T::COUNT) {
+        parts[j] = one.like_all(&values[j * T::COUNT..]);
+    }
+    parts
+}
+
+/// The four cubic B-splines over a cell at t from 0 to 1; each order is a derivative by `scale` t.
+#[inline(always)]
+fn splines<const ORDERS: usize, T: Number>(t: T, scale: f64) -> [[T; 4]; ORDERS] {
+    /// By powers of t. No vector is longer.
+    const COEFFICIENTS: [[f64; MOST]; 4] = [
+        [1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        [-0.5, 0.0, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0],
+        [0.5, -1.0, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0],
+        [-1.0 / 6.0, 0.5, -0.5, 1.0 / 6.0, 0.0, 0.0, 0.0, 0.0],
+    ];
+    let mut out = [[t; 4]; ORDERS];
+    for order in 0..ORDERS {
+        // Horner's scheme.
+        let mut sum = [t.like(0.0); 4];
+        for power in (order..4).rev() {
+            let factor =
+                [1.0, power as f64 * scale, (power * power.saturating_sub(1)) as f64 * scale * scale][order];
+            let coefficients = parts_of(t, &COEFFICIENTS[power]);
+            for j in 0..4_usize.div_ceil(T::COUNT) {
+                sum[j] = (coefficients[j] * t.like(factor)).add_product(sum[j], t);
+            }
+        }
+        out[order] = sum;
+    }
+    out
 }
 
 /// The coefficients of the splines through rho at the nodes.
@@ -145,7 +204,10 @@ static TABLE: LazyLock<Vec<f64>> = LazyLock::new(|| {
     let along_p = through(&values, NODES[2]);
     let along_r = through(&turned(&along_p, SPLINES[2]), NODES[1]);
     let along_w = through(&turned(&along_r, SPLINES[1]), NODES[0]);
-    turned(&along_w, SPLINES[0])
+    let mut table = turned(&along_w, SPLINES[0]);
+    // A vector may be longer than what is taken from the end.
+    table.extend([0.0; MOST]);
+    table
 });
 
 /// rho for each node along w, from the series.
@@ -204,9 +266,11 @@ fn turned(values: &[f64], count: usize) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kernels::fit::discs::lanes::Lanes;
     use crate::kernels::sphere::direction;
     use glam::DVec3;
     use proptest::prelude::*;
+    use pulp::{Arch, Simd, WithSimd};
     use std::f64::consts::TAU;
 
     fn share(radius: f64) -> f64 {
@@ -224,6 +288,31 @@ mod tests {
             DVec3::new(point.x, point.y * cos - point.z * sin, point.y * sin + point.z * cos)
         };
         (0..rings * count).map(point).collect()
+    }
+
+    /// Value, alone, and a sum of derivatives.
+    struct SideBySide {
+        c: [f64; MOST],
+        a: [f64; MOST],
+        b: [f64; MOST],
+    }
+
+    impl WithSimd for SideBySide {
+        type Output = Vec<[f64; 2]>;
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+            let mut out = Vec::new();
+            let [c, a, b] = [&self.c, &self.a, &self.b].map(|values| Lanes::of(simd, values));
+            for ((c, a), b) in c.zip(a).zip(b) {
+                let value = mean_distance::<0, _>(Jet::constant(c), Jet::constant(a), Jet::constant(b)).value;
+                let [c, a, b] = [(c, 0), (a, 1), (b, 2)].map(|(x, k)| Jet::<3, _>::variable(x, k));
+                let Jet { first, second, .. } = mean_distance(c, a, b);
+                let sum = first[0] + first[1] + first[2] + second[1][2];
+                out.extend((0..S::F64_LANES).map(|lane| [value.lane(lane), sum.lane(lane)]));
+            }
+            out
+        }
     }
 
     #[test]
@@ -247,6 +336,24 @@ mod tests {
     }
 
     proptest! {
+        /// Vectors hold what single numbers do.
+        #[test]
+        fn side_by_side_is_one_by_one(
+            c in prop::array::uniform8(-1.0..1.0_f64),
+            a in prop::array::uniform8(1e-9..0.37_f64),
+            b in prop::array::uniform8(1e-9..0.37_f64),
+        ) {
+            let side_by_side = Arch::new().dispatch(SideBySide { c, a, b });
+            for i in 0..MOST {
+                let [c, a, b] = [(c[i], 0), (a[i], 1), (b[i], 2)].map(|(x, k)| Jet::<3>::variable(x, k));
+                let one = mean_distance(c, a, b);
+                let scale = one.second.as_flattened().iter().fold(1.0_f64, |most, x| most.max(x.abs()));
+                let [value, numbers] = side_by_side[i];
+                prop_assert!((value - one.value).abs() < 1e-12);
+                prop_assert!((numbers - one.first.iter().sum::<f64>() - one.second[1][2]).abs() < 1e-9 * scale);
+            }
+        }
+
         /// Of the table and all that is around it, first and second ones.
         #[test]
         fn derivatives_are_the_slopes_that_are_measured(

@@ -5,6 +5,7 @@
 use glam::DVec3;
 
 use super::jet::Jet;
+use super::lanes::Number;
 use super::place::Place;
 use super::zonal::{Factors, factors};
 
@@ -31,22 +32,17 @@ impl Disc {
     }
 }
 
-/// A function of the cosine with a fixed direction and of A, by the coordinates of a disc: along a tangent t, the
-/// cosine changes by `t.other`, and by `-cosine / 2` to second order.
+/// A function of the cosine with a fixed direction and of A, by the coordinates of a disc. A tangent t changes the cosine
+/// by its own cosine with that direction, which is in `along`, and by `-cosine / 2` to second order.
 #[inline(always)]
-pub fn on_tangents(product: &Jet<2>, disc: &Disc, other: DVec3, cosine: f64) -> Jet<3> {
-    let [s, t] = disc.frame();
-    let (s, t) = (s.dot(other), t.dot(other));
+pub fn on_tangents<T: Number>(product: &Jet<2, T>, cosine: T, [s, t]: [T; 2]) -> Jet<3, T> {
     let [by_cosine, by_a] = product.first;
     let [[cc, ca], [_, aa]] = product.second;
-    let round = -by_cosine * cosine;
+    let round = by_cosine * cosine;
+    let (cs, ct) = (cc * s, cc * t);
     Jet {
         value: product.value,
         first: [by_cosine * s, by_cosine * t, by_a],
-        second: [
-            [cc * s * s + round, cc * s * t, ca * s],
-            [cc * s * t, cc * t * t + round, ca * t],
-            [ca * s, ca * t, aa],
-        ],
+        second: [[cs * s - round, cs * t, ca * s], [cs * t, ct * t - round, ca * t], [ca * s, ca * t, aa]],
     }
 }

@@ -7,37 +7,41 @@
 
 use std::ops::{Add, Mul, Sub};
 
-/// A value, and its derivatives.
+use super::lanes::Number;
+
+/// A value, and its derivatives; second ones are symmetric.
 #[derive(Clone, Copy, Debug)]
-pub struct Jet<const N: usize> {
-    pub value: f64,
-    pub first: [f64; N],
-    pub second: [[f64; N]; N],
+pub struct Jet<const N: usize, T = f64> {
+    pub value: T,
+    pub first: [T; N],
+    pub second: [[T; N]; N],
 }
 
-impl<const N: usize> Jet<N> {
+impl<const N: usize, T: Number> Jet<N, T> {
     /// The same everywhere.
     #[inline(always)]
-    pub fn constant(value: f64) -> Self {
-        Self { value, first: [0.0; N], second: [[0.0; N]; N] }
+    pub fn constant(value: T) -> Self {
+        let zero = value.like(0.0);
+        Self { value, first: [zero; N], second: [[zero; N]; N] }
     }
 
     /// The variable `i` itself.
     #[inline(always)]
-    pub fn variable(value: f64, i: usize) -> Self {
+    pub fn variable(value: T, i: usize) -> Self {
         let mut out = Self::constant(value);
-        out.first[i] = 1.0;
+        out.first[i] = value.like(1.0);
         out
     }
 
     /// A function of it, given by its value and its two derivatives there.
     #[inline(always)]
-    pub fn map(self, [value, slope, bend]: [f64; 3]) -> Self {
+    pub fn map(self, [value, slope, bend]: [T; 3]) -> Self {
         let mut out = Self::constant(value);
         for i in 0..N {
             out.first[i] = slope * self.first[i];
-            for k in 0..N {
-                out.second[i][k] = slope * self.second[i][k] + bend * self.first[i] * self.first[k];
+            for k in 0..=i {
+                let second = slope * self.second[i][k] + bend * self.first[i] * self.first[k];
+                (out.second[i][k], out.second[k][i]) = (second, second);
             }
         }
         out
@@ -45,20 +49,22 @@ impl<const N: usize> Jet<N> {
 
     /// A function of M such numbers, given by its value and its derivatives there.
     #[inline(always)]
-    pub fn compose<const M: usize>(outer: &Jet<M>, inner: &[Self; M]) -> Self {
+    pub fn compose<const M: usize>(outer: &Jet<M, T>, inner: &[Self; M]) -> Self {
         let mut out = Self::constant(outer.value);
         for m in 0..M {
             // The outer second derivatives times the inner first ones, once for all.
-            let mut bends = [0.0; N];
+            let mut bends = [outer.value.like(0.0); N];
             for n in 0..M {
                 for k in 0..N {
-                    bends[k] += outer.second[m][n] * inner[n].first[k];
+                    bends[k] = bends[k] + outer.second[m][n] * inner[n].first[k];
                 }
             }
             for i in 0..N {
-                out.first[i] += outer.first[m] * inner[m].first[i];
-                for k in 0..N {
-                    out.second[i][k] += outer.first[m] * inner[m].second[i][k] + inner[m].first[i] * bends[k];
+                out.first[i] = out.first[i] + outer.first[m] * inner[m].first[i];
+                for k in 0..=i {
+                    let own = outer.first[m] * inner[m].second[i][k];
+                    out.second[i][k] = out.second[i][k] + own + inner[m].first[i] * bends[k];
+                    out.second[k][i] = out.second[i][k];
                 }
             }
         }
@@ -68,68 +74,78 @@ impl<const N: usize> Jet<N> {
     #[inline(always)]
     pub fn sqrt(self) -> Self {
         let root = self.value.sqrt();
-        self.map([root, 0.5 / root, -0.25 / (root * self.value)])
+        let half = root.recip() * root.like(0.5);
+        self.map([root, half, half * half * half * root.like(-2.0)])
     }
 
     #[inline(always)]
     pub fn recip(self) -> Self {
-        let one = 1.0 / self.value;
-        self.map([one, -one * one, 2.0 * one * one * one])
+        let one = self.value.recip();
+        let square = one * one;
+        self.map([one, square * one.like(-1.0), square * one * one.like(2.0)])
     }
 }
 
-impl<const N: usize> Add for Jet<N> {
+impl<const N: usize, T: Number> Add for Jet<N, T> {
     type Output = Self;
 
     #[inline(always)]
     fn add(mut self, other: Self) -> Self {
-        self.value += other.value;
+        self.value = self.value + other.value;
         for i in 0..N {
-            self.first[i] += other.first[i];
+            self.first[i] = self.first[i] + other.first[i];
             for k in 0..N {
-                self.second[i][k] += other.second[i][k];
+                self.second[i][k] = self.second[i][k] + other.second[i][k];
             }
         }
         self
     }
 }
 
-impl<const N: usize> Add<f64> for Jet<N> {
+impl<const N: usize, T: Number> Add<f64> for Jet<N, T> {
     type Output = Self;
 
     #[inline(always)]
     fn add(self, other: f64) -> Self {
-        Self { value: self.value + other, ..self }
+        Self { value: self.value + self.value.like(other), ..self }
     }
 }
 
-impl<const N: usize> Mul<f64> for Jet<N> {
+impl<const N: usize, T: Number> Mul<f64> for Jet<N, T> {
     type Output = Self;
 
     #[inline(always)]
     fn mul(mut self, factor: f64) -> Self {
-        self.value *= factor;
+        let factor = self.value.like(factor);
+        self.value = self.value * factor;
         for i in 0..N {
-            self.first[i] *= factor;
+            self.first[i] = self.first[i] * factor;
             for k in 0..N {
-                self.second[i][k] *= factor;
+                self.second[i][k] = self.second[i][k] * factor;
             }
         }
         self
     }
 }
 
-impl<const N: usize> Sub for Jet<N> {
+impl<const N: usize, T: Number> Sub for Jet<N, T> {
     type Output = Self;
 
     #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        self + other * -1.0
+    fn sub(mut self, other: Self) -> Self {
+        self.value = self.value - other.value;
+        for i in 0..N {
+            self.first[i] = self.first[i] - other.first[i];
+            for k in 0..N {
+                self.second[i][k] = self.second[i][k] - other.second[i][k];
+            }
+        }
+        self
     }
 }
 
 #[allow(clippy::suspicious_arithmetic_impl, reason = "the rule for products adds")]
-impl<const N: usize> Mul for Jet<N> {
+impl<const N: usize, T: Number> Mul for Jet<N, T> {
     type Output = Self;
 
     #[inline(always)]
@@ -138,11 +154,10 @@ impl<const N: usize> Mul for Jet<N> {
         let mut out = Self::constant(a.value * b.value);
         for i in 0..N {
             out.first[i] = a.value * b.first[i] + b.value * a.first[i];
-            for k in 0..N {
-                out.second[i][k] = a.value * b.second[i][k]
-                    + b.value * a.second[i][k]
-                    + a.first[i] * b.first[k]
-                    + a.first[k] * b.first[i];
+            for k in 0..=i {
+                let own = a.value * b.second[i][k] + b.value * a.second[i][k];
+                let mixed = a.first[i] * b.first[k] + a.first[k] * b.first[i];
+                (out.second[i][k], out.second[k][i]) = (own + mixed, own + mixed);
             }
         }
         out

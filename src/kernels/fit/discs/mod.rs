@@ -6,7 +6,7 @@
 //! | step                                                  | file            |
 //! |-------------------------------------------------------|-----------------|
 //! | kernels, and discs, in Legendre polynomials           | `zonal.rs`      |
-//! | numbers with derivatives                              | `jet.rs`        |
+//! | numbers side by side, and with derivatives            | `lanes.rs`, `jet.rs` |
 //! | the cone of the kernel, between two discs             | `chord.rs`      |
 //! | the map in harmonics, and their values at a place     | `harmonics.rs`, `analysis.rs`, `place.rs`, `synthesis.rs` |
 //! | a light; bright cells of the map and their cones      | `disc.rs`, `patches.rs` |
@@ -23,6 +23,7 @@ mod disc;
 mod harmonics;
 mod jet;
 mod judge;
+mod lanes;
 mod newton;
 mod patches;
 mod place;

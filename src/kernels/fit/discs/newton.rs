@@ -14,12 +14,10 @@ use std::f64::consts::PI;
 use std::ops::AddAssign;
 
 use nalgebra::{DMatrix, DVector};
-use rayon::prelude::*;
 
 use super::disc::Disc;
 use super::jet::Jet;
 use super::state::{GREATEST_RADIUS, LEAST_RADIUS, Problem, State};
-use super::synthesis::Sum;
 
 /// `cost + 2 gradient.t + t^T hessian t`.
 #[derive(Clone, Debug)]
@@ -65,12 +63,14 @@ impl Quadratic {
                 (0..3).for_each(|n| hessian[(3 * j + i, 3 * k + n)] += weight * second[i][n]);
             }
         };
-        let sides_around = |(j, disc): (usize, &Disc)| {
-            let mut shares = [0.0; 3];
-            (0..channels).for_each(|c| shares[given.channels[c]] = weighted[(ambient + j, c)]);
-            problem.target.sides_around(disc, shares)
-        };
-        let sides: Vec<Sum> = state.discs.par_iter().enumerate().map(sides_around).collect();
+        let shares: Vec<[f64; 3]> = (0..lights)
+            .map(|j| {
+                let mut shares = [0.0; 3];
+                (0..channels).for_each(|c| shares[given.channels[c]] = weighted[(ambient + j, c)]);
+                shares
+            })
+            .collect();
+        let sides = problem.target.sides_around(&state.discs, &shares);
         for (j, (disc, sides)) in state.discs.iter().zip(&sides).enumerate() {
             let own = ambient + j;
             for i in 0..3 {

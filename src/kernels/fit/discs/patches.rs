@@ -5,6 +5,7 @@
 #![allow(clippy::needless_range_loop, reason = "loops, not closures, are inlined")]
 
 use std::f64::consts::PI;
+use std::iter::repeat;
 
 use glam::DVec3;
 use ndarray::{Array3, ArrayView1};
@@ -14,6 +15,7 @@ use super::chord::mean_distance;
 use super::disc::{Disc, on_tangents};
 use super::harmonics::Harmonics;
 use super::jet::Jet;
+use super::lanes::{Lanes, MOST, Number};
 use super::synthesis::Sum;
 use crate::kernels::image::{Grid, Part, WorkingMap};
 use crate::kernels::sphere::direction;
@@ -76,75 +78,102 @@ pub fn sources(map: &WorkingMap, rest: &mut Harmonics) -> Vec<Patch> {
     patches
 }
 
-/// The mean distance between the points of patches, times their fluxes, over all pairs and by channel.
-pub fn distances(patches: &[Patch]) -> [f64; 3] {
-    Arch::new().dispatch(Distances { patches })
+/// Patches, number by number, so that vectors hold several of them.
+#[derive(Clone, Debug)]
+pub struct Patches {
+    count: usize,
+    direction: [Vec<f64>; 3],
+    share: Vec<f64>,
+    flux: [Vec<f64>; 3],
 }
 
-/// The mean distance between the points of a disc and of patches, times the fluxes of these, by channel.
-pub fn distances_to(disc: &Disc, patches: &[Patch]) -> [f64; 3] {
-    Arch::new().dispatch(To { disc, patches })
-}
-
-/// The same with first derivatives, and second ones of the channels with these `shares`.
-pub fn distances_around(disc: &Disc, patches: &[Patch], shares: [f64; 3]) -> Sum {
-    Arch::new().dispatch(Around { disc, patches, shares })
-}
-
-/// See [`distances`].
-struct Distances<'a> {
-    patches: &'a [Patch],
-}
-
-impl WithSimd for Distances<'_> {
-    type Output = [f64; 3];
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> [f64; 3] {
-        let mut out = [0.0; 3];
-        for (i, one) in self.patches.iter().enumerate() {
-            for (k, other) in self.patches[..=i].iter().enumerate() {
-                let cosine = if i == k { 1.0 } else { one.direction.dot(other.direction) };
-                let [c, a, b] =
-                    [Jet::<0>::constant(cosine), Jet::constant(one.share), Jet::constant(other.share)];
-                let distance = mean_distance(c, a, b).value * if i == k { 1.0 } else { 2.0 };
-                for c in 0..3 {
-                    out[c] += distance * one.flux[c] * other.flux[c];
-                }
-            }
+impl Patches {
+    pub fn new(patches: &[Patch]) -> Self {
+        // Fill the last vector with black ones.
+        let black = Patch { direction: DVec3::Y, share: 1.0, flux: [0.0; 3] };
+        let padded = patches.iter().copied().chain(repeat(black));
+        let padded: Vec<Patch> = padded.take(patches.len().next_multiple_of(MOST)).collect();
+        let of = |number: &dyn Fn(&Patch) -> f64| padded.iter().map(number).collect::<Vec<_>>();
+        Self {
+            count: patches.len(),
+            direction: [0, 1, 2].map(|i| of(&|patch| patch.direction[i])),
+            share: of(&|patch| patch.share),
+            flux: [0, 1, 2].map(|c| of(&|patch| patch.flux[c])),
         }
-        out
+    }
+
+    /// The mean distance between the points of a disc and of patches, times the fluxes of these, by channel.
+    pub fn distances_to(&self, direction: DVec3, share: f64) -> [f64; 3] {
+        Arch::new().dispatch(To { direction, share, patches: self })
+    }
+
+    /// The derivatives of the same, second ones of the channels with these `shares`.
+    pub fn distances_around(&self, disc: &Disc, shares: [f64; 3]) -> Sum {
+        Arch::new().dispatch(Around { disc, patches: self, shares })
+    }
+
+    /// Direction, A and flux of patch after patch.
+    #[inline(always)]
+    fn lanes<S: Simd>(&self, simd: S) -> impl Iterator<Item = ([Lanes<S>; 3], Lanes<S>, [Lanes<S>; 3])> {
+        let patches =
+            triples(simd, &self.direction).zip(Lanes::of(simd, &self.share)).zip(triples(simd, &self.flux));
+        patches.map(|((d, share), flux)| (d, share, flux)).take(self.count.div_ceil(S::F64_LANES))
     }
 }
 
-/// See [`distances_to`].
+/// Three numbers of each patch.
+#[inline(always)]
+fn triples<S: Simd>(simd: S, numbers: &[Vec<f64>; 3]) -> impl Iterator<Item = [Lanes<S>; 3]> {
+    let [x, y, z] = [&numbers[0], &numbers[1], &numbers[2]].map(|numbers| Lanes::of(simd, numbers));
+    x.zip(y).zip(z).map(|((x, y), z)| [x, y, z])
+}
+
+/// The mean distance between the points of patches, times their fluxes, over all pairs and by channel.
+pub fn distances(patches: &[Patch]) -> [f64; 3] {
+    let all = Patches::new(patches);
+    let mut out = [0.0; 3];
+    for one in patches {
+        let distances = all.distances_to(one.direction, one.share);
+        (0..3).for_each(|c| out[c] += one.flux[c] * distances[c]);
+    }
+    out
+}
+
+#[inline(always)]
+fn dot<S: Simd>(one: DVec3, other: [Lanes<S>; 3]) -> Lanes<S> {
+    let [x, y, z] = other;
+    x * x.like(one.x) + y * y.like(one.y) + z * z.like(one.z)
+}
+
+/// See [`Patches::distances_to`].
 struct To<'a> {
-    disc: &'a Disc,
-    patches: &'a [Patch],
+    direction: DVec3,
+    share: f64,
+    patches: &'a Patches,
 }
 
 impl WithSimd for To<'_> {
     type Output = [f64; 3];
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> [f64; 3] {
-        let Self { disc, patches } = self;
-        let mut out = [0.0; 3];
-        for patch in patches {
-            let cosine = Jet::<0>::constant(disc.direction.dot(patch.direction));
-            let distance = mean_distance(cosine, Jet::constant(disc.share), Jet::constant(patch.share)).value;
-            for (out, flux) in out.iter_mut().zip(patch.flux) {
-                *out += distance * flux;
+    fn with_simd<S: Simd>(self, simd: S) -> [f64; 3] {
+        let own = Lanes::splat(simd, self.share);
+        let mut out = [Lanes::splat(simd, 0.0); 3];
+        for (towards, share, flux) in self.patches.lanes(simd) {
+            let [c, a, b] = [dot(self.direction, towards), own, share].map(Jet::<0, _>::constant);
+            let distance = mean_distance(c, a, b).value;
+            for c in 0..3 {
+                out[c] = out[c] + distance * flux[c];
             }
         }
-        out
+        out.map(Lanes::sum)
     }
 }
 
-/// See [`distances_around`].
+/// See [`Patches::distances_around`].
 struct Around<'a> {
     disc: &'a Disc,
-    patches: &'a [Patch],
+    patches: &'a Patches,
     shares: [f64; 3],
 }
 
@@ -152,26 +181,26 @@ impl WithSimd for Around<'_> {
     type Output = Sum;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Sum {
+    fn with_simd<S: Simd>(self, simd: S) -> Sum {
         let Self { disc, patches, shares } = self;
-        let mut out = Sum::default();
-        for patch in patches {
-            let cosine = disc.direction.dot(patch.direction);
-            let distance = mean_distance(
-                Jet::<2>::variable(cosine, 0),
-                Jet::variable(disc.share, 1),
-                Jet::constant(patch.share),
-            );
-            let distance = on_tangents(&distance, disc, patch.direction, cosine);
-            let weight = shares[0] * patch.flux[0] + shares[1] * patch.flux[1] + shares[2] * patch.flux[2];
+        let [s, t] = disc.frame();
+        let shares = shares.map(|share| Lanes::splat(simd, share));
+        let own = Lanes::splat(simd, disc.share);
+        let zero = own.like(0.0);
+        let (mut first, mut second) = ([[zero; 3]; 3], [[zero; 3]; 3]);
+        for (towards, share, flux) in patches.lanes(simd) {
+            let cosine = dot(disc.direction, towards);
+            let [c, a] = [Jet::<2, _>::variable(cosine, 0), Jet::variable(own, 1)];
+            let distance = mean_distance(c, a, Jet::constant(share));
+            let distance = on_tangents(&distance, cosine, [dot(s, towards), dot(t, towards)]);
+            let weight = shares[0] * flux[0] + shares[1] * flux[1] + shares[2] * flux[2];
             for i in 0..3 {
-                out.value[i] += distance.value * patch.flux[i];
                 for k in 0..3 {
-                    out.first[i][k] += distance.first[i] * patch.flux[k];
-                    out.second[i][k] += distance.second[i][k] * weight;
+                    first[i][k] = first[i][k] + distance.first[i] * flux[k];
+                    second[i][k] = second[i][k] + distance.second[i][k] * weight;
                 }
             }
         }
-        out
+        Sum { first: first.map(|row| row.map(Lanes::sum)), second: second.map(|row| row.map(Lanes::sum)) }
     }
 }

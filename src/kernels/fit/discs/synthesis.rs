@@ -1,19 +1,19 @@
-//! From harmonics to values: sums of them at a place, with their derivatives.
+//! From harmonics to values: sums of them over discs side by side, with their derivatives.
 
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 #![allow(clippy::needless_range_loop, reason = "loops, not closures, are inlined")]
 
 use pulp::{Arch, Simd, WithSimd};
 
+use super::disc::Disc;
 use super::harmonics::{Harmonics, Rgb2};
-use super::place::{Legendre, Place, RECURRENCE};
-use super::zonal::{DEGREES, Factors};
+use super::lanes::{Lanes, Number};
+use super::place::{Legendre, RECURRENCE};
+use super::zonal::{DEGREES, Factors, factors};
 
-/// A sum of harmonics at a place.
+/// Derivatives of a sum at a place.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sum {
-    /// By channel.
-    pub value: [f64; 3],
     /// By theta, by phi over the sine of theta, and by A, by channel.
     pub first: [[f64; 3]; 3],
     /// Second derivatives on the sphere and by A, of the channels with given shares.
@@ -23,7 +23,6 @@ pub struct Sum {
 impl Sum {
     /// Add a multiple of another.
     pub fn add(&mut self, other: &Self, factor: f64) {
-        (0..3).for_each(|i| self.value[i] += factor * other.value[i]);
         for i in 0..3 {
             (0..3).for_each(|k| self.first[i][k] += factor * other.first[i][k]);
             (0..3).for_each(|k| self.second[i][k] += factor * other.second[i][k]);
@@ -32,138 +31,229 @@ impl Sum {
 }
 
 impl Harmonics {
-    /// Values at a place, each degree times its factor.
-    pub fn value(&self, place: &Place, factors: &Factors) -> [f64; 3] {
-        Arch::new().dispatch(Value { harmonics: self, place, factors })
+    /// Products with discs of flux 1, by channel.
+    pub fn values(&self, discs: &[Disc]) -> Vec<[f64; 3]> {
+        Arch::new().dispatch(Values { harmonics: self, discs })
     }
 
-    /// The same with derivatives by the place and by the A of the factors; the second ones of the channels with these
-    /// `shares`.
-    pub fn sum(&self, place: &Place, factors: &Factors, shares: [f64; 3]) -> Sum {
-        Arch::new().dispatch(Around { harmonics: self, place, factors, shares })
+    /// Their derivatives, the second ones of the channels with these `shares`.
+    pub fn sums(&self, discs: &[Disc], shares: &[[f64; 3]]) -> Vec<Sum> {
+        Arch::new().dispatch(Sums { harmonics: self, discs, shares })
+    }
+
+    /// Those of each order, all degrees from the order on.
+    fn orders(&self) -> impl Iterator<Item = &[Rgb2]> {
+        let mut rest = &self.values[..];
+        (0..DEGREES).map(move |m| rest.split_off(..DEGREES - m).unwrap_or(&[]))
     }
 }
 
-/// See [`Harmonics::value`].
-struct Value<'a> {
+/// Discs side by side.
+struct Block<S: Simd> {
+    cosine: Lanes<S>,
+    sine: Lanes<S>,
+    /// `cos m phi` and `sin m phi` of the orders m that come one after the other.
+    turn: [Lanes<S>; 2],
+    first_turn: [Lanes<S>; 2],
+    factors: Factors<Lanes<S>>,
+}
+
+impl<S: Simd> Block<S> {
+    #[inline(always)]
+    fn new(simd: S, discs: &[Disc]) -> Self {
+        let of = |number: fn(&Disc) -> f64| Lanes::gathered(simd, discs, number);
+        Self {
+            cosine: of(|disc| disc.place.cosine),
+            sine: of(|disc| disc.place.sine),
+            turn: [Lanes::splat(simd, 1.0), Lanes::splat(simd, 0.0)],
+            first_turn: [of(|disc| disc.place.azimuth.cos()), of(|disc| disc.place.azimuth.sin())],
+            factors: factors(of(|disc| disc.share)),
+        }
+    }
+
+    /// On to the next order.
+    #[inline(always)]
+    fn advance(&mut self) {
+        let ([cos, sin], [first_cos, first_sin]) = (self.turn, self.first_turn);
+        self.turn = [cos * first_cos - sin * first_sin, cos * first_sin + sin * first_cos];
+    }
+}
+
+/// See [`Harmonics::values`].
+struct Values<'a> {
     harmonics: &'a Harmonics,
-    place: &'a Place,
-    factors: &'a Factors,
+    discs: &'a [Disc],
 }
 
-impl WithSimd for Value<'_> {
-    type Output = [f64; 3];
+impl WithSimd for Values<'_> {
+    type Output = Vec<[f64; 3]>;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> [f64; 3] {
-        let Self { harmonics, place, factors } = self;
-        let mut legendre = Legendre::new(place.cosine, place.sine);
-        let mut out = [0.0; 3];
-        let mut rest = &harmonics.values[..];
-        for m in 0..DEGREES {
-            let column = &legendre.column(m)[m..];
-            let (values, others) = rest.split_at(DEGREES - m);
-            rest = others;
-            let mut sum = [0.0; 8];
-            for ((value, p), factor) in values.iter().zip(column).zip(&factors[m..]) {
-                let weight = p * factor[0];
-                (0..8).for_each(|i| sum[i] += weight * value[i]);
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Self { harmonics, discs } = self;
+        let zero = Lanes::splat(simd, 0.0);
+        let mut out = Vec::with_capacity(discs.len());
+        for discs in discs.chunks(S::F64_LANES) {
+            let mut block = Block::new(simd, discs);
+            let mut legendre = Legendre::new(block.cosine, block.sine);
+            let mut values = [zero; 3];
+            for (m, harmonics) in harmonics.orders().enumerate() {
+                let mut sums = [[zero; 3]; 2];
+                let column = legendre.column(m);
+                for (l, harmonic) in (m..DEGREES).zip(harmonics) {
+                    let weight = column[l] * block.factors[l][0];
+                    for side in 0..2 {
+                        for c in 0..3 {
+                            sums[side][c] =
+                                sums[side][c].add_product(weight, zero.like(harmonic[4 * side + c]));
+                        }
+                    }
+                }
+                for c in 0..3 {
+                    for side in 0..2 {
+                        values[c] = values[c].add_product(block.turn[side], sums[side][c]);
+                    }
+                }
+                block.advance();
             }
-            let (sin, cos) = (m as f64 * place.azimuth).sin_cos();
-            (0..3).for_each(|c| out[c] += cos * sum[c] + sin * sum[4 + c]);
+            for lane in 0..discs.len() {
+                out.push([values[0].lane(lane), values[1].lane(lane), values[2].lane(lane)]);
+            }
         }
         out
     }
 }
 
-/// See [`Harmonics::sum`].
+/// See [`Harmonics::sums`].
 ///
 /// With `P' = (l cos P_l - b_l P_(l-1)) / sin` by theta, where `b_l = (2l + 1) a_l`, and `P'' = -cot P' + (m^2 / sin^2 -
 /// l (l + 1)) P`; along phi the first derivative is `m P / sin`, and the second is what Laplace's equation leaves.
-struct Around<'a> {
+struct Sums<'a> {
     harmonics: &'a Harmonics,
-    place: &'a Place,
-    factors: &'a Factors,
-    shares: [f64; 3],
+    discs: &'a [Disc],
+    shares: &'a [[f64; 3]],
 }
 
-/// Sums over the degrees of the order m, with the factors d of a disc and their derivatives by A: of `d P`, `d P' sin`,
-/// `d_A P`, `-l (l + 1) d P`, `d_A P' sin`, `d_AA P`. Registers hold as many.
-#[inline(always)]
-fn order_sums(
-    values: &[Rgb2],
-    m: usize,
-    column: &[f64; DEGREES],
-    cosine: f64,
-    factors: &Factors,
-) -> [Rgb2; 6] {
-    let mut sums = [[0.0; 8]; 6];
-    let mut below = 0.0;
-    for (l, value) in (m..DEGREES).zip(values) {
-        let (p, degree) = (column[l], l as f64);
-        let slope = degree * cosine * p - (2.0 * degree + 1.0) * RECURRENCE[m][l][0] * below;
-        below = p;
-        let [d, by_a, by_aa] = factors[l];
-        let flat = d * p;
-        let weights = [flat, d * slope, by_a * p, -degree * (degree + 1.0) * flat, by_a * slope, by_aa * p];
-        for k in 0..6 {
-            for i in 0..8 {
-                sums[k][i] += weights[k] * value[i];
+impl WithSimd for Sums<'_> {
+    type Output = Vec<Sum>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Self { harmonics, discs, shares } = self;
+        let zero = Lanes::splat(simd, 0.0);
+        let mut out = Vec::with_capacity(discs.len());
+        for (discs, shares) in discs.chunks(S::F64_LANES).zip(shares.chunks(S::F64_LANES)) {
+            let mut block = Block::new(simd, discs);
+            let shares = [0, 1, 2].map(|c| Lanes::gathered(simd, shares, |share| share[c]));
+            let mut legendre = Legendre::new(block.cosine, block.sine);
+            let (mut first, mut second) = ([[zero; 3]; 3], [[zero; 3]; 3]);
+            for (m, harmonics) in harmonics.orders().enumerate() {
+                let sums = order_sums(&block, m, legendre.column(m), harmonics);
+                add_order(&block, m, &sums, &shares, &mut first, &mut second);
+                block.advance();
             }
+            for lane in 0..discs.len() {
+                let of = |sums: [[Lanes<S>; 3]; 3]| sums.map(|row| row.map(|sum| sum.lane(lane)));
+                out.push(Sum { first: of(first), second: of(second) });
+            }
+        }
+        out
+    }
+}
+
+/// Sums over the degrees of the order m, by cosine and sine, with the factors d of the discs and their derivatives by A: of
+/// `d P`, `d P' sin`, `d_A P`, `-l (l + 1) d P`, `d_A P' sin`, `d_AA P`, each by channel.
+#[inline(always)]
+fn order_sums<S: Simd>(
+    block: &Block<S>,
+    m: usize,
+    column: &[Lanes<S>; DEGREES],
+    harmonics: &[Rgb2],
+) -> [[[Lanes<S>; 3]; 6]; 2] {
+    let of = |value: f64| block.cosine.like(value);
+    let mut weights = [[of(0.0); 6]; DEGREES];
+    let mut below = of(0.0);
+    for l in m..DEGREES {
+        let (p, degree) = (column[l], l as f64);
+        let slope = (below * of(-RECURRENCE[m][l][2])).add_product(block.cosine * of(degree), p);
+        below = p;
+        let [d, by_a, by_aa] = block.factors[l];
+        let flat = d * p;
+        weights[l] =
+            [flat, d * slope, by_a * p, of(-degree * (degree + 1.0)) * flat, by_a * slope, by_aa * p];
+    }
+    let mut sums = [[[of(0.0); 3]; 6]; 2];
+    // Registers hold the sums of three weights.
+    for side in 0..2 {
+        for half in [0, 3] {
+            let mut part = [[of(0.0); 3]; 3];
+            for (weights, harmonic) in weights[m..].iter().zip(harmonics) {
+                for c in 0..3 {
+                    let harmonic = of(harmonic[4 * side + c]);
+                    for k in 0..3 {
+                        part[k][c] = part[k][c].add_product(weights[half + k], harmonic);
+                    }
+                }
+            }
+            sums[side][half..half + 3].copy_from_slice(&part);
         }
     }
     sums
 }
 
-impl WithSimd for Around<'_> {
-    type Output = Sum;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Sum {
-        let Self { harmonics, place, factors, shares } = self;
-        let Place { cosine, sine, azimuth, .. } = *place;
-        let (cot, over) = (cosine / sine, 1.0 / sine);
-        let mut legendre = Legendre::new(cosine, sine);
-        let mut out = Sum::default();
-        let mut rest = &harmonics.values[..];
-        for m in 0..DEGREES {
-            let (values, others) = rest.split_at(DEGREES - m);
-            rest = others;
-            let sums = order_sums(values, m, legendre.column(m), cosine, factors);
-            let (sin, cos) = (m as f64 * azimuth).sin_cos();
-            let turn = m as f64 * over;
-            for c in 0..3 {
-                let (mut along, mut across) = ([0.0; 6], [0.0; 6]);
-                for k in 0..6 {
-                    along[k] = cos * sums[k][c] + sin * sums[k][4 + c];
-                    across[k] = cos * sums[k][4 + c] - sin * sums[k][c];
-                }
-                let slope = over * along[1];
-                out.value[c] += along[0];
-                out.first[0][c] += slope;
-                out.first[1][c] += turn * across[0];
-                out.first[2][c] += along[2];
-                let share = shares[c];
-                out.second[0][0] += share * (turn * turn * along[0] - cot * slope + along[3]);
-                out.second[0][1] += share * turn * (over * across[1] - cot * across[0]);
-                out.second[1][1] += share * (cot * slope - turn * turn * along[0]);
-                out.second[0][2] += share * over * along[4];
-                out.second[1][2] += share * turn * across[2];
-                out.second[2][2] += share * along[5];
+/// Add what an order contributes to the derivatives.
+#[inline(always)]
+fn add_order<S: Simd>(
+    block: &Block<S>,
+    m: usize,
+    sums: &[[[Lanes<S>; 3]; 6]; 2],
+    shares: &[Lanes<S>; 3],
+    first: &mut [[Lanes<S>; 3]; 3],
+    second: &mut [[Lanes<S>; 3]; 3],
+) {
+    let Block { sine, cosine, turn: [cos, sin], .. } = *block;
+    let over = sine.recip();
+    let (cot, order) = (cosine * over, over * over.like(m as f64));
+    let mut along = [cos.like(0.0); 6];
+    let mut across = along;
+    for c in 0..3 {
+        let share = shares[c];
+        for k in 0..6 {
+            let (even, odd) = (sums[0][k][c], sums[1][k][c]);
+            let (here, beside) = (cos * even + sin * odd, cos * odd - sin * even);
+            if k < 3 {
+                let (row, slope) = [(1, order * beside), (0, over * here), (2, here)][k];
+                first[row][c] = first[row][c] + slope;
             }
+            along[k] = along[k].add_product(share, here);
+            across[k] = across[k].add_product(share, beside);
         }
-        for (i, k) in [(1, 0), (2, 0), (2, 1)] {
-            out.second[i][k] = out.second[k][i];
-        }
-        out
+    }
+    let (slope, bend) = (cot * over * along[1], order * order * along[0]);
+    second[0][0] = second[0][0] + bend - slope + along[3];
+    second[1][1] = second[1][1] + slope - bend;
+    second[2][2] = second[2][2] + along[5];
+    let mixed = [
+        (0, 1, order * (over * across[1] - cot * across[0])),
+        (0, 2, over * along[4]),
+        (1, 2, order * across[2]),
+    ];
+    for (i, k, value) in mixed {
+        second[i][k] = second[i][k] + value;
+        second[k][i] = second[i][k];
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernels::fit::discs::zonal::factors;
+    use crate::kernels::fit::discs::place::Place;
     use crate::kernels::sphere::{direction, exponential_map};
+    use glam::DVec3;
+
+    fn disc(direction: DVec3, share: f64) -> Disc {
+        Disc::new(direction, 2.0 * share.sqrt().asin())
+    }
 
     #[test]
     fn derivatives_are_the_slopes_that_are_measured() {
@@ -177,10 +267,12 @@ mod tests {
         for l in [direction(0.7, 1.0), direction(1.2, 2.2), direction(3.0, 4.0)] {
             let share = 0.02;
             let place = Place::new(l);
-            let sum = harmonics.sum(&place, &factors(share), shares);
+            // Beside others, in a second vector.
+            let discs: Vec<Disc> = (0..6).map(|i| disc(if i == 5 { l } else { -l }, share)).collect();
+            let sum = harmonics.sums(&discs, &[[9.0; 3], [0.0; 3], [0.0; 3], [1.0; 3], [2.0; 3], shares])[5];
             let at = |step: [f64; 3]| {
                 let l = exponential_map(l, place.frame[0] * step[0] + place.frame[1] * step[1]);
-                harmonics.value(&Place::new(l), &factors(share + step[2]))
+                harmonics.values(&[disc(l, share + step[2])])[0]
             };
             let weighted = |step: [f64; 3]| -> f64 { at(step).iter().zip(shares).map(|(v, s)| v * s).sum() };
             let here = weighted([0.0; 3]);

@@ -11,12 +11,15 @@ use super::chord::mean_distance;
 use super::disc::{Disc, on_tangents};
 use super::harmonics::Harmonics;
 use super::jet::Jet;
-use super::patches::{Patch, bright_cells, distances, distances_around, distances_to, sources};
+use super::patches::{Patch, Patches, bright_cells, distances, sources};
 use super::synthesis::Sum;
 use super::zonal::{Comparison, DEGREE, Kernel, factors};
 use crate::kernels::fit::ambient::Ambient;
 use crate::kernels::harmonics::{cosine_lobe, irradiance_of_moments, radiance};
 use crate::kernels::image::{Grid, WorkingMap};
+
+/// Discs that are done at a time: the vectors of most processors hold as many numbers.
+const BLOCK: usize = 4;
 
 /// The map as bright cells and harmonics of the rest.
 #[derive(Clone, Debug)]
@@ -76,7 +79,7 @@ pub struct Target {
     ambient: Ambient,
     /// The sky over a floor, where there is one.
     half_sky: Option<Disc>,
-    patches: Vec<Patch>,
+    patches: Patches,
     /// The map times the kernel, but for the cones of the patches.
     field: Harmonics,
     /// `<L, L>` by channel.
@@ -92,7 +95,7 @@ impl Target {
         let field = rest.scaled_sum(&kernel.whole, bright, &kernel.smooth);
         let half_sky = (has_floor && ambient == Ambient::Constant).then(|| Disc::new(DVec3::Y, FRAC_PI_2));
         let ambient_products = DMatrix::zeros(ambient.coefficients(), ambient.coefficients() + 3);
-        let (patches, energy) = (patches.clone(), [0.0; 3]);
+        let (patches, energy) = (Patches::new(patches), [0.0; 3]);
         let mut target = Self { kernel, ambient, half_sky, patches, field, energy, ambient_products };
         target.energy = target.energy(picture);
         target.set_ambient_products(picture);
@@ -122,7 +125,7 @@ impl Target {
             let harmonics = irradiance_of_moments(whole, first, second);
             for i in 0..ambient {
                 out[(i, ambient + channel)] = match (&self.half_sky, self.ambient) {
-                    (Some(sky), _) => 2.0 * PI * self.sides(sky)[channel],
+                    (Some(sky), _) => 2.0 * PI * self.sides(&[*sky])[0][channel],
                     (_, Ambient::Sh2) => self.kernel.whole[degree(i)] * harmonics[i] / cosine_lobe(i),
                     _ => self.kernel.whole[0] * whole,
                 };
@@ -145,7 +148,7 @@ impl Target {
         let (mut gram, mut rhs) = (DMatrix::zeros(size, size), DMatrix::zeros(size, 3));
         gram.view_mut((0, 0), (ambient, ambient)).copy_from(&self.ambient_products.columns(0, ambient));
         rhs.rows_mut(0, ambient).copy_from(&self.ambient_products.columns(ambient, 3));
-        let sides: Vec<[f64; 3]> = discs.par_iter().map(|disc| self.sides(disc)).collect();
+        let sides: Vec<[f64; 3]> = discs.par_chunks(BLOCK).flat_map_iter(|discs| self.sides(discs)).collect();
         for (j, (disc, sides)) in discs.iter().zip(&sides).enumerate() {
             let row = ambient + j;
             (0..3).for_each(|channel| rhs[(row, channel)] = sides[channel]);
@@ -161,23 +164,30 @@ impl Target {
         (gram, rhs)
     }
 
-    /// Products of a disc with the map, by channel.
-    fn sides(&self, disc: &Disc) -> [f64; 3] {
-        let mut sides = self.field.value(&disc.place, &disc.factors);
+    /// Products of discs with the map, by channel.
+    fn sides(&self, discs: &[Disc]) -> Vec<[f64; 3]> {
+        let mut sides = self.field.values(discs);
         if self.kernel.cone > 0.0 {
-            let distances = distances_to(disc, &self.patches);
-            (0..3).for_each(|channel| sides[channel] -= self.kernel.cone * distances[channel]);
+            for (sides, disc) in sides.iter_mut().zip(discs) {
+                let distances = self.patches.distances_to(disc.direction, disc.share);
+                (0..3).for_each(|channel| sides[channel] -= self.kernel.cone * distances[channel]);
+            }
         }
         sides
     }
 
-    /// The same with first derivatives, and second ones of the channels with these `shares`.
-    pub fn sides_around(&self, disc: &Disc, shares: [f64; 3]) -> Sum {
-        let mut sum = self.field.sum(&disc.place, &disc.factors, shares);
-        if self.kernel.cone > 0.0 {
-            sum.add(&distances_around(disc, &self.patches, shares), -self.kernel.cone);
-        }
-        sum
+    /// The derivatives of the same, for each disc second ones of the channels with its `shares`.
+    pub fn sides_around(&self, discs: &[Disc], shares: &[[f64; 3]]) -> Vec<Sum> {
+        let block = |(discs, shares): (&[Disc], &[[f64; 3]])| {
+            let mut sums = self.field.sums(discs, shares);
+            if self.kernel.cone > 0.0 {
+                for ((sum, disc), &shares) in sums.iter_mut().zip(discs).zip(shares) {
+                    sum.add(&self.patches.distances_around(disc, shares), -self.kernel.cone);
+                }
+            }
+            sums
+        };
+        discs.par_chunks(BLOCK).zip(shares.par_chunks(BLOCK)).flat_map_iter(block).collect()
     }
 
     /// Product of a disc of flux 1 with itself, as a function of A.
@@ -220,7 +230,8 @@ impl Target {
                     first: [product.first[c], product.first[a]],
                     second: [c, a].map(|i| [c, a].map(|k| product.second[i][k])),
                 };
-                vec![on_tangents(&own, disc, sky.direction, disc.direction.dot(sky.direction))]
+                let along = disc.frame().map(|tangent| tangent.dot(sky.direction));
+                vec![on_tangents(&own, disc.direction.dot(sky.direction), along)]
             }
             (_, Ambient::Constant) => vec![Jet::constant(self.kernel.whole[0])],
             (_, Ambient::Sh2) => {

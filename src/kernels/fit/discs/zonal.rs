@@ -17,11 +17,15 @@
 //!   d_k = (1 + x) P_k'(x) / (k (k + 1))        d_0 = 1
 //! ```
 
+#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+#![allow(clippy::needless_range_loop, reason = "loops, not closures, are inlined")]
+
 use std::array::from_fn;
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
 use super::jet::Jet;
+use super::lanes::Number;
 
 /// The highest degree of the map, and of what is left of a kernel without its cone.
 pub const DEGREE: usize = 40;
@@ -107,38 +111,44 @@ impl Kernel {
 }
 
 /// `d_k` of a disc, and its derivatives by A = sin^2(a/2).
-pub type Factors = [[f64; 3]; DEGREES];
+pub type Factors<T = f64> = [[T; 3]; DEGREES];
 
 /// Those of the disc of `A`.
-pub fn factors(a: f64) -> Factors {
-    let x = 1.0 - 2.0 * a;
-    let mut polynomials = [[0.0; 4]; DEGREES];
-    polynomials[0][0] = 1.0;
-    let mut out = [[0.0; 3]; DEGREES];
-    out[0][0] = 1.0;
+#[inline(always)]
+pub fn factors<T: Number>(a: T) -> Factors<T> {
+    let of = |value: f64| a.like(value);
+    let x = of(1.0) - of(2.0) * a;
+    let mut polynomials = [[of(0.0); 4]; DEGREES];
+    polynomials[0][0] = of(1.0);
+    let mut out = [[of(0.0); 3]; DEGREES];
+    out[0][0] = of(1.0);
     for k in 1..DEGREES {
         polynomials[k] = next(&polynomials, k, x);
         let [_, d, dd, ddd] = polynomials[k];
-        let scale = 1.0 / (k * (k + 1)) as f64;
+        let scale = of(1.0 / (k * (k + 1)) as f64);
+        let wide = (of(1.0) + x) * scale;
         // x falls twice as fast as A grows.
         out[k] = [
-            (1.0 + x) * d * scale,
-            -2.0 * (d + (1.0 + x) * dd) * scale,
-            4.0 * (2.0 * dd + (1.0 + x) * ddd) * scale,
+            wide * d,
+            of(-2.0) * (wide * dd).add_product(scale, d),
+            of(4.0) * (wide * ddd).add_product(of(2.0) * scale, dd),
         ];
     }
     out
 }
 
 /// `P_k` and its first derivatives, from those before: `P_(k+1)^(n) = P_(k-1)^(n) + (2k+1) P_k^(n-1)`.
-fn next<const N: usize>(before: &[[f64; N]], k: usize, x: f64) -> [f64; N] {
+#[inline(always)]
+fn next<const N: usize, T: Number>(before: &[[T; N]], k: usize, x: T) -> [T; N] {
     let last = before[k - 1];
-    let but_one = if k > 1 { before[k - 2] } else { [0.0; N] };
-    let odd = (2 * k - 1) as f64;
-    from_fn(|n| match n {
-        0 => (odd * x * last[0] - (k - 1) as f64 * but_one[0]) / k as f64,
-        _ => but_one[n] + odd * last[n - 1],
-    })
+    let but_one = if k > 1 { before[k - 2] } else { [x.like(0.0); N] };
+    let (odd, degree) = ((2 * k - 1) as f64, k as f64);
+    let mut out = but_one;
+    out[0] = (but_one[0] * x.like((1.0 - degree) / degree)).add_product(x * x.like(odd / degree), last[0]);
+    for n in 1..N {
+        out[n] = but_one[n].add_product(x.like(odd), last[n - 1]);
+    }
+    out
 }
 
 /// `P_k(c)` and its first two derivatives.

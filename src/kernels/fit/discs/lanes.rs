@@ -1,0 +1,169 @@
+//! Numbers for formulas: one, or several side by side in the widest vectors of the processor.
+
+#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+
+use std::ops::{Add, Mul, Sub};
+
+use pulp::Simd;
+
+/// What the formulas need of numbers.
+pub trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
+    /// How many it is.
+    const COUNT: usize;
+
+    /// That value, as often as there are numbers here.
+    fn like(self, value: f64) -> Self;
+
+    /// Those values, at least as many as there are numbers here.
+    fn like_all(self, values: &[f64]) -> Self;
+
+    /// One of them.
+    fn lane(self, i: usize) -> f64;
+
+    fn sum(self) -> f64;
+
+    /// With a product added, rounded once where the processor does so.
+    fn add_product(self, one: Self, other: Self) -> Self;
+
+    fn sqrt(self) -> Self;
+
+    fn recip(self) -> Self;
+}
+
+impl Number for f64 {
+    const COUNT: usize = 1;
+
+    #[inline(always)]
+    fn like(self, value: f64) -> Self {
+        value
+    }
+
+    #[inline(always)]
+    fn like_all(self, values: &[f64]) -> Self {
+        values[0]
+    }
+
+    #[inline(always)]
+    fn lane(self, _: usize) -> f64 {
+        self
+    }
+
+    #[inline(always)]
+    fn sum(self) -> f64 {
+        self
+    }
+
+    #[inline(always)]
+    fn add_product(self, one: Self, other: Self) -> Self {
+        self + one * other
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self::sqrt(self)
+    }
+
+    #[inline(always)]
+    fn recip(self) -> Self {
+        Self::recip(self)
+    }
+}
+
+/// The most numbers that stand side by side.
+pub const MOST: usize = 8;
+
+/// As many numbers as one vector holds.
+#[derive(Clone, Copy, Debug)]
+pub struct Lanes<S: Simd> {
+    simd: S,
+    values: S::f64s,
+}
+
+impl<S: Simd> Lanes<S> {
+    #[inline(always)]
+    pub fn splat(simd: S, value: f64) -> Self {
+        Self { simd, values: simd.splat_f64s(value) }
+    }
+
+    /// A number of each of some things, of which there are no more than numbers in a vector; the last one fills it.
+    #[inline(always)]
+    pub fn gathered<A>(simd: S, things: &[A], number: impl Fn(&A) -> f64) -> Self {
+        let mut values = [0.0; MOST];
+        for (i, value) in values.iter_mut().enumerate() {
+            *value = number(&things[i.min(things.len() - 1)]);
+        }
+        Self::splat(simd, 0.0).like_all(&values)
+    }
+
+    /// Vectors from numbers, of which there is a multiple of [`MOST`].
+    #[inline(always)]
+    pub fn of(simd: S, values: &[f64]) -> impl Iterator<Item = Self> {
+        S::as_simd_f64s(values).0.iter().map(move |&values| Self { simd, values })
+    }
+}
+
+impl<S: Simd> Number for Lanes<S> {
+    const COUNT: usize = S::F64_LANES;
+
+    #[inline(always)]
+    fn like(self, value: f64) -> Self {
+        Self::splat(self.simd, value)
+    }
+
+    #[inline(always)]
+    fn like_all(self, values: &[f64]) -> Self {
+        Self { values: S::as_simd_f64s(values).0[0], ..self }
+    }
+
+    #[inline(always)]
+    fn lane(self, i: usize) -> f64 {
+        pulp::bytemuck::cast_slice(std::slice::from_ref(&self.values))[i]
+    }
+
+    #[inline(always)]
+    fn sum(self) -> f64 {
+        self.simd.reduce_sum_f64s(self.values)
+    }
+
+    #[inline(always)]
+    fn add_product(self, one: Self, other: Self) -> Self {
+        Self { values: self.simd.mul_add_e_f64s(one.values, other.values, self.values), ..self }
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self { values: self.simd.sqrt_f64s(self.values), ..self }
+    }
+
+    #[inline(always)]
+    fn recip(self) -> Self {
+        Self { values: self.simd.div_f64s(self.simd.splat_f64s(1.0), self.values), ..self }
+    }
+}
+
+impl<S: Simd> Add for Lanes<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self { values: self.simd.add_f64s(self.values, other.values), ..self }
+    }
+}
+
+impl<S: Simd> Sub for Lanes<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self { values: self.simd.sub_f64s(self.values, other.values), ..self }
+    }
+}
+
+impl<S: Simd> Mul for Lanes<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Self { values: self.simd.mul_f64s(self.values, other.values), ..self }
+    }
+}
