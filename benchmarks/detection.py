@@ -20,6 +20,7 @@ FAMILIES = {
     "plain": synthetic.plain,
     "hard": synthetic.hard,
     "openings": synthetic.openings,
+    "faint": synthetic.faint,
 }
 
 

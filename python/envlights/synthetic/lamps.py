@@ -56,14 +56,15 @@ def draw(
     for name in [first, *rng.choice(list(kinds), size=rng.integers(0, 5))]:
         for _ in range(_TRIES):
             group = kinds[name](rng, _between(rng, *contrast) * tint(rng))
-            if all(_gap_deg(new, old) > gap_deg for new in group for old in lamps):
+            if all(rim_gap_deg(new, old) > gap_deg for new in group for old in lamps):
                 lamps += group
                 names.append(str(name))
                 break
     return lamps, names
 
 
-def _gap_deg(lamp: Lamp, other: Lamp) -> float:
+def rim_gap_deg(lamp: Lamp, other: Lamp) -> float:
+    """Angle between the rims of two lights, at least, in degrees."""
     cosine = np.clip(unit(lamp.direction) @ unit(other.direction), -1, 1)
     return float(np.rad2deg(np.arccos(cosine))) - lamp.reach_deg - other.reach_deg
 
