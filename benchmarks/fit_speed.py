@@ -1,8 +1,8 @@
 """Run time of the fit: beside scipy's and jaxopt's descents, and as its input grows.
 
-The search is timed on a map of 256 columns, where 80 normals measure the error instead of 5120.
-The time for the same irradiance by `working_irradiance` is taken off: that is the reduction of the
-map and the measuring normals. Taken off the time on no lights, it leaves the field of the map.
+The search is timed on a map of 256 columns. "All" is the reduction of the map, its field, the
+search, and the 5120 normals that judge the rig. The search alone is that without the time on no
+lights, which is all but the search; the field is not timed by itself.
 """
 
 import functools
@@ -77,7 +77,7 @@ def beside_peers(maps, lights):
         for name, value in of_search_and_peers(env, lights).items():
             seconds[name].append(value)
     print(f"\n{lights} lights and ambient, {len(maps)} maps, medians; peers from one even start")
-    print(f"{'':<36}{'time':>8}{'over all from the map on':>25}{'over the search alone':>25}")
+    print(f"{'':<36}{'time':>8}{'over all, judging too':>25}{'over the search alone':>25}")
     for name, values in seconds.items():
         over = [np.divide(values, seconds[base]) for base in ("from the map on", "search")]
         ratios = "".join(f"{np.median(r):>10.1f} x, least{r.min():>5.1f} x" for r in over)
