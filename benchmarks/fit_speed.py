@@ -109,7 +109,7 @@ def kernel(radiance, lights):
     """The whole search for lights and a constant ambient term, and the probe that measures it."""
     nowhere, point_share, most_steps, rendering_error = np.zeros((0, 3)), 5e-3, 100, 1e-4
     given = (radiance, False, radiance.shape[1], point_share)
-    wanted = (1, nowhere, 0, lights, None, most_steps)
+    wanted = (1, nowhere, 0, lights, None, None, None, most_steps)
     return _native.fit_map(*given, *wanted, False, False, rendering_error)
 
 
