@@ -17,6 +17,8 @@ import os
 import platform
 import sys
 import traceback
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
 
 _ROOT = Path(__file__).parents[1]
@@ -32,8 +34,8 @@ _PARTS = {
 }
 #: Written by `--against`, and not measured.
 _COMPARED = {"second_run": "tables.second_run"}
-#: Rounds, and seconds of rounds for each case.
-_FULL, _QUICK = (9, 8.0), (3, 1.0)
+#: Processes, and of each rounds and seconds of rounds for each case.
+_FULL, _QUICK = (5, 5, 2.0), (1, 3, 1.0)
 
 
 def main():
@@ -42,7 +44,7 @@ def main():
     )
     parser.add_argument("parts", nargs="*", metavar="part", help=f"of {', '.join(_PARTS)}")
     parser.add_argument(
-        "--quick", action="store_true", help="one map and few rounds: two to three minutes"
+        "--quick", action="store_true", help="one map and few rounds: one to two minutes"
     )
     parser.add_argument(
         "--out", type=Path, default=Path("benchmark_results"), help="folder to write"
@@ -65,46 +67,59 @@ def main():
 
 
 def measure(names, quick, out, threads):
-    """Measure the parts one by one, each with its data and picture; return those that failed."""
-    worlds = maps(quick)
+    """Measure all parts, then all again in further processes; return those that failed.
+
+    What is found is written after each part of each process.
+    """
+    processes, *cost = _QUICK if quick else _FULL
     machine = {
         "processor": processor(),
         "cores": os.cpu_count(),
         "threads": threads,
-        "maps": len(worlds),
         "quick": quick,
+        # Of all programs; Windows does not say.
+        "load": round(os.getloadavg()[0]) if hasattr(os, "getloadavg") else None,
         "date": datetime.date.today().isoformat(),
     }
     folder = out / "benchmarks"
     folder.mkdir(parents=True, exist_ok=True)
-    failed = []
-    for name in names:
-        try:
-            measure_part(name, worlds, machine, folder)
-        except Exception:
-            # The other parts take minutes: one that fails must not take them along.
-            traceback.print_exc()
-            failed.append(name)
+    found, failed = {name: [] for name in names}, []
+    for number in range(processes):
+        for name in names:
+            if name in failed or (number and is_table(name)):
+                continue
+            try:
+                found[name].append(in_a_process(name, cost, quick, number == 0))
+                write_part(name, machine, found[name], folder)
+            except Exception:
+                # The other parts take minutes: one that fails must not take them along.
+                traceback.print_exc()
+                failed.append(name)
     write_page(out)
     return failed
 
 
-def measure_part(name, worlds, machine, folder):
-    """Measure one part; write its data, and its picture if it has curves."""
-    from curves import page, pictures, results
+def is_table(name):
+    """Whether a part has rows in place of curves."""
+    from curves import page
 
-    import envlights as el
+    return page.is_table(importlib.import_module(_PARTS[name]))
 
-    part, rows = importlib.import_module(_PARTS[name]), []
-    effort = results.Effort(*(_QUICK if machine["quick"] else _FULL))
-    measured = part.rows if page.is_table(part) else part.points
-    for row in measured(worlds, effort):
-        rows.append(row)
-        told = list(row.values() if isinstance(row, dict) else row)[1:4]
-        print(f"{name}: {', '.join(map(str, told))}", file=sys.stderr)
-    if not page.is_table(part):
-        el.plot.save(pictures.picture(part, rows), folder / f"{name}.png")
-    results.write(folder / f"{name}.jsonl", machine, rows)
+
+def in_a_process(name, *arguments):
+    """Points or rows of a part, measured in a new process."""
+    from curves import one_pass
+
+    with ProcessPoolExecutor(1, get_context("spawn")) as pool:
+        return pool.submit(one_pass.measured, _PARTS[name], *arguments).result()
+
+
+def write_part(name, machine, passes, folder):
+    """Write the data of a part."""
+    from curves import results
+
+    rows = passes[0] if is_table(name) else results.merged(passes)
+    results.write(folder / f"{name}.jsonl", machine | {"processes": len(passes)}, rows)
 
 
 def compare(names, out, against):
@@ -131,36 +146,23 @@ def compare(names, out, against):
 
 
 def write_page(out):
-    """Write the page of all parts whose data are there."""
-    from curves import page, results
+    """Write the page of all parts whose data are there, with the pictures of those with curves."""
+    from curves import page, pictures, results
+
+    import envlights as el
 
     found = []
     for name, module in (_PARTS | _COMPARED).items():
         path = out / "benchmarks" / f"{name}.jsonl"
-        if path.exists():
-            found.append((name, importlib.import_module(module), *results.read(path)))
+        if not path.exists():
+            continue
+        part, (machine, rows) = importlib.import_module(module), results.read(path)
+        found.append((name, part, machine, rows))
+        if not page.is_table(part):
+            el.plot.save(pictures.picture(part, rows), path.with_suffix(".png"))
     text = page.page(found)
     (out / "benchmarks.md").write_text(text, encoding="utf-8")
     print(text)
-
-
-def maps(quick):
-    """Two generated maps, and every third of the real ones; of a quick run one map."""
-    import numpy as np
-    import probes
-
-    import envlights as el
-
-    real = [path for path in probes.paths() if path.suffix != ".png"]
-    found = {path.stem: el.EnvMap.open(path) for path in (real[7:8] if quick else real[::3])}
-    # The peers halve the map until it is small.
-    found = {name: env for name, env in found.items() if env.height % 128 == 0}
-    generated = {} if quick and found else {"hall": el.synthetic.hall(512)}
-    if not quick:
-        generated["hard"] = el.synthetic.hard(el.synthetic.JUDGING[0])
-    for name, world in generated.items():
-        found[name] = el.EnvMap(np.ascontiguousarray(world.radiance, np.float32))
-    return found
 
 
 def processor():

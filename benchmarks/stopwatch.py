@@ -13,19 +13,22 @@ def processor_seconds():
     return time.process_time() + children.ru_utime + children.ru_stime
 
 
-def all_seconds(work, rounds=25, patience=10.0, clock=time.perf_counter):
+def all_seconds(work, rounds=25, patience=10.0, clock=time.perf_counter, fewest=3, shortest=0.0):
     """Seconds of each piece of `work` in each round.
 
-    From the fourth round on, a piece that has had its share of `patience` is left out.
+    After the `fewest` rounds, a piece that has had its share of `patience` is left out.
+    What takes less than `shortest` is done over and over until then.
     """
     seconds = {name: [] for name in work}
     for done in range(rounds):
         for name, piece in work.items():
-            if done >= 3 and sum(seconds[name]) > patience / len(work):
+            if done >= fewest and sum(seconds[name]) > patience / len(work):
                 continue
-            start = clock()
-            piece()
-            seconds[name].append(clock() - start)
+            start, calls, elapsed = clock(), 0, 0.0
+            while calls == 0 or elapsed < shortest:
+                piece()
+                calls, elapsed = calls + 1, clock() - start
+            seconds[name].append(elapsed / calls)
     return seconds
 
 

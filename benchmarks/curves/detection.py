@@ -3,13 +3,13 @@
 Settings of `tree` and `article` are working widths. The two families of maps come once as radiance
 and once as 8-bit sRGB pictures in which 1 % of the sphere is white; there the peers get the decoded
 radiance, and the error of flux has what white cut off. Angle and flux are medians over the lights
-that were found. Of each family eight maps, 1024x512.
+that were found. Of each family eight maps, 1024x512, of which two are timed.
 """
 
 from functools import partial
 
 import numpy as np
-from curves.results import Point, those_installed, timed
+from curves.results import point, those_installed, timed
 from detectors import DETECTORS, ours, sphere
 
 import envlights as el
@@ -29,8 +29,8 @@ PEERS = (
     "Otsu + components",
     "median cut",
 )
-#: Maps of each family, and of a quick run.
-MAPS, FEW_MAPS = 8, 1
+#: Maps of each family, and of a quick run; those that are timed.
+MAPS, FEW_MAPS, TIMED_MAPS = 8, 1, 2
 #: Share of the sphere that is white in an 8-bit picture.
 CLIPPED = 0.01
 
@@ -51,7 +51,8 @@ def are_comparable(our, their):
 
 def points(_, effort):
     """Yield a point for each family, method and setting."""
-    seeds = synthetic.JUDGING[: FEW_MAPS if effort.is_quick else MAPS]
+    count = FEW_MAPS if effort.is_quick else MAPS if effort.is_judged else TIMED_MAPS
+    seeds = synthetic.JUDGING[:count]
     for make in (synthetic.plain, synthetic.hard):
         worlds = [make(seed) for seed in seeds]
         yield from _on(make.__name__, worlds, [world.radiance for world in worlds], 1.0, effort)
@@ -62,20 +63,24 @@ def points(_, effort):
 def _on(case, worlds, images, whites, effort):
     """Points of one family; `whites` is the radiance that 1 stands for in each image."""
     decoded = [el.EnvMap(image).radiance for image in images]
-    work = {
-        (method, setting): partial(_all, find, images if method in OURS else decoded)
+    methods = {
+        (method, setting): (find, images if method in OURS else decoded)
         for method, settings in METHODS.items()
         for setting, find in settings
     }
-    found = {key: find() for key, find in work.items()}
-    seconds = timed(work, effort)
-    for (method, setting), answers in found.items():
-        typical, spread = seconds[method, setting]
-        whites = np.broadcast_to(whites, len(worlds))
-        rows = zip(worlds, answers, whites, strict=True)
+    whites, errors = np.broadcast_to(whites, len(worlds)), {}
+    for key, (find, seen) in methods.items():
+        rows = zip(worlds, _all(find, seen), whites, strict=True)
         score = synthetic.judge([(w, towards, flux * white) for w, (towards, flux), white in rows])
-        time = typical / len(worlds)
-        yield Point("detection", case, method, setting, time, spread, _errors(score))
+        errors[key] = _errors(score)
+    few = images[:TIMED_MAPS]
+    seconds = timed(
+        {key: partial(_all, find, seen[:TIMED_MAPS]) for key, (find, seen) in methods.items()},
+        effort,
+    )
+    for key in methods:
+        each = [time / len(few) for time in seconds[key]]
+        yield point("detection", case, *key, errors[key], call=[each])
 
 
 def _all(find, images):

@@ -12,7 +12,7 @@ from functools import partial
 import numpy as np
 from curves import peers_of_lights as peers
 from curves.judge import Judge
-from curves.results import Point, those_installed, timed
+from curves.results import point, those_installed, timed, warm_up
 
 import envlights as el
 
@@ -59,22 +59,27 @@ def are_comparable(our, their):
 def points(maps, effort):
     """Yield a point for each map, method and number of lights."""
     for name, env in maps.items():
-        judge = Judge(env)
         work = {
             (method, setting): partial(find, env.radiance, setting)
             for method, (settings, find) in METHODS.items()
             for setting in settings
         }
         # The first call also compiles, where a method does.
-        answers = {key: [find()] for key, find in work.items()}
-        for key, find in work.items():
-            if key[0] in DRAWN and not effort.is_quick:
-                answers[key] += [find() for _ in range(DRAWS - 1)]
+        if effort.is_judged:
+            errors = judged(env, work, effort.is_quick)
+        else:
+            errors = warm_up(work, env.radiance.shape)
         seconds = timed(work, effort)
-        for (method, setting), found in answers.items():
-            probe, shadows = (
-                float(np.median([error(answer) for answer in found]))
-                for error in (judge.probe_error, judge.shadow_error)
-            )
-            errors = {"probe": probe, "shadows": shadows}
-            yield Point("lights", name, method, setting, *seconds[method, setting], errors)
+        for key in work:
+            yield point("lights", name, *key, errors[key], call=[seconds[key]])
+
+
+def judged(env, work, is_quick):
+    """Both errors of each method, the medians of those that draw anew."""
+    judge, found = Judge(env), {}
+    kinds = {"probe": judge.probe_error, "shadows": judge.shadow_error}
+    for key, find in work.items():
+        answers = [find() for _ in range(DRAWS if key[0] in DRAWN and not is_quick else 1)]
+        errors = {name: [error(each) for each in answers] for name, error in kinds.items()}
+        found[key] = {name: float(np.median(values)) for name, values in errors.items()}
+    return found

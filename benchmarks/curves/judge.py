@@ -12,6 +12,8 @@ from envlights import kernels
 _NORMALS, _PLANES, _ROWS = 80, 1280, 128
 #: Cells with a larger share of the flux are cut into this many parts along each side.
 _BRIGHT, _PARTS = 3e-4, 8
+#: Places that are summed together: all at once would take half a gigabyte.
+_AT_ONCE = 1024
 
 
 class Surroundings(NamedTuple):
@@ -31,6 +33,8 @@ class Judge:
         self.at, self.at_weights = kernels.icosphere(_NORMALS)
         self.fronts, self.front_weights = kernels.icosphere(_PLANES)
         self.shaded = self._behind_planes(self.places, self.flux)
+        #: Behind a sky of radiance 1.
+        self.even = self._behind_planes(self.places, self.solid_angles)
 
     def probe_error(self, rig):
         """Relative RMS error of the irradiance at 5120 normals."""
@@ -47,28 +51,36 @@ class Judge:
         lights = rig.lights
         rows = zip(lights.direction, lights.irradiance, lights.angular_radius, strict=True)
         discs = [points_of_disc(*row, rings=8) for row in rows]
-        around = self._radiance_of(rig.ambient) * self.solid_angles
-        places = np.concatenate([self.places, *(place for place, _ in discs)])
-        seen = self._behind_planes(places, np.concatenate([around, *(flux for _, flux in discs)]))
+        seen = self._behind_planes(
+            np.concatenate([np.zeros((0, 3)), *(place for place, _ in discs)]),
+            np.concatenate([np.zeros((0, 3)), *(flux for _, flux in discs)]),
+        )
+        seen = seen + self._sky_behind_planes(rig.ambient)
         weights = self.at_weights[:, None, None] * self.front_weights[:, None]
         difference, whole = (
             (weights * values**2).sum() for values in (seen - self.shaded, self.shaded)
         )
         return float(np.sqrt(difference / whole))
 
-    def _radiance_of(self, ambient):
+    def _sky_behind_planes(self, ambient):
         if isinstance(ambient, Surroundings):
-            return ambient.radiance(self.places)
-        if ambient.ndim == 2:
-            return kernels.harmonic_radiance(self.places) @ ambient
-        return np.broadcast_to(ambient, self.places.shape)
+            radiance = ambient.radiance(self.places)
+        elif ambient.ndim == 2:
+            radiance = kernels.harmonic_radiance(self.places) @ ambient
+        else:
+            return self.even * ambient
+        return self._behind_planes(self.places, radiance * self.solid_angles)
 
     def _behind_planes(self, places, flux):
         """Irradiance at each normal from what is in front of each plane, (normals, planes, 3)."""
-        cosines = np.maximum(self.at @ places.T, 0).astype(np.float32)
-        in_front = (places @ self.fronts.T > 0).astype(np.float32)
-        channels = flux.astype(np.float32).T
-        return np.stack([(cosines * channel) @ in_front for channel in channels], axis=2)
+        seen = np.zeros((len(self.at), len(self.fronts), flux.shape[1]))
+        for start in range(0, len(places), _AT_ONCE):
+            some = places[start : start + _AT_ONCE]
+            cosines = np.maximum(self.at @ some.T, 0).astype(np.float32)
+            in_front = (some @ self.fronts.T > 0).astype(np.float32)
+            for i, channel in enumerate(flux[start : start + _AT_ONCE].astype(np.float32).T):
+                seen[..., i] += (cosines * channel) @ in_front
+        return seen
 
 
 def _cells(env):

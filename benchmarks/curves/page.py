@@ -9,10 +9,13 @@ _HEAD = """# Run time against error
 parts, it measures those anew. Each part says on what machine it was measured. The last table has
 what a second run of the command changed.
 
-Within a part all methods take turns in one process, warmed up. Times are medians over the rounds,
-on one thread those of the processor; times and errors are geometric means over the cases. The
-spread is half the distance of the quartiles over the median, at worst. Compare ratios: the times
-are those of one machine.
+Within a part all methods take turns in one process, warmed up, round by round; a round repeats what
+takes less than 3 ms. After all parts come all again in a new process, as often as each part says:
+two processes differ by more than the rounds of one, for their memory lies elsewhere and the machine
+is busy otherwise. Times are medians over the processes of the medians over their rounds, on one
+thread those of the processor; times and errors are geometric means over the cases. The spread is
+half the interval of 99 % of the mean over the processes, by Student's t, of the median case.
+Compare ratios: the times are those of one machine.
 """
 
 
@@ -32,10 +35,13 @@ def is_table(part):
 
 def _measured_on(machine):
     threads, cores = machine["threads"], machine["cores"]
+    often = machine["processes"]
     few = "; a quick run, with few rounds" if machine["quick"] else ""
+    load = f"; load {machine['load']} when it began" if machine.get("load") else ""
     return (
         f"Measured on {machine['date']}: {machine['processor']}, {cores} cores, of which"
-        f" {threads} {'was' if threads == 1 else 'were'} used{few}."
+        f" {threads} {'was' if threads == 1 else 'were'} used; {often}"
+        f" process{'es' if often > 1 else ''}{load}{few}."
     )
 
 
@@ -80,7 +86,8 @@ def _table(errors, points):
 
 def _row(method, setting, seconds, spread, values):
     milliseconds = f"{1e3 * seconds:,.0f}" if seconds >= 1 else f"{1e3 * seconds:.3g}"
-    shown = [method, told(setting), f"{milliseconds} ms", f"{100 * spread:.0f} %"]
+    share = "" if spread is None else f"{100 * spread:.0f} %"
+    shown = [method, told(setting), f"{milliseconds} ms", share]
     return "| " + " | ".join([*shown, *(f"{value:.2g}" for value in values)]) + " |"
 
 

@@ -11,7 +11,7 @@ from importlib.util import find_spec
 
 import numpy as np
 from curves.peers_of_lights import projected_harmonics, sphere
-from curves.results import Point, timed
+from curves.results import point, timed, warm_up
 from tests.helpers import NORMALS, SOLID_ANGLES
 
 from envlights import kernels
@@ -37,12 +37,17 @@ def working(radiance, columns):
 
 
 def brute_force(radiance, columns):
-    """All pixels of a reduced map at all normals, as a product of matrices."""
+    """All pixels of a reduced map at all normals, as products of matrices, row by row.
+
+    One product would take 335 MB at 512 columns: fresh pages, which cost from once to four times
+    the arithmetic, and never the same.
+    """
     step = max(1, radiance.shape[1] // columns)
     small = radiance.reshape(len(radiance) // step, step, -1, step, 3).mean(axis=(1, 3))
     directions, solid_angles = sphere(len(small))
-    flux = (small * solid_angles[..., None]).reshape(-1, 3)
-    return np.maximum(NORMALS @ directions.reshape(-1, 3).T, 0) @ flux
+    flux = small * solid_angles[..., None]
+    rows = zip(directions, flux, strict=True)
+    return sum(np.maximum(NORMALS @ towards.T, 0) @ row for towards, row in rows)
 
 
 def harmonics(radiance, order):
@@ -78,7 +83,6 @@ def points(maps, effort):
     """Yield a point for each map, method and setting; `exact` is judged by all pixels, halved."""
     has_mitsuba = find_spec("mitsuba") is not None
     for name, env in maps.items():
-        wanted = reference(env.radiance, parts=2 if effort.is_quick else 4)
         work = {
             (method, setting): partial(find, env.radiance, setting)
             for method, (settings, find) in METHODS.items()
@@ -90,11 +94,22 @@ def points(maps, effort):
             # Its scene is made beforehand: only rendering counts.
             render = Probe(env.radiance, NORMALS, int(os.environ["RAYON_NUM_THREADS"])).render
             work |= {("Mitsuba", count): partial(render, count) for count in SAMPLES}
-        answers = {key: find() for key, find in work.items()}
+        if effort.is_judged:
+            errors = judged(env, work, parts=2 if effort.is_quick else 4)
+        else:
+            errors = warm_up(work, env.radiance.shape)
         seconds = timed(work, effort)
-        for (method, setting), seen in answers.items():
-            errors = {"probe": kernels.relative_rms(seen[_JUDGED], wanted, SOLID_ANGLES[_JUDGED])}
-            yield Point("probe", name, method, setting, *seconds[method, setting], errors)
+        for key in work:
+            yield point("probe", name, *key, errors[key], call=[seconds[key]])
+
+
+def judged(env, work, parts):
+    """The error of each method."""
+    wanted, weights = reference(env.radiance, parts), SOLID_ANGLES[_JUDGED]
+    return {
+        key: {"probe": kernels.relative_rms(find()[_JUDGED], wanted, weights)}
+        for key, find in work.items()
+    }
 
 
 def reference(radiance, parts):

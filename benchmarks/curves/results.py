@@ -7,7 +7,15 @@ from importlib.util import find_spec
 from typing import NamedTuple
 
 import numpy as np
+from scipy.stats import t as student
 from stopwatch import all_seconds, processor_seconds
+
+#: Of the intervals that are stated.
+CONFIDENCE = 0.99
+#: What a round takes at least, in seconds: a shorter piece of work is done several times in a row.
+_SHORTEST = 3e-3
+#: What this process has done before, by name, and on what.
+_DONE = set()
 
 
 class Point(NamedTuple):
@@ -20,28 +28,34 @@ class Point(NamedTuple):
     """None for a method that has none."""
 
     seconds: float
-    """Median over the rounds, in which all methods took turns."""
+    """Median over the processes of the medians over their rounds."""
 
-    spread: float
-    """Half the distance of the quartiles over the median."""
+    spread: float | None
+    """Half the interval of the mean over the processes, as a share; None of a single run."""
 
     errors: dict
     """Relative errors by their names; some are run times."""
 
-    spreads: dict | None = None
-    """Of those errors that are run times."""
+    rounds: dict
+    """Seconds by process and round: of the run time, "call", and of those errors by their names.
+
+    In each round of a process all methods took turns.
+    """
 
 
 class Effort(NamedTuple):
-    """What a case may cost: rounds, of which each piece has three in any case, and seconds."""
+    """What a case may cost in one process."""
 
     rounds: int
+    """At most; a piece of work that has had its share of the seconds has fewer, but one."""
+
     seconds: float
 
-    @property
-    def is_quick(self):
-        """Whether a case may be made smaller."""
-        return self.rounds < 5
+    is_quick: bool = False
+    """Whether a case may be made smaller."""
+
+    is_judged: bool = True
+    """Whether errors are wanted, which are the same in each process."""
 
 
 def told(setting):
@@ -59,17 +73,72 @@ def those_installed(methods, needs):
 
 
 def timed(work, effort):
-    """Median seconds and spread of each piece of work.
+    """Seconds of each piece of work in each round.
 
     On one thread they are seconds of the processor: what else the machine does counts less.
     """
     is_alone = os.environ["RAYON_NUM_THREADS"] == "1"
     clock = processor_seconds if is_alone else time.perf_counter
-    found = {}
-    for name, seconds in all_seconds(work, effort.rounds, effort.seconds, clock).items():
-        low, median, high = np.percentile(seconds, [25, 50, 75])
-        found[name] = float(median), float((high - low) / 2 / median)
+    return all_seconds(work, effort.rounds, effort.seconds, clock, fewest=1, shortest=_SHORTEST)
+
+
+def warm_up(work, alike):
+    """Do each piece of work, unless this process has done it on something `alike`; no errors."""
+    for name, piece in work.items():
+        if (name, alike) not in _DONE:
+            _DONE.add((name, alike))
+            piece()
+    return {name: {} for name in work}
+
+
+def point(part, case, method, setting, errors, **rounds):
+    """A point of the seconds in `rounds`, by process; those but of the "call" are errors, too."""
+    rounds = {name: _rounded(seconds) for name, seconds in rounds.items()}
+    timed = {name: typical(seconds) for name, seconds in rounds.items()}
+    seconds = timed.pop("call")
+    _, half = interval(logarithms(rounds["call"]))
+    spread = float(np.expm1(half)) if np.isfinite(half) else None
+    return Point(part, case, method, setting, seconds, spread, errors | timed, rounds)
+
+
+def _rounded(processes):
+    """To four digits, which is more than any of them tells."""
+    return [[float(f"{seconds:.4g}") for seconds in process] for process in processes]
+
+
+def merged(passes):
+    """The points of several processes, which are the same but for their times, as one."""
+    found = []
+    for points in zip(*passes, strict=True):
+        first = points[0]
+        assert all(each[:4] == first[:4] for each in points), first
+        rounds = {name: [run for p in points for run in p.rounds[name]] for name in first.rounds}
+        found.append(point(*first[:4], first.errors, **rounds))
     return found
+
+
+def typical(processes):
+    """Median over the processes of the medians over their rounds."""
+    return float(np.median([np.median(seconds) for seconds in processes]))
+
+
+def logarithms(processes, others=None):
+    """Logarithm of the seconds, or of their ratio to `others`, of each process.
+
+    It is the median over the rounds: what slows one round slows both, and leaves their ratio.
+    """
+    if others is None:
+        others = [np.ones(len(seconds)) for seconds in processes]
+    pairs = zip(processes, others, strict=True)
+    return [np.median([np.log(a / b) for a, b in zip(*pair, strict=False)]) for pair in pairs]
+
+
+def interval(values):
+    """Mean, and half the interval in which the mean of many such lies (Student's t)."""
+    if len(values) < 2:
+        return float(np.mean(values)), float("inf")
+    factor = student.ppf(0.5 + CONFIDENCE / 2, len(values) - 1)
+    return float(np.mean(values)), float(factor * np.std(values, ddof=1) / np.sqrt(len(values)))
 
 
 def write(path, machine, rows):
@@ -85,7 +154,7 @@ def read(path):
 
 
 def curves(points, error):
-    """For each method its settings with typical seconds, errors and the worst spread.
+    """For each method its settings with typical seconds, errors and the spread of the median case.
 
     Typical over the cases is the geometric mean.
     """
@@ -98,12 +167,16 @@ def curves(points, error):
                 setting,
                 _typical([each.seconds for each in cases]),
                 _typical([each.errors[error] for each in cases]),
-                max(each.spread for each in cases),
+                _middle([each.spread for each in cases if each.spread is not None]),
             )
             for setting, cases in settings.items()
         ]
         for method, settings in table.items()
     }
+
+
+def _middle(values):
+    return float(np.median(values)) if values else None
 
 
 def _typical(values):

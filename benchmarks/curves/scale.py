@@ -12,7 +12,7 @@ from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
-from curves.results import Point, timed
+from curves.results import point, timed
 
 import envlights as el
 from envlights import kernels
@@ -25,6 +25,8 @@ SAID = (
     " `array.max()` on the largest map, a share above 100 % comes from the spread."
 )
 ERRORS = {}
+#: Errors that are none but measured, in megabytes.
+MEMORY = ("memory",)
 OURS = (
     "EnvMap(array)",
     "env.probe, 320 normals",
@@ -64,14 +66,14 @@ def are_comparable(our, their):
 def points(_, effort):
     """Yield a point for each method and size; the case is what grows."""
     half = effort._replace(seconds=effort.seconds / 2)
+    has_memory = effort.is_judged and not effort.is_quick and sys.platform == "linux"
     for case, size, work in _all(effort.is_quick):
-        told = case == "pixels" and not effort.is_quick and _has_memory(size)
-        memory = {method: peak(method, size) for method in work} if told else {}
+        is_told = case == "pixels" and has_memory and size in {2 * height**2 for height in MEASURED}
+        memory = {method: {"memory": peak(method, size)} for method in work if is_told}
         for run in work.values():
             run()
-        for method, (seconds, spread) in timed(work, half).items():
-            errors = {"memory": memory[method]} if told else {}
-            yield Point("scale", case, method, size, seconds, spread, errors)
+        for method, seconds in timed(work, half).items():
+            yield point("scale", case, method, size, memory.get(method, {}), call=[seconds])
 
 
 def _all(is_quick):
@@ -103,10 +105,6 @@ def hall(height):
     small = el.synthetic.hall(256).radiance.astype(np.float32)
     times = height // 256
     return np.ascontiguousarray(small.repeat(times, axis=0).repeat(times, axis=1))
-
-
-def _has_memory(pixels):
-    return sys.platform == "linux" and pixels in {2 * height**2 for height in MEASURED}
 
 
 def peak(method, pixels):

@@ -1,9 +1,9 @@
 """Indirect light from direct light: run time of a frame against the error on unseen lights.
 
-The error is the median of the relative errors of the unseen images. The second panel has the time
-of a fit. Settings are ranks; of `fewer pairs` their number, and of `smaller
-direct` texels along a side of the direct image, both at rank 32. All have the ridge 1e-3 but
-`ridge="loo"`, and the same pairs: the generated room without noise, 64x64, and the database in
+The error is the median of the relative errors of the unseen images; the second panel has it over
+the time of a fit. Settings are ranks; of `fewer pairs` their number, and of `smaller direct` texels
+along a side of the direct image, both at rank 32. All have the ridge 1e-3 but `ridge="loo"`, and
+the same pairs: the generated room without noise, 64x64, and the database in
 `ENVLIGHTS_TRANSFER_DB`, if any.
 """
 
@@ -12,7 +12,7 @@ from functools import partial
 
 import numpy as np
 from curves.peers_of_transfer import notebook, scikit
-from curves.results import Point, those_installed, timed
+from curves.results import point, those_installed, timed
 from tests.helpers import relative_errors
 
 import envlights as el
@@ -23,6 +23,8 @@ ERRORS = {"unseen": "error on unseen lights", "fit": "seconds of a fit"}
 #: Errors that are run times.
 TIMED = ("fit",)
 COUNTED = None
+#: What the run time is of, and those whose frames take what those of `TransferModel` do.
+CALL, UNDRAWN = "milliseconds of a frame", ("fewer pairs", "smaller direct")
 OURS = ("TransferModel", 'ridge="loo"', "compressed", "fewer pairs", "smaller direct")
 RANKS, RANK = (4, 8, 16, 32), 32
 #: Pairs of the room, and the share of all pairs that is learnt.
@@ -82,14 +84,11 @@ def points(_, effort):
         models = {key: fit() for key, fit in fits.items()}
         fitted = timed(fits, effort)
         frames = {key: partial(model, new[0]) for key, model in models.items()}
-        seconds = timed(frames, effort._replace(rounds=3 * effort.rounds))
-        for (method, setting), model in models.items():
+        seconds = timed(frames, effort)
+        for key, model in models.items():
             seen = np.stack([model(image) for image in new])
-            unseen = float(np.median(relative_errors(seen, truth)))
-            fit, spread = fitted[method, setting]
-            errors, spreads = {"unseen": unseen, "fit": fit}, {"fit": spread}
-            time = seconds[method, setting]
-            yield Point("transfer", name, method, setting, *time, errors, spreads)
+            errors = {"unseen": float(np.median(relative_errors(seen, truth)))}
+            yield point("transfer", name, *key, errors, call=[seconds[key]], fit=[fitted[key]])
 
 
 def data(is_quick):

@@ -1,20 +1,23 @@
 """The same command a second time, as `--against` compares it with the first.
 
-A ratio is a run time of ours over a peer's on the same case. Both runs agree on it if it changes by
-no more than the four spreads together, and a tenth for what differs between two processes. An error
-agrees if it changes by no more than a millionth; those of methods that draw anew are left out.
+A ratio is a run time of ours over a peer's on the same case, in the same rounds; its interval is
+the one of 99 % of the mean over the processes, by Student's t. Both runs agree on it if their
+intervals overlap: by chance alone they would not on one ratio of 4000. Half an interval, the mean
+of both runs, is stated as a share. An error agrees if it changes by no more than a millionth, those
+of methods that draw anew left out; the peak of memory, if it changes by no more than a fiftieth of
+itself and of 10 MB.
 """
 
 from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-from curves.results import Point, told
+from curves.results import Point, interval, logarithms, told
 
 TITLE = "A second run"
-#: What two processes differ by, beyond the spread within each: where their memory lies.
-_PROCESSES = 0.1
 _SAME_ERROR = 1e-6
+#: A process takes memory by pages, and the system's allocator some in advance.
+_SAME_MEMORY, _FEW_MEGABYTES = 0.02, 10.0
 
 
 class Change(NamedTuple):
@@ -51,10 +54,13 @@ def changes(part, first, second):
 def row(name, ratios, errors):
     """What the page says of a part."""
     middle, most, largest = np.expm1(np.quantile([each.size for each in ratios], [0.5, 0.95, 1]))
+    usual, wide = np.expm1(np.quantile([each.allowed / 2 for each in ratios], [0.5, 0.95]))
     return {
         "part": name,
         "ratios": len(ratios),
         "agree": sum(each.agrees for each in ratios),
+        "half an interval, median": _percent(usual),
+        "of 95 % at most": _percent(wide),
         "median change": _percent(middle),
         "95 % change by at most": _percent(most),
         "largest change": _percent(largest),
@@ -77,29 +83,25 @@ def _key(point):
 
 
 def _of_ratios(part, one, other, our, their):
-    """The change of the ratio of run times, and of those errors that are run times."""
+    """Changes of the ratios of run times, and of those errors that are run times."""
     name = f"{_named(our)} over {_named(their)} on {our[0]}"
-    for time in (None, *getattr(part, "TIMED", ())):
-        of = [_time(run[key], time) for run in (one, other) for key in (our, their)]
-        first, second = of[0][0] / of[1][0], of[2][0] / of[3][0]
-        allowed = sum(spread for _, spread in of) + _PROCESSES
-        yield Change(abs(float(np.log(second / first))), allowed, name)
-
-
-def _time(point, error):
-    """Seconds and their spread: the run time, or an error that is one."""
-    if error is None:
-        return point.seconds, point.spread
-    return point.errors[error], point.spreads[error]
+    for time in ("call", *getattr(part, "TIMED", ())):
+        (first, half), (second, other_half) = (
+            interval(logarithms(run[our].rounds[time], run[their].rounds[time]))
+            for run in (one, other)
+        )
+        yield Change(abs(second - first), half + other_half, name)
 
 
 def _of_errors(part, point, again):
     if point.method in getattr(part, "DRAWN", ()):
         return
     for error in point.errors.keys() - set(getattr(part, "TIMED", ())):
-        seen, anew = (max(each.errors[error], 1e-12) for each in (point, again))
+        is_memory = error in getattr(part, "MEMORY", ())
+        least, allowed = (_FEW_MEGABYTES, _SAME_MEMORY) if is_memory else (1e-12, _SAME_ERROR)
+        seen, anew = (each.errors[error] + least for each in (point, again))
         name = f"{error} of {_named(_key(point))} on {point.case}"
-        yield Change(float(abs(np.log(anew / seen))), _SAME_ERROR, name)
+        yield Change(float(abs(np.log(anew / seen))), allowed, name)
 
 
 def _named(key):

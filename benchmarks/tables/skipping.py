@@ -10,7 +10,7 @@ plain arrays, which carry no report: what they skip is in this table; `fit`, `de
 
 from itertools import chain
 
-from curves.results import timed
+from curves.results import timed, typical
 from tests.skips import of_map, skips
 
 TITLE = "What is skipped"
@@ -20,9 +20,9 @@ def rows(maps, effort):
     """Yield a row for each scene and skip, and for each map."""
     more = effort._replace(rounds=3 * effort.rounds, seconds=effort.seconds / 4)
     real = (skip for name, env in maps.items() for skip in of_map(name, env.radiance))
-    for skip in chain(skips(width=128 if effort.is_quick else 256), real):
+    for skip in chain(skips(width=64 if effort.is_quick else 256), real):
         found = timed({"on": skip.on, "off": skip.off}, more)
-        (on, _), (off, _) = found["on"], found["off"]
+        on, off = (typical([found[name]]) for name in ("on", "off"))
         error = float(skip.error())
         yield {
             "scene": skip.scene,
