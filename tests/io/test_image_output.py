@@ -1,12 +1,15 @@
 """Maps out, and back in."""
 
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813, its own name for itself
 import pytest
 
 import envlights as el
+from tests.conftest import fills_a_disk
+from tests.helpers import disk_that_is_full_after
 
 RADIANCE = np.random.default_rng(0).gamma(0.3, 10, (16, 32, 3)).astype(np.float32)
 
@@ -79,3 +82,73 @@ def test_a_file_does_not_depend_on_the_hour_of_writing(tmp_path, suffix):
     env.save(tmp_path / f"two{suffix}")
     one, two = ((tmp_path / f"{name}{suffix}").read_bytes() for name in ("one", "two"))
     assert one == two
+
+
+#: Names of files, and registrations of maps: as lines, as tiles, and with a shared exponent.
+KINDS = [
+    ("map.exr", "cell-centred"),
+    ("map.exr", "border-sampled"),
+    ("map.hdr", "cell-centred"),
+]
+#: Three pieces of rows and a part of one.
+LARGE = np.random.default_rng(1).gamma(0.3, 10, (400, 800, 3)).astype(np.float32)
+
+
+class Interrupted:
+    """A file of OpenImageIO in whose n-th piece of rows the user presses Ctrl-C."""
+
+    def __init__(self, path, piece):
+        self.file, self.left = oiio.ImageOutput.create(path), piece
+
+    def __getattr__(self, name):
+        return self.written if name.startswith("write_") else getattr(self.file, name)
+
+    def written(self, *arguments):
+        self.left -= 1
+        if not self.left:
+            raise KeyboardInterrupt
+        write = self.file.write_tiles if self.spec().tile_width else self.file.write_scanlines
+        return write(*arguments)
+
+
+@pytest.mark.parametrize("piece", [1, 2, 4])
+@pytest.mark.parametrize(("name", "registration"), KINDS)
+def test_ctrl_c_between_pieces_of_rows_leaves_the_old_file(
+    tmp_path, monkeypatch, name, registration, piece
+):
+    old, new = (el.EnvMap(each, registration=registration) for each in (LARGE[::-1], LARGE))
+    old.save(tmp_path / name)
+    before = (tmp_path / name).read_bytes()
+    names = ("ImageSpec", "FLOAT", "HALF", "TypeDesc", "geterror")
+    doors = {each: getattr(oiio, each) for each in names}
+    create = SimpleNamespace(create=lambda path: Interrupted(path, piece))
+    with monkeypatch.context() as patch:
+        fake = SimpleNamespace(**doors, ImageOutput=create)
+        patch.setattr("envlights.io.image_output.oiio", fake)
+        with pytest.raises(KeyboardInterrupt):
+            new.save(tmp_path / name)
+    assert [each.name for each in tmp_path.iterdir()] == [name]
+    assert (tmp_path / name).read_bytes() == before
+    # The next save is as if nothing had been.
+    new.save(tmp_path / name)
+    assert (tmp_path / name).read_bytes() != before
+
+
+@fills_a_disk
+@pytest.mark.parametrize("share", [0.0, 0.1, 0.4, 0.7, 0.999])
+@pytest.mark.parametrize(("name", "registration"), KINDS)
+def test_a_disk_that_is_full_at_any_piece_of_rows_leaves_the_old_file(
+    tmp_path, name, registration, share
+):
+    old, new = (el.EnvMap(each, registration=registration) for each in (LARGE[:32, :64], LARGE))
+    new.save(tmp_path / name)
+    size = (tmp_path / name).stat().st_size
+    old.save(tmp_path / name)
+    before = (tmp_path / name).read_bytes()
+    with (
+        disk_that_is_full_after(int(share * size)),
+        pytest.raises(el.EnvLightsError, match=f"cannot write .*{name}"),
+    ):
+        new.save(tmp_path / name)
+    assert [each.name for each in tmp_path.iterdir()] == [name]
+    assert (tmp_path / name).read_bytes() == before

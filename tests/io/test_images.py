@@ -321,21 +321,25 @@ class FailingFile:
 
     def __init__(self, failing):
         self.failing = failing
+        self.given = oiio.ImageSpec(32, 16, 3, oiio.FLOAT)
         self.is_closed = False
 
     def geterror(self):
         return f"no room for {self.path}"
 
-    def open(self, path, _):
-        self.path = path
+    def open(self, path, spec):
+        self.path, self.given = path, spec
         Path(path).write_bytes(b"half")
         return self.failing != "open"
 
     def write_scanlines(self, *_):
         return self.failing != "write_scanlines"
 
+    def write_tiles(self, *_):
+        return self.failing != "write_tiles"
+
     def spec(self):
-        return oiio.ImageSpec(32, 16, 3, oiio.FLOAT)
+        return self.given
 
     def read_scanlines(self, *_):
         raise MemoryError
@@ -361,6 +365,7 @@ def use(monkeypatch, file):
         ("create", "no such format"),
         ("open", r"no room for .*map\.exr"),
         ("write_scanlines", r"no room for .*map\.exr"),
+        ("write_tiles", r"no room for .*map\.exr"),
         ("close", r"no room for .*map\.exr"),
     ],
 )
@@ -370,8 +375,9 @@ def test_a_step_of_the_library_that_fails_leaves_the_old_file(
     target = tmp_path / "map.exr"
     target.write_bytes(b"old")
     use(monkeypatch, None if failing == "create" else FailingFile(failing))
+    is_tiled = failing == "write_tiles"
     with pytest.raises(el.EnvLightsError, match=rf"cannot write .*map\.exr: {reason}$"):
-        io.write_exr(target, RADIANCE)
+        io.write_exr(target, RADIANCE, border_sampled=is_tiled)
     assert [path.name for path in tmp_path.iterdir()] == ["map.exr"]
     assert target.read_bytes() == b"old"
 
