@@ -1,0 +1,94 @@
+"""Peak memory of opening, detecting, fitting and splitting a large map, by format of its file.
+
+In multiples of the float pixels, 12 bytes each: 1.00 is the map alone.
+
+    python -m benchmarks.map_memory --height 8192
+"""
+
+import argparse
+import multiprocessing
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import OpenImageIO as oiio  # noqa: N813, its own name for itself
+
+import envlights as el
+
+#: Names of the files, by format.
+FILES = ("map.exr", "map.hdr", "map.jpg", "8.png", "16.png", "float.tif")
+#: What each column does with a file.
+WORK = {
+    "open": el.EnvMap.open,
+    "detect": el.detect,
+    "fit": lambda path: el.fit(path, 4),
+    "split": el.split,
+}
+
+
+def written(path, height):
+    """Write a map of that many rows: the hard family, its pixels repeated."""
+    small = el.synthetic.hard(3, 512).radiance
+    times = height // len(small)
+    radiance = small.repeat(times, axis=0).repeat(times, axis=1)
+    if path.suffix in (".exr", ".hdr"):
+        el.EnvMap(radiance).save(path)
+        return
+    kinds = {"map.jpg": np.uint8, "8.png": np.uint8, "16.png": np.uint16}
+    dtype = kinds.get(path.name, np.float32)
+    if dtype != np.float32:
+        radiance = np.clip(radiance, 0, 1)
+        radiance *= np.iinfo(dtype).max
+    file = oiio.ImageOutput.create(str(path))
+    file.open(str(path), oiio.ImageSpec(2 * height, height, 3, oiio.TypeDesc(np.dtype(dtype).name)))
+    file.write_image(radiance.astype(dtype))
+    file.close()
+
+
+def peak(path, work, answers):
+    """Put into `answers` by how many bytes a call grew this process at most."""
+    with tempfile.TemporaryDirectory() as folder:
+        tiny = Path(folder) / path.name
+        written(tiny, 512)
+        WORK[work](tiny)  # What the first call of all makes is no part of it.
+    before = kilobytes("VmRSS")
+    # From now on the peak is counted anew.
+    Path("/proc/self/clear_refs").write_text("5")
+    WORK[work](path)
+    answers.put(1024 * (kilobytes("VmHWM") - before))
+
+
+def kilobytes(name):
+    """Of this process."""
+    lines = dict(line.split(":") for line in Path("/proc/self/status").read_text().splitlines())
+    return int(lines[name].split()[0])
+
+
+def alone(function, *arguments):
+    """Run a function in a fresh process."""
+    process = multiprocessing.get_context("spawn").Process(target=function, args=arguments)
+    process.start()
+    process.join()
+
+
+def main():
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--height", type=int, default=8192, help="rows: a multiple of 512")
+    height = parser.parse_args().height
+    answers = multiprocessing.get_context("spawn").SimpleQueue()
+    print(f"| {2 * height}x{height} | {' | '.join(WORK)} |\n|---|{'---|' * len(WORK)}")
+    with tempfile.TemporaryDirectory() as folder:
+        for name in FILES:
+            path = Path(folder) / name
+            alone(written, path, height)
+            cells = []
+            for work in WORK:
+                alone(peak, path, work, answers)
+                cells.append(f"{answers.get() / (24 * height**2):.2f}")
+            print(f"| {name} | {' | '.join(cells)} |", flush=True)
+            path.unlink()
+
+
+if __name__ == "__main__":
+    main()
