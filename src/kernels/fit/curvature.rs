@@ -22,6 +22,9 @@ use super::dense::{add, column_of};
 use super::objective::{Derivatives, Given};
 use super::state::State;
 
+/// Vectors of rows that are summed side by side.
+const TILE: usize = 4;
+
 /// The sums over channels: hessian, gradient, and the diagonal of Gauss and Newton's hessian.
 pub struct Sums<'a> {
     pub given: &'a Given,
@@ -118,24 +121,50 @@ impl Parts {
 
     /// `sum_c x_i x_k (D - K M^T)_ik`, in and below the diagonal.
     #[inline(always)]
-    fn add_gauss<S: Simd>(&self, simd: S, Group { channels, along, .. }: &Group, hessian: &mut DMatrix<f64>) {
-        let Derivatives { model, gram, .. } = &self.derivatives;
-        let (along, gram, radiance) = (wide::<S>(along), wide::<S>(gram), wide::<S>(&self.radiance));
-        let (height, rows) = (hessian.nrows(), hessian.nrows() / S::F64_LANES);
-        for (k, hessian) in hessian.as_mut_slice().chunks_exact_mut(height.max(1)).enumerate() {
-            let hessian = S::as_mut_simd_f64s(hessian).0;
-            for i in k / S::F64_LANES..rows {
-                let mut outside = gram[k * rows + i];
-                for column in 0..model.ncols() {
-                    let factor = simd.splat_f64s(model[(k, column)]);
-                    outside = simd.negate_mul_add_f64s(along[column * rows + i], factor, outside);
-                }
+    fn add_gauss<S: Simd>(&self, simd: S, group: &Group, hessian: &mut DMatrix<f64>) {
+        let rows = hessian.nrows() / S::F64_LANES;
+        for k in (0..hessian.ncols()).step_by(2) {
+            let first = k / S::F64_LANES;
+            let tiled = first + (rows - first) / TILE * TILE;
+            for i in (first..tiled).step_by(TILE) {
+                self.add_gauss_tile::<S, TILE>(simd, group, hessian, i, k);
+            }
+            for i in tiled..rows {
+                self.add_gauss_tile::<S, 1>(simd, group, hessian, i, k);
+            }
+        }
+    }
+
+    /// N vectors of that from the row i on, for both coordinates k of a light.
+    #[inline(always)]
+    fn add_gauss_tile<S: Simd, const N: usize>(
+        &self,
+        simd: S,
+        Group { channels, along, .. }: &Group,
+        hessian: &mut DMatrix<f64>,
+        i: usize,
+        k: usize,
+    ) {
+        let rows = hessian.nrows() / S::F64_LANES;
+        let (gram, radiance) = (wide::<S>(&self.derivatives.gram), wide::<S>(&self.radiance));
+        // `K M^T - D`
+        let mut inside = [[simd.splat_f64s(0.0); N]; 2];
+        for side in 0..2 {
+            for n in 0..N {
+                inside[side][n] = simd.neg_f64s(gram[(k + side) * rows + i + n]);
+            }
+        }
+        add_products::<S, N, 2>(simd, &mut inside, along, i, &self.derivatives.model, k);
+        let hessian = S::as_mut_simd_f64s(hessian.as_mut_slice()).0;
+        for (side, inside) in inside.iter().enumerate() {
+            for (n, &inside) in inside.iter().enumerate() {
                 let mut share = simd.splat_f64s(0.0);
                 for channel in channels.clone() {
-                    let factor = simd.splat_f64s(self.copies[channel] * self.radiance[(k, channel)]);
-                    share = simd.mul_add_f64s(radiance[channel * rows + i], factor, share);
+                    let factor = simd.splat_f64s(self.copies[channel] * self.radiance[(k + side, channel)]);
+                    share = simd.mul_add_f64s(radiance[channel * rows + i + n], factor, share);
                 }
-                hessian[i] = simd.mul_add_f64s(share, outside, hessian[i]);
+                let sum = &mut hessian[(k + side) * rows + i + n];
+                *sum = simd.negate_mul_add_f64s(share, inside, *sum);
             }
         }
     }
@@ -196,19 +225,50 @@ fn held(inverse: DMatrix<f64>, dark: &[DVec3]) -> DMatrix<f64> {
     }
 }
 
-/// `a b`, where the columns of a fill whole vectors.
+/// `a b`, where the columns of a fill whole vectors and b is symmetric.
 #[inline(always)]
 fn product<S: Simd>(simd: S, a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     let mut out = DMatrix::zeros(a.nrows(), b.ncols());
-    let (rows, wide) = (a.nrows() / S::F64_LANES, wide::<S>(a));
+    let rows = a.nrows() / S::F64_LANES;
+    let tiled = rows / TILE * TILE;
     for (k, out) in S::as_mut_simd_f64s(out.as_mut_slice()).0.chunks_exact_mut(rows.max(1)).enumerate() {
-        for (i, out) in out.iter_mut().enumerate() {
-            for (column, &factor) in column_of(b, k).iter().enumerate() {
-                *out = simd.mul_add_f64s(wide[column * rows + i], simd.splat_f64s(factor), *out);
-            }
+        for i in (0..tiled).step_by(TILE) {
+            let mut sums = [[simd.splat_f64s(0.0); TILE]];
+            add_products(simd, &mut sums, a, i, b, k);
+            out[i..][..TILE].copy_from_slice(&sums[0]);
+        }
+        for (i, out) in out.iter_mut().enumerate().skip(tiled) {
+            let mut sums = [[simd.splat_f64s(0.0)]];
+            add_products(simd, &mut sums, a, i, b, k);
+            [[*out]] = sums;
         }
     }
     out
+}
+
+/// Adds `a b^T`: N vectors of rows from the vector i on, and K columns from k on.
+///
+/// Side by side, because a sum that stands alone waits for itself at every term.
+#[inline(always)]
+fn add_products<S: Simd, const N: usize, const K: usize>(
+    simd: S,
+    sums: &mut [[S::f64s; N]; K],
+    a: &DMatrix<f64>,
+    i: usize,
+    b: &DMatrix<f64>,
+    k: usize,
+) {
+    let (rows, wide) = (a.nrows() / S::F64_LANES, wide::<S>(a));
+    for column in 0..a.ncols() {
+        let a = &wide[column * rows + i..][..N];
+        let b = &column_of(b, column)[k..][..K];
+        for side in 0..K {
+            let factor = simd.splat_f64s(b[side]);
+            for n in 0..N {
+                sums[side][n] = simd.mul_add_f64s(a[n], factor, sums[side][n]);
+            }
+        }
+    }
 }
 
 /// All columns, where they fill whole vectors.
