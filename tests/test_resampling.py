@@ -101,11 +101,12 @@ def test_two_small_turns_of_the_pole_are_no_turns_about_it():
     assert not np.array_equal(HALL.rotated(turn).radiance, HALL.radiance)
 
 
-def test_borders_become_cells_of_the_same_flux():
+@pytest.mark.parametrize("height", [24, 400])  # in one block of rows, and in several
+def test_borders_become_cells_of_the_same_flux(height):
     rng = np.random.default_rng(7)
-    radiance = rng.gamma(0.5, 1, (24, 48, 3)).astype(np.float32)
+    radiance = rng.gamma(0.5, 1, (height, 2 * height, 3)).astype(np.float32)
     env = el.EnvMap(radiance, registration="border-sampled")
-    own = kernels.pixel_solid_angles(24, 48, border_sampled=True)[..., None]
+    own = kernels.pixel_solid_angles(height, 2 * height, border_sampled=True)[..., None]
     np.testing.assert_allclose(flux(env.cells()), (radiance * own).sum(axis=(0, 1)), rtol=1e-6)
     assert relative(el.EnvMap(env.cells()).probe(NORMALS), env.probe(NORMALS)) < 3e-3
     even = el.EnvMap(np.ones_like(radiance), registration="border-sampled")

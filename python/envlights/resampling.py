@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights._blocks import in_blocks
 from envlights.kernels import sphere
 
 #: How far a turn may be from whole columns.
@@ -36,11 +37,26 @@ def cells_of_borders(radiance: NDArray[np.float32]) -> NDArray[np.float32]:
     Rows and columns are averaged one after the other, over the cosine and over the azimuth.
     """
     height, width, _ = radiance.shape
-    row_edges = np.cos(np.pi * _border_edges(height))
-    rows = _overlaps(row_edges, np.cos(np.pi * np.linspace(0, 1, height + 1)))
-    columns = _overlaps(_border_edges(width), np.linspace(0, 1, width + 1))
-    new = np.einsum("yr,rcn,xc->yxn", rows, radiance, columns, optimize=True)
-    return np.ascontiguousarray(np.maximum(new, 0), np.float32)
+    row_edges = (np.cos(np.pi * edges) for edges in (_border_edges(height), _cell_edges(height)))
+    rows, columns = _shares(*row_edges), _shares(_border_edges(width), _cell_edges(width))
+
+    def cells(some: slice) -> NDArray[np.float32]:
+        lines = _averaged(radiance, rows, np.arange(some.start, some.stop))
+        new = _averaged(lines.swapaxes(0, 1), columns, np.arange(width)).swapaxes(0, 1)
+        return np.maximum(new, 0).astype(np.float32)
+
+    return in_blocks(radiance.shape, cells)
+
+
+def _averaged(
+    values: NDArray[np.floating], shares: NDArray[np.float64], at: NDArray[np.intp]
+) -> NDArray[np.float64]:
+    """Means of the values before, at and after these places along the first axis."""
+    mean = np.zeros((len(at), *values.shape[1:]))
+    for step in (-1, 0, 1):
+        near = values[np.clip(at + step, 0, len(values) - 1)]
+        mean += shares[at, step + 1, None, None] * near
+    return mean
 
 
 def _border_edges(samples: int) -> NDArray[np.float64]:
@@ -49,10 +65,19 @@ def _border_edges(samples: int) -> NDArray[np.float64]:
     return np.concatenate([[0.0], between, [1.0]])
 
 
-def _overlaps(old: NDArray[np.float64], new: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Share of each new interval that each old one covers, (new, old), from their edges."""
-    low, high = np.minimum(old[:-1], old[1:]), np.maximum(old[:-1], old[1:])
-    start, end = np.minimum(new[:-1], new[1:]), np.maximum(new[:-1], new[1:])
-    common = np.minimum(end[:, None], high) - np.maximum(start[:, None], low)
-    shares: NDArray[np.float64] = np.maximum(common, 0) / (end - start)[:, None]
+def _cell_edges(cells: int) -> NDArray[np.float64]:
+    return np.linspace(0, 1, cells + 1)
+
+
+def _shares(old: NDArray[np.float64], new: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Share of each new interval that the old one before it, at it and after it covers, (n, 3).
+
+    Edges of cells lie between those of samples on the border, so that no other old one does.
+    """
+    ends = np.pad(old, 1, mode="edge")  # nothing is before the first and after the last
+    low, high = np.minimum(ends[:-1], ends[1:]), np.maximum(ends[:-1], ends[1:])
+    start, end = np.minimum(new[:-1], new[1:])[:, None], np.maximum(new[:-1], new[1:])[:, None]
+    near = np.arange(len(new) - 1)[:, None] + np.arange(3)
+    common = np.minimum(end, high[near]) - np.maximum(start, low[near])
+    shares: NDArray[np.float64] = np.maximum(common, 0) / (end - start)
     return shares
