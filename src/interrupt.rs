@@ -23,6 +23,14 @@ pub fn clear() {
     ASKED.store(false, Ordering::Relaxed);
 }
 
+/// How many of that many `items` a task of rayon gets at least, where each item calls [`check`].
+///
+/// Every task that was split off unwinds by itself, and takes some microseconds for it.
+pub fn items_of_a_task(items: usize) -> usize {
+    const MOST_TASKS: usize = 256;
+    items.div_ceil(MOST_TASKS).max(1)
+}
+
 /// Unwind with [`Interrupted`] if a caller has asked to stop.
 #[inline]
 pub fn check() {

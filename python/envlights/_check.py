@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from envlights._blocks import in_blocks
 from envlights._native import EnvLightsError
 
 #: The largest count that is accepted; an array of that many parts does not fit into memory.
@@ -44,6 +45,14 @@ def for_kernels(array: ArrayLike, dtype: type[Any]) -> NDArray[Any]:
 
     NumPy takes numbers at any address, as in a view of bytes; compiled code must not.
     """
+    given = np.asanyarray(array)
+    is_ready = given.dtype == dtype and given.flags.c_contiguous and given.flags.aligned
+    if is_ready or given.ndim == 0:
+        return _laid_out(given, dtype)
+    return in_blocks(given.shape, lambda rows: _laid_out(given[rows], dtype))
+
+
+def _laid_out(array: NDArray[Any], dtype: type[Any]) -> NDArray[Any]:
     return np.require(array, dtype, ["C_CONTIGUOUS", "ALIGNED"])
 
 

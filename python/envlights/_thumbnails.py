@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights._blocks import in_blocks
 from envlights._srgb import encode_srgb
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
@@ -55,9 +56,8 @@ def reduced(radiance: NDArray[np.floating], columns: int) -> NDArray[np.float64]
     """Means over blocks of pixels, with `columns` columns or up to twice as many."""
     step = max(radiance.shape[1] // columns, 1)
     height, width = (side // step * step for side in radiance.shape[:2])
-    blocks = radiance[:height, :width].reshape(height // step, step, width // step, step, -1)
-    means: NDArray[np.float64] = blocks.mean(axis=(1, 3), dtype=np.float64)
-    return means
+    tiles = radiance[:height, :width].reshape(height // step, step, width // step, step, -1)
+    return in_blocks(tiles.shape, lambda rows: tiles[rows].mean(axis=(1, 3), dtype=np.float64))
 
 
 def exposed(radiance: NDArray[np.floating], white: float) -> NDArray[np.uint8]:

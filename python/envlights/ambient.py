@@ -14,9 +14,12 @@ _DIRECTIONS = 80
 def ambient_map(ambient: NDArray[np.float64], height: int, floor: bool) -> NDArray[np.float64]:
     """Radiance of an ambient term, (height, 2 * height, 3), nowhere negative."""
     if ambient.ndim == 2:
-        directions = sphere.pixel_directions(height, 2 * height).reshape(-1, 3)
-        radiance = harmonics.harmonic_radiance(directions) @ ambient
-        return np.maximum(radiance, 0).reshape(height, 2 * height, 3)
+
+        def radiance(directions: NDArray[np.float64]) -> NDArray[np.float64]:
+            values = harmonics.harmonic_radiance(directions.reshape(-1, 3)) @ ambient
+            return np.maximum(values, 0).reshape(directions.shape)
+
+        return sphere.over_map(height, radiance)
     sky = np.broadcast_to(ambient, (height, 2 * height, 3)).copy()
     if floor:
         # Of an odd number of rows, half of the middle one is above the horizon.

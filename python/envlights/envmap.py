@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights import _html, _native, _thumbnails, resampling
 from envlights._arrays import converted
+from envlights._blocks import blocks, in_blocks
 from envlights._check import amount, check_choice, for_kernels, one_or_more, rotation, shown, texts
 from envlights._map_array import map_array
 from envlights._native import EnvLightsError, UnusableSamplesError
@@ -464,11 +465,13 @@ class EnvMap:
         return f"EnvMap({size} {self._projection}, {self._registration}{clipped}{notes})"
 
     def __str__(self) -> str:
-        luminance = self._radiance @ LUMINANCE.astype(np.float32)
+        weights = LUMINANCE.astype(np.float32)
+        luminance = in_blocks(self._radiance.shape, lambda rows: self._radiance[rows] @ weights)
+        median = np.median(luminance)
         return "\n".join(
             [
                 f"{self.width}x{self.height} pixels, {self._projection}, {self._registration}",
-                f"luminance: median {np.median(luminance):.3g}, largest {luminance.max():.3g}",
+                f"luminance: median {median:.3g}, largest {luminance.max():.3g}",
                 *([f"white at {self._white:g}{self._clipped_in_words()}"] if self._white else []),
                 *(f"note: {note}" for note in self._notes),
             ]
@@ -526,10 +529,11 @@ class EnvMap:
         nan, infinite, negative = _native.unusable(linear)
         if not (nan or infinite or negative):
             return linear
-        finite = np.isfinite(linear)
-        if not finite.any():
+        parts = (linear[rows] for rows in blocks(linear.shape))
+        largest_of_each = [part.max(where=np.isfinite(part), initial=-np.inf) for part in parts]
+        if max(largest_of_each) == -np.inf:
             raise EnvLightsError("the map holds no finite sample; is it damaged?")
-        largest = max(float(linear[finite].max()), 0.0)
+        largest = max(float(max(largest_of_each)), 0.0)
         changes = [
             (nan, "NaN", "0"),
             (negative, "negative", "0"),
@@ -538,11 +542,17 @@ class EnvMap:
         for seen, kind, value in changes:
             if seen:
                 self._notes.append(f"{seen} {kind} sample{'s' if seen > 1 else ''} set to {value}")
-        return np.maximum(np.nan_to_num(linear, nan=0.0, posinf=largest, neginf=0.0), np.float32(0))
+        return in_blocks(linear.shape, lambda rows: _usable(linear[rows], largest))
 
 
 #: A map, the path of its file, or its radiance as an array.
 AnyMap = EnvMap | str | os.PathLike[str] | ArrayLike
+
+
+def _usable(linear: NDArray[np.float32], largest: float) -> NDArray[np.float32]:
+    """Radiance in place of samples that are none."""
+    finite = np.nan_to_num(linear, nan=0.0, posinf=largest, neginf=0.0)
+    return np.maximum(finite, np.float32(0))
 
 
 def _read_only(array: NDArray[np.float32]) -> NDArray[np.float32]:

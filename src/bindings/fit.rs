@@ -1,17 +1,17 @@
 //! `kernels::fit` for Python.
 
 use glam::DVec3;
-use numpy::ndarray::ArrayView2;
+use numpy::ndarray::{Array2, ArrayView2};
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 
-use super::pool::{detached, interruptible};
+use super::pool::{by_size, interruptible};
 use super::sphere::registration;
 use crate::error::Result;
 use crate::kernels::disc::{self, Discs};
 use crate::kernels::fit::{self, Ambient, Asked, Comparison, Fitted, Rig, Samples, StopReason, World};
 use crate::kernels::image;
-use crate::kernels::sphere::{from_vectors, unit_vectors};
+use crate::kernels::sphere::unit_vectors;
 
 /// The best rig, and how it was found; see `envlights.fit`.
 #[pyclass(frozen)]
@@ -125,7 +125,8 @@ impl FitAnswer {
 }
 
 fn rows<'py>(py: Python<'py>, vectors: &[DVec3]) -> Bound<'py, PyArray2<f64>> {
-    from_vectors(vectors.iter().copied()).into_pyarray(py)
+    let rows: Vec<[f64; 3]> = vectors.iter().map(DVec3::to_array).collect();
+    Array2::from(rows).into_pyarray(py)
 }
 
 fn asked(
@@ -241,5 +242,5 @@ pub fn relative_rms(
     weights: PyReadonlyArray1<'_, f64>,
 ) -> PyResult<f64> {
     let (seen, wanted, weights) = (seen.as_array(), wanted.as_array(), weights.as_array());
-    detached(py, || fit::relative_rms(seen, wanted, weights))
+    by_size(py, seen.len(), || fit::relative_rms(seen, wanted, weights))
 }

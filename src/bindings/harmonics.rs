@@ -3,7 +3,7 @@
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 
-use super::pool::detached;
+use super::pool::by_size;
 use crate::kernels::harmonics;
 
 /// See `envlights.kernels.harmonic_radiance`.
@@ -13,7 +13,7 @@ pub fn harmonic_radiance<'py>(
     directions: PyReadonlyArray2<'py, f64>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let directions = directions.as_array();
-    let out = detached(py, || harmonics::harmonic_radiance(directions))?;
+    let out = by_size(py, directions.len(), || harmonics::harmonic_radiance(directions))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -24,6 +24,6 @@ pub fn harmonic_irradiance<'py>(
     normals: PyReadonlyArray2<'py, f64>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let normals = normals.as_array();
-    let out = detached(py, || harmonics::harmonic_irradiance(normals))?;
+    let out = by_size(py, normals.len(), || harmonics::harmonic_irradiance(normals))?;
     Ok(out.into_pyarray(py))
 }

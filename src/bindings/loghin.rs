@@ -4,7 +4,7 @@ use numpy::ndarray::{Array1, Array2};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 
-use super::pool::{detached, in_pool, interruptible};
+use super::pool::{by_size, detached, in_pool, interruptible};
 use crate::kernels::detect::loghin::bresenham::{self, LineRule};
 use crate::kernels::detect::loghin::{
     blur as smoothing, clipping, luminance as light, means, merge, neighbours, pixels as places, resize,
@@ -56,7 +56,7 @@ pub fn uv_to_pixel<'py>(
     width: usize,
 ) -> PyResult<Bound<'py, PyArray2<i64>>> {
     let uv = uv.as_array();
-    let out = detached(py, || places::uv_to_pixel(uv, height, width))?;
+    let out = by_size(py, uv.len(), || places::uv_to_pixel(uv, height, width))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -142,7 +142,7 @@ pub fn weighted_means<'py>(
     light: PyReadonlyArray1<'py, i64>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let (points, weights, light) = (points.as_array(), weights.as_array(), light.as_array());
-    let out = detached(py, || means::weighted_means(points, weights, light))?;
+    let out = by_size(py, points.len(), || means::weighted_means(points, weights, light))?;
     Ok(out.into_pyarray(py))
 }
 

@@ -1,9 +1,10 @@
 //! `kernels::madsen` for Python.
 
+use numpy::ndarray::{ArrayView1, ArrayView2};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 
-use super::pool::{detached, interruptible};
+use super::pool::{by_size, detached, interruptible};
 use super::sphere::registration;
 use crate::kernels::madsen::{self, Measured, Parameters, Surface};
 
@@ -39,9 +40,15 @@ type Lights<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>, Bound<
 /// See `envlights.kernels.unpack_lights`.
 #[pyfunction]
 pub fn unpack_lights<'py>(py: Python<'py>, x: PyReadonlyArray1<'py, f64>) -> PyResult<Lights<'py>> {
-    let parts = Parameters::unpack(x.as_array())?;
+    let x = x.as_array();
+    let parts = detached(py, || Parameters::unpack(x))?;
     let ambient = PyArray1::from_slice(py, parts.ambient.as_ref());
     Ok((ambient, parts.directions().into_pyarray(py), parts.irradiance().into_pyarray(py)))
+}
+
+/// Products that take a kernel over all lights and normals.
+fn products(x: ArrayView1<'_, f64>, normals: ArrayView2<'_, f64>) -> usize {
+    x.len().saturating_mul(normals.nrows())
 }
 
 /// See `envlights.kernels.probe_model`.
@@ -56,7 +63,7 @@ pub fn probe_model<'py>(
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let (x, normals) = (x.as_array(), normals.as_array());
     let surface = Surface { k_a, k_d, colour: colour.into() };
-    let out = detached(py, || madsen::model(x, normals, &surface))?;
+    let out = by_size(py, products(x, normals), || madsen::model(x, normals, &surface))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -76,7 +83,7 @@ pub fn probe_residual<'py>(
     let (x, normals, probe, weights) =
         (x.as_array(), normals.as_array(), probe.as_array(), weights.as_array());
     let surface = Surface { k_a, k_d, colour: colour.into() };
-    let out = detached(py, || {
+    let out = by_size(py, products(x, normals), || {
         let measured = Measured::new(normals, probe, weights)?;
         madsen::residual(x, &measured, &surface)
     })?;
@@ -99,7 +106,7 @@ pub fn probe_jacobian<'py>(
     let (x, normals, probe, weights) =
         (x.as_array(), normals.as_array(), probe.as_array(), weights.as_array());
     let surface = Surface { k_a, k_d, colour: colour.into() };
-    let out = interruptible(py, || {
+    let out = by_size(py, products(x, normals), || {
         let measured = Measured::new(normals, probe, weights)?;
         madsen::jacobian(x, &measured, &surface)
     })?;

@@ -52,9 +52,27 @@ fn run<T: Send>(
     }
 }
 
+/// Run `work` over that many `numbers`: as [`in_pool`] where they are few, else as [`interruptible`].
+pub fn by_size<T: Send>(
+    py: Python<'_>,
+    numbers: usize,
+    work: impl Fn() -> Result<T> + Send + Sync,
+) -> PyResult<T> {
+    /// Numbers that any kernel reads or writes within some milliseconds.
+    const FEW: usize = 1 << 16;
+    if numbers <= FEW { in_pool(py, work) } else { interruptible(py, work) }
+}
+
 /// Run `work` without the GIL, in this thread: for kernels that take no time worth an interruption.
-pub fn detached<T: Send>(py: Python<'_>, work: impl FnOnce() -> Result<T> + Send) -> PyResult<T> {
-    answer(py.detach(|| caught(work)))
+///
+/// That of another thread of Python may end it all the same: then it runs again.
+pub fn detached<T: Send>(py: Python<'_>, work: impl Fn() -> Result<T> + Send + Sync) -> PyResult<T> {
+    loop {
+        match py.detach(|| caught(&work)) {
+            Err(payload) if payload.is::<Interrupted>() => {}
+            done => return answer(done),
+        }
+    }
 }
 
 /// The answer of a kernel, or what it unwound with.

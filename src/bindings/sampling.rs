@@ -3,7 +3,7 @@
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 
-use super::pool::{detached, interruptible};
+use super::pool::{by_size, interruptible};
 use crate::kernels::sampling;
 
 /// See `envlights.kernels.radical_inverse`.
@@ -39,8 +39,9 @@ pub fn uniform_sphere<'py>(
 
 /// See `envlights.fit`: where lights start evenly.
 #[pyfunction]
-pub fn even_sphere(py: Python<'_>, count: usize) -> Bound<'_, PyArray2<f64>> {
-    sampling::even_sphere(count).into_pyarray(py)
+pub fn even_sphere(py: Python<'_>, count: usize) -> PyResult<Bound<'_, PyArray2<f64>>> {
+    let out = by_size(py, count, || Ok(sampling::even_sphere(count)))?;
+    Ok(out.into_pyarray(py))
 }
 
 type Faces<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>);
@@ -48,6 +49,6 @@ type Faces<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>);
 /// See `envlights.kernels.icosphere`.
 #[pyfunction]
 pub fn icosphere(py: Python<'_>, faces: usize) -> PyResult<Faces<'_>> {
-    let (centroids, solid_angles) = detached(py, || sampling::icosphere(faces))?;
+    let (centroids, solid_angles) = by_size(py, faces, || sampling::icosphere(faces))?;
     Ok((centroids.into_pyarray(py), solid_angles.into_pyarray(py)))
 }

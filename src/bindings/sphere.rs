@@ -3,7 +3,7 @@
 use numpy::{IntoPyArray, PyArray2, PyArray3, PyReadonlyArray2};
 use pyo3::prelude::*;
 
-use super::pool::detached;
+use super::pool::by_size;
 use crate::kernels::sphere::{self, Registration};
 
 /// The kernels' name of a registration.
@@ -18,7 +18,7 @@ pub fn uv_to_direction<'py>(
     uv: PyReadonlyArray2<'py, f64>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let uv = uv.as_array();
-    let out = detached(py, || sphere::uv_to_direction(uv))?;
+    let out = by_size(py, uv.len(), || sphere::uv_to_direction(uv))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -29,19 +29,24 @@ pub fn direction_to_uv<'py>(
     direction: PyReadonlyArray2<'py, f64>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let direction = direction.as_array();
-    let out = detached(py, || sphere::direction_to_uv(direction))?;
+    let out = by_size(py, direction.len(), || sphere::direction_to_uv(direction))?;
     Ok(out.into_pyarray(py))
 }
 
-/// See `envlights.kernels.pixel_directions`.
+/// See `envlights.kernels.pixel_directions`: those of the rows from `top` to before `bottom`.
 #[pyfunction]
 pub fn pixel_directions(
     py: Python<'_>,
     height: usize,
     width: usize,
     border_sampled: bool,
+    top: usize,
+    bottom: usize,
 ) -> PyResult<Bound<'_, PyArray3<f64>>> {
-    let out = detached(py, || sphere::pixel_directions(height, width, registration(border_sampled)))?;
+    let pixels = bottom.saturating_sub(top).saturating_mul(width);
+    let out = by_size(py, pixels, || {
+        sphere::row_directions(height, width, registration(border_sampled), top..bottom)
+    })?;
     Ok(out.into_pyarray(py))
 }
 
@@ -53,6 +58,8 @@ pub fn pixel_solid_angles(
     width: usize,
     border_sampled: bool,
 ) -> PyResult<Bound<'_, PyArray2<f64>>> {
-    let out = detached(py, || sphere::pixel_solid_angles(height, width, registration(border_sampled)))?;
+    let pixels = height.saturating_mul(width);
+    let out =
+        by_size(py, pixels, || sphere::pixel_solid_angles(height, width, registration(border_sampled)))?;
     Ok(out.into_pyarray(py))
 }

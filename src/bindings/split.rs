@@ -6,7 +6,7 @@ use numpy::{
 };
 use pyo3::prelude::*;
 
-use super::pool::in_pool;
+use super::pool::interruptible;
 use super::sphere::registration;
 use crate::kernels::split::{self, Found, Taken};
 
@@ -44,7 +44,7 @@ pub fn split_map(
         block,
         threshold,
     };
-    let parts = in_pool(py, || split::split(radiance, registration(border_sampled), &found))?;
+    let parts = interruptible(py, || split::split(radiance, registration(border_sampled), &found))?;
     let lights = &parts.lights;
     let numbers =
         |of: fn(&Taken) -> f64| lights.iter().map(of).collect::<Array1<f64>>().into_pyarray(py).unbind();

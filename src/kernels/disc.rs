@@ -25,6 +25,7 @@ use rayon::prelude::*;
 
 use super::sphere::{check_lengths, from_vectors, unit_vectors, vectors};
 use crate::error::{Error, Result};
+use crate::interrupt;
 
 /// Radius below which the last two terms of the formula cancel: each is `s / a`, and their sum `s a`.
 const SMALL: f64 = 1e-2;
@@ -112,7 +113,12 @@ pub fn irradiance(
     sky: impl Fn(DVec3) -> DVec3 + Sync,
 ) -> Result<Array2<f64>> {
     let normals = unit_vectors("normal", normals)?;
-    let received: Vec<DVec3> = normals.par_iter().map(|&normal| discs.add_at(normal, sky(normal))).collect();
+    let at = |&normal: &DVec3| {
+        interrupt::check();
+        discs.add_at(normal, sky(normal))
+    };
+    let of_a_task = interrupt::items_of_a_task(normals.len());
+    let received: Vec<DVec3> = normals.par_iter().with_min_len(of_a_task).map(at).collect();
     Ok(from_vectors(received.into_iter()))
 }
 

@@ -16,6 +16,7 @@ use ndarray::{Array2, ArrayView2};
 
 use super::sphere::unit_vectors;
 use crate::error::Result;
+use crate::interrupt;
 
 /// Factors of the clamped cosine for order 0, 1 and 2.
 const COSINE_LOBE: [f64; 3] = [PI, 2.0 * PI / 3.0, PI / 4.0];
@@ -95,7 +96,11 @@ pub fn harmonic_irradiance(normals: ArrayView2<'_, f64>) -> Result<Array2<f64>> 
 }
 
 fn rows(vectors: &[DVec3], nine: fn(DVec3) -> [f64; 9]) -> Array2<f64> {
-    Array2::from(vectors.iter().map(|&vector| nine(vector)).collect::<Vec<_>>())
+    let row = |&vector: &DVec3| {
+        interrupt::check();
+        nine(vector)
+    };
+    Array2::from(vectors.iter().map(row).collect::<Vec<_>>())
 }
 
 #[cfg(test)]

@@ -111,6 +111,7 @@ pub fn icosphere(faces: usize) -> Result<(Array2<f64>, Array1<f64>)> {
     }
     // Cut each triangle into quarters until there are enough.
     while triangles.len() < faces {
+        interrupt::check();
         triangles = triangles.into_iter().flat_map(quarters).collect();
     }
     if triangles.len() != faces {

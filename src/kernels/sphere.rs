@@ -14,9 +14,10 @@
 //! Image coordinates: `u = phi / 2 pi` from the left edge, `v = theta / pi` from the top.
 
 use std::f64::consts::{PI, TAU};
+use std::ops::Range;
 
 use glam::DVec3;
-use ndarray::{Array2, Array3, ArrayView1, ArrayView2};
+use ndarray::{Array2, Array3, ArrayView1, ArrayView2, aview1};
 
 use crate::error::{Error, Result};
 use crate::interrupt;
@@ -57,7 +58,11 @@ impl Registration {
             Self::CellCentred => i as f64 / cells as f64,
             Self::BorderSampled => (i as f64 - 0.5) / (cells - 1) as f64,
         };
-        (0..=cells).map(|i| range * edge(i).clamp(0.0, 1.0)).collect()
+        let angle = |i: usize| {
+            interrupt::check();
+            range * edge(i).clamp(0.0, 1.0)
+        };
+        (0..=cells).map(angle).collect()
     }
 
     /// Places of the samples of `cells` pixels in `0 ..= range`.
@@ -66,14 +71,21 @@ impl Registration {
             Self::CellCentred => (i as f64 + 0.5) / cells as f64,
             Self::BorderSampled => i as f64 / (cells - 1) as f64,
         };
-        (0..cells).map(|i| range * centre(i)).collect()
+        let angle = |i: usize| {
+            interrupt::check();
+            range * centre(i)
+        };
+        (0..cells).map(angle).collect()
     }
 }
 
 /// The direction at polar angle `theta` and azimuth `phi`, both in radians.
 pub fn direction(theta: f64, phi: f64) -> DVec3 {
-    let (sin_theta, cos_theta) = theta.sin_cos();
-    let (sin_phi, cos_phi) = phi.sin_cos();
+    of_legs(theta.sin_cos(), phi.sin_cos())
+}
+
+/// [`direction`] of sine and cosine of both angles.
+fn of_legs((sin_theta, cos_theta): (f64, f64), (sin_phi, cos_phi): (f64, f64)) -> DVec3 {
     DVec3::new(sin_phi * sin_theta, cos_theta, -cos_phi * sin_theta)
 }
 
@@ -115,6 +127,7 @@ pub fn direction_to_uv(directions: ArrayView2<'_, f64>) -> Result<Array2<f64>> {
     let directions = unit_vectors("direction", directions)?;
     let mut out = Array2::zeros((directions.len(), 2));
     for (mut row, &d) in out.rows_mut().into_iter().zip(&directions) {
+        interrupt::check();
         let (theta, phi) = angles(d);
         row[0] = (phi / TAU) % 1.0;
         row[1] = theta / PI;
@@ -128,12 +141,34 @@ pub fn direction_to_uv(directions: ArrayView2<'_, f64>) -> Result<Array2<f64>> {
 ///
 /// [`Error::TooFewPixels`], [`Error::NoMemory`].
 pub fn pixel_directions(height: usize, width: usize, registration: Registration) -> Result<Array3<f64>> {
+    row_directions(height, width, registration, 0..height)
+}
+
+/// [`pixel_directions`] of some `rows` alone: (number of rows, width, 3).
+///
+/// # Errors
+///
+/// [`Error::TooFewPixels`], [`Error::NoMemory`].
+pub fn row_directions(
+    height: usize,
+    width: usize,
+    registration: Registration,
+    rows: Range<usize>,
+) -> Result<Array3<f64>> {
     check_size(height, width)?;
-    check_memory(&[height, width, 3])?;
-    let (thetas, phis) = (registration.thetas(height), registration.phis(width));
-    Ok(Array3::from_shape_fn((height, width, 3), |(row, column, axis)| {
-        direction(thetas[row], phis[column])[axis]
-    }))
+    let rows = rows.start.min(height)..rows.end.min(height);
+    check_memory(&[rows.len(), width, 3])?;
+    let legs = |angles: Vec<f64>| -> Vec<_> { angles.into_iter().map(f64::sin_cos).collect() };
+    let columns = legs(registration.phis(width));
+    let lines = legs(registration.thetas(height).drain(rows).collect());
+    let mut out = Array3::zeros((lines.len(), width, 3));
+    for (mut line, &row) in out.outer_iter_mut().zip(&lines) {
+        for (mut pixel, &column) in line.outer_iter_mut().zip(&columns) {
+            interrupt::check();
+            pixel.assign(&aview1(&of_legs(row, column).to_array()));
+        }
+    }
+    Ok(out)
 }
 
 /// Solid angle of every pixel in steradians: (height, width).
@@ -155,7 +190,10 @@ pub fn pixel_solid_angles(height: usize, width: usize, registration: Registratio
     check_memory(&[height, width])?;
     let bands = band_heights(&registration.theta_edges(height));
     let phi = registration.phi_edges(width);
-    Ok(Array2::from_shape_fn((height, width), |(row, column)| bands[row] * (phi[column + 1] - phi[column])))
+    Ok(Array2::from_shape_fn((height, width), |(row, column)| {
+        interrupt::check();
+        bands[row] * (phi[column + 1] - phi[column])
+    }))
 }
 
 /// `cos theta_top - cos theta_bottom` of each row, as a product that does not cancel at the poles.
@@ -216,6 +254,7 @@ pub(crate) fn check_rows(what: &'static str, rows: ArrayView2<'_, f64>, columns:
         return Err(Error::WrongColumns { what, columns, shape: rows.shape().to_vec() });
     }
     for (index, row) in rows.rows().into_iter().enumerate() {
+        interrupt::check();
         if let Some(&value) = row.iter().find(|value| !value.is_finite()) {
             return Err(Error::NotFinite { what, index, value });
         }
@@ -278,7 +317,11 @@ pub(crate) fn check_memory(shape: &[usize]) -> Result<()> {
 
 /// The rows of an array, (n, 3), as vectors.
 pub(crate) fn to_vectors(rows: ArrayView2<'_, f64>) -> Vec<DVec3> {
-    rows.rows().into_iter().map(|row| DVec3::new(row[0], row[1], row[2])).collect()
+    let vector = |row: ArrayView1<'_, f64>| {
+        interrupt::check();
+        DVec3::new(row[0], row[1], row[2])
+    };
+    rows.rows().into_iter().map(vector).collect()
 }
 
 /// Vectors as the rows of an array.

@@ -193,11 +193,13 @@ import envlights as el
 
 env = el.EnvMap(np.ones((16, 32, 3)))
 before = env.probe([[0, 1, 0]])
+el.kernels.probe_model([1] * 8, [[0, 1, 0]])
 child = os.fork()
 if not child:
     signal.alarm(20)  # ends it where it waits for threads that it does not have
     el.fit(env, 1), el.detect(env), el.detect(env, "article", blur_px=1.0, working_width=16)
     el.fit_paper(el.synthetic.hall(16).radiance, 1)
+    el.kernels.probe_model([1] * 8, [[0, 1, 0]])
     el.kernels.sum_over_sources(*[[[0, 1, 0]]] * 3, [1])
     room = el.synthetic.room(4, width=16)
     model = el.TransferModel.fit(room.direct, room.indirect, rank=2)

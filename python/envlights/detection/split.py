@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
+from envlights._blocks import in_blocks
 from envlights._check import amount, count, shown
 from envlights._native import EnvLightsError
 from envlights.detection.detect import detect
@@ -135,7 +136,7 @@ def split(
     found, chosen = _chosen(env, lights, share, options)
     start = perf_counter()
     parts = _parts(env, chosen)
-    radiance = env.radiance.copy()
+    radiance = in_blocks(env.radiance.shape, lambda rows: env.radiance[rows])
     radiance.reshape(-1, 3)[parts.pixel] = parts.left
     taken = _taken(chosen, parts, _report(chosen, len(found), perf_counter() - start))
     notes = (*env.notes, *_notes(taken))

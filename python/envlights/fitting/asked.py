@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
+from envlights._blocks import in_blocks
 from envlights._check import amount, check_choice, count, reals
 from envlights._native import EnvLightsError
 from envlights.detection.detect import detect
@@ -139,6 +140,10 @@ def _most_lights(lights: int | None, has_goal: bool, fixed: int, started: int) -
 def above_horizon(env: EnvMap) -> EnvMap:
     """`env`, black where its pixels look down."""
     is_border_sampled = env.registration == "border-sampled"
-    towards = sphere.pixel_directions(env.height, env.width, border_sampled=is_border_sampled)
-    radiance = np.where(towards[..., 1:2] < 0, np.float32(0), env.radiance)
+    # One column tells the heights of all rows.
+    towards = sphere.pixel_directions(env.height, 2, border_sampled=is_border_sampled)[:, :1]
+    radiance = in_blocks(
+        env.radiance.shape,
+        lambda rows: np.where(towards[rows, :, 1:2] < 0, np.float32(0), env.radiance[rows]),
+    )
     return EnvMap(radiance, registration=env.registration, white=env.white)

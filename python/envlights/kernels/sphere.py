@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
+from envlights._blocks import in_blocks
 from envlights._check import count, flag, reals
 
 #: The frame of all directions, as files name it.
@@ -86,7 +90,22 @@ def pixel_directions(
     array([ 0.5  ,  0.707, -0.5  ])
     """
     size = count("height", height), count("width", width)
-    return _native.pixel_directions(*size, flag("border_sampled", border_sampled))
+    return _native.pixel_directions(*size, flag("border_sampled", border_sampled), 0, size[0])
+
+
+def over_map(
+    height: int, value: Callable[[NDArray[np.float64]], NDArray[Any]], *, finer: int = 1
+) -> NDArray[Any]:
+    """What `value` makes of the directions of a map's pixels, (n, 2 * height, 3) for rows of it.
+
+    With `finer`, each of its rows is made of that many rows of a map that much higher.
+    """
+    size = finer * height, 2 * finer * height
+
+    def of_rows(rows: slice) -> NDArray[Any]:
+        return value(_native.pixel_directions(*size, False, finer * rows.start, finer * rows.stop))
+
+    return in_blocks((height, finer * size[1], 3), of_rows)
 
 
 def pixel_solid_angles(

@@ -49,8 +49,14 @@ def hall(height: int = 512) -> SyntheticMap:
     """
     height = count("height", height, least=2, most=MOST_ROWS)
     # Render the room at twice the size, and reduce it to smooth its edges.
-    fine = _room(sphere.pixel_directions(2 * height, 4 * height))
-    room = fine.reshape(height, 2, 2 * height, 2, 3).mean(axis=(1, 3))
+
+    def reduced(directions: NDArray[np.float64]) -> NDArray[np.float64]:
+        means: NDArray[np.float64] = (
+            _room(directions).reshape(-1, 2, 2 * height, 2, 3).mean(axis=(1, 3))
+        )
+        return means
+
+    room = sphere.over_map(height, reduced, finer=2)
     windows = [
         _Window(x, radiance) for x, radiance in zip(_WINDOW_CENTRES, _WINDOW_RADIANCE, strict=True)
     ]

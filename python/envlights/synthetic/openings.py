@@ -36,8 +36,13 @@ class _Foliage:
         return self.disc.radiance
 
     def coverage(self, height: int) -> NDArray[np.float64]:
-        directions = sphere.pixel_directions(height, 2 * height)
-        level = np.cos(directions @ self.waves[:, :3].T + self.waves[:, 3]).sum(axis=-1)
+        def waves(directions: NDArray[np.float64]) -> NDArray[np.float64]:
+            sums: NDArray[np.float64] = np.cos(
+                directions @ self.waves[:, :3].T + self.waves[:, 3]
+            ).sum(axis=-1)
+            return sums
+
+        level = sphere.over_map(height, waves)
         inside = self.disc.coverage(height)
         open_sky = level > np.quantile(level[inside > 0], self.cover)
         covered: NDArray[np.float64] = inside * open_sky

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights import _html, _thumbnails
 from envlights._arrays import converted
+from envlights._blocks import in_blocks
 from envlights._check import count, is_vector, reals
 from envlights._native import EnvLightsError
 from envlights._result import Result
@@ -115,13 +116,9 @@ def scene(
     shown: list[NDArray[np.float64]] = []
     for shape in shapes:
         covered = shape.coverage(height)[..., None]
-        shown = [other * (1 - covered) for other in shown] + [covered]
-    # Replace that share of the background.
-    added = [
-        share * (_radiance("radiance", shape.radiance, (3,)) - backdrop)
-        for shape, share in zip(shapes, shown, strict=True)
-    ]
-    return _measured(backdrop, shown, added, camera or _keep_all, note)
+        shown = [_behind(other, covered) for other in shown] + [covered]
+    colours = [_radiance("radiance", shape.radiance, (3,)) for shape in shapes]
+    return _measured(backdrop, [*zip(shown, colours, strict=True)], camera or _keep_all, note)
 
 
 def _keep_all(radiance: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -130,25 +127,42 @@ def _keep_all(radiance: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _measured(
     backdrop: NDArray[np.float64],
-    shown: list[NDArray[np.float64]],
-    added: list[NDArray[np.float64]],
+    shown: list[_Shown],
     camera: Camera,
     note: str,
 ) -> SyntheticMap:
     """The map as stored, and its lights summed over the pixels that show them."""
+    # Replace the share of the background that shows a shape.
+    whole = in_blocks(backdrop.shape, lambda rows: _added(backdrop, shown, rows))
     # Store the map with and without its lights.
-    whole = np.sum(added, axis=0) if added else np.zeros_like(backdrop)
-    picture = _Picture(camera(backdrop + whole).astype(np.float32), camera(backdrop), whole)
+    lit = camera(in_blocks(backdrop.shape, lambda rows: backdrop[rows] + whole[rows]))
+    stored = in_blocks(lit.shape, lambda rows: lit[rows].astype(np.float32))
+    picture = _Picture(stored, camera(backdrop), backdrop, whole)
     # Sum each light over its pixels.
     direction, irradiance, with_background, solid_angle = np.zeros((4, len(shown), 3))
-    for i, (share, own) in enumerate(zip(shown, added, strict=True)):
-        direction[i], irradiance[i], with_background[i], solid_angle[i] = picture.light(
-            i, share, own
-        )
+    for i, each in enumerate(shown):
+        direction[i], irradiance[i], with_background[i], solid_angle[i] = picture.light(i, *each)
     # Sort as `Lights` does; shapes may share a direction, so the order cannot be read from it.
     order = brightest_first(irradiance)
     lights = Lights(direction, irradiance)
     return SyntheticMap(picture.stored, lights, solid_angle[order, 0], with_background[order], note)
+
+
+#: The share of each pixel that shows a shape, (height, width, 1), and its radiance.
+_Shown = tuple[NDArray[np.float64], NDArray[np.float64]]
+
+
+def _behind(share: NDArray[np.float64], covered: NDArray[np.float64]) -> NDArray[np.float64]:
+    """What is left of a share behind what has `covered` it."""
+    return in_blocks(share.shape, lambda rows: share[rows] * (1 - covered[rows]))
+
+
+def _added(backdrop: NDArray[np.float64], shown: list[_Shown], rows: slice) -> NDArray[np.float64]:
+    """What shapes add to some rows of a background."""
+    behind = backdrop[rows]
+    added = [share[rows] * (colour - behind) for share, colour in shown]
+    whole: NDArray[np.float64] = np.sum(added, axis=0) if added else np.zeros_like(behind)
+    return whole
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,6 +179,9 @@ class _Picture:
     behind: NDArray[np.float64]
     """The map without lights, as stored."""
 
+    backdrop: NDArray[np.float64]
+    """The map without lights, before the camera."""
+
     whole: NDArray[np.float64]
     """Radiance that all shapes add before the camera."""
 
@@ -174,25 +191,22 @@ class _Picture:
         height, width, _ = self.stored.shape
         return sphere.pixel_solid_angles(height, width)[..., None]
 
-    @cached_property
-    def directions(self) -> NDArray[np.float64]:
-        """Direction of each pixel, (height, width, 3)."""
-        height, width, _ = self.stored.shape
-        return sphere.pixel_directions(height, width)
-
     def light(
-        self, i: int, share: NDArray[np.float64], own: NDArray[np.float64]
+        self, i: int, share: NDArray[np.float64], colour: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], float]:
         """Direction, irradiance, irradiance with background, and solid angle of shape `i`.
 
-        `share` of each pixel shows it, and `own` is the radiance that it adds before the camera.
+        `share` of each pixel shows it.
         """
         # Find its pixels. A shape wholly behind another keeps a rounding error of its coverage.
         at = (share[..., 0] > 1e-9).nonzero()
-        solid_angles, directions = self.solid_angles[at], self.directions[at]
+        height, width, _ = self.stored.shape
+        v, u = ((place + 0.5) / side for place, side in zip(at, (height, width), strict=True))
+        solid_angles, directions = self.solid_angles[at], sphere.uv_to_direction(np.c_[u, v])
+        own = share[at] * (colour - self.backdrop[at])
         # Divide the stored light between the shapes in proportion to what they add.
         whole = self.whole[at]
-        part = np.divide(own[at], whole, out=np.zeros((len(at[0]), 3)), where=whole != 0)
+        part = np.divide(own, whole, out=np.zeros((len(at[0]), 3)), where=whole != 0)
         flux = (self.stored[at] - self.behind[at]) * part * solid_angles
         if not flux.any():
             raise EnvLightsError(

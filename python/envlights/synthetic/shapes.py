@@ -9,6 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from envlights._blocks import in_blocks
 from envlights._check import reals
 from envlights._native import EnvLightsError
 from envlights.kernels import sphere
@@ -174,18 +175,23 @@ def supersampled(
     n = _SUPERSAMPLING
     margin = np.pi / height  # more than from a pixel's centre to its corner
     reach = min(np.deg2rad(reach_deg) + margin, np.pi)
-    near = sphere.pixel_directions(height, 2 * height) @ centre >= np.cos(reach)
+    near = sphere.over_map(height, lambda directions: directions @ centre >= np.cos(reach))
     # Test their samples.
     row, column = near.nonzero()
     step = (np.arange(n) + 0.5) / n
-    u = (column[:, None] + step) / (2 * height)
-    v = (row[:, None] + step) / height
-    uv = np.stack(np.broadcast_arrays(u[:, None, :], v[:, :, None]), axis=-1)
-    hits = inside(sphere.uv_to_direction(uv.reshape(-1, 2))).reshape(-1, n, n)
-    # Average them, by solid angle where rows are thin.
-    weight = np.sin(np.pi * v)
+
+    def share(some: slice) -> NDArray[np.float64]:
+        u = (column[some, None] + step) / (2 * height)
+        v = (row[some, None] + step) / height
+        uv = np.stack(np.broadcast_arrays(u[:, None, :], v[:, :, None]), axis=-1)
+        hits = inside(sphere.uv_to_direction(uv.reshape(-1, 2))).reshape(-1, n, n)
+        # Average them, by solid angle where rows are thin.
+        weight = np.sin(np.pi * v)
+        shares: NDArray[np.float64] = (weight * hits.mean(axis=2)).sum(axis=1) / weight.sum(axis=1)
+        return shares
+
     covered = np.zeros((height, 2 * height))
-    covered[near] = (weight * hits.mean(axis=2)).sum(axis=1) / weight.sum(axis=1)
+    covered[near] = in_blocks((len(row), 3 * n * n), share)
     return covered
 
 

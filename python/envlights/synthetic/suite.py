@@ -14,6 +14,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights._blocks import blocks, in_blocks
 from envlights._check import count
 from envlights._srgb import decode_srgb
 from envlights.synthetic import backdrops, lamps
@@ -122,7 +123,8 @@ def hard(seed: int, height: int = 512) -> SyntheticMap:
         kinds, least, gap_deg = (lamps.ROUND, 20, 12) if has_glare else (lamps.HARD, 10, 3)
         shapes, words = lamps.draw(rng, kinds, _nth(kinds, seed), (least, 300), gap_deg)
     if has_glare:
-        background = np.add(background, backdrops.glare(rng, height, shapes))
+        clear, halos = background, backdrops.glare(rng, height, shapes)
+        background = in_blocks(halos.shape, lambda rows: clear[rows] + halos[rows])
         name += ", glare"
     # Take the picture. Clipped glare would widen the lights, so that their rims were not known.
     may_clip = _is_large(shapes) and not has_glare
@@ -158,14 +160,21 @@ def _camera(
         exposure = 10 ** rng.uniform(np.log10(0.05), np.log10(0.4))
     # Draw the noise. Grain is proportional to the radiance. Hum is constant: a tenth of the grain
     # on the brightest surroundings, whose luminance is 1, and the larger of the two in the dark.
-    grain, hum = noise * rng.standard_normal((2, height, 2 * height, 3))
-    hum *= 0.1
+    normal = np.zeros((2, 1, 1, 1))
+    if noise:
+        normal = np.empty((2, height, 2 * height, 3))
+        for part in blocks((normal.size,)):
+            rng.standard_normal(out=normal.reshape(-1)[part])
+
+    def stored(radiance: NDArray[np.float64], rows: slice) -> NDArray[np.float64]:
+        grain, hum = noise * (normal[:, rows] if noise else normal)
+        values = np.maximum(exposure * ((1 + grain) * radiance[rows] + 0.1 * hum), 0)
+        if is_clipped:
+            values = np.minimum(values, 1)
+        return _eight_bits(values) if is_clipped and picture == "8 bit" else values
 
     def camera(radiance: NDArray[np.float64]) -> NDArray[np.float64]:
-        stored = np.maximum(exposure * ((1 + grain) * radiance + hum), 0)
-        if is_clipped:
-            stored = np.minimum(stored, 1)
-        return _eight_bits(stored) if is_clipped and picture == "8 bit" else stored
+        return in_blocks(radiance.shape, lambda rows: stored(radiance, rows))
 
     words = [picture if is_clipped else "linear", f"x {exposure:.3g}", f"{100 * noise:g} % noise"]
     return camera, ", ".join(words)

@@ -3,6 +3,8 @@
 use ndarray::{Array3, ArrayView3};
 use rayon::prelude::*;
 
+use crate::interrupt;
+
 /// Samples of a chunk, decoded at once: a whole number of pixels, and most maps are a whole number of chunks.
 const SAMPLES_AT_ONCE: usize = 24;
 /// Chunks that one task decodes, at least.
@@ -14,8 +16,11 @@ pub fn decoded<Code: Copy + Into<usize> + Sync>(codes: ArrayView3<'_, Code>, tab
     let value = |code: Code| table.get(code.into()).copied().unwrap_or(last);
     let Some(given) = codes.as_slice() else { return codes.map(|&code| value(code)) };
     let (given, rest) = given.as_chunks::<SAMPLES_AT_ONCE>();
-    let values: Vec<[f32; SAMPLES_AT_ONCE]> =
-        given.par_iter().with_min_len(CHUNKS_OF_A_TASK).map(|codes| codes.map(value)).collect();
+    let chunk = |codes: &[Code; SAMPLES_AT_ONCE]| {
+        interrupt::check();
+        codes.map(value)
+    };
+    let values: Vec<_> = given.par_iter().with_min_len(CHUNKS_OF_A_TASK).map(chunk).collect();
     let mut values = values.into_flattened();
     values.extend(rest.iter().map(|&code| value(code)));
     Array3::from_shape_vec(codes.dim(), values).unwrap_or_else(|_| codes.map(|&code| value(code)))

@@ -4,6 +4,7 @@ use ndarray::ArrayView3;
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
+use crate::interrupt;
 
 /// Samples that no light can have.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -30,9 +31,12 @@ pub fn unusable(radiance: ArrayView3<'_, f32>) -> Result<Unusable> {
     let rows: Vec<Unusable> = radiance
         .outer_iter()
         .into_par_iter()
-        .map(|row| match row.as_slice() {
-            Some(samples) if all_usable(samples) => Unusable::default(),
-            _ => row.iter().fold(Unusable::default(), |counts, &value| counts.and(value)),
+        .map(|row| {
+            interrupt::check();
+            match row.as_slice() {
+                Some(samples) if all_usable(samples) => Unusable::default(),
+                _ => row.iter().fold(Unusable::default(), |counts, &value| counts.and(value)),
+            }
         })
         .collect();
     Ok(rows.into_iter().fold(Unusable::default(), Unusable::plus))

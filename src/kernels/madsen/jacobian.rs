@@ -20,6 +20,7 @@ use super::parameters::{Light, OF_AMBIENT, OF_LIGHT, Parameters};
 use super::residual::Measured;
 use super::surface::Surface;
 use crate::error::Result;
+use crate::interrupt;
 use crate::kernels::sphere::{angle_derivatives, check_memory, direction};
 
 /// A light's irradiance and direction, and the derivatives of the direction by its angles.
@@ -49,7 +50,11 @@ pub fn jacobian(x: ArrayView1<'_, f64>, measured: &Measured<'_>, surface: &Surfa
     out.axis_chunks_iter_mut(Axis(0), 3)
         .into_par_iter()
         .zip(measured.normals.par_iter().zip(&measured.roots))
-        .for_each(|(rows, (normal, root))| fill(rows, *normal, *root, &lights, surface));
+        .with_min_len(interrupt::items_of_a_task(measured.normals.len()))
+        .for_each(|(rows, (normal, root))| {
+            interrupt::check();
+            fill(rows, *normal, *root, &lights, surface);
+        });
     Ok(out)
 }
 

@@ -6,6 +6,7 @@ use ndarray::{Array1, ArrayView1, ArrayView2};
 use super::model::model;
 use super::surface::Surface;
 use crate::error::Result;
+use crate::interrupt;
 use crate::kernels::sphere::check_weighted;
 
 /// Probe values that the lights should reproduce, and how much each counts.
@@ -54,6 +55,7 @@ impl<'a> Measured<'a> {
 pub fn residual(x: ArrayView1<'_, f64>, measured: &Measured<'_>, surface: &Surface) -> Result<Array1<f64>> {
     let mut residual = &measured.probe - &model(x, measured.rows, surface)?;
     for (mut row, root) in residual.rows_mut().into_iter().zip(&measured.roots) {
+        interrupt::check();
         row *= *root;
     }
     Ok(residual.into_iter().collect())

@@ -146,7 +146,9 @@ pub fn sum_over_sources(
     let lengths = [("radiance", radiance.nrows()), ("solid_angles", solid_angles.len())];
     check_lengths("directions", directions.len(), lengths)?;
     let mut out = Array2::zeros((normals.len(), 3));
-    out.outer_iter_mut().into_par_iter().zip(&normals).for_each(|(mut row, normal)| {
+    let of_a_task = interrupt::items_of_a_task(normals.len());
+    let rows = out.outer_iter_mut().into_par_iter().zip(&normals).with_min_len(of_a_task);
+    rows.for_each(|(mut row, normal)| {
         interrupt::check();
         for ((direction, source), solid_angle) in directions.iter().zip(radiance.rows()).zip(solid_angles) {
             let cosine = normal.dot(*direction).max(0.0) * solid_angle * k_d;

@@ -3,6 +3,7 @@
 use ndarray::{Array2, ArrayView2};
 
 use crate::error::Result;
+use crate::interrupt;
 use crate::kernels::sphere::check_rows;
 
 /// Hammersley points lie on the very borders of pixels. This much of a pixel more, and rounding does not
@@ -19,9 +20,12 @@ pub fn uv_to_pixel(uv: ArrayView2<'_, f64>, height: usize, width: usize) -> Resu
     check_rows("uv", uv, 2)?;
     let place =
         |along: f64, size: usize| (along * size as f64 + BORDER).floor().clamp(0.0, size as f64 - 1.0);
-    let pixel = |(row, axis): (usize, usize)| match axis {
-        0 => place(uv[[row, 1]], height) as i64,
-        _ => place(uv[[row, 0]], width) as i64,
+    let pixel = |(row, axis): (usize, usize)| {
+        interrupt::check();
+        match axis {
+            0 => place(uv[[row, 1]], height) as i64,
+            _ => place(uv[[row, 0]], width) as i64,
+        }
     };
     Ok(Array2::from_shape_fn(uv.dim(), pixel))
 }
