@@ -41,9 +41,12 @@ type Lights<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>, Bound<
 #[pyfunction]
 pub fn unpack_lights<'py>(py: Python<'py>, x: PyReadonlyArray1<'py, f64>) -> PyResult<Lights<'py>> {
     let x = x.as_array();
-    let parts = detached(py, || Parameters::unpack(x))?;
-    let ambient = PyArray1::from_slice(py, parts.ambient.as_ref());
-    Ok((ambient, parts.directions().into_pyarray(py), parts.irradiance().into_pyarray(py)))
+    let (ambient, directions, irradiance) = detached(py, || {
+        let parts = Parameters::unpack(x)?;
+        Ok((parts.ambient, parts.directions(), parts.irradiance()))
+    })?;
+    let ambient = PyArray1::from_slice(py, ambient.as_ref());
+    Ok((ambient, directions.into_pyarray(py), irradiance.into_pyarray(py)))
 }
 
 /// Products that take a kernel over all lights and normals.
