@@ -76,36 +76,37 @@ impl Level {
         let (height, width) = self.size;
         let (row, column) = (pixel / width, pixel % width);
         let rows = row.saturating_sub(1)..(row + 2).min(height);
-        rows.flat_map(move |row| [width - 1, 0, 1].map(|step| row * width + (column + step) % width))
+        let left = if column > 0 { column - 1 } else { width - 1 };
+        let right = if column + 1 < width { column + 1 } else { 0 };
+        rows.flat_map(move |row| [left, column, right].map(|column| row * width + column))
     }
 
     /// Start the holes with the values of a coarser level.
     pub fn start_from(&mut self, coarser: &Self) {
+        let start = coarser.enlarged(2, self.size);
         for &index in &self.holes {
             let (row, column) = (index / self.size.1, index % self.size.1);
-            self.values[index] = coarser.between(row, column, 2).map(|value| value as f32);
+            self.values[index] = start.at(row, column).map(|value| value as f32);
         }
     }
 
-    /// The value at a pixel of an image whose pixels are `factor` times as small, between the four nearest.
-    pub fn between(&self, row: usize, column: usize, factor: usize) -> [f64; 4] {
-        let (height, width) = self.size;
+    /// The level in pixels that are `factor` times as small, of an image of this size.
+    pub fn enlarged(&self, factor: usize, (height, width): (usize, usize)) -> Enlarged<'_> {
         let split = |place: usize| {
             let at = (place as f64 + 0.5) / factor as f64 - 0.5;
             (at.floor() as i64, at - at.floor())
         };
-        let ((row, down), (column, right)) = (split(row), split(column));
-        let rows = [row, row + 1].map(|row| row.clamp(0, height as i64 - 1) as usize * width);
-        let columns = [column, column + 1].map(|column| column.rem_euclid(width as i64) as usize);
-        let [a, b] = rows.map(|row| columns.map(|column| self.values[row + column]));
-        std::array::from_fn(|i| {
-            let line = |[left, right_one]: [Value; 2]| {
-                let (left, right_one) = (f64::from(left[i]), f64::from(right_one[i]));
-                left + right * (right_one - left)
-            };
-            let (above, below) = (line(a), line(b));
-            above + down * (below - above)
-        })
+        let last_row = self.size.0 as i64 - 1;
+        let row = |row| {
+            let (row, down) = split(row);
+            ([row, row + 1].map(|row| row.clamp(0, last_row) as usize * self.size.1), down)
+        };
+        let column = |column| {
+            let (column, right) = split(column);
+            ([column, column + 1].map(|column| column.rem_euclid(self.size.1 as i64) as usize), right)
+        };
+        let (rows, columns) = ((0..height).map(row).collect(), (0..width).map(column).collect());
+        Enlarged { level: self, rows, columns }
     }
 
     /// Let the holes relax `sweeps` times: each pixel takes the mean of its neighbours (Gauss and Seidel).
@@ -127,6 +128,9 @@ impl Level {
             .collect();
         let side: Vec<f64> =
             (0..height).map(|row| (theta[row + 1] - theta[row]) / middles[row].sin()).collect();
+        // One over the distance of the middles of each column and the one to its left.
+        let beside: Vec<f64> =
+            (0..width).map(|column| 2.0 / (widths[column] + widths[(column + width - 1) % width])).collect();
         let holes: Vec<(usize, usize)> =
             self.holes.iter().map(|index| (index / width, index % width)).collect();
         for _ in 0..sweeps {
@@ -137,11 +141,12 @@ impl Level {
                 let own = widths[column];
                 let line = row * width;
                 let index = line + column;
+                // The left one comes last: it has only just been found.
                 let neighbours = [
-                    (line + left, 2.0 * side[row] / (own + widths[left])),
-                    (line + right, 2.0 * side[row] / (own + widths[right])),
+                    (line + right, side[row] * beside[right]),
                     (if row > 0 { index - width } else { index }, own * up[row]),
                     (if row + 1 < height { index + width } else { index }, own * up[row + 1]),
+                    (line + left, side[row] * beside[column]),
                 ];
                 let mut sum = [0.0, 0.0, 0.0, own * bands[row]];
                 let mut whole = 0.0;
@@ -150,8 +155,33 @@ impl Level {
                     let value = self.values[neighbour];
                     sum.iter_mut().zip(value).for_each(|(sum, value)| *sum += weight * f64::from(value));
                 }
-                self.values[index] = sum.map(|sum| (sum / whole) as f32);
+                let share = 1.0 / whole;
+                self.values[index] = sum.map(|sum| (sum * share) as f32);
             }
         }
+    }
+}
+
+/// A level in smaller pixels, each between the four nearest of the level.
+pub struct Enlarged<'a> {
+    pub level: &'a Level,
+    /// The starts of the rows above and below the middle of each row, and the share of the lower one.
+    rows: Vec<([usize; 2], f64)>,
+    /// The columns beside the middle of each column, and the share of the right one.
+    columns: Vec<([usize; 2], f64)>,
+}
+
+impl Enlarged<'_> {
+    pub fn at(&self, row: usize, column: usize) -> [f64; 4] {
+        let ((rows, down), (columns, right)) = (self.rows[row], self.columns[column]);
+        let [a, b] = rows.map(|row| columns.map(|column| self.level.values[row + column]));
+        std::array::from_fn(|i| {
+            let line = |[left, right_one]: [Value; 2]| {
+                let (left, right_one) = (f64::from(left[i]), f64::from(right_one[i]));
+                left + right * (right_one - left)
+            };
+            let (above, below) = (line(a), line(b));
+            above + down * (below - above)
+        })
     }
 }

@@ -85,12 +85,14 @@ pub fn split(radiance: ArrayView3<'_, f32>, registration: Registration, found: &
     let regions = region::regions(&working, &members, directions.len(), found.threshold);
     let membrane = membrane::membrane(&working, &regions);
     let cells = Cells::new(height, width, registration);
-    let map = Map { pixels: map, size, cells, membrane, block };
+    let map = Map { pixels: map, size, cells, membrane: membrane.enlarged(block, size), block };
     let (mut pixels, mut left, mut lights) = (Vec::new(), Vec::new(), Vec::new());
     for (region, &direction) in regions.pixels.iter().zip(&directions) {
         let (light, taken_from) = taken::take(&map, region, direction);
-        pixels.extend(taken_from.iter().map(|pixel| (pixel.row * width + pixel.column) as i64));
-        left.extend(taken_from.iter().map(|pixel| pixel.left));
+        for part in taken_from {
+            pixels.extend(part.iter().map(|pixel| (pixel.row * width + pixel.column) as i64));
+            left.extend(part.iter().map(|pixel| pixel.left));
+        }
         lights.push(light);
     }
     Ok(Split { pixels, left, lights })

@@ -17,7 +17,7 @@ use glam::{DMat2, DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::cells::Cells;
-use super::level::Level;
+use super::level::Enlarged;
 use crate::interrupt;
 use crate::kernels::image::{LUMINANCE, luminance_f32};
 use crate::kernels::sphere::tangents;
@@ -46,13 +46,13 @@ pub struct Taken {
     pub vectors: DMat3,
 }
 
-/// A map, its cells, and the membrane of its working image.
+/// A map, its cells, and the membrane in its pixels.
 pub struct Map<'a> {
     /// Its pixels, row after row, and its height and width.
     pub pixels: &'a [[f32; 3]],
     pub size: (usize, usize),
     pub cells: Cells,
-    pub membrane: Level,
+    pub membrane: Enlarged<'a>,
     /// Pixels of the map along each side of a pixel of the working image.
     pub block: usize,
 }
@@ -68,7 +68,7 @@ pub struct Pixel {
 
 /// Take the light in some pixels of the working image. Where nothing is taken, it keeps the `direction` that it
 /// was found in.
-pub fn take(map: &Map<'_>, region: &[u32], direction: DVec3) -> (Taken, Vec<Pixel>) {
+pub fn take(map: &Map<'_>, region: &[u32], direction: DVec3) -> (Taken, Vec<Vec<Pixel>>) {
     let cells = &map.cells;
     let mut pixels = closed(map, region);
     let vectors = keep_dark_channels(&mut pixels, cells);
@@ -77,18 +77,18 @@ pub fn take(map: &Map<'_>, region: &[u32], direction: DVec3) -> (Taken, Vec<Pixe
     (measured(&pixels, cells, direction), pixels)
 }
 
-/// The map's pixels behind some of the working image, with the membrane wherever it is darker.
-fn closed(map: &Map<'_>, region: &[u32]) -> Vec<Pixel> {
+/// The map's pixels behind some of the working image, with the membrane wherever it is darker, in parts.
+fn closed(map: &Map<'_>, region: &[u32]) -> Vec<Vec<Pixel>> {
     let ((height, width), block) = (map.size, map.block);
-    let columns = map.membrane.size.1;
+    let columns = map.membrane.level.size.1;
     let pixel = |row: usize, column: usize| {
         let given = map.pixels[row * width + column];
-        let [red, green, blue, bump] = map.membrane.between(row, column, block).map(|value| value as f32);
+        let [red, green, blue, bump] = map.membrane.at(row, column).map(|value| value as f32);
         let fill = [red, green, blue];
         let left = if luminance_f32(given) > luminance_f32(fill) { fill } else { given };
         Pixel { row, column, given, left, bump }
     };
-    let parts: Vec<Vec<Pixel>> = region
+    region
         .par_chunks(PIXELS_OF_A_PART / block.pow(2).min(PIXELS_OF_A_PART))
         .map(|part| {
             interrupt::check();
@@ -101,19 +101,18 @@ fn closed(map: &Map<'_>, region: &[u32]) -> Vec<Pixel> {
             }
             pixels
         })
-        .collect();
-    parts.into_iter().flatten().collect()
+        .collect()
 }
 
 /// In a channel of which the membrane holds more than the light, take nothing from any pixel that is darker.
 ///
 /// So a red lamp before a white wall takes no negative blue with it. Gives the vector irradiance of what is taken.
-fn keep_dark_channels(pixels: &mut [Pixel], cells: &Cells) -> [DVec3; 3] {
+fn keep_dark_channels(pixels: &mut [Vec<Pixel>], cells: &Cells) -> [DVec3; 3] {
     let before = vectors(pixels, cells);
     let axis = toward(&before);
     let is_dark = before.map(|vector| vector.dot(axis) < 0.0);
     for channel in (0..3).filter(|&channel| is_dark[channel]) {
-        for pixel in &mut *pixels {
+        for pixel in pixels.iter_mut().flatten() {
             pixel.left[channel] = pixel.left[channel].min(pixel.given[channel]);
         }
     }
@@ -126,17 +125,21 @@ fn toward(vectors: &[DVec3; 3]) -> DVec3 {
 }
 
 /// The sum of a quantity over all pixels, part by part, in the same order for any number of threads.
-fn sum<T: Send>(pixels: &[Pixel], of: impl Fn(&[Pixel]) -> T + Sync, add: impl Fn(T, T) -> T) -> Option<T> {
-    let part = |part| {
+fn sum<T: Send>(
+    pixels: &[Vec<Pixel>],
+    of: impl Fn(&[Pixel]) -> T + Sync,
+    add: impl Fn(T, T) -> T,
+) -> Option<T> {
+    let part = |part: &Vec<Pixel>| {
         interrupt::check();
         of(part)
     };
-    let parts: Vec<T> = pixels.par_chunks(PIXELS_OF_A_PART).map(part).collect();
+    let parts: Vec<T> = pixels.par_iter().map(part).collect();
     parts.into_iter().reduce(add)
 }
 
 /// Vector irradiance of what is taken, for each channel.
-fn vectors(pixels: &[Pixel], cells: &Cells) -> [DVec3; 3] {
+fn vectors(pixels: &[Vec<Pixel>], cells: &Cells) -> [DVec3; 3] {
     let of = |part: &[Pixel]| {
         let mut sums = [DVec3::ZERO; 3];
         for pixel in part {
@@ -157,9 +160,9 @@ impl Pixel {
 }
 
 /// Tilt what is left so that the vector of each channel, of these `lengths`, becomes parallel to `axis`.
-fn align(pixels: &mut [Pixel], cells: &Cells, axis: DVec3, lengths: [f64; 3]) {
+fn align(pixels: &mut [Vec<Pixel>], cells: &Cells, axis: DVec3, lengths: [f64; 3]) {
     let across = tangents(axis);
-    let highest = pixels.iter().map(|pixel| pixel.bump).fold(f32::MIN_POSITIVE, f32::max);
+    let highest = pixels.iter().flatten().map(|pixel| pixel.bump).fold(f32::MIN_POSITIVE, f32::max);
     // The bump of a pixel, its place across the axis, and the integral of that over the pixel.
     let place = |pixel: &Pixel| {
         let (integral, solid_angle) = cells.at(pixel.row, pixel.column);
@@ -199,7 +202,7 @@ fn align(pixels: &mut [Pixel], cells: &Cells, axis: DVec3, lengths: [f64; 3]) {
     // A slope that is not a number is none: nothing is left that could be tilted.
     let is_tilted = |channel: usize| tilts[channel] <= LARGEST_TILT && slopes[channel].is_finite();
     let slopes = [0, 1, 2].map(|channel| if is_tilted(channel) { slopes[channel] } else { DVec2::ZERO });
-    pixels.par_iter_mut().for_each(|pixel| {
+    pixels.par_iter_mut().flatten_iter().for_each(|pixel| {
         let (bump, at, _) = place(pixel);
         for (left, slope) in pixel.left.iter_mut().zip(slopes) {
             let tilted = f64::from(*left) * (1.0 + bump * slope.dot(at));
@@ -209,7 +212,7 @@ fn align(pixels: &mut [Pixel], cells: &Cells, axis: DVec3, lengths: [f64; 3]) {
 }
 
 /// What was taken, after all rounding.
-fn measured(pixels: &[Pixel], cells: &Cells, found: DVec3) -> Taken {
+fn measured(pixels: &[Vec<Pixel>], cells: &Cells, found: DVec3) -> Taken {
     let vectors = vectors(pixels, cells);
     let direction = toward(&vectors).try_normalize().unwrap_or(found);
     let irradiance = DVec3::from_array(vectors.map(|vector| vector.dot(direction).max(0.0)));
