@@ -6,7 +6,7 @@ shadows, that of the image, and the noise of the latter, all relative RMS. Last 
 means of the ratios to the points of as many lights, and the rank correlation of the error with
 shadows and that of the image.
 
-A minute and more for each map. Usage: python benchmarks/fit_sizes.py MAP...
+Some four minutes for each map on two cores. Usage: python benchmarks/fit_sizes.py MAP...
 """
 
 import sys
@@ -18,6 +18,8 @@ from scipy.stats import spearmanr
 
 import envlights as el
 
+#: Paths through each pixel for each light. Rendering twice takes their noise out, so that few do.
+PATHS = 32
 #: Number of lights, and the objectives of the sizes; none for points.
 RIGS = {4: (None, "shadows", "mixed"), 8: (None, "shadows", "mixed"), 16: (None,)}
 
@@ -28,12 +30,12 @@ def table(paths):
     figures = {}
     for path in paths:
         env = el.EnvMap.open(path)
-        truth = from_all_sides(env)
+        truth = from_all_sides(env, PATHS)
         for lights, objectives in RIGS.items():
             for objective in objectives:
                 options = {"objective": objective} if objective else {"sizes": False}
                 rig = el.fit(env, lights, **options)
-                seen = from_all_sides(rig)
+                seen = from_all_sides(rig, PATHS)
                 figure = rig.error, rig.report.shadow_error, seen.error(truth), seen.noise
                 figures[path.stem, lights, objective] = figure
                 shown = "".join(f"{100 * value:>8.2f} %" for value in figure[:3])
