@@ -190,10 +190,12 @@ pub fn pixel_solid_angles(height: usize, width: usize, registration: Registratio
     check_memory(&[height, width])?;
     let bands = band_heights(&registration.theta_edges(height));
     let phi = registration.phi_edges(width);
-    Ok(Array2::from_shape_fn((height, width), |(row, column)| {
+    let mut out = Array2::zeros((height, width));
+    for (mut row, band) in out.outer_iter_mut().zip(bands) {
         interrupt::check();
-        bands[row] * (phi[column + 1] - phi[column])
-    }))
+        row.iter_mut().zip(phi.windows(2)).for_each(|(angle, phi)| *angle = band * (phi[1] - phi[0]));
+    }
+    Ok(out)
 }
 
 /// `cos theta_top - cos theta_bottom` of each row, as a product that does not cancel at the poles.
