@@ -133,7 +133,9 @@ def compare(names, out, against):
         paths = [folder / "benchmarks" / f"{name}.jsonl" for folder in (out, against)]
         if page.is_table(part) or not all(path.exists() for path in paths):
             continue
-        (machine, first), (_, second) = map(results.read, paths)
+        (machine, first), (other, second) = map(results.read, paths)
+        if min(machine["processes"], other["processes"]) < 2:
+            sys.exit(f"{name}: a run of one process has no intervals; measure it without --quick")
         changes = second_run.changes(part, first, second)
         rows.append(second_run.row(part.TITLE, *changes))
         wrong += [line for each in changes for line in second_run.said(each)]

@@ -1,17 +1,17 @@
 """Peak memory of opening, detecting, fitting and splitting a large map, by format of its file.
 
-In multiples of the float pixels, 12 bytes each: 1.00 is the map alone.
-
-    python -m benchmarks.map_memory --height 8192
+In multiples of the float pixels, 12 bytes each: 1.00 is the map alone. Linux only.
+Usage: python benchmarks/map_memory.py [--height ROWS]
 """
 
 import argparse
-import multiprocessing
 import tempfile
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813, its own name for itself
+from memory import alone, peak
 
 import envlights as el
 
@@ -45,30 +45,13 @@ def written(path, height):
     file.close()
 
 
-def peak(path, work, answers):
-    """Put into `answers` by how many bytes a call grew this process at most."""
+def growth(path, work):
+    """By how many bytes a call grows a process at most."""
     with tempfile.TemporaryDirectory() as folder:
         tiny = Path(folder) / path.name
         written(tiny, 512)
         WORK[work](tiny)  # What the first call of all makes is no part of it.
-    before = kilobytes("VmRSS")
-    # From now on the peak is counted anew.
-    Path("/proc/self/clear_refs").write_text("5")
-    WORK[work](path)
-    answers.put(1024 * (kilobytes("VmHWM") - before))
-
-
-def kilobytes(name):
-    """Of this process."""
-    lines = dict(line.split(":") for line in Path("/proc/self/status").read_text().splitlines())
-    return int(lines[name].split()[0])
-
-
-def alone(function, *arguments):
-    """Run a function in a fresh process."""
-    process = multiprocessing.get_context("spawn").Process(target=function, args=arguments)
-    process.start()
-    process.join()
+    return peak(partial(WORK[work], path))
 
 
 def main():
@@ -76,7 +59,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--height", type=int, default=8192, help="rows: a multiple of 512")
     height = parser.parse_args().height
-    answers = multiprocessing.get_context("spawn").SimpleQueue()
+    if height < 512 or height % 512:
+        parser.error(f"--height must be a multiple of 512; got {height}")
     print(f"| {2 * height}x{height} | {' | '.join(WORK)} |\n|---|{'---|' * len(WORK)}")
     with tempfile.TemporaryDirectory() as folder:
         for name in FILES:
@@ -84,8 +68,7 @@ def main():
             alone(written, path, height)
             cells = []
             for work in WORK:
-                alone(peak, path, work, answers)
-                cells.append(f"{answers.get() / (24 * height**2):.2f}")
+                cells.append(f"{alone(growth, path, work) / (24 * height**2):.2f}")
             print(f"| {name} | {' | '.join(cells)} |", flush=True)
             path.unlink()
 

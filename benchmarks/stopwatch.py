@@ -17,7 +17,7 @@ def all_seconds(work, rounds=25, patience=10.0, clock=time.perf_counter, fewest=
     """Seconds of each piece of `work` in each round.
 
     After the `fewest` rounds, a piece that has had its share of `patience` is left out.
-    What takes less than `shortest` is done over and over until then.
+    What takes less than `shortest` is repeated until it has taken that long.
     """
     seconds = {name: [] for name in work}
     for done in range(rounds):

@@ -23,10 +23,9 @@ pub fn clear() {
     ASKED.store(false, Ordering::Relaxed);
 }
 
-/// How many of that many `items` a task of rayon gets at least, where each item calls [`check`].
-///
-/// Every task that was split off unwinds by itself, and takes some microseconds for it.
-pub fn items_of_a_task(items: usize) -> usize {
+/// The fewest items of one task of rayon, for `items` that each call [`check`]: every task unwinds by itself, and takes
+/// some microseconds for it.
+pub fn min_task_len(items: usize) -> usize {
     const MOST_TASKS: usize = 256;
     items.div_ceil(MOST_TASKS).max(1)
 }

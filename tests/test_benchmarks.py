@@ -192,24 +192,25 @@ def test_a_short_piece_of_work_is_repeated(curves):
 PROCESSES = (1.0, 1.02, 0.98, 1.01, 0.99)
 
 
-def two_runs(tmp_path, times, errors):
+def two_runs(tmp_path, times, errors, processes=PROCESSES):
     """What two runs wrote: ours, of which the processes differ, beside a peer of 2 s."""
     for name, time, error in zip(("first", "second"), times, errors, strict=True):
-        ours = [[time * factor] for factor in PROCESSES]
+        ours = [[time * factor] for factor in processes]
         rows = [
             {"method": method, "seconds": 1.0, "spread": 0.05, "rounds": {"call": seconds}}
-            for method, seconds in (("exact", ours), ("Monte Carlo", [[2.0]] * 5))
+            for method, seconds in (("exact", ours), ("Monte Carlo", [[2.0]] * len(ours)))
         ]
         parts = tmp_path / name / "benchmarks"
         parts.mkdir(parents=True)
         same = {"part": "probe", "case": "a", "setting": None, "errors": {"probe": error}}
-        lines = [MACHINE, *(same | row for row in rows)]
+        lines = [MACHINE | {"processes": len(ours)}, *(same | row for row in rows)]
         text = "".join(json.dumps(line) + "\n" for line in lines)
         (parts / "probe.jsonl").write_text(text)
     command = [sys.executable, "-m", "benchmarks", "--against", str(tmp_path / "second")]
     command += ["--out", str(tmp_path / "first")]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
-    return done, (tmp_path / "first/benchmarks.md").read_text()
+    page = tmp_path / "first/benchmarks.md"
+    return done, page.read_text() if page.exists() else ""
 
 
 def test_a_second_run_agrees_where_the_intervals_overlap(tmp_path):
@@ -225,6 +226,13 @@ def test_a_ratio_and_errors_that_changed_are_named(tmp_path):
     assert "exact over Monte Carlo on a: 8 %, allowed 6.7 %" in done.stderr
     assert "probe of exact on a: 10 %" in done.stderr
     assert "| The probe of a map | 1 | 0 | 3.3 % | 3.3 % | 8 % | 8 % | 8 % | 2 | 0 |" in page
+
+
+def test_runs_of_one_process_are_not_compared(tmp_path):
+    done, page = two_runs(tmp_path, (1.0, 50.0), (1e-3, 1e-3), processes=(1.0,))
+    assert done.returncode == 1
+    assert "probe: a run of one process has no intervals" in done.stderr
+    assert not page
 
 
 @pytest.mark.parametrize(("again", "agrees"), [((24.2, 0.3), True), ((25.0, 0.0), False)])

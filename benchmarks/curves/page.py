@@ -10,7 +10,7 @@ parts, it measures those anew. Each part says on what machine it was measured. T
 what a second run of the command changed.
 
 Within a part all methods take turns in one process, warmed up, round by round; a round repeats what
-takes less than 3 ms. After all parts come all again in a new process, as often as each part says:
+takes less than 3 ms. All parts are then measured again in new processes, as many as each part says:
 two processes differ by more than the rounds of one, for their memory lies elsewhere and the machine
 is busy otherwise. Times are medians over the processes of the medians over their rounds, on one
 thread those of the processor; times and errors are geometric means over the cases. The spread is
@@ -175,6 +175,7 @@ def _memory(points):
     for method in dict.fromkeys(point.method for point in points):
         found = {p.setting: p.errors["memory"] for p in points if p.method == method}
         slope = 2**20 * np.polyfit(list(found), list(found.values()), 1)[0]
+        slope = slope if slope > 1e-6 else 0.0  # rounding
         cells = [method, *(f"{found[size]:.3g}" for size in sizes), f"{slope:.2g}"]
         text.append("| " + " | ".join(cells) + " |")
     return text

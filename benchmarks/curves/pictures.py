@@ -26,8 +26,9 @@ _SIDES = [
 def picture(part, points):
     """A panel for each error over the run time, and over what the settings count, if they do.
 
-    An error that is a run time is no height, but a further axis along. Without errors, the run time
-    over the setting, a panel for each case. Above a panel stands what reaches an error first.
+    An error that is a run time gets panels of its own, as their horizontal axis. Without errors,
+    the run time over the setting, a panel for each case. Above a panel stands what reaches an error
+    first.
     """
     panels = _panels(part, points)
     across = 2 if len(panels) == 4 else len(panels)

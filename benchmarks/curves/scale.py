@@ -8,9 +8,8 @@ before the call, on Linux, from 2048x1024 on.
 
 import sys
 from functools import partial
-from multiprocessing import get_context
-from pathlib import Path
 
+import memory
 import numpy as np
 from curves.results import point, timed
 
@@ -22,7 +21,7 @@ READ = ""
 #: Of the tables.
 SAID = (
     "The exponent of a power law is a line through the three largest; the bandwidth is that of"
-    " `array.max()` on the largest map, a share above 100 % comes from the spread."
+    " `array.max()` on the largest map."
 )
 ERRORS = {}
 #: Errors that are none but measured, in megabytes.
@@ -69,11 +68,11 @@ def points(_, effort):
     has_memory = effort.is_judged and not effort.is_quick and sys.platform == "linux"
     for case, size, work in _all(effort.is_quick):
         is_told = case == "pixels" and has_memory and size in {2 * height**2 for height in MEASURED}
-        memory = {method: {"memory": peak(method, size)} for method in work if is_told}
+        peaks = {method: {"memory": peak(method, size)} for method in work if is_told}
         for run in work.values():
             run()
         for method, seconds in timed(work, half).items():
-            yield point("scale", case, method, size, memory.get(method, {}), call=[seconds])
+            yield point("scale", case, method, size, peaks.get(method, {}), call=[seconds])
 
 
 def _all(is_quick):
@@ -109,21 +108,10 @@ def hall(height):
 
 def peak(method, pixels):
     """Megabytes that a call takes at most, beyond those of its process before it."""
-    with get_context("spawn").Pool(1) as pool:
-        return pool.apply(_peak, (method, pixels))
+    return memory.alone(_grown, method, pixels) / 2**20
 
 
-def _peak(method, pixels):
+def _grown(method, pixels):
     radiance = hall(int((pixels / 2) ** 0.5))
     METHODS[method](hall(256))  # What the first call of all makes is no part of it.
-    before = _kilobytes("VmRSS")
-    # From now on the peak is counted anew.
-    Path("/proc/self/clear_refs").write_text("5")
-    METHODS[method](radiance)
-    return (_kilobytes("VmHWM") - before) / 1024
-
-
-def _kilobytes(name):
-    """Of this process."""
-    lines = dict(line.split(":") for line in Path("/proc/self/status").read_text().splitlines())
-    return int(lines[name].split()[0])
+    return memory.peak(partial(METHODS[method], radiance))

@@ -2,8 +2,10 @@
 
 A ratio is a run time of ours over a peer's on the same case, in the same rounds; its interval is
 the one of 99 % of the mean over the processes, by Student's t. Both runs agree on it if their
-intervals overlap: by chance alone they would not on one ratio of 4000. Half an interval, the mean
-of both runs, is stated as a share. An error agrees if it changes by no more than a millionth, those
+intervals overlap: by chance alone they would not on one ratio of 4000, which is one in every other
+comparison of all parts. Agreement says no more than the intervals do: where half of one is 50 %, a
+ratio may have doubled and still agree. Half an interval is stated as a mean of both runs, as a
+share or as a factor. An error agrees if it changes by no more than a millionth, those
 of methods that draw anew left out; the peak of memory, if it changes by no more than a fiftieth of
 itself and of 10 MB.
 """
@@ -59,8 +61,8 @@ def row(name, ratios, errors):
         "part": name,
         "ratios": len(ratios),
         "agree": sum(each.agrees for each in ratios),
-        "half an interval, median": _percent(usual),
-        "of 95 % at most": _percent(wide),
+        "half an interval, median": _share(usual),
+        "of 95 % at most": _share(wide),
         "median change": _percent(middle),
         "95 % change by at most": _percent(most),
         "largest change": _percent(largest),
@@ -106,6 +108,10 @@ def _of_errors(part, point, again):
 
 def _named(key):
     return f"{key[1]} ({told(key[2])})" if key[2] is not None else key[1]
+
+
+def _share(share):
+    return f"x {1 + share:.2g}" if share > 1 else _percent(share)
 
 
 def _percent(share):

@@ -25,7 +25,7 @@ def blocks(shape: tuple[int, ...]) -> Iterator[slice]:
 
 
 def in_blocks(shape: tuple[int, ...], value: Callable[[slice], NDArray[Any]]) -> NDArray[Any]:
-    """What `value` gives for each slice of the rows of an array of this shape, as one array."""
+    """One array of the results of `value` for each slice of the rows of an array of this shape."""
     out: NDArray[Any] | None = None
     for rows in blocks(shape):
         part = value(rows)

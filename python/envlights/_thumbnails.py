@@ -56,8 +56,8 @@ def reduced(radiance: NDArray[np.floating], columns: int) -> NDArray[np.float64]
     """Means over blocks of pixels, with `columns` columns or up to twice as many."""
     step = max(radiance.shape[1] // columns, 1)
     height, width = (side // step * step for side in radiance.shape[:2])
-    tiles = radiance[:height, :width].reshape(height // step, step, width // step, step, -1)
-    return in_blocks(tiles.shape, lambda rows: tiles[rows].mean(axis=(1, 3), dtype=np.float64))
+    cells = radiance[:height, :width].reshape(height // step, step, width // step, step, -1)
+    return in_blocks(cells.shape, lambda rows: cells[rows].mean(axis=(1, 3), dtype=np.float64))
 
 
 def exposed(radiance: NDArray[np.floating], white: float) -> NDArray[np.uint8]:

@@ -550,7 +550,7 @@ AnyMap = EnvMap | str | os.PathLike[str] | ArrayLike
 
 
 def _usable(linear: NDArray[np.float32], largest: float) -> NDArray[np.float32]:
-    """Radiance in place of samples that are none."""
+    """NaN and negative samples as 0, infinite ones as `largest`."""
     finite = np.nan_to_num(linear, nan=0.0, posinf=largest, neginf=0.0)
     return np.maximum(finite, np.float32(0))
 

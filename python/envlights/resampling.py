@@ -37,8 +37,8 @@ def cells_of_borders(radiance: NDArray[np.float32]) -> NDArray[np.float32]:
     Rows and columns are averaged one after the other, over the cosine and over the azimuth.
     """
     height, width, _ = radiance.shape
-    row_edges = (np.cos(np.pi * edges) for edges in (_border_edges(height), _cell_edges(height)))
-    rows, columns = _shares(*row_edges), _shares(_border_edges(width), _cell_edges(width))
+    rows = _shares(np.cos(np.pi * _border_edges(height)), np.cos(np.pi * _cell_edges(height)))
+    columns = _shares(_border_edges(width), _cell_edges(width))
 
     def cells(some: slice) -> NDArray[np.float32]:
         lines = _averaged(radiance, rows, np.arange(some.start, some.stop))
@@ -72,7 +72,7 @@ def _cell_edges(cells: int) -> NDArray[np.float64]:
 def _shares(old: NDArray[np.float64], new: NDArray[np.float64]) -> NDArray[np.float64]:
     """Share of each new interval that the old one before it, at it and after it covers, (n, 3).
 
-    Edges of cells lie between those of samples on the border, so that no other old one does.
+    Edges of cells lie between those of samples on the border, so that it meets no other.
     """
     ends = np.pad(old, 1, mode="edge")  # nothing is before the first and after the last
     low, high = np.minimum(ends[:-1], ends[1:]), np.maximum(ends[:-1], ends[1:])

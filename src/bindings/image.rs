@@ -4,14 +4,14 @@ use glam::DMat3;
 use numpy::{IntoPyArray, PyArray3, PyReadonlyArray1, PyReadonlyArray3};
 use pyo3::prelude::*;
 
-use super::pool::{by_size, interruptible};
+use super::pool::interruptible;
 use crate::kernels::image;
 
 /// See `envlights.EnvMap`: the numbers of NaN, infinite and negative samples.
 #[pyfunction]
 pub fn unusable(py: Python<'_>, radiance: PyReadonlyArray3<'_, f32>) -> PyResult<(usize, usize, usize)> {
     let radiance = radiance.as_array();
-    let counts = by_size(py, radiance.len(), || image::unusable(radiance))?;
+    let counts = interruptible(py, || image::unusable(radiance))?;
     Ok((counts.nan, counts.infinite, counts.negative))
 }
 
@@ -23,7 +23,7 @@ pub fn decoded_8<'py>(
     table: PyReadonlyArray1<'py, f32>,
 ) -> PyResult<Bound<'py, PyArray3<f32>>> {
     let (codes, table) = (codes.as_array(), table.as_slice()?);
-    let values = by_size(py, codes.len(), || Ok(image::decoded(codes, table)))?;
+    let values = interruptible(py, || Ok(image::decoded(codes, table)))?;
     Ok(values.into_pyarray(py))
 }
 
@@ -35,7 +35,7 @@ pub fn decoded_16<'py>(
     table: PyReadonlyArray1<'py, f32>,
 ) -> PyResult<Bound<'py, PyArray3<f32>>> {
     let (codes, table) = (codes.as_array(), table.as_slice()?);
-    let values = by_size(py, codes.len(), || Ok(image::decoded(codes, table)))?;
+    let values = interruptible(py, || Ok(image::decoded(codes, table)))?;
     Ok(values.into_pyarray(py))
 }
 

@@ -1,10 +1,9 @@
 //! `kernels::madsen` for Python.
 
-use numpy::ndarray::{ArrayView1, ArrayView2};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 
-use super::pool::{by_size, detached, interruptible};
+use super::pool::{detached, interruptible};
 use super::sphere::registration;
 use crate::kernels::madsen::{self, Measured, Parameters, Surface};
 
@@ -49,11 +48,6 @@ pub fn unpack_lights<'py>(py: Python<'py>, x: PyReadonlyArray1<'py, f64>) -> PyR
     Ok((ambient, directions.into_pyarray(py), irradiance.into_pyarray(py)))
 }
 
-/// Products that take a kernel over all lights and normals.
-fn products(x: ArrayView1<'_, f64>, normals: ArrayView2<'_, f64>) -> usize {
-    x.len().saturating_mul(normals.nrows())
-}
-
 /// See `envlights.kernels.probe_model`.
 #[pyfunction]
 pub fn probe_model<'py>(
@@ -66,7 +60,7 @@ pub fn probe_model<'py>(
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let (x, normals) = (x.as_array(), normals.as_array());
     let surface = Surface { k_a, k_d, colour: colour.into() };
-    let out = by_size(py, products(x, normals), || madsen::model(x, normals, &surface))?;
+    let out = interruptible(py, || madsen::model(x, normals, &surface))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -86,7 +80,7 @@ pub fn probe_residual<'py>(
     let (x, normals, probe, weights) =
         (x.as_array(), normals.as_array(), probe.as_array(), weights.as_array());
     let surface = Surface { k_a, k_d, colour: colour.into() };
-    let out = by_size(py, products(x, normals), || {
+    let out = interruptible(py, || {
         let measured = Measured::new(normals, probe, weights)?;
         madsen::residual(x, &measured, &surface)
     })?;
@@ -109,7 +103,7 @@ pub fn probe_jacobian<'py>(
     let (x, normals, probe, weights) =
         (x.as_array(), normals.as_array(), probe.as_array(), weights.as_array());
     let surface = Surface { k_a, k_d, colour: colour.into() };
-    let out = by_size(py, products(x, normals), || {
+    let out = interruptible(py, || {
         let measured = Measured::new(normals, probe, weights)?;
         madsen::jacobian(x, &measured, &surface)
     })?;

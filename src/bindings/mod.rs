@@ -1,8 +1,8 @@
 //! The stair between Python and the kernels: borrow, detach, call, wrap. No arithmetic lives here.
 //!
-//! A kernel is called by [`pool::detached`], one that uses several threads by [`pool::in_pool`], and one that may
-//! take seconds by [`pool::interruptible`], which looks for Ctrl-C; by [`pool::by_size`] where it is fast for few
-//! numbers. rayon's own threads do not live on in a forked process. All of them turn a panic into a refusal.
+//! A kernel is called by [`pool::detached`], or by [`pool::by_size`] where many numbers keep it busy for seconds; one
+//! that uses several threads by [`pool::in_pool`], and by [`pool::interruptible`], which looks for Ctrl-C, where it may
+//! take seconds. rayon's own threads do not live on in a forked process. All of them turn a panic into a refusal.
 
 mod detect;
 mod error;

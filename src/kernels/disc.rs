@@ -117,8 +117,8 @@ pub fn irradiance(
         interrupt::check();
         discs.add_at(normal, sky(normal))
     };
-    let of_a_task = interrupt::items_of_a_task(normals.len());
-    let received: Vec<DVec3> = normals.par_iter().with_min_len(of_a_task).map(at).collect();
+    let min_len = interrupt::min_task_len(normals.len());
+    let received: Vec<DVec3> = normals.par_iter().with_min_len(min_len).map(at).collect();
     Ok(from_vectors(received.into_iter()))
 }
 

@@ -81,11 +81,11 @@ impl Registration {
 
 /// The direction at polar angle `theta` and azimuth `phi`, both in radians.
 pub fn direction(theta: f64, phi: f64) -> DVec3 {
-    of_legs(theta.sin_cos(), phi.sin_cos())
+    direction_of(theta.sin_cos(), phi.sin_cos())
 }
 
 /// [`direction`] of sine and cosine of both angles.
-fn of_legs((sin_theta, cos_theta): (f64, f64), (sin_phi, cos_phi): (f64, f64)) -> DVec3 {
+fn direction_of((sin_theta, cos_theta): (f64, f64), (sin_phi, cos_phi): (f64, f64)) -> DVec3 {
     DVec3::new(sin_phi * sin_theta, cos_theta, -cos_phi * sin_theta)
 }
 
@@ -158,14 +158,14 @@ pub fn row_directions(
     check_size(height, width)?;
     let rows = rows.start.min(height)..rows.end.min(height);
     check_memory(&[rows.len(), width, 3])?;
-    let legs = |angles: Vec<f64>| -> Vec<_> { angles.into_iter().map(f64::sin_cos).collect() };
-    let columns = legs(registration.phis(width));
-    let lines = legs(registration.thetas(height).drain(rows).collect());
+    let sin_cos = |angles: Vec<f64>| -> Vec<_> { angles.into_iter().map(f64::sin_cos).collect() };
+    let columns = sin_cos(registration.phis(width));
+    let lines = sin_cos(registration.thetas(height).drain(rows).collect());
     let mut out = Array3::zeros((lines.len(), width, 3));
     for (mut line, &row) in out.outer_iter_mut().zip(&lines) {
+        interrupt::check();
         for (mut pixel, &column) in line.outer_iter_mut().zip(&columns) {
-            interrupt::check();
-            pixel.assign(&aview1(&of_legs(row, column).to_array()));
+            pixel.assign(&aview1(&direction_of(row, column).to_array()));
         }
     }
     Ok(out)

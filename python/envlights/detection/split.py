@@ -136,6 +136,7 @@ def split(
     found, chosen = _chosen(env, lights, share, options)
     start = perf_counter()
     parts = _parts(env, chosen)
+    # A copy that Ctrl-C can end.
     radiance = in_blocks(env.radiance.shape, lambda rows: env.radiance[rows])
     radiance.reshape(-1, 3)[parts.pixel] = parts.left
     taken = _taken(chosen, parts, _report(chosen, len(found), perf_counter() - start))

@@ -298,9 +298,8 @@ def _whole_step(problem: _Problem, x: _Reals) -> _Reals:
     the shortest change leaves alone what has no effect.
     """
     jacobian = problem.jacobian(x)
-    residual = problem.residual(x)
     try:
-        step, *_ = np.linalg.lstsq(jacobian, -residual, rcond=None)
+        step = np.linalg.lstsq(jacobian, -problem.residual(x), rcond=None)[0]
     except np.linalg.LinAlgError:
         return np.full_like(x, np.nan)
     # An unknown without effect, such as ambient light with a k_a of 0, would get a rounding error.

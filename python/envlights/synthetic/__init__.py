@@ -11,7 +11,7 @@ Frame and units are those of `EnvMap`; pixels are cell-centred.
 | lights of random kind, size and place           | `lamps.py`     |
 | two families of random maps, to judge detectors | `suite.py`     |
 | openings behind bars and leaves, rows of lamps  | `openings.py`  |
-| large places hardly above their surroundings    | `faint.py`     |
+| large lights of low contrast to what is around  | `faint.py`     |
 | what a detector found against what is there     | `score.py`     |
 | a closed room under many lamps, in pairs        | `room.py`      |
 | an open courtyard for Mitsuba, and rigs for it  | `courtyard.py` |

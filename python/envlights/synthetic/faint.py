@@ -1,4 +1,4 @@
-"""A family of maps with large places that are hardly brighter than what is around them."""
+"""A family of maps with large lights of low contrast to their local background."""
 
 from __future__ import annotations
 
@@ -7,12 +7,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights._blocks import in_blocks
 from envlights._check import count
 from envlights.kernels import sampling, sphere
 from envlights.kernels.image import LUMINANCE
 from envlights.synthetic import backdrops
 from envlights.synthetic.lamps import rim_gap_deg
-from envlights.synthetic.scene import MOST_ROWS, Camera, SyntheticMap, scene
+from envlights.synthetic.scene import MOST_ROWS, Camera, SyntheticMap, normal_numbers, scene
 from envlights.synthetic.shapes import Disc, Lamp, Rectangle
 
 #: Rows of the smallest map that shows the outlines.
@@ -65,16 +66,18 @@ def faint(seed: int, height: int = 512) -> SyntheticMap:
     # Take the picture.
     words = [f"{len(places) or 'no'} light{'s' * (len(places) != 1)}"]
     words += [f"{('even', 'sky')[seed % 2]} ground", f"{100 * noise:.2g} % noise"]
-    camera = _grain(rng, height, noise)
+    camera = _grain(rng, height, noise) if noise else None
     return scene(height, background=ground, shapes=places, camera=camera, note=", ".join(words))
 
 
 def _grain(rng: np.random.Generator, height: int, noise: float) -> Camera:
-    grain = 1 + noise * rng.standard_normal((height, 2 * height, 3))
+    normal = normal_numbers(rng, (height, 2 * height, 3))
 
     def camera(radiance: NDArray[np.float64]) -> NDArray[np.float64]:
-        stored: NDArray[np.float64] = np.maximum(grain * radiance, 0)
-        return stored
+        return in_blocks(
+            radiance.shape,
+            lambda rows: np.maximum((1 + noise * normal[rows]) * radiance[rows], 0),
+        )
 
     return camera
 
@@ -82,10 +85,13 @@ def _grain(rng: np.random.Generator, height: int, noise: float) -> Camera:
 def _places(rng: np.random.Generator, ground: NDArray[np.float64]) -> list[Lamp]:
     """At most three places that stand apart, each with enough of the map's flux."""
     # Read the ground in few pixels.
-    step = max(len(ground) // _ROWS, 1)
-    level = (ground @ LUMINANCE)[::step, ::step]
-    directions = sphere.pixel_directions(*ground.shape[:2])[::step, ::step]
-    solid_angle = step**2 * sphere.pixel_solid_angles(*ground.shape[:2])[::step, ::step]
+    size = min(len(ground), _ROWS), 2 * min(len(ground), _ROWS)
+    middles = (
+        ((np.arange(few) + 0.5) * many / few).astype(int)
+        for few, many in zip(size, ground.shape, strict=False)
+    )
+    level = ground[np.ix_(*middles)] @ LUMINANCE
+    directions, solid_angle = sphere.pixel_directions(*size), sphere.pixel_solid_angles(*size)
     # Draw outlines, and keep those with enough flux before a local background.
     least = _LEAST_SHARE * (level * solid_angle).sum()
     wanted = int(rng.integers(1, 4))

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights import _html, _thumbnails
 from envlights._arrays import converted
-from envlights._blocks import in_blocks
+from envlights._blocks import blocks, in_blocks
 from envlights._check import count, is_vector, reals
 from envlights._native import EnvLightsError
 from envlights._result import Result
@@ -121,6 +121,14 @@ def scene(
     return _measured(backdrop, [*zip(shown, colours, strict=True)], camera or _keep_all, note)
 
 
+def normal_numbers(rng: np.random.Generator, shape: tuple[int, ...]) -> NDArray[np.float64]:
+    """The numbers of `rng.standard_normal`, drawn in blocks."""
+    numbers = np.empty(shape)
+    for part in blocks((numbers.size,)):
+        rng.standard_normal(out=numbers.reshape(-1)[part])
+    return numbers
+
+
 def _keep_all(radiance: NDArray[np.float64]) -> NDArray[np.float64]:
     return radiance
 
@@ -135,9 +143,8 @@ def _measured(
     # Replace the share of the background that shows a shape.
     whole = in_blocks(backdrop.shape, lambda rows: _added(backdrop, shown, rows))
     # Store the map with and without its lights.
-    lit = camera(in_blocks(backdrop.shape, lambda rows: backdrop[rows] + whole[rows]))
-    stored = in_blocks(lit.shape, lambda rows: lit[rows].astype(np.float32))
-    picture = _Picture(stored, camera(backdrop), backdrop, whole)
+    lit = in_blocks(backdrop.shape, lambda rows: backdrop[rows] + whole[rows])
+    picture = _Picture(_in_floats(camera(lit)), camera(backdrop), backdrop, whole)
     # Sum each light over its pixels.
     direction, irradiance, with_background, solid_angle = np.zeros((4, len(shown), 3))
     for i, each in enumerate(shown):
@@ -146,6 +153,10 @@ def _measured(
     order = brightest_first(irradiance)
     lights = Lights(direction, irradiance)
     return SyntheticMap(picture.stored, lights, solid_angle[order, 0], with_background[order], note)
+
+
+def _in_floats(radiance: NDArray[np.float64]) -> NDArray[np.float32]:
+    return in_blocks(radiance.shape, lambda rows: radiance[rows].astype(np.float32))
 
 
 #: The share of each pixel that shows a shape, (height, width, 1), and its radiance.

@@ -14,11 +14,11 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._blocks import blocks, in_blocks
+from envlights._blocks import in_blocks
 from envlights._check import count
 from envlights._srgb import decode_srgb
 from envlights.synthetic import backdrops, lamps
-from envlights.synthetic.scene import MOST_ROWS, Camera, SyntheticMap, scene
+from envlights.synthetic.scene import MOST_ROWS, Camera, SyntheticMap, normal_numbers, scene
 from envlights.synthetic.shapes import Lamp, PixelSun
 
 #: Seeds for choosing thresholds.
@@ -160,14 +160,11 @@ def _camera(
         exposure = 10 ** rng.uniform(np.log10(0.05), np.log10(0.4))
     # Draw the noise. Grain is proportional to the radiance. Hum is constant: a tenth of the grain
     # on the brightest surroundings, whose luminance is 1, and the larger of the two in the dark.
-    normal = np.zeros((2, 1, 1, 1))
-    if noise:
-        normal = np.empty((2, height, 2 * height, 3))
-        for part in blocks((normal.size,)):
-            rng.standard_normal(out=normal.reshape(-1)[part])
+    size = 2, height, 2 * height, 3
+    normal = normal_numbers(rng, size) if noise else np.broadcast_to(0.0, size)
 
     def stored(radiance: NDArray[np.float64], rows: slice) -> NDArray[np.float64]:
-        grain, hum = noise * (normal[:, rows] if noise else normal)
+        grain, hum = noise * normal[:, rows]
         values = np.maximum(exposure * ((1 + grain) * radiance[rows] + 0.1 * hum), 0)
         if is_clipped:
             values = np.minimum(values, 1)

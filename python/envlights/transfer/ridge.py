@@ -74,6 +74,5 @@ class Regression:
 def regression(direct: NDArray[np.float64], channelwise: bool) -> Regression:
     """Of direct images (k, 3, texels)."""
     features = direct.swapaxes(0, 1) if channelwise else direct.reshape(1, len(direct), -1)
-    products = features @ features.swapaxes(1, 2)
-    values, vectors = np.linalg.eigh(products)
+    values, vectors = np.linalg.eigh(features @ features.swapaxes(1, 2))
     return Regression(features, values, vectors)

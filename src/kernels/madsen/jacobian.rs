@@ -50,7 +50,7 @@ pub fn jacobian(x: ArrayView1<'_, f64>, measured: &Measured<'_>, surface: &Surfa
     out.axis_chunks_iter_mut(Axis(0), 3)
         .into_par_iter()
         .zip(measured.normals.par_iter().zip(&measured.roots))
-        .with_min_len(interrupt::items_of_a_task(measured.normals.len()))
+        .with_min_len(interrupt::min_task_len(measured.normals.len()))
         .for_each(|(rows, (normal, root))| {
             interrupt::check();
             fill(rows, *normal, *root, &lights, surface);

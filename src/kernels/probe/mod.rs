@@ -146,8 +146,8 @@ pub fn sum_over_sources(
     let lengths = [("radiance", radiance.nrows()), ("solid_angles", solid_angles.len())];
     check_lengths("directions", directions.len(), lengths)?;
     let mut out = Array2::zeros((normals.len(), 3));
-    let of_a_task = interrupt::items_of_a_task(normals.len());
-    let rows = out.outer_iter_mut().into_par_iter().zip(&normals).with_min_len(of_a_task);
+    let min_len = interrupt::min_task_len(normals.len());
+    let rows = out.outer_iter_mut().into_par_iter().zip(&normals).with_min_len(min_len);
     rows.for_each(|(mut row, normal)| {
         interrupt::check();
         for ((direction, source), solid_angle) in directions.iter().zip(radiance.rows()).zip(solid_angles) {

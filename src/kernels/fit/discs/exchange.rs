@@ -12,6 +12,7 @@ use super::descent::{Descended, descend};
 use super::disc::Disc;
 use super::state::{Problem, State};
 use crate::kernels::sampling::icosphere;
+use crate::kernels::sphere::to_vectors;
 
 /// A lower place than that where a descent ended, where an exchange leads to one; with the steps on the way.
 pub fn exchanged(problem: &Problem<'_>, mut best: Descended, [rough, fine]: [f64; 2]) -> Descended {
@@ -70,10 +71,8 @@ fn with_one_less(problem: &Problem<'_>, state: &State) -> Option<State> {
 }
 
 /// Directions some 23 degrees apart.
-static DIRECTIONS: LazyLock<Vec<DVec3>> = LazyLock::new(|| {
-    let directions = icosphere(80).map(|(normals, _)| normals).unwrap_or_default();
-    directions.outer_iter().map(|n| DVec3::new(n[0], n[1], n[2])).collect()
-});
+static DIRECTIONS: LazyLock<Vec<DVec3>> =
+    LazyLock::new(|| icosphere(80).map(|(normals, _)| to_vectors(normals.view())).unwrap_or_default());
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
