@@ -32,6 +32,7 @@ LONG = {
     "hard": "el.synthetic.hard(8, 4096)",
     "faint": "el.synthetic.faint(2, 4096)",
     "openings": "el.synthetic.openings(3, 4096)",
+    "eigensystem": "eigensystem(square)",
     "save_exr": "el.EnvMap(large).save(folder + '/map.exr')",
     "save_tiles": "el.EnvMap(large, registration='border-sampled').save(folder + '/map.exr')",
     "save_hdr": "el.EnvMap(np.tile(large, (2, 2, 1))).save(folder + '/map.hdr')",
@@ -41,6 +42,7 @@ import os, signal, sys, tempfile, threading, time
 import numpy as np
 import envlights as el
 from envlights import kernels
+from envlights.transfer.products import eigensystem
 
 rng = np.random.default_rng(0)
 image = el.synthetic.hard(3, 512).radiance
@@ -52,6 +54,7 @@ normals /= np.linalg.norm(normals, axis=1, keepdims=True)
 even, _ = kernels.icosphere(5120)
 turn = [[0.36, 0.48, -0.8], [-0.8, 0.6, 0], [0.48, 0.64, 0.6]]
 probe = even, kernels.irradiance(image, even)
+square = rng.random((3000, 3000))
 folder = tempfile.mkdtemp()
 
 def interrupt(sent):

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights._arrays import frozen
 from envlights._check import amount, colour, count, reals
+from envlights._interruptible import interruptible
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights._tables import Table
@@ -297,9 +298,11 @@ def _whole_step(problem: _Problem, x: _Reals) -> _Reals:
     A light on a pole, two lights in one place or a black light make the Jacobian rank-deficient:
     the shortest change leaves alone what has no effect.
     """
-    jacobian = problem.jacobian(x)
+    jacobian, missed = problem.jacobian(x), -problem.residual(x)
     try:
-        step = np.linalg.lstsq(jacobian, -problem.residual(x), rcond=None)[0]
+        step = interruptible(
+            lambda: np.linalg.lstsq(jacobian, missed, rcond=None)[0], jacobian.size * len(x)
+        )
     except np.linalg.LinAlgError:
         return np.full_like(x, np.nan)
     # An unknown without effect, such as ambient light with a k_a of 0, would get a rounding error.

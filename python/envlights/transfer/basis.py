@@ -21,6 +21,7 @@ from envlights._check import amount, count
 from envlights._native import EnvLightsError
 from envlights.transfer.gram import Gram, is_for_kernels, parts, texel_rows
 from envlights.transfer.pairs import Pairs
+from envlights.transfer.products import eigensystem, product
 
 
 @dataclass(frozen=True)
@@ -92,7 +93,7 @@ class Directions:
 
 def directions(products: NDArray[np.float64], dtype: np.dtype[Any], energy: float) -> Directions:
     """Directions with more energy than the rounding of `dtype` adds to images of this `energy`."""
-    values, vectors = np.linalg.eigh(products)
+    values, vectors = eigensystem(products)
     values, vectors = values[::-1], vectors[:, ::-1]
     kept = values > 8 * np.finfo(dtype).eps * energy
     return Directions(values[kept], vectors[:, kept])
@@ -144,5 +145,4 @@ def mixtures(
     scale, shares = (pairs.scale * unit).astype(part.dtype), (weights / unit).astype(part.dtype)
     if is_for_kernels(pairs):
         return _native.transfer_columns(part, scale, lit.ravel(), shares)
-    mixed: NDArray[Any] = texel_rows(part[:, lit.ravel()], scale) @ shares
-    return mixed
+    return product(texel_rows(part[:, lit.ravel()], scale), shares)

@@ -21,6 +21,7 @@ from envlights import _native
 from envlights._native import EnvLightsError
 from envlights._progress import counted
 from envlights.transfer.pairs import Pairs, check_finite
+from envlights.transfer.products import product
 
 #: Texels of a part, rounded to rows of the image. For the kernels: enough for several threads. For
 #: NumPy, which needs them in float64 and reordered: as many as stay in the cache.
@@ -82,7 +83,7 @@ def _double(part: NDArray[Any], scale: NDArray[np.float64]) -> tuple[Any, NDArra
     """All inner products in float64 by a BLAS, and the mask of texels that are not black."""
     block = texel_rows(part, scale)
     lit: NDArray[np.bool_] = np.any(block, axis=1)
-    return block.T @ block, lit
+    return product(block.T, block), lit
 
 
 def parts(pairs: Pairs, progress: bool | None = False) -> Iterator[tuple[slice, NDArray[Any]]]:

@@ -24,6 +24,7 @@ from envlights.transfer.basis import Directions, Wanted, directions, mixtures
 from envlights.transfer.gram import gram, parts, texel_rows
 from envlights.transfer.learnt import Learnt
 from envlights.transfer.pairs import Pairs
+from envlights.transfer.products import eigensystem, product
 
 
 def grown(
@@ -32,7 +33,7 @@ def grown(
     """Basis, lit texels and learnt pairs, with the new `pairs`."""
     seen = gram(pairs, centred=False)
     inside = _inside(basis, lit, pairs)
-    left = directions(seen.products - inside @ inside.T, pairs.dtype, seen.energy.sum())
+    left = directions(seen.products - product(inside, inside.T), pairs.dtype, seen.energy.sum())
     old = learnt.coefficients.reshape(-1, basis.shape[1])
     rows = np.block(
         [
@@ -40,10 +41,10 @@ def grown(
             [inside, left.vectors * np.sqrt(left.values)],
         ]
     )
-    values, turn = np.linalg.eigh(rows.T @ rows)
+    values, turn = eigensystem(product(rows.T, rows))
     values, turn = values[::-1], turn[:, ::-1]
     rank = wanted.count(values[values > values[0] * np.finfo(pairs.dtype).eps])
-    coefficients = (rows @ turn[:, :rank]).reshape(-1, 3, rank)
+    coefficients = product(rows, turn[:, :rank]).reshape(-1, 3, rank)
     together = replace(
         learnt,
         direct=np.concatenate([learnt.direct, pairs.direct]),

@@ -17,6 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights.transfer.products import eigensystem, product
+
 #: Where "loo" looks for the ridge: from clean to noisy images. Direct images have norm 1.
 RIDGES = tuple(10.0 ** (exponent / 2) for exponent in range(-16, 1))
 
@@ -36,20 +38,19 @@ class Regression:
 
     def transfer(self, ridge: float, coefficients: NDArray[np.float64]) -> NDArray[np.float64]:
         """What takes direct light to coefficients, (3, features, rank)."""
-        turned = self.features.swapaxes(1, 2) @ self.vectors
-        matrix: NDArray[np.float64] = turned @ self._weighted(ridge, coefficients)
-        return matrix
+        turned = product(self.features.swapaxes(1, 2), self.vectors)
+        return product(turned, self._weighted(ridge, coefficients))
 
     def residual(self, ridge: float, coefficients: NDArray[np.float64]) -> NDArray[np.float64]:
         """Coefficients less what the fit to all of them gives, (k, 3, rank)."""
-        fitted = self.features @ self.transfer(ridge, coefficients)
+        fitted = product(self.features, self.transfer(ridge, coefficients))
         missed: NDArray[np.float64] = coefficients - fitted.swapaxes(0, 1)
         return missed
 
     def left_out(self, ridge: float, coefficients: NDArray[np.float64]) -> NDArray[np.float64]:
         """Coefficients less what a fit without their image gives, (k, 3, rank)."""
         own = np.einsum("cik,ck->ci", self.vectors**2, 1 / self._held(ridge))
-        missed: NDArray[np.float64] = self.vectors @ self._weighted(ridge, coefficients)
+        missed = product(self.vectors, self._weighted(ridge, coefficients))
         missed /= own[..., None]
         return missed.swapaxes(0, 1)
 
@@ -58,7 +59,7 @@ class Regression:
 
         Where images are alike its entries would be so large that nothing else was left of them.
         """
-        turned = self.vectors.swapaxes(1, 2) @ coefficients.swapaxes(0, 1)
+        turned = product(self.vectors.swapaxes(1, 2), coefficients.swapaxes(0, 1))
         weighted: NDArray[np.float64] = turned / self._held(ridge)[..., None]
         return weighted
 
@@ -74,5 +75,5 @@ class Regression:
 def regression(direct: NDArray[np.float64], channelwise: bool) -> Regression:
     """Of direct images (k, 3, texels)."""
     features = direct.swapaxes(0, 1) if channelwise else direct.reshape(1, len(direct), -1)
-    values, vectors = np.linalg.eigh(features @ features.swapaxes(1, 2))
+    values, vectors = eigensystem(product(features, features.swapaxes(1, 2)))
     return Regression(features, values, vectors)
