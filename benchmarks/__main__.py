@@ -44,7 +44,7 @@ def main():
     )
     parser.add_argument("parts", nargs="*", metavar="part", help=f"of {', '.join(_PARTS)}")
     parser.add_argument(
-        "--quick", action="store_true", help="one map and few rounds: one to two minutes"
+        "--quick", action="store_true", help="one map, few settings and rounds: a minute or two"
     )
     parser.add_argument(
         "--out", type=Path, default=Path("benchmark_results"), help="folder to write"

@@ -7,7 +7,7 @@ from importlib.util import find_spec
 from typing import NamedTuple
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 from stopwatch import all_seconds, processor_seconds
 
 #: Of the intervals that are stated.
@@ -137,7 +137,7 @@ def interval(values):
     """Mean, and half the interval in which the mean of many such lies (Student's t)."""
     if len(values) < 2:
         return float(np.mean(values)), float("inf")
-    factor = student.ppf(0.5 + CONFIDENCE / 2, len(values) - 1)
+    factor = stdtrit(len(values) - 1, 0.5 + CONFIDENCE / 2)
     return float(np.mean(values)), float(factor * np.std(values, ddof=1) / np.sqrt(len(values)))
 
 

@@ -7,7 +7,7 @@ comparison of all parts. Agreement says no more than the intervals do: where hal
 ratio may have doubled and still agree. Half an interval is stated as a mean of both runs, as a
 share or as a factor. An error agrees if it changes by no more than a millionth, those
 of methods that draw anew left out; the peak of memory, if it changes by no more than a fiftieth of
-itself and of 10 MB.
+itself and of 50 MB: pages are counted in batches, and stacks of threads grow at times.
 """
 
 from itertools import product
@@ -18,8 +18,10 @@ from curves.results import Point, interval, logarithms, told
 
 TITLE = "A second run"
 _SAME_ERROR = 1e-6
-#: A process takes memory by pages, and the system's allocator some in advance.
-_SAME_MEMORY, _FEW_MEGABYTES = 0.02, 10.0
+#: The second is a megabyte of what no call asked for: Linux counts the pages of each processor in
+#: batches of 128 kB, the allocator takes some in advance, and the stacks of threads grow. Of two
+#: runs of a fit to 8192x4096 pixels one said 4 kB beyond the map, the other 0.6 MB.
+_SAME_MEMORY, _FEW_MEGABYTES = 0.02, 50.0
 
 
 class Change(NamedTuple):
