@@ -1,48 +1,98 @@
-//! The map's pixels as cells of the sphere: the integral of the direction over each, and its solid angle.
+//! Pixels as cells of the sphere: the integral of the direction over each, and its solid angle.
+//!
+//! The direction is `(sin phi sin theta, cos theta, -cos phi sin theta)`, so both are products of a factor of the row
+//! and one of the column.
 
 use std::f64::consts::PI;
+use std::ops::Range;
 
 use glam::DVec3;
 
-use crate::kernels::sphere::{Registration, band_heights};
+use crate::kernels::image::Grid;
+use crate::kernels::sphere::band_heights;
 
-/// Every cell of a map.
+/// Every cell of an image.
 pub struct Cells {
-    /// Integrals of `sin^2`, of `sin cos` and of `sin` of the polar angle over each row.
-    rows: Vec<[f64; 3]>,
-    /// Integrals of the sine and the cosine of the azimuth over each column, and its width.
-    columns: Vec<[f64; 3]>,
+    pub rows: Vec<Row>,
+    pub columns: Columns<Vec<f64>>,
+}
+
+/// Integrals over the polar angles of a row.
+#[derive(Clone, Copy)]
+pub struct Row {
+    /// Of `sin^2`.
+    pub squares: f64,
+    /// Of `sin cos`.
+    pub products: f64,
+    /// Of `sin`: `cos theta_top - cos theta_bottom`.
+    pub band: f64,
+}
+
+/// For columns side by side, integrals over the azimuths of each: of the sine, of the cosine and of 1; means of sine
+/// and cosine; and products of an integral with a mean.
+#[derive(Default)]
+pub struct Columns<Values> {
+    pub sin: Values,
+    pub cos: Values,
+    pub width: Values,
+    pub mean_sin: Values,
+    pub mean_cos: Values,
+    pub sin_sin: Values,
+    pub sin_cos: Values,
+    pub cos_cos: Values,
+}
+
+impl Columns<Vec<f64>> {
+    fn push(&mut self, edges: &[f64]) {
+        let (middle, half) = (0.5 * (edges[0] + edges[1]), 0.5 * (edges[1] - edges[0]));
+        let (width, chord) = (2.0 * half, 2.0 * half.sin());
+        let (sin, cos) = (chord * middle.sin(), chord * middle.cos());
+        let (mean_sin, mean_cos) = (sin / width, cos / width);
+        self.sin.push(sin);
+        self.cos.push(cos);
+        self.width.push(width);
+        self.mean_sin.push(mean_sin);
+        self.mean_cos.push(mean_cos);
+        self.sin_sin.push(sin * mean_sin);
+        self.sin_cos.push(sin * mean_cos);
+        self.cos_cos.push(cos * mean_cos);
+    }
+
+    pub fn at(&self, range: Range<usize>) -> Columns<&[f64]> {
+        let Self { sin, cos, width, mean_sin, mean_cos, sin_sin, sin_cos, cos_cos } = self;
+        let all = [sin, cos, width, mean_sin, mean_cos, sin_sin, sin_cos, cos_cos];
+        let [sin, cos, width, mean_sin, mean_cos, sin_sin, sin_cos, cos_cos] =
+            all.map(|of| &of[range.clone()]);
+        Columns { sin, cos, width, mean_sin, mean_cos, sin_sin, sin_cos, cos_cos }
+    }
 }
 
 impl Cells {
-    pub fn new(height: usize, width: usize, registration: Registration) -> Self {
-        let theta = registration.theta_edges(height);
+    pub fn new(grid: &Grid) -> Self {
         let row = |(edges, band): (&[f64], f64)| {
             let (middle, half) = (0.5 * (edges[0] + edges[1]), 0.5 * (edges[1] - edges[0]));
             let squares = half - 0.5 * (2.0 * middle).cos() * (2.0 * half).sin();
-            [squares, band * middle.cos() * half.cos(), band]
+            Row { squares, products: band * middle.cos() * half.cos(), band }
         };
-        let column = |edges: &[f64]| {
-            let (middle, half) = (0.5 * (edges[0] + edges[1]), 0.5 * (edges[1] - edges[0]));
-            let chord = 2.0 * half.sin();
-            [chord * middle.sin(), chord * middle.cos(), 2.0 * half]
-        };
-        Self {
-            rows: theta.windows(2).zip(band_heights(&theta)).map(row).collect(),
-            columns: registration.phi_edges(width).windows(2).map(column).collect(),
-        }
+        let theta = &grid.theta_edges;
+        let mut columns = Columns::default();
+        grid.phi_edges.windows(2).for_each(|edges| columns.push(edges));
+        Self { rows: theta.windows(2).zip(band_heights(theta)).map(row).collect(), columns }
     }
 
     /// Angle from the middle of a pixel to its corners, at most.
     pub fn half_diagonal(&self) -> f64 {
-        let width = self.columns.iter().map(|column| column[2]).fold(0.0, f64::max);
+        let width = self.columns.width.iter().copied().fold(0.0, f64::max);
         0.5 * (PI / self.rows.len() as f64).hypot(width)
     }
 
-    /// The integral of the direction over a pixel, and its solid angle.
-    pub fn at(&self, row: usize, column: usize) -> (DVec3, f64) {
-        let [squares, product, band] = self.rows[row];
-        let [sin, cos, width] = self.columns[column];
-        (DVec3::new(sin * squares, width * product, -cos * squares), width * band)
+    /// The mean direction of a pixel, not quite a unit vector.
+    pub fn mean(&self, row: usize, column: usize) -> DVec3 {
+        let Row { squares, products, band } = self.rows[row];
+        DVec3::new(
+            self.columns.mean_sin[column] * squares,
+            products,
+            -self.columns.mean_cos[column] * squares,
+        ) / band
     }
 }

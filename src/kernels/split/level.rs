@@ -1,4 +1,9 @@
 //! The sphere in fewer and fewer pixels, on which a membrane is found from the coarsest to the finest.
+#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+
+use std::ops::Range;
+
+use glam::Vec4;
 
 use crate::interrupt;
 use crate::kernels::image::Grid;
@@ -32,10 +37,13 @@ impl Level {
     pub fn coarser(&self) -> Self {
         let grid = self.grid.in_blocks(2);
         let columns = grid.phi_edges.len() - 1;
-        let mut outer: Vec<usize> = self.holes.iter().map(|&hole| self.outside(columns, hole)).collect();
-        outer.sort_unstable();
-        outer.dedup();
-        outer.retain(|&pixel| self.inside(columns, pixel).all(|fine| self.is_hole[fine]));
+        // The first pixel inside of a hole is one.
+        let is_first = |&&hole: &&usize| {
+            [hole / self.size.1, hole % self.size.1].iter().all(|place| place.is_multiple_of(2))
+        };
+        let outer = self.holes.iter().filter(is_first).map(|&hole| self.outside(columns, hole));
+        let outer =
+            outer.filter(|&pixel| self.inside(columns, pixel).all(|fine| self.is_hole[fine])).collect();
         Self::new(grid, outer)
     }
 
@@ -83,30 +91,10 @@ impl Level {
 
     /// Start the holes with the values of a coarser level.
     pub fn start_from(&mut self, coarser: &Self) {
-        let start = coarser.enlarged(2, self.size);
+        let start = Enlarged::new(coarser, 2);
         for &index in &self.holes {
-            let (row, column) = (index / self.size.1, index % self.size.1);
-            self.values[index] = start.at(row, column).map(|value| value as f32);
+            self.values[index] = start.at(index / self.size.1, index % self.size.1);
         }
-    }
-
-    /// The level in pixels that are `factor` times as small, of an image of this size.
-    pub fn enlarged(&self, factor: usize, (height, width): (usize, usize)) -> Enlarged<'_> {
-        let split = |place: usize| {
-            let at = (place as f64 + 0.5) / factor as f64 - 0.5;
-            (at.floor() as i64, at - at.floor())
-        };
-        let last_row = self.size.0 as i64 - 1;
-        let row = |row| {
-            let (row, down) = split(row);
-            ([row, row + 1].map(|row| row.clamp(0, last_row) as usize * self.size.1), down)
-        };
-        let column = |column| {
-            let (column, right) = split(column);
-            ([column, column + 1].map(|column| column.rem_euclid(self.size.1 as i64) as usize), right)
-        };
-        let (rows, columns) = ((0..height).map(row).collect(), (0..width).map(column).collect());
-        Enlarged { level: self, rows, columns }
     }
 
     /// Let the holes relax `sweeps` times: each pixel takes the mean of its neighbours (Gauss and Seidel).
@@ -114,6 +102,16 @@ impl Level {
     /// In finite volumes on the sphere, two pixels exchange the length of the side that they share over the
     /// distance of their middles. A row at a pole has no side there. The bump has a source of 1 everywhere.
     pub fn relax(&mut self, sweeps: usize) {
+        let stencils = self.stencils();
+        for _ in 0..sweeps {
+            interrupt::check();
+            for stencil in &stencils {
+                self.values[stencil.at as usize] = stencil.mean(&self.values);
+            }
+        }
+    }
+
+    fn stencils(&self) -> Vec<Stencil> {
         let (height, width) = self.size;
         let theta = &self.grid.theta_edges;
         let bands = band_heights(theta);
@@ -128,60 +126,130 @@ impl Level {
             .collect();
         let side: Vec<f64> =
             (0..height).map(|row| (theta[row + 1] - theta[row]) / middles[row].sin()).collect();
-        // One over the distance of the middles of each column and the one to its left.
-        let beside: Vec<f64> =
-            (0..width).map(|column| 2.0 / (widths[column] + widths[(column + width - 1) % width])).collect();
-        let holes: Vec<(usize, usize)> =
-            self.holes.iter().map(|index| (index / width, index % width)).collect();
-        for _ in 0..sweeps {
-            interrupt::check();
-            for &(row, column) in &holes {
-                let left = if column > 0 { column - 1 } else { width - 1 };
-                let right = if column + 1 < width { column + 1 } else { 0 };
-                let own = widths[column];
-                let line = row * width;
-                let index = line + column;
-                // The left one comes last: it has only just been found.
-                let neighbours = [
-                    (line + right, side[row] * beside[right]),
-                    (if row > 0 { index - width } else { index }, own * up[row]),
-                    (if row + 1 < height { index + width } else { index }, own * up[row + 1]),
-                    (line + left, side[row] * beside[column]),
-                ];
-                let mut sum = [0.0, 0.0, 0.0, own * bands[row]];
-                let mut whole = 0.0;
-                for (neighbour, weight) in neighbours {
-                    whole += weight;
-                    let value = self.values[neighbour];
-                    sum.iter_mut().zip(value).for_each(|(sum, value)| *sum += weight * f64::from(value));
-                }
-                let share = 1.0 / whole;
-                self.values[index] = sum.map(|sum| (sum * share) as f32);
+        let stencil = |&at: &usize| {
+            let (row, column) = (at / width, at % width);
+            let left = if column > 0 { column - 1 } else { width - 1 };
+            let right = if column + 1 < width { column + 1 } else { 0 };
+            let above = if row > 0 { at - width } else { at };
+            let below = if row + 1 < height { at + width } else { at };
+            let own = widths[column];
+            let beside = |other: usize| 2.0 * side[row] / (own + widths[other]);
+            let conductances = [beside(left), own * up[row], own * up[row + 1]];
+            let share = 1.0 / (conductances.iter().sum::<f64>() + beside(right));
+            Stencil {
+                at: at as u32,
+                right: (row * width + right) as u32,
+                others: [row * width + left, above, below].map(|at| at as u32),
+                weights: conductances.map(|conductance| (share * conductance) as f32),
+                source: (share * own * bands[row]) as f32,
             }
-        }
+        };
+        self.holes.iter().map(stencil).collect()
+    }
+}
+
+/// A pixel, and what it takes from those around it.
+struct Stencil {
+    at: u32,
+    /// The pixel at its right.
+    right: u32,
+    /// The pixels at its left, above and below.
+    others: [u32; 3],
+    /// Their shares; what is missing to 1 is that of the right one.
+    weights: [f32; 3],
+    /// What the bump gains.
+    source: f32,
+}
+
+impl Stencil {
+    /// The mean of the neighbours, which is exact where they are alike, for it starts from one of them. That is the
+    /// right one: it has a fourth at least, so that rounding takes nothing below 0.
+    fn mean(&self, values: &[Value]) -> Value {
+        let [right, left, up, down] = [self.right, self.others[0], self.others[1], self.others[2]]
+            .map(|at| Vec4::from_array(values[at as usize]));
+        // The left one comes last: it has only just been found.
+        let [to_left, to_up, to_down] = self.weights;
+        let mean = right + (up - right) * to_up + (down - right) * to_down + Vec4::W * self.source;
+        (mean + (left - right) * to_left).to_array()
     }
 }
 
 /// A level in smaller pixels, each between the four nearest of the level.
 pub struct Enlarged<'a> {
     pub level: &'a Level,
-    /// The starts of the rows above and below the middle of each row, and the share of the lower one.
-    rows: Vec<([usize; 2], f64)>,
-    /// The columns beside the middle of each column, and the share of the right one.
-    columns: Vec<([usize; 2], f64)>,
+    /// For each of the smaller pixels along the side of a pixel, how far it is from the middle of one pixel to that of
+    /// the next: those before the middle of theirs, and those beyond.
+    before: Vec<f32>,
+    beyond: Vec<f32>,
 }
 
-impl Enlarged<'_> {
-    pub fn at(&self, row: usize, column: usize) -> [f64; 4] {
-        let ((rows, down), (columns, right)) = (self.rows[row], self.columns[column]);
-        let [a, b] = rows.map(|row| columns.map(|column| self.level.values[row + column]));
-        std::array::from_fn(|i| {
-            let line = |[left, right_one]: [Value; 2]| {
-                let (left, right_one) = (f64::from(left[i]), f64::from(right_one[i]));
-                left + right * (right_one - left)
-            };
-            let (above, below) = (line(a), line(b));
-            above + down * (below - above)
-        })
+/// What is between two pixels side by side, or one above the other: their places, and the share of the second.
+type Between = ([usize; 2], f32);
+
+impl<'a> Enlarged<'a> {
+    /// A level in pixels that are `factor` times as small.
+    pub fn new(level: &'a Level, factor: usize) -> Self {
+        let shares = (0..factor).map(|place| (place as f32 + 0.5) / factor as f32 - 0.5);
+        let (before, beyond): (Vec<f32>, Vec<f32>) = shares.partition(|&share| share < 0.0);
+        Self { level, before: before.into_iter().map(|share| share + 1.0).collect(), beyond }
     }
+
+    fn at(&self, row: usize, column: usize) -> Value {
+        let (rows, width) = (self.rows(row), self.level.size.1);
+        let (left, share) = self.after(column);
+        let left = if left > 0 { left - 1 } else { width - 1 };
+        let right = if left + 1 < width { left + 1 } else { 0 };
+        between(self.in_rows(rows, left), self.in_rows(rows, right), share)
+    }
+
+    /// The values in a row behind some columns of the level.
+    #[inline(always)]
+    pub fn fill_row(&self, row: usize, columns: &Range<usize>, values: &mut [Value]) {
+        let (rows, width) = (self.rows(row), self.level.size.1);
+        let before = if columns.start > 0 { columns.start - 1 } else { width - 1 };
+        let (mut left, mut own) = (self.in_rows(rows, before), self.in_rows(rows, columns.start));
+        for (values, next) in
+            values.chunks_mut(self.before.len() + self.beyond.len()).zip(columns.start + 1..)
+        {
+            let right = self.in_rows(rows, if next < width { next } else { 0 });
+            let mut values = values.iter_mut();
+            for (&share, value) in self.before.iter().zip(values.by_ref()) {
+                *value = between(left, own, share);
+            }
+            for (&share, value) in self.beyond.iter().zip(values) {
+                *value = between(own, right, share);
+            }
+            (left, own) = (own, right);
+        }
+    }
+
+    /// The two rows of the level beside the middle of one of the smaller rows.
+    fn rows(&self, row: usize) -> Between {
+        let (below, share) = self.after(row);
+        ([below.saturating_sub(1), below.min(self.level.size.0 - 1)], share)
+    }
+
+    /// The first pixel of the level whose middle is beyond that of one of the smaller ones, and how far it is there.
+    fn after(&self, place: usize) -> (usize, f32) {
+        let factor = self.before.len() + self.beyond.len();
+        let (own, inside) = (place / factor, place % factor);
+        match self.before.get(inside) {
+            Some(&share) => (own, share),
+            None => (own + 1, self.beyond[inside - self.before.len()]),
+        }
+    }
+
+    /// The value of a column of the level between two of its rows.
+    #[inline(always)]
+    fn in_rows(&self, ([above, below], share): Between, column: usize) -> Value {
+        let width = self.level.size.1;
+        between(self.level.values[above * width + column], self.level.values[below * width + column], share)
+    }
+}
+
+/// A value on the way from one to another.
+#[inline(always)]
+fn between(one: Value, other: Value, share: f32) -> Value {
+    let (one, other) = (Vec4::from_array(one), Vec4::from_array(other));
+    (one + share * (other - one)).to_array()
 }

@@ -66,8 +66,10 @@ fn needed(levels: &[Level]) -> Vec<Vec<usize>> {
         // A hole depends on the pixels around it, and starts from those around the coarser pixel that it is in.
         level.holes.iter().flat_map(|&hole| level.around(hole)).for_each(&mut need);
         if let Some(finer) = number.checked_sub(1).map(|finer| &levels[finer]) {
-            let started = finer.holes.iter().map(|&hole| finer.outside(level.size.1, hole));
-            started.flat_map(|pixel| level.around(pixel)).for_each(&mut need);
+            let mut started: Vec<usize> =
+                finer.holes.iter().map(|&hole| finer.outside(level.size.1, hole)).collect();
+            started.dedup();
+            started.into_iter().flat_map(|pixel| level.around(pixel)).for_each(&mut need);
         }
         // A coarser pixel depends on those inside of it.
         if let (Some(coarser), Some(pixels)) = (levels.get(number + 1), needed.last()) {

@@ -4,13 +4,16 @@
 //!
 //! | step                                                     | file           |
 //! |----------------------------------------------------------|----------------|
+//! | the lights as they were found                           | `found.rs`     |
 //! | the map in the pixels in which its lights were found     | `working.rs`   |
 //! | which pixels each light fills: itself, its rim, its glare | `region.rs`   |
 //! | - and the glow that would be found as a light without it | `glow.rs`      |
 //! | the membrane that closes the hole of each light          | `membrane.rs`  |
 //! | - the sphere in fewer and fewer pixels                   | `level.rs`     |
-//! | solid angle and direction of the map's own pixels        | `cells.rs`     |
-//! | what is taken from them, as one direction and one RGB    | `taken.rs`     |
+//! | what is taken from the map, as one direction and one RGB | `taken.rs`     |
+//! | - row by row of its own pixels                           | `pixels.rs`    |
+//! | - their solid angles and directions                      | `cells.rs`     |
+//! | - sums over them                                         | `moments.rs`   |
 //!
 //! A light has one direction and an RGB irradiance. Wherever all of it is before a surface, it gives
 //! `E max(0, n.d)`, and what was taken from the map, `T = L - L'`, gives
@@ -25,36 +28,30 @@
 //! far as that does not show.
 
 mod cells;
+mod found;
 mod glow;
 mod level;
 mod membrane;
+mod moments;
+mod pixels;
 mod region;
 mod taken;
 mod working;
 
-use ndarray::{ArrayView1, ArrayView2, ArrayView3};
+use glam::DVec3;
+use ndarray::ArrayView3;
 
-use crate::error::{Error, Result};
-use crate::kernels::image;
+use crate::error::Result;
+use crate::kernels::image::{self, Grid};
 use crate::kernels::sphere::{self, Registration};
 use cells::Cells;
-use taken::Map;
+pub use found::Found;
+use level::Enlarged;
+use pixels::{Map, Part};
+use region::Regions;
+use taken::Room;
 pub use taken::Taken;
 use working::Working;
-
-/// The lights that are to be taken, as they were found in a map.
-pub struct Found<'a> {
-    /// Row and column, (k, 2), of each light's pixels in the working image.
-    pub pixels: ArrayView2<'a, i64>,
-    /// The light of each of them, (k,). Those from the number of `directions` on stay in the map.
-    pub light_of_pixel: ArrayView1<'a, i64>,
-    /// A unit vector towards each light that is taken, (n, 3).
-    pub directions: ArrayView2<'a, f64>,
-    /// Pixels of the map along each side of a pixel of the working image.
-    pub block: usize,
-    /// Luminance above which a place is bright.
-    pub threshold: f64,
-}
 
 /// What is left of a map without some lights, and what each of them was.
 pub struct Split {
@@ -81,34 +78,28 @@ pub fn split(radiance: ArrayView3<'_, f32>, registration: Registration, found: &
     let map = samples.as_chunks::<3>().0;
     let (size, block) = ((height, width), found.block.max(1));
     let working = Working::of(map, size, registration, block);
-    let members = members(found, working.size)?;
+    let members = found.members(working.size)?;
     let regions = region::regions(&working, &members, directions.len(), found.threshold);
     let membrane = membrane::membrane(&working, &regions);
-    let cells = Cells::new(height, width, registration);
-    let map = Map { pixels: map, size, cells, membrane: membrane.enlarged(block, size), block };
-    let (mut pixels, mut left, mut lights) = (Vec::new(), Vec::new(), Vec::new());
-    for (region, &direction) in regions.pixels.iter().zip(&directions) {
-        let (light, taken_from) = taken::take(&map, region, direction);
-        for part in taken_from {
-            pixels.extend(part.iter().map(|pixel| (pixel.row * width + pixel.column) as i64));
-            left.extend(part.iter().map(|pixel| pixel.left));
-        }
-        lights.push(light);
-    }
-    Ok(Split { pixels, left, lights })
+    let map = Map {
+        pixels: map,
+        size,
+        cells: Cells::new(&Grid::of_pixels(height, width, registration)),
+        membrane: Enlarged::new(&membrane, block),
+        block,
+    };
+    Ok(taken(&map, &Cells::new(&working.grid), &regions, &directions))
 }
 
-/// Flat indices of the pixels of lights in a working image of this size, each with its light.
-fn members(found: &Found<'_>, (height, width): (usize, usize)) -> Result<Vec<(usize, usize)>> {
-    let lengths = [("light_of_pixel", found.light_of_pixel.len())];
-    sphere::check_lengths("pixels", found.pixels.nrows(), lengths)?;
-    let mut members = Vec::with_capacity(found.pixels.nrows());
-    for (index, (place, &light)) in found.pixels.rows().into_iter().zip(found.light_of_pixel).enumerate() {
-        let (row, column) = (place[0], place[1]);
-        if !(0..height as i64).contains(&row) || !(0..width as i64).contains(&column) || light < 0 {
-            return Err(Error::OutsideImage { index, row, column, height, width });
-        }
-        members.push((row as usize * width + column as usize, light as usize));
-    }
-    Ok(members)
+/// Take one light after the other, each from its region.
+fn taken(map: &Map<'_>, working: &Cells, regions: &Regions, directions: &[DVec3]) -> Split {
+    let parts: Vec<Vec<Part>> = regions.pixels.iter().map(|region| map.parts(region)).collect();
+    let count = parts.iter().flatten().map(|part| part.pixels).sum();
+    let (mut pixels, mut left) = (vec![0; count], vec![[0.0; 3]; count]);
+    let mut room = Room { pixels: &mut pixels, left: &mut left };
+    let lights = regions.pixels.iter().zip(&parts).zip(directions);
+    let lights = lights
+        .map(|((region, parts), &direction)| taken::take(map, working, region, parts, direction, &mut room))
+        .collect();
+    Split { pixels, left, lights }
 }

@@ -10,8 +10,6 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::f64::consts::PI;
 
-use glam::DVec3;
-
 use super::glow::{self, NONE};
 use super::working::Working;
 use crate::interrupt;
@@ -138,44 +136,89 @@ fn grown(
     light_of: &[u32],
     rings: &mut Rings,
 ) -> Vec<RingPixel> {
-    let height = PI / working.size.0 as f64;
-    let farthest = FARTHEST.max((LEAST_RINGS + STRIDE) as f64 * height);
-    let mut heap = BinaryHeap::new();
-    let mut nearest = vec![f32::INFINITY; light_of.len()];
-    let mut visit = |heap: &mut BinaryHeap<_>, pixel: usize, source: usize, at: DVec3| {
-        if light_of[pixel] != NONE {
-            return;
-        }
-        let distance = working.centre(pixel).distance(at);
-        if distance < farthest && (distance as f32) < nearest[pixel] {
-            nearest[pixel] = distance as f32;
-            heap.push(Reverse(((distance as f32).to_bits(), pixel as u32, source as u32)));
-        }
-    };
-    for &(index, _) in members {
-        let at = working.centre(index);
-        working.around(index).iter().for_each(|&other| visit(&mut heap, other, index, at));
+    let mut front = Front::new(working, light_of);
+    for &(pixel, _) in members {
+        front.visit_around(pixel, pixel, 0);
     }
-    let (mut grown, mut is_done, mut current) = (Vec::new(), vec![false; light_of.len()], 0);
-    while let Some(Reverse((bits, pixel, source))) = heap.pop() {
-        let light = light_of[source as usize];
-        if !rings.grows(light) || std::mem::replace(&mut is_done[pixel as usize], true) {
-            continue;
-        }
-        let number = (f64::from(f32::from_bits(bits)) / height - 0.5).max(0.0) as usize;
-        while current < number {
-            interrupt::check();
+    let mut grown = Vec::new();
+    for ring in 0..front.rings.len() {
+        interrupt::check();
+        if ring > 0 {
             rings.close();
-            current += 1;
         }
-        grown.push(RingPixel { pixel, light, number });
-        rings.growing[light as usize].push(working.luminance(pixel as usize));
-        let at = working.centre(source as usize);
-        for other in working.around(pixel as usize) {
-            visit(&mut heap, other, source as usize, at);
+        while let Some(Reverse((bits, pixel, source))) = front.rings[ring].pop() {
+            let (place, source) = (pixel as usize, source as usize);
+            let light = light_of[source];
+            if rings.grows(light) && !std::mem::replace(&mut front.is_done[place], true) {
+                grown.push(RingPixel { pixel, light, number: front.ring_of(f32::from_bits(bits)) });
+                rings.growing[light as usize].push(working.luminance(place));
+                front.visit_around(place, source, ring);
+            }
         }
     }
     grown
+}
+
+/// The bits of a distance, the pixel to which it leads, and the pixel of a light from which it comes.
+type Step = Reverse<(u32, u32, u32)>;
+
+/// The pixels that the rings have reached.
+struct Front<'a> {
+    working: &'a Working<'a>,
+    light_of: &'a [u32],
+    /// The pixel of a light that is nearest to each pixel, as far as is known, and its distance.
+    source: Vec<u32>,
+    nearest: Vec<f32>,
+    is_done: Vec<bool>,
+    /// Steps to the pixels of each ring: heaps for each are smaller than one for all.
+    rings: Vec<BinaryHeap<Step>>,
+    /// Height of a row, and the largest distance.
+    height: f64,
+    farthest: f64,
+}
+
+impl<'a> Front<'a> {
+    fn new(working: &'a Working<'a>, light_of: &'a [u32]) -> Self {
+        let (pixels, height) = (light_of.len(), PI / working.size.0 as f64);
+        let farthest = FARTHEST.max((LEAST_RINGS + STRIDE) as f64 * height);
+        let mut front = Self {
+            working,
+            light_of,
+            source: vec![NONE; pixels],
+            nearest: vec![0.0; pixels],
+            is_done: vec![false; pixels],
+            rings: Vec::new(),
+            height,
+            farthest,
+        };
+        front.rings.resize_with(front.ring_of(farthest as f32) + 1, BinaryHeap::new);
+        front
+    }
+
+    /// The ring of pixels at this distance from a light.
+    fn ring_of(&self, distance: f32) -> usize {
+        (f64::from(distance) / self.height - 0.5).max(0.0) as usize
+    }
+
+    /// Step from a pixel, while this ring grows, to those around it that know of no light's pixel nearer than `source`.
+    fn visit_around(&mut self, pixel: usize, source: usize, ring: usize) {
+        let at = self.working.centre(source);
+        for other in self.working.around(pixel) {
+            let is_known = self.is_done[other] || self.source[other] == source as u32;
+            if is_known || self.light_of[other] != NONE {
+                continue;
+            }
+            let distance = self.working.centre(other).distance(at);
+            let is_first = self.source[other] == NONE;
+            if distance < self.farthest && (is_first || (distance as f32) < self.nearest[other]) {
+                self.source[other] = source as u32;
+                self.nearest[other] = distance as f32;
+                let step = ((distance as f32).to_bits(), other as u32, source as u32);
+                let number = self.ring_of(distance as f32);
+                self.rings[number.max(ring)].push(Reverse(step));
+            }
+        }
+    }
 }
 
 /// The median, 0 of no values: a light without room for a ring ends before it.

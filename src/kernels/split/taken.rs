@@ -1,30 +1,37 @@
 //! What is taken from the pixels of a light, so that it has one direction.
 //!
 //! A pixel that is brighter than the membrane becomes the membrane; one that is darker stays. That leaves `M`,
-//! and takes vectors that are nearly parallel. With the bump `b` of the membrane, at most 1, and the place `t` of
-//! a pixel across the light's direction, each channel is tilted to
+//! and takes vectors that are nearly parallel. With the bump `b` of the membrane and the place `t` of a pixel across
+//! the light's direction, each channel is tilted to
 //!
 //! ```text
 //!   L' = M (1 + b k.t)      with k so that      integral of (L - L') t dw = 0
 //! ```
 //!
-//! which is linear in k. For a sun whose glare is around it, tilts of a few per cent do. A window that is blue
-//! above and green below would need so much that it showed as a colour: no single direction stands for it. Such
-//! a channel is not tilted, and its vector tells what is left across the direction. That has no luminance, for
-//! the direction is that of the luminance taken.
+//! which is linear in k: two sums over the pixels tell it, that of `(L - M) t` and that of `M b t t^T`. Neither needs
+//! the direction, for `t` is the direction of a pixel without its part along that of the light. So the pixels of a
+//! light are read twice, once for the sums and once to be tilted.
+//!
+//! For a sun whose glare is around it, tilts of a few per cent do. A window that is blue above and green below would
+//! need so much that it showed as a colour: no single direction stands for it. Such a channel is not tilted, and its
+//! vector tells what is left across the direction. That has no luminance, for the direction is that of the luminance
+//! taken.
+#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
-use glam::{DMat2, DMat3, DVec2, DVec3};
+use glam::{BVec4A, DMat2, DMat3, DVec2, DVec3, Vec4};
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
-use super::cells::Cells;
-use super::level::Enlarged;
-use crate::interrupt;
+use super::cells::{Cells, Row};
+use super::level::{Level, Value};
+use super::moments;
+use super::pixels::{Map, Part, RowOfPixels};
+use crate::kernels::detect::tree::dot;
 use crate::kernels::image::{LUMINANCE, luminance_f32};
 use crate::kernels::sphere::tangents;
 
-/// Pixels that one task sums. Another number would add in another order.
-const PIXELS_OF_A_PART: usize = 4096;
-/// The largest tilt, as a share of the radiance. Of 20 maps, the suns need .08 to .26, and windows .7 to 27.
+/// The largest tilt, as a share of the radiance, at the middle of a pixel of the working image. Of 20 maps, the suns
+/// need .08 to .26, and windows .7 to 27.
 const LARGEST_TILT: f64 = 0.3;
 /// Across the axis, less than this share of a vector is the rounding of samples.
 const ROUNDING: f64 = 1e-7;
@@ -40,83 +47,64 @@ pub struct Taken {
     pub flux: f64,
     /// That of a light of the same radiance everywhere with the same flux and the same square of it.
     pub solid_angle: f64,
-    /// Angle from the direction within which all pixels lie from which something was taken.
+    /// Angle from the direction within which all lies that was taken.
     pub reach: f64,
     /// Vector irradiance of each channel.
     pub vectors: DMat3,
 }
 
-/// A map, its cells, and the membrane in its pixels.
-pub struct Map<'a> {
-    /// Its pixels, row after row, and its height and width.
-    pub pixels: &'a [[f32; 3]],
-    pub size: (usize, usize),
-    pub cells: Cells,
-    pub membrane: Enlarged<'a>,
-    /// Pixels of the map along each side of a pixel of the working image.
-    pub block: usize,
+/// Room for pixels of lights: their flat indices, and what is left of them.
+pub struct Room<'a> {
+    pub pixels: &'a mut [i64],
+    pub left: &'a mut [[f32; 3]],
 }
 
-/// A pixel of a light.
-pub struct Pixel {
-    pub row: usize,
-    pub column: usize,
-    given: [f32; 3],
-    pub left: [f32; 3],
-    bump: f32,
+impl<'a> Room<'a> {
+    /// The first so many places, which the room has no more then.
+    fn for_pixels(&mut self, count: usize) -> Room<'a> {
+        let (pixels, other_pixels) = std::mem::take(&mut self.pixels).split_at_mut(count);
+        let (left, other_left) = std::mem::take(&mut self.left).split_at_mut(count);
+        *self = Room { pixels: other_pixels, left: other_left };
+        Room { pixels, left }
+    }
 }
 
-/// Take the light in some pixels of the working image. Where nothing is taken, it keeps the `direction` that it
-/// was found in.
-pub fn take(map: &Map<'_>, region: &[u32], direction: DVec3) -> (Taken, Vec<Vec<Pixel>>) {
-    let cells = &map.cells;
-    let mut pixels = closed(map, region);
-    let vectors = keep_dark_channels(&mut pixels, cells);
-    let axis = toward(&vectors).try_normalize().unwrap_or(direction);
-    align(&mut pixels, cells, axis, vectors.map(DVec3::length));
-    (measured(&pixels, cells, direction), pixels)
+/// How much of each pixel is left.
+#[derive(Default)]
+struct Rule {
+    /// Whether nothing is taken of a channel where it is darker than the membrane.
+    is_dark: BVec4A,
+    /// A vector for each channel: what is left changes by the share `bump * tilt.d` in the direction `d`.
+    tilts: [DVec3; 3],
 }
 
-/// The map's pixels behind some of the working image, with the membrane wherever it is darker, in parts.
-fn closed(map: &Map<'_>, region: &[u32]) -> Vec<Vec<Pixel>> {
-    let ((height, width), block) = (map.size, map.block);
-    let columns = map.membrane.level.size.1;
-    let pixel = |row: usize, column: usize| {
-        let given = map.pixels[row * width + column];
-        let [red, green, blue, bump] = map.membrane.at(row, column).map(|value| value as f32);
-        let fill = [red, green, blue];
-        let left = if luminance_f32(given) > luminance_f32(fill) { fill } else { given };
-        Pixel { row, column, given, left, bump }
-    };
-    region
-        .par_chunks(PIXELS_OF_A_PART / block.pow(2).min(PIXELS_OF_A_PART))
-        .map(|part| {
-            interrupt::check();
-            let mut pixels = Vec::with_capacity(part.len() * block.pow(2));
-            for &place in part {
-                let (row, column) = (place as usize / columns * block, place as usize % columns * block);
-                for row in row..(row + block).min(height) {
-                    pixels.extend((column..(column + block).min(width)).map(|column| pixel(row, column)));
-                }
-            }
-            pixels
-        })
-        .collect()
+/// Take the light in some pixels of the working image, whose cells are `working`. Where nothing is taken, it keeps the
+/// direction in which it was `found`.
+pub fn take(
+    map: &Map<'_>,
+    working: &Cells,
+    region: &[u32],
+    parts: &[Part],
+    found: DVec3,
+    room: &mut Room<'_>,
+) -> Taken {
+    let (rule, sums) = keep_dark_channels(map, parts);
+    let axis = toward(&sums.vectors).try_normalize().unwrap_or(found);
+    let tilts = sums.tilts(axis, |tilt| steepest(map.membrane.level, working, region, tilt));
+    let reach = |direction| reach(working, map.membrane.level.size.1, region, direction);
+    leave(map, parts, &Rule { tilts, ..rule }, room).measured(found, reach)
 }
 
 /// In a channel of which the membrane holds more than the light, take nothing from any pixel that is darker.
 ///
-/// So a red lamp before a white wall takes no negative blue with it. Gives the vector irradiance of what is taken.
-fn keep_dark_channels(pixels: &mut [Vec<Pixel>], cells: &Cells) -> [DVec3; 3] {
-    let before = vectors(pixels, cells);
-    let axis = toward(&before);
-    let is_dark = before.map(|vector| vector.dot(axis) < 0.0);
-    for channel in (0..3).filter(|&channel| is_dark[channel]) {
-        for pixel in pixels.iter_mut().flatten() {
-            pixel.left[channel] = pixel.left[channel].min(pixel.given[channel]);
-        }
-    }
-    if is_dark.contains(&true) { vectors(pixels, cells) } else { before }
+/// So a red lamp before a white wall takes no negative blue with it.
+fn keep_dark_channels(map: &Map<'_>, parts: &[Part]) -> (Rule, Sums) {
+    let sums = Sums::of(map, parts, &Rule::default());
+    let axis = toward(&sums.vectors);
+    let is_dark = sums.vectors.map(|vector| vector.dot(axis) < 0.0);
+    let rule = Rule { is_dark: BVec4A::new(is_dark[0], is_dark[1], is_dark[2], false), ..Rule::default() };
+    let sums = if is_dark.contains(&true) { Sums::of(map, parts, &rule) } else { sums };
+    (rule, sums)
 }
 
 /// The vector of the luminance, from those of the channels.
@@ -124,120 +112,227 @@ fn toward(vectors: &[DVec3; 3]) -> DVec3 {
     vectors.iter().zip(LUMINANCE).map(|(vector, weight)| weight * *vector).sum()
 }
 
-/// The sum of a quantity over all pixels, part by part, in the same order for any number of threads.
-fn sum<T: Send>(
-    pixels: &[Vec<Pixel>],
-    of: impl Fn(&[Pixel]) -> T + Sync,
-    add: impl Fn(T, T) -> T,
-) -> Option<T> {
-    let part = |part: &Vec<Pixel>| {
-        interrupt::check();
-        of(part)
-    };
-    let parts: Vec<T> = pixels.par_iter().map(part).collect();
-    parts.into_iter().reduce(add)
+/// Angle from a direction within which some pixels of the working image lie.
+fn reach(working: &Cells, columns: usize, region: &[u32], direction: DVec3) -> f64 {
+    let cosine = |place: usize| direction.dot(working.mean(place / columns, place % columns));
+    let least = region.iter().map(|&place| cosine(place as usize)).fold(1.0, f64::min);
+    least.max(-1.0).acos() + working.half_diagonal()
 }
 
-/// Vector irradiance of what is taken, for each channel.
-fn vectors(pixels: &[Vec<Pixel>], cells: &Cells) -> [DVec3; 3] {
-    let of = |part: &[Pixel]| {
-        let mut sums = [DVec3::ZERO; 3];
-        for pixel in part {
-            let (integral, _) = cells.at(pixel.row, pixel.column);
-            for (sum, taken) in sums.iter_mut().zip(pixel.taken()) {
-                *sum += taken * integral;
-            }
-        }
-        sums
+/// Largest change by a tilt in some pixels of the working image.
+fn steepest(membrane: &Level, working: &Cells, region: &[u32], tilt: DVec3) -> f64 {
+    let change = |place: usize| {
+        let (row, column) = (place / membrane.size.1, place % membrane.size.1);
+        (f64::from(membrane.values[place][3]) * tilt.dot(working.mean(row, column))).abs()
     };
-    sum(pixels, of, |a, b| [a[0] + b[0], a[1] + b[1], a[2] + b[2]]).unwrap_or_default()
+    region.iter().map(|&place| change(place as usize)).fold(0.0, f64::max)
 }
 
-impl Pixel {
-    fn taken(&self) -> [f64; 3] {
-        std::array::from_fn(|channel| f64::from(self.given[channel]) - f64::from(self.left[channel]))
+impl Rule {
+    /// What is left of a pixel before the tilt.
+    #[inline(always)]
+    fn closed(&self, given: [f32; 3], fill: Value) -> [f32; 3] {
+        // By masks in place of branches: in an even sky, no processor can tell which way the next pixel goes.
+        let [given_luminance, luminance] =
+            [given, [fill[0], fill[1], fill[2]]].map(|pixel| Vec4::splat(luminance_f32(pixel)));
+        let (given, fill) = (Vec4::new(given[0], given[1], given[2], 0.0), Vec4::from_array(fill));
+        let fill = Vec4::select(self.is_dark, fill.min(given), fill);
+        Vec4::select(given_luminance.cmpgt(luminance), fill, given).truncate().to_array()
     }
 }
 
-/// Tilt what is left so that the vector of each channel, of these `lengths`, becomes parallel to `axis`.
-fn align(pixels: &mut [Vec<Pixel>], cells: &Cells, axis: DVec3, lengths: [f64; 3]) {
-    let across = tangents(axis);
-    let highest = pixels.iter().flatten().map(|pixel| pixel.bump).fold(f32::MIN_POSITIVE, f32::max);
-    // The bump of a pixel, its place across the axis, and the integral of that over the pixel.
-    let place = |pixel: &Pixel| {
-        let (integral, solid_angle) = cells.at(pixel.row, pixel.column);
-        let integral = DVec2::new(integral.dot(across[0]), integral.dot(across[1]));
-        (f64::from(pixel.bump / highest), integral / solid_angle, integral)
-    };
-    // Solve for the slope of each channel.
-    let of = |part: &[Pixel]| {
-        let mut sums = [(DVec2::ZERO, DMat2::ZERO); 3];
-        for pixel in part {
-            let (bump, at, integral) = place(pixel);
-            let product = bump * DMat2::from_cols(integral * at.x, integral * at.y);
-            for ((sum, taken), left) in sums.iter_mut().zip(pixel.taken()).zip(pixel.left) {
-                sum.0 += taken * integral;
-                sum.1 += f64::from(left) * product;
+/// What is taken, before any tilt, and what a tilt would change.
+struct Sums {
+    /// Vector irradiance of what is taken.
+    vectors: [DVec3; 3],
+    /// Second moments of what is left, times the bump.
+    tensors: [DMat3; 3],
+}
+
+impl Sums {
+    fn of(map: &Map<'_>, parts: &[Part], rule: &Rule) -> Self {
+        let sum = |part| Arch::new().dispatch(SumsOf { map, part, rule });
+        let sums: Vec<Self> = parts.par_iter().map(sum).collect();
+        let mut whole = Self { vectors: [DVec3::ZERO; 3], tensors: [DMat3::ZERO; 3] };
+        for part in sums {
+            add(&mut whole.vectors, part.vectors);
+            add(&mut whole.tensors, part.tensors);
+        }
+        whole
+    }
+
+    /// The tilt of each channel that makes its vector parallel to `axis`, where its `steepest` change is small.
+    fn tilts(&self, axis: DVec3, steepest: impl Fn(DVec3) -> f64) -> [DVec3; 3] {
+        let across = tangents(axis);
+        std::array::from_fn(|channel| {
+            let (vector, tensor) = (self.vectors[channel], self.tensors[channel]);
+            let moment = DVec2::from(across.map(|side| vector.dot(side)));
+            let column = |side| DVec2::from(across.map(|other| other.dot(tensor * side)));
+            let slope = DMat2::from_cols(column(across[0]), column(across[1])).inverse() * moment;
+            let tilt = slope.x * across[0] + slope.y * across[1];
+            let is_aligned = moment.length() <= ROUNDING * vector.length();
+            // A slope that is not a number is none: nothing is left that could be tilted.
+            if !is_aligned && tilt.is_finite() && steepest(tilt) <= LARGEST_TILT { tilt } else { DVec3::ZERO }
+        })
+    }
+}
+
+/// The sums of a part.
+struct SumsOf<'a> {
+    map: &'a Map<'a>,
+    part: &'a Part,
+    rule: &'a Rule,
+}
+
+impl WithSimd for SumsOf<'_> {
+    type Output = Sums;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Sums {
+        let mut sums = Sums { vectors: [DVec3::ZERO; 3], tensors: [DMat3::ZERO; 3] };
+        let (mut fill, mut left, mut taken, mut kept) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        for place in self.map.rows(self.part) {
+            let RowOfPixels { given, row, columns, .. } = self.map.row(&place, &mut fill);
+            let pixels = given.iter().zip(&fill);
+            refill(&mut left, pixels.map(|(&given, &fill)| self.rule.closed(given, fill)));
+            for channel in 0..3 {
+                take_from(&mut taken, given, &left, channel);
+                let pixels = left.iter().zip(&fill);
+                refill(&mut kept, pixels.map(|(left, fill)| left[channel] * fill[3]));
+                sums.vectors[channel] += moments::first(&taken, row, &columns);
+                sums.tensors[channel] += moments::second(&kept, row, &columns);
             }
         }
         sums
-    };
-    let add = |a: [(DVec2, DMat2); 3], b: [(DVec2, DMat2); 3]| {
-        [0, 1, 2].map(|channel| (a[channel].0 + b[channel].0, a[channel].1 + b[channel].1))
-    };
-    let Some(sums) = sum(pixels, of, add) else { return };
-    let slopes = [0, 1, 2].map(|channel| {
-        let (moment, products) = sums[channel];
-        let is_aligned = moment.length() <= ROUNDING * lengths[channel];
-        if is_aligned { DVec2::ZERO } else { products.inverse() * moment }
-    });
-    // Tilt the channels that need no more than the largest tilt.
-    let steepest = |part: &[Pixel]| {
-        part.iter().fold([0.0_f64; 3], |most, pixel| {
-            let (bump, at, _) = place(pixel);
-            [0, 1, 2].map(|channel| most[channel].max((bump * slopes[channel].dot(at)).abs()))
-        })
-    };
-    let tilts = sum(pixels, steepest, |a, b| [0, 1, 2].map(|i| a[i].max(b[i]))).unwrap_or_default();
-    // A slope that is not a number is none: nothing is left that could be tilted.
-    let is_tilted = |channel: usize| tilts[channel] <= LARGEST_TILT && slopes[channel].is_finite();
-    let slopes = [0, 1, 2].map(|channel| if is_tilted(channel) { slopes[channel] } else { DVec2::ZERO });
-    pixels.par_iter_mut().flatten_iter().for_each(|pixel| {
-        let (bump, at, _) = place(pixel);
-        for (left, slope) in pixel.left.iter_mut().zip(slopes) {
-            let tilted = f64::from(*left) * (1.0 + bump * slope.dot(at));
-            *left = tilted.min(f64::from(f32::MAX)) as f32;
-        }
-    });
+    }
+}
+
+/// Add to the sum of each channel.
+fn add<T: std::ops::AddAssign>(sums: &mut [T; 3], terms: [T; 3]) {
+    sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
+}
+
+/// What is taken of a channel of each pixel.
+#[inline(always)]
+fn take_from(taken: &mut Vec<f64>, given: &[[f32; 3]], left: &[[f32; 3]], channel: usize) {
+    let pixels = given.iter().zip(left);
+    refill(taken, pixels.map(|(given, left)| f64::from(given[channel]) - f64::from(left[channel])));
+}
+
+#[inline(always)]
+fn refill<T>(values: &mut Vec<T>, new: impl Iterator<Item = T>) {
+    values.clear();
+    values.extend(new);
 }
 
 /// What was taken, after all rounding.
-fn measured(pixels: &[Vec<Pixel>], cells: &Cells, found: DVec3) -> Taken {
-    let vectors = vectors(pixels, cells);
-    let direction = toward(&vectors).try_normalize().unwrap_or(found);
-    let irradiance = DVec3::from_array(vectors.map(|vector| vector.dot(direction).max(0.0)));
-    let of = |part: &[Pixel]| {
-        let mut sums = (0.0, 0.0, 1.0_f64);
-        for pixel in part {
-            let (integral, solid_angle) = cells.at(pixel.row, pixel.column);
-            let taken = pixel.taken();
-            let luminance: f64 = taken.iter().zip(LUMINANCE).map(|(taken, weight)| weight * taken).sum();
-            sums.0 += luminance * solid_angle;
-            sums.1 += luminance * luminance * solid_angle;
-            if taken.iter().any(|taken| taken.abs() > 0.0) {
-                sums.2 = sums.2.min(integral.dot(direction) / solid_angle);
-            }
+struct Measures {
+    vectors: [DVec3; 3],
+    /// Integral of the luminance, and of its square.
+    flux: f64,
+    squares: f64,
+}
+
+impl Measures {
+    const NONE: Self = Self { vectors: [DVec3::ZERO; 3], flux: 0.0, squares: 0.0 };
+
+    fn and(mut self, other: &Self) -> Self {
+        add(&mut self.vectors, other.vectors);
+        Self { flux: self.flux + other.flux, squares: self.squares + other.squares, ..self }
+    }
+
+    fn measured(&self, found: DVec3, reach: impl Fn(DVec3) -> f64) -> Taken {
+        let Self { vectors, flux, squares } = *self;
+        let direction = toward(&vectors).try_normalize().unwrap_or(found);
+        Taken {
+            direction,
+            irradiance: DVec3::from_array(vectors.map(|vector| vector.dot(direction).max(0.0))),
+            flux,
+            solid_angle: if squares > 0.0 { flux * flux / squares } else { 0.0 },
+            reach: if flux > 0.0 { reach(direction) } else { 0.0 },
+            vectors: DMat3::from_cols(vectors[0], vectors[1], vectors[2]),
         }
-        sums
-    };
-    let (flux, squares, least) =
-        sum(pixels, of, |a, b| (a.0 + b.0, a.1 + b.1, a.2.min(b.2))).unwrap_or((0.0, 0.0, 1.0));
-    Taken {
-        direction,
-        irradiance,
-        flux,
-        solid_angle: if squares > 0.0 { flux * flux / squares } else { 0.0 },
-        reach: if flux > 0.0 { least.clamp(-1.0, 1.0).acos() + cells.half_diagonal() } else { 0.0 },
-        vectors: DMat3::from_cols(vectors[0], vectors[1], vectors[2]),
+    }
+}
+
+/// Leave of each pixel what the rule says.
+fn leave(map: &Map<'_>, parts: &[Part], rule: &Rule, room: &mut Room<'_>) -> Measures {
+    let rooms: Vec<Room<'_>> = parts.iter().map(|part| room.for_pixels(part.pixels)).collect();
+    let parts = parts.par_iter().zip(rooms);
+    let left = |(part, room)| Arch::new().dispatch(Left { map, part, rule, room });
+    let measures: Vec<Measures> = parts.map(left).collect();
+    measures.iter().fold(Measures::NONE, Measures::and)
+}
+
+/// What is left of a part.
+struct Left<'a> {
+    map: &'a Map<'a>,
+    part: &'a Part,
+    rule: &'a Rule,
+    room: Room<'a>,
+}
+
+impl WithSimd for Left<'_> {
+    type Output = Measures;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Measures {
+        let Self { map, part, rule, mut room } = self;
+        let mut measures = Measures::NONE;
+        let (mut fill, mut taken, mut luminance) = (Vec::new(), Vec::new(), Vec::new());
+        for place in map.rows(part) {
+            let RowOfPixels { first, given, row, columns } = map.row(&place, &mut fill);
+            let Room { pixels, left } = room.for_pixels(given.len());
+            pixels.iter_mut().zip(first..).for_each(|(pixel, index)| *pixel = index as i64);
+            let tilt = RowTilt::new(&rule.tilts, row);
+            for ((left, (&given, &fill)), column) in left.iter_mut().zip(given.iter().zip(&fill)).zip(0..) {
+                *left = tilt.of(
+                    rule.closed(given, fill),
+                    fill[3],
+                    columns.mean_sin[column],
+                    columns.mean_cos[column],
+                );
+            }
+            refill(&mut luminance, given.iter().map(|_| 0.0));
+            for (channel, weight) in LUMINANCE.into_iter().enumerate() {
+                take_from(&mut taken, given, left, channel);
+                measures.vectors[channel] += moments::first(&taken, row, &columns);
+                luminance.iter_mut().zip(&taken).for_each(|(sum, taken)| *sum += weight * taken);
+            }
+            measures.flux += row.band * dot(&luminance, columns.width);
+            refill(&mut taken, luminance.iter().map(|value| value * value));
+            measures.squares += row.band * dot(&taken, columns.width);
+        }
+        measures
+    }
+}
+
+/// The tilt of each channel along a row: factors of the sine and the cosine of the column, and what is even.
+struct RowTilt {
+    sin: Vec4,
+    cos: Vec4,
+    even: Vec4,
+}
+
+impl RowTilt {
+    #[inline(always)]
+    fn new(tilts: &[DVec3; 3], row: &Row) -> Self {
+        let of = |factor: fn(DVec3) -> f64, integral: f64| {
+            let share = integral / row.band;
+            let [red, green, blue] = tilts.map(|tilt| (share * factor(tilt)) as f32);
+            Vec4::new(red, green, blue, 0.0)
+        };
+        Self {
+            sin: of(|tilt| tilt.x, row.squares),
+            cos: of(|tilt| -tilt.z, row.squares),
+            even: of(|tilt| tilt.y, row.products),
+        }
+    }
+
+    #[inline(always)]
+    fn of(&self, closed: [f32; 3], bump: f32, sin: f64, cos: f64) -> [f32; 3] {
+        let closed = Vec4::new(closed[0], closed[1], closed[2], 0.0);
+        let tilt = self.sin * sin as f32 + self.cos * cos as f32 + self.even;
+        (closed + closed * (bump * tilt)).min(Vec4::splat(f32::MAX)).truncate().to_array()
     }
 }

@@ -1,6 +1,6 @@
 //! The map in the larger pixels in which its lights were found: each is read only where it is asked for.
 
-use glam::DVec3;
+use glam::{DVec3, Vec4};
 
 use crate::kernels::image::{Grid, luminance_f32};
 use crate::kernels::sphere::{Registration, band_heights};
@@ -15,9 +15,9 @@ pub struct Working<'a> {
     pub grid: Grid,
     /// Pixels of the map along each of their sides.
     block: usize,
-    /// `cos theta_top - cos theta_bottom` of each row of the map, and the width of each column.
-    bands: Vec<f64>,
-    widths: Vec<f64>,
+    /// Share of each row and column of the map in the larger pixels that it is in.
+    row_shares: Vec<f32>,
+    column_shares: Vec<f32>,
     /// Sine and cosine of the middle of each row and column of the larger pixels.
     rows: Vec<(f64, f64)>,
     columns: Vec<(f64, f64)>,
@@ -36,14 +36,15 @@ impl<'a> Working<'a> {
         let middles = |edges: &[f64]| -> Vec<(f64, f64)> {
             edges.windows(2).map(|edge| (0.5 * (edge[0] + edge[1])).sin_cos()).collect()
         };
+        let widths: Vec<f64> = pixels.phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect();
         let (rows, columns) = (middles(&grid.theta_edges), middles(&grid.phi_edges));
         Self {
             pixels: map,
             size: (rows.len(), columns.len()),
             grid,
             block,
-            bands: band_heights(&pixels.theta_edges),
-            widths: pixels.phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect(),
+            row_shares: shares(&band_heights(&pixels.theta_edges), block),
+            column_shares: shares(&widths, block),
             rows,
             columns,
         }
@@ -52,18 +53,19 @@ impl<'a> Working<'a> {
     /// Mean radiance of a pixel, by solid angle.
     pub fn mean(&self, index: usize) -> [f32; 3] {
         let [row, column] = [index / self.size.1, index % self.size.1].map(|place| place * self.block);
-        let rows = row..(row + self.block).min(self.bands.len());
-        let columns = column..(column + self.block).min(self.widths.len());
-        let (mut sum, mut whole) = ([0.0; 3], 0.0);
+        let rows = row..(row + self.block).min(self.row_shares.len());
+        let columns = column..(column + self.block).min(self.column_shares.len());
+        // The mean of differences from the first pixel: exact where all are alike.
+        let first = rgb(self.pixels[row * self.column_shares.len() + column]);
+        let mut sum = Vec4::ZERO;
         for row in rows {
-            let pixels = &self.pixels[row * self.widths.len()..][columns.clone()];
-            for (pixel, width) in pixels.iter().zip(&self.widths[columns.clone()]) {
-                let solid_angle = self.bands[row] * width;
-                whole += solid_angle;
-                sum.iter_mut().zip(pixel).for_each(|(sum, &value)| *sum += solid_angle * f64::from(value));
-            }
+            let start = row * self.column_shares.len();
+            let pixels = &self.pixels[start + columns.start..start + columns.end];
+            let shares = &self.column_shares[columns.clone()];
+            let line = pixels.iter().zip(shares).map(|(&pixel, &share)| share * (rgb(pixel) - first));
+            sum += self.row_shares[row] * line.sum::<Vec4>();
         }
-        sum.map(|sum| (sum / whole) as f32)
+        (first + sum).truncate().to_array()
     }
 
     /// Luminance of a pixel.
@@ -91,4 +93,17 @@ impl<'a> Working<'a> {
         let down = line((row + 1).min(height - 1), row + 1 == height);
         [up[0], up[1], up[2], row * width + left, row * width + right, down[0], down[1], down[2]]
     }
+}
+
+fn rgb([red, green, blue]: [f32; 3]) -> Vec4 {
+    Vec4::new(red, green, blue, 0.0)
+}
+
+/// The share of each of these sizes in the sum of its block.
+fn shares(sizes: &[f64], block: usize) -> Vec<f32> {
+    let of_block = |sizes: &'_ [f64]| {
+        let whole: f64 = sizes.iter().sum();
+        sizes.iter().map(|size| (size / whole) as f32).collect::<Vec<f32>>()
+    };
+    sizes.chunks(block).flat_map(of_block).collect()
 }

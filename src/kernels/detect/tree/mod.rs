@@ -46,6 +46,7 @@ use ndarray::ArrayView3;
 use adjacency::Adjacency;
 pub use bars::{WIDEST_ANGLE, WIDEST_BAR};
 use components::{BrightPixels, Segments};
+pub use dot_product::dot;
 use linkage::Selection;
 pub use moments::Light;
 pub use run::{Run, runs};
