@@ -17,8 +17,8 @@ from typing import TypeVar
 
 _T = TypeVar("_T")
 
-#: Multiplications that take a tenth of a second; below, a thread is not worth its start.
-_MANY = 1e9
+#: Multiplications that take some hundredths of a second; below, a thread is not worth its start.
+_MANY = 3e8
 #: Seconds between two looks for signals; on Windows a wait without end sees none.
 _BETWEEN = 0.05
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -11,21 +13,25 @@ from envlights.kernels import harmonics, sampling, sphere
 _DIRECTIONS = 80
 
 
-def ambient_map(ambient: NDArray[np.float64], height: int, floor: bool) -> NDArray[np.float64]:
-    """Radiance of an ambient term, (height, 2 * height, 3), nowhere negative."""
+def ambient_rows(
+    ambient: NDArray[np.float64], height: int, floor: bool
+) -> Callable[[slice], NDArray[np.float32]]:
+    """Rows of the radiance of an ambient term, (n, 2 * height, 3), nowhere negative."""
     if ambient.ndim == 2:
 
-        def radiance(directions: NDArray[np.float64]) -> NDArray[np.float64]:
+        def radiance(rows: slice) -> NDArray[np.float32]:
+            directions = sphere.row_directions(height, rows)
             values = harmonics.harmonic_radiance(directions.reshape(-1, 3)) @ ambient
-            return np.maximum(values, 0).reshape(directions.shape)
+            return np.maximum(values, 0).reshape(directions.shape).astype(np.float32)
 
-        return sphere.over_map(height, radiance)
-    sky = np.broadcast_to(ambient, (height, 2 * height, 3)).copy()
+        return radiance
+    share = np.ones((height, 1, 1))
     if floor:
         # Of an odd number of rows, half of the middle one is above the horizon.
-        sky[(height + 1) // 2 :] = 0
-        sky[height // 2 : (height + 1) // 2] /= 2
-    return sky
+        share[height // 2 : (height + 1) // 2] = 0.5
+        share[(height + 1) // 2 :] = 0
+    sky = (share * ambient).astype(np.float32)
+    return lambda rows: np.broadcast_to(sky[rows], (len(sky[rows]), 2 * height, 3))
 
 
 def turned_ambient(ambient: NDArray[np.float64], matrix: ArrayLike) -> NDArray[np.float64]:

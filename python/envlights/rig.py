@@ -11,10 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights import _html
 from envlights._arrays import frozen
+from envlights._blocks import in_blocks
 from envlights._check import amount, flag, one_or_more, rotation
 from envlights._native import EnvLightsError
 from envlights._result import Result
-from envlights.ambient import ambient_map, turned_ambient
+from envlights.ambient import ambient_rows, turned_ambient
 from envlights.envmap import EnvMap
 from envlights.io.files import as_path
 from envlights.kernels import probe
@@ -120,7 +121,8 @@ class Rig(Result):
                [0.314, 0.314, 0.314]])
         """
         discs = self.lights.to_map(height).radiance
-        return EnvMap(discs + ambient_map(self.ambient, height, self.floor).astype(np.float32))
+        sky = ambient_rows(self.ambient, height, self.floor)
+        return EnvMap(in_blocks(discs.shape, lambda rows: discs[rows] + sky(rows)))
 
     def rotated(self, matrix: ArrayLike) -> Rig:
         """The rig after a rotation: a light from the direction d then comes from ``matrix @ d``.

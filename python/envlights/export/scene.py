@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from envlights._blocks import in_blocks
 from envlights._check import shown
 from envlights._native import EnvLightsError
-from envlights.ambient import ambient_map
+from envlights.ambient import ambient_rows
 from envlights.envmap import EnvMap, as_envmap
 
 if TYPE_CHECKING:
@@ -57,7 +58,8 @@ def scene_of(given: Rig | Lights, environment: EnvMap | ArrayLike | None = None)
     if not np.any(ambient):
         return Scene(lights, None, None)
     if ambient.ndim == 2 or floor:
-        return Scene(lights, None, EnvMap(ambient_map(ambient, ROWS, floor)))
+        rows = ambient_rows(ambient, ROWS, floor)
+        return Scene(lights, None, EnvMap(in_blocks((ROWS, 2 * ROWS, 3), rows)))
     return Scene(lights, ambient, None)
 
 

@@ -301,7 +301,7 @@ def _whole_step(problem: _Problem, x: _Reals) -> _Reals:
     jacobian, missed = problem.jacobian(x), -problem.residual(x)
     try:
         step = interruptible(
-            lambda: np.linalg.lstsq(jacobian, missed, rcond=None)[0], jacobian.size * len(x)
+            lambda: np.linalg.lstsq(jacobian, missed, rcond=None)[0], 10 * jacobian.size * len(x)
         )
     except np.linalg.LinAlgError:
         return np.full_like(x, np.nan)

@@ -100,12 +100,17 @@ def over_map(
 
     With `finer`, each of its rows is made of that many rows of a map that much higher.
     """
-    size = finer * height, 2 * finer * height
+    high, wide = finer * height, 2 * finer * height
 
     def of_rows(rows: slice) -> NDArray[Any]:
-        return value(_native.pixel_directions(*size, False, finer * rows.start, finer * rows.stop))
+        return value(row_directions(high, slice(finer * rows.start, finer * rows.stop)))
 
-    return in_blocks((height, finer * size[1], 3), of_rows)
+    return in_blocks((height, finer * wide, 3), of_rows)
+
+
+def row_directions(height: int, rows: slice) -> NDArray[np.float64]:
+    """Directions of the pixels of some rows of a map of that height, (n, 2 * height, 3)."""
+    return _native.pixel_directions(height, 2 * height, False, rows.start, rows.stop)
 
 
 def pixel_solid_angles(

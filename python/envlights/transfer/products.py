@@ -19,6 +19,6 @@ def product(left: NDArray[Any], right: NDArray[Any]) -> NDArray[Any]:
 def eigensystem(symmetric: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Eigenvalues, least first, and eigenvectors as columns, of one matrix or a stack."""
     values, vectors = interruptible(
-        lambda: np.linalg.eigh(symmetric), symmetric.size * symmetric.shape[-1]
+        lambda: np.linalg.eigh(symmetric), 10 * symmetric.size * symmetric.shape[-1]
     )
     return values, vectors
