@@ -38,6 +38,7 @@ __all__ = [
     "icosphere",
     "irradiance",
     "luminance",
+    "map_energy",
     "merge_along_lines",
     "neighbour_maximum",
     "pack_lights",
@@ -225,6 +226,9 @@ def harmonic_radiance(directions: _Reals) -> _Reals: ...
 def icosphere(faces: int) -> tuple[_Reals, _Reals]: ...
 def irradiance(radiance: _Image, normals: _Reals, border_sampled: bool) -> _Reals: ...
 def luminance(radiance: _Image) -> _Image: ...
+def map_energy(
+    radiance: _Image, border_sampled: bool, columns: int, point_share: float
+) -> float: ...
 def merge_along_lines(
     luminance: _Image,
     pixels: _Indices,

@@ -190,6 +190,23 @@ pub fn fit_map(
     })
 }
 
+/// The squared irradiance under a map, integrated over all normals and summed over channels: the field of the search
+/// alone, for benchmarks and tests.
+#[pyfunction]
+pub fn map_energy(
+    py: Python<'_>,
+    radiance: PyReadonlyArray3<'_, f32>,
+    border_sampled: bool,
+    columns: usize,
+    point_share: f64,
+) -> PyResult<f64> {
+    let radiance = radiance.as_array();
+    interruptible(py, || {
+        let map = image::reduce(radiance, registration(border_sampled), columns, point_share)?;
+        Ok(fit::energy(&map))
+    })
+}
+
 /// See `envlights.fit_probe`.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "every option is named once more, on the Python side")]

@@ -43,7 +43,7 @@ mod _native {
     #[pymodule_export]
     use super::error::{EnvLightsError, UnusableSamplesError};
     #[pymodule_export]
-    use super::fit::{FitAnswer, fit_map, fit_samples, relative_rms, rig_irradiance};
+    use super::fit::{FitAnswer, fit_map, fit_samples, map_energy, relative_rms, rig_irradiance};
     #[pymodule_export]
     use super::harmonics::{harmonic_irradiance, harmonic_radiance};
     #[pymodule_export]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import envlights as el
-from envlights import kernels
+from envlights import _native, kernels
 from tests.conftest import real_maps
 from tests.helpers import EQUIRECTANGULAR
 from tests.reference.madsen import Problem, best_of_random_starts
@@ -67,6 +67,14 @@ def test_error_is_that_of_the_rig_against_the_exact_probe_at_other_normals():
     assert rig.error == pytest.approx(error, rel=0.02)
     assert rig.report.sized_error == rig.error
     assert len(rig.report.errors) == 3
+
+
+def test_energy_of_the_field_is_that_of_the_probe_at_many_normals():
+    radiance = el.synthetic.hall(128).radiance
+    normals, solid_angles = kernels.icosphere(20480)
+    received, _ = kernels.working_irradiance(radiance, normals)
+    energy = _native.map_energy(radiance, False, 256, 5e-3)
+    assert energy == pytest.approx(np.sum(solid_angles[:, None] * received**2), rel=1e-4)
 
 
 def test_no_light_is_an_answer():

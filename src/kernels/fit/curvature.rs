@@ -18,16 +18,14 @@ use nalgebra::{DMatrix, DVector};
 use pulp::{Simd, WithSimd};
 
 use super::ambient::Ambient;
-use super::dense::{add, column_of};
-use super::objective::{Derivatives, Given};
+use super::dense::{TILE, add, column_of};
+use super::nnls::Support;
+use super::objective::{Derivatives, Objective};
 use super::state::State;
-
-/// Vectors of rows that are summed side by side.
-const TILE: usize = 4;
 
 /// The sums over channels: hessian, gradient, and the diagonal of Gauss and Newton's hessian.
 pub struct Sums<'a> {
-    pub given: &'a Given,
+    pub objective: &'a dyn Objective,
     pub state: &'a State,
     /// Lights that may not move.
     pub fixed: usize,
@@ -40,8 +38,8 @@ impl WithSimd for Sums<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let Self { given, state, fixed, is_exact } = self;
-        let parts = Parts::new(simd, given, state, fixed);
+        let Self { objective, state, fixed, is_exact } = self;
+        let parts = Parts::new(simd, objective, state, fixed);
         let (rows, size) = parts.derivatives.gram.shape();
         let mut gradient = DVector::zeros(rows);
         for (channel, copies) in parts.copies.iter().enumerate() {
@@ -49,7 +47,7 @@ impl WithSimd for Sums<'_> {
             gradient.iter_mut().zip(slopes).for_each(|(sum, (x, slope))| *sum -= copies * x * slope);
         }
         let mut hessian = DMatrix::zeros(rows, size);
-        let groups: Vec<Group> = parts.groups(simd, state);
+        let groups: Vec<Group> = parts.groups(simd, state, is_exact);
         for group in &groups {
             parts.add_gauss(simd, group, &mut hessian);
         }
@@ -78,15 +76,16 @@ struct Parts {
 /// Channels whose radiances follow in the same way when a light turns.
 struct Group {
     channels: Range<usize>,
-    /// `G^-1`, and K
-    inverse: DMatrix<f64>,
+    /// K; without slopes a matrix whose product with itself is `K M^T` as well, and which is made sooner.
     along: DMatrix<f64>,
+    /// `G_c^-1`, beside K.
+    inverse: Option<DMatrix<f64>>,
 }
 
 impl Parts {
     #[inline(always)]
-    fn new<S: Simd>(simd: S, given: &Given, state: &State, fixed: usize) -> Self {
-        let mut derivatives = state.moments.derivatives(given, fixed);
+    fn new<S: Simd>(simd: S, objective: &dyn Objective, state: &State, fixed: usize) -> Self {
+        let (given, mut derivatives) = (objective.given(), objective.derivatives(&state.moments, fixed));
         let rows = derivatives.gram.nrows().next_multiple_of(S::F64_LANES);
         derivatives.model = derivatives.model.resize_vertically(rows, 0.0);
         derivatives.gram = derivatives.gram.resize_vertically(rows, 0.0);
@@ -105,18 +104,33 @@ impl Parts {
     }
 
     #[inline(always)]
-    fn groups<S: Simd>(&self, simd: S, state: &State) -> Vec<Group> {
+    fn groups<S: Simd>(&self, simd: S, state: &State, is_exact: bool) -> Vec<Group> {
         let mut groups = Vec::with_capacity(self.copies.len());
         let mut from = 0;
         while from < self.copies.len() {
             let alike = |channel: &usize| *channel == from || follow_alike(state, from, *channel);
             let to = from + (from..self.copies.len()).take_while(alike).count();
-            let inverse = held(state.supports[from].inverse(simd, state.x.nrows()), &state.dark[from]);
-            let along = product(simd, &self.derivatives.model, &inverse);
-            groups.push(Group { channels: from..to, inverse, along });
+            let (support, dark) = (&state.supports[from], &state.dark[from]);
+            let (along, inverse) = if is_exact || !dark.is_empty() {
+                let inverse = held(support.inverse(simd, state.x.nrows()), dark);
+                (product(simd, &self.derivatives.model, &inverse), Some(inverse))
+            } else {
+                (self.orthonormal(simd, support), None)
+            };
+            groups.push(Group { channels: from..to, along, inverse });
             from = to;
         }
         groups
+    }
+
+    /// M with orthonormal columns in place of those of the support.
+    #[inline(always)]
+    fn orthonormal<S: Simd>(&self, simd: S, support: &Support) -> DMatrix<f64> {
+        let model = &self.derivatives.model;
+        let is_all = support.columns.len() == model.ncols();
+        let mut columns = if is_all { model.clone() } else { model.select_columns(&support.columns) };
+        support.factors.orthonormalize(simd, &mut columns);
+        columns
     }
 
     /// `sum_c x_i x_k (D - K M^T)_ik`, in and below the diagonal.
@@ -140,11 +154,12 @@ impl Parts {
     fn add_gauss_tile<S: Simd, const N: usize>(
         &self,
         simd: S,
-        Group { channels, along, .. }: &Group,
+        Group { channels, along, inverse }: &Group,
         hessian: &mut DMatrix<f64>,
         i: usize,
         k: usize,
     ) {
+        let back = if inverse.is_some() { &self.derivatives.model } else { along };
         let rows = hessian.nrows() / S::F64_LANES;
         let (gram, radiance) = (wide::<S>(&self.derivatives.gram), wide::<S>(&self.radiance));
         // `K M^T - D`
@@ -154,7 +169,7 @@ impl Parts {
                 inside[side][n] = simd.neg_f64s(gram[(k + side) * rows + i + n]);
             }
         }
-        add_products::<S, N, 2>(simd, &mut inside, along, i, &self.derivatives.model, k);
+        add_products::<S, N, 2>(simd, &mut inside, along, i, back, k);
         let hessian = S::as_mut_simd_f64s(hessian.as_mut_slice()).0;
         for (side, inside) in inside.iter().enumerate() {
             for (n, &inside) in inside.iter().enumerate() {
@@ -172,6 +187,7 @@ impl Parts {
     /// What Lambda adds to that.
     #[inline(always)]
     fn add_slopes<S: Simd>(&self, simd: S, group: &Group, hessian: &mut DMatrix<f64>) {
+        let Some(inverse) = &group.inverse else { return };
         let (along, radiance, slope) =
             (wide::<S>(&group.along), wide::<S>(&self.radiance), wide::<S>(&self.slope));
         let (height, rows) = (hessian.nrows(), hessian.nrows() / S::F64_LANES);
@@ -179,9 +195,9 @@ impl Parts {
         let (mut back, mut both) = (vec![0.0; height], vec![0.0; height]);
         for (k, hessian) in hessian.as_mut_slice().chunks_exact_mut(height.max(1)).enumerate() {
             let own = self.first + k / 2;
-            for (i, column) in (self.first..group.inverse.nrows()).enumerate() {
+            for (i, column) in (self.first..inverse.nrows()).enumerate() {
                 back[2 * i..][..2].fill(group.along[(k, column)]);
-                both[2 * i..][..2].fill(group.inverse[(column, own)]);
+                both[2 * i..][..2].fill(inverse[(column, own)]);
             }
             let (hessian, back, both) =
                 (S::as_mut_simd_f64s(hessian).0, S::as_simd_f64s(&back).0, S::as_simd_f64s(&both).0);

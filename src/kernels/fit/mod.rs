@@ -135,6 +135,11 @@ pub fn under_map(map: &WorkingMap, world: World, asked: &Asked, error_floor: f64
     judged(&sphere, &judge?, map, asked, error_floor)
 }
 
+/// `<E, E>` of the probe under a map, over all normals and channels, in closed form.
+pub fn energy(map: &WorkingMap) -> f64 {
+    Sphere::new(map, Ambient::Constant, false).given().energy
+}
+
 /// The probe under a map at normals that are quickly looked at.
 fn rendered(map: &WorkingMap, fewest: usize) -> Result<Samples> {
     let probe::Judged { normals, weights, irradiance } = probe::judge(map, fewest)?;

@@ -19,6 +19,7 @@ use nalgebra::{DMatrix, DVector};
 use pulp::Arch;
 
 use super::curvature::Sums;
+use super::dense::Factors;
 use super::problem::Problem;
 use super::state::State;
 use crate::kernels::sphere::tangents;
@@ -45,12 +46,8 @@ impl Quadratic {
     /// For the lights that may move; with second derivatives where it `is_exact` and the objective has them.
     pub fn around(problem: &Problem<'_>, state: &State, is_exact: bool) -> Self {
         let second = if is_exact { second_derivatives(problem, state) } else { None };
-        let sums = Sums {
-            given: problem.objective.given(),
-            state,
-            fixed: problem.fixed,
-            is_exact: second.is_some(),
-        };
+        let sums =
+            Sums { objective: problem.objective, state, fixed: problem.fixed, is_exact: second.is_some() };
         let (mut hessian, gradient, scale) = Arch::new().dispatch(sums);
         for (i, second) in second.into_iter().flatten().enumerate() {
             let frame = tangents(state.moments.directions[problem.fixed + i]);
@@ -85,7 +82,9 @@ impl Quadratic {
             own.ger(STEEP * highest, &across, &across, 1.0);
             gradient.rows_mut(first, 2).axpy(-STEEP * highest * ahead, &across, 1.0);
         }
-        damped.cholesky().map(|factor| factor.solve(&-gradient))
+        gradient.neg_mut();
+        Factors::new(damped)?.solve(gradient.as_mut_slice());
+        Some(gradient)
     }
 }
 
@@ -96,13 +95,14 @@ impl Quadratic {
 fn second_derivatives(problem: &Problem<'_>, state: &State) -> Option<Vec<DMat3>> {
     let given = problem.objective.given();
     let (ambient, lights, channels) = (given.ambient.coefficients(), state.lights(), state.x.ncols());
-    let mut sides = Vec::with_capacity(given.sides());
+    let (mut sides, mut weights) = (Vec::with_capacity(given.sides()), Vec::with_capacity(lights));
     let second_derivative = |light: usize| {
         let own = |channel: usize| given.copies(channel) * state.x[(ambient + light, channel)];
         let product = |row: usize| (0..channels).map(|c| own(c) * state.x[(row, c)]).sum::<f64>();
         sides.clear();
         sides.extend((0..ambient).map(product).chain((0..channels).map(|c| -own(c))));
-        let weights: Vec<f64> = (0..lights).map(|k| product(ambient + k)).collect();
+        weights.clear();
+        weights.extend((0..lights).map(|k| product(ambient + k)));
         let directions = &state.moments.directions;
         problem.objective.second_derivative(directions[light], directions, &weights, &sides)
     };
@@ -147,7 +147,7 @@ mod tests {
             };
             let state = State::new(&sphere, &start);
             let model = Quadratic::around(&problem, &state, true);
-            let frames = state.moments.derivatives(sphere.given(), 1).frames;
+            let frames = sphere.derivatives(&state.moments, 1).frames;
             for seed in 0..8 {
                 let way = DVector::from_fn(4, |i, _| (1.0 + 3.7 * (seed * 4 + i) as f64).sin());
                 let cost = |step: f64| {

@@ -5,17 +5,17 @@
 
 use std::sync::Arc;
 
-use nalgebra::{Cholesky, DMatrix, Dyn};
-use pulp::Simd;
+use nalgebra::DMatrix;
+use pulp::{Arch, Simd, WithSimd};
 
-use super::dense::{add, column_of};
+use super::dense::Factors;
 
-/// Independent columns, and the Cholesky factor of their Gram matrix.
+/// Independent columns, and the factors of their Gram matrix.
 #[derive(Clone, Debug)]
 pub struct Support {
     /// Which, in ascending order.
     pub columns: Vec<usize>,
-    factor: Cholesky<f64, Dyn>,
+    pub factors: Factors,
 }
 
 impl Support {
@@ -23,73 +23,41 @@ impl Support {
     pub fn new(gram: &DMatrix<f64>, columns: Vec<usize>) -> Option<Self> {
         /// A column this close to the span of the others has lost all its digits.
         const DEPENDENT: f64 = 1e-12;
-        let part = DMatrix::from_fn(columns.len(), columns.len(), |i, j| gram[(columns[i], columns[j])]);
-        let factor = Cholesky::new(part)?;
-        let lower = factor.l_dirty();
-        let is_independent = |(i, &column): (usize, &usize)| {
-            lower[(i, i)] * lower[(i, i)] > DEPENDENT * gram[(column, column)]
-        };
-        let are_independent = columns.iter().enumerate().all(is_independent);
-        are_independent.then_some(Self { columns, factor })
+        let part = |count| DMatrix::from_fn(count, count, |i, j| gram[(columns[i], columns[j])]);
+        let is_all = columns.len() == gram.ncols();
+        let factors = Factors::new(if is_all { gram.clone() } else { part(columns.len()) })?;
+        let mut pivots = columns.iter().zip(factors.pivots());
+        let are_independent = pivots.all(|(&column, &pivot)| pivot > DEPENDENT * gram[(column, column)]);
+        are_independent.then_some(Self { columns, factors })
     }
 
     /// The unconstrained minimum over the columns, 0 elsewhere.
     fn solve(&self, right: &[f64]) -> Vec<f64> {
+        let mut x = right.to_vec();
+        if self.columns.len() == right.len() {
+            self.factors.solve(&mut x);
+            return x;
+        }
         let mut values: Vec<f64> = self.columns.iter().map(|&i| right[i]).collect();
-        let lower = self.factor.l_dirty();
-        for i in 0..values.len() {
-            let column = &column_of(lower, i)[i..];
-            values[i] /= column[0];
-            let (value, rest) = (values[i], &mut values[i + 1..]);
-            rest.iter_mut().zip(&column[1..]).for_each(|(rest, l)| *rest -= l * value);
-        }
-        for i in (0..values.len()).rev() {
-            let column = &column_of(lower, i)[i..];
-            let done: f64 = values[i + 1..].iter().zip(&column[1..]).map(|(value, l)| l * value).sum();
-            values[i] = (values[i] - done) / column[0];
-        }
-        let mut x = vec![0.0; right.len()];
+        self.factors.solve(&mut values);
+        x.fill(0.0);
         self.columns.iter().zip(values).for_each(|(&column, value)| x[column] = value);
         x
     }
 
-    /// `rows L^-T` with the factor `L` of the Gram matrix `A^T A`: inner products with the columns of A
-    /// become those with the orthonormal columns `A L^-T` that span the same.
-    ///
-    /// All rows at once, column by column: each column is long, the triangle is small.
+    /// Inner products with the columns as those with orthonormal ones that span the same.
     pub fn orthonormal(&self, mut rows: DMatrix<f64>) -> DMatrix<f64> {
-        let lower = self.factor.l_dirty();
-        for i in 0..lower.nrows() {
-            let (done, mut rest) = rows.columns_range_pair_mut(..i, i..);
-            let mut column = rest.column_mut(0);
-            for (k, done) in done.column_iter().enumerate() {
-                column.axpy(-lower[(i, k)], &done, 1.0);
-            }
-            column /= lower[(i, i)];
-        }
+        Arch::new().dispatch(Orthonormalizing { factors: &self.factors, rows: &mut rows });
         rows
     }
 
-    /// The inverse `G^-1 = L^-T L^-1` of the Gram matrix, among `count` columns: 0 for those that are not of the support.
+    /// The inverse `G^-1 = L^-T D^-1 L^-1` of the Gram matrix, among `count` columns: 0 for those that are not of the
+    /// support.
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
     pub fn inverse<S: Simd>(&self, simd: S, count: usize) -> DMatrix<f64> {
-        let (lower, size) = (self.factor.l_dirty(), self.columns.len());
-        // `L^-T`, a column after those before it, and its product with its transpose.
-        let mut rows = vec![0.0; size * size];
-        let mut out = DMatrix::zeros(size, size);
-        for k in 0..size {
-            let (done, row) = rows.split_at_mut(k * size);
-            row[k] = 1.0;
-            for i in 0..k {
-                add(simd, &mut row[..=i], -lower[(k, i)], &done[i * size..][..=i]);
-            }
-            row[..=k].iter_mut().for_each(|value| *value /= lower[(k, k)]);
-            for j in 0..=k {
-                add(simd, &mut out.as_mut_slice()[j * size..][..=k], row[j], &row[..=k]);
-            }
-        }
-        if size == count {
+        let out = self.factors.inverse(simd);
+        if self.columns.len() == count {
             return out;
         }
         let place = |i: usize| self.columns.binary_search(&i);
@@ -97,6 +65,22 @@ impl Support {
             (Ok(i), Ok(k)) => out[(i, k)],
             _ => 0.0,
         })
+    }
+}
+
+/// What [`Support::orthonormal`] asks for.
+struct Orthonormalizing<'a> {
+    factors: &'a Factors,
+    rows: &'a mut DMatrix<f64>,
+}
+
+impl WithSimd for Orthonormalizing<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+    fn with_simd<S: Simd>(self, simd: S) {
+        self.factors.orthonormalize(simd, self.rows);
     }
 }
 
@@ -167,7 +151,7 @@ fn factored(gram: &DMatrix<f64>, columns: &[usize], known: &mut Vec<Arc<Support>
 
 /// Lawson and Hanson's way, which always ends.
 fn active_set(gram: &DMatrix<f64>, right: &[f64], free: usize) -> Answer {
-    let nothing = || Support { columns: Vec::new(), factor: Cholesky::pack_dirty(DMatrix::zeros(0, 0)) };
+    let nothing = || Support { columns: Vec::new(), factors: Factors::default() };
     let mut support = Support::new(gram, (0..free).collect()).unwrap_or_else(nothing);
     let mut x = support.solve(right);
     // Columns that were let in and came out at once: rounding, not descent.

@@ -45,6 +45,9 @@ pub trait Objective: Debug + Sync {
     /// The moments of the lights of `before`, turned to other `directions`.
     fn turned(&self, before: &Moments, directions: Vec<DVec3>) -> Moments;
 
+    /// The inner products of the derivatives of the lights of `moments` but the first `fixed`.
+    fn derivatives(&self, moments: &Moments, fixed: usize) -> Derivatives;
+
     /// Each light and normal where the cost has a kink, or ends, on the way from one place to the other.
     fn kinks(&self, from: &Moments, to: &Moments) -> Vec<(usize, DVec3)>;
 
@@ -173,10 +176,18 @@ pub struct Moments {
     pub rhs: DMatrix<f64>,
     /// `<v_j, y>`: for each light as many as there are sides.
     pub sides: Vec<DVec3>,
-    /// `<v_j, v_k^T>` for k <= j.
+    /// `<v_j, v_k^T>` for k <= j: only for given normals.
     pub pairs: Vec<DMat3>,
     /// The normals that see each light, as bits: only for given normals.
     pub visible: Vec<u64>,
+}
+
+/// Inner products of two lights when these turn along their tangents.
+#[derive(Clone, Copy, Debug)]
+pub struct Pair {
+    pub own: [f64; 2],
+    pub other: [f64; 2],
+    pub both: [[f64; 2]; 2],
 }
 
 /// Inner products of the derivatives `[s_1, t_1, s_2, t_2, ..]` of the columns, by which the model changes
@@ -193,14 +204,9 @@ pub struct Derivatives {
     pub rhs: DMatrix<f64>,
 }
 
-/// Place of the pair k <= j.
-pub fn pair(j: usize, k: usize) -> usize {
-    j * (j + 1) / 2 + k
-}
-
 impl Moments {
-    /// Of lights in `directions`, from `sides` and `pairs`.
-    pub fn new(given: &Given, directions: Vec<DVec3>, sides: Vec<DVec3>, pairs: Vec<DMat3>) -> Self {
+    /// Of lights in `directions` with the `sides`; not yet of the lights with each other.
+    pub fn with_sides(given: &Given, directions: Vec<DVec3>, sides: Vec<DVec3>) -> Self {
         let ambient = given.ambient.coefficients();
         let size = ambient + directions.len();
         let mut gram = DMatrix::zeros(size, size);
@@ -217,53 +223,47 @@ impl Moments {
                     gram[(side, row)] = gram[(row, side)];
                 }
             }
-            for (k, &other) in directions[..=j].iter().enumerate() {
-                gram[(row, ambient + k)] = (pairs[pair(j, k)] * other).dot(l);
-                gram[(ambient + k, row)] = gram[(row, ambient + k)];
-            }
         }
-        Self { directions, gram, rhs, sides, pairs, visible: Vec::new() }
+        Self { directions, gram, rhs, sides, pairs: Vec::new(), visible: Vec::new() }
     }
+}
 
-    /// Those of the lights but the first `fixed`.
-    pub fn derivatives(&self, given: &Given, fixed: usize) -> Derivatives {
+impl Derivatives {
+    /// Those of the lights but the first `fixed`, with the sides; not yet with lights.
+    pub fn with_sides(given: &Given, moments: &Moments, fixed: usize) -> Self {
         let ambient = given.ambient.coefficients();
-        let frame = |&l: &DVec3| {
-            let [s, t] = tangents(l);
-            DMat3::from_cols(l, s, t)
-        };
-        let frames: Vec<DMat3> = self.directions.iter().map(frame).collect();
-        let size = 2 * (frames.len() - fixed);
-        let mut model = DMatrix::zeros(size, self.gram.nrows());
+        let frames: Vec<[DVec3; 2]> = moments.directions[fixed..].iter().map(|&l| tangents(l)).collect();
+        let size = 2 * frames.len();
+        let mut model = DMatrix::zeros(size, moments.gram.nrows());
         let mut rhs = DMatrix::zeros(size, given.channels.len());
-        let mut gram = DMatrix::zeros(size, size);
-        for (j, frame) in frames.iter().enumerate().skip(fixed) {
-            let row = 2 * (j - fixed);
-            for (side, &sum) in self.sides[j * given.sides()..(j + 1) * given.sides()].iter().enumerate() {
+        let sides = moments.sides.chunks_exact(given.sides().max(1)).skip(fixed);
+        for (light, (sides, [s, t])) in sides.zip(&frames).enumerate() {
+            for (side, &sum) in sides.iter().enumerate() {
                 let products = match side.checked_sub(ambient) {
                     Some(channel) => &mut rhs.column_mut(channel),
                     None => &mut model.column_mut(side),
                 };
-                products[row] = sum.dot(frame.y_axis);
-                products[row + 1] = sum.dot(frame.z_axis);
-            }
-            let turned = frame.transpose();
-            for (k, other) in frames[..=j].iter().enumerate() {
-                // In the frames of both: (l, s, t) of j down, of k across.
-                let [own, s, t] = (turned * self.pairs[pair(j, k)] * *other).to_cols_array_2d();
-                model.as_mut_slice()[(ambient + k) * size + row..][..2].copy_from_slice(&own[1..]);
-                if let Some(column) = k.checked_sub(fixed).map(|k| 2 * k) {
-                    for (column, [along, by_s, by_t]) in [(column, s), (column + 1, t)] {
-                        model[(column, ambient + j)] = along;
-                        gram[(row, column)] = by_s;
-                        gram[(row + 1, column)] = by_t;
-                        gram[(column, row)] = by_s;
-                        gram[(column, row + 1)] = by_t;
-                    }
-                }
+                products[2 * light] = sum.dot(*s);
+                products[2 * light + 1] = sum.dot(*t);
             }
         }
-        let frames = frames[fixed..].iter().map(|frame| [frame.y_axis, frame.z_axis]).collect();
-        Derivatives { frames, model, gram, rhs }
+        Self { frames, model, gram: DMatrix::zeros(size, size), rhs }
+    }
+
+    /// The products of the derivatives of the light j with the light k, along `own` tangents of j, `other` ones of k, and
+    /// `both`: among lights of which the first `fixed` do not turn, and beside that many `ambient` columns.
+    #[inline]
+    pub fn set(&mut self, ambient: usize, fixed: usize, [j, k]: [usize; 2], pair: &Pair) {
+        let (size, row) = (self.gram.nrows(), 2 * (j - fixed));
+        self.model.as_mut_slice()[(ambient + k) * size + row..][..2].copy_from_slice(&pair.own);
+        let Some(column) = k.checked_sub(fixed).map(|k| 2 * k) else { return };
+        self.model.as_mut_slice()[(ambient + j) * size + column..][..2].copy_from_slice(&pair.other);
+        let gram = self.gram.as_mut_slice();
+        for (a, both) in pair.both.iter().enumerate() {
+            for (b, &both) in both.iter().enumerate() {
+                gram[(column + b) * size + row + a] = both;
+                gram[(row + a) * size + column + b] = both;
+            }
+        }
     }
 }

@@ -22,6 +22,7 @@ use glam::DVec3;
 use nalgebra::{DMatrix, DVector};
 
 use super::ambient::{Ambient, darkest};
+use super::dense::Factors;
 use super::nnls::{self, Support};
 use super::objective::Given;
 
@@ -46,20 +47,26 @@ pub fn solve(given: &Given, gram: &DMatrix<f64>, right: &DMatrix<f64>, guess: &[
     let (x, supports) = nnls::solve(gram, right, given.free(), guess);
     let mut radiances = Radiances { x, supports, dark: vec![Vec::new(); right.ncols()] };
     if given.ambient == Ambient::Sh2 {
-        for channel in 0..right.ncols() {
-            radiances.lighten(gram, right, channel);
+        let is_shaded = |&channel: &usize| shadow(&radiances.x.column(channel).into_owned()).is_some();
+        let shaded: Vec<usize> = (0..right.ncols()).filter(is_shaded).collect();
+        let factors = if shaded.is_empty() { None } else { Factors::new(with_ridge(gram)) };
+        for channel in shaded {
+            radiances.lighten(gram, factors.as_ref(), right, channel);
         }
     }
     radiances
 }
 
 impl Radiances {
-    /// Keep the ambient term of a channel from turning negative.
-    fn lighten(&mut self, gram: &DMatrix<f64>, right: &DMatrix<f64>, channel: usize) {
-        if shadow(&self.x.column(channel).into_owned()).is_none() {
-            return;
-        }
-        let (x, dark) = lit_up(gram, &right.column(channel).into_owned());
+    /// Keep the ambient term of a channel from turning negative; `gram` has these `factors`, but for a ridge.
+    fn lighten(
+        &mut self,
+        gram: &DMatrix<f64>,
+        factors: Option<&Factors>,
+        right: &DMatrix<f64>,
+        channel: usize,
+    ) {
+        let (x, dark) = lit_up(gram, factors, &right.column(channel).into_owned());
         let used = (0..x.len()).filter(|&i| i < 9 || x[i] > 0.0).collect();
         if let Some(support) = Support::new(gram, used) {
             self.supports[channel] = Arc::new(support);
@@ -86,9 +93,13 @@ struct Condition {
 
 /// The best values of one channel with harmonics, and the normals of the conditions that hold it; those
 /// with a constant environment alone where the conditions cannot be met as well.
-fn lit_up(gram: &DMatrix<f64>, right: &DVector<f64>) -> (DVector<f64>, Vec<DVec3>) {
+fn lit_up(
+    gram: &DMatrix<f64>,
+    factors: Option<&Factors>,
+    right: &DVector<f64>,
+) -> (DVector<f64>, Vec<DVec3>) {
     let cost = |x: &DVector<f64>| (gram * x).dot(x) - 2.0 * right.dot(x);
-    let Cut { x, dark, lifted } = cut(gram, right);
+    let Cut { x, dark, lifted } = cut(factors, right);
     if lifted <= DARK * x.rows(0, 9).amax() {
         return (x, dark);
     }
@@ -117,11 +128,15 @@ struct Cut {
 }
 
 /// The best values with harmonics.
-fn cut(gram: &DMatrix<f64>, right: &DVector<f64>) -> Cut {
-    let Some(factor) = with_ridge(gram).cholesky() else {
+fn cut(factors: Option<&Factors>, right: &DVector<f64>) -> Cut {
+    let Some(factors) = factors else {
         return Cut { x: right * 0.0, dark: Vec::new(), lifted: f64::INFINITY };
     };
-    let plain = factor.solve(right);
+    let solved = |mut right: DVector<f64>| {
+        factors.solve(right.as_mut_slice());
+        right
+    };
+    let plain = solved(right.clone());
     let mut x = plain.clone();
     let mut conditions: Vec<Condition> = Vec::new();
     for _ in 0..CUTS {
@@ -129,7 +144,8 @@ fn cut(gram: &DMatrix<f64>, right: &DVector<f64>) -> Cut {
         if violated.is_empty() {
             break;
         }
-        let condition = |(row, normal)| Condition { push: factor.solve(&row), row, normal };
+        let condition =
+            |(row, normal): (DVector<f64>, _)| Condition { push: solved(row.clone()), row, normal };
         conditions.extend(violated.into_iter().map(condition));
         let size = conditions.len();
         let dual = DMatrix::from_fn(size, size, |i, j| conditions[i].row.dot(&conditions[j].push));

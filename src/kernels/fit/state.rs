@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use nalgebra::{DMatrix, DMatrixView, Dyn, U1};
 
+use super::dense::column_of;
 use super::nnls::Support;
 use super::objective::{Given, Moments, Objective};
 use super::problem::Problem;
@@ -130,7 +131,13 @@ impl State {
 
 /// What the values `x` leave unexplained, from inner products: good to about 1e-15 of the energy.
 pub fn cost(given: &Given, gram: &DMatrix<f64>, rhs: &DMatrix<f64>, x: &DMatrix<f64>) -> f64 {
-    let used = gram * x;
-    let explained = |c: usize| 2.0 * rhs.column(c).dot(&x.column(c)) - used.column(c).dot(&x.column(c));
+    let explained = |c: usize| {
+        let (rhs, x) = (column_of(rhs, c), column_of(x, c));
+        let of_row = |(row, (rhs, own)): (usize, (&f64, &f64))| {
+            let used: f64 = column_of(gram, row).iter().zip(x).map(|(g, x)| g * x).sum();
+            own * (2.0 * rhs - used)
+        };
+        rhs.iter().zip(x).enumerate().map(of_row).sum::<f64>()
+    };
     given.energy - (0..x.ncols()).map(|c| given.copies(c) * explained(c)).sum::<f64>()
 }

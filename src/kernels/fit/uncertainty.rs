@@ -171,7 +171,7 @@ struct Columns {
 impl Columns {
     fn new(probe: &Probe, rig: &Rig) -> Self {
         let moments = probe.moments(rig.directions.clone());
-        let derivatives = moments.derivatives(probe.given(), 0);
+        let derivatives = probe.derivatives(&moments, 0);
         let (model, turned) = (moments.gram.nrows(), derivatives.model.nrows());
         let mut gram = moments.gram.resize(model + turned, model + turned, 0.0);
         gram.view_mut((model, 0), (turned, model)).copy_from(&derivatives.model);

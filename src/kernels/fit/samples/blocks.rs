@@ -1,6 +1,8 @@
 //! What runs over all normals, many of them side by side in wide vectors.
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
+use std::f64::consts::PI;
+
 use glam::DVec3;
 use pulp::{Arch, Simd, WithSimd};
 
@@ -8,8 +10,8 @@ use crate::kernels::fit::rig::Rig;
 
 /// Samples of one block: as many as a word has bits.
 pub const SAMPLES: usize = u64::BITS as usize;
-/// Samples whose residuals stay in registers from light to light.
-const LANES: usize = 8;
+/// Vectors of samples whose residuals stay in registers from light to light.
+const VECTORS: usize = 2;
 
 /// A normal this close to a right angle with a light does not see it: where normals stand on a terminator,
 /// as those of an icosphere do, rounding must not decide to which side of it they belong.
@@ -29,6 +31,8 @@ struct Block {
     normals: [[f64; SAMPLES]; 3],
     irradiance: [[f64; SAMPLES]; 3],
     weights: [f64; SAMPLES],
+    /// 1 for those that are there, 0 for those that fill the block up.
+    is_sample: [f64; SAMPLES],
 }
 
 impl Blocks {
@@ -38,6 +42,7 @@ impl Blocks {
             normals: axes(normals),
             irradiance: axes(irradiance),
             weights: std::array::from_fn(|i| *weights.get(i).unwrap_or(&0.0)),
+            is_sample: std::array::from_fn(|i| if i < weights.len() { 1.0 } else { 0.0 }),
         };
         Self { blocks: parts.map(block).collect(), widest: Arch::new() }
     }
@@ -54,10 +59,19 @@ impl Blocks {
         seen
     }
 
-    /// Weighted sum of squares of what `rig` leaves unexplained.
-    pub fn cost(&self, rig: &Rig) -> f64 {
+    /// What `rig` leaves unexplained.
+    pub fn left(&self, rig: &Rig) -> Left {
         self.widest.dispatch(Unexplained { blocks: &self.blocks, rig })
     }
+}
+
+/// What a rig leaves unexplained.
+#[derive(Clone, Copy, Debug)]
+pub struct Left {
+    /// Weighted sum of its squares in each channel.
+    pub squares: [f64; 3],
+    /// The most at any normal and in any channel.
+    pub largest: f64,
 }
 
 /// x, y and z side by side.
@@ -106,55 +120,91 @@ struct Unexplained<'a> {
 }
 
 impl WithSimd for Unexplained<'_> {
-    type Output = f64;
+    type Output = Left;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> f64 {
-        let mut sums = [0.0; LANES];
+    fn with_simd<S: Simd>(self, simd: S) -> Left {
+        let zero = simd.splat_f64s(0.0);
+        let (mut sums, mut largest) = ([zero; 3], zero);
         for block in self.blocks {
-            for part in 0..SAMPLES / LANES {
-                let left = self.left(block, part);
-                let weights = lanes(&block.weights, part);
-                for i in 0..LANES {
-                    sums[i] += weights[i] * left.iter().map(|left| left[i] * left[i]).sum::<f64>();
+            let without = self.without_harmonics(block);
+            let block = without.as_deref().unwrap_or(block);
+            let (weights, is_sample) =
+                (S::as_simd_f64s(&block.weights).0, S::as_simd_f64s(&block.is_sample).0);
+            for first in (0..weights.len()).step_by(VECTORS) {
+                let left = self.left(simd, block, first);
+                for (sum, left) in sums.iter_mut().zip(&left) {
+                    for i in 0..VECTORS {
+                        let weighted = simd.mul_f64s(weights[first + i], left[i]);
+                        *sum = simd.mul_add_f64s(weighted, left[i], *sum);
+                        let size = simd.mul_f64s(is_sample[first + i], simd.abs_f64s(left[i]));
+                        largest = simd.max_f64s(largest, size);
+                    }
                 }
             }
         }
-        sums.iter().sum()
+        Left { squares: sums.map(|sum| simd.reduce_sum_f64s(sum)), largest: simd.reduce_max_f64s(largest) }
     }
 }
 
 impl Unexplained<'_> {
-    /// What is left of a part of `block`, in each channel.
+    /// What is left of some vectors of `block` from the `first` on, in each channel.
     #[inline(always)]
-    fn left(&self, block: &Block, part: usize) -> [[f64; LANES]; 3] {
-        let Rig { ambient, directions, irradiance, .. } = self.rig;
-        let [x, y, z] = [0, 1, 2].map(|axis| *lanes(&block.normals[axis], part));
-        let mut left = [0, 1, 2].map(|channel| *lanes(&block.irradiance[channel], part));
-        if !ambient.is_empty() {
-            for i in 0..LANES {
-                let columns = self.rig.ambient_columns(DVec3::new(x[i], y[i], z[i]));
-                for (coefficient, column) in ambient.iter().zip(columns) {
-                    (0..3).for_each(|channel| left[channel][i] -= coefficient[channel] * column);
+    fn left<S: Simd>(&self, simd: S, block: &Block, first: usize) -> [[S::f64s; VECTORS]; 3] {
+        let Rig { directions, irradiance, .. } = self.rig;
+        let (normals, seen) = (&block.normals, &block.irradiance);
+        let normals = [0, 1, 2].map(|axis| vectors(simd, &normals[axis], first));
+        let mut left = [0, 1, 2].map(|channel| vectors(simd, &seen[channel], first));
+        if let [constant] = self.rig.ambient[..] {
+            // The same at all normals, but over a floor.
+            let tilt = if self.rig.has_floor { 0.5 } else { 0.0 };
+            for (left, constant) in left.iter_mut().zip(constant.to_array()) {
+                let [level, slope] = [1.0 - tilt, tilt].map(|share| simd.splat_f64s(PI * constant * share));
+                for i in 0..VECTORS {
+                    left[i] = simd.sub_f64s(left[i], simd.mul_add_f64s(normals[1][i], slope, level));
                 }
             }
         }
+        let zero = simd.splat_f64s(0.0);
         for (l, e) in directions.iter().zip(irradiance) {
-            for i in 0..LANES {
-                let along = x[i] * l.x + y[i] * l.y + z[i] * l.z;
-                let lit = if along > 0.0 { along } else { 0.0 };
-                left[0][i] -= e.x * lit;
-                left[1][i] -= e.y * lit;
-                left[2][i] -= e.z * lit;
+            let [l, e] = [l, e].map(|v| [simd.splat_f64s(v.x), simd.splat_f64s(v.y), simd.splat_f64s(v.z)]);
+            for i in 0..VECTORS {
+                let along = simd.mul_f64s(normals[0][i], l[0]);
+                let along = simd.mul_add_f64s(normals[1][i], l[1], along);
+                let lit = simd.max_f64s(simd.mul_add_f64s(normals[2][i], l[2], along), zero);
+                left[0][i] = simd.negate_mul_add_f64s(e[0], lit, left[0][i]);
+                left[1][i] = simd.negate_mul_add_f64s(e[1], lit, left[1][i]);
+                left[2][i] = simd.negate_mul_add_f64s(e[2], lit, left[2][i]);
             }
         }
         left
     }
+
+    /// What is left of `block` beside the harmonics of the ambient term, if it has any.
+    fn without_harmonics(&self, block: &Block) -> Option<Box<Block>> {
+        if self.rig.ambient.len() <= 1 {
+            return None;
+        }
+        let mut block = Box::new(block.clone());
+        let [x, y, z] = &block.normals;
+        for i in 0..SAMPLES {
+            let columns = self.rig.ambient_columns(DVec3::new(x[i], y[i], z[i]));
+            for (coefficient, column) in self.rig.ambient.iter().zip(columns) {
+                for channel in 0..3 {
+                    block.irradiance[channel][i] -= coefficient[channel] * column;
+                }
+            }
+        }
+        Some(block)
+    }
 }
 
+/// Some vectors of `values`, from the `first` on.
 #[inline(always)]
-fn lanes(values: &[f64; SAMPLES], part: usize) -> &[f64; LANES] {
-    &values.as_chunks().0[part]
+fn vectors<S: Simd>(simd: S, values: &[f64; SAMPLES], first: usize) -> [S::f64s; VECTORS] {
+    let mut vectors = [simd.splat_f64s(0.0); VECTORS];
+    vectors.copy_from_slice(&S::as_simd_f64s(values).0[first..][..VECTORS]);
+    vectors
 }
 
 #[cfg(test)]
@@ -162,7 +212,7 @@ mod tests {
     use super::*;
     use crate::kernels::sphere::direction;
     use proptest::prelude::*;
-    use std::f64::consts::{PI, TAU};
+    use std::f64::consts::TAU;
 
     /// As many samples as fill no block, or just one.
     fn samples(count: usize) -> (Vec<DVec3>, Vec<f64>, Vec<DVec3>) {
@@ -182,6 +232,7 @@ mod tests {
             count in prop::sample::select(vec![1_usize, 63, 64, 65, 200]),
             coefficients in prop::sample::select(vec![0_usize, 1, 9]),
             angles in proptest::collection::vec((0.0..PI, 0.0..TAU), 0..4),
+            has_floor in proptest::bool::ANY,
         ) {
             let (normals, weights, irradiance) = samples(count);
             let directions: Vec<DVec3> = angles.iter().map(|&(theta, phi)| direction(theta, phi)).collect();
@@ -189,12 +240,16 @@ mod tests {
                 ambient: (0..coefficients).map(|i| DVec3::new(0.1, 0.2, 0.3) / (i + 1) as f64).collect(),
                 irradiance: directions.iter().map(|l| l.abs() + 0.5).collect(),
                 directions,
-                has_floor: false,
+                has_floor,
             };
             let blocks = Blocks::new(&normals, &weights, &irradiance);
             let squares = normals.iter().zip(&irradiance).map(|(&n, e)| (*e - rig.at(n)).length_squared());
             let wanted: f64 = squares.zip(&weights).map(|(square, weight)| square * weight).sum();
-            prop_assert!((blocks.cost(&rig) - wanted).abs() <= 1e-12 * wanted, "{} {wanted}", blocks.cost(&rig));
+            let left = blocks.left(&rig);
+            let seen: f64 = left.squares.iter().sum();
+            prop_assert!((seen - wanted).abs() <= 1e-12 * wanted, "{seen} {wanted}");
+            let largest = normals.iter().zip(&irradiance).map(|(&n, e)| (*e - rig.at(n)).abs().max_element());
+            prop_assert!((left.largest - largest.fold(0.0, f64::max)).abs() < 1e-12, "{left:?}");
             let seen = blocks.seen(&rig.directions);
             prop_assert_eq!(seen.len(), rig.directions.len() * blocks.words());
             for (light, bits) in rig.directions.iter().zip(seen.chunks(blocks.words())) {

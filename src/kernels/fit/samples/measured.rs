@@ -46,7 +46,7 @@ impl Samples {
 
     pub(crate) fn of(normals: Vec<DVec3>, weights: Vec<f64>, irradiance: Vec<DVec3>) -> Self {
         let blocks = Blocks::new(&normals, &weights, &irradiance);
-        let energy = blocks.cost(&Rig::default());
+        let energy = blocks.left(&Rig::default()).squares.iter().sum();
         Self { normals, weights, irradiance, blocks, energy }
     }
 
@@ -68,19 +68,14 @@ impl Samples {
 
     /// Weighted sum of squares of what `rig` leaves unexplained.
     pub fn cost(&self, rig: &Rig) -> f64 {
-        self.blocks.cost(rig)
+        self.blocks.left(rig).squares.iter().sum()
     }
 
     /// How far `rig` is from them.
     pub fn judged(&self, rig: &Rig) -> Judged {
-        let (mut difference, mut whole, mut largest) = (DVec3::ZERO, DVec3::ZERO, 0.0_f64);
-        for ((&n, &weight), &e) in self.normals.iter().zip(&self.weights).zip(&self.irradiance) {
-            let off = (rig.at(n) - e).abs();
-            difference += weight * off * off;
-            whole += weight * e * e;
-            largest = largest.max(off.max_element());
-        }
-        Judged { error: self.error(rig), ..Judged::of(difference, whole, largest, self.weights.iter().sum()) }
+        let (left, whole) = (self.blocks.left(rig), self.blocks.left(&Rig::default()));
+        let [difference, whole] = [left, whole].map(|left| DVec3::from_array(left.squares));
+        Judged::of(difference, whole, left.largest, self.weights.iter().sum())
     }
 
     /// Relative RMS error of `rig`; absolute where all is black.

@@ -6,9 +6,11 @@
 //! | what runs over all normals                 | `blocks.rs`   |
 //! | inner products that no light changes       | `probe.rs`    |
 //! | sums over the normals that see two lights  | `visible.rs`  |
+//! | inner products of lights, from these       | `pairs.rs`    |
 
 mod blocks;
 mod measured;
+mod pairs;
 mod probe;
 mod visible;
 
@@ -17,7 +19,7 @@ use nalgebra::DMatrix;
 
 pub use self::measured::{Judged, Samples};
 pub use self::probe::Probe;
-use super::objective::{Directions, Given, Moments, Objective};
+use super::objective::{Derivatives, Directions, Given, Moments, Objective};
 use super::rig::Rig;
 
 impl Objective for Probe {
@@ -26,7 +28,7 @@ impl Objective for Probe {
     }
 
     fn moments(&self, directions: Vec<DVec3>) -> Moments {
-        let nothing = Moments::new(&self.given, Vec::new(), Vec::new(), Vec::new());
+        let nothing = Moments::with_sides(&self.given, Vec::new(), Vec::new());
         self.exchanged(&nothing, &[], &directions)
     }
 
@@ -36,6 +38,10 @@ impl Objective for Probe {
 
     fn turned(&self, before: &Moments, directions: Vec<DVec3>) -> Moments {
         visible::turned(self, before, directions)
+    }
+
+    fn derivatives(&self, moments: &Moments, fixed: usize) -> Derivatives {
+        pairs::derivatives(&self.given, moments, fixed)
     }
 
     fn kinks(&self, from: &Moments, to: &Moments) -> Vec<(usize, DVec3)> {

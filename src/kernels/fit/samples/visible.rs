@@ -11,8 +11,9 @@
 use glam::{DMat3, DVec3};
 
 use super::blocks::SAMPLES;
+use super::pairs::{self, pair};
 use super::probe::Probe;
-use crate::kernels::fit::objective::{Moments, pair};
+use crate::kernels::fit::objective::Moments;
 
 /// The moments of the lights `kept` of `before`, and of others in the directions `new` after them.
 pub fn exchanged(probe: &Probe, before: &Moments, kept: &[usize], new: &[DVec3]) -> Moments {
@@ -89,7 +90,7 @@ impl Sums {
     }
 
     fn moments(self, probe: &Probe, directions: Vec<DVec3>) -> Moments {
-        let moments = Moments::new(&probe.given, directions, self.sides, self.pairs);
+        let moments = pairs::moments(&probe.given, directions, self.sides, self.pairs);
         Moments { visible: self.visible, ..moments }
     }
 }

@@ -97,7 +97,11 @@ impl Field {
                 by_v[c] += bu[i] * slope[c];
             }
         }
-        [0, 1, 2].map(|c| self.outward(place.gradient(value[c], by_u[c], by_v[c])))
+        let mut gradients = [DVec3::ZERO; 3];
+        for (c, gradient) in gradients.iter_mut().enumerate() {
+            *gradient = self.outward(place.gradient(value[c], by_u[c], by_v[c]));
+        }
+        gradients
     }
 
     /// The second derivative at the unit vector `l` of the sum of the channels with these `shares`.

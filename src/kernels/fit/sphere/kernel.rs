@@ -14,10 +14,9 @@
 //! ```text
 //!   gradient by a               (k - c k') a + k' b
 //!   second derivative by a      (k - c k') I + k'' b b^T                on the tangent plane of a
-//!   mixed derivative by a, b    (k - c k') a b^T + k' I + k'' (b - c a) (a - c b)^T
+//!   derivative by a             k' s.b
+//!   mixed derivative by a, b    k' s.u + k'' (s.b) (a.u)                along the tangents s of a and u of b
 //! ```
-//!
-//! and the mixed derivative is the moment `<v_a, v_b^T>` of `objective.rs`.
 
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
@@ -43,6 +42,14 @@ impl Lanes {
             (0..3).for_each(|axis| axes[axis][i] = direction[axis]);
         }
         Self { axes }
+    }
+
+    /// The product of each with `v`.
+    #[inline(always)]
+    pub fn dots(&self, v: DVec3) -> [f64; LANES] {
+        let ([x, y, z], mut dots) = (&self.axes, [0.0; LANES]);
+        (0..LANES).for_each(|i| dots[i] = v.x * x[i] + v.y * y[i] + v.z * z[i]);
+        dots
     }
 }
 
@@ -103,48 +110,88 @@ impl Angles {
 }
 
 /// `asin(s) / s` of s^2 from 0 to 1/2, to rounding: the polynomial through it at 18 Chebyshev nodes.
+///
+/// Summed in pairs, and pairs of pairs (Estrin 1960): from the last coefficient on, each step would wait for the last.
 #[inline(always)]
 fn arcsines_over_sines(squares: &[f64; LANES]) -> [f64; LANES] {
     #[allow(clippy::unreadable_literal, reason = "no one reads them digit by digit")]
     const COEFFICIENTS: [f64; 18] = [
-        0.7052830179687845,
-        -2.4213735547737834,
-        3.9652390062242486,
-        -3.9743142368080293,
-        2.733390279102066,
-        -1.3361715648121495,
-        0.49501980536930673,
-        -0.12408617975799723,
-        0.03675926245278099,
-        0.007444491594483014,
-        0.01442521483157721,
-        0.017315598153068924,
-        0.02237424579593472,
-        0.03038186720026906,
-        0.04464285887642836,
-        0.07499999997954865,
-        0.166666666666762,
         1.0,
+        0.166666666666762,
+        0.07499999997954865,
+        0.04464285887642836,
+        0.03038186720026906,
+        0.02237424579593472,
+        0.017315598153068924,
+        0.01442521483157721,
+        0.007444491594483014,
+        0.03675926245278099,
+        -0.12408617975799723,
+        0.49501980536930673,
+        -1.3361715648121495,
+        2.733390279102066,
+        -3.9743142368080293,
+        3.9652390062242486,
+        -2.4213735547737834,
+        0.7052830179687845,
     ];
-    let mut sums = [0.0; LANES];
-    for coefficient in COEFFICIENTS {
-        (0..LANES).for_each(|i| sums[i] = sums[i] * squares[i] + coefficient);
+    let second = combined(squares, squares, &[0.0; LANES]);
+    let fourth = combined(&second, &second, &[0.0; LANES]);
+    let eighth = combined(&fourth, &fourth, &[0.0; LANES]);
+    let mut eights = [[0.0; LANES]; 2];
+    for (k, eight) in eights.iter_mut().enumerate() {
+        let mut fours = [[0.0; LANES]; 2];
+        for (j, four) in fours.iter_mut().enumerate() {
+            let first = 8 * k + 4 * j;
+            let low = combined(&[COEFFICIENTS[first + 1]; LANES], squares, &[COEFFICIENTS[first]; LANES]);
+            let high =
+                combined(&[COEFFICIENTS[first + 3]; LANES], squares, &[COEFFICIENTS[first + 2]; LANES]);
+            *four = combined(&high, &second, &low);
+        }
+        *eight = combined(&fours[1], &fourth, &fours[0]);
     }
-    sums
+    let last = combined(&[COEFFICIENTS[17]; LANES], squares, &[COEFFICIENTS[16]; LANES]);
+    combined(&combined(&last, &eighth, &eights[1]), &eighth, &eights[0])
 }
 
-/// The moments `<v_l, v_b^T>` of `l` and each b of `others`: the mixed derivatives.
+/// `high x + low`
 #[inline(always)]
-pub fn mixed_derivatives(l: DVec3, others: &[DVec3], mut each: impl FnMut(DMat3)) {
-    for others in others.chunks(LANES) {
-        let angles = Angles::new(l, &Lanes::new(others.iter().copied()));
-        let (rests, slopes, bends) = (angles.rests(), angles.slopes(), angles.bends());
-        for (i, &b) in others.iter().enumerate() {
-            let cosine = angles.cosine[i];
-            let across = outer((b - l * cosine) * bends[i], l - b * cosine);
-            each(outer(l * rests[i], b) + across + DMat3::from_diagonal(DVec3::splat(slopes[i])));
+fn combined(high: &[f64; LANES], x: &[f64; LANES], low: &[f64; LANES]) -> [f64; LANES] {
+    let mut out = [0.0; LANES];
+    (0..LANES).for_each(|i| out[i] = high[i] * x[i] + low[i]);
+    out
+}
+
+/// Derivatives of the kernel between a light and each of others.
+#[derive(Clone, Copy, Debug)]
+pub struct Mixed {
+    /// Along the tangents of the light.
+    pub own: [[f64; LANES]; 2],
+    /// Along those of the others.
+    pub other: [[f64; LANES]; 2],
+    /// Along one of the light and one of the others.
+    pub both: [[[f64; LANES]; 2]; 2],
+}
+
+/// For a light with two tangents, `frame`, and `others` with theirs.
+#[inline(always)]
+pub fn mixed_derivatives(frame: [DVec3; 3], others: &[Lanes; 3]) -> Mixed {
+    let angles = Angles::new(frame[0], &others[0]);
+    let (slopes, bends) = (angles.slopes(), angles.bends());
+    let zero = [[0.0; LANES]; 2];
+    let mut mixed = Mixed { own: zero, other: zero, both: [zero; 2] };
+    for a in 0..2 {
+        let along = others[0].dots(frame[a + 1]);
+        for b in 0..2 {
+            let (back, across) = (others[b + 1].dots(frame[0]), others[b + 1].dots(frame[a + 1]));
+            for i in 0..LANES {
+                mixed.other[b][i] = slopes[i] * back[i];
+                mixed.both[a][b][i] = slopes[i] * across[i] + bends[i] * along[i] * back[i];
+            }
         }
+        (0..LANES).for_each(|i| mixed.own[a][i] = slopes[i] * along[i]);
     }
+    mixed
 }
 
 /// The weighted sum of the second derivatives by `l` of the kernels between it and `others`, on its tangent plane: of
@@ -163,9 +210,15 @@ pub fn second_derivative(l: DVec3, weights: &[f64; LANES], others: &Lanes) -> DM
         let products = [bend * x * y, bend * y * z, bend * z * x];
         (0..3).for_each(|k| sums[3 + k][i] = products[k]);
     }
-    let [xx, yy, zz, xy, yz, zx] =
-        sums.map(|[a, b, c, d, e, f, g, h]| ((a + e) + (c + g)) + ((b + f) + (d + h)));
+    let [xx, yy, zz, xy, yz, zx] = sums.map(sum);
     DMat3::from_cols_array(&[xx, xy, zx, xy, yy, yz, zx, yz, zz])
+}
+
+/// Of all lanes.
+#[inline(always)]
+pub fn sum(lanes: [f64; LANES]) -> f64 {
+    let pair = |i: usize| lanes[i] + lanes[i + LANES / 2];
+    (pair(0) + pair(2)) + (pair(1) + pair(3))
 }
 
 /// `a b^T`

@@ -11,7 +11,8 @@
 //!
 //! | step                                     | file                 |
 //! |------------------------------------------|----------------------|
-//! | inner products of lights                 | `kernel.rs`          |
+//! | the kernel between two lights            | `kernel.rs`          |
+//! | inner products of lights                 | `lights.rs`          |
 //! | bright sources, kept as points           | `points.rs`          |
 //! | the map in spherical harmonics           | `harmonics.rs`       |
 //! | a smooth even function, quick to look up | `field.rs`           |
@@ -25,6 +26,7 @@ mod extended_precision;
 mod field;
 mod harmonics;
 mod kernel;
+mod lights;
 mod points;
 
 use glam::{DMat3, DVec3};
@@ -34,10 +36,11 @@ use pulp::{Arch, Simd, WithSimd};
 use self::ambient_columns::{Columns, Radiance};
 use self::field::Field;
 use self::harmonics::Spectrum;
-use self::kernel::{Angles, LANES, LINEAR, Lanes, mixed_derivatives, outer, second_derivative, spectrum};
+use self::kernel::{Angles, LANES, LINEAR, Lanes, outer, second_derivative, spectrum};
+use self::lights::{Products, Turned};
 use self::points::{Point, Points};
 use super::ambient::Ambient;
-use super::objective::{Directions, Given, Moments, Objective, distinct_channels, pair};
+use super::objective::{Derivatives, Directions, Given, Moments, Objective, distinct_channels};
 use super::rig::Rig;
 use crate::kernels::image::WorkingMap;
 
@@ -70,8 +73,7 @@ impl Sphere {
         let given = Given::nothing(ambient, has_floor);
         let likely = points.iter().map(|point| point.direction).collect();
         let (first, widest) = (rest.first, Arch::new());
-        let mut sphere =
-            Self { given, columns, points: Points::new(points.clone()), likely, first, field, widest };
+        let mut sphere = Self { given, columns, points: Points::new(&points), likely, first, field, widest };
         sphere.given = sphere.given_by(&rest, &points, &factors);
         sphere
     }
@@ -114,15 +116,21 @@ impl Sphere {
     /// The gradient of F under the rest, by channel.
     #[inline(always)]
     fn rest_at(&self, l: DVec3) -> [DVec3; 3] {
-        let even = self.field.gradient(l);
-        [0, 1, 2].map(|channel| LINEAR * self.first[channel] + even[channel])
+        let mut gradients = self.field.gradient(l);
+        for (gradient, first) in gradients.iter_mut().zip(self.first) {
+            *gradient += LINEAR * first;
+        }
+        gradients
     }
 
     /// The gradient of F, by channel.
     #[inline(always)]
     fn probe_at(&self, l: DVec3) -> [DVec3; 3] {
-        let (rest, points) = (self.rest_at(l), self.points.gradient(l));
-        [0, 1, 2].map(|channel| rest[channel] + points[channel])
+        let mut gradients = self.rest_at(l);
+        for (gradient, points) in gradients.iter_mut().zip(self.points.gradient(l)) {
+            *gradient += points;
+        }
+        gradients
     }
 
     /// `<v_l, y>` of a light, for each side y.
@@ -141,8 +149,9 @@ impl Objective for Sphere {
 
     fn moments(&self, directions: Vec<DVec3>) -> Moments {
         let sides = self.widest.dispatch(Sides { sphere: self, directions: &directions });
-        let pairs = self.widest.dispatch(Pairs(&directions));
-        Moments::new(&self.given, directions, sides, pairs)
+        let mut moments = Moments::with_sides(&self.given, directions, sides);
+        self.widest.dispatch(Products { directions: &moments.directions, gram: &mut moments.gram });
+        moments
     }
 
     fn exchanged(&self, before: &Moments, kept: &[usize], new: &[DVec3]) -> Moments {
@@ -151,6 +160,14 @@ impl Objective for Sphere {
 
     fn turned(&self, _: &Moments, directions: Vec<DVec3>) -> Moments {
         self.moments(directions)
+    }
+
+    fn derivatives(&self, moments: &Moments, fixed: usize) -> Derivatives {
+        let mut derivatives = Derivatives::with_sides(&self.given, moments, fixed);
+        let ambient = self.given.ambient.coefficients();
+        let directions = &moments.directions;
+        self.widest.dispatch(Turned { directions, ambient, fixed, derivatives: &mut derivatives });
+        derivatives
     }
 
     fn kinks(&self, _: &Moments, to: &Moments) -> Vec<(usize, DVec3)> {
@@ -206,22 +223,6 @@ impl Objective for Sphere {
 
     fn has_kinks(&self) -> bool {
         false
-    }
-}
-
-/// `<v_j, v_k^T>` of lights for k <= j.
-struct Pairs<'a>(&'a [DVec3]);
-
-impl WithSimd for Pairs<'_> {
-    type Output = Vec<DMat3>;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
-        let mut pairs = Vec::with_capacity(pair(self.0.len(), 0));
-        for (j, &l) in self.0.iter().enumerate() {
-            mixed_derivatives(l, &self.0[..=j], |pair| pairs.push(pair));
-        }
-        pairs
     }
 }
 
@@ -343,7 +344,7 @@ mod tests {
                 assert_near(&a.gram, &b.gram, &b.gram, 1e-4);
                 assert_near(&a.rhs, &b.rhs, &b.rhs, 1e-4);
                 // A derivative jumps at its light's horizon, which 20480 normals resolve to this.
-                let [da, db] = [a.derivatives(&closed.given, 0), b.derivatives(summed.given(), 0)];
+                let [da, db] = [closed.derivatives(&a, 0), summed.derivatives(&b, 0)];
                 assert_near(&da.gram, &db.gram, &b.gram, 2e-3);
                 assert_near(&da.rhs, &db.rhs, &b.rhs, 2e-3);
                 assert_near(&da.model, &db.model, &b.gram, 2e-3);

@@ -5,7 +5,7 @@
 use glam::{DMat3, DVec3};
 use ndarray::{ArrayView2, Axis};
 
-use super::kernel::{Angles, LANES, Lanes, second_derivative};
+use super::kernel::{Angles, LANES, Lanes, second_derivative, sum};
 use crate::kernels::image::WorkingMap;
 
 /// Points that are kept at most, the brightest: beyond, harmonics are as good.
@@ -21,7 +21,6 @@ pub struct Point {
 /// Points side by side: the last lanes are filled up with black ones.
 #[derive(Clone, Debug)]
 pub struct Points {
-    points: Vec<Point>,
     blocks: Vec<(Lanes, [[f64; LANES]; 3])>,
 }
 
@@ -47,7 +46,7 @@ impl Points {
     }
 
     /// Of one list.
-    pub fn new(points: Vec<Point>) -> Self {
+    pub fn new(points: &[Point]) -> Self {
         let block = |points: &[Point]| {
             let mut irradiance = [[0.0; LANES]; 3];
             for (i, point) in points.iter().enumerate() {
@@ -55,26 +54,30 @@ impl Points {
             }
             (Lanes::new(points.iter().map(|point| point.direction)), irradiance)
         };
-        let blocks = points.chunks(LANES).map(block).collect();
-        Self { points, blocks }
+        Self { blocks: points.chunks(LANES).map(block).collect() }
     }
 
     /// Gradients at l of the inner product of a light with all points, by channel.
     #[inline(always)]
     pub fn gradient(&self, l: DVec3) -> [DVec3; 3] {
         // Of each channel the pull towards the points, and along l.
-        let mut sums = [[0.0; 4]; 3];
-        for (points, (lanes, _)) in self.points.chunks(LANES).zip(&self.blocks) {
+        let mut sums = [[[0.0; LANES]; 4]; 3];
+        for (lanes, irradiance) in &self.blocks {
             let angles = Angles::new(l, lanes);
             let (rests, slopes) = (angles.rests(), angles.slopes());
-            for (i, Point { direction: d, irradiance }) in points.iter().enumerate() {
-                let pull = [slopes[i] * d.x, slopes[i] * d.y, slopes[i] * d.z, rests[i]];
-                for (sum, e) in sums.iter_mut().zip(irradiance) {
-                    (0..4).for_each(|k| sum[k] += e * pull[k]);
+            for (sums, e) in sums.iter_mut().zip(irradiance) {
+                for i in 0..LANES {
+                    let pull = e[i] * slopes[i];
+                    (0..3).for_each(|axis| sums[axis][i] += pull * lanes.axes[axis][i]);
+                    sums[3][i] += e[i] * rests[i];
                 }
             }
         }
-        sums.map(|[x, y, z, along]| DVec3::new(x, y, z) + l * along)
+        let mut gradients = [DVec3::ZERO; 3];
+        for (gradient, [x, y, z, along]) in gradients.iter_mut().zip(sums) {
+            *gradient = DVec3::new(sum(x), sum(y), sum(z)) + l * sum(along);
+        }
+        gradients
     }
 
     /// The second derivative on the tangent plane of l, of the channels with these `shares`.

@@ -1,0 +1,51 @@
+//! Inner products of lights, and of their derivatives, from the moments of pairs of them.
+//!
+//! With the frames (l, s, t) of two lights j and k, all of them are entries of
+//!
+//! ```text
+//!   (l, s, t)_j^T <v_j, v_k^T> (l, s, t)_k
+//! ```
+
+use glam::{DMat3, DVec3};
+
+use crate::kernels::fit::objective::{Derivatives, Given, Moments, Pair};
+
+/// Place of the pair k <= j.
+pub fn pair(j: usize, k: usize) -> usize {
+    j * (j + 1) / 2 + k
+}
+
+/// The moments of lights in `directions`, from `sides` and `pairs`.
+pub fn moments(given: &Given, directions: Vec<DVec3>, sides: Vec<DVec3>, pairs: Vec<DMat3>) -> Moments {
+    let mut moments = Moments::with_sides(given, directions, sides);
+    let ambient = given.ambient.coefficients();
+    for (j, &l) in moments.directions.iter().enumerate() {
+        for (k, &other) in moments.directions[..=j].iter().enumerate() {
+            let product = (pairs[pair(j, k)] * other).dot(l);
+            moments.gram[(ambient + j, ambient + k)] = product;
+            moments.gram[(ambient + k, ambient + j)] = product;
+        }
+    }
+    Moments { pairs, ..moments }
+}
+
+/// The derivatives of the lights but the first `fixed`.
+pub fn derivatives(given: &Given, moments: &Moments, fixed: usize) -> Derivatives {
+    let ambient = given.ambient.coefficients();
+    let mut derivatives = Derivatives::with_sides(given, moments, fixed);
+    let frame = |(light, &l): (usize, &DVec3)| {
+        let [s, t] = light.checked_sub(fixed).map_or([DVec3::ZERO; 2], |free| derivatives.frames[free]);
+        DMat3::from_cols(l, s, t)
+    };
+    let frames: Vec<DMat3> = moments.directions.iter().enumerate().map(frame).collect();
+    for (j, frame) in frames.iter().enumerate().skip(fixed) {
+        let turned = frame.transpose();
+        for (k, other) in frames[..=j].iter().enumerate() {
+            // (l, s, t) of j down, of k across.
+            let [[_, own @ ..], s, t] = (turned * moments.pairs[pair(j, k)] * *other).to_cols_array_2d();
+            let both = [[s[1], t[1]], [s[2], t[2]]];
+            derivatives.set(ambient, fixed, [j, k], &Pair { own, other: [s[0], t[0]], both });
+        }
+    }
+    derivatives
+}
