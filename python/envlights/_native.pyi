@@ -149,6 +149,7 @@ class MapSplit:
     solid_angle: _Reals
     reach: _Reals
     vectors: _Reals
+    peak: NDArray[np.float32]
 
 def are_clipped(
     radiance: _Image, pixels: _Indices, reach: int, sphere: bool, white: float | None

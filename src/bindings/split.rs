@@ -21,6 +21,7 @@ pub struct MapSplit {
     solid_angle: Py<PyArray1<f64>>,
     reach: Py<PyArray1<f64>>,
     vectors: Py<PyArray3<f64>>,
+    peak: Py<PyArray1<f32>>,
 }
 
 /// See `envlights.split`.
@@ -63,6 +64,7 @@ pub fn split_map(
         )
         .into_pyarray(py)
         .unbind(),
+        peak: parts.peaks.into_pyarray(py).unbind(),
         pixel: parts.pixels.into_pyarray(py).unbind(),
         left: Array2::from(parts.left).into_pyarray(py).unbind(),
     })

@@ -276,10 +276,18 @@ def test_pictures_that_end_at_white_keep_their_white():
         ({"lights": "found", "share": 0.5}, "share has no meaning"),
         ({"lights": "found", "gap_deg": 1}, "gap_deg has no meaning"),
         ({"lights": "smaller"}, "they were found in one that was reduced to 96x48"),
+        ({"lights": "elsewhere"}, "light 0 .* peak luminance of 90, .* pixel here has 0.286"),
+        ({"lights": "brighter"}, "light 0 .* peak luminance of 90.18, .* pixel here has 90"),
     ],
 )
 def test_refusals(arguments, sentence):
-    named = {"found": el.detect(three()), "smaller": el.detect(world([], 48))}
+    turned, brighter = np.roll(three().radiance, 64, axis=1), three().radiance * np.float32(1.002)
+    named = {
+        "found": el.detect(three()),
+        "smaller": el.detect(world([], 48)),
+        "elsewhere": el.detect(turned),
+        "brighter": el.detect(brighter),
+    }
     given = {
         name: named.get(value, value) if name == "lights" else value
         for name, value in arguments.items()
@@ -328,6 +336,12 @@ def test_a_large_map_is_split_by_its_own_pixels():
     assert len(lights) == 2
     assert closure(env, lights, rest).max() < 1e-6
     np.testing.assert_allclose(rest.radiance, np.broadcast_to(SKY, rest.radiance.shape), rtol=1e-6)
+    # Each light is known again by the brightest of its own pixels, of which a block holds 64.
+    found = el.detect(env, working_width=256)
+    np.testing.assert_array_equal(
+        el.split(env, found).lights.irradiance,
+        el.split(env, working_width=256).lights.irradiance,
+    )
 
 
 def test_any_number_of_threads_gives_the_same_bits():

@@ -27,6 +27,9 @@ _ALL: dict[str, Any] = {"rise": 2.25, "min_worth": 0.0}
 _WINDOW = 6
 
 
+#: Relative difference of a light's peak between two maps, by more than the rounding of files.
+_PEAK = 1e-3
+
 #: The radiance of a pixel.
 _PIXEL = np.dtype((np.void, 3 * np.dtype(np.float32).itemsize))
 
@@ -90,8 +93,9 @@ def split(
     Raises
     ------
     EnvLightsError
-        If `env` is not a map, an option is out of its range, or the given `lights` were found in a
-        map of another size.
+        If `env` is not a map, an option is out of its range, or the given `lights` were found in
+        another map: one of another size, or, by the tree, one in which they were brighter or
+        darker.
 
     See Also
     --------
@@ -140,6 +144,7 @@ def split(
     found, chosen = _chosen(env, lights, share, options)
     start = perf_counter()
     parts = _parts(env, chosen)
+    _check_peaks(chosen, parts.peak)
     radiance = copied(env.radiance)
     # A pixel as one item: NumPy takes twice as long for three.
     pixels, left = (each.reshape(-1).view(_PIXEL) for each in (radiance, parts.left))
@@ -190,6 +195,18 @@ def _check_size(env: EnvMap, report: DetectionReport) -> None:
         raise EnvLightsError(
             f"the lights must be those of this map, of {env.width}x{env.height} pixels; they were"
             f" found in one that was reduced to {width}x{height}"
+        )
+
+
+def _check_peaks(lights: DetectedLights, seen: NDArray[np.float32]) -> None:
+    """Refuse lights whose pixels have another peak than that with which they were found."""
+    wanted = lights.peak_luminance
+    # The article looks for lights in a reduction of the map, whose peaks are not those of pixels.
+    other = lights.report.method == "tree" and np.abs(seen - wanted) > _PEAK * wanted
+    for light in np.flatnonzero(other)[:1]:
+        raise EnvLightsError(
+            f"the lights must be those of this map: light {light} was found with a peak luminance"
+            f" of {wanted[light]:.4g}, and its brightest pixel here has {seen[light]:.4g}"
         )
 
 

@@ -3,6 +3,7 @@
 use ndarray::{ArrayView1, ArrayView2};
 
 use crate::error::{Error, Result};
+use crate::kernels::image::luminance_f32;
 use crate::kernels::sphere;
 
 /// The lights that are to be taken, as they were found in a map.
@@ -37,5 +38,27 @@ impl Found<'_> {
             members.push((row as usize * width + column as usize, light as usize));
         }
         Ok(members)
+    }
+
+    /// Largest luminance of the map's own pixels behind those of each light that is taken, 0 for a light without pixels:
+    /// that of its peak, if it was found in this map.
+    pub fn peaks(
+        &self,
+        map: &[[f32; 3]],
+        (height, width): (usize, usize),
+        members: &[(usize, usize)],
+    ) -> Vec<f32> {
+        let block = self.block.max(1);
+        let columns = width.div_ceil(block);
+        let mut peaks = vec![0.0_f32; self.directions.nrows()];
+        for &(pixel, light) in members {
+            let Some(peak) = peaks.get_mut(light) else { continue };
+            let (first, column) = (pixel / columns * block, pixel % columns * block);
+            for row in first..(first + block).min(height) {
+                let pixels = &map[row * width + column..row * width + (column + block).min(width)];
+                *peak = pixels.iter().copied().map(luminance_f32).fold(*peak, f32::max);
+            }
+        }
+        peaks
     }
 }

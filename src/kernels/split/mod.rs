@@ -61,6 +61,8 @@ pub struct Split {
     pub left: Vec<[f32; 3]>,
     /// One for each direction that was given.
     pub lights: Vec<Taken>,
+    /// Largest luminance of the pixels in which each of them was found.
+    pub peaks: Vec<f32>,
 }
 
 /// Take lights out of an equirectangular map of radiance, (height, width, 3), finite and not negative.
@@ -79,6 +81,7 @@ pub fn split(radiance: ArrayView3<'_, f32>, registration: Registration, found: &
     let (size, block) = ((height, width), found.block.max(1));
     let working = Working::of(map, size, registration, block);
     let members = found.members(working.size)?;
+    let peaks = found.peaks(map, size, &members);
     let regions = region::regions(&working, &members, directions.len(), found.threshold);
     let membrane = membrane::membrane(&working, &regions);
     let map = Map {
@@ -88,11 +91,17 @@ pub fn split(radiance: ArrayView3<'_, f32>, registration: Registration, found: &
         membrane: Enlarged::new(&membrane, block),
         block,
     };
-    Ok(taken(&map, &Cells::new(&working.grid), &regions, &directions))
+    let (pixels, left, lights) = taken(&map, &Cells::new(&working.grid), &regions, &directions);
+    Ok(Split { pixels, left, lights, peaks })
 }
 
-/// Take one light after the other, each from its region.
-fn taken(map: &Map<'_>, working: &Cells, regions: &Regions, directions: &[DVec3]) -> Split {
+/// Take one light after the other, each from its region: flat indices of pixels, what is left of them, and the lights.
+fn taken(
+    map: &Map<'_>,
+    working: &Cells,
+    regions: &Regions,
+    directions: &[DVec3],
+) -> (Vec<i64>, Vec<[f32; 3]>, Vec<Taken>) {
     let parts: Vec<Vec<Part>> = regions.pixels.iter().map(|region| map.parts(region)).collect();
     let count = parts.iter().flatten().map(|part| part.pixels).sum();
     let (mut pixels, mut left) = (vec![0; count], vec![[0.0; 3]; count]);
@@ -101,5 +110,5 @@ fn taken(map: &Map<'_>, working: &Cells, regions: &Regions, directions: &[DVec3]
     let lights = lights
         .map(|((region, parts), &direction)| taken::take(map, working, region, parts, direction, &mut room))
         .collect();
-    Split { pixels, left, lights }
+    (pixels, left, lights)
 }
