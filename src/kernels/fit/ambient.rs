@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use nalgebra::{Matrix3, Vector3};
 
 use crate::error::{Error, Result};
@@ -63,17 +63,66 @@ impl Ambient {
 ///   (Q - m) n = -b        |n| = 1
 /// ```
 pub fn darkest(coefficients: &[f64]) -> (DVec3, f64) {
+    let (q, b) = quadratic(coefficients);
+    let normal = least_by_inverses(q, b).unwrap_or_else(|| least_by_eigenvectors(q, b));
+    let columns = Ambient::Sh2.irradiance(normal);
+    (normal, coefficients.iter().zip(columns).map(|(c, column)| c * column).sum())
+}
+
+/// Q and b.
+fn quadratic(coefficients: &[f64]) -> (DMat3, DVec3) {
     let c = |i: usize, scale: f64| coefficients[i] * scale;
     let b = DVec3::new(c(3, LINEAR), c(1, LINEAR), c(2, LINEAR)) / 2.0;
     let (xy, yz, xz) = (c(4, SQUARE / 2.0), c(5, SQUARE / 2.0), c(7, SQUARE / 2.0));
     let (xx, zz) = (c(8, SQUARE / 2.0), c(6, 3.0 * ZONAL));
-    let eigen = Matrix3::new(xx, xy, xz, xy, -xx, yz, xz, yz, zz).symmetric_eigen();
+    (DMat3::from_cols_array(&[xx, xy, xz, xy, -xx, yz, xz, yz, zz]), b)
+}
+
+/// The unit vector n at which `n^T Q n + 2 b.n` is least; none where Newton's steps from below do not lead to it, as
+/// where b has next to no part along the least eigenvector.
+///
+/// With m, as above, 1 / |n(m)| is almost a straight line in m, so that a few steps arrive.
+fn least_by_inverses(q: DMat3, b: DVec3) -> Option<DVec3> {
+    const STEPS: usize = 12;
+    /// Determinant, as a share of the cube of the size, below which an inverse has lost digits.
+    const SINGULAR: f64 = 1e-6;
+    let size = [q.x_axis, q.y_axis, q.z_axis].map(|axis| axis.abs().element_sum());
+    let size = size.into_iter().fold(0.0, f64::max) + b.length();
+    let (mut low, mut m) = (-size, -size);
+    for _ in 0..STEPS {
+        let shifted = q - DMat3::from_diagonal(DVec3::splat(m));
+        let (adjugate, determinant) = adjugate(shifted);
+        let has_positive_minors = shifted.x_axis.x > 0.0 && adjugate.z_axis.z > 0.0;
+        let is_definite = has_positive_minors && determinant > SINGULAR * size.powi(3);
+        if !is_definite {
+            m = 0.5 * (low + m);
+            continue;
+        }
+        low = m;
+        let n = adjugate * -b / determinant;
+        let length = n.length();
+        if (1.0 - length).abs() < 1e-14 {
+            return Some(n / length);
+        }
+        let slope = n.dot(adjugate * n) / determinant;
+        m += length * length * (1.0 - length) / slope;
+    }
+    None
+}
+
+/// The inverse of a symmetric matrix times its determinant, and that.
+fn adjugate(DMat3 { x_axis, y_axis, z_axis }: DMat3) -> (DMat3, f64) {
+    let adjugate = DMat3::from_cols(y_axis.cross(z_axis), z_axis.cross(x_axis), x_axis.cross(y_axis));
+    (adjugate, x_axis.dot(adjugate.x_axis))
+}
+
+/// The least n as in [`least_by_inverses`], for any b: along the eigenvectors of Q.
+fn least_by_eigenvectors(q: DMat3, b: DVec3) -> DVec3 {
+    let eigen = Matrix3::from(q.to_cols_array_2d()).symmetric_eigen();
     let (vectors, values) = (eigen.eigenvectors, eigen.eigenvalues.into());
     let along: [f64; 3] = (vectors.transpose() * Vector3::new(b.x, b.y, b.z)).into();
     let normal = vectors * Vector3::from(least_on_sphere(values, along));
-    let normal = DVec3::new(normal.x, normal.y, normal.z).normalize();
-    let columns = Ambient::Sh2.irradiance(normal);
-    (normal, coefficients.iter().zip(columns).map(|(c, column)| c * column).sum())
+    DVec3::new(normal.x, normal.y, normal.z).normalize()
 }
 
 /// The unit vector n at which `sum_i q_i n_i^2 + 2 b_i n_i` is least.
@@ -128,6 +177,13 @@ mod tests {
                 coefficients.iter().zip(columns).map(|(c, column)| c * column).sum::<f64>()
             }).fold(f64::INFINITY, f64::min);
             prop_assert!(least <= seen + 1e-9 && seen < least + 0.01, "{least} {seen}");
+            // Both ways lead there.
+            let (q, b) = quadratic(&coefficients);
+            let value = |n: DVec3| n.dot(q * n) + 2.0 * b.dot(n);
+            let ways = [least_by_inverses(q, b), Some(least_by_eigenvectors(q, b))].into_iter().flatten();
+            for other in ways {
+                prop_assert!((value(other) - value(normal)).abs() < 1e-12, "{other} {normal}");
+            }
             // Nor is it close by, in any direction.
             let [s, t] = crate::kernels::sphere::tangents(normal);
             for step in [s, -s, t, -t] {

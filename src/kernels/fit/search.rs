@@ -50,6 +50,9 @@ struct Breadth {
     close: f64,
     /// Share of the least cost above which a place that has settled is given up.
     settled: f64,
+    /// Whether the best gets one more light before another goes. With harmonics that lowered the error of 2 of 120 fits,
+    /// by .5 and 4 %, for less than a hundredth of the time; without, of none of 420.
+    replaces: bool,
 }
 
 impl Breadth {
@@ -66,8 +69,10 @@ impl Breadth {
         promised: 1.2,
         close: 3e-3,
         settled: 1e-3,
+        replaces: false,
     };
-    /// With harmonics that may not turn negative, a promise says little, and there are more valleys.
+    /// With harmonics that may not turn negative, a promise says little, and there are more valleys: of 114 fits of real
+    /// and generated maps, the best came from the first place in 92, from the seventeenth at the latest.
     const HARMONICS: Self = Self {
         beam: 12,
         added: 6,
@@ -75,11 +80,12 @@ impl Breadth {
         starts: 12,
         spare: 0,
         one_in: 1,
-        promising: 32,
+        promising: 20,
         exchanged: 8,
         promised: 1.2,
         close: 1e-3,
         settled: 1e-3,
+        replaces: true,
     };
     /// Over given normals each valley holds many small ones, and what is lowest shows late.
     const KINKS: Self = Self {
@@ -94,6 +100,7 @@ impl Breadth {
         promised: 1.0,
         close: 3e-3,
         settled: 1e-2,
+        replaces: false,
     };
     /// Even starts at most, and lights of all of them together: more lights take longer each.
     const MOST_STARTS: usize = 96;
@@ -154,7 +161,8 @@ impl<'a> Search<'a> {
         let near: Vec<State> = near.chain(self.paper_start(lights)?).collect();
         let finest = near.into_par_iter().map(|state| state.descend(self.problem, FINE));
         let best = best_of(finest.collect(), PERTURBED_ON).into_iter().map(|state| self.perturbed_on(state));
-        Ok(best_of(best.collect::<Result<Vec<State>>>()?, 1).pop())
+        let best = best_of(best.collect::<Result<Vec<State>>>()?, 1).pop();
+        Ok(best.map(|best| if self.breadth.replaces { self.replaced(best) } else { best }))
     }
 
     /// Lights where they are likeliest, if there are as many such places.
@@ -187,6 +195,23 @@ impl<'a> Search<'a> {
             state
         };
         Ok(multistart::even(count, lights - fixed + self.breadth.spare)?.par_iter().map(descend).collect())
+    }
+
+    /// With one more light where most is missing, and then without the one that is missed least, while that pays.
+    fn replaced(&self, mut best: State) -> State {
+        while best.stop != Some(StopReason::Exact) {
+            let Some(more) = self.grown(std::slice::from_ref(&best)).into_iter().next() else { break };
+            let fewer = self.without_one(&more);
+            if fewer.cost > NEAR * best.cost {
+                break;
+            }
+            let next = self.descended(fewer, self.breadth.close);
+            if !is_lower(&next, &best, WORTH_AN_EXCHANGE) {
+                break;
+            }
+            best = self.settled(next).descend(self.problem, FINE);
+        }
+        best
     }
 
     /// Without the light that is needed least.
