@@ -2,8 +2,10 @@
 
     ENVLIGHTS_MAPS=folder python benchmarks/split.py
 
-Images are of a ball and a box on a floor, by Mitsuba. The error is that of lights and rest
-together, without the noise; the noise of both is at a quarter of the paths of the map.
+Images are of a ball and a box on a floor, by Mitsuba, in 60 x 40 pixels. The error is that of
+lights and rest together, without the noise. Then comes the noise of the map alone, and of both at a
+quarter and at a half of its paths: with three bounces, and of the direct light alone. Lights and
+rest are rendered apart and added; they share the paths in proportion to their noise.
 """
 
 from pathlib import Path
@@ -16,7 +18,7 @@ import envlights as el
 from envlights.scene.still_life import Still, still_life
 
 #: Paths of the images from which the error is taken, and of those whose noise is told, over four.
-_EXACT, _NOISY = 384, 64
+_EXACT, _NOISY = 200, 128
 _NORMALS, _SOLID_ANGLES = el.kernels.icosphere(5120)
 #: Rows of the map in which the lights are drawn as discs.
 _ROWS = 1024
@@ -25,7 +27,7 @@ _ROWS = 1024
 def main():
     print(
         f"{'map':>24} {'taken':>9} {'flux':>6} {'closure':>8} {'colour':>8} {'again':>6}"
-        f" {'probe':>7} {'image':>7} {'noise':>7}   noise at 1/4 of the paths"
+        f" {'probe':>7} {'image':>7} {'noise':>7}   noise: map, 1/4, 1/2 of paths; direct light"
     )
     for path in paths_of_real_maps(*EQUIRECTANGULAR):
         env = el.EnvMap.open(path)
@@ -34,23 +36,30 @@ def main():
         truth = None
         for name, parts in rows.items():
             if len(parts.lights) and (name == "sun" or len(parts.lights) > 1):
-                truth = truth or _images(env, parts, _EXACT)
+                truth = truth or _image(env, parts)
                 print(_row(path, env, name, parts, truth), flush=True)
     _times()
 
 
-def _images(env, parts, paths):
+def _image(env, parts):
+    """The azimuth from which the scene is seen, that of the brightest light, and its image."""
     azimuth = 2 * np.pi * el.kernels.direction_to_uv(parts.lights.direction[:1])[0, 0]
-    return azimuth, still_life(env, azimuth, paths, 1), still_life(env, azimuth, _NOISY, 2)
+    return azimuth, _still(env, azimuth, _EXACT, 1)
+
+
+def _still(env, azimuth, paths, seed, bounces=3):
+    """The scene under a map; four pixels are averaged to one, which halves the noise."""
+    still = still_life(env, azimuth, paths, seed, bounces)
+    return Still(*(image.reshape(40, 2, 60, 2, 3).mean(axis=(1, 3)) for image in still))
 
 
 def _row(path, env, name, parts, truth):
-    azimuth, exact, noisy = truth
+    azimuth, exact = truth
     lights, rest = parts
     discs = lights.to_map(_ROWS)
-    together = _sum(rest, discs, azimuth, _EXACT)
-    # As many paths for each of both as an eighth of those of the map.
-    quick = _sum(rest, discs, azimuth, _NOISY // 8)
+    apart = [_still(light, azimuth, _EXACT, 3 + seed) for seed, light in enumerate((rest, discs))]
+    together = _sum(*apart)
+    noise = [_noise(env, (rest, discs), azimuth, bounces) for bounces in (3, 1)]
     closed, colour = _closure(env, lights, rest)
     again = el.detect(rest)
     seen = rest.probe(_NORMALS) + discs.probe(_NORMALS)
@@ -59,15 +68,31 @@ def _row(path, env, name, parts, truth):
         f"{Path(path).stem[:24]:>24} {name} {len(lights):>5} {lights.flux_share.sum():>6.1%}"
         f" {closed:>8.1e} {colour:>8.1e} {len(again) if name == 'all' else '':>6} {probe:>7.2%}"
         f" {together.error(exact):>7.2%} {max(exact.noise, together.noise):>7.2%}"
-        f"   {noisy.noise:.2%} -> {quick.noise:.2%}"
+        f"   {noise[0]}   {noise[1]}"
     )
 
 
-def _sum(rest, discs, azimuth, paths):
-    one, other = (
-        still_life(light, azimuth, paths, seed) for seed, light in enumerate((rest, discs))
-    )
-    return Still(one.one + other.one, one.two + other.two)
+def _noise(env, parts, azimuth, bounces):
+    """Noise of the map alone, and of both parts at a quarter and at a half of its paths."""
+    pilot = [_still(light, azimuth, _NOISY // 4, 3, bounces) for light in parts]
+    first = _norm_of_noise(pilot[0]) / sum(map(_norm_of_noise, pilot))
+    map_alone = _still(env, azimuth, _NOISY, 4, bounces).noise
+    stills = []
+    for fours in (_NOISY // 8, _NOISY // 4):
+        # Paths come in fours for each of two images.
+        own = min(max(round(fours * first), 1), fours - 1)
+        shares = zip(parts, (own, fours - own), (5, 6), strict=True)
+        halves = (_still(light, azimuth, 2 * own, seed, bounces) for light, own, seed in shares)
+        stills.append(_sum(*halves))
+    return ", ".join(f"{noise:.2%}" for noise in (map_alone, *(still.noise for still in stills)))
+
+
+def _sum(rest, discs):
+    return Still(rest.one + discs.one, rest.two + discs.two)
+
+
+def _norm_of_noise(still):
+    return still.noise * np.linalg.norm(still.image)
 
 
 def _closure(env, lights, rest):

@@ -32,6 +32,14 @@ def test_a_rig_and_its_map_give_the_same_image():
     assert still_life(points, 1.0, 32, 1).error(under_map) > 0.03
 
 
+def test_one_bounce_is_the_direct_light_alone():
+    sky = el.Rig([1.0] * 3, LIGHTS[:0], error=0.0)
+    direct, whole = (still_life(sky, 0.0, 16, 3, bounces).image for bounces in (1, 3))
+    # Surfaces of reflectance .7 send back that much of a sky of 1 at most; more comes from others.
+    assert 0.4 < direct.mean() < 0.7
+    assert whole.mean() > 1.02 * direct.mean()
+
+
 def test_noise_is_not_taken_for_an_error():
     """Few paths and many: the noise falls, the error stays what it is."""
     truth = still_life(RIG, 0.0, 64, 0)

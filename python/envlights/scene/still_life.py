@@ -53,18 +53,21 @@ class Still(NamedTuple):
         return float(np.linalg.norm(self.one - self.two) / 2 / size) if size else 0.0
 
 
-def still_life(light: EnvMap | Rig, azimuth: float, samples: int, seed: int) -> Still:
+def still_life(
+    light: EnvMap | Rig, azimuth: float, samples: int, seed: int, bounces: int = _BOUNCES
+) -> Still:
     """Render the scene, seen from an azimuth in radians.
 
     Lights and ambient term are rendered one at a time and added, because Mitsuba picks one emitter
     at random for each path, and that pick is most of the noise of many emitters. `samples` are the
-    paths through each pixel for each light, half of them for each of the two images.
+    paths through each pixel for each light, half of them for each of the two images. One of
+    `bounces` is the direct light alone.
     """
     seeds = iter(np.random.SeedSequence(seed).generate_state(2 * (2 + _lights(light))))
     images = np.zeros((2, _SIZE[1], _SIZE[0], 3))
     with mitsuba() as mi:
         shapes = _shapes(mi, azimuth)
-        paths = mi.load_dict({"type": "path", "max_depth": 1 + _BOUNCES})
+        paths = mi.load_dict({"type": "path", "max_depth": 1 + bounces})
         for weight, lit, effort in _parts(light):
             scene = mi.load_dict({"type": "scene", **shapes, **lit}, optimize=False)
             for image in images:
