@@ -182,8 +182,8 @@ pub fn fit_map(
     interruptible(py, || {
         let asked = asked(ambient, start, fixed, lights, error, max_steps)?;
         let asked = Asked { shadow_error, sizes, ..asked };
-        let map = image::reduce(radiance, registration(border_sampled), columns, point_share)?;
-        let map = if world == World::Floor { map.above_horizon() } else { map };
+        let reduce = if world == World::Floor { image::reduce_over_floor } else { image::reduce };
+        let map = reduce(radiance, registration(border_sampled), columns, point_share)?;
         let points = map.sources.dim().0;
         let fitted = fit::under_map(&map, world, &asked, error_floor)?;
         Ok(FitAnswer { fitted, points })

@@ -94,6 +94,24 @@ def test_worlds_of_discs_come_back_from_wrong_valleys(seed):
     assert rig.report.shadow_error < 0.005
 
 
+@pytest.mark.parametrize(("seed", "count"), [(109, 4), (115, 3), (131, 4), (286, 3)])
+def test_worlds_of_discs_that_once_missed_a_radius_come_back(seed, count):
+    """Suns of one pixel in radius, and lamps whose rim lies in cells of little flux."""
+    wanted = list(random_worlds(seed))[count - 1]
+    assert_come_back(el.fit(wanted.to_map(512), count), wanted)
+
+
+@pytest.mark.parametrize(("degrees", "most"), [(0.5, 0.03), (1, 0.015), (3, 0.01)])
+def test_the_radius_of_a_small_disc_is_not_that_of_its_pixels(degrees, most):
+    """Nor is it too small in the mean, as where the whole blur of pixels is taken off."""
+    found = []
+    for towards in np.random.default_rng(5).normal(size=(12, 3)):
+        _, env = world(0.1, disc(towards, 1, degrees), disc(-towards, 1, 30))
+        found.append(np.rad2deg(el.fit(env, 2).lights.angular_radius.min()) / degrees - 1)
+    assert np.mean(found) == pytest.approx(0, abs=0.01)
+    assert np.abs(found).max() < most
+
+
 def random_worlds(seed):
     """Rigs of 1 to 4 discs."""
     rng = np.random.default_rng(seed)

@@ -22,7 +22,7 @@ pub(crate) use blocks::{BlockRow, samples_of};
 pub use codes::decoded;
 pub use grid::Grid;
 pub use luminance::{LUMINANCE, LUMINANCE_F32, luminance, luminance_f32};
-pub use reduce::{Part, WorkingMap, reduce};
+pub use reduce::{MOST_PARTS, Part, WorkingMap, reduce, reduce_over_floor};
 pub use rotate::rotated;
 pub use samples::{Unusable, unusable};
 pub(crate) use samples::{check_rgb, check_samples};

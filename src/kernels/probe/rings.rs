@@ -220,6 +220,7 @@ mod tests {
             radiance,
             grid,
             sources: map.sources.clone(),
+            bright: map.bright.clone(),
             parts: map.parts.clone(),
             pixel: map.pixel,
         }

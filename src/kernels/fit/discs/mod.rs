@@ -142,9 +142,13 @@ impl<'a> Sizes<'a> {
 
 /// The rig of a state.
 ///
-/// A pixel is a mean over its square, and shows it as a square: what stands in the map is wider than what was seen, by
-/// twice the spread of a pixel.
+/// A pixel is a mean over its square, and shows it as a square: what stands in the map is blurred, by twice the spread of
+/// a pixel. The disc that is nearest to a blurred one is less spread than that. Under the cone of the kernel, which counts
+/// the spatial frequency k with `k^-3`, it is spread by what was seen and 1.25 pixels more where that is wide, 1.34 where it
+/// is a disc of two pixels in radius, 1.46 where it is one of one pixel.
 fn rig_of(given: &Given, state: &State, map: &WorkingMap) -> (Rig, Vec<f64>) {
+    /// In spreads of a pixel: that of small discs, of which pixels are a large part.
+    const BLUR: f64 = 1.4;
     let ambient = given.ambient.coefficients();
     let rgb = |row: usize| {
         DVec3::from_array(given.like.map(|like| like.map_or(0.0, |channel| state.x[(row, channel)])))
@@ -152,7 +156,7 @@ fn rig_of(given: &Given, state: &State, map: &WorkingMap) -> (Rig, Vec<f64>) {
     let shares: Vec<f64> = state
         .discs
         .iter()
-        .map(|disc| (disc.share - 2.0 * map.pixel_spread(disc.direction)).max(0.0))
+        .map(|disc| (disc.share - BLUR * map.pixel_spread(disc.direction)).max(0.0))
         .collect();
     // A disc seen from the front gives less than its flux: what it gives does not depend on its size.
     let irradiance = |(light, disc): (usize, &Disc)| rgb(ambient + light) * (1.0 - disc.share);

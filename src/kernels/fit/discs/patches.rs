@@ -1,4 +1,4 @@
-//! The bright cells and sources of a map, each kept apart as a disc of the same spread, and the cone of a kernel between
+//! The bright cells of a map in parts, each kept apart as a disc of the same spread, and the cone of a kernel between
 //! them and the discs of lights.
 
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
@@ -8,7 +8,6 @@ use std::f64::consts::PI;
 use std::iter::repeat;
 
 use glam::DVec3;
-use ndarray::{Array3, ArrayView1};
 use pulp::{Arch, Simd, WithSimd};
 
 use super::chord::mean_distance;
@@ -17,10 +16,9 @@ use super::harmonics::Harmonics;
 use super::jet::Jet;
 use super::lanes::{Lanes, MOST, Number};
 use super::synthesis::Sum;
-use crate::kernels::image::{Grid, Part, WorkingMap};
-use crate::kernels::sphere::direction;
+use crate::kernels::image::{Part, WorkingMap};
 
-/// A bright cell of the map, as a disc of the same spread.
+/// A part of a bright cell of the map, as a disc of the same spread.
 #[derive(Clone, Copy, Debug)]
 pub struct Patch {
     pub direction: DVec3,
@@ -28,43 +26,16 @@ pub struct Patch {
     pub flux: [f64; 3],
 }
 
-/// Cells that are too bright for harmonics to be sharp enough, taken out of the map: each with more than a share of the
-/// flux, where its radiance stands out.
-pub fn bright_cells(radiance: &mut Array3<f32>, grid: &Grid) -> Vec<Patch> {
-    /// Of the flux of all channels.
-    const SHARE: f64 = 1.5e-3;
-    /// Times the mean radiance.
-    const STANDS_OUT: f64 = 8.0;
-    let bands: Vec<f64> = grid.theta_edges.windows(2).map(|edges| edges[0].cos() - edges[1].cos()).collect();
-    let widths: Vec<f64> = grid.phi_edges.windows(2).map(|edges| edges[1] - edges[0]).collect();
-    let sum = |cell: ArrayView1<'_, f32>| f64::from(cell[0] + cell[1] + cell[2]);
-    let mut whole = 0.0;
-    for (row, band) in radiance.outer_iter().zip(&bands) {
-        whole += band * row.outer_iter().zip(&widths).map(|(cell, width)| width * sum(cell)).sum::<f64>();
+impl Patch {
+    /// Its radiance, summed over the channels.
+    pub fn radiance(&self) -> f64 {
+        self.flux.iter().sum::<f64>() / (4.0 * PI * self.share)
     }
-    let bright = STANDS_OUT * whole / (4.0 * PI);
-    let mut patches = Vec::new();
-    for (y, mut row) in radiance.outer_iter_mut().enumerate() {
-        let (top, height) = (grid.theta_edges[y], grid.theta_edges[y + 1] - grid.theta_edges[y]);
-        for (x, mut cell) in row.outer_iter_mut().enumerate() {
-            let solid_angle = bands[y] * widths[x];
-            let own = sum(cell.view());
-            if own > bright && own * solid_angle > SHARE * whole {
-                let theta = top + 0.5 * height;
-                let direction = direction(theta, grid.phi_edges[x] + 0.5 * widths[x]);
-                let share = (height.powi(2) + (widths[x] * theta.sin()).powi(2)) / 24.0;
-                let flux = [0, 1, 2].map(|c| f64::from(cell[c]) * solid_angle);
-                patches.push(Patch { direction, share, flux });
-                cell.fill(0.0);
-            }
-        }
-    }
-    patches
 }
 
-/// The sources of the map as discs. Where their channels have their middles aside of each other, the first degree of
+/// The parts of the map's sources and bright cells as discs. Where their channels have their middles aside of each other, the first degree of
 /// the `rest` takes the difference.
-pub fn sources(map: &WorkingMap, rest: &mut Harmonics) -> Vec<Patch> {
+pub fn patches(map: &WorkingMap, rest: &mut Harmonics) -> Vec<Patch> {
     let mut patches = Vec::new();
     for &Part { irradiance: [x, y, z], spread: share } in &map.parts {
         let vectors = [0, 1, 2].map(|c| DVec3::new(x[c], y[c], z[c]));

@@ -4,20 +4,20 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::DVec3;
 use nalgebra::DMatrix;
-use ndarray::Array3;
+use ndarray::{Array3, s};
 use rayon::prelude::*;
 
 use super::chord::mean_distance;
 use super::disc::{Disc, on_tangents};
 use super::harmonics::Harmonics;
 use super::jet::Jet;
-use super::patches::{Patch, Patches, bright_cells, distances, sources};
+use super::patches::{Patch, Patches, distances, patches};
 use super::synthesis::Sum;
 use super::zonal::{Comparison, DEGREE, Kernel, factors};
 use crate::kernels::fit::ambient::Ambient;
 use crate::kernels::fit::objective::Given;
 use crate::kernels::harmonics::{cosine_lobe, irradiance_of_moments, radiance};
-use crate::kernels::image::{Grid, WorkingMap};
+use crate::kernels::image::{Grid, MOST_PARTS, WorkingMap};
 
 /// Discs that are done at a time: the vectors of most processors hold as many numbers.
 const BLOCK: usize = 4;
@@ -38,15 +38,15 @@ pub struct Picture {
 impl Picture {
     /// Of a map.
     pub fn new(map: &WorkingMap) -> Self {
-        /// The brightest sources that are kept apart; harmonics take the others.
-        const MOST_PATCHES: usize = 128;
         let mut radiance = map.radiance.clone();
-        let mut patches = bright_cells(&mut radiance, &map.grid);
+        for &(row, column) in &map.bright {
+            radiance.slice_mut(s![row, column, ..]).fill(0.0);
+        }
         let mut rest = Harmonics::of_cells(radiance.view(), &map.grid);
-        patches.extend(sources(map, &mut rest));
-        let power = |patch: &Patch| patch.flux.iter().sum::<f64>();
-        patches.sort_by(|a, b| power(b).total_cmp(&power(a)));
-        for patch in patches.split_off(MOST_PATCHES.min(patches.len())) {
+        let mut patches = patches(map, &mut rest);
+        // Harmonics take the dullest, where there are too many.
+        patches.sort_by(|a, b| b.radiance().total_cmp(&a.radiance()));
+        for patch in patches.split_off(MOST_PARTS.min(patches.len())) {
             rest.add_disc(patch.direction, &factors(patch.share), patch.flux);
         }
         let mut bright = Harmonics::zero();
