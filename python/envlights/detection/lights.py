@@ -131,7 +131,10 @@ class DetectedLights(Lights):
     """
 
     angular_radius: NDArray[np.float64] = field(init=False)
-    """Radius in radians of a disc of the same solid angle, shape (n,)."""
+    """Radius in radians of a disc of the same solid angle, shape (n,).
+
+    Within 5 % for discs that are two pixels wide and more. The pixels of a narrower one tell less:
+    where they lie within two rows and two columns, a smaller and brighter disc has the same."""
 
     peak_direction: NDArray[np.float64]
     """Unit vectors towards the brightest place of each light, shape (n, 3)."""

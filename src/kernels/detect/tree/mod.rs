@@ -20,6 +20,7 @@
 //! | join the panes of one opening behind bars                  | `bars.rs`            |
 //! | which lights are worth a line                              | `worth.rs`           |
 //! | drop the dimmest lights, merge neighbours (Ward's linkage) | `linkage.rs`         |
+//! | the radius of discs of few pixels                          | `small_discs.rs`     |
 
 pub(super) mod adjacency;
 pub(super) mod background;
@@ -34,6 +35,7 @@ pub(super) mod measure;
 pub(super) mod moments;
 pub(super) mod outline;
 pub(super) mod run;
+mod small_discs;
 #[cfg(test)]
 pub(super) mod test_maps;
 pub(super) mod threshold;
@@ -156,7 +158,8 @@ fn detect_in_pool(
         light.flux >= options.min_flux_share * working.flux
             && worth::is_worth_a_line(light, background, working.flux, options.min_worth)
     };
-    let (selection, panes) = openings.select(is_listed, options.max_lights);
+    let (mut selection, panes) = openings.select(is_listed, options.max_lights);
+    small_discs::measure(radiance, registration, &mut selection.lights);
     let report = Report::of(&working, threshold, &bright, &selection);
     Ok(Detection::new(&segments, selection, panes, report))
 }

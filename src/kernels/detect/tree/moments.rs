@@ -49,6 +49,8 @@ pub struct Light {
     luminance_squared: f64,
     luminance_cubed: f64,
     top: DVec3,
+    /// Solid angle of the disc that its pixels show, where they are few: `small_discs.rs`.
+    pub disc: Option<f64>,
 }
 
 impl Light {
@@ -98,11 +100,15 @@ impl Light {
     /// ```
     ///
     /// of which the smaller Y is the light's. Where it is not near the peak, the luminance varies, and W is F^2 / Q, as
-    /// it is where no pixel is cut. In any case W is no less than the edge of a disc explains.
+    /// it is where no pixel is cut. In any case W is no less than the edge of a disc explains. A disc that was fitted to
+    /// the pixels counts for more than all of this.
     pub fn solid_angle(&self) -> f64 {
         /// Share of the peak. It is .93 and more for discs of 1.4 pixels on, .87 and more for those of .8, wherever
         /// they stand; .86 and less for evenly distributed noise of a fourth of the mean.
         const NEAR: f64 = 0.87;
+        if let Some(disc) = self.disc {
+            return disc;
+        }
         let (flux, square, cube) = (self.flux, self.luminance_squared, self.luminance_cubed);
         let plain = flux * flux / square;
         let root = (9.0 * square * square - 8.0 * flux * cube).max(0.0).sqrt();
@@ -163,6 +169,7 @@ impl Light {
             luminance_squared: self.luminance_squared + other.luminance_squared,
             luminance_cubed: self.luminance_cubed + other.luminance_cubed,
             top: brighter.top + top,
+            disc: None,
         }
     }
 
