@@ -44,6 +44,8 @@ import envlights as el
 from envlights import kernels
 from envlights.transfer.products import eigensystem
 
+# A shell lets programs in the background ignore it.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 rng = np.random.default_rng(0)
 image = el.synthetic.hard(3, 512).radiance
 large = np.tile(image, (8, 8, 1))
