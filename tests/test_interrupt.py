@@ -20,7 +20,7 @@ LONG = {
     "disc_map": "kernels.disc_map(2048, even[:400], even[:400] ** 2, np.full(400, 0.3))",
     "rotated": "[el.EnvMap(image).rotated(turn) for _ in range(1000)]",
     "fit": "[el.fit(image, 20, ambient='sh2') for _ in range(20)]",
-    "fit_probe": "el.fit_probe(*probe, 30)",
+    "fit_probe": "[el.fit_probe(*probe, 30) for _ in range(20)]",
     "fit_paper": "el.fit_paper(image, 100, max_steps=10**6)",
     "pixel_directions": "kernels.pixel_directions(16384, 16384)",
     "pixel_solid_angles": "kernels.pixel_solid_angles(32768, 32768)",

@@ -182,8 +182,7 @@ pub fn fit_map(
     interruptible(py, || {
         let asked = asked(ambient, start, fixed, lights, error, max_steps)?;
         let asked = Asked { shadow_error, sizes, ..asked };
-        let reduce = if world == World::Floor { image::reduce_over_floor } else { image::reduce };
-        let map = reduce(radiance, registration(border_sampled), columns, point_share)?;
+        let map = image::reduce(radiance, registration(border_sampled), columns, point_share, floor)?;
         let points = map.sources.dim().0;
         let fitted = fit::under_map(&map, world, &asked, error_floor)?;
         Ok(FitAnswer { fitted, points })
@@ -202,7 +201,7 @@ pub fn map_energy(
 ) -> PyResult<f64> {
     let radiance = radiance.as_array();
     interruptible(py, || {
-        let map = image::reduce(radiance, registration(border_sampled), columns, point_share)?;
+        let map = image::reduce(radiance, registration(border_sampled), columns, point_share, false)?;
         Ok(fit::energy(&map))
     })
 }

@@ -33,7 +33,7 @@ pub fn working_irradiance<'py>(
 ) -> PyResult<(Bound<'py, PyArray2<f64>>, usize)> {
     let (radiance, normals) = (radiance.as_array(), normals.as_array());
     let (out, sources) = interruptible(py, || {
-        let map = image::reduce(radiance, registration(border_sampled), columns, source_share)?;
+        let map = image::reduce(radiance, registration(border_sampled), columns, source_share, false)?;
         probe::working_irradiance(&map, normals).map(|out| (out, map.sources.dim().0))
     })?;
     Ok((out.into_pyarray(py), sources))

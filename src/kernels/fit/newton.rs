@@ -124,7 +124,7 @@ mod tests {
             let hot = if (y, x % 20) == (9 + x / 8, 7 + c) { 400.0 } else { 0.0 };
             (1.0 + (0.2 * x as f64).sin() + hot) as f32
         });
-        let working = image::reduce(map.view(), Registration::CellCentred, 256, 3e-3).unwrap();
+        let working = image::reduce(map.view(), Registration::CellCentred, 256, 3e-3, false).unwrap();
         Sphere::new(&working, ambient, false)
     }
 

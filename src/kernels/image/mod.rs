@@ -7,6 +7,7 @@
 //! | the cells of an image on the sphere           | `grid.rs`      |
 //! | luminance                                     | `luminance.rs` |
 //! | a smaller working map, bright cells as points | `reduce.rs`    |
+//! | - and these in parts                          | `parts.rs`     |
 //! | block means                                   | `blocks.rs`    |
 //! | a map after a rotation                        | `rotate.rs`    |
 
@@ -14,6 +15,7 @@ mod blocks;
 mod codes;
 mod grid;
 mod luminance;
+mod parts;
 mod reduce;
 mod rotate;
 mod samples;
@@ -22,7 +24,8 @@ pub(crate) use blocks::{BlockRow, samples_of};
 pub use codes::decoded;
 pub use grid::Grid;
 pub use luminance::{LUMINANCE, LUMINANCE_F32, luminance, luminance_f32};
-pub use reduce::{MOST_PARTS, Part, WorkingMap, reduce, reduce_over_floor};
+pub use parts::{MOST_PARTS, Part};
+pub use reduce::{WorkingMap, reduce};
 pub use rotate::rotated;
 pub use samples::{Unusable, unusable};
 pub(crate) use samples::{check_rgb, check_samples};

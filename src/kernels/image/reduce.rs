@@ -1,8 +1,6 @@
 //! A map in fewer cells, for probes that need not be exact.
 
-use std::array::from_fn;
 use std::f64::consts::{FRAC_PI_2, PI};
-use std::ops::Range;
 
 use glam::DVec3;
 use ndarray::{Array3, ArrayView3, ArrayViewMut2, s};
@@ -10,6 +8,7 @@ use rayon::prelude::*;
 
 use super::blocks::BlockRow;
 use super::grid::Grid;
+use super::parts::{Apart, Block, PART_SHARE, Part, Pixel, parts};
 use super::samples::check_samples;
 use crate::error::Result;
 use crate::kernels::sphere::{Registration, angles, band_heights};
@@ -31,49 +30,6 @@ pub struct WorkingMap {
     pub pixel: Pixel,
 }
 
-/// Share of all flux from which a sixteenth of a cell is a part of its own. With 1e-2 the radii of generated discs of .7
-/// to 1 degree come back with an RMS error of 1.9 %, with 1e-3 of 1.1 %; and with 2e-3 the error with shadows of a real sun
-/// with its glow is 2.7 % off.
-const PART_SHARE: f64 = 1e-3;
-/// Most parts, unless the cells alone are more. Of 1200 generated worlds of discs all come back with 160, all but two with 128.
-pub const MOST_PARTS: usize = 192;
-
-/// A cell, or a part of one that is bright itself.
-#[derive(Clone, Copy, Debug)]
-pub struct Part {
-    /// Vector irradiance: for each axis, for each channel.
-    pub irradiance: [[f64; 3]; 3],
-    /// How far its light is spread: the mean of 1 - cos of the angle to its middle, over the squares of its pixels.
-    pub spread: f64,
-}
-
-impl Part {
-    /// Its radiance, but for a factor.
-    fn sharpness(&self) -> f64 {
-        self.irradiance.iter().map(|axis| axis.iter().sum::<f64>().powi(2)).sum::<f64>().sqrt() / self.spread
-    }
-}
-
-/// The sides of a pixel, in radians: along theta, and along phi at the horizon.
-#[derive(Clone, Copy, Debug)]
-pub struct Pixel {
-    height: f64,
-    width: f64,
-}
-
-impl Pixel {
-    /// Of a row in the middle.
-    fn of(grid: &Grid) -> Self {
-        let side = |edges: &[f64]| edges[edges.len() / 2] - edges[edges.len() / 2 - 1];
-        Self { height: side(&grid.theta_edges), width: side(&grid.phi_edges) }
-    }
-
-    /// Mean of 1 - cos of the angle to the middle of a pixel at a polar angle: half the mean of `x^2 + y^2`.
-    fn spread(self, theta: f64) -> f64 {
-        (self.height.powi(2) + (self.width * theta.sin()).powi(2)) / 24.0
-    }
-}
-
 impl WorkingMap {
     /// How far the light of one pixel of the map itself is spread, in a direction: the mean of 1 - cos.
     pub fn pixel_spread(&self, direction: DVec3) -> f64 {
@@ -89,42 +45,13 @@ impl WorkingMap {
 /// exact for a sun of one pixel wherever it stands in its cell. Shadows see the shape of a light as well, so parts of
 /// these and of other bright cells are kept beside them.
 ///
+/// A floor hides all light from below the horizon. A row that the horizon cuts keeps half of its flux.
+///
 /// # Errors
 ///
 /// [`crate::error::Error::NotAMap`] when the array is not (height, width, 3) or smaller than 2 x 2;
 /// [`crate::error::Error::UnusableSamples`]: this pass sees all samples.
 pub fn reduce(
-    radiance: ArrayView3<'_, f32>,
-    registration: Registration,
-    columns: usize,
-    source_share: f64,
-) -> Result<WorkingMap> {
-    reduced(radiance, registration, columns, source_share, false)
-}
-
-/// The same over a floor, which hides all light from below the horizon. A row that the horizon cuts keeps half of its
-/// flux.
-///
-/// # Errors
-///
-/// Those of [`reduce`].
-pub fn reduce_over_floor(
-    radiance: ArrayView3<'_, f32>,
-    registration: Registration,
-    columns: usize,
-    source_share: f64,
-) -> Result<WorkingMap> {
-    let mut map = reduced(radiance, registration, columns, source_share, true)?;
-    for mut source in map.sources.outer_iter_mut() {
-        if source.row(1).sum() < 0.0 {
-            source.fill(0.0);
-        }
-    }
-    map.parts.retain(|part| part.irradiance[1].iter().sum::<f64>() >= 0.0);
-    Ok(map)
-}
-
-fn reduced(
     radiance: ArrayView3<'_, f32>,
     registration: Registration,
     columns: usize,
@@ -146,14 +73,18 @@ fn reduced(
     };
     let apart = |cell| Apart::new(&block_of(cell), radiance, &pixels, PART_SHARE * whole, pixel);
     let mut apart_cells: Vec<Apart> = cells.iter().map(apart).collect();
-    let sources =
-        Array3::from_shape_fn((cells.len(), 3, 3), |(i, axis, c)| apart_cells[i].whole.irradiance[axis][c]);
+    let is_seen = |part: &Part| !has_floor || part.is_up();
+    let sources = Array3::from_shape_fn((cells.len(), 3, 3), |(i, axis, c)| {
+        let Apart { whole, .. } = &apart_cells[i];
+        if is_seen(whole) { whole.irradiance[axis][c] } else { 0.0 }
+    });
     for &(row, column) in &cells {
         flux.slice_mut(s![row, column, ..]).fill(0.0);
     }
     let bright = bright_cells(&flux, &grid);
     apart_cells.extend(bright.iter().map(apart));
-    let parts = parts(apart_cells);
+    let mut parts = parts(apart_cells);
+    parts.retain(is_seen);
     Ok(WorkingMap { radiance: mean_radiance(&flux, &grid), grid, sources, bright, parts, pixel })
 }
 
@@ -240,115 +171,6 @@ fn places(rows: usize, columns: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..rows).flat_map(move |row| (0..columns).map(move |column| (row, column)))
 }
 
-/// A cell that is kept apart: whole, and in parts.
-#[derive(Clone, Debug)]
-struct Apart {
-    whole: Part,
-    parts: Vec<Part>,
-}
-
-/// The parts of cells; where these are more than [`MOST_PARTS`], dull cells are one part each.
-fn parts(mut cells: Vec<Apart>) -> Vec<Part> {
-    cells.sort_by(|a, b| b.whole.sharpness().total_cmp(&a.whole.sharpness()));
-    let mut free = MOST_PARTS.saturating_sub(cells.len());
-    let parts = cells.into_iter().flat_map(|Apart { whole, parts }| {
-        let more = parts.len() - 1;
-        if more > free {
-            return vec![whole];
-        }
-        free -= more;
-        parts
-    });
-    parts.collect()
-}
-
-/// A block of pixels.
-#[derive(Clone, Debug)]
-struct Block {
-    rows: Range<usize>,
-    columns: Range<usize>,
-}
-
-/// Light of some pixels: the sum of `L w dw`, for each axis, for each channel, and that of `L dw` of all channels.
-#[derive(Clone, Copy, Debug, Default)]
-struct Sum {
-    irradiance: [[f64; 3]; 3],
-    flux: f64,
-}
-
-impl Apart {
-    /// The parts of a `block` are its sixteenths that hold more than a `flux`, and what is left of it.
-    fn new(block: &Block, radiance: ArrayView3<'_, f32>, pixels: &Grid, flux: f64, pixel: Pixel) -> Self {
-        const ROUNDING: f64 = 1e-9;
-        let whole = block.sum(radiance, pixels);
-        let theta = 0.5 * (pixels.theta_edges[block.rows.start] + pixels.theta_edges[block.rows.end]);
-        let part =
-            |sum: &Sum| Part { irradiance: sum.irradiance, spread: sum.spread() + pixel.spread(theta) };
-        if whole.flux <= flux {
-            return Self { whole: part(&whole), parts: vec![part(&whole)] };
-        }
-        let sums = block.sixteenths().map(|one| one.sum(radiance, pixels));
-        let bright: Vec<Sum> = sums.filter(|sum| sum.flux > flux).collect();
-        let rest = bright.iter().fold(whole, Sum::less);
-        let rest = (rest.flux > ROUNDING * whole.flux).then_some(&rest);
-        Self { whole: part(&whole), parts: bright.iter().chain(rest).map(part).collect() }
-    }
-}
-
-impl Block {
-    /// Blocks of a fourth of its sides, rounded up to pixels.
-    fn sixteenths(&self) -> impl Iterator<Item = Self> {
-        const SIDE: usize = 4;
-        let fourths = |range: &Range<usize>| -> Vec<Range<usize>> {
-            let step = range.len().div_ceil(SIDE);
-            range.clone().step_by(step).map(|first| first..(first + step).min(range.end)).collect()
-        };
-        let (rows, columns) = (fourths(&self.rows), fourths(&self.columns));
-        rows.into_iter().flat_map(move |rows| {
-            let block = move |columns| Self { rows: rows.clone(), columns };
-            columns.clone().into_iter().map(block)
-        })
-    }
-
-    /// The light of its pixels.
-    fn sum(&self, radiance: ArrayView3<'_, f32>, pixels: &Grid) -> Sum {
-        let middle = |edges: &[f64], i: usize| 0.5 * (edges[i] + edges[i + 1]);
-        let (theta, phi) = (&pixels.theta_edges, &pixels.phi_edges);
-        let columns: Vec<(f64, (f64, f64))> =
-            self.columns.clone().map(|x| (phi[x + 1] - phi[x], middle(phi, x).sin_cos())).collect();
-        let mut sum = Sum::default();
-        for row in self.rows.clone() {
-            let band = band_heights(&theta[row..row + 2])[0];
-            let (sine, cosine) = middle(theta, row).sin_cos();
-            for (column, &(width, (sin_phi, cos_phi))) in self.columns.clone().zip(&columns) {
-                let solid_angle = band * width;
-                let towards = solid_angle * DVec3::new(sin_phi * sine, cosine, -cos_phi * sine);
-                for channel in 0..3 {
-                    let value = f64::from(radiance[[row, column, channel]]);
-                    (0..3).for_each(|axis| sum.irradiance[axis][channel] += value * towards[axis]);
-                    sum.flux += value * solid_angle;
-                }
-            }
-        }
-        sum
-    }
-}
-
-impl Sum {
-    /// What is left without a part of it.
-    fn less(self, part: &Self) -> Self {
-        let [a, b] = [self, *part].map(|sum| sum.irradiance);
-        Self { irradiance: from_fn(|axis| from_fn(|c| a[axis][c] - b[axis][c])), flux: self.flux - part.flux }
-    }
-
-    /// Mean of 1 - cos of the angle to the middle: light that comes from several directions has a vector irradiance
-    /// that is shorter.
-    fn spread(&self) -> f64 {
-        let length = self.irradiance.iter().map(|axis| axis.iter().sum::<f64>().powi(2)).sum::<f64>().sqrt();
-        if self.flux > 0.0 { (1.0 - length / self.flux).max(0.0) } else { 0.0 }
-    }
-}
-
 fn mean_radiance(flux: &Array3<f64>, grid: &Grid) -> Array3<f32> {
     let bands = band_heights(&grid.theta_edges);
     Array3::from_shape_fn(flux.dim(), |(row, column, channel)| {
@@ -362,6 +184,7 @@ fn mean_radiance(flux: &Array3<f64>, grid: &Grid) -> Array3<f32> {
 mod tests {
     use approx::assert_relative_eq;
 
+    use super::super::parts::MOST_PARTS;
     use super::*;
     use crate::kernels::sphere::direction;
 
@@ -371,7 +194,7 @@ mod tests {
         for registration in [Registration::CellCentred, Registration::BorderSampled] {
             let pixels = Grid::of_pixels(30, 60, registration);
             let before = block_flux(map.view(), &pixels, 1).unwrap().sum();
-            let small = reduce(map.view(), registration, 16, 2.0).unwrap();
+            let small = reduce(map.view(), registration, 16, 2.0, false).unwrap();
             let bands = band_heights(&small.grid.theta_edges);
             let after: f64 = small
                 .radiance
@@ -402,7 +225,7 @@ mod tests {
     #[test]
     fn parts_of_bright_cells_hold_their_light_where_it_is() {
         for share in [2e-3, 1.0] {
-            let map = reduce(lamp(200, 407).view(), Registration::CellCentred, 256, share).unwrap();
+            let map = reduce(lamp(200, 407).view(), Registration::CellCentred, 256, share, false).unwrap();
             assert_eq!(map.bright.is_empty(), share < 1.0);
             let (flux, vector) = whole(&map.parts);
             let bands = band_heights(&Registration::CellCentred.theta_edges(512));
@@ -426,7 +249,7 @@ mod tests {
             })
         };
         let parts = |count| {
-            let map = reduce(lamps(count).view(), Registration::CellCentred, 256, 2e-3).unwrap();
+            let map = reduce(lamps(count).view(), Registration::CellCentred, 256, 2e-3, false).unwrap();
             (map.sources.dim().0 + map.bright.len(), map.parts)
         };
         let (cells, few) = parts(2);

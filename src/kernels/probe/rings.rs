@@ -189,7 +189,7 @@ mod tests {
     #[test]
     fn rings_see_what_exact_look_ups_see() {
         for (height, registration, columns) in MAPS {
-            let map = image::reduce(waves(height).view(), registration, columns, 1.0).unwrap();
+            let map = image::reduce(waves(height).view(), registration, columns, 1.0, false).unwrap();
             let judged = judge(&map, 5120).unwrap();
             let rows = map.radiance.dim().0;
             let fine = (512 / rows).max(1);
@@ -234,7 +234,7 @@ mod tests {
             (1024, CellCentred, 2048),
         ]) {
             let sky = Array3::from_elem((height, 2 * height, 3), 1.0_f32);
-            let map = image::reduce(sky.view(), registration, columns, 2.0).unwrap();
+            let map = image::reduce(sky.view(), registration, columns, 2.0, false).unwrap();
             let judged = judge(&map, 5120).unwrap();
             let difference =
                 judged.irradiance.iter().map(|value| (value / PI - 1.0).abs()).fold(0.0, f64::max);
@@ -253,7 +253,7 @@ mod tests {
     #[test]
     fn normals_lie_opposite_each_other_and_weigh_the_sphere() {
         for (height, registration, columns) in MAPS {
-            let map = image::reduce(waves(height).view(), registration, columns, 1.0).unwrap();
+            let map = image::reduce(waves(height).view(), registration, columns, 1.0, false).unwrap();
             let Judged { normals, weights, .. } = judge(&map, 5120).unwrap();
             let half = normals.nrows() / 2;
             assert!(2 * half >= 5120);
@@ -290,7 +290,7 @@ mod tests {
         let mut map = waves(256);
         map[[100, 300, 0]] = 1e6;
         map[[200, 300, 1]] = 1e5;
-        let working = image::reduce(map.view(), CellCentred, 256, 2e-3).unwrap();
+        let working = image::reduce(map.view(), CellCentred, 256, 2e-3, false).unwrap();
         assert_eq!(working.sources.dim().0, 2);
         let Judged { normals, weights, irradiance: found } = judge(&working, 5120).unwrap();
         let exact = irradiance(map.view(), CellCentred, normals.view()).unwrap();
@@ -300,7 +300,7 @@ mod tests {
 
     #[test]
     fn any_number_of_threads_gives_the_same_bits() {
-        let map = image::reduce(waves(257).view(), CellCentred, 256, 1e-4).unwrap();
+        let map = image::reduce(waves(257).view(), CellCentred, 256, 1e-4, false).unwrap();
         let on = |threads: usize| {
             let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| judge(&map, 5120).unwrap().irradiance.mapv(f64::to_bits))
@@ -312,7 +312,7 @@ mod tests {
 
     #[test]
     fn what_is_too_bright_is_refused() {
-        let mut map = image::reduce(waves(32).view(), CellCentred, 256, 2.0).unwrap();
+        let mut map = image::reduce(waves(32).view(), CellCentred, 256, 2.0, false).unwrap();
         map.radiance.fill(1e38);
         assert_eq!(judge(&map, 5120).unwrap_err(), Error::TooBright);
     }

@@ -221,7 +221,7 @@ mod tests {
         let (normals, weights) = sampling::icosphere(1280).unwrap();
         let directions = sphere::to_vectors(normals.view());
         for registration in [Registration::CellCentred, Registration::BorderSampled] {
-            let working = image::reduce(map.view(), registration, 128, 1.0).unwrap();
+            let working = image::reduce(map.view(), registration, 128, 1.0, false).unwrap();
             let near = sphere::from_vectors(under_cells(&working, &directions).unwrap().into_iter());
             let cells = working.radiance.view();
             let exact =

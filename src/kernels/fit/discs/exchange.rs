@@ -93,7 +93,7 @@ mod tests {
         let map = Array3::from_shape_fn((32, 64, 3), |(y, x, c)| {
             0.3 + 0.1 * c as f32 + if y < 12 && (20..26).contains(&x) { 5.0 + c as f32 } else { 0.0 }
         });
-        let map = image::reduce(map.view(), Registration::CellCentred, 256, 2e-3).unwrap();
+        let map = image::reduce(map.view(), Registration::CellCentred, 256, 2e-3, false).unwrap();
         for (ambient, has_floor) in [
             (Ambient::None, false),
             (Ambient::Constant, false),

@@ -307,7 +307,7 @@ mod tests {
     fn a_brighter_map_has_the_same_steps_to_the_bit() {
         let steps = |scale: f32| {
             let map = world() * scale;
-            let map = image::reduce(map.view(), Registration::CellCentred, 256, 2e-3).unwrap();
+            let map = image::reduce(map.view(), Registration::CellCentred, 256, 2e-3, false).unwrap();
             let sphere = Sphere::new(&map, Ambient::Constant, false);
             let target = Target::new(&Picture::new(&map), Comparison::Mixed, Ambient::Constant, false);
             let problem = Problem { target: &target, given: sphere.given(), fixed: 0, max_steps: 10 };
@@ -332,7 +332,7 @@ mod tests {
     #[test]
     fn the_quadratic_is_that_of_the_cost() {
         let map = world();
-        let map = image::reduce(map.view(), Registration::CellCentred, 256, 2e-3).unwrap();
+        let map = image::reduce(map.view(), Registration::CellCentred, 256, 2e-3, false).unwrap();
         assert!(!map.parts.is_empty());
         for (ambient, has_floor) in [
             (Ambient::None, false),

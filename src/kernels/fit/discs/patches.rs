@@ -100,12 +100,17 @@ fn triples<S: Simd>(simd: S, numbers: &[Vec<f64>; 3]) -> impl Iterator<Item = [L
 }
 
 /// The mean distance between the points of patches, times their fluxes, over all pairs and by channel.
+///
+/// It is the same both ways: pairs of two blocks are summed one way, and count twice.
 pub fn distances(patches: &[Patch]) -> [f64; 3] {
-    let all = Patches::new(patches);
     let mut out = [0.0; 3];
-    for one in patches {
-        let distances = all.distances_to(one.direction, one.share);
-        (0..3).for_each(|c| out[c] += one.flux[c] * distances[c]);
+    for (block, own) in patches.chunks(MOST).enumerate() {
+        let later = Patches::new(&patches[block * MOST + own.len()..]);
+        let within = Patches::new(own);
+        for one in own {
+            let [own, others] = [&within, &later].map(|all| all.distances_to(one.direction, one.share));
+            (0..3).for_each(|c| out[c] += one.flux[c] * (own[c] + 2.0 * others[c]));
+        }
     }
     out
 }

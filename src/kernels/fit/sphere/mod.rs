@@ -315,7 +315,7 @@ mod tests {
             let hot = if (y, x) == (20, 37) { 3000.0 } else { 0.0 };
             (wave + hot) as f32
         });
-        let working = image::reduce(map.view(), registration, 256, 2e-3).unwrap();
+        let working = image::reduce(map.view(), registration, 256, 2e-3, false).unwrap();
         let (normals, weights) = sampling::icosphere(20480).unwrap();
         let seen = probe::working_irradiance(&working, normals.view()).unwrap();
         (working, Samples::new(normals.view(), weights.view(), seen.view()).unwrap())

@@ -1,0 +1,167 @@
+//! Bright cells of a working map in parts, so that a sun of a few pixels has its shape, and a lamp its rim.
+
+use std::array::from_fn;
+use std::ops::Range;
+
+use glam::DVec3;
+use ndarray::ArrayView3;
+
+use super::grid::Grid;
+use crate::kernels::sphere::band_heights;
+
+/// Share of all flux from which a sixteenth of a cell is a part of its own. With 1e-2 the radii of generated discs of .7
+/// to 1 degree come back with an RMS error of 1.9 %, with 1e-3 of 1.1 %; and with 2e-3 the error with shadows of a real sun
+/// with its glow is 2.7 % off.
+pub const PART_SHARE: f64 = 1e-3;
+/// Most parts, unless the cells alone are more. Of 1200 generated worlds of discs all come back with 160, all but two with 128.
+pub const MOST_PARTS: usize = 192;
+
+/// A cell, or a part of one that is bright itself.
+#[derive(Clone, Copy, Debug)]
+pub struct Part {
+    /// Vector irradiance: for each axis, for each channel.
+    pub irradiance: [[f64; 3]; 3],
+    /// How far its light is spread: the mean of 1 - cos of the angle to its middle, over the squares of its pixels.
+    pub spread: f64,
+}
+
+impl Part {
+    /// Whether it comes from above the horizon.
+    pub fn is_up(&self) -> bool {
+        self.irradiance[1].iter().sum::<f64>() >= 0.0
+    }
+
+    /// Its radiance, but for a factor.
+    fn sharpness(&self) -> f64 {
+        self.irradiance.iter().map(|axis| axis.iter().sum::<f64>().powi(2)).sum::<f64>().sqrt() / self.spread
+    }
+}
+
+/// The sides of a pixel, in radians: along theta, and along phi at the horizon.
+#[derive(Clone, Copy, Debug)]
+pub struct Pixel {
+    height: f64,
+    width: f64,
+}
+
+impl Pixel {
+    /// Of a row in the middle.
+    pub fn of(grid: &Grid) -> Self {
+        let side = |edges: &[f64]| edges[edges.len() / 2] - edges[edges.len() / 2 - 1];
+        Self { height: side(&grid.theta_edges), width: side(&grid.phi_edges) }
+    }
+
+    /// Mean of 1 - cos of the angle to the middle of a pixel at a polar angle: half the mean of `x^2 + y^2`.
+    pub fn spread(self, theta: f64) -> f64 {
+        (self.height.powi(2) + (self.width * theta.sin()).powi(2)) / 24.0
+    }
+}
+
+/// A cell that is kept apart: whole, and in parts.
+#[derive(Clone, Debug)]
+pub struct Apart {
+    pub whole: Part,
+    pub parts: Vec<Part>,
+}
+
+/// The parts of cells; where these are more than [`MOST_PARTS`], dull cells are one part each.
+pub fn parts(mut cells: Vec<Apart>) -> Vec<Part> {
+    cells.sort_by(|a, b| b.whole.sharpness().total_cmp(&a.whole.sharpness()));
+    let mut free = MOST_PARTS.saturating_sub(cells.len());
+    let parts = cells.into_iter().flat_map(|Apart { whole, parts }| {
+        let more = parts.len() - 1;
+        if more > free {
+            return vec![whole];
+        }
+        free -= more;
+        parts
+    });
+    parts.collect()
+}
+
+/// A block of pixels.
+#[derive(Clone, Debug)]
+pub struct Block {
+    pub rows: Range<usize>,
+    pub columns: Range<usize>,
+}
+
+/// Light of some pixels: the sum of `L w dw`, for each axis, for each channel, and that of `L dw` of all channels.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sum {
+    irradiance: [[f64; 3]; 3],
+    flux: f64,
+}
+
+impl Apart {
+    /// The parts of a `block` are its sixteenths that hold more than a `flux`, and what is left of it.
+    pub fn new(block: &Block, radiance: ArrayView3<'_, f32>, pixels: &Grid, flux: f64, pixel: Pixel) -> Self {
+        const ROUNDING: f64 = 1e-9;
+        let theta = 0.5 * (pixels.theta_edges[block.rows.start] + pixels.theta_edges[block.rows.end]);
+        let part =
+            |sum: &Sum| Part { irradiance: sum.irradiance, spread: sum.spread() + pixel.spread(theta) };
+        let whole = block.sum(radiance, pixels);
+        if whole.flux <= flux {
+            return Self { whole: part(&whole), parts: vec![part(&whole)] };
+        }
+        let sums = block.sixteenths().map(|one| one.sum(radiance, pixels));
+        let bright: Vec<Sum> = sums.filter(|sum| sum.flux > flux).collect();
+        let rest = bright.iter().fold(whole, Sum::less);
+        let rest = (rest.flux > ROUNDING * whole.flux).then_some(&rest);
+        Self { whole: part(&whole), parts: bright.iter().chain(rest).map(part).collect() }
+    }
+}
+
+impl Block {
+    /// Blocks of a fourth of its sides, rounded up to pixels.
+    fn sixteenths(&self) -> impl Iterator<Item = Self> {
+        const SIDE: usize = 4;
+        let fourths = |range: &Range<usize>| -> Vec<Range<usize>> {
+            let step = range.len().div_ceil(SIDE);
+            range.clone().step_by(step).map(|first| first..(first + step).min(range.end)).collect()
+        };
+        let (rows, columns) = (fourths(&self.rows), fourths(&self.columns));
+        rows.into_iter().flat_map(move |rows| {
+            let block = move |columns| Self { rows: rows.clone(), columns };
+            columns.clone().into_iter().map(block)
+        })
+    }
+
+    /// The light of its pixels.
+    fn sum(&self, radiance: ArrayView3<'_, f32>, pixels: &Grid) -> Sum {
+        let middle = |edges: &[f64], i: usize| 0.5 * (edges[i] + edges[i + 1]);
+        let (theta, phi) = (&pixels.theta_edges, &pixels.phi_edges);
+        let columns: Vec<(f64, (f64, f64))> =
+            self.columns.clone().map(|x| (phi[x + 1] - phi[x], middle(phi, x).sin_cos())).collect();
+        let mut sum = Sum::default();
+        for row in self.rows.clone() {
+            let band = band_heights(&theta[row..row + 2])[0];
+            let (sine, cosine) = middle(theta, row).sin_cos();
+            for (column, &(width, (sin_phi, cos_phi))) in self.columns.clone().zip(&columns) {
+                let solid_angle = band * width;
+                let towards = solid_angle * DVec3::new(sin_phi * sine, cosine, -cos_phi * sine);
+                for channel in 0..3 {
+                    let value = f64::from(radiance[[row, column, channel]]);
+                    (0..3).for_each(|axis| sum.irradiance[axis][channel] += value * towards[axis]);
+                    sum.flux += value * solid_angle;
+                }
+            }
+        }
+        sum
+    }
+}
+
+impl Sum {
+    /// What is left without a part of it.
+    fn less(self, part: &Self) -> Self {
+        let [a, b] = [self, *part].map(|sum| sum.irradiance);
+        Self { irradiance: from_fn(|axis| from_fn(|c| a[axis][c] - b[axis][c])), flux: self.flux - part.flux }
+    }
+
+    /// Mean of 1 - cos of the angle to the middle: light that comes from several directions has a vector irradiance
+    /// that is shorter.
+    fn spread(&self) -> f64 {
+        let length = self.irradiance.iter().map(|axis| axis.iter().sum::<f64>().powi(2)).sum::<f64>().sqrt();
+        if self.flux > 0.0 { (1.0 - length / self.flux).max(0.0) } else { 0.0 }
+    }
+}
