@@ -96,6 +96,7 @@ class TreeDetection:
     pixel: _Indices
     light_of_pixel: _Indices
     panes: list[int]
+    is_faint: list[bool]
     widest_bar: tuple[float, float]
     threshold: float
     threshold_rule: tuple[float, float, float | None]

@@ -89,6 +89,13 @@ def detect_tree(
     darker, at most 0.8 of them, and their mean luminances are within a factor of 4. The joined
     light holds the flux of its panes. The rule is ours.
 
+    One threshold for the whole map misses a window that is three times as bright as the wall around
+    it where the sky is brighter. Large places of low contrast are found by their rims: their mean
+    luminance is at least 2.3 times that of what is just outside, they give at least 1 % of the
+    flux, cover at most 0.5 steradians, and along nine tenths of the outline the luminance falls
+    by the root of that contrast within five pixels, unlike that of a gradient or a cloud. They hold
+    no light above the threshold; `report.notes` names them. The rule is ours.
+
     Maps that end at a white, as those of integers do, are treated differently, for their threshold
     would often lie above white. Luminance :math:`y`, in units of white, is expanded to
     :math:`y / (1.02 - y)` first: white becomes 50. Pixels of 0.985 and more form a plateau, and a
@@ -144,7 +151,7 @@ def detect_tree(
     world, found = seen_through(env, found_in)
     tree = found.tree
     casts = cast_notes(world, tree.peak_direction, tree.peak_luminance)
-    return _wrapped(found, (*world.notes, *casts), time.perf_counter() - start)
+    return _wrapped(found, (*world.notes, *casts, *_faint(tree)), time.perf_counter() - start)
 
 
 class _Found(NamedTuple):
@@ -224,6 +231,18 @@ def _skipped(found: _native.TreeDetection) -> list[str]:
     if found.merged:
         notes.append(f"the difference between {found.merged} lights and their neighbours")
     return notes
+
+
+def _faint(found: _native.TreeDetection) -> list[str]:
+    """The lights of low contrast, and how they were found."""
+    places = [
+        place_of(direction)
+        for is_faint, direction in zip(found.is_faint, found.direction, strict=True)
+        if is_faint
+    ]
+    lights = "light" if len(places) == 1 else "lights"
+    found_by = "large, of low contrast and found by a sharp rim"
+    return [f"{len(places)} {lights} {found_by}, at {'; '.join(places)}"] if places else []
 
 
 def _joined(found: _native.TreeDetection) -> list[str]:

@@ -22,9 +22,7 @@ pub fn local_backgrounds(
     let luminance = &working.luminance;
     let width = working.size.1;
     // Find how many columns of each row are as wide as `DISTANCE` rows are high.
-    let theta = working.grid.theta_edges.windows(2);
-    let columns = theta.map(|edge| (DISTANCE as f64 / (0.5 * (edge[0] + edge[1])).sin()) as usize);
-    let columns: Vec<usize> = columns.map(|columns| columns.min(width / 2)).collect();
+    let columns: Vec<usize> = (0..working.size.0).map(|row| working.columns_across(row, DISTANCE)).collect();
     // Collect the pixels straight out from each outline, where they are outside the segment.
     let mut outside: Vec<Vec<f32>> = vec![Vec::new(); segments.pixels.len()];
     for index in outline.iter().map(|&index| index as usize) {
@@ -41,7 +39,8 @@ pub fn local_backgrounds(
     outside.iter_mut().zip(most).map(|(outside, most)| median(outside).min(most)).collect()
 }
 
-fn median(values: &mut [f32]) -> f64 {
+/// The middle one of some values, in another order then; 0 without any.
+pub fn median(values: &mut [f32]) -> f64 {
     let middle = values.len() / 2;
     if values.is_empty() { 0.0 } else { f64::from(*values.select_nth_unstable_by(middle, f32::total_cmp).1) }
 }

@@ -26,6 +26,17 @@ pub struct Selection {
     pub merged: usize,
 }
 
+impl Selection {
+    /// Whether each light holds one of those that were measured, from the number `first` on.
+    pub fn holding(&self, first: usize) -> Vec<bool> {
+        let mut holds = vec![false; self.lights.len()];
+        for light in self.part_of[first..].iter().flatten() {
+            holds[*light] = true;
+        }
+        holds
+    }
+}
+
 /// Select at most `most` lights from those of `measured` that are `listed`.
 pub fn select(measured: Vec<Light>, listed: &[bool], most: usize) -> Selection {
     // Drop the others and rank these.

@@ -11,6 +11,10 @@
 //! | - bright pixels that no saddle divides                     | `top.rs`             |
 //! | - what is joined with what                                 | `forest.rs`          |
 //! | join the segments that only a bar divides                  | `bridging.rs`        |
+//! | add large places of low contrast with a sharp rim          | `faint.rs`           |
+//! | - cells that stand out of what is around them              | `candidates.rs`      |
+//! | - connected pixels above a level                           | `fill.rs`            |
+//! | - how far the luminance falls across the rim               | `rim.rs`             |
 //! | trim the segments; the pixels on the outline of each       | `outline.rs`         |
 //! | the local background of each segment                       | `background.rs`      |
 //! | measure each light in the map's own pixels                 | `measure.rs`         |
@@ -26,14 +30,18 @@ pub(super) mod adjacency;
 pub(super) mod background;
 pub(super) mod bars;
 pub(super) mod bridging;
+mod candidates;
 pub(super) mod components;
 mod coverage;
 mod dot_product;
+mod faint;
+mod fill;
 mod forest;
 pub(super) mod linkage;
 pub(super) mod measure;
 pub(super) mod moments;
 pub(super) mod outline;
+mod rim;
 pub(super) mod run;
 mod small_discs;
 #[cfg(test)]
@@ -92,6 +100,8 @@ pub struct Detection {
     pub light_of_pixel: Vec<u32>,
     /// How many panes behind bars each light was joined from; 0 for all others.
     pub panes: Vec<usize>,
+    /// Whether each light was found by its rim, as a place of low contrast.
+    pub is_faint: Vec<bool>,
     /// How they were found.
     pub report: Report,
 }
@@ -147,11 +157,14 @@ fn detect_in_pool(
         options.prominence,
         options.extent,
     );
-    let segments = bridging::bridge(&working, &adjacency, segments, options.prominence, options.gap);
+    let mut segments = bridging::bridge(&working, &adjacency, segments, options.prominence, options.gap);
+    let first_faint = segments.pixels.len();
+    faint::add(&working, &adjacency, &mut segments);
     let segments = outline::trim(&adjacency, segments);
     let outline = outline::outline(&adjacency, &segments);
     let backgrounds = background::local_backgrounds(&working, &adjacency, &segments, &outline);
-    let lights = measure::measure(radiance, registration, &working, &segments, &backgrounds);
+    let behind = faint::behind(&backgrounds, first_faint);
+    let lights = measure::measure(radiance, registration, &working, &segments, &behind);
     let openings = bars::join(&working, &adjacency, &segments, &outline, options.gap, lights, backgrounds);
     // Select the lights that hold enough flux and are worth a line.
     let is_listed = |light: &Light, background: f64| {
@@ -160,8 +173,9 @@ fn detect_in_pool(
     };
     let (mut selection, panes) = openings.select(is_listed, options.max_lights);
     small_discs::measure(radiance, registration, &mut selection.lights);
+    let is_faint = selection.holding(first_faint);
     let report = Report::of(&working, threshold, &bright, &selection);
-    Ok(Detection::new(&segments, selection, panes, report))
+    Ok(Detection::new(&segments, selection, panes, is_faint, report))
 }
 
 impl Report {
@@ -191,13 +205,19 @@ impl Detection {
         self.lights.iter().map(move |light| light.is_clipped(ceiling))
     }
 
-    pub(super) fn new(segments: &Segments, selection: Selection, panes: Vec<usize>, report: Report) -> Self {
+    pub(super) fn new(
+        segments: &Segments,
+        selection: Selection,
+        panes: Vec<usize>,
+        is_faint: Vec<bool>,
+        report: Report,
+    ) -> Self {
         let (mut pixels, mut light_of_pixel) = (Vec::new(), Vec::new());
         for (segment, light) in segments.pixels.iter().zip(&selection.part_of) {
             let Some(light) = light else { continue };
             pixels.extend(segment.iter().filter(|&&index| segments.label[index as usize] != 0));
             light_of_pixel.resize(pixels.len(), *light as u32);
         }
-        Self { lights: selection.lights, pixels, light_of_pixel, panes, report }
+        Self { lights: selection.lights, pixels, light_of_pixel, panes, is_faint, report }
     }
 }

@@ -97,6 +97,13 @@ impl WorkingImage {
         Self { size, luminance, grid, bands, block, tile_maxima, flux }
     }
 
+    /// How many columns of a row are as wide as `rows` rows are high: at most half a turn.
+    pub fn columns_across(&self, row: usize, rows: usize) -> usize {
+        let edges = &self.grid.theta_edges[row..row + 2];
+        let columns = (rows as f64 / (0.5 * (edges[0] + edges[1])).sin()) as usize;
+        columns.min(self.size.1 / 2)
+    }
+
     /// Height of a row, in radians; the last may be lower.
     pub fn row_height(&self) -> f64 {
         let theta = &self.grid.theta_edges;

@@ -147,7 +147,8 @@ fn detect_in_pool(
     level.luminance = expansion::compressed(level.luminance, end);
     let report = Report::of(&working, level, &bright, &selection);
     let part_of = selection.part_of.clone();
-    let detection = Detection::new(&segments, selection, panes, report);
+    let is_faint = vec![false; selection.lights.len()];
+    let detection = Detection::new(&segments, selection, panes, is_faint, report);
     Ok(WhiteDetection::new(detection, &part_of, &places, &weights, ending, clipped_share))
 }
 
