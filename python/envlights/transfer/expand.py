@@ -12,6 +12,8 @@ from envlights._native import EnvLightsError
 
 #: Texels of a block: the rows of a few images stay in the cache until they are in place.
 _BLOCK = 8192
+#: Numbers of a block of many images: what is done with them takes tenths of a second, for Ctrl-C.
+_NUMBERS = 2**21
 
 
 def expand(
@@ -31,7 +33,7 @@ def expand(
     rows = coefficients.reshape(3 * images, components).astype(basis.dtype)
     shares = np.repeat(norm, 3).astype(basis.dtype)
     out = np.zeros((images, lit.size, 3), basis.dtype)
-    for kept, texels in _blocks(lit):
+    for kept, texels in _blocks(lit, images):
         if wanted is not None and not wanted.ravel()[texels].any():
             continue
         block = basis[kept, :components] @ rows.T
@@ -66,7 +68,7 @@ def project(
     """Coefficients of images (n, H, W, 3) less the `mean`, in the basis: (n, 3, rank)."""
     flat = images.reshape(len(images), -1, 3)
     coefficients = np.zeros((3 * len(images), basis.shape[1]))
-    for kept, texels in _blocks(lit):
+    for kept, texels in _blocks(lit, len(images)):
         block = flat[:, texels].swapaxes(1, 2).reshape(3 * len(images), -1).astype(basis.dtype)
         if len(mean):
             block -= mean[kept]
@@ -102,10 +104,13 @@ def region_mask(region: Any, shape: tuple[int, int]) -> NDArray[np.bool_]:
     return wanted
 
 
-def _blocks(lit: NDArray[np.bool_]) -> list[tuple[slice, Any]]:
-    """Slices of rows of the basis, and the texels of these rows: their numbers or a slice."""
-    starts = range(0, np.count_nonzero(lit), _BLOCK)
-    kept = [slice(start, start + _BLOCK) for start in starts]
+def _blocks(lit: NDArray[np.bool_], images: int) -> list[tuple[slice, Any]]:
+    """Slices of rows of the basis, and the texels of these rows: their numbers or a slice.
+
+    Smaller ones for many `images`, which are done together.
+    """
+    rows = min(max(_NUMBERS // (3 * max(images, 1)), 1), _BLOCK)
+    kept = [slice(start, start + rows) for start in range(0, np.count_nonzero(lit), rows)]
     if lit.all():
         return [(each, each) for each in kept]
     texels = np.flatnonzero(lit)

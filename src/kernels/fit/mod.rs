@@ -126,13 +126,15 @@ pub enum World {
 pub fn under_map(map: &WorkingMap, world: World, asked: &Asked, error_floor: f64) -> Result<Fitted> {
     /// Normals that judge a rig, at least.
     const JUDGING: usize = 5120;
+    let has_floor = world == World::Floor;
+    let sizes = || Sizes::new(map, asked.ambient, has_floor, asked.sizes.unwrap_or(Comparison::Shadows));
     if world == World::Upward {
         let (judge, fitted) = (rendered(map, 2 * JUDGING)?.upward(), rendered(map, JUDGING)?.upward());
-        return judged(&Probe::new(fitted, asked.ambient), &judge, map, asked, error_floor);
+        return judged(&Probe::new(fitted, asked.ambient), &judge, sizes(), asked, error_floor);
     }
-    let sphere = || Sphere::new(map, asked.ambient, world == World::Floor);
-    let (judge, sphere) = rayon::join(|| rendered(map, JUDGING), sphere);
-    judged(&sphere, &judge?, map, asked, error_floor)
+    let sphere = || Sphere::new(map, asked.ambient, has_floor);
+    let (sizes, (judge, sphere)) = rayon::join(sizes, || rayon::join(|| rendered(map, JUDGING), sphere));
+    judged(&sphere, &judge?, sizes, asked, error_floor)
 }
 
 /// `<E, E>` of the probe under a map, over all normals and channels, in closed form.
@@ -150,12 +152,11 @@ fn rendered(map: &WorkingMap, fewest: usize) -> Result<Samples> {
 fn judged(
     objective: &dyn Objective,
     judge: &Samples,
-    map: &WorkingMap,
+    sizes: Sizes<'_>,
     asked: &Asked,
     error_floor: f64,
 ) -> Result<Fitted> {
     check_unknowns(asked, judge.normals.len())?;
-    let sizes = Sizes::new(map, objective.given(), asked.sizes.unwrap_or(Comparison::Shadows));
     fit(&asked.problem(objective), &Figures { judge, sizes: Some(sizes), asked }, error_floor)
 }
 

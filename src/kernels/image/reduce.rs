@@ -1,5 +1,6 @@
 //! A map in fewer cells, for probes that need not be exact.
 
+use std::array::from_fn;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::DVec3;
@@ -91,7 +92,7 @@ pub fn reduce(
 /// Integral of the radiance over each block, (rows, columns, 3).
 fn block_flux(radiance: ArrayView3<'_, f32>, pixels: &Grid, block: usize) -> Result<Array3<f64>> {
     let (height, width, _) = radiance.dim();
-    let widths: Vec<f64> = pixels.phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect();
+    let widths = widths(&pixels.phi_edges);
     let mut flux = Array3::zeros((height.div_ceil(block), width.div_ceil(block), 3));
     let cells = flux.outer_iter_mut().into_par_iter().enumerate();
     let signs: Vec<bool> = cells
@@ -127,11 +128,11 @@ fn add_across(
     pixels.mean(|columns, mean| {
         let blocks = mean.as_chunks::<3>().0.chunks(block).zip(widths[columns].chunks(block));
         for ((pixels, widths), mut cell) in blocks.zip(&mut cells) {
+            let mut sum = [0.0; 3];
             for (pixel, width) in pixels.iter().zip(widths) {
-                for (cell, value) in cell.iter_mut().zip(pixel) {
-                    *cell += f64::from(*value) * width * height;
-                }
+                (0..3).for_each(|c| sum[c] += f64::from(pixel[c]) * width);
             }
+            (0..3).for_each(|c| cell[c] = sum[c] * height);
         }
     })
 }
@@ -140,13 +141,14 @@ fn add_across(
 fn source_cells(flux: &Array3<f64>, share: f64) -> Vec<(usize, usize)> {
     /// Times the flux of a usual cell.
     const STANDS_OUT: f64 = 8.0;
-    let total: Vec<f64> = (0..3).map(|channel| flux.slice(s![.., .., channel]).sum()).collect();
+    let cells = || rows_of(flux).flatten();
+    let total = cells().fold([0.0; 3], |sum: [f64; 3], cell| from_fn(|c| sum[c] + cell[c]));
     let (rows, columns, _) = flux.dim();
     let share = share.max(STANDS_OUT / (rows * columns) as f64);
-    let is_bright = |&(row, column): &(usize, usize)| {
-        (0..3).any(|channel| flux[[row, column, channel]] > share * total[channel])
-    };
-    places(rows, columns).filter(is_bright).collect()
+    let least = total.map(|total| share * total);
+    let is_bright = |cell: &[f64; 3]| (0..3).any(|c| cell[c] > least[c]);
+    let bright = cells().enumerate().filter(|(_, cell)| is_bright(cell));
+    bright.map(|(i, _)| (i / columns, i % columns)).collect()
 }
 
 /// Cells that are too bright for harmonics to be sharp enough, by what they give and by how far they stand out: with the
@@ -155,28 +157,43 @@ fn source_cells(flux: &Array3<f64>, share: f64) -> Vec<(usize, usize)> {
 fn bright_cells(flux: &Array3<f64>, grid: &Grid) -> Vec<(usize, usize)> {
     const STANDS_OUT: f64 = 8.0;
     const WORTH: f64 = 0.012;
-    let (rows, columns, _) = flux.dim();
-    let (whole, bands) = (flux.sum(), band_heights(&grid.theta_edges));
-    let is_bright = |&(row, column): &(usize, usize)| {
-        let solid_angle = bands[row] * (grid.phi_edges[column + 1] - grid.phi_edges[column]);
-        let share = flux.slice(s![row, column, ..]).sum() / whole;
-        let contrast = share * 4.0 * PI / solid_angle;
-        contrast > STANDS_OUT && share * contrast > WORTH
+    let over_whole = 1.0 / flux.sum();
+    // Divide nothing: `L / L_0` is the share over the solid angle, in units of the whole sphere.
+    let is_bright = |cell: &[f64; 3], solid_angle: f64| {
+        let share = cell.iter().sum::<f64>() * over_whole;
+        let dense = share * 4.0 * PI;
+        dense > STANDS_OUT * solid_angle && share * dense > WORTH * solid_angle
     };
-    places(rows, columns).filter(is_bright).collect()
-}
-
-/// Row and column of each cell, row after row.
-fn places(rows: usize, columns: usize) -> impl Iterator<Item = (usize, usize)> {
-    (0..rows).flat_map(move |row| (0..columns).map(move |column| (row, column)))
+    let (widths, mut bright) = (widths(&grid.phi_edges), Vec::new());
+    for ((row, cells), band) in rows_of(flux).enumerate().zip(band_heights(&grid.theta_edges)) {
+        let columns = cells.iter().zip(&widths).enumerate();
+        let columns = columns.filter(|(_, (cell, width))| is_bright(cell, band * *width));
+        bright.extend(columns.map(|(column, _)| (row, column)));
+    }
+    bright
 }
 
 fn mean_radiance(flux: &Array3<f64>, grid: &Grid) -> Array3<f32> {
-    let bands = band_heights(&grid.theta_edges);
-    Array3::from_shape_fn(flux.dim(), |(row, column, channel)| {
-        let width = grid.phi_edges[column + 1] - grid.phi_edges[column];
-        (flux[[row, column, channel]] / (bands[row] * width)) as f32
-    })
+    let (widths, mut mean) = (widths(&grid.phi_edges), Array3::zeros(flux.dim()));
+    let rows = mean.outer_iter_mut().zip(rows_of(flux)).zip(band_heights(&grid.theta_edges));
+    for ((mut means, cells), band) in rows {
+        let means = means.as_slice_mut().unwrap_or(&mut []).as_chunks_mut::<3>().0; // zeros lie row after row
+        for ((mean, cell), width) in means.iter_mut().zip(cells).zip(&widths) {
+            let over = 1.0 / (band * width);
+            *mean = cell.map(|flux| (flux * over) as f32);
+        }
+    }
+    mean
+}
+
+/// The cells of each row.
+fn rows_of(flux: &Array3<f64>) -> impl Iterator<Item = &[[f64; 3]]> {
+    let cells = flux.as_slice().unwrap_or(&[]); // as it was made, row after row
+    cells.as_chunks::<3>().0.chunks(flux.dim().1)
+}
+
+fn widths(phi_edges: &[f64]) -> Vec<f64> {
+    phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect()
 }
 
 #[cfg(test)]

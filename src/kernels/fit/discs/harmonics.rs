@@ -10,8 +10,7 @@ use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3};
 
-use super::place::{Legendre, Place};
-use super::zonal::{DEGREE, DEGREES, Factors};
+use super::zonal::{DEGREE, DEGREES};
 
 /// Harmonics of one sign of m: order by order, degree by degree from the order on.
 const COUNT: usize = DEGREES * (DEGREES + 1) / 2;
@@ -34,23 +33,6 @@ impl Harmonics {
     /// None of all.
     pub fn zero() -> Self {
         Self { values: vec![[0.0; 8]; COUNT] }
-    }
-
-    /// Add a disc of these factors, and of that flux.
-    pub fn add_disc(&mut self, towards: DVec3, factors: &Factors, flux: [f64; 3]) {
-        let place = Place::new(towards);
-        let mut harmonics = self.values.iter_mut();
-        let mut legendre = Legendre::new(place.cosine, place.sine);
-        for m in 0..DEGREES {
-            let (sin, cos) = (m as f64 * place.azimuth).sin_cos();
-            for (l, p) in legendre.column(m).iter().enumerate().skip(m) {
-                let Some(value) = harmonics.next() else { return };
-                for channel in 0..3 {
-                    value[channel] += flux[channel] * factors[l][0] * p * cos;
-                    value[4 + channel] += flux[channel] * factors[l][0] * p * sin;
-                }
-            }
-        }
     }
 
     /// Add a vector to the integral of `L w dw` of a channel.
@@ -101,13 +83,12 @@ const _: () = assert!(DEGREE > 2, "moments take degree 2");
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernels::fit::discs::zonal::factors;
 
     #[test]
     fn moments_are_those_of_the_harmonics() {
         let mut harmonics = Harmonics::zero();
         let towards = DVec3::new(2.0, 3.0, -6.0) / 7.0;
-        harmonics.add_disc(towards, &factors(0.0), [5.0, 0.0, 1.0]);
+        harmonics.add_discs([(towards, 0.0, [5.0, 0.0, 1.0])].into_iter());
         let (whole, first, second) = harmonics.moments(0);
         assert!((whole - 5.0).abs() < 1e-12);
         assert!((first - 5.0 * towards).length() < 1e-12);

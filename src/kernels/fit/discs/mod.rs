@@ -9,6 +9,7 @@
 //! | numbers side by side, and with derivatives            | `lanes.rs`, `jet.rs` |
 //! | the cone of the kernel, between two discs             | `chord.rs`      |
 //! | the map in harmonics, and their values at a place     | `harmonics.rs`, `analysis.rs`, `place.rs`, `synthesis.rs` |
+//! | discs in harmonics, several side by side              | `addition.rs`, `abreast.rs` |
 //! | a light; bright cells of the map and their cones      | `disc.rs`, `patches.rs` |
 //! | inner products of discs, the map and the ambient term | `target.rs`     |
 //! | radii to start from                                   | `start.rs`      |
@@ -17,6 +18,8 @@
 //! | out of a wrong valley                                 | `exchange.rs`   |
 //! | the error at normals                                  | `judge.rs`      |
 
+mod abreast;
+mod addition;
 mod analysis;
 mod chord;
 mod descent;
@@ -48,6 +51,7 @@ use self::exchange::exchanged;
 use self::newton::Quadratic;
 use self::state::{Problem, State};
 use self::target::{Picture, Target};
+use super::ambient::Ambient;
 use super::objective::Given;
 use super::rig::Rig;
 use super::state::StopReason;
@@ -89,9 +93,9 @@ pub struct Sizes<'a> {
 
 impl<'a> Sizes<'a> {
     /// For a `map`, over a floor or not, and for fits by one comparison.
-    pub fn new(map: &'a WorkingMap, given: &Given, comparison: Comparison) -> Self {
+    pub fn new(map: &'a WorkingMap, ambient: Ambient, has_floor: bool, comparison: Comparison) -> Self {
         let picture = Picture::new(map);
-        let target = |comparison| Target::new(&picture, comparison, given.ambient, given.has_floor);
+        let target = |comparison| Target::new(&picture, comparison, ambient, has_floor);
         let other = (comparison != Comparison::Shadows).then(|| target(comparison));
         Self { map, shadows: target(Comparison::Shadows), other }
     }

@@ -27,6 +27,11 @@ pub struct Patch {
 }
 
 impl Patch {
+    /// Its direction, A and flux.
+    pub fn disc(&self) -> (DVec3, f64, [f64; 3]) {
+        (self.direction, self.share, self.flux)
+    }
+
     /// Its radiance, summed over the channels.
     pub fn radiance(&self) -> f64 {
         self.flux.iter().sum::<f64>() / (4.0 * PI * self.share)

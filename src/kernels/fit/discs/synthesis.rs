@@ -5,11 +5,12 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
+use super::abreast::Abreast;
 use super::disc::Disc;
 use super::harmonics::{Harmonics, Rgb2};
 use super::lanes::{Lanes, Number};
 use super::place::{Legendre, RECURRENCE};
-use super::zonal::{DEGREES, Factors, factors};
+use super::zonal::DEGREES;
 
 /// Derivatives of a sum at a place.
 #[derive(Clone, Copy, Debug, Default)]
@@ -48,37 +49,6 @@ impl Harmonics {
     }
 }
 
-/// Discs side by side.
-struct Block<S: Simd> {
-    cosine: Lanes<S>,
-    sine: Lanes<S>,
-    /// `cos m phi` and `sin m phi` of the orders m that come one after the other.
-    turn: [Lanes<S>; 2],
-    first_turn: [Lanes<S>; 2],
-    factors: Factors<Lanes<S>>,
-}
-
-impl<S: Simd> Block<S> {
-    #[inline(always)]
-    fn new(simd: S, discs: &[Disc]) -> Self {
-        let of = |number: fn(&Disc) -> f64| Lanes::gathered(simd, discs, number);
-        Self {
-            cosine: of(|disc| disc.place.cosine),
-            sine: of(|disc| disc.place.sine),
-            turn: [Lanes::splat(simd, 1.0), Lanes::splat(simd, 0.0)],
-            first_turn: [of(|disc| disc.place.azimuth.cos()), of(|disc| disc.place.azimuth.sin())],
-            factors: factors(of(|disc| disc.share)),
-        }
-    }
-
-    /// On to the next order.
-    #[inline(always)]
-    fn advance(&mut self) {
-        let ([cos, sin], [first_cos, first_sin]) = (self.turn, self.first_turn);
-        self.turn = [cos * first_cos - sin * first_sin, cos * first_sin + sin * first_cos];
-    }
-}
-
 /// See [`Harmonics::values`].
 struct Values<'a> {
     harmonics: &'a Harmonics,
@@ -94,7 +64,7 @@ impl WithSimd for Values<'_> {
         let zero = Lanes::splat(simd, 0.0);
         let mut out = Vec::with_capacity(discs.len());
         for discs in discs.chunks(S::F64_LANES) {
-            let mut block = Block::new(simd, discs);
+            let mut block = Abreast::new(simd, discs, |disc| (&disc.place, disc.share));
             let mut legendre = Legendre::new(block.cosine, block.sine);
             let mut values = [zero; 3];
             for (m, harmonics) in harmonics.orders().enumerate() {
@@ -143,7 +113,7 @@ impl WithSimd for Sums<'_> {
         let zero = Lanes::splat(simd, 0.0);
         let mut out = Vec::with_capacity(discs.len());
         for (discs, shares) in discs.chunks(S::F64_LANES).zip(shares.chunks(S::F64_LANES)) {
-            let mut block = Block::new(simd, discs);
+            let mut block = Abreast::new(simd, discs, |disc| (&disc.place, disc.share));
             let shares = [0, 1, 2].map(|c| Lanes::gathered(simd, shares, |share| share[c]));
             let mut legendre = Legendre::new(block.cosine, block.sine);
             let (mut first, mut second) = ([[zero; 3]; 3], [[zero; 3]; 3]);
@@ -165,7 +135,7 @@ impl WithSimd for Sums<'_> {
 /// `d P`, `d P' sin`, `d_A P`, `-l (l + 1) d P`, `d_A P' sin`, `d_AA P`, each by channel.
 #[inline(always)]
 fn order_sums<S: Simd>(
-    block: &Block<S>,
+    block: &Abreast<S>,
     m: usize,
     column: &[Lanes<S>; DEGREES],
     harmonics: &[Rgb2],
@@ -204,14 +174,14 @@ fn order_sums<S: Simd>(
 /// Add what an order contributes to the derivatives.
 #[inline(always)]
 fn add_order<S: Simd>(
-    block: &Block<S>,
+    block: &Abreast<S>,
     m: usize,
     sums: &[[[Lanes<S>; 3]; 6]; 2],
     shares: &[Lanes<S>; 3],
     first: &mut [[Lanes<S>; 3]; 3],
     second: &mut [[Lanes<S>; 3]; 3],
 ) {
-    let Block { sine, cosine, turn: [cos, sin], .. } = *block;
+    let Abreast { sine, cosine, turn: [cos, sin], .. } = *block;
     let over = sine.recip();
     let (cot, order) = (cosine * over, over * over.like(m as f64));
     let mut along = [cos.like(0.0); 6];
@@ -261,7 +231,7 @@ mod tests {
         const STEPS: [f64; 3] = [1e-4, 1e-4, 1e-5];
         let mut harmonics = Harmonics::zero();
         for (theta, phi, share) in [(1.1, 2.0, 1e-3), (0.4, 0.3, 0.05), (2.2, 4.0, 0.2)] {
-            harmonics.add_disc(direction(theta, phi), &factors(share), [3.0, 2.0, theta]);
+            harmonics.add_discs([(direction(theta, phi), share, [3.0, 2.0, theta])].into_iter());
         }
         let shares = [0.5, 0.3, -0.2];
         for l in [direction(0.7, 1.0), direction(1.2, 2.2), direction(3.0, 4.0)] {

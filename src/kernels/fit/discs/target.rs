@@ -13,7 +13,7 @@ use super::harmonics::Harmonics;
 use super::jet::Jet;
 use super::patches::{Patch, Patches, distances, patches};
 use super::synthesis::Sum;
-use super::zonal::{Comparison, DEGREE, Kernel, factors};
+use super::zonal::{Comparison, DEGREE, Kernel};
 use crate::kernels::fit::ambient::Ambient;
 use crate::kernels::fit::objective::Given;
 use crate::kernels::harmonics::{cosine_lobe, irradiance_of_moments, radiance};
@@ -46,13 +46,10 @@ impl Picture {
         let mut patches = patches(map, &mut rest);
         // Harmonics take the dullest, where there are too many.
         patches.sort_by(|a, b| b.radiance().total_cmp(&a.radiance()));
-        for patch in patches.split_off(MOST_PARTS.min(patches.len())) {
-            rest.add_disc(patch.direction, &factors(patch.share), patch.flux);
-        }
+        let dull = patches.split_off(MOST_PARTS.min(patches.len()));
+        rest.add_discs(dull.iter().map(Patch::disc));
         let mut bright = Harmonics::zero();
-        for patch in &patches {
-            bright.add_disc(patch.direction, &factors(patch.share), patch.flux);
-        }
+        bright.add_discs(patches.iter().map(Patch::disc));
         let fine = fine(&radiance, &map.grid, &rest);
         let distances = distances(&patches);
         Self { rest, patches, bright, fine, distances }
