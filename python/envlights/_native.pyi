@@ -42,6 +42,7 @@ __all__ = [
     "merge_along_lines",
     "neighbour_maximum",
     "pack_lights",
+    "peaks_of_lights",
     "pixel_directions",
     "pixel_solid_angles",
     "plateau_depth",
@@ -142,15 +143,12 @@ class FitAnswer:
 
 @final
 class MapSplit:
-    pixel: _Indices
-    left: _Image
     direction: _Reals
     irradiance: _Reals
     flux: _Reals
     solid_angle: _Reals
     reach: _Reals
     vectors: _Reals
-    peak: NDArray[np.float32]
 
 def are_clipped(
     radiance: _Image, pixels: _Indices, reach: int, sphere: bool, white: float | None
@@ -245,6 +243,14 @@ def neighbour_maximum(
     luminance: _Image, pixels: _Indices, reach: int, sphere: bool
 ) -> tuple[_Image, _Indices]: ...
 def pack_lights(ambient: _Reals, directions: _Reals, irradiance: _Reals) -> _Reals: ...
+def peaks_of_lights(
+    radiance: _Image,
+    pixel: NDArray[np.int64],
+    light_of_pixel: NDArray[np.int64],
+    direction: _Reals,
+    block: int,
+    threshold: float,
+) -> NDArray[np.float32]: ...
 def pixel_directions(
     height: int, width: int, border_sampled: bool, top: int, bottom: int
 ) -> _Reals: ...
@@ -288,12 +294,13 @@ def rig_irradiance(
 def rotated(radiance: _Image, matrix: _Reals) -> _Image: ...
 def split_map(
     radiance: _Image,
-    border_sampled: bool,
     pixel: NDArray[np.int64],
     light_of_pixel: NDArray[np.int64],
     direction: _Reals,
     block: int,
     threshold: float,
+    border_sampled: bool,
+    rest: _Image,
 ) -> MapSplit: ...
 def sum_over_sources(
     normals: _Reals,

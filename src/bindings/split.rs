@@ -1,8 +1,11 @@
 //! `kernels::split` for Python.
 
+use std::sync::{Mutex, PoisonError};
+
 use numpy::ndarray::{Array1, Array2, Array3};
 use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
+    PyReadwriteArray3,
 };
 use pyo3::prelude::*;
 
@@ -13,15 +16,12 @@ use crate::kernels::split::{self, Found, Taken};
 /// What is left of a map without some lights, and what each of them was; see `envlights.split`.
 #[pyclass(frozen, get_all)]
 pub struct MapSplit {
-    pixel: Py<PyArray1<i64>>,
-    left: Py<PyArray2<f32>>,
     direction: Py<PyArray2<f64>>,
     irradiance: Py<PyArray2<f64>>,
     flux: Py<PyArray1<f64>>,
     solid_angle: Py<PyArray1<f64>>,
     reach: Py<PyArray1<f64>>,
     vectors: Py<PyArray3<f64>>,
-    peak: Py<PyArray1<f32>>,
 }
 
 /// See `envlights.split`.
@@ -30,14 +30,16 @@ pub struct MapSplit {
 pub fn split_map(
     py: Python<'_>,
     radiance: PyReadonlyArray3<'_, f32>,
-    border_sampled: bool,
     pixel: PyReadonlyArray2<'_, i64>,
     light_of_pixel: PyReadonlyArray1<'_, i64>,
     direction: PyReadonlyArray2<'_, f64>,
     block: usize,
     threshold: f64,
+    border_sampled: bool,
+    mut rest: PyReadwriteArray3<'_, f32>,
 ) -> PyResult<MapSplit> {
     let radiance = radiance.as_array();
+    let rest = Mutex::new(rest.as_array_mut());
     let found = Found {
         pixels: pixel.as_array(),
         light_of_pixel: light_of_pixel.as_array(),
@@ -45,8 +47,11 @@ pub fn split_map(
         block,
         threshold,
     };
-    let parts = interruptible(py, || split::split(radiance, registration(border_sampled), &found))?;
-    let lights = &parts.lights;
+    // Work that was interrupted may run again, and writes the same again.
+    let lights = interruptible(py, || {
+        let mut rest = rest.lock().unwrap_or_else(PoisonError::into_inner);
+        split::split(radiance, registration(border_sampled), &found, rest.view_mut())
+    })?;
     let numbers =
         |of: fn(&Taken) -> f64| lights.iter().map(of).collect::<Array1<f64>>().into_pyarray(py).unbind();
     let vectors = |of: fn(&Taken) -> [f64; 3]| {
@@ -60,12 +65,31 @@ pub fn split_map(
         solid_angle: numbers(|light| light.solid_angle),
         reach: numbers(|light| light.reach),
         vectors: Array3::from(
-            parts.lights.iter().map(|light| light.vectors.to_cols_array_2d()).collect::<Vec<_>>(),
+            lights.iter().map(|light| light.vectors.to_cols_array_2d()).collect::<Vec<_>>(),
         )
         .into_pyarray(py)
         .unbind(),
-        peak: parts.peaks.into_pyarray(py).unbind(),
-        pixel: parts.pixels.into_pyarray(py).unbind(),
-        left: Array2::from(parts.left).into_pyarray(py).unbind(),
     })
+}
+
+/// See `envlights.split`.
+#[pyfunction]
+pub fn peaks_of_lights<'py>(
+    py: Python<'py>,
+    radiance: PyReadonlyArray3<'py, f32>,
+    pixel: PyReadonlyArray2<'py, i64>,
+    light_of_pixel: PyReadonlyArray1<'py, i64>,
+    direction: PyReadonlyArray2<'py, f64>,
+    block: usize,
+    threshold: f64,
+) -> PyResult<Bound<'py, PyArray1<f32>>> {
+    let radiance = radiance.as_array();
+    let found = Found {
+        pixels: pixel.as_array(),
+        light_of_pixel: light_of_pixel.as_array(),
+        directions: direction.as_array(),
+        block,
+        threshold,
+    };
+    Ok(interruptible(py, || found.peaks(radiance))?.into_pyarray(py))
 }

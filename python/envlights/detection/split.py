@@ -30,8 +30,9 @@ _WINDOW = 6
 #: Relative difference of a light's peak between two maps, by more than the rounding of files.
 _PEAK = 1e-3
 
-#: The radiance of a pixel.
-_PIXEL = np.dtype((np.void, 3 * np.dtype(np.float32).itemsize))
+#: Lights as the kernel takes them: pixels of the map in blocks, the light of each, directions, pixels
+#: along the side of a block, and the threshold.
+_Found = tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64], int, float]
 
 
 class Split(NamedTuple):
@@ -143,12 +144,12 @@ def split(
     env = as_envmap(env)
     found, chosen = _chosen(env, lights, share, options)
     start = perf_counter()
-    parts = _parts(env, chosen)
-    _check_peaks(chosen, parts.peak)
+    members = _members(env, chosen)
+    if chosen is lights:
+        _check_peaks(env, chosen, members)
     radiance = copied(env.radiance)
-    # A pixel as one item: NumPy takes twice as long for three.
-    pixels, left = (each.reshape(-1).view(_PIXEL) for each in (radiance, parts.left))
-    pixels[parts.pixel] = left
+    border_sampled = env.registration == "border-sampled"
+    parts = _native.split_map(env.radiance, *members, border_sampled, radiance)
     taken = _taken(chosen, parts, _report(chosen, len(found), perf_counter() - start))
     notes = (*env.notes, *_notes(taken))
     rest = EnvMap.unchecked(radiance, registration=env.registration, notes=notes, white=env.white)
@@ -198,12 +199,13 @@ def _check_size(env: EnvMap, report: DetectionReport) -> None:
         )
 
 
-def _check_peaks(lights: DetectedLights, seen: NDArray[np.float32]) -> None:
+def _check_peaks(env: EnvMap, lights: DetectedLights, found: _Found) -> None:
     """Refuse lights whose pixels have another peak than that with which they were found."""
-    wanted = lights.peak_luminance
     # The article looks for lights in a reduction of the map, whose peaks are not those of pixels.
-    other = lights.report.method == "tree" and np.abs(seen - wanted) > _PEAK * wanted
-    for light in np.flatnonzero(other)[:1]:
+    if lights.report.method != "tree":
+        return
+    wanted, seen = lights.peak_luminance, _native.peaks_of_lights(env.radiance, *found)
+    for light in np.flatnonzero(np.abs(seen - wanted) > _PEAK * wanted)[:1]:
         raise EnvLightsError(
             f"the lights must be those of this map: light {light} was found with a peak luminance"
             f" of {wanted[light]:.4g}, and its brightest pixel here has {seen[light]:.4g}"
@@ -252,17 +254,10 @@ def _bright_around(
     return pixel[bright], light[bright]
 
 
-def _parts(env: EnvMap, lights: DetectedLights) -> _native.MapSplit:
-    """The lights and what is left of their pixels."""
+def _members(env: EnvMap, lights: DetectedLights) -> _Found:
+    """Lights as the kernel takes them."""
     block = -(-env.width // lights.report.working_size[1])
-    return _native.split_map(
-        env.radiance,
-        env.registration == "border-sampled",
-        *_pixels(env, lights, block),
-        lights.direction,
-        block,
-        lights.report.threshold,
-    )
+    return *_pixels(env, lights, block), lights.direction, block, lights.report.threshold
 
 
 def _taken(chosen: DetectedLights, parts: _native.MapSplit, report: DetectionReport) -> TakenLights:

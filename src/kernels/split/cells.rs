@@ -4,7 +4,6 @@
 //! and one of the column.
 
 use std::f64::consts::PI;
-use std::ops::Range;
 
 use glam::DVec3;
 
@@ -14,7 +13,7 @@ use crate::kernels::sphere::band_heights;
 /// Every cell of an image.
 pub struct Cells {
     pub rows: Vec<Row>,
-    pub columns: Columns<Vec<f64>>,
+    pub columns: Vec<Column>,
 }
 
 /// Integrals over the polar angles of a row.
@@ -28,71 +27,59 @@ pub struct Row {
     pub band: f64,
 }
 
-/// For columns side by side, integrals over the azimuths of each: of the sine, of the cosine and of 1; means of sine
-/// and cosine; and products of an integral with a mean.
-#[derive(Default)]
-pub struct Columns<Values> {
-    pub sin: Values,
-    pub cos: Values,
-    pub width: Values,
-    pub mean_sin: Values,
-    pub mean_cos: Values,
-    pub sin_sin: Values,
-    pub sin_cos: Values,
-    pub cos_cos: Values,
+/// Integrals over the azimuths of a column, of the sine, of the cosine and of 1; means of sine and cosine; and products
+/// of an integral with a mean.
+#[derive(Clone, Copy)]
+pub struct Column {
+    pub sin: f64,
+    pub cos: f64,
+    pub width: f64,
+    pub mean_sin: f64,
+    pub mean_cos: f64,
+    pub sin_sin: f64,
+    pub sin_cos: f64,
+    pub cos_cos: f64,
 }
 
-impl Columns<Vec<f64>> {
-    fn push(&mut self, edges: &[f64]) {
+impl Row {
+    fn between(edges: &[f64], band: f64) -> Self {
+        let (middle, half) = (0.5 * (edges[0] + edges[1]), 0.5 * (edges[1] - edges[0]));
+        let squares = half - 0.5 * (2.0 * middle).cos() * (2.0 * half).sin();
+        Self { squares, products: band * middle.cos() * half.cos(), band }
+    }
+}
+
+impl Column {
+    fn between(edges: &[f64]) -> Self {
         let (middle, half) = (0.5 * (edges[0] + edges[1]), 0.5 * (edges[1] - edges[0]));
         let (width, chord) = (2.0 * half, 2.0 * half.sin());
         let (sin, cos) = (chord * middle.sin(), chord * middle.cos());
         let (mean_sin, mean_cos) = (sin / width, cos / width);
-        self.sin.push(sin);
-        self.cos.push(cos);
-        self.width.push(width);
-        self.mean_sin.push(mean_sin);
-        self.mean_cos.push(mean_cos);
-        self.sin_sin.push(sin * mean_sin);
-        self.sin_cos.push(sin * mean_cos);
-        self.cos_cos.push(cos * mean_cos);
-    }
-
-    pub fn at(&self, range: Range<usize>) -> Columns<&[f64]> {
-        let Self { sin, cos, width, mean_sin, mean_cos, sin_sin, sin_cos, cos_cos } = self;
-        let all = [sin, cos, width, mean_sin, mean_cos, sin_sin, sin_cos, cos_cos];
-        let [sin, cos, width, mean_sin, mean_cos, sin_sin, sin_cos, cos_cos] =
-            all.map(|of| &of[range.clone()]);
-        Columns { sin, cos, width, mean_sin, mean_cos, sin_sin, sin_cos, cos_cos }
+        let (sin_sin, sin_cos, cos_cos) = (sin * mean_sin, sin * mean_cos, cos * mean_cos);
+        Self { sin, cos, width, mean_sin, mean_cos, sin_sin, sin_cos, cos_cos }
     }
 }
 
 impl Cells {
     pub fn new(grid: &Grid) -> Self {
-        let row = |(edges, band): (&[f64], f64)| {
-            let (middle, half) = (0.5 * (edges[0] + edges[1]), 0.5 * (edges[1] - edges[0]));
-            let squares = half - 0.5 * (2.0 * middle).cos() * (2.0 * half).sin();
-            Row { squares, products: band * middle.cos() * half.cos(), band }
-        };
         let theta = &grid.theta_edges;
-        let mut columns = Columns::default();
-        grid.phi_edges.windows(2).for_each(|edges| columns.push(edges));
-        Self { rows: theta.windows(2).zip(band_heights(theta)).map(row).collect(), columns }
+        let rows = theta.windows(2).zip(band_heights(theta));
+        Self {
+            rows: rows.map(|(edges, band)| Row::between(edges, band)).collect(),
+            columns: grid.phi_edges.windows(2).map(Column::between).collect(),
+        }
     }
 
     /// Angle from the middle of a pixel to its corners, at most.
     pub fn half_diagonal(&self) -> f64 {
-        let width = self.columns.width.iter().copied().fold(0.0, f64::max);
+        let width = self.columns.iter().map(|column| column.width).fold(0.0, f64::max);
         0.5 * (PI / self.rows.len() as f64).hypot(width)
     }
 
     /// The mean direction of a pixel, not quite a unit vector.
     pub fn mean(&self, row: usize, column: usize) -> DVec3 {
         let Row { squares, products, band } = self.rows[row];
-        DVec3::new(
-            self.columns.mean_sin[column] * squares,
-            products,
-            -self.columns.mean_cos[column] * squares,
-        ) / band
+        let Column { mean_sin, mean_cos, .. } = self.columns[column];
+        DVec3::new(mean_sin * squares, products, -mean_cos * squares) / band
     }
 }

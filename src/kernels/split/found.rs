@@ -1,9 +1,9 @@
 //! The lights of a map as they were found.
 
-use ndarray::{ArrayView1, ArrayView2};
+use ndarray::{ArrayView1, ArrayView2, ArrayView3, s};
 
 use crate::error::{Error, Result};
-use crate::kernels::image::luminance_f32;
+use crate::kernels::image::{check_rgb, luminance_f32};
 use crate::kernels::sphere;
 
 /// The lights that are to be taken, as they were found in a map.
@@ -42,23 +42,24 @@ impl Found<'_> {
 
     /// Largest luminance of the map's own pixels behind those of each light that is taken, 0 for a light without pixels:
     /// that of its peak, if it was found in this map.
-    pub fn peaks(
-        &self,
-        map: &[[f32; 3]],
-        (height, width): (usize, usize),
-        members: &[(usize, usize)],
-    ) -> Vec<f32> {
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotAMap`], [`Error::OutsideImage`], [`Error::LengthMismatch`].
+    pub fn peaks(&self, radiance: ArrayView3<'_, f32>) -> Result<Vec<f32>> {
+        check_rgb(radiance)?;
+        let (height, width, _) = radiance.dim();
         let block = self.block.max(1);
         let columns = width.div_ceil(block);
         let mut peaks = vec![0.0_f32; self.directions.nrows()];
-        for &(pixel, light) in members {
+        for (pixel, light) in self.members((height.div_ceil(block), columns))? {
             let Some(peak) = peaks.get_mut(light) else { continue };
-            let (first, column) = (pixel / columns * block, pixel % columns * block);
-            for row in first..(first + block).min(height) {
-                let pixels = &map[row * width + column..row * width + (column + block).min(width)];
-                *peak = pixels.iter().copied().map(luminance_f32).fold(*peak, f32::max);
-            }
+            let (row, column) = (pixel / columns * block, pixel % columns * block);
+            let rows = row..(row + block).min(height);
+            let pixels = radiance.slice(s![rows, column..(column + block).min(width), ..]);
+            let luminances = pixels.rows().into_iter().map(|rgb| luminance_f32([rgb[0], rgb[1], rgb[2]]));
+            *peak = luminances.fold(*peak, f32::max);
         }
-        peaks
+        Ok(peaks)
     }
 }

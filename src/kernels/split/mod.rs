@@ -39,7 +39,7 @@ mod taken;
 mod working;
 
 use glam::DVec3;
-use ndarray::ArrayView3;
+use ndarray::{ArrayView3, ArrayViewMut3};
 
 use crate::error::Result;
 use crate::kernels::image::{self, Grid};
@@ -47,41 +47,38 @@ use crate::kernels::sphere::{self, Registration};
 use cells::Cells;
 pub use found::Found;
 use level::Enlarged;
-use pixels::{Map, Part};
+use pixels::Map;
 use region::Regions;
-use taken::Room;
 pub use taken::Taken;
 use working::Working;
 
-/// What is left of a map without some lights, and what each of them was.
-pub struct Split {
-    /// Flat indices of the pixels of all lights, each once.
-    pub pixels: Vec<i64>,
-    /// The radiance that is left in each of them, nowhere negative. The other pixels keep theirs.
-    pub left: Vec<[f32; 3]>,
-    /// One for each direction that was given.
-    pub lights: Vec<Taken>,
-    /// Largest luminance of the pixels in which each of them was found.
-    pub peaks: Vec<f32>,
-}
-
-/// Take lights out of an equirectangular map of radiance, (height, width, 3), finite and not negative.
+/// Take lights out of an equirectangular map of radiance, (height, width, 3), finite and not negative: one for each
+/// direction that was found.
+///
+/// What is left of their pixels, nowhere negative, is written into `rest`, a copy of the map.
 ///
 /// # Errors
 ///
 /// [`Error::NotAMap`], [`Error::OutsideImage`], [`Error::LengthMismatch`], [`Error::WrongColumns`],
 /// [`Error::NotUnit`], [`Error::NoMemory`].
-pub fn split(radiance: ArrayView3<'_, f32>, registration: Registration, found: &Found<'_>) -> Result<Split> {
+pub fn split(
+    radiance: ArrayView3<'_, f32>,
+    registration: Registration,
+    found: &Found<'_>,
+    rest: ArrayViewMut3<'_, f32>,
+) -> Result<Vec<Taken>> {
     image::check_rgb(radiance)?;
     let directions = sphere::unit_vectors("direction", found.directions)?;
     let (height, width, _) = radiance.dim();
     sphere::check_memory(&[height, width, 2])?;
+    // What is not in rows one after the other is empty here, which is no copy of the map either.
+    let rest = rest.into_slice().unwrap_or_default();
+    sphere::check_lengths("radiance", radiance.len(), [("rest", rest.len())])?;
     let samples = image::samples_of(radiance, 0..height);
     let map = samples.as_chunks::<3>().0;
     let (size, block) = ((height, width), found.block.max(1));
     let working = Working::of(map, size, registration, block);
     let members = found.members(working.size)?;
-    let peaks = found.peaks(map, size, &members);
     let regions = region::regions(&working, &members, directions.len(), found.threshold);
     let membrane = membrane::membrane(&working, &regions);
     let map = Map {
@@ -91,24 +88,20 @@ pub fn split(radiance: ArrayView3<'_, f32>, registration: Registration, found: &
         membrane: Enlarged::new(&membrane, block),
         block,
     };
-    let (pixels, left, lights) = taken(&map, &Cells::new(&working.grid), &regions, &directions);
-    Ok(Split { pixels, left, lights, peaks })
+    Ok(taken(&map, &Cells::new(&working.grid), &regions, &directions, rest.as_chunks_mut::<3>().0))
 }
 
-/// Take one light after the other, each from its region: flat indices of pixels, what is left of them, and the lights.
+/// Take one light after the other, each from its region, out of the `rest`.
 fn taken(
     map: &Map<'_>,
     working: &Cells,
     regions: &Regions,
     directions: &[DVec3],
-) -> (Vec<i64>, Vec<[f32; 3]>, Vec<Taken>) {
-    let parts: Vec<Vec<Part>> = regions.pixels.iter().map(|region| map.parts(region)).collect();
-    let count = parts.iter().flatten().map(|part| part.pixels).sum();
-    let (mut pixels, mut left) = (vec![0; count], vec![[0.0; 3]; count]);
-    let mut room = Room { pixels: &mut pixels, left: &mut left };
-    let lights = regions.pixels.iter().zip(&parts).zip(directions);
-    let lights = lights
-        .map(|((region, parts), &direction)| taken::take(map, working, region, parts, direction, &mut room))
-        .collect();
-    (pixels, left, lights)
+    rest: &mut [[f32; 3]],
+) -> Vec<Taken> {
+    let lights = regions.pixels.iter().zip(directions);
+    let take = |(region, &direction): (&Vec<u32>, _)| {
+        taken::take(map, working, region, &map.parts(region), direction, rest)
+    };
+    lights.map(take).collect()
 }

@@ -1,9 +1,10 @@
 //! The map's pixels of a light, row by row, each with the membrane at its place.
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
+use std::mem::take;
 use std::ops::Range;
 
-use super::cells::{Cells, Columns, Row};
+use super::cells::{Cells, Column, Row};
 use super::level::{Enlarged, Value};
 use crate::interrupt;
 use crate::kernels::detect::tree::{Run, runs};
@@ -22,12 +23,12 @@ pub struct Map<'a> {
     pub block: usize,
 }
 
-/// A part of a light's pixels.
+/// All pixels of a light in some rows.
 pub struct Part {
-    /// Those of the working image.
+    /// Those of the working image, row after row.
     runs: Vec<Run>,
-    /// How many pixels of the map lie behind them.
-    pub pixels: usize,
+    /// How many they are.
+    pixels: usize,
 }
 
 /// Where pixels side by side in a row of the map lie.
@@ -40,22 +41,49 @@ pub struct Place<'a> {
 
 /// Pixels side by side in a row of the map.
 pub struct RowOfPixels<'a> {
-    /// Flat index of the first.
-    pub first: usize,
     pub given: &'a [[f32; 3]],
     pub row: &'a Row,
-    pub columns: Columns<&'a [f64]>,
+    pub columns: &'a [Column],
+}
+
+/// Rows of an image that is written.
+pub struct Slab<'a> {
+    first: usize,
+    width: usize,
+    pixels: &'a mut [[f32; 3]],
 }
 
 impl Map<'_> {
-    /// The map's pixels behind some of the working image, in parts.
+    /// The map's pixels behind some of the working image, in parts of whole rows.
     pub fn parts(&self, region: &[u32]) -> Vec<Part> {
-        let part = |part: &[u32]| {
-            let runs = runs(part, self.membrane.level.size.1);
-            let pixels = runs.iter().map(|run| self.rows_of(run).len() * self.columns_of(run).len()).sum();
-            Part { runs, pixels }
+        let most = PIXELS_OF_A_PART.div_ceil(self.block.pow(2));
+        let mut parts: Vec<Part> = Vec::new();
+        for run in runs(region, self.membrane.level.size.1) {
+            let is_full = |part: &Part| part.pixels >= most && part.last_row() < run.row;
+            if parts.last().is_none_or(is_full) {
+                parts.push(Part { runs: Vec::new(), pixels: 0 });
+            }
+            let part = parts.last_mut().expect("one was added");
+            part.pixels += run.columns.len();
+            part.runs.push(run);
+        }
+        parts
+    }
+
+    /// The rows of an image of the map's size that each of these parts lies in.
+    pub fn slabs<'a>(&self, parts: &[Part], mut pixels: &'a mut [[f32; 3]]) -> Vec<Slab<'a>> {
+        let (width, mut first) = (self.size.1, 0);
+        let mut cut_off = |row: usize| {
+            let (above, below) = take(&mut pixels).split_at_mut((row - first) * width);
+            (first, pixels) = (row, below);
+            above
         };
-        region.chunks(PIXELS_OF_A_PART.div_ceil(self.block.pow(2))).map(part).collect()
+        let slab = |part: &Part| {
+            let rows = self.rows_of(&part.runs[0]).start..self.rows_of(&part.runs[part.runs.len() - 1]).end;
+            cut_off(rows.start);
+            Slab { first: rows.start, width, pixels: cut_off(rows.end) }
+        };
+        parts.iter().map(slab).collect()
     }
 
     /// The rows of a part.
@@ -75,10 +103,9 @@ impl Map<'_> {
         self.membrane.fill_row(*row, behind, fill);
         let first = row * self.size.1 + columns.start;
         RowOfPixels {
-            first,
             given: &self.pixels[first..first + columns.len()],
             row: &self.cells.rows[*row],
-            columns: self.cells.columns.at(columns.clone()),
+            columns: &self.cells.columns[columns.clone()],
         }
     }
 
@@ -89,5 +116,20 @@ impl Map<'_> {
 
     fn columns_of(&self, run: &Run) -> Range<usize> {
         run.columns.start * self.block..(run.columns.end * self.block).min(self.size.1)
+    }
+}
+
+impl Part {
+    fn last_row(&self) -> usize {
+        self.runs.last().map_or(0, |run| run.row)
+    }
+}
+
+impl Slab<'_> {
+    /// The pixels at a place.
+    #[inline(always)]
+    pub fn at(&mut self, place: &Place<'_>) -> &mut [[f32; 3]] {
+        let start = (place.row - self.first) * self.width;
+        &mut self.pixels[start + place.columns.start..start + place.columns.end]
     }
 }

@@ -18,16 +18,17 @@
 //! taken.
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
-use glam::{BVec4A, DMat2, DMat3, DVec2, DVec3, Vec4};
+use std::array;
+
+use glam::{BVec4A, DMat2, DMat3, DVec2, DVec3, Vec4, Vec4Swizzles};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
-use super::cells::{Cells, Row};
-use super::level::{Level, Value};
-use super::moments;
-use super::pixels::{Map, Part, RowOfPixels};
-use crate::kernels::detect::tree::dot;
-use crate::kernels::image::{LUMINANCE, luminance_f32};
+use super::cells::{Cells, Column, Row};
+use super::level::Level;
+use super::moments::{First, Second};
+use super::pixels::{Map, Part, RowOfPixels, Slab};
+use crate::kernels::image::{LUMINANCE, LUMINANCE_F32};
 use crate::kernels::sphere::tangents;
 
 /// The largest tilt, as a share of the radiance, at the middle of a pixel of the working image. Of 20 maps, the suns
@@ -35,6 +36,9 @@ use crate::kernels::sphere::tangents;
 const LARGEST_TILT: f64 = 0.3;
 /// Across the axis, less than this share of a vector is the rounding of samples.
 const ROUNDING: f64 = 1e-7;
+
+/// Weights of a pixel's channels in its luminance.
+const LUMINANCE_OF_RGB: Vec4 = Vec4::new(LUMINANCE_F32[0], LUMINANCE_F32[1], LUMINANCE_F32[2], 0.0);
 
 /// A light that was taken out of a map.
 #[derive(Clone, Debug)]
@@ -51,22 +55,6 @@ pub struct Taken {
     pub reach: f64,
     /// Vector irradiance of each channel.
     pub vectors: DMat3,
-}
-
-/// Room for pixels of lights: their flat indices, and what is left of them.
-pub struct Room<'a> {
-    pub pixels: &'a mut [i64],
-    pub left: &'a mut [[f32; 3]],
-}
-
-impl<'a> Room<'a> {
-    /// The first so many places, which the room has no more then.
-    fn for_pixels(&mut self, count: usize) -> Room<'a> {
-        let (pixels, other_pixels) = std::mem::take(&mut self.pixels).split_at_mut(count);
-        let (left, other_left) = std::mem::take(&mut self.left).split_at_mut(count);
-        *self = Room { pixels: other_pixels, left: other_left };
-        Room { pixels, left }
-    }
 }
 
 /// How much of each pixel is left.
@@ -86,13 +74,14 @@ pub fn take(
     region: &[u32],
     parts: &[Part],
     found: DVec3,
-    room: &mut Room<'_>,
+    rest: &mut [[f32; 3]],
 ) -> Taken {
     let (rule, sums) = keep_dark_channels(map, parts);
     let axis = toward(&sums.vectors).try_normalize().unwrap_or(found);
     let tilts = sums.tilts(axis, |tilt| steepest(map.membrane.level, working, region, tilt));
+    let squares = leave(map, parts, &Rule { tilts, ..rule }, rest);
     let reach = |direction| reach(working, map.membrane.level.size.1, region, direction);
-    leave(map, parts, &Rule { tilts, ..rule }, room).measured(found, reach)
+    sums.tilted(&tilts).measured(squares, found, reach)
 }
 
 /// In a channel of which the membrane holds more than the light, take nothing from any pixel that is darker.
@@ -131,21 +120,23 @@ fn steepest(membrane: &Level, working: &Cells, region: &[u32], tilt: DVec3) -> f
 impl Rule {
     /// What is left of a pixel before the tilt.
     #[inline(always)]
-    fn closed(&self, given: [f32; 3], fill: Value) -> [f32; 3] {
+    fn closed(&self, given: Vec4, fill: Vec4) -> Vec4 {
         // By masks in place of branches: in an even sky, no processor can tell which way the next pixel goes.
-        let [given_luminance, luminance] =
-            [given, [fill[0], fill[1], fill[2]]].map(|pixel| Vec4::splat(luminance_f32(pixel)));
-        let (given, fill) = (Vec4::new(given[0], given[1], given[2], 0.0), Vec4::from_array(fill));
+        let is_brighter = Vec4::splat((given - fill).dot(LUMINANCE_OF_RGB)).cmpgt(Vec4::ZERO);
         let fill = Vec4::select(self.is_dark, fill.min(given), fill);
-        Vec4::select(given_luminance.cmpgt(luminance), fill, given).truncate().to_array()
+        Vec4::select(is_brighter, fill, given)
     }
 }
 
 /// What is taken, before any tilt, and what a tilt would change.
+#[derive(Default)]
 struct Sums {
     /// Vector irradiance of what is taken.
     vectors: [DVec3; 3],
-    /// Second moments of what is left, times the bump.
+    /// Integral of what is taken, of each channel.
+    integrals: DVec3,
+    /// First and second moments of what is left, times the bump.
+    left: [DVec3; 3],
     tensors: [DMat3; 3],
 }
 
@@ -153,18 +144,24 @@ impl Sums {
     fn of(map: &Map<'_>, parts: &[Part], rule: &Rule) -> Self {
         let sum = |part| Arch::new().dispatch(SumsOf { map, part, rule });
         let sums: Vec<Self> = parts.par_iter().map(sum).collect();
-        let mut whole = Self { vectors: [DVec3::ZERO; 3], tensors: [DMat3::ZERO; 3] };
-        for part in sums {
-            add(&mut whole.vectors, part.vectors);
-            add(&mut whole.tensors, part.tensors);
+        sums.iter().fold(Self::default(), Self::and)
+    }
+
+    #[inline(always)]
+    fn and(mut self, other: &Self) -> Self {
+        self.integrals += other.integrals;
+        for channel in 0..3 {
+            self.vectors[channel] += other.vectors[channel];
+            self.left[channel] += other.left[channel];
+            self.tensors[channel] += other.tensors[channel];
         }
-        whole
+        self
     }
 
     /// The tilt of each channel that makes its vector parallel to `axis`, where its `steepest` change is small.
     fn tilts(&self, axis: DVec3, steepest: impl Fn(DVec3) -> f64) -> [DVec3; 3] {
         let across = tangents(axis);
-        std::array::from_fn(|channel| {
+        array::from_fn(|channel| {
             let (vector, tensor) = (self.vectors[channel], self.tensors[channel]);
             let moment = DVec2::from(across.map(|side| vector.dot(side)));
             let column = |side| DVec2::from(across.map(|other| other.dot(tensor * side)));
@@ -174,6 +171,30 @@ impl Sums {
             // A slope that is not a number is none: nothing is left that could be tilted.
             if !is_aligned && tilt.is_finite() && steepest(tilt) <= LARGEST_TILT { tilt } else { DVec3::ZERO }
         })
+    }
+
+    /// The sums of what is taken after these tilts.
+    fn tilted(mut self, tilts: &[DVec3; 3]) -> Self {
+        for (channel, &tilt) in tilts.iter().enumerate() {
+            self.vectors[channel] -= self.tensors[channel] * tilt;
+            self.integrals[channel] -= self.left[channel].dot(tilt);
+        }
+        self
+    }
+
+    /// The light that was taken, whose integral of the square of luminance is `squares`.
+    fn measured(&self, squares: f64, found: DVec3, reach: impl Fn(DVec3) -> f64) -> Taken {
+        let vectors = self.vectors;
+        let flux = self.integrals.dot(DVec3::from_array(LUMINANCE));
+        let direction = toward(&vectors).try_normalize().unwrap_or(found);
+        Taken {
+            direction,
+            irradiance: DVec3::from_array(vectors.map(|vector| vector.dot(direction).max(0.0))),
+            flux,
+            solid_angle: if squares > 0.0 { flux * flux / squares } else { 0.0 },
+            reach: if flux > 0.0 { reach(direction) } else { 0.0 },
+            vectors: DMat3::from_cols(vectors[0], vectors[1], vectors[2]),
+        }
     }
 }
 
@@ -189,79 +210,34 @@ impl WithSimd for SumsOf<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Sums {
-        let mut sums = Sums { vectors: [DVec3::ZERO; 3], tensors: [DMat3::ZERO; 3] };
-        let (mut fill, mut left, mut taken, mut kept) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let (mut sums, mut fill) = (Sums::default(), Vec::new());
         for place in self.map.rows(self.part) {
-            let RowOfPixels { given, row, columns, .. } = self.map.row(&place, &mut fill);
-            let pixels = given.iter().zip(&fill);
-            refill(&mut left, pixels.map(|(&given, &fill)| self.rule.closed(given, fill)));
-            for channel in 0..3 {
-                take_from(&mut taken, given, &left, channel);
-                let pixels = left.iter().zip(&fill);
-                refill(&mut kept, pixels.map(|(left, fill)| left[channel] * fill[3]));
-                sums.vectors[channel] += moments::first(&taken, row, &columns);
-                sums.tensors[channel] += moments::second(&kept, row, &columns);
+            let RowOfPixels { given, row, columns } = self.map.row(&place, &mut fill);
+            let (mut taken, mut left) = (First::default(), Second::default());
+            for ((&given, &fill), column) in given.iter().zip(&fill).zip(columns) {
+                let (given, fill) = (rgb(given), Vec4::from_array(fill));
+                let closed = self.rule.closed(given, fill);
+                taken.add(&(given.as_dvec4() - closed.as_dvec4()).to_array(), column);
+                left.add(&(closed * fill.wwww()).as_dvec4().to_array(), column);
             }
+            let (vectors, integrals) = (taken.vectors(row), taken.integrals(row));
+            sums = sums.and(&Sums { vectors, integrals, left: left.vectors(row), tensors: left.tensors(row) });
         }
         sums
     }
 }
 
-/// Add to the sum of each channel.
-fn add<T: std::ops::AddAssign>(sums: &mut [T; 3], terms: [T; 3]) {
-    sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
-}
-
-/// What is taken of a channel of each pixel.
 #[inline(always)]
-fn take_from(taken: &mut Vec<f64>, given: &[[f32; 3]], left: &[[f32; 3]], channel: usize) {
-    let pixels = given.iter().zip(left);
-    refill(taken, pixels.map(|(given, left)| f64::from(given[channel]) - f64::from(left[channel])));
+fn rgb([red, green, blue]: [f32; 3]) -> Vec4 {
+    Vec4::new(red, green, blue, 0.0)
 }
 
-#[inline(always)]
-fn refill<T>(values: &mut Vec<T>, new: impl Iterator<Item = T>) {
-    values.clear();
-    values.extend(new);
-}
-
-/// What was taken, after all rounding.
-struct Measures {
-    vectors: [DVec3; 3],
-    /// Integral of the luminance, and of its square.
-    flux: f64,
-    squares: f64,
-}
-
-impl Measures {
-    const NONE: Self = Self { vectors: [DVec3::ZERO; 3], flux: 0.0, squares: 0.0 };
-
-    fn and(mut self, other: &Self) -> Self {
-        add(&mut self.vectors, other.vectors);
-        Self { flux: self.flux + other.flux, squares: self.squares + other.squares, ..self }
-    }
-
-    fn measured(&self, found: DVec3, reach: impl Fn(DVec3) -> f64) -> Taken {
-        let Self { vectors, flux, squares } = *self;
-        let direction = toward(&vectors).try_normalize().unwrap_or(found);
-        Taken {
-            direction,
-            irradiance: DVec3::from_array(vectors.map(|vector| vector.dot(direction).max(0.0))),
-            flux,
-            solid_angle: if squares > 0.0 { flux * flux / squares } else { 0.0 },
-            reach: if flux > 0.0 { reach(direction) } else { 0.0 },
-            vectors: DMat3::from_cols(vectors[0], vectors[1], vectors[2]),
-        }
-    }
-}
-
-/// Leave of each pixel what the rule says.
-fn leave(map: &Map<'_>, parts: &[Part], rule: &Rule, room: &mut Room<'_>) -> Measures {
-    let rooms: Vec<Room<'_>> = parts.iter().map(|part| room.for_pixels(part.pixels)).collect();
-    let parts = parts.par_iter().zip(rooms);
-    let left = |(part, room)| Arch::new().dispatch(Left { map, part, rule, room });
-    let measures: Vec<Measures> = parts.map(left).collect();
-    measures.iter().fold(Measures::NONE, Measures::and)
+/// Leave of each pixel what the rule says, in the `rest`: the integral of the square of the luminance that is taken.
+fn leave(map: &Map<'_>, parts: &[Part], rule: &Rule, rest: &mut [[f32; 3]]) -> f64 {
+    let parts = parts.par_iter().zip(map.slabs(parts, rest));
+    let left = |(part, slab)| Arch::new().dispatch(Left { map, part, rule, slab });
+    let squares: Vec<f64> = parts.map(left).collect();
+    squares.iter().sum()
 }
 
 /// What is left of a part.
@@ -269,41 +245,30 @@ struct Left<'a> {
     map: &'a Map<'a>,
     part: &'a Part,
     rule: &'a Rule,
-    room: Room<'a>,
+    slab: Slab<'a>,
 }
 
 impl WithSimd for Left<'_> {
-    type Output = Measures;
+    type Output = f64;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Measures {
-        let Self { map, part, rule, mut room } = self;
-        let mut measures = Measures::NONE;
-        let (mut fill, mut taken, mut luminance) = (Vec::new(), Vec::new(), Vec::new());
+    fn with_simd<S: Simd>(self, _: S) -> f64 {
+        let Self { map, part, rule, mut slab } = self;
+        let (mut squares, mut fill) = (0.0, Vec::new());
         for place in map.rows(part) {
-            let RowOfPixels { first, given, row, columns } = map.row(&place, &mut fill);
-            let Room { pixels, left } = room.for_pixels(given.len());
-            pixels.iter_mut().zip(first..).for_each(|(pixel, index)| *pixel = index as i64);
-            let tilt = RowTilt::new(&rule.tilts, row);
-            for ((left, (&given, &fill)), column) in left.iter_mut().zip(given.iter().zip(&fill)).zip(0..) {
-                *left = tilt.of(
-                    rule.closed(given, fill),
-                    fill[3],
-                    columns.mean_sin[column],
-                    columns.mean_cos[column],
-                );
+            let RowOfPixels { given, row, columns } = map.row(&place, &mut fill);
+            let (tilt, mut of_row) = (RowTilt::new(&rule.tilts, row), 0.0);
+            for (((rest, &given), &fill), column) in slab.at(&place).iter_mut().zip(given).zip(&fill).zip(columns)
+            {
+                let (given, fill) = (rgb(given), Vec4::from_array(fill));
+                let left = tilt.of(rule.closed(given, fill), fill.wwww(), column);
+                *rest = left.truncate().to_array();
+                let luminance = f64::from((given - left).dot(LUMINANCE_OF_RGB));
+                of_row += luminance * luminance * column.width;
             }
-            refill(&mut luminance, given.iter().map(|_| 0.0));
-            for (channel, weight) in LUMINANCE.into_iter().enumerate() {
-                take_from(&mut taken, given, left, channel);
-                measures.vectors[channel] += moments::first(&taken, row, &columns);
-                luminance.iter_mut().zip(&taken).for_each(|(sum, taken)| *sum += weight * taken);
-            }
-            measures.flux += row.band * dot(&luminance, columns.width);
-            refill(&mut taken, luminance.iter().map(|value| value * value));
-            measures.squares += row.band * dot(&taken, columns.width);
+            squares += row.band * of_row;
         }
-        measures
+        squares
     }
 }
 
@@ -330,9 +295,8 @@ impl RowTilt {
     }
 
     #[inline(always)]
-    fn of(&self, closed: [f32; 3], bump: f32, sin: f64, cos: f64) -> [f32; 3] {
-        let closed = Vec4::new(closed[0], closed[1], closed[2], 0.0);
-        let tilt = self.sin * sin as f32 + self.cos * cos as f32 + self.even;
-        (closed + closed * (bump * tilt)).min(Vec4::splat(f32::MAX)).truncate().to_array()
+    fn of(&self, closed: Vec4, bump: Vec4, column: &Column) -> Vec4 {
+        let tilt = self.sin * column.mean_sin as f32 + self.cos * column.mean_cos as f32 + self.even;
+        (closed + closed * (bump * tilt)).min(Vec4::splat(f32::MAX))
     }
 }
