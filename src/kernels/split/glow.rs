@@ -1,10 +1,17 @@
 //! The glow of a light: the bright place that it stands in.
 //!
 //! Detection takes a bright place that is connected to a brighter light for a part of it, down to the threshold.
-//! With that light gone, the clouds around a sun or the dim part of a softbox would be found in its stead. So
-//! they go with it: all pixels above the threshold that are connected to it. The membrane is nowhere brighter than
-//! what is around it, and a light must rise above the threshold: none is left where the glow ends before
-//! [`FARTHEST`], and the threshold of the rest is not much lower.
+//! With that light gone, the clouds around a sun or the dim part of a softbox would be found in its stead. But they are
+//! no part of the light, and stand elsewhere. So only what is too bright to stay is taken with the light: of a
+//! pixel of the luminance Y above the threshold T that is connected to it, there remains
+//!
+//! ```text
+//!   Y' = T (2 - T / Y)
+//! ```
+//!
+//! which goes on smoothly from Y at the threshold, keeps clouds apart, and stays below 2 T, while a light rises to
+//! more. None is found where the glow ends before [`FARTHEST`], and the threshold of the rest is not much lower.
+#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
 use std::f64::consts::PI;
 
@@ -49,4 +56,11 @@ pub fn glow(working: &Working<'_>, light_of: &mut [u32], threshold: f64) -> Vec<
         front = next;
     }
     glow
+}
+
+/// Share that is left of a pixel of the glow.
+#[inline(always)]
+pub fn share_left(luminance: f32, threshold: f32) -> f32 {
+    let share = (threshold / luminance).min(1.0);
+    share * (2.0 - share)
 }

@@ -11,8 +11,7 @@
 use rayon::prelude::*;
 
 use super::level::Level;
-use super::region::Regions;
-use super::working::Working;
+use crate::kernels::image::Grid;
 
 /// Relaxations of the finest level; each coarser one, with a quarter of the pixels, has twice as many.
 const SWEEPS: usize = 8;
@@ -21,18 +20,19 @@ const MOST_SWEEPS: usize = 256;
 /// Rows of the coarsest level, at least.
 const LEAST_ROWS: usize = 4;
 
-/// The working image with the holes closed; its fourth value is the bump. Far from holes, no value is known.
-pub fn membrane(working: &Working<'_>, regions: &Regions) -> Level {
+/// An image with the holes closed, between pixels that are `given`; its fourth value is the bump. Far from holes, no
+/// value is known.
+pub fn membrane(grid: Grid, holes: Vec<usize>, given: impl Fn(usize) -> [f32; 3] + Sync) -> Level {
     // Find the holes of each level, up to one that has none.
-    let mut levels = vec![Level::new(working.grid.clone(), regions.holes())];
+    let mut levels = vec![Level::new(grid, holes)];
     while !levels[levels.len() - 1].holes.is_empty() && levels[levels.len() - 1].size.0 > LEAST_ROWS {
         levels.push(levels[levels.len() - 1].coarser());
     }
     // Average what is given, from the finest level to the coarsest, where a hole needs it.
     let needed = needed(&levels);
-    let given = needed[0].par_iter().filter(|&&pixel| !levels[0].is_hole(pixel));
-    let given: Vec<_> = given.map(|&pixel| (pixel, working.mean(pixel))).collect();
-    for (pixel, [red, green, blue]) in given {
+    let rims = needed[0].par_iter().filter(|&&pixel| !levels[0].is_hole(pixel));
+    let rims: Vec<_> = rims.map(|&pixel| (pixel, given(pixel))).collect();
+    for (pixel, [red, green, blue]) in rims {
         levels[0].values[pixel] = [red, green, blue, 0.0];
     }
     for (number, pixels) in needed.iter().enumerate().skip(1) {
@@ -97,10 +97,10 @@ mod tests {
         // What stands in the hole must not matter.
         let given = |row, column| if is_hole(row, column) { 1e6 } else { radiance(row, column) };
         let map: Vec<[f32; 3]> = places().map(|(row, column)| [given(row, column); 3]).collect();
-        let working = Working::of(&map, SIZE, Registration::CellCentred, 1);
+        let grid = Grid::of_pixels(SIZE.0, SIZE.1, Registration::CellCentred);
         let is_hole: Vec<bool> = places().map(|(row, column)| is_hole(row, column)).collect();
-        let holes = (0..is_hole.len()).filter(|&pixel| is_hole[pixel]).map(|pixel| pixel as u32);
-        let solved = membrane(&working, &Regions { pixels: vec![holes.collect()] });
+        let holes = (0..is_hole.len()).filter(|&pixel| is_hole[pixel]).collect();
+        let solved = membrane(grid, holes, |pixel| map[pixel]);
         let pixels = places().zip(solved.values).zip(is_hole);
         let value = |(((row, column), value), is_hole)| {
             if is_hole {

@@ -7,7 +7,7 @@
 //! | the lights as they were found                           | `found.rs`     |
 //! | the map in the pixels in which its lights were found     | `working.rs`   |
 //! | which pixels each light fills: itself, its rim, its glare | `region.rs`   |
-//! | - and the glow that would be found as a light without it | `glow.rs`      |
+//! | - the glow that would be found as a light without it     | `glow.rs`      |
 //! | the membrane that closes the hole of each light          | `membrane.rs`  |
 //! | - the sphere in fewer and fewer pixels                   | `level.rs`     |
 //! | what is taken from the map, as one direction and one RGB | `taken.rs`     |
@@ -49,6 +49,7 @@ pub use found::Found;
 use level::Enlarged;
 use pixels::Map;
 use region::Regions;
+use taken::Pixels;
 pub use taken::Taken;
 use working::Working;
 
@@ -80,18 +81,20 @@ pub fn split(
     let working = Working::of(map, size, registration, block);
     let members = found.members(working.size)?;
     let regions = region::regions(&working, &members, directions.len(), found.threshold);
-    let membrane = membrane::membrane(&working, &regions);
+    let given = |pixel| regions.mean_left(&working, pixel);
+    let membrane = membrane::membrane(working.grid.clone(), regions.all_holes(), given);
     let map = Map {
         pixels: map,
         size,
         cells: Cells::new(&Grid::of_pixels(height, width, registration)),
         membrane: Enlarged::new(&membrane, block),
         block,
+        threshold: found.threshold as f32,
     };
     Ok(taken(&map, &Cells::new(&working.grid), &regions, &directions, rest.as_chunks_mut::<3>().0))
 }
 
-/// Take one light after the other, each from its region, out of the `rest`.
+/// Take one light after the other, each from its pixels, out of the `rest`.
 fn taken(
     map: &Map<'_>,
     working: &Cells,
@@ -99,9 +102,9 @@ fn taken(
     directions: &[DVec3],
     rest: &mut [[f32; 3]],
 ) -> Vec<Taken> {
-    let lights = regions.pixels.iter().zip(directions);
-    let take = |(region, &direction): (&Vec<u32>, _)| {
-        taken::take(map, working, region, &map.parts(region), direction, rest)
+    let lights = regions.holes.iter().zip(&regions.glow).zip(directions);
+    let take = |((hole, glow), &direction): ((&Vec<u32>, &Vec<u32>), _)| {
+        taken::take(map, working, &Pixels { hole, glow }, direction, rest)
     };
     lights.map(take).collect()
 }

@@ -1,4 +1,4 @@
-//! The map's pixels of a light, row by row, each with the membrane at its place.
+//! The map's pixels of a light, row by row, and the membrane at their places.
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
 use std::mem::take;
@@ -21,6 +21,8 @@ pub struct Map<'a> {
     pub membrane: Enlarged<'a>,
     /// Pixels of the map along each side of a pixel of the working image.
     pub block: usize,
+    /// Luminance above which a place is bright.
+    pub threshold: f32,
 }
 
 /// All pixels of a light in some rows.
@@ -95,12 +97,17 @@ impl Map<'_> {
         })
     }
 
-    /// The pixels at a place; the membrane there, and its bump, are written into `fill`.
+    /// The membrane at a place, and its bump, in place of other values.
     #[inline(always)]
-    pub fn row(&self, place: &Place<'_>, fill: &mut Vec<Value>) -> RowOfPixels<'_> {
-        let Place { row, columns, behind } = place;
-        fill.resize(columns.len(), Value::default());
-        self.membrane.fill_row(*row, behind, fill);
+    pub fn fill(&self, place: &Place<'_>, values: &mut Vec<Value>) {
+        values.resize(place.columns.len(), Value::default());
+        self.membrane.fill_row(place.row, place.behind, values);
+    }
+
+    /// The pixels at a place.
+    #[inline(always)]
+    pub fn row(&self, place: &Place<'_>) -> RowOfPixels<'_> {
+        let Place { row, columns, .. } = place;
         let first = row * self.size.1 + columns.start;
         RowOfPixels {
             given: &self.pixels[first..first + columns.len()],

@@ -3,16 +3,17 @@
 //! Detection keeps of a light what is brighter than a tenth of its peak. Around a sun of 10^5 times the sky,
 //! that leaves a glare in the map that is brighter than most lamps. So rings of one pixel are added around each
 //! light as long as their median luminance falls from ring to ring as that of glare does, and faster than that
-//! of a lit wall or of the sky. What is still bright around the last ring is its glow. What is around that
-//! closes the hole.
+//! of a lit wall or of the sky. What is around the last ring closes the hole; what is still bright there is the light's
+//! glow.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::f64::consts::PI;
 
-use super::glow::{self, NONE};
+use super::glow::{self, NONE, share_left};
 use super::working::Working;
 use crate::interrupt;
+use crate::kernels::image::luminance_f32;
 
 /// Rings that every light has: the pixels on its rim are partly its own, and so are those into which a lens or
 /// a reduction has blurred it.
@@ -26,10 +27,15 @@ const STRIDE: usize = 2;
 /// lit ceilings by less than 1.1.
 const FALLS: [f32; 2] = [1.1, 1.25];
 
-/// The pixels of the working image that are taken.
+/// The pixels of the working image of which something is taken.
 pub struct Regions {
-    /// Flat indices of the pixels of each light.
-    pub pixels: Vec<Vec<u32>>,
+    /// Flat indices of the pixels of each light that are closed.
+    pub holes: Vec<Vec<u32>>,
+    /// Those of its glow.
+    pub glow: Vec<Vec<u32>>,
+    /// The light of each pixel.
+    light_of: Vec<u32>,
+    threshold: f32,
 }
 
 /// The pixels of the first `taken` lights of `members`: flat indices, each with its light. The others stay.
@@ -55,31 +61,40 @@ pub fn regions(working: &Working<'_>, members: &[(usize, usize)], taken: usize, 
             pixels.push(ring.pixel);
         }
     }
-    // Add the bright pixels around what each light has so far.
+    // Find the bright pixels around what each light has so far.
     for (light, pixels) in pixels.iter().enumerate() {
         for &pixel in pixels {
             light_of[pixel as usize] = light as u32;
         }
     }
+    let mut glow = vec![Vec::new(); taken];
     for (pixel, light) in glow::glow(working, &mut light_of, threshold) {
-        if let Some(pixels) = pixels.get_mut(light as usize) {
-            pixels.push(pixel);
+        if let Some(glow) = glow.get_mut(light as usize) {
+            glow.push(pixel);
         }
     }
     // List the pixels of each light in their order, each once.
-    for pixels in &mut pixels {
+    for pixels in pixels.iter_mut().chain(&mut glow) {
         pixels.sort_unstable();
         pixels.dedup();
     }
-    Regions { pixels }
+    Regions { holes: pixels, glow, light_of, threshold: threshold as f32 }
 }
 
 impl Regions {
-    /// All of these pixels, in ascending order.
-    pub fn holes(&self) -> Vec<usize> {
-        let mut holes: Vec<usize> = self.pixels.iter().flatten().map(|&pixel| pixel as usize).collect();
+    /// All pixels that are closed, in ascending order.
+    pub fn all_holes(&self) -> Vec<usize> {
+        let mut holes: Vec<usize> = self.holes.iter().flatten().map(|&pixel| pixel as usize).collect();
         holes.sort_unstable();
         holes
+    }
+
+    /// Mean radiance of a pixel that is not closed, after what is taken of a glow.
+    pub fn mean_left(&self, working: &Working<'_>, pixel: usize) -> [f32; 3] {
+        let mean = working.mean(pixel);
+        let is_glow = (self.light_of[pixel] as usize) < self.glow.len();
+        let share = if is_glow { share_left(luminance_f32(mean), self.threshold) } else { 1.0 };
+        mean.map(|value| share * value)
     }
 }
 

@@ -25,6 +25,7 @@ use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 use super::cells::{Cells, Column, Row};
+use super::glow::share_left;
 use super::level::Level;
 use super::moments::{First, Second};
 use super::pixels::{Map, Part, RowOfPixels, Slab};
@@ -66,21 +67,29 @@ struct Rule {
     tilts: [DVec3; 3],
 }
 
-/// Take the light in some pixels of the working image, whose cells are `working`. Where nothing is taken, it keeps the
-/// direction in which it was `found`.
+/// Pixels of the working image of which a light is taken: those that are closed, and its glow.
+pub struct Pixels<'a> {
+    pub hole: &'a [u32],
+    pub glow: &'a [u32],
+}
+
+/// Take the light in some pixels of the working image, whose cells are `working`, out of the `rest`. Where nothing is
+/// taken, it keeps the direction in which it was `found`.
 pub fn take(
     map: &Map<'_>,
     working: &Cells,
-    region: &[u32],
-    parts: &[Part],
+    pixels: &Pixels<'_>,
     found: DVec3,
     rest: &mut [[f32; 3]],
 ) -> Taken {
-    let (rule, sums) = keep_dark_channels(map, parts);
+    let parts = map.parts(pixels.hole);
+    let glow = dim(map, &map.parts(pixels.glow), rest);
+    let (rule, sums) = keep_dark_channels(map, &parts);
+    let sums = sums.and(&glow.sums);
     let axis = toward(&sums.vectors).try_normalize().unwrap_or(found);
-    let tilts = sums.tilts(axis, |tilt| steepest(map.membrane.level, working, region, tilt));
-    let squares = leave(map, parts, &Rule { tilts, ..rule }, rest);
-    let reach = |direction| reach(working, map.membrane.level.size.1, region, direction);
+    let tilts = sums.tilts(axis, |tilt| steepest(map.membrane.level, working, pixels.hole, tilt));
+    let squares = glow.squares + leave(map, &parts, &Rule { tilts, ..rule }, rest);
+    let reach = |direction| reach(working, map.membrane.level.size.1, pixels, direction);
     sums.tilted(&tilts).measured(squares, found, reach)
 }
 
@@ -102,9 +111,9 @@ fn toward(vectors: &[DVec3; 3]) -> DVec3 {
 }
 
 /// Angle from a direction within which some pixels of the working image lie.
-fn reach(working: &Cells, columns: usize, region: &[u32], direction: DVec3) -> f64 {
+fn reach(working: &Cells, columns: usize, pixels: &Pixels<'_>, direction: DVec3) -> f64 {
     let cosine = |place: usize| direction.dot(working.mean(place / columns, place % columns));
-    let least = region.iter().map(|&place| cosine(place as usize)).fold(1.0, f64::min);
+    let least = pixels.hole.iter().chain(pixels.glow).map(|&place| cosine(place as usize)).fold(1.0, f64::min);
     least.max(-1.0).acos() + working.half_diagonal()
 }
 
@@ -212,7 +221,8 @@ impl WithSimd for SumsOf<'_> {
     fn with_simd<S: Simd>(self, _: S) -> Sums {
         let (mut sums, mut fill) = (Sums::default(), Vec::new());
         for place in self.map.rows(self.part) {
-            let RowOfPixels { given, row, columns } = self.map.row(&place, &mut fill);
+            let RowOfPixels { given, row, columns } = self.map.row(&place);
+            self.map.fill(&place, &mut fill);
             let (mut taken, mut left) = (First::default(), Second::default());
             for ((&given, &fill), column) in given.iter().zip(&fill).zip(columns) {
                 let (given, fill) = (rgb(given), Vec4::from_array(fill));
@@ -230,6 +240,58 @@ impl WithSimd for SumsOf<'_> {
 #[inline(always)]
 fn rgb([red, green, blue]: [f32; 3]) -> Vec4 {
     Vec4::new(red, green, blue, 0.0)
+}
+
+/// What was taken of a glow.
+#[derive(Default)]
+struct Glow {
+    sums: Sums,
+    /// Integral of the square of the luminance.
+    squares: f64,
+}
+
+/// Leave of each pixel of a glow what may stay, in the `rest`.
+fn dim(map: &Map<'_>, parts: &[Part], rest: &mut [[f32; 3]]) -> Glow {
+    let parts = parts.par_iter().zip(map.slabs(parts, rest));
+    let dimmed = |(part, slab)| Arch::new().dispatch(Dimmed { map, part, slab });
+    let glows: Vec<Glow> = parts.map(dimmed).collect();
+    glows.iter().fold(Glow::default(), |whole, part| Glow {
+        sums: whole.sums.and(&part.sums),
+        squares: whole.squares + part.squares,
+    })
+}
+
+/// What is left of the glow in a part.
+struct Dimmed<'a> {
+    map: &'a Map<'a>,
+    part: &'a Part,
+    slab: Slab<'a>,
+}
+
+impl WithSimd for Dimmed<'_> {
+    type Output = Glow;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Glow {
+        let Self { map, part, mut slab } = self;
+        let mut glow = Glow::default();
+        for place in map.rows(part) {
+            let RowOfPixels { given, row, columns } = map.row(&place);
+            let (mut taken, mut squares) = (First::default(), 0.0);
+            for ((rest, &given), column) in slab.at(&place).iter_mut().zip(given).zip(columns) {
+                let given = rgb(given);
+                let left = given * share_left(given.dot(LUMINANCE_OF_RGB), map.threshold);
+                *rest = left.truncate().to_array();
+                taken.add(&(given.as_dvec4() - left.as_dvec4()).to_array(), column);
+                let luminance = f64::from((given - left).dot(LUMINANCE_OF_RGB));
+                squares += luminance * luminance * column.width;
+            }
+            let (vectors, integrals) = (taken.vectors(row), taken.integrals(row));
+            glow.sums = glow.sums.and(&Sums { vectors, integrals, ..Sums::default() });
+            glow.squares += row.band * squares;
+        }
+        glow
+    }
 }
 
 /// Leave of each pixel what the rule says, in the `rest`: the integral of the square of the luminance that is taken.
@@ -256,7 +318,8 @@ impl WithSimd for Left<'_> {
         let Self { map, part, rule, mut slab } = self;
         let (mut squares, mut fill) = (0.0, Vec::new());
         for place in map.rows(part) {
-            let RowOfPixels { given, row, columns } = map.row(&place, &mut fill);
+            let RowOfPixels { given, row, columns } = map.row(&place);
+            map.fill(&place, &mut fill);
             let (tilt, mut of_row) = (RowTilt::new(&rule.tilts, row), 0.0);
             for (((rest, &given), &fill), column) in slab.at(&place).iter_mut().zip(given).zip(&fill).zip(columns)
             {

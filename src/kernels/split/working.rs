@@ -84,6 +84,10 @@ impl<'a> Working<'a> {
     pub fn around(&self, index: usize) -> [usize; 8] {
         let (height, width) = self.size;
         let (row, column) = (index / width, index % width);
+        if (1..height - 1).contains(&row) && (1..width - 1).contains(&column) {
+            let (up, down) = (index - width, index + width);
+            return [up - 1, up, up + 1, index - 1, index + 1, down - 1, down, down + 1];
+        }
         let (left, right) = ((column + width - 1) % width, (column + 1) % width);
         let across = |column: usize| (column + width / 2) % width;
         let line = |row: usize, beyond: bool| {
