@@ -33,7 +33,7 @@ pub struct Regions {
     pub holes: Vec<Vec<u32>>,
     /// Those of its glow.
     pub glow: Vec<Vec<u32>>,
-    /// The light of each pixel.
+    /// The light of each pixel, counted from 1.
     light_of: Vec<u32>,
     threshold: f32,
 }
@@ -43,11 +43,11 @@ pub fn regions(working: &Working<'_>, members: &[(usize, usize)], taken: usize, 
     // Give each light the pixels in which it was found.
     let mut light_of = vec![NONE; working.size.0 * working.size.1];
     for &(index, light) in members {
-        light_of[index] = light as u32;
+        light_of[index] = light as u32 + 1;
     }
     let mut pixels = vec![Vec::new(); taken];
     for &(index, _) in members {
-        if let Some(pixels) = pixels.get_mut(light_of[index] as usize) {
+        if let Some(pixels) = pixels.get_mut(light_of[index] as usize - 1) {
             pixels.push(index as u32);
         }
     }
@@ -64,12 +64,12 @@ pub fn regions(working: &Working<'_>, members: &[(usize, usize)], taken: usize, 
     // Find the bright pixels around what each light has so far.
     for (light, pixels) in pixels.iter().enumerate() {
         for &pixel in pixels {
-            light_of[pixel as usize] = light as u32;
+            light_of[pixel as usize] = light as u32 + 1;
         }
     }
     let mut glow = vec![Vec::new(); taken];
     for (pixel, light) in glow::glow(working, &mut light_of, threshold) {
-        if let Some(glow) = glow.get_mut(light as usize) {
+        if let Some(glow) = glow.get_mut(light as usize - 1) {
             glow.push(pixel);
         }
     }
@@ -92,7 +92,7 @@ impl Regions {
     /// Mean radiance of a pixel that is not closed, after what is taken of a glow.
     pub fn mean_left(&self, working: &Working<'_>, pixel: usize) -> [f32; 3] {
         let mean = working.mean(pixel);
-        let is_glow = (self.light_of[pixel] as usize) < self.glow.len();
+        let is_glow = (1..=self.glow.len()).contains(&(self.light_of[pixel] as usize));
         let share = if is_glow { share_left(luminance_f32(mean), self.threshold) } else { 1.0 };
         mean.map(|value| share * value)
     }
@@ -163,7 +163,7 @@ fn grown(
         }
         while let Some(Reverse((bits, pixel, source))) = front.rings[ring].pop() {
             let (place, source) = (pixel as usize, source as usize);
-            let light = light_of[source];
+            let light = light_of[source] - 1;
             if rings.grows(light) && !std::mem::replace(&mut front.is_done[place], true) {
                 grown.push(RingPixel { pixel, light, number: front.ring_of(f32::from_bits(bits)) });
                 rings.growing[light as usize].push(working.luminance(place));
@@ -181,7 +181,7 @@ type Step = Reverse<(u32, u32, u32)>;
 struct Front<'a> {
     working: &'a Working<'a>,
     light_of: &'a [u32],
-    /// The pixel of a light that is nearest to each pixel, as far as is known, and its distance.
+    /// The pixel of a light that is nearest to each pixel, counted from 1, as far as is known, and its distance.
     source: Vec<u32>,
     nearest: Vec<f32>,
     is_done: Vec<bool>,
@@ -217,16 +217,16 @@ impl<'a> Front<'a> {
 
     /// Step from a pixel, while this ring grows, to those around it that know of no light's pixel nearer than `source`.
     fn visit_around(&mut self, pixel: usize, source: usize, ring: usize) {
-        let at = self.working.centre(source);
+        let counted = source as u32 + 1;
         for other in self.working.around(pixel) {
-            let is_known = self.is_done[other] || self.source[other] == source as u32;
+            let is_known = self.is_done[other] || self.source[other] == counted;
             if is_known || self.light_of[other] != NONE {
                 continue;
             }
-            let distance = self.working.centre(other).distance(at);
+            let distance = self.working.centre(other).distance(self.working.centre(source));
             let is_first = self.source[other] == NONE;
             if distance < self.farthest && (is_first || (distance as f32) < self.nearest[other]) {
-                self.source[other] = source as u32;
+                self.source[other] = counted;
                 self.nearest[other] = distance as f32;
                 let step = ((distance as f32).to_bits(), other as u32, source as u32);
                 let number = self.ring_of(distance as f32);
