@@ -4,6 +4,7 @@
 //! and one of the column.
 
 use std::f64::consts::PI;
+use std::ops::Range;
 
 use glam::DVec3;
 
@@ -13,7 +14,9 @@ use crate::kernels::sphere::band_heights;
 /// Every cell of an image.
 pub struct Cells {
     pub rows: Vec<Row>,
-    pub columns: Vec<Column>,
+    columns: Columns<Vec<f64>>,
+    /// Means of the sine and of the cosine of each column, and its width.
+    means: Vec<[f64; 3]>,
 }
 
 /// Integrals over the polar angles of a row.
@@ -27,18 +30,16 @@ pub struct Row {
     pub band: f64,
 }
 
-/// Integrals over the azimuths of a column, of the sine, of the cosine and of 1; means of sine and cosine; and products
-/// of an integral with a mean.
-#[derive(Clone, Copy)]
-pub struct Column {
-    pub sin: f64,
-    pub cos: f64,
-    pub width: f64,
-    pub mean_sin: f64,
-    pub mean_cos: f64,
-    pub sin_sin: f64,
-    pub sin_cos: f64,
-    pub cos_cos: f64,
+/// For columns side by side, each three times, as for its samples of red, green and blue: integrals over the azimuths of
+/// the sine, of the cosine and of 1, and products of an integral with a mean.
+#[derive(Default)]
+pub struct Columns<Values> {
+    pub sin: Values,
+    pub cos: Values,
+    pub width: Values,
+    pub sin_sin: Values,
+    pub sin_cos: Values,
+    pub cos_cos: Values,
 }
 
 impl Row {
@@ -49,14 +50,20 @@ impl Row {
     }
 }
 
-impl Column {
-    fn between(edges: &[f64]) -> Self {
+impl Columns<Vec<f64>> {
+    /// Add a column, and tell the means of its sine and cosine, and its width.
+    fn push(&mut self, edges: &[f64]) -> [f64; 3] {
         let (middle, half) = (0.5 * (edges[0] + edges[1]), 0.5 * (edges[1] - edges[0]));
         let (width, chord) = (2.0 * half, 2.0 * half.sin());
         let (sin, cos) = (chord * middle.sin(), chord * middle.cos());
         let (mean_sin, mean_cos) = (sin / width, cos / width);
-        let (sin_sin, sin_cos, cos_cos) = (sin * mean_sin, sin * mean_cos, cos * mean_cos);
-        Self { sin, cos, width, mean_sin, mean_cos, sin_sin, sin_cos, cos_cos }
+        self.sin.extend([sin; 3]);
+        self.cos.extend([cos; 3]);
+        self.width.extend([width; 3]);
+        self.sin_sin.extend([sin * mean_sin; 3]);
+        self.sin_cos.extend([sin * mean_cos; 3]);
+        self.cos_cos.extend([cos * mean_cos; 3]);
+        [mean_sin, mean_cos, width]
     }
 }
 
@@ -64,22 +71,34 @@ impl Cells {
     pub fn new(grid: &Grid) -> Self {
         let theta = &grid.theta_edges;
         let rows = theta.windows(2).zip(band_heights(theta));
-        Self {
-            rows: rows.map(|(edges, band)| Row::between(edges, band)).collect(),
-            columns: grid.phi_edges.windows(2).map(Column::between).collect(),
-        }
+        let rows = rows.map(|(edges, band)| Row::between(edges, band)).collect();
+        let mut columns = Columns::default();
+        let means = grid.phi_edges.windows(2).map(|edges| columns.push(edges)).collect();
+        Self { rows, columns, means }
+    }
+
+    /// Some columns.
+    pub fn columns(&self, range: Range<usize>) -> Columns<&[f64]> {
+        let Columns { sin, cos, width, sin_sin, sin_cos, cos_cos } = &self.columns;
+        let [sin, cos, width, sin_sin, sin_cos, cos_cos] = [sin, cos, width, sin_sin, sin_cos, cos_cos]
+            .map(|values| &values[3 * range.start..3 * range.end]);
+        Columns { sin, cos, width, sin_sin, sin_cos, cos_cos }
+    }
+
+    /// Means of the sine and of the cosine of some columns, and their widths.
+    pub fn means(&self, range: Range<usize>) -> &[[f64; 3]] {
+        &self.means[range]
     }
 
     /// Angle from the middle of a pixel to its corners, at most.
     pub fn half_diagonal(&self) -> f64 {
-        let width = self.columns.iter().map(|column| column.width).fold(0.0, f64::max);
+        let width = self.columns.width.iter().copied().fold(0.0, f64::max);
         0.5 * (PI / self.rows.len() as f64).hypot(width)
     }
 
     /// The mean direction of a pixel, not quite a unit vector.
     pub fn mean(&self, row: usize, column: usize) -> DVec3 {
-        let Row { squares, products, band } = self.rows[row];
-        let Column { mean_sin, mean_cos, .. } = self.columns[column];
-        DVec3::new(mean_sin * squares, products, -mean_cos * squares) / band
+        let (Row { squares, products, band }, [sin, cos, _]) = (self.rows[row], self.means[column]);
+        DVec3::new(sin * squares, products, -cos * squares) / band
     }
 }

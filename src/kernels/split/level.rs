@@ -47,18 +47,24 @@ impl Level {
         Self::new(grid, outer)
     }
 
-    /// Let each of these pixels, unless it is a hole, be the mean of those given in a level of half its pixels' size.
-    pub fn average(&mut self, finer: &Self, pixels: &[usize]) {
-        let bands = band_heights(&finer.grid.theta_edges);
-        for &pixel in pixels.iter().filter(|&&pixel| !self.is_hole[pixel]) {
-            let (mut sum, mut whole) = ([0.0_f64; 4], 0.0);
-            for fine in finer.inside(self.size.1, pixel) {
-                let weight = if finer.is_hole[fine] { 0.0 } else { bands[fine / finer.size.1] };
-                whole += weight;
-                sum.iter_mut().zip(finer.values[fine]).for_each(|(s, v)| *s += weight * f64::from(v));
+    /// Let each pixel behind some that are given in a level of half its pixels' size be their mean. Tells which they are.
+    pub fn average(&mut self, finer: &Self, given: &[usize]) -> Vec<usize> {
+        let mut pixels = Vec::new();
+        for &fine in given {
+            let pixel = finer.outside(self.size.1, fine);
+            // The bump, which is 0 in the end, counts them. Where all are alike, the mean is exact.
+            let mean = Vec4::from_array(self.values[pixel]);
+            if mean.w == 0.0 {
+                pixels.push(pixel);
             }
-            self.values[pixel] = sum.map(|sum| (sum / whole) as f32);
+            let count = mean.w + 1.0;
+            let mean = mean + (Vec4::from_array(finer.values[fine]) - mean) / count;
+            self.values[pixel] = mean.with_w(count).to_array();
         }
+        for &pixel in &pixels {
+            self.values[pixel][3] = 0.0;
+        }
+        pixels
     }
 
     /// The pixel of a level with `columns` columns of twice the width in which a pixel lies.
@@ -66,9 +72,16 @@ impl Level {
         pixel / self.size.1 / 2 * columns + pixel % self.size.1 / 2
     }
 
-    /// Whether a pixel is a hole.
-    pub fn is_hole(&self, pixel: usize) -> bool {
-        self.is_hole[pixel]
+    /// The pixels around holes that are given, each once. A pixel of a coarser level around one of its holes, or from
+    /// which a hole starts, has one of them inside.
+    pub fn rim(&self) -> Vec<usize> {
+        let (mut is_known, mut rim) = (self.is_hole.clone(), Vec::new());
+        for pixel in self.holes.iter().flat_map(|&hole| self.around(hole)) {
+            if !std::mem::replace(&mut is_known[pixel], true) {
+                rim.push(pixel);
+            }
+        }
+        rim
     }
 
     /// The pixels inside one of a level with `columns` columns of twice the width.
@@ -91,7 +104,7 @@ impl Level {
 
     /// Start the holes with the values of a coarser level.
     pub fn start_from(&mut self, coarser: &Self) {
-        let start = Enlarged::new(coarser, 2);
+        let start = Enlarged::new(coarser, 2, self.size.1);
         for &index in &self.holes {
             self.values[index] = start.at(index / self.size.1, index % self.size.1);
         }
@@ -180,79 +193,83 @@ impl Stencil {
 /// A level in smaller pixels, each between the four nearest of the level.
 pub struct Enlarged<'a> {
     pub level: &'a Level,
-    /// For each of the smaller pixels along the side of a pixel, how far it is from the middle of one pixel to that of
-    /// the next: those before the middle of theirs, and those beyond.
-    before: Vec<f32>,
-    beyond: Vec<f32>,
+    /// How many of them lie along the side of a pixel.
+    factor: usize,
+    /// Between which columns of the level each of the smaller ones lies.
+    columns: Vec<Between>,
 }
 
-/// What is between two pixels side by side, or one above the other: their places, and the share of the second.
-type Between = ([usize; 2], f32);
+/// Between two pixels side by side, or one above the other: the second of them, and its share.
+type Between = (usize, f32);
+
+/// A row of smaller pixels.
+pub struct EnlargedRow<'a> {
+    /// Values of the level at this row, from the column before the first that was asked for.
+    values: &'a [Value],
+    first: usize,
+    columns: &'a [Between],
+}
 
 impl<'a> Enlarged<'a> {
-    /// A level in pixels that are `factor` times as small.
-    pub fn new(level: &'a Level, factor: usize) -> Self {
-        let shares = (0..factor).map(|place| (place as f32 + 0.5) / factor as f32 - 0.5);
-        let (before, beyond): (Vec<f32>, Vec<f32>) = shares.partition(|&share| share < 0.0);
-        Self { level, before: before.into_iter().map(|share| share + 1.0).collect(), beyond }
+    /// A level in pixels that are `factor` times as small, in so many `columns` at most.
+    pub fn new(level: &'a Level, factor: usize, columns: usize) -> Self {
+        let columns = (0..columns).map(|column| after(column, factor)).collect();
+        Self { level, factor, columns }
     }
 
     fn at(&self, row: usize, column: usize) -> Value {
-        let (rows, width) = (self.rows(row), self.level.size.1);
-        let (left, share) = self.after(column);
-        let left = if left > 0 { left - 1 } else { width - 1 };
-        let right = if left + 1 < width { left + 1 } else { 0 };
-        between(self.in_rows(rows, left), self.in_rows(rows, right), share)
+        let ((right, share), width) = (self.columns[column], self.level.size.1);
+        let left = if right > 0 { right - 1 } else { width - 1 };
+        let right = if right < width { right } else { 0 };
+        let rows = after(row, self.factor);
+        between(self.in_rows(rows, left), self.in_rows(rows, right), share).to_array()
     }
 
-    /// The values in a row behind some columns of the level.
+    /// The values in a row behind some columns of the level, with `room` for some of its own.
     #[inline(always)]
-    pub fn fill_row(&self, row: usize, columns: &Range<usize>, values: &mut [Value]) {
-        let (rows, width) = (self.rows(row), self.level.size.1);
-        let before = if columns.start > 0 { columns.start - 1 } else { width - 1 };
-        let (mut left, mut own) = (self.in_rows(rows, before), self.in_rows(rows, columns.start));
-        for (values, next) in
-            values.chunks_mut(self.before.len() + self.beyond.len()).zip(columns.start + 1..)
-        {
-            let right = self.in_rows(rows, if next < width { next } else { 0 });
-            let mut values = values.iter_mut();
-            for (&share, value) in self.before.iter().zip(values.by_ref()) {
-                *value = between(left, own, share);
-            }
-            for (&share, value) in self.beyond.iter().zip(values) {
-                *value = between(own, right, share);
-            }
-            (left, own) = (own, right);
-        }
-    }
-
-    /// The two rows of the level beside the middle of one of the smaller rows.
-    fn rows(&self, row: usize) -> Between {
-        let (below, share) = self.after(row);
-        ([below.saturating_sub(1), below.min(self.level.size.0 - 1)], share)
-    }
-
-    /// The first pixel of the level whose middle is beyond that of one of the smaller ones, and how far it is there.
-    fn after(&self, place: usize) -> (usize, f32) {
-        let factor = self.before.len() + self.beyond.len();
-        let (own, inside) = (place / factor, place % factor);
-        match self.before.get(inside) {
-            Some(&share) => (own, share),
-            None => (own + 1, self.beyond[inside - self.before.len()]),
-        }
+    pub fn row<'b>(&'b self, row: usize, behind: &Range<usize>, room: &'b mut Vec<Value>) -> EnlargedRow<'b> {
+        let (rows, width) = (after(row, self.factor), self.level.size.1);
+        let before = if behind.start > 0 { behind.start - 1 } else { width - 1 };
+        let beyond = if behind.end < width { behind.end } else { 0 };
+        room.clear();
+        room.push(self.in_rows(rows, before));
+        room.extend(behind.clone().map(|column| self.in_rows(rows, column)));
+        room.push(self.in_rows(rows, beyond));
+        let columns = behind.start * self.factor..(behind.end * self.factor).min(self.columns.len());
+        EnlargedRow { values: room, first: behind.start, columns: &self.columns[columns] }
     }
 
     /// The value of a column of the level between two of its rows.
     #[inline(always)]
-    fn in_rows(&self, ([above, below], share): Between, column: usize) -> Value {
-        let width = self.level.size.1;
-        between(self.level.values[above * width + column], self.level.values[below * width + column], share)
+    fn in_rows(&self, (below, share): Between, column: usize) -> Value {
+        let (height, width) = self.level.size;
+        let [above, below] = [below.saturating_sub(1), below.min(height - 1)].map(|row| row * width + column);
+        between(self.level.values[above], self.level.values[below], share).to_array()
     }
+}
+
+impl EnlargedRow<'_> {
+    /// The values, from left to right.
+    #[inline(always)]
+    pub fn values(&self) -> impl Iterator<Item = Vec4> {
+        self.columns.iter().map(|&(right, share)| {
+            let right = right - self.first;
+            between(self.values[right], self.values[right + 1], share)
+        })
+    }
+}
+
+/// The first pixel whose middle is beyond that of one of pixels `factor` times as small, and how far that one is on the
+/// way there from the pixel before.
+#[inline(always)]
+fn after(place: usize, factor: usize) -> Between {
+    let share = ((place % factor) as f32 + 0.5) / factor as f32 - 0.5;
+    if share < 0.0 { (place / factor, share + 1.0) } else { (place / factor + 1, share) }
 }
 
 /// A value on the way from one to another.
 #[inline(always)]
-fn between(one: Value, other: Value, share: f32) -> Value {
+fn between(one: Value, other: Value, share: f32) -> Vec4 {
     let (one, other) = (Vec4::from_array(one), Vec4::from_array(other));
-    (one + share * (other - one)).to_array()
+    one + share * (other - one)
 }

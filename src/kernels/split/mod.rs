@@ -87,7 +87,7 @@ pub fn split(
         pixels: map,
         size,
         cells: Cells::new(&Grid::of_pixels(height, width, registration)),
-        membrane: Enlarged::new(&membrane, block),
+        membrane: Enlarged::new(&membrane, block, width),
         block,
         threshold: found.threshold as f32,
     };

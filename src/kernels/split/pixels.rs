@@ -1,16 +1,18 @@
-//! The map's pixels of a light, row by row, and the membrane at their places.
+//! The map's pixels of a light, in strips of the rows behind one of the working image.
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
 use std::mem::take;
 use std::ops::Range;
 
-use super::cells::{Cells, Column, Row};
-use super::level::{Enlarged, Value};
+use super::cells::Cells;
+use super::level::Enlarged;
 use crate::interrupt;
 use crate::kernels::detect::tree::{Run, runs};
 
 /// Pixels that one task works through, at least. Another number would add in another order.
 const PIXELS_OF_A_PART: usize = 1 << 13;
+/// Columns of a strip, at most: its sums stay in the first cache.
+const PIXELS_OF_A_STRIP: usize = 128;
 
 /// A map, its cells, and the membrane in its pixels.
 pub struct Map<'a> {
@@ -33,19 +35,12 @@ pub struct Part {
     pixels: usize,
 }
 
-/// Where pixels side by side in a row of the map lie.
-pub struct Place<'a> {
-    row: usize,
-    columns: Range<usize>,
+/// Some columns of the map in all rows behind one of the working image.
+pub struct Strip {
+    pub rows: Range<usize>,
+    pub columns: Range<usize>,
     /// Their columns in the working image.
-    behind: &'a Range<usize>,
-}
-
-/// Pixels side by side in a row of the map.
-pub struct RowOfPixels<'a> {
-    pub given: &'a [[f32; 3]],
-    pub row: &'a Row,
-    pub columns: &'a [Column],
+    pub behind: Range<usize>,
 }
 
 /// Rows of an image that is written.
@@ -88,41 +83,30 @@ impl Map<'_> {
         parts.iter().map(slab).collect()
     }
 
-    /// The rows of a part.
-    pub fn rows<'a>(&self, part: &'a Part) -> impl Iterator<Item = Place<'a>> {
+    /// The strips of a part.
+    pub fn strips(&self, part: &Part) -> impl Iterator<Item = Strip> {
         interrupt::check();
-        part.runs.iter().flat_map(|run| {
-            let columns = self.columns_of(run);
-            self.rows_of(run).map(move |row| Place { row, columns: columns.clone(), behind: &run.columns })
+        let most = (PIXELS_OF_A_STRIP / self.block).max(1);
+        part.runs.iter().flat_map(move |run| {
+            let starts = run.columns.clone().step_by(most);
+            starts.map(move |start| {
+                let behind = start..run.columns.end.min(start + most);
+                let columns = behind.start * self.block..(behind.end * self.block).min(self.size.1);
+                Strip { rows: self.rows_of(run), columns, behind }
+            })
         })
     }
 
-    /// The membrane at a place, and its bump, in place of other values.
+    /// The pixels of a strip in one of its rows.
     #[inline(always)]
-    pub fn fill(&self, place: &Place<'_>, values: &mut Vec<Value>) {
-        values.resize(place.columns.len(), Value::default());
-        self.membrane.fill_row(place.row, place.behind, values);
-    }
-
-    /// The pixels at a place.
-    #[inline(always)]
-    pub fn row(&self, place: &Place<'_>) -> RowOfPixels<'_> {
-        let Place { row, columns, .. } = place;
-        let first = row * self.size.1 + columns.start;
-        RowOfPixels {
-            given: &self.pixels[first..first + columns.len()],
-            row: &self.cells.rows[*row],
-            columns: &self.cells.columns[columns.clone()],
-        }
+    pub fn given(&self, row: usize, strip: &Strip) -> &[[f32; 3]] {
+        let start = row * self.size.1;
+        &self.pixels[start + strip.columns.start..start + strip.columns.end]
     }
 
     /// Rows of the map behind a run.
     fn rows_of(&self, run: &Run) -> Range<usize> {
         run.row * self.block..((run.row + 1) * self.block).min(self.size.0)
-    }
-
-    fn columns_of(&self, run: &Run) -> Range<usize> {
-        run.columns.start * self.block..(run.columns.end * self.block).min(self.size.1)
     }
 }
 
@@ -133,10 +117,10 @@ impl Part {
 }
 
 impl Slab<'_> {
-    /// The pixels at a place.
+    /// The pixels of a strip in one of its rows.
     #[inline(always)]
-    pub fn at(&mut self, place: &Place<'_>) -> &mut [[f32; 3]] {
-        let start = (place.row - self.first) * self.width;
-        &mut self.pixels[start + place.columns.start..start + place.columns.end]
+    pub fn at(&mut self, row: usize, strip: &Strip) -> &mut [[f32; 3]] {
+        let start = (row - self.first) * self.width;
+        &mut self.pixels[start + strip.columns.start..start + strip.columns.end]
     }
 }

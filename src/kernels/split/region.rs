@@ -6,8 +6,6 @@
 //! of a lit wall or of the sky. What is around the last ring closes the hole; what is still bright there is the light's
 //! glow.
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
 use std::f64::consts::PI;
 
 use super::glow::{self, NONE, share_left};
@@ -85,7 +83,8 @@ impl Regions {
     /// All pixels that are closed, in ascending order.
     pub fn all_holes(&self) -> Vec<usize> {
         let mut holes: Vec<usize> = self.holes.iter().flatten().map(|&pixel| pixel as usize).collect();
-        holes.sort_unstable();
+        // Those of each light are in order: the stable sort joins what is.
+        holes.sort();
         holes
     }
 
@@ -144,7 +143,7 @@ impl Rings {
     }
 }
 
-/// The pixels around all lights, the nearest first, each with the light that is nearest on the sphere.
+/// The pixels around all lights, ring by ring, each with the light that is nearest on the sphere.
 fn grown(
     working: &Working<'_>,
     members: &[(usize, usize)],
@@ -161,33 +160,39 @@ fn grown(
         if ring > 0 {
             rings.close();
         }
-        while let Some(Reverse((bits, pixel, source))) = front.rings[ring].pop() {
-            let (place, source) = (pixel as usize, source as usize);
-            let light = light_of[source] - 1;
-            if rings.grows(light) && !std::mem::replace(&mut front.is_done[place], true) {
-                grown.push(RingPixel { pixel, light, number: front.ring_of(f32::from_bits(bits)) });
+        // Let each pixel be reached from the pixel of a light that is nearest.
+        let (mut reached, mut next) = (Vec::new(), 0);
+        while let Some(&(pixel, source)) = front.rings[ring].get(next) {
+            next += 1;
+            if front.source[pixel as usize] == source + 1 && rings.grows(light_of[source as usize] - 1) {
+                reached.push(pixel);
+                front.visit_around(pixel as usize, source as usize, ring);
+            }
+        }
+        for pixel in reached {
+            let place = pixel as usize;
+            if !std::mem::replace(&mut front.is_done[place], true) {
+                let light = light_of[front.source[place] as usize - 1] - 1;
+                grown.push(RingPixel { pixel, light, number: front.ring_of(front.nearest[place]) });
                 rings.growing[light as usize].push(working.luminance(place));
-                front.visit_around(place, source, ring);
             }
         }
     }
     grown
 }
 
-/// The bits of a distance, the pixel to which it leads, and the pixel of a light from which it comes.
-type Step = Reverse<(u32, u32, u32)>;
-
 /// The pixels that the rings have reached.
 struct Front<'a> {
     working: &'a Working<'a>,
     light_of: &'a [u32],
-    /// The pixel of a light that is nearest to each pixel, counted from 1, as far as is known, and its distance.
+    /// The pixel of a light that is nearest to each pixel, counted from 1, as far as is known, and the square of its
+    /// distance.
     source: Vec<u32>,
     nearest: Vec<f32>,
     is_done: Vec<bool>,
-    /// Steps to the pixels of each ring: heaps for each are smaller than one for all.
-    rings: Vec<BinaryHeap<Step>>,
-    /// Height of a row, and the largest distance.
+    /// Steps to the pixels of each ring: the pixel, and the pixel of a light from which it was reached.
+    rings: Vec<Vec<(u32, u32)>>,
+    /// Height of a row, and the square of the largest distance.
     height: f64,
     farthest: f64,
 }
@@ -204,15 +209,15 @@ impl<'a> Front<'a> {
             is_done: vec![false; pixels],
             rings: Vec::new(),
             height,
-            farthest,
+            farthest: farthest * farthest,
         };
-        front.rings.resize_with(front.ring_of(farthest as f32) + 1, BinaryHeap::new);
+        front.rings.resize(front.ring_of(front.farthest as f32) + 1, Vec::new());
         front
     }
 
-    /// The ring of pixels at this distance from a light.
-    fn ring_of(&self, distance: f32) -> usize {
-        (f64::from(distance) / self.height - 0.5).max(0.0) as usize
+    /// The ring of pixels at a distance from a light of which this is the square.
+    fn ring_of(&self, square: f32) -> usize {
+        (f64::from(square).sqrt() / self.height - 0.5).max(0.0) as usize
     }
 
     /// Step from a pixel, while this ring grows, to those around it that know of no light's pixel nearer than `source`.
@@ -223,14 +228,13 @@ impl<'a> Front<'a> {
             if is_known || self.light_of[other] != NONE {
                 continue;
             }
-            let distance = self.working.centre(other).distance(self.working.centre(source));
+            let square = self.working.centre(other).distance_squared(self.working.centre(source));
             let is_first = self.source[other] == NONE;
-            if distance < self.farthest && (is_first || (distance as f32) < self.nearest[other]) {
+            if square < self.farthest && (is_first || (square as f32) < self.nearest[other]) {
                 self.source[other] = counted;
-                self.nearest[other] = distance as f32;
-                let step = ((distance as f32).to_bits(), other as u32, source as u32);
-                let number = self.ring_of(distance as f32);
-                self.rings[number.max(ring)].push(Reverse(step));
+                self.nearest[other] = square as f32;
+                let number = self.ring_of(square as f32);
+                self.rings[number.max(ring)].push((other as u32, source as u32));
             }
         }
     }

@@ -24,11 +24,11 @@ use glam::{BVec4A, DMat2, DMat3, DVec2, DVec3, Vec4, Vec4Swizzles};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
-use super::cells::{Cells, Column, Row};
+use super::cells::{Cells, Row};
 use super::glow::share_left;
 use super::level::Level;
 use super::moments::{First, Second};
-use super::pixels::{Map, Part, RowOfPixels, Slab};
+use super::pixels::{Map, Part, Slab};
 use crate::kernels::image::{LUMINANCE, LUMINANCE_F32};
 use crate::kernels::sphere::tangents;
 
@@ -85,12 +85,12 @@ pub fn take(
     let parts = map.parts(pixels.hole);
     let glow = dim(map, &map.parts(pixels.glow), rest);
     let (rule, sums) = keep_dark_channels(map, &parts);
-    let sums = sums.and(&glow.sums);
+    let sums = sums.and(glow.sums);
     let axis = toward(&sums.vectors).try_normalize().unwrap_or(found);
     let tilts = sums.tilts(axis, |tilt| steepest(map.membrane.level, working, pixels.hole, tilt));
-    let squares = glow.squares + leave(map, &parts, &Rule { tilts, ..rule }, rest);
+    let flux = glow.flux.and(leave(map, &parts, &Rule { tilts, ..rule }, rest));
     let reach = |direction| reach(working, map.membrane.level.size.1, pixels, direction);
-    sums.tilted(&tilts).measured(squares, found, reach)
+    flux.light(sums.tilted(&tilts), found, reach)
 }
 
 /// In a channel of which the membrane holds more than the light, take nothing from any pixel that is darker.
@@ -113,7 +113,8 @@ fn toward(vectors: &[DVec3; 3]) -> DVec3 {
 /// Angle from a direction within which some pixels of the working image lie.
 fn reach(working: &Cells, columns: usize, pixels: &Pixels<'_>, direction: DVec3) -> f64 {
     let cosine = |place: usize| direction.dot(working.mean(place / columns, place % columns));
-    let least = pixels.hole.iter().chain(pixels.glow).map(|&place| cosine(place as usize)).fold(1.0, f64::min);
+    let least =
+        pixels.hole.iter().chain(pixels.glow).map(|&place| cosine(place as usize)).fold(1.0, f64::min);
     least.max(-1.0).acos() + working.half_diagonal()
 }
 
@@ -142,10 +143,7 @@ impl Rule {
 struct Sums {
     /// Vector irradiance of what is taken.
     vectors: [DVec3; 3],
-    /// Integral of what is taken, of each channel.
-    integrals: DVec3,
-    /// First and second moments of what is left, times the bump.
-    left: [DVec3; 3],
+    /// Second moments of what is left, times the bump.
     tensors: [DMat3; 3],
 }
 
@@ -153,17 +151,13 @@ impl Sums {
     fn of(map: &Map<'_>, parts: &[Part], rule: &Rule) -> Self {
         let sum = |part| Arch::new().dispatch(SumsOf { map, part, rule });
         let sums: Vec<Self> = parts.par_iter().map(sum).collect();
-        sums.iter().fold(Self::default(), Self::and)
+        sums.into_iter().fold(Self::default(), Self::and)
     }
 
     #[inline(always)]
-    fn and(mut self, other: &Self) -> Self {
-        self.integrals += other.integrals;
-        for channel in 0..3 {
-            self.vectors[channel] += other.vectors[channel];
-            self.left[channel] += other.left[channel];
-            self.tensors[channel] += other.tensors[channel];
-        }
+    fn and(mut self, other: Self) -> Self {
+        self.vectors.iter_mut().zip(other.vectors).for_each(|(sum, vector)| *sum += vector);
+        self.tensors.iter_mut().zip(other.tensors).for_each(|(sum, tensor)| *sum += tensor);
         self
     }
 
@@ -182,28 +176,9 @@ impl Sums {
         })
     }
 
-    /// The sums of what is taken after these tilts.
-    fn tilted(mut self, tilts: &[DVec3; 3]) -> Self {
-        for (channel, &tilt) in tilts.iter().enumerate() {
-            self.vectors[channel] -= self.tensors[channel] * tilt;
-            self.integrals[channel] -= self.left[channel].dot(tilt);
-        }
-        self
-    }
-
-    /// The light that was taken, whose integral of the square of luminance is `squares`.
-    fn measured(&self, squares: f64, found: DVec3, reach: impl Fn(DVec3) -> f64) -> Taken {
-        let vectors = self.vectors;
-        let flux = self.integrals.dot(DVec3::from_array(LUMINANCE));
-        let direction = toward(&vectors).try_normalize().unwrap_or(found);
-        Taken {
-            direction,
-            irradiance: DVec3::from_array(vectors.map(|vector| vector.dot(direction).max(0.0))),
-            flux,
-            solid_angle: if squares > 0.0 { flux * flux / squares } else { 0.0 },
-            reach: if flux > 0.0 { reach(direction) } else { 0.0 },
-            vectors: DMat3::from_cols(vectors[0], vectors[1], vectors[2]),
-        }
+    /// The vectors of what is taken after these tilts.
+    fn tilted(&self, tilts: &[DVec3; 3]) -> [DVec3; 3] {
+        array::from_fn(|channel| self.vectors[channel] - self.tensors[channel] * tilts[channel])
     }
 }
 
@@ -219,19 +194,28 @@ impl WithSimd for SumsOf<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Sums {
-        let (mut sums, mut fill) = (Sums::default(), Vec::new());
-        for place in self.map.rows(self.part) {
-            let RowOfPixels { given, row, columns } = self.map.row(&place);
-            self.map.fill(&place, &mut fill);
-            let (mut taken, mut left) = (First::default(), Second::default());
-            for ((&given, &fill), column) in given.iter().zip(&fill).zip(columns) {
-                let (given, fill) = (rgb(given), Vec4::from_array(fill));
-                let closed = self.rule.closed(given, fill);
-                taken.add(&(given.as_dvec4() - closed.as_dvec4()).to_array(), column);
-                left.add(&(closed * fill.wwww()).as_dvec4().to_array(), column);
+        let Self { map, part, rule } = self;
+        let (mut sums, mut first, mut second) = (Sums::default(), First::default(), Second::default());
+        let (mut room, mut left, mut bumped) = (Vec::new(), Vec::new(), Vec::new());
+        for strip in map.strips(part) {
+            first.start(3 * strip.columns.len());
+            second.start(3 * strip.columns.len());
+            left.resize(strip.columns.len(), [0.0; 3]);
+            bumped.resize(strip.columns.len(), [0.0; 3]);
+            for row in strip.rows.clone() {
+                let given = map.given(row, &strip);
+                let fill = map.membrane.row(row, &strip.behind, &mut room);
+                let pixels = given.iter().zip(fill.values());
+                for ((left, bumped), (&given, fill)) in left.iter_mut().zip(&mut bumped).zip(pixels) {
+                    let closed = rule.closed(rgb(given), fill);
+                    *left = closed.truncate().to_array();
+                    *bumped = (closed * fill.wwww()).truncate().to_array();
+                }
+                first.add(given, &left, &map.cells.rows[row]);
+                second.add(&bumped, &map.cells.rows[row]);
             }
-            let (vectors, integrals) = (taken.vectors(row), taken.integrals(row));
-            sums = sums.and(&Sums { vectors, integrals, left: left.vectors(row), tensors: left.tensors(row) });
+            let columns = map.cells.columns(strip.columns);
+            sums = sums.and(Sums { vectors: first.vectors(&columns), tensors: second.tensors(&columns) });
         }
         sums
     }
@@ -242,22 +226,56 @@ fn rgb([red, green, blue]: [f32; 3]) -> Vec4 {
     Vec4::new(red, green, blue, 0.0)
 }
 
+/// Integrals of the luminance that is taken, and of its square.
+#[derive(Clone, Copy, Default)]
+struct Flux {
+    whole: f64,
+    squares: f64,
+}
+
+impl Flux {
+    fn and(self, other: Self) -> Self {
+        Self { whole: self.whole + other.whole, squares: self.squares + other.squares }
+    }
+
+    /// Add what is taken of a pixel, of this solid angle.
+    #[inline(always)]
+    fn add(&mut self, taken: Vec4, solid_angle: f64) {
+        let luminance = f64::from(taken.dot(LUMINANCE_OF_RGB));
+        self.whole += solid_angle * luminance;
+        self.squares += solid_angle * luminance * luminance;
+    }
+
+    /// The light of this flux and these vectors.
+    fn light(self, vectors: [DVec3; 3], found: DVec3, reach: impl Fn(DVec3) -> f64) -> Taken {
+        let Self { whole: flux, squares } = self;
+        let direction = toward(&vectors).try_normalize().unwrap_or(found);
+        Taken {
+            direction,
+            irradiance: DVec3::from_array(vectors.map(|vector| vector.dot(direction).max(0.0))),
+            flux,
+            solid_angle: if squares > 0.0 { flux * flux / squares } else { 0.0 },
+            reach: if flux > 0.0 { reach(direction) } else { 0.0 },
+            vectors: DMat3::from_cols(vectors[0], vectors[1], vectors[2]),
+        }
+    }
+}
+
 /// What was taken of a glow.
 #[derive(Default)]
 struct Glow {
     sums: Sums,
-    /// Integral of the square of the luminance.
-    squares: f64,
+    flux: Flux,
 }
 
-/// Leave of each pixel of a glow what may stay, in the `rest`.
+/// Leave of each pixel of a glow in the `rest` what may stay.
 fn dim(map: &Map<'_>, parts: &[Part], rest: &mut [[f32; 3]]) -> Glow {
     let parts = parts.par_iter().zip(map.slabs(parts, rest));
     let dimmed = |(part, slab)| Arch::new().dispatch(Dimmed { map, part, slab });
     let glows: Vec<Glow> = parts.map(dimmed).collect();
-    glows.iter().fold(Glow::default(), |whole, part| Glow {
-        sums: whole.sums.and(&part.sums),
-        squares: whole.squares + part.squares,
+    glows.into_iter().fold(Glow::default(), |whole, part| Glow {
+        sums: whole.sums.and(part.sums),
+        flux: whole.flux.and(part.flux),
     })
 }
 
@@ -274,32 +292,34 @@ impl WithSimd for Dimmed<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Glow {
         let Self { map, part, mut slab } = self;
-        let mut glow = Glow::default();
-        for place in map.rows(part) {
-            let RowOfPixels { given, row, columns } = map.row(&place);
-            let (mut taken, mut squares) = (First::default(), 0.0);
-            for ((rest, &given), column) in slab.at(&place).iter_mut().zip(given).zip(columns) {
-                let given = rgb(given);
-                let left = given * share_left(given.dot(LUMINANCE_OF_RGB), map.threshold);
-                *rest = left.truncate().to_array();
-                taken.add(&(given.as_dvec4() - left.as_dvec4()).to_array(), column);
-                let luminance = f64::from((given - left).dot(LUMINANCE_OF_RGB));
-                squares += luminance * luminance * column.width;
+        let (mut glow, mut first) = (Glow::default(), First::default());
+        for strip in map.strips(part) {
+            first.start(3 * strip.columns.len());
+            let means = map.cells.means(strip.columns.clone());
+            for row in strip.rows.clone() {
+                let (cells, given) = (&map.cells.rows[row], map.given(row, &strip));
+                let rest = slab.at(row, &strip);
+                for ((rest, &given), mean) in rest.iter_mut().zip(given).zip(means) {
+                    let given = rgb(given);
+                    let left = given * share_left(given.dot(LUMINANCE_OF_RGB), map.threshold);
+                    *rest = left.truncate().to_array();
+                    glow.flux.add(given - left, cells.band * mean[2]);
+                }
+                first.add(given, rest, cells);
             }
-            let (vectors, integrals) = (taken.vectors(row), taken.integrals(row));
-            glow.sums = glow.sums.and(&Sums { vectors, integrals, ..Sums::default() });
-            glow.squares += row.band * squares;
+            let vectors = first.vectors(&map.cells.columns(strip.columns));
+            glow.sums = glow.sums.and(Sums { vectors, ..Sums::default() });
         }
         glow
     }
 }
 
-/// Leave of each pixel what the rule says, in the `rest`: the integral of the square of the luminance that is taken.
-fn leave(map: &Map<'_>, parts: &[Part], rule: &Rule, rest: &mut [[f32; 3]]) -> f64 {
+/// Leave of each pixel in the `rest` what the rule says.
+fn leave(map: &Map<'_>, parts: &[Part], rule: &Rule, rest: &mut [[f32; 3]]) -> Flux {
     let parts = parts.par_iter().zip(map.slabs(parts, rest));
     let left = |(part, slab)| Arch::new().dispatch(Left { map, part, rule, slab });
-    let squares: Vec<f64> = parts.map(left).collect();
-    squares.iter().sum()
+    let parts: Vec<Flux> = parts.map(left).collect();
+    parts.into_iter().fold(Flux::default(), Flux::and)
 }
 
 /// What is left of a part.
@@ -311,27 +331,27 @@ struct Left<'a> {
 }
 
 impl WithSimd for Left<'_> {
-    type Output = f64;
+    type Output = Flux;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> f64 {
+    fn with_simd<S: Simd>(self, _: S) -> Flux {
         let Self { map, part, rule, mut slab } = self;
-        let (mut squares, mut fill) = (0.0, Vec::new());
-        for place in map.rows(part) {
-            let RowOfPixels { given, row, columns } = map.row(&place);
-            map.fill(&place, &mut fill);
-            let (tilt, mut of_row) = (RowTilt::new(&rule.tilts, row), 0.0);
-            for (((rest, &given), &fill), column) in slab.at(&place).iter_mut().zip(given).zip(&fill).zip(columns)
-            {
-                let (given, fill) = (rgb(given), Vec4::from_array(fill));
-                let left = tilt.of(rule.closed(given, fill), fill.wwww(), column);
-                *rest = left.truncate().to_array();
-                let luminance = f64::from((given - left).dot(LUMINANCE_OF_RGB));
-                of_row += luminance * luminance * column.width;
+        let (mut flux, mut room) = (Flux::default(), Vec::new());
+        for strip in map.strips(part) {
+            let means = map.cells.means(strip.columns.clone());
+            for row in strip.rows.clone() {
+                let (cells, given) = (&map.cells.rows[row], map.given(row, &strip));
+                let fill = map.membrane.row(row, &strip.behind, &mut room);
+                let tilt = RowTilt::new(&rule.tilts, cells);
+                let pixels = given.iter().zip(fill.values()).zip(means);
+                for (rest, ((&given, fill), &mean)) in slab.at(row, &strip).iter_mut().zip(pixels) {
+                    let left = tilt.of(rule.closed(rgb(given), fill), fill.wwww(), mean);
+                    *rest = left.truncate().to_array();
+                    flux.add(rgb(given) - left, cells.band * mean[2]);
+                }
             }
-            squares += row.band * of_row;
         }
-        squares
+        flux
     }
 }
 
@@ -358,8 +378,8 @@ impl RowTilt {
     }
 
     #[inline(always)]
-    fn of(&self, closed: Vec4, bump: Vec4, column: &Column) -> Vec4 {
-        let tilt = self.sin * column.mean_sin as f32 + self.cos * column.mean_cos as f32 + self.even;
+    fn of(&self, closed: Vec4, bump: Vec4, [sin, cos, _]: [f64; 3]) -> Vec4 {
+        let tilt = self.sin * sin as f32 + self.cos * cos as f32 + self.even;
         (closed + closed * (bump * tilt)).min(Vec4::splat(f32::MAX))
     }
 }
