@@ -139,7 +139,6 @@ impl Rule {
 }
 
 /// What is taken, before any tilt, and what a tilt would change.
-#[derive(Default)]
 struct Sums {
     /// Vector irradiance of what is taken.
     vectors: [DVec3; 3],
@@ -148,10 +147,12 @@ struct Sums {
 }
 
 impl Sums {
+    const NONE: Self = Self { vectors: [DVec3::ZERO; 3], tensors: [DMat3::ZERO; 3] };
+
     fn of(map: &Map<'_>, parts: &[Part], rule: &Rule) -> Self {
         let sum = |part| Arch::new().dispatch(SumsOf { map, part, rule });
         let sums: Vec<Self> = parts.par_iter().map(sum).collect();
-        sums.into_iter().fold(Self::default(), Self::and)
+        sums.into_iter().fold(Self::NONE, Self::and)
     }
 
     #[inline(always)]
@@ -195,7 +196,7 @@ impl WithSimd for SumsOf<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Sums {
         let Self { map, part, rule } = self;
-        let (mut sums, mut first, mut second) = (Sums::default(), First::default(), Second::default());
+        let (mut sums, mut first, mut second) = (Sums::NONE, First::default(), Second::default());
         let (mut room, mut left, mut bumped) = (Vec::new(), Vec::new(), Vec::new());
         for strip in map.strips(part) {
             first.start(3 * strip.columns.len());
@@ -227,13 +228,15 @@ fn rgb([red, green, blue]: [f32; 3]) -> Vec4 {
 }
 
 /// Integrals of the luminance that is taken, and of its square.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct Flux {
     whole: f64,
     squares: f64,
 }
 
 impl Flux {
+    const NONE: Self = Self { whole: 0.0, squares: 0.0 };
+
     fn and(self, other: Self) -> Self {
         Self { whole: self.whole + other.whole, squares: self.squares + other.squares }
     }
@@ -262,10 +265,13 @@ impl Flux {
 }
 
 /// What was taken of a glow.
-#[derive(Default)]
 struct Glow {
     sums: Sums,
     flux: Flux,
+}
+
+impl Glow {
+    const NONE: Self = Self { sums: Sums::NONE, flux: Flux::NONE };
 }
 
 /// Leave of each pixel of a glow in the `rest` what may stay.
@@ -273,7 +279,7 @@ fn dim(map: &Map<'_>, parts: &[Part], rest: &mut [[f32; 3]]) -> Glow {
     let parts = parts.par_iter().zip(map.slabs(parts, rest));
     let dimmed = |(part, slab)| Arch::new().dispatch(Dimmed { map, part, slab });
     let glows: Vec<Glow> = parts.map(dimmed).collect();
-    glows.into_iter().fold(Glow::default(), |whole, part| Glow {
+    glows.into_iter().fold(Glow::NONE, |whole, part| Glow {
         sums: whole.sums.and(part.sums),
         flux: whole.flux.and(part.flux),
     })
@@ -292,7 +298,7 @@ impl WithSimd for Dimmed<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Glow {
         let Self { map, part, mut slab } = self;
-        let (mut glow, mut first) = (Glow::default(), First::default());
+        let (mut glow, mut first) = (Glow::NONE, First::default());
         for strip in map.strips(part) {
             first.start(3 * strip.columns.len());
             let means = map.cells.means(strip.columns.clone());
@@ -308,7 +314,7 @@ impl WithSimd for Dimmed<'_> {
                 first.add(given, rest, cells);
             }
             let vectors = first.vectors(&map.cells.columns(strip.columns));
-            glow.sums = glow.sums.and(Sums { vectors, ..Sums::default() });
+            glow.sums = glow.sums.and(Sums { vectors, ..Sums::NONE });
         }
         glow
     }
@@ -319,7 +325,7 @@ fn leave(map: &Map<'_>, parts: &[Part], rule: &Rule, rest: &mut [[f32; 3]]) -> F
     let parts = parts.par_iter().zip(map.slabs(parts, rest));
     let left = |(part, slab)| Arch::new().dispatch(Left { map, part, rule, slab });
     let parts: Vec<Flux> = parts.map(left).collect();
-    parts.into_iter().fold(Flux::default(), Flux::and)
+    parts.into_iter().fold(Flux::NONE, Flux::and)
 }
 
 /// What is left of a part.
@@ -336,7 +342,7 @@ impl WithSimd for Left<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Flux {
         let Self { map, part, rule, mut slab } = self;
-        let (mut flux, mut room) = (Flux::default(), Vec::new());
+        let (mut flux, mut room) = (Flux::NONE, Vec::new());
         for strip in map.strips(part) {
             let means = map.cells.means(strip.columns.clone());
             for row in strip.rows.clone() {
