@@ -30,8 +30,8 @@ _WINDOW = 6
 #: Relative difference of a light's peak between two maps, by more than the rounding of files.
 _PEAK = 1e-3
 
-#: Lights as the kernel takes them: pixels of the map in blocks, the light of each, directions, pixels
-#: along the side of a block, and the threshold.
+#: Lights as the kernel takes them: pixels of the map in blocks, the light of each, directions,
+#: pixels along the side of a block, and the threshold.
 _Found = tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64], int, float]
 
 
@@ -111,12 +111,13 @@ def split(
     Where the horizon of a surface cuts a light, the difference is that of its shape from a disc.
 
     Rings are added around a light as long as their median luminance falls by 1.1 to 1.25 from one
-    to the next but one, and for at most 15 degrees. Glare does so, a sky does not. Then comes what
-    is connected to those, within 45 degrees, by places above the threshold of `detect`: the bright
-    clouds around a sun, or the dim part of a softbox. The fill is not brighter than what is around
-    all that, up to the tilt of at most 30 %, so `detect` finds nothing in the places of lights. It
-    may find what is bright only once they are gone: in a dark studio, of which hardly a
-    twentieth of the light is left, the lit floor.
+    to the next but one, and for at most 15 degrees. Glare does so, a sky does not. What is then
+    connected to them, within 45 degrees, by places above the threshold of `detect` would be a light
+    without them: the bright clouds around a sun, or the dim part of a softbox. Of y thresholds
+    there remain 2 - 1/4 / (y - 1) where y is above 1.5, so the sky stays and the light points to
+    the sun. A light rises to more, so `detect` finds nothing in the places of lights but an even
+    top, as of a light that was clipped, where a glow was even. It may find what is bright only once
+    they are gone, as in a dark studio.
 
     Maps that end at a white lose what white has left of a light: its irradiance is a lower bound.
 

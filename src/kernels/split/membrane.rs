@@ -14,7 +14,7 @@ use super::level::Level;
 use crate::kernels::image::Grid;
 
 /// Relaxations of the finest level; each coarser one, with a quarter of the pixels, has twice as many.
-const SWEEPS: usize = 8;
+const SWEEPS: usize = 10;
 /// Relaxations of a level, at most.
 const MOST_SWEEPS: usize = 256;
 /// Rows of the coarsest level, at least.
