@@ -152,7 +152,7 @@ CALLS = {
     "kernels.halton": (lambda: 50_000_000, kernels.halton),
     "kernels.hammersley": (lambda: 50_000_000, kernels.hammersley),
     "kernels.harmonic_irradiance": (lambda: unit(8_000_000), kernels.harmonic_irradiance),
-    "kernels.icosphere": (lambda: 20 * 4**9, kernels.icosphere),
+    "kernels.icosphere": (lambda: 20 * 4**8, kernels.icosphere),
     "kernels.irradiance": (lambda: large(512), lambda m: kernels.irradiance(m, unit(50_000))),
     "kernels.luminance": (lambda: large(8192), kernels.luminance),
     "kernels.neighbour_maximum": (
