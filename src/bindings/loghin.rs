@@ -4,7 +4,7 @@ use numpy::ndarray::{Array1, Array2};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 
-use super::pool::{by_size, detached, in_pool, interruptible};
+use super::pool::{by_size, detached, interruptible};
 use crate::kernels::detect::loghin::bresenham::{self, LineRule};
 use crate::kernels::detect::loghin::{
     blur as smoothing, clipping, luminance as light, means, merge, neighbours, pixels as places, resize,
@@ -18,7 +18,7 @@ pub fn luminance<'py>(
     radiance: PyReadonlyArray3<'py, f32>,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let radiance = radiance.as_array();
-    let out = in_pool(py, || light::luminance(radiance))?;
+    let out = interruptible(py, || light::luminance(radiance))?;
     Ok(out.into_pyarray(py))
 }
 

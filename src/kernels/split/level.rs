@@ -47,24 +47,18 @@ impl Level {
         Self::new(grid, outer)
     }
 
-    /// Let each pixel behind some that are given in a level of half its pixels' size be their mean. Tells which they are.
-    pub fn average(&mut self, finer: &Self, given: &[usize]) -> Vec<usize> {
-        let mut pixels = Vec::new();
-        for &fine in given {
-            let pixel = finer.outside(self.size.1, fine);
-            // The bump, which is 0 in the end, counts them. Where all are alike, the mean is exact.
-            let mean = Vec4::from_array(self.values[pixel]);
-            if mean.w == 0.0 {
-                pixels.push(pixel);
+    /// Let each of these pixels, unless it is a hole, be the mean of those given in a level of half its pixels' size.
+    pub fn average(&mut self, finer: &Self, pixels: &[usize]) {
+        let bands = band_heights(&finer.grid.theta_edges);
+        for &pixel in pixels.iter().filter(|&&pixel| !self.is_hole[pixel]) {
+            let (mut sum, mut whole) = ([0.0_f64; 4], 0.0);
+            for fine in finer.inside(self.size.1, pixel) {
+                let weight = if finer.is_hole[fine] { 0.0 } else { bands[fine / finer.size.1] };
+                whole += weight;
+                sum.iter_mut().zip(finer.values[fine]).for_each(|(s, v)| *s += weight * f64::from(v));
             }
-            let count = mean.w + 1.0;
-            let mean = mean + (Vec4::from_array(finer.values[fine]) - mean) / count;
-            self.values[pixel] = mean.with_w(count).to_array();
+            self.values[pixel] = sum.map(|sum| (sum / whole) as f32);
         }
-        for &pixel in &pixels {
-            self.values[pixel][3] = 0.0;
-        }
-        pixels
     }
 
     /// The pixel of a level with `columns` columns of twice the width in which a pixel lies.
@@ -72,16 +66,9 @@ impl Level {
         pixel / self.size.1 / 2 * columns + pixel % self.size.1 / 2
     }
 
-    /// The pixels around holes that are given, each once. A pixel of a coarser level around one of its holes, or from
-    /// which a hole starts, has one of them inside.
-    pub fn rim(&self) -> Vec<usize> {
-        let (mut is_known, mut rim) = (self.is_hole.clone(), Vec::new());
-        for pixel in self.holes.iter().flat_map(|&hole| self.around(hole)) {
-            if !std::mem::replace(&mut is_known[pixel], true) {
-                rim.push(pixel);
-            }
-        }
-        rim
+    /// Whether a pixel is a hole.
+    pub fn is_hole(&self, pixel: usize) -> bool {
+        self.is_hole[pixel]
     }
 
     /// The pixels inside one of a level with `columns` columns of twice the width.

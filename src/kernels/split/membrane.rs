@@ -28,16 +28,16 @@ pub fn membrane(grid: Grid, holes: Vec<usize>, given: impl Fn(usize) -> [f32; 3]
     while !levels[levels.len() - 1].holes.is_empty() && levels[levels.len() - 1].size.0 > LEAST_ROWS {
         levels.push(levels[levels.len() - 1].coarser());
     }
-    // Average what is given around them, from the finest level to the coarsest.
-    let rim = levels[0].rim();
-    let values: Vec<_> = rim.par_iter().map(|&pixel| given(pixel)).collect();
-    for (&pixel, [red, green, blue]) in rim.iter().zip(values) {
+    // Average what is given, from the finest level to the coarsest, where a hole needs it.
+    let needed = needed(&levels);
+    let known = needed[0].par_iter().filter(|&&pixel| !levels[0].is_hole(pixel));
+    let values: Vec<_> = known.map(|&pixel| (pixel, given(pixel))).collect();
+    for (pixel, [red, green, blue]) in values {
         levels[0].values[pixel] = [red, green, blue, 0.0];
     }
-    let mut given = rim;
-    for number in 1..levels.len() {
+    for (number, pixels) in needed.iter().enumerate().skip(1) {
         let (finer, coarser) = levels.split_at_mut(number);
-        given = coarser[0].average(&finer[number - 1], &given);
+        coarser[0].average(&finer[number - 1], pixels);
     }
     // Close the holes, from the coarsest to the finest.
     let mut solved = levels.pop().expect("one level at least");
@@ -50,6 +50,35 @@ pub fn membrane(grid: Grid, holes: Vec<usize>, given: impl Fn(usize) -> [f32; 3]
         solved = finer;
     }
     solved
+}
+
+/// For each level the pixels on which its holes and those of finer levels depend.
+fn needed(levels: &[Level]) -> Vec<Vec<usize>> {
+    let mut needed: Vec<Vec<usize>> = Vec::new();
+    // From the coarsest level to the finest.
+    for (number, level) in levels.iter().enumerate().rev() {
+        let (mut is_needed, mut pixels) = (vec![false; level.values.len()], Vec::new());
+        let mut need = |pixel: usize| {
+            if !std::mem::replace(&mut is_needed[pixel], true) {
+                pixels.push(pixel);
+            }
+        };
+        // A hole depends on the pixels around it, and starts from those around the coarser pixel that it is in.
+        level.holes.iter().flat_map(|&hole| level.around(hole)).for_each(&mut need);
+        if let Some(finer) = number.checked_sub(1).map(|finer| &levels[finer]) {
+            let mut started: Vec<usize> =
+                finer.holes.iter().map(|&hole| finer.outside(level.size.1, hole)).collect();
+            started.dedup();
+            started.into_iter().flat_map(|pixel| level.around(pixel)).for_each(&mut need);
+        }
+        // A coarser pixel depends on those inside of it.
+        if let (Some(coarser), Some(pixels)) = (levels.get(number + 1), needed.last()) {
+            pixels.iter().flat_map(|&pixel| level.inside(coarser.size.1, pixel)).for_each(&mut need);
+        }
+        needed.push(pixels);
+    }
+    needed.reverse();
+    needed
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use glam::DVec3;
 use ndarray::{ArrayView1, ArrayView2, Axis};
 
 use crate::error::{Error, Result};
+use crate::interrupt;
 use crate::kernels::sphere::check_rows;
 
 /// Row and column.
@@ -25,6 +26,7 @@ impl<'a> Image<'a> {
         }
         let samples = image.to_slice().unwrap_or(&[]);
         for (row, samples) in samples.chunks(width).enumerate() {
+            interrupt::check();
             // Without an early way out the row is tested eight pixels at a time.
             if !samples.iter().fold(true, |all, value| all & value.is_finite()) {
                 let column = samples.iter().position(|value| !value.is_finite()).unwrap_or(0);
