@@ -58,6 +58,7 @@ use super::image::WorkingMap;
 use super::probe;
 use super::sphere::{check_rows, check_values};
 use crate::error::{Error, Result};
+use crate::interrupt;
 
 /// What a caller asks for.
 #[derive(Clone, Debug)]
@@ -286,18 +287,24 @@ pub fn relative_rms(
     // two may be.
     let (weight, weights) = near_one(weights.insert_axis(Axis(1)).to_owned());
     let (roots, half) = (weights.sqrt(), &wanted / 2.0);
+    interrupt::check();
     let (error, errors) = near_one(&roots * (&seen / 2.0 - &half));
     let (size, sizes) = near_one(roots * half);
     // Compare their norms.
-    let norm = |rows: &Array2<f64>| (rows * rows).sum().sqrt();
+    let norm = |rows: &Array2<f64>| {
+        interrupt::check();
+        (rows * rows).sum().sqrt()
+    };
     let (errors, sizes) = (norm(&errors), norm(&sizes));
     Ok(if sizes > 0.0 { error * (errors / sizes) / size } else { 2.0 * error * errors * weight.sqrt() })
 }
 
 /// The largest of some numbers without its sign, 1 if all are 0; and the numbers in that unit.
 fn near_one(numbers: Array2<f64>) -> (f64, Array2<f64>) {
+    interrupt::check();
     let largest = numbers.iter().fold(0.0_f64, |largest, number| largest.max(number.abs()));
     let unit = if largest > 0.0 { largest } else { 1.0 };
+    interrupt::check();
     (unit, numbers / unit)
 }
 
