@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._check import count
+from envlights._interruptible import interruptible
 from envlights._native import EnvLightsError
 from envlights.synthetic.smoothstep import smoothstep
 from envlights.transfer.database import ImagePairs
@@ -132,7 +133,10 @@ def room(pairs: int = 128, width: int = 64, seed: int = 0) -> Room:
     # Bounce their means between the patches, and gather the result at the texels.
     radiosity = _radiosity(patches, _means(light, _CHARTS * _PATCHES))
     gathered = _form_factors(_charts(width), patches)
-    indirect = np.einsum("tp,kpc->ktc", gathered, radiosity, optimize=True)
+    indirect = interruptible(
+        lambda: np.einsum("tp,kpc->ktc", gathered, radiosity, optimize=True),
+        gathered.size * 3 * pairs,
+    )
     return Room(
         _means(light, _DIRECT).reshape(pairs, _DIRECT, _DIRECT, 3).astype(np.float32),
         indirect.reshape(pairs, width, width, 3).astype(np.float32, order="C"),
