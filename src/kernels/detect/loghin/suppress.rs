@@ -1,5 +1,7 @@
 //! Step 7 of Loghin (2021): samples near a brighter one.
 
+use std::iter::successors;
+
 use glam::DVec3;
 use ndarray::ArrayView2;
 use rustc_hash::FxHashMap;
@@ -20,13 +22,15 @@ use crate::kernels::sphere::check_memory;
 /// [`crate::error::Error::WrongColumns`], [`crate::error::Error::NotFinite`], [`crate::error::Error::NoMemory`].
 pub fn suppress(points: ArrayView2<'_, f64>, distance: f64) -> Result<Vec<usize>> {
     // Each point in space, its survivor, and its place in a cell.
-    check_memory(&[points.nrows(), 32])?;
+    check_memory(&[points.nrows(), 72])?;
     let in_space = points_in_space(points)?;
     if distance.is_nan() || distance <= 0.0 {
         return Ok((0..in_space.len()).collect());
     }
     let layers: &[f64] = if points.ncols() == 3 { &[-1.0, 0.0, 1.0] } else { &[0.0] };
-    let mut cells: FxHashMap<Cell, Vec<usize>> = FxHashMap::default();
+    // The last survivor of each cell, and for each the one before it: lists of their own would take long to be dropped.
+    let mut last: FxHashMap<Cell, usize> = FxHashMap::default();
+    let mut before: Vec<Option<usize>> = vec![None; in_space.len()];
     let mut survivors = Vec::with_capacity(in_space.len());
     for (index, point) in in_space.iter().enumerate() {
         interrupt::check();
@@ -34,11 +38,11 @@ pub fn suppress(points: ArrayView2<'_, f64>, distance: f64) -> Result<Vec<usize>
         let is_near = |&other: &usize| point.distance_squared(in_space[other]) < distance * distance;
         let cell = (point / distance).floor();
         let near = layers.iter().flat_map(|&layer| around(cell, layer));
-        let near = near.filter_map(|cell| cells.get(&cell)).flatten().copied().filter(is_near);
-        let survivor = near.min().unwrap_or(index);
+        let of_cell = |cell| successors(last.get(&cell).copied(), |&other| before[other]);
+        let survivor = near.flat_map(of_cell).filter(is_near).min().unwrap_or(index);
         // Without one, the point survives: put it into its cell.
         if survivor == index {
-            cells.entry(key(cell)).or_default().push(index);
+            before[index] = last.insert(key(cell), index);
         }
         survivors.push(survivor);
     }
