@@ -40,13 +40,7 @@ pub fn split_map(
 ) -> PyResult<MapSplit> {
     let radiance = radiance.as_array();
     let rest = Mutex::new(rest.as_array_mut());
-    let found = Found {
-        pixels: pixel.as_array(),
-        light_of_pixel: light_of_pixel.as_array(),
-        directions: direction.as_array(),
-        block,
-        threshold,
-    };
+    let found = found(&pixel, &light_of_pixel, &direction, block, threshold);
     // Work that was interrupted may run again, and writes the same again.
     let lights = interruptible(py, || {
         let mut rest = rest.lock().unwrap_or_else(PoisonError::into_inner);
@@ -84,12 +78,18 @@ pub fn peaks_of_lights<'py>(
     threshold: f64,
 ) -> PyResult<Bound<'py, PyArray1<f32>>> {
     let radiance = radiance.as_array();
-    let found = Found {
-        pixels: pixel.as_array(),
-        light_of_pixel: light_of_pixel.as_array(),
-        directions: direction.as_array(),
-        block,
-        threshold,
-    };
+    let found = found(&pixel, &light_of_pixel, &direction, block, threshold);
     Ok(interruptible(py, || found.peaks(radiance))?.into_pyarray(py))
+}
+
+/// What was found in a map.
+fn found<'a>(
+    pixel: &'a PyReadonlyArray2<'_, i64>,
+    light_of_pixel: &'a PyReadonlyArray1<'_, i64>,
+    direction: &'a PyReadonlyArray2<'_, f64>,
+    block: usize,
+    threshold: f64,
+) -> Found<'a> {
+    let (pixels, light_of_pixel) = (pixel.as_array(), light_of_pixel.as_array());
+    Found { pixels, light_of_pixel, directions: direction.as_array(), block, threshold }
 }

@@ -115,9 +115,10 @@ def split(
     connected to them, within 45 degrees, by places above the threshold of `detect` would be a light
     without them: the bright clouds around a sun, or the dim part of a softbox. Of y thresholds
     there remain 2 - 1/4 / (y - 1) where y is above 1.5, so the sky stays and the light points to
-    the sun. A light rises to more, so `detect` finds nothing in the places of lights but an even
-    top, as of a light that was clipped, where a glow was even. It may find what is bright only once
-    they are gone, as in a dark studio.
+    the sun; what ends sharply around most of it, as a softbox does, goes with the light. A light
+    rises to more, so `detect` finds nothing in the places of lights but an even top, as of a light
+    that was clipped, where a glow was even. It may find what is bright only once they are gone, as
+    in a dark studio.
 
     Maps that end at a white lose what white has left of a light: its irradiance is a lower bound.
 

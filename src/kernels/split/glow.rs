@@ -11,9 +11,13 @@
 //!
 //! which goes on smoothly from `y`, keeps clouds apart, and stays below 2, while a light rises to 2.25. None is found
 //! where the glow ends before [`FARTHEST`], and the threshold of the rest is not much lower.
+//!
+//! A glow with a sharp rim around most of it is a thing of its own, the rest of a softbox or a panel behind a lamp, and
+//! would still be found, for that is how detection tells places of low contrast. It goes with the light as a whole.
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
 use std::f64::consts::PI;
+use std::mem::replace;
 
 use super::working::Working;
 use crate::interrupt;
@@ -23,39 +27,92 @@ pub const NONE: u32 = 0;
 /// Angle from the rings of a light to the end of its glow, at most, in radians: 45 degrees. The sky above a city may
 /// be one bright place, and no direction stands for all of it.
 const FARTHEST: f64 = PI / 4.0;
+/// Where a rim is sharp, a pixel so many steps from the glow is darker than this share of the threshold.
+const STEPS: usize = 3;
+const DARK: f32 = 0.6;
+/// Share of the rim that is sharp, at least, around a thing of its own. Of the glows of 19 real maps, softboxes have 0.77
+/// and more, skies and lit ceilings up to 0.6.
+const LEAST_SHARP: f64 = 0.7;
+/// Solid angle of a thing, at most, as where places of low contrast are found. The sky above a city may end in roofs.
+const LARGEST: f64 = 0.5;
 
-/// The bright pixels that are connected to a light, each with the light that is the fewest steps away, counted from 1;
-/// those are written into `light_of` as well.
-pub fn glow(working: &Working<'_>, light_of: &mut [u32], threshold: f64) -> Vec<(u32, u32)> {
-    let (threshold, farthest) = (threshold as f32, 2.0 * (FARTHEST / 2.0).sin());
+/// The bright pixels that are connected to a light.
+#[derive(Clone, Default)]
+pub struct Glow {
+    pub pixels: Vec<u32>,
+    solid_angle: f64,
+    /// How many pixels are around it, some steps away, and how many of them are dark.
+    around: usize,
+    dark: usize,
+}
+
+impl Glow {
+    /// Whether it is a thing of its own.
+    pub fn is_a_thing(&self) -> bool {
+        self.dark as f64 > LEAST_SHARP * self.around as f64 && self.solid_angle <= LARGEST
+    }
+}
+
+/// The glow of each of so many lights: a pixel is part of that of the light which is the fewest steps away, which is
+/// counted from 1 in `light_of`.
+pub fn glows(working: &Working<'_>, light_of: &mut [u32], lights: usize, threshold: f64) -> Vec<Glow> {
+    let (threshold, mut glows) = (threshold as f32, vec![Glow::default(); lights]);
     // No pixel is read twice: its mean takes time.
-    let mut is_dark = vec![false; light_of.len()];
+    let mut is_outside = vec![false; light_of.len()];
+    let mut around = flood(working, light_of, threshold, &mut glows, &mut is_outside);
+    // Look at what is some steps farther out.
+    for _ in 1..STEPS {
+        let step = |(pixel, light)| working.around(pixel).map(|other| (other, light));
+        around = around.into_iter().flat_map(step).collect();
+        around.retain(|&(pixel, _)| light_of[pixel] == NONE && !replace(&mut is_outside[pixel], true));
+    }
+    for (pixel, light) in around {
+        let glow = &mut glows[light as usize - 1];
+        glow.around += 1;
+        glow.dark += usize::from(working.luminance(pixel) < DARK * threshold);
+    }
+    glows
+}
+
+/// Take one step from all lights at a time, as long as there are bright pixels; the first pixels outside, each with the
+/// light of the glow that it is beside.
+fn flood(
+    working: &Working<'_>,
+    light_of: &mut [u32],
+    threshold: f32,
+    glows: &mut [Glow],
+    is_outside: &mut [bool],
+) -> Vec<(usize, u32)> {
+    let farthest = 2.0 * (FARTHEST / 2.0).sin();
     // Each pixel knows the pixel of a light from which it was reached.
-    let lights = (0..light_of.len()).filter(|&pixel| light_of[pixel] != NONE);
-    let mut front: Vec<(usize, usize)> = lights.map(|pixel| (pixel, pixel)).collect();
-    let mut glow = Vec::new();
-    // Take one step from all lights at a time.
+    let members = (0..light_of.len()).filter(|&pixel| light_of[pixel] != NONE);
+    let mut front: Vec<(usize, usize)> = members.map(|pixel| (pixel, pixel)).collect();
+    let mut rim = Vec::new();
     while !front.is_empty() {
         interrupt::check();
         let mut next = Vec::new();
         for (pixel, source) in front {
             let light = light_of[source];
+            let glow = &mut glows[light as usize - 1];
             for other in working.around(pixel) {
-                let is_near = || working.centre(other).distance(working.centre(source)) < farthest;
-                if light_of[other] != NONE || is_dark[other] || !is_near() {
+                if light_of[other] != NONE || is_outside[other] {
                     continue;
                 }
-                is_dark[other] = working.luminance(other) <= threshold;
-                if !is_dark[other] {
+                let is_near = || working.centre(other).distance(working.centre(source)) < farthest;
+                if working.luminance(other) > threshold && is_near() {
                     light_of[other] = light;
                     next.push((other, source));
-                    glow.push((other as u32, light));
+                    glow.pixels.push(other as u32);
+                    glow.solid_angle += working.solid_angle(other);
+                } else {
+                    is_outside[other] = true;
+                    rim.extend((pixel != source).then_some((other, light)));
                 }
             }
         }
         front = next;
     }
-    glow
+    rim
 }
 
 /// Share that is left of a pixel of the glow.

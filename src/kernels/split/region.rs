@@ -4,11 +4,11 @@
 //! that leaves a glare in the map that is brighter than most lamps. So rings of one pixel are added around each
 //! light as long as their median luminance falls from ring to ring as that of glare does, and faster than that
 //! of a lit wall or of the sky. What is around the last ring closes the hole; what is still bright there is the light's
-//! glow.
+//! glow, which is closed as well if it is a thing of its own.
 
 use std::f64::consts::PI;
 
-use super::glow::{self, NONE, share_left};
+use super::glow::{self, Glow, NONE, share_left};
 use super::working::Working;
 use crate::interrupt;
 use crate::kernels::image::luminance_f32;
@@ -29,7 +29,7 @@ const FALLS: [f32; 2] = [1.1, 1.25];
 pub struct Regions {
     /// Flat indices of the pixels of each light that are closed.
     pub holes: Vec<Vec<u32>>,
-    /// Those of its glow.
+    /// Those of its glow, unless it is closed with the light.
     pub glow: Vec<Vec<u32>>,
     /// The light of each pixel, counted from 1.
     light_of: Vec<u32>,
@@ -65,12 +65,16 @@ pub fn regions(working: &Working<'_>, members: &[(usize, usize)], taken: usize, 
             light_of[pixel as usize] = light as u32 + 1;
         }
     }
-    let mut glow = vec![Vec::new(); taken];
-    for (pixel, light) in glow::glow(working, &mut light_of, threshold) {
-        if let Some(glow) = glow.get_mut(light as usize - 1) {
-            glow.push(pixel);
+    let close_or_leave = |(pixels, glow): (&mut Vec<u32>, Glow)| {
+        if glow.is_a_thing() {
+            pixels.extend(glow.pixels);
+            return Vec::new();
         }
-    }
+        glow.pixels
+    };
+    let glows = glow::glows(working, &mut light_of, lights, threshold);
+    let mut glow: Vec<Vec<u32>> = pixels.iter_mut().zip(glows).map(close_or_leave).collect();
+    glow.resize(taken, Vec::new());
     // List the pixels of each light in their order, each once.
     for pixels in pixels.iter_mut().chain(&mut glow) {
         pixels.sort_unstable();

@@ -1,5 +1,7 @@
 //! The map in the larger pixels in which its lights were found: each is read only where it is asked for.
 
+use std::f64::consts::{PI, TAU};
+
 use glam::{DVec3, Vec4};
 
 use crate::kernels::image::{Grid, luminance_f32};
@@ -78,6 +80,12 @@ impl<'a> Working<'a> {
         let ((sin, cos), (sin_phi, cos_phi)) =
             (self.rows[index / self.size.1], self.columns[index % self.size.1]);
         DVec3::new(sin_phi * sin, cos, -cos_phi * sin)
+    }
+
+    /// Solid angle of a pixel, nearly.
+    pub fn solid_angle(&self, index: usize) -> f64 {
+        let (height, width) = self.size;
+        PI / height as f64 * TAU / width as f64 * self.rows[index / width].0
     }
 
     /// The eight pixels around one, across the seam and the poles.
