@@ -8,6 +8,7 @@
 //! | kernels, and discs, in Legendre polynomials           | `zonal.rs`      |
 //! | numbers side by side, and with derivatives            | `lanes.rs`, `jet.rs` |
 //! | the cone of the kernel, between two discs             | `chord.rs`      |
+//! | - where they are far apart                            | `far.rs`        |
 //! | the map in harmonics, and their values at a place     | `harmonics.rs`, `analysis.rs`, `place.rs`, `synthesis.rs` |
 //! | discs in harmonics, several side by side              | `addition.rs`, `abreast.rs` |
 //! | a light; bright cells of the map and their cones      | `disc.rs`, `patches.rs` |
@@ -25,6 +26,7 @@ mod chord;
 mod descent;
 mod disc;
 mod exchange;
+mod far;
 mod harmonics;
 mod jet;
 mod judge;
