@@ -14,7 +14,7 @@ takes less than 3 ms. All parts are then measured again in new processes, as man
 two processes differ by more than the rounds of one, for their memory lies elsewhere and the machine
 is busy otherwise. Times are medians over the processes of the medians over their rounds, on one
 thread those of the processor; times and errors are geometric means over the cases. The spread is
-half the interval of 99 % of the mean over the processes, by Student's t, of the median case.
+half the interval of 99.9 % of the mean over the processes, by Student's t, of the median case.
 Compare ratios: the times are those of one machine.
 """
 

@@ -11,7 +11,7 @@ from scipy.special import stdtrit
 from stopwatch import all_seconds, processor_seconds
 
 #: Of the intervals that are stated.
-CONFIDENCE = 0.99
+CONFIDENCE = 0.999
 #: What a round takes at least, in seconds: a shorter piece of work is done several times in a row.
 _SHORTEST = 3e-3
 #: What this process has done before, by name, and on what.
