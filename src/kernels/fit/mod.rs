@@ -52,7 +52,7 @@ use glam::DVec3;
 use ndarray::{Array2, ArrayView1, ArrayView2, Axis};
 
 use self::discs::{Sized, Sizes};
-use self::light_count::Tried;
+use self::light_count::{Goal, Tried};
 use self::state::State;
 use super::image::WorkingMap;
 use super::probe;
@@ -119,23 +119,60 @@ pub enum World {
     Floor,
 }
 
+/// Normals that judge a rig under a map, at least.
+const JUDGING: usize = 5120;
+
 /// The best rig for the probe under a map. Errors below `error_floor` are those of rendering.
 ///
 /// # Errors
 ///
 /// [`Error::TooFewNormals`], [`Error::TooBright`].
 pub fn under_map(map: &WorkingMap, world: World, asked: &Asked, error_floor: f64) -> Result<Fitted> {
-    /// Normals that judge a rig, at least.
-    const JUDGING: usize = 5120;
     let has_floor = world == World::Floor;
     let sizes = || Sizes::new(map, asked.ambient, has_floor, asked.sizes.unwrap_or(Comparison::Shadows));
     if world == World::Upward {
-        let (judge, fitted) = (rendered(map, 2 * JUDGING)?.upward(), rendered(map, JUDGING)?.upward());
-        return judged(&Probe::new(fitted, asked.ambient), &judge, sizes(), asked, error_floor);
+        return facing_up(map, sizes(), asked, error_floor);
     }
+    check_unknowns(asked, JUDGING)?;
+    let figures = || rayon::join(sizes, || rendered(map, JUDGING));
     let sphere = || Sphere::new(map, asked.ambient, has_floor);
-    let (sizes, (judge, sphere)) = rayon::join(sizes, || rayon::join(|| rendered(map, JUDGING), sphere));
-    judged(&sphere, &judge?, sizes, asked, error_floor)
+    if asked.has_goal() {
+        let (sphere, (sizes, judge)) = rayon::join(sphere, figures);
+        let figures = Figures { judge: &judge?, sizes: Some(sizes), asked };
+        return fit(&asked.problem(&sphere), &figures, error_floor);
+    }
+    // The closed form knows the errors of points: the search need not wait for the figures.
+    let search = || {
+        let sphere = sphere();
+        searched(&asked.problem(&sphere), &asked.goal(), error_floor).map(|path| (sphere, path))
+    };
+    let (found, (sizes, judge)) = rayon::join(search, figures);
+    let figures = Figures { judge: &judge?, sizes: Some(sizes), asked };
+    let (sphere, path) = found?;
+    let problem = asked.problem(&sphere);
+    let path = path.into_iter().map(|tried| figures.on_the_way(&problem, tried.state)).collect();
+    Ok(best(&problem, &figures, path, error_floor))
+}
+
+/// The best rig for surfaces that face up.
+fn facing_up(map: &WorkingMap, sizes: Sizes<'_>, asked: &Asked, error_floor: f64) -> Result<Fitted> {
+    let (judge, fitted) = (rendered(map, 2 * JUDGING)?.upward(), rendered(map, JUDGING)?.upward());
+    check_unknowns(asked, judge.normals.len())?;
+    let figures = Figures { judge: &judge, sizes: Some(sizes), asked };
+    fit(&asked.problem(&Probe::new(fitted, asked.ambient)), &figures, error_floor)
+}
+
+/// The best place with each number of lights, by the errors that the objective knows.
+fn searched(problem: &Problem<'_>, goal: &Goal, error_floor: f64) -> Result<Vec<Tried>> {
+    let energy = problem.objective.given().energy;
+    if !energy.is_finite() {
+        return Err(Error::TooBright);
+    }
+    let judge = |state: &State| {
+        let share = if energy > 0.0 { state.cost / energy } else { state.cost };
+        Tried { state: state.clone(), error: share.sqrt(), shadow_error: 0.0 }
+    };
+    light_count::path(problem, goal, &judge, error_floor)
 }
 
 /// `<E, E>` of the probe under a map, over all normals and channels, in closed form.
@@ -149,18 +186,6 @@ fn rendered(map: &WorkingMap, fewest: usize) -> Result<Samples> {
     Samples::new(normals.view(), weights.view(), irradiance.view())
 }
 
-/// The best rig for an objective, and how far its lights may stand elsewhere.
-fn judged(
-    objective: &dyn Objective,
-    judge: &Samples,
-    sizes: Sizes<'_>,
-    asked: &Asked,
-    error_floor: f64,
-) -> Result<Fitted> {
-    check_unknowns(asked, judge.normals.len())?;
-    fit(&asked.problem(objective), &Figures { judge, sizes: Some(sizes), asked }, error_floor)
-}
-
 /// The best rig for irradiance at given normals, which judge it as well.
 ///
 /// # Errors
@@ -169,8 +194,8 @@ fn judged(
 pub fn to_samples(samples: Samples, asked: &Asked) -> Result<Fitted> {
     check_unknowns(asked, samples.normals.len())?;
     let probe = Probe::new(samples, asked.ambient);
-    let mut fitted =
-        fit(&asked.problem(&probe), &Figures { judge: &probe.samples, sizes: None, asked }, 0.0)?;
+    let figures = Figures { judge: &probe.samples, sizes: None, asked };
+    let mut fitted = fit(&asked.problem(&probe), &figures, 0.0)?;
     fitted.uncertainty = uncertainty::uncertainty(&probe, &fitted.rig, asked.fixed);
     Ok(fitted)
 }
@@ -184,14 +209,9 @@ struct Figures<'a> {
 }
 
 impl Figures<'_> {
-    /// Whether all numbers of lights are judged in full: where an error was asked for.
-    fn judges_all_in_full(&self) -> bool {
-        self.asked.error.is_some() || self.asked.shadow_error.is_some()
-    }
-
-    /// On the way to a number of lights: else as points.
+    /// On the way to a number of lights: in full where an error was asked for, else as points.
     fn on_the_way(&self, problem: &Problem<'_>, state: State) -> Tried {
-        if self.judges_all_in_full() {
+        if self.asked.has_goal() {
             return self.full(problem, state).0;
         }
         let error = self.judge.error(&state.rig(problem.objective.given()));
@@ -216,12 +236,16 @@ impl Figures<'_> {
     }
 }
 
-/// The best place, and what the caller sees of it.
+/// The best rig for a problem.
 fn fit(problem: &Problem<'_>, figures: &Figures<'_>, error_floor: f64) -> Result<Fitted> {
-    let goal = light_count::Goal { error: problem.error, shadow_error: figures.asked.shadow_error };
     let judge = |state: &State| figures.on_the_way(problem, state.clone());
-    let path = light_count::path(problem, &goal, &judge, error_floor)?;
-    let chosen = light_count::chosen(problem, &goal, &path, error_floor);
+    let path = light_count::path(problem, &figures.asked.goal(), &judge, error_floor)?;
+    Ok(best(problem, figures, path, error_floor))
+}
+
+/// The best place of those tried, and what the caller sees of it.
+fn best(problem: &Problem<'_>, figures: &Figures<'_>, path: Vec<Tried>, error_floor: f64) -> Fitted {
+    let chosen = light_count::chosen(problem, &figures.asked.goal(), &path, error_floor);
     let state = path[chosen].state.clone().polished(problem);
     let state = state.without_black(problem).unwrap_or(state);
     let (tried, found, judged) = figures.full(problem, state);
@@ -229,7 +253,7 @@ fn fit(problem: &Problem<'_>, figures: &Figures<'_>, error_floor: f64) -> Result
         path.iter().map(|tried| (tried.state.lights(), tried.error)).collect();
     // Beside points stands the error of points.
     let are_points = figures.asked.sizes.is_none() || found.radii.is_empty();
-    if figures.judges_all_in_full() || are_points {
+    if figures.asked.has_goal() || are_points {
         errors[chosen].1 = judged.error;
     }
     let state = tried.state;
@@ -237,7 +261,7 @@ fn fit(problem: &Problem<'_>, figures: &Figures<'_>, error_floor: f64) -> Result
     let is_map = figures.sizes.is_some();
     let of_points = || is_map.then(|| uncertainty::tolerances(problem, &state, judged.error));
     let tolerances = found.tolerances.or_else(of_points).unwrap_or_default();
-    Ok(Fitted {
+    Fitted {
         rig: found.rig,
         radii: found.radii,
         judged,
@@ -249,10 +273,20 @@ fn fit(problem: &Problem<'_>, figures: &Figures<'_>, error_floor: f64) -> Result
         stop: found.stop.or(state.stop).unwrap_or(StopReason::Converged),
         tolerances,
         uncertainty: Uncertainty::default(),
-    })
+    }
 }
 
 impl Asked {
+    /// The errors that are good enough.
+    fn goal(&self) -> Goal {
+        Goal { error: self.error, shadow_error: self.shadow_error }
+    }
+
+    /// Whether there are any.
+    fn has_goal(&self) -> bool {
+        self.error.is_some() || self.shadow_error.is_some()
+    }
+
     fn problem<'a>(&'a self, objective: &'a dyn Objective) -> Problem<'a> {
         let Self { start, fixed, lights, error, max_steps, .. } = self;
         Problem { objective, start, fixed: *fixed, lights: *lights, error: *error, max_steps: *max_steps }
