@@ -57,12 +57,8 @@ fn needed(levels: &[Level]) -> Vec<Vec<usize>> {
     let mut needed: Vec<Vec<usize>> = Vec::new();
     // From the coarsest level to the finest.
     for (number, level) in levels.iter().enumerate().rev() {
-        let (mut is_needed, mut pixels) = (vec![false; level.values.len()], Vec::new());
-        let mut need = |pixel: usize| {
-            if !std::mem::replace(&mut is_needed[pixel], true) {
-                pixels.push(pixel);
-            }
-        };
+        let mut is_needed = vec![false; level.values.len()];
+        let mut need = |pixel: usize| is_needed[pixel] = true;
         // A hole depends on the pixels around it, and starts from those around the coarser pixel that it is in.
         level.holes.iter().flat_map(|&hole| level.around(hole)).for_each(&mut need);
         if let Some(finer) = number.checked_sub(1).map(|finer| &levels[finer]) {
@@ -75,7 +71,8 @@ fn needed(levels: &[Level]) -> Vec<Vec<usize>> {
         if let (Some(coarser), Some(pixels)) = (levels.get(number + 1), needed.last()) {
             pixels.iter().flat_map(|&pixel| level.inside(coarser.size.1, pixel)).for_each(&mut need);
         }
-        needed.push(pixels);
+        // In their order, they are read as they lie in memory.
+        needed.push((0..is_needed.len()).filter(|&pixel| is_needed[pixel]).collect());
     }
     needed.reverse();
     needed
