@@ -15,6 +15,7 @@
 //! | best set of a number of lights                  | `search.rs`, `multistart.rs`       |
 //! | which number                                    | `light_count.rs`                   |
 //! | lights with a size, right in shadows            | `discs/`                           |
+//! | the error of one probe beside another           | `relative_rms.rs`                  |
 //! | how well the probe determines them              | `uncertainty.rs`                   |
 
 mod ambient;
@@ -31,6 +32,7 @@ mod nnls;
 mod objective;
 mod problem;
 mod radiances;
+mod relative_rms;
 mod rig;
 mod samples;
 mod search;
@@ -42,6 +44,7 @@ pub use ambient::Ambient;
 pub use discs::Comparison;
 pub use objective::Objective;
 pub use problem::Problem;
+pub use relative_rms::relative_rms;
 pub use rig::Rig;
 pub use samples::{Judged, Probe, Samples};
 pub use sphere::Sphere;
@@ -49,16 +52,14 @@ pub use state::StopReason;
 pub use uncertainty::Uncertainty;
 
 use glam::DVec3;
-use ndarray::{Array2, ArrayView1, ArrayView2, Axis};
 
 use self::discs::{Sized, Sizes};
 use self::light_count::{Goal, Tried};
+use self::relative_rms::relative_error;
 use self::state::State;
 use super::image::WorkingMap;
 use super::probe;
-use super::sphere::{check_rows, check_values};
 use crate::error::{Error, Result};
-use crate::interrupt;
 
 /// What a caller asks for.
 #[derive(Clone, Debug)]
@@ -169,8 +170,8 @@ fn searched(problem: &Problem<'_>, goal: &Goal, error_floor: f64) -> Result<Vec<
         return Err(Error::TooBright);
     }
     let judge = |state: &State| {
-        let share = if energy > 0.0 { state.cost / energy } else { state.cost };
-        Tried { state: state.clone(), error: share.sqrt(), shadow_error: 0.0 }
+        let error = relative_error(state.cost, energy);
+        Tried { state: state.clone(), error, shadow_error: 0.0 }
     };
     light_count::path(problem, goal, &judge, error_floor)
 }
@@ -302,44 +303,6 @@ fn check_unknowns(asked: &Asked, seen: usize) -> Result<()> {
         return Err(Error::TooFewNormals { seen, wanted, lights });
     }
     Ok(())
-}
-
-/// Weighted relative RMS difference of two probes, (n, 3) each.
-///
-/// # Errors
-///
-/// [`crate::error::Error::WrongColumns`], [`crate::error::Error::LengthMismatch`];
-/// [`crate::error::Error::NotFinite`] for any number, and [`crate::error::Error::Negative`] for a weight.
-pub fn relative_rms(
-    seen: ArrayView2<'_, f64>,
-    wanted: ArrayView2<'_, f64>,
-    weights: ArrayView1<'_, f64>,
-) -> Result<f64> {
-    check_rows("wanted", wanted, 3)?;
-    check_values("wanted", wanted.nrows(), ("seen", seen), weights)?;
-    // Bring all numbers near 1, each row by its weight: the square of one beyond 1e154 is infinite, the difference of
-    // two may be.
-    let (weight, weights) = near_one(weights.insert_axis(Axis(1)).to_owned());
-    let (roots, half) = (weights.sqrt(), &wanted / 2.0);
-    interrupt::check();
-    let (error, errors) = near_one(&roots * (&seen / 2.0 - &half));
-    let (size, sizes) = near_one(roots * half);
-    // Compare their norms.
-    let norm = |rows: &Array2<f64>| {
-        interrupt::check();
-        (rows * rows).sum().sqrt()
-    };
-    let (errors, sizes) = (norm(&errors), norm(&sizes));
-    Ok(if sizes > 0.0 { error * (errors / sizes) / size } else { 2.0 * error * errors * weight.sqrt() })
-}
-
-/// The largest of some numbers without its sign, 1 if all are 0; and the numbers in that unit.
-fn near_one(numbers: Array2<f64>) -> (f64, Array2<f64>) {
-    interrupt::check();
-    let largest = numbers.iter().fold(0.0_f64, |largest, number| largest.max(number.abs()));
-    let unit = if largest > 0.0 { largest } else { 1.0 };
-    interrupt::check();
-    (unit, numbers / unit)
 }
 
 #[cfg(test)]

@@ -21,6 +21,7 @@ use std::mem::replace;
 
 use super::working::Working;
 use crate::interrupt;
+use crate::kernels::detect::tree::LARGEST_PLACE;
 
 /// No light: they are counted from 1, so that memory which was never written holds none.
 pub const NONE: u32 = 0;
@@ -33,8 +34,6 @@ const DARK: f32 = 0.6;
 /// Share of the rim that is sharp, at least, around a thing of its own. Of the glows of 19 real maps, softboxes and panels
 /// have 0.83 and more, lit walls and skies up to 0.70, but for a sky above a city that is larger.
 const LEAST_SHARP: f64 = 0.75;
-/// Solid angle of a thing, at most, as where places of low contrast are found.
-const LARGEST: f64 = 0.5;
 
 /// The bright pixels that are connected to a light.
 #[derive(Clone, Default)]
@@ -47,9 +46,9 @@ pub struct Glow {
 }
 
 impl Glow {
-    /// Whether it is a thing of its own.
+    /// Whether it is a thing of its own, no larger than a place of low contrast may be.
     pub fn is_a_thing(&self) -> bool {
-        self.dark as f64 > LEAST_SHARP * self.around as f64 && self.solid_angle <= LARGEST
+        self.dark as f64 > LEAST_SHARP * self.around as f64 && self.solid_angle <= LARGEST_PLACE
     }
 }
 

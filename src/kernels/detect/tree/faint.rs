@@ -38,7 +38,7 @@ const LEAST_CONTRAST: f64 = 2.3;
 /// Share of the map's flux, at least.
 const LEAST_FLUX: f64 = 0.01;
 /// Solid angle, at most: a little more than a window of 40 degrees.
-const LARGEST: f64 = 0.5;
+pub const LARGEST_PLACE: f64 = 0.5;
 /// Solid angle in pixels of the equator, at least: fewer have hardly an inside.
 const LEAST_PIXELS: f64 = 50.0;
 /// Share of the outline that is sharp, at least: of generated places 0.99 is, of patches of sun on a floor 0.8.
@@ -50,7 +50,7 @@ const MOST_FILLS: usize = 6;
 
 /// Add the places of low contrast to the segments.
 pub fn add(working: &WorkingImage, adjacency: &Adjacency, segments: &mut Segments) {
-    for candidate in candidates(working, &segments.label, LEAST_FLUX * working.flux, LARGEST) {
+    for candidate in candidates(working, &segments.label, LEAST_FLUX * working.flux, LARGEST_PLACE) {
         let Some(start) = Start::of(working, &candidate).filter(|start| start.is_promising(working)) else {
             continue;
         };

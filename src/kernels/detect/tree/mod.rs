@@ -57,6 +57,7 @@ use adjacency::Adjacency;
 pub use bars::{WIDEST_ANGLE, WIDEST_BAR};
 use components::{BrightPixels, Segments};
 pub use dot_product::dot;
+pub use faint::LARGEST_PLACE;
 use linkage::Selection;
 pub use moments::Light;
 pub use run::{Run, runs};

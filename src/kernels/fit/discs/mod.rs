@@ -55,6 +55,7 @@ use self::state::{Problem, State};
 use self::target::{Picture, Target};
 use super::ambient::Ambient;
 use super::objective::Given;
+use super::relative_rms::relative_error;
 use super::rig::Rig;
 use super::state::StopReason;
 use super::uncertainty::GROWTH;
@@ -121,7 +122,7 @@ impl<'a> Sizes<'a> {
         let counted = |c: &usize| given.like[*c].is_some();
         let left: f64 = (0..3).filter(counted).map(left).sum();
         let energy: f64 = (0..3).filter(counted).map(|c| self.shadows.energy[c]).sum();
-        if energy > 0.0 { (left.max(0.0) / energy).sqrt() } else { left.max(0.0).sqrt() }
+        relative_error(left.max(0.0), energy)
     }
 
     /// The best rig near one without sizes, whose first `fixed` lights keep their directions.

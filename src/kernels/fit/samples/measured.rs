@@ -5,6 +5,7 @@ use ndarray::{ArrayView1, ArrayView2};
 
 use super::blocks::Blocks;
 use crate::error::Result;
+use crate::kernels::fit::relative_rms::relative_error;
 use crate::kernels::fit::rig::Rig;
 use crate::kernels::sphere::{check_memory, check_weighted, to_vectors};
 
@@ -80,8 +81,7 @@ impl Samples {
 
     /// Relative RMS error of `rig`; absolute where all is black.
     pub fn error(&self, rig: &Rig) -> f64 {
-        let cost = self.cost(rig);
-        if self.energy > 0.0 { (cost / self.energy).sqrt() } else { cost.sqrt() }
+        relative_error(self.cost(rig), self.energy)
     }
 }
 
