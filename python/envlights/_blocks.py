@@ -16,23 +16,12 @@ from numpy.typing import NDArray
 #: Numbers of a block: a few operations on them take milliseconds.
 _NUMBERS = 2**18
 
-#: Numbers of a block of a copy, which does nothing else: in smaller ones it took 1.4 times as long.
-_COPIED = 2**22
 
-
-def blocks(shape: tuple[int, ...], numbers: int = _NUMBERS) -> Iterator[slice]:
-    """Slices of the rows of an array of this shape, a block of so many `numbers` in each."""
-    rows = max(numbers // max(math.prod(shape[1:]), 1), 1)
+def blocks(shape: tuple[int, ...]) -> Iterator[slice]:
+    """Slices of the rows of an array of this shape."""
+    rows = max(_NUMBERS // max(math.prod(shape[1:]), 1), 1)
     for first in range(0, shape[0], rows):
         yield slice(first, min(first + rows, shape[0]))
-
-
-def copied(array: NDArray[Any]) -> NDArray[Any]:
-    """A copy that Ctrl-C can end."""
-    out = np.empty_like(array)
-    for rows in blocks(array.shape, _COPIED):
-        out[rows] = array[rows]
-    return out
 
 
 def in_blocks(shape: tuple[int, ...], value: Callable[[slice], NDArray[Any]]) -> NDArray[Any]:

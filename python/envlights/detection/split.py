@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
-from envlights._blocks import copied
 from envlights._check import amount, count, shown
 from envlights._native import EnvLightsError
 from envlights.detection.detect import detect
@@ -149,7 +148,7 @@ def split(
     members = _members(env, chosen)
     if chosen is lights:
         _check_peaks(env, chosen, members)
-    radiance = copied(env.radiance)
+    radiance = np.empty_like(env.radiance)
     border_sampled = env.registration == "border-sampled"
     parts = _native.split_map(env.radiance, *members, border_sampled, radiance)
     taken = _taken(chosen, parts, _report(chosen, len(found), perf_counter() - start))

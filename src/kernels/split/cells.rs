@@ -15,8 +15,6 @@ use crate::kernels::sphere::band_heights;
 pub struct Cells {
     pub rows: Vec<Row>,
     columns: Columns<Vec<f64>>,
-    /// Means of the sine and of the cosine of each column, and its width.
-    means: Vec<[f64; 3]>,
 }
 
 /// Integrals over the polar angles of a row.
@@ -30,8 +28,8 @@ pub struct Row {
     pub band: f64,
 }
 
-/// For columns side by side, each three times, as for its samples of red, green and blue: integrals over the azimuths of
-/// the sine, of the cosine and of 1, and products of an integral with a mean.
+/// For columns side by side: integrals over the azimuths of the sine, of the cosine and of 1, products of an integral
+/// with a mean, and the means.
 #[derive(Default)]
 pub struct Columns<Values> {
     pub sin: Values,
@@ -40,6 +38,8 @@ pub struct Columns<Values> {
     pub sin_sin: Values,
     pub sin_cos: Values,
     pub cos_cos: Values,
+    pub mean_sin: Values,
+    pub mean_cos: Values,
 }
 
 impl Row {
@@ -51,19 +51,19 @@ impl Row {
 }
 
 impl Columns<Vec<f64>> {
-    /// Add a column, and tell the means of its sine and cosine, and its width.
-    fn push(&mut self, edges: &[f64]) -> [f64; 3] {
+    fn push(&mut self, edges: &[f64]) {
         let (middle, half) = (0.5 * (edges[0] + edges[1]), 0.5 * (edges[1] - edges[0]));
         let (width, chord) = (2.0 * half, 2.0 * half.sin());
         let (sin, cos) = (chord * middle.sin(), chord * middle.cos());
         let (mean_sin, mean_cos) = (sin / width, cos / width);
-        self.sin.extend([sin; 3]);
-        self.cos.extend([cos; 3]);
-        self.width.extend([width; 3]);
-        self.sin_sin.extend([sin * mean_sin; 3]);
-        self.sin_cos.extend([sin * mean_cos; 3]);
-        self.cos_cos.extend([cos * mean_cos; 3]);
-        [mean_sin, mean_cos, width]
+        self.sin.push(sin);
+        self.cos.push(cos);
+        self.width.push(width);
+        self.sin_sin.push(sin * mean_sin);
+        self.sin_cos.push(sin * mean_cos);
+        self.cos_cos.push(cos * mean_cos);
+        self.mean_sin.push(mean_sin);
+        self.mean_cos.push(mean_cos);
     }
 }
 
@@ -73,21 +73,24 @@ impl Cells {
         let rows = theta.windows(2).zip(band_heights(theta));
         let rows = rows.map(|(edges, band)| Row::between(edges, band)).collect();
         let mut columns = Columns::default();
-        let means = grid.phi_edges.windows(2).map(|edges| columns.push(edges)).collect();
-        Self { rows, columns, means }
+        grid.phi_edges.windows(2).for_each(|edges| columns.push(edges));
+        Self { rows, columns }
     }
 
     /// Some columns.
     pub fn columns(&self, range: Range<usize>) -> Columns<&[f64]> {
-        let Columns { sin, cos, width, sin_sin, sin_cos, cos_cos } = &self.columns;
-        let [sin, cos, width, sin_sin, sin_cos, cos_cos] = [sin, cos, width, sin_sin, sin_cos, cos_cos]
-            .map(|values| &values[3 * range.start..3 * range.end]);
-        Columns { sin, cos, width, sin_sin, sin_cos, cos_cos }
-    }
-
-    /// Means of the sine and of the cosine of some columns, and their widths.
-    pub fn means(&self, range: Range<usize>) -> &[[f64; 3]] {
-        &self.means[range]
+        let all = &self.columns;
+        let of = |select: fn(&Columns<Vec<f64>>) -> &Vec<f64>| &select(all)[range.clone()];
+        Columns {
+            sin: of(|all| &all.sin),
+            cos: of(|all| &all.cos),
+            width: of(|all| &all.width),
+            sin_sin: of(|all| &all.sin_sin),
+            sin_cos: of(|all| &all.sin_cos),
+            cos_cos: of(|all| &all.cos_cos),
+            mean_sin: of(|all| &all.mean_sin),
+            mean_cos: of(|all| &all.mean_cos),
+        }
     }
 
     /// Angle from the middle of a pixel to its corners, at most.
@@ -98,7 +101,8 @@ impl Cells {
 
     /// The mean direction of a pixel, not quite a unit vector.
     pub fn mean(&self, row: usize, column: usize) -> DVec3 {
-        let (Row { squares, products, band }, [sin, cos, _]) = (self.rows[row], self.means[column]);
+        let Row { squares, products, band } = self.rows[row];
+        let (sin, cos) = (self.columns.mean_sin[column], self.columns.mean_cos[column]);
         DVec3::new(sin * squares, products, -cos * squares) / band
     }
 }

@@ -19,7 +19,9 @@
 use std::f64::consts::PI;
 use std::mem::replace;
 
-use super::working::Working;
+use glam::DVec3;
+
+use super::working::{Place, Working};
 use crate::interrupt;
 use crate::kernels::detect::tree::LARGEST_PLACE;
 
@@ -63,7 +65,9 @@ pub fn glows(working: &Working<'_>, light_of: &mut [u32], lights: usize, thresho
     for _ in 1..STEPS {
         let step = |(pixel, light)| working.around(pixel).map(|other| (other, light));
         around = around.into_iter().flat_map(step).collect();
-        around.retain(|&(pixel, _)| light_of[pixel] == NONE && !replace(&mut is_outside[pixel], true));
+        around.retain(|(pixel, _)| {
+            light_of[pixel.index] == NONE && !replace(&mut is_outside[pixel.index], true)
+        });
     }
     for (pixel, light) in around {
         let glow = &mut glows[light as usize - 1];
@@ -81,35 +85,35 @@ fn flood(
     threshold: f32,
     glows: &mut [Glow],
     is_outside: &mut [bool],
-) -> Vec<(usize, u32)> {
-    let farthest = 2.0 * (FARTHEST / 2.0).sin();
-    // Each pixel knows the pixel of a light from which it was reached.
-    let members = (0..light_of.len()).filter(|&pixel| light_of[pixel] != NONE);
-    let mut front: Vec<(usize, usize)> = members.map(|pixel| (pixel, pixel)).collect();
-    let mut rim = Vec::new();
+) -> Vec<(Place, u32)> {
+    let farthest = (2.0 * (FARTHEST / 2.0).sin()).powi(2);
+    // Each pixel knows the middle of the pixel of a light from which it was reached.
+    let members = (0..light_of.len()).filter(|&pixel| light_of[pixel] != NONE).map(|i| working.place(i));
+    let mut front: Vec<(Place, DVec3)> = members.map(|pixel| (pixel, working.centre(pixel))).collect();
+    let (mut rim, mut is_first) = (Vec::new(), true);
     while !front.is_empty() {
         interrupt::check();
         let mut next = Vec::new();
         for (pixel, source) in front {
-            let light = light_of[source];
+            let light = light_of[pixel.index];
             let glow = &mut glows[light as usize - 1];
             for other in working.around(pixel) {
-                let is_near = || working.centre(other).distance(working.centre(source)) < farthest;
-                if light_of[other] != NONE || is_outside[other] || !is_near() {
+                let is_near = || working.centre(other).distance_squared(source) < farthest;
+                if light_of[other.index] != NONE || is_outside[other.index] || !is_near() {
                     continue;
                 }
                 if working.luminance(other) > threshold {
-                    light_of[other] = light;
+                    light_of[other.index] = light;
                     next.push((other, source));
-                    glow.pixels.push(other as u32);
+                    glow.pixels.push(other.index as u32);
                     glow.solid_angle += working.solid_angle(other);
                 } else {
-                    is_outside[other] = true;
-                    rim.extend((pixel != source).then_some((other, light)));
+                    is_outside[other.index] = true;
+                    rim.extend((!is_first).then_some((other, light)));
                 }
             }
         }
-        front = next;
+        (front, is_first) = (next, false);
     }
     rim
 }

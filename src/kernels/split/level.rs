@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use glam::Vec4;
 
+use super::planes::Planes;
 use crate::interrupt;
 use crate::kernels::image::Grid;
 use crate::kernels::sphere::band_heights;
@@ -79,14 +80,20 @@ impl Level {
         rows.flat_map(move |row| (column..(column + 2).min(width)).map(move |column| row * width + column))
     }
 
-    /// A pixel and those around it, across the seam.
-    pub fn around(&self, pixel: usize) -> impl Iterator<Item = usize> {
+    /// Mark some pixels and those around each, across the seam.
+    pub fn mark_around(&self, pixels: &[usize], is_marked: &mut [bool]) {
         let (height, width) = self.size;
-        let (row, column) = (pixel / width, pixel % width);
-        let rows = row.saturating_sub(1)..(row + 2).min(height);
-        let left = if column > 0 { column - 1 } else { width - 1 };
-        let right = if column + 1 < width { column + 1 } else { 0 };
-        rows.flat_map(move |row| [left, column, right].map(|column| row * width + column))
+        // Those side by side in a row together.
+        for side_by_side in pixels.chunk_by(|&one, &other| other == one + 1 && other % width > 0) {
+            let (row, first) = (side_by_side[0] / width, side_by_side[0] % width);
+            let end = first + side_by_side.len();
+            for row in row.saturating_sub(1)..(row + 2).min(height) {
+                let is_marked = &mut is_marked[row * width..(row + 1) * width];
+                is_marked[first.saturating_sub(1)..(end + 1).min(width)].fill(true);
+                is_marked[if first > 0 { first - 1 } else { width - 1 }] = true;
+                is_marked[if end < width { end } else { 0 }] = true;
+            }
+        }
     }
 
     /// Start the holes with the values of a coarser level.
@@ -189,14 +196,6 @@ pub struct Enlarged<'a> {
 /// Between two pixels side by side, or one above the other: the second of them, and its share.
 type Between = (usize, f32);
 
-/// A row of smaller pixels.
-pub struct EnlargedRow<'a> {
-    /// Values of the level at this row, from the column before the first that was asked for.
-    values: &'a [Value],
-    first: usize,
-    columns: &'a [Between],
-}
-
 impl<'a> Enlarged<'a> {
     /// A level in pixels that are `factor` times as small, in so many `columns` at most.
     pub fn new(level: &'a Level, factor: usize, columns: usize) -> Self {
@@ -212,18 +211,25 @@ impl<'a> Enlarged<'a> {
         between(self.in_rows(rows, left), self.in_rows(rows, right), share).to_array()
     }
 
-    /// The values in a row behind some columns of the level, with `room` for some of its own.
+    /// Fill planes with the values in a row behind some columns of the level, with `room` for some of its own.
     #[inline(always)]
-    pub fn row<'b>(&'b self, row: usize, behind: &Range<usize>, room: &'b mut Vec<Value>) -> EnlargedRow<'b> {
+    pub fn row(&self, row: usize, behind: &Range<usize>, room: &mut Vec<Value>, planes: &mut Planes<4>) {
         let (rows, width) = (after(row, self.factor), self.level.size.1);
         let before = if behind.start > 0 { behind.start - 1 } else { width - 1 };
         let beyond = if behind.end < width { behind.end } else { 0 };
+        // The values of the level at this row, from the column before the first to the one behind the last.
         room.clear();
         room.push(self.in_rows(rows, before));
         room.extend(behind.clone().map(|column| self.in_rows(rows, column)));
         room.push(self.in_rows(rows, beyond));
         let columns = behind.start * self.factor..(behind.end * self.factor).min(self.columns.len());
-        EnlargedRow { values: room, first: behind.start, columns: &self.columns[columns] }
+        let columns = &self.columns[columns];
+        let [red, green, blue, bump] = planes.channels_mut();
+        let planes = red.iter_mut().zip(green).zip(blue).zip(bump);
+        for ((((red, green), blue), bump), &(right, share)) in planes.zip(columns) {
+            let right = right - behind.start;
+            [*red, *green, *blue, *bump] = between(room[right], room[right + 1], share).to_array();
+        }
     }
 
     /// The value of a column of the level between two of its rows.
@@ -232,17 +238,6 @@ impl<'a> Enlarged<'a> {
         let (height, width) = self.level.size;
         let [above, below] = [below.saturating_sub(1), below.min(height - 1)].map(|row| row * width + column);
         between(self.level.values[above], self.level.values[below], share).to_array()
-    }
-}
-
-impl EnlargedRow<'_> {
-    /// The values, from left to right.
-    #[inline(always)]
-    pub fn values(&self) -> impl Iterator<Item = Vec4> {
-        self.columns.iter().map(|&(right, share)| {
-            let right = right - self.first;
-            between(self.values[right], self.values[right + 1], share)
-        })
     }
 }
 

@@ -58,18 +58,20 @@ fn needed(levels: &[Level]) -> Vec<Vec<usize>> {
     // From the coarsest level to the finest.
     for (number, level) in levels.iter().enumerate().rev() {
         let mut is_needed = vec![false; level.values.len()];
-        let mut need = |pixel: usize| is_needed[pixel] = true;
         // A hole depends on the pixels around it, and starts from those around the coarser pixel that it is in.
-        level.holes.iter().flat_map(|&hole| level.around(hole)).for_each(&mut need);
+        level.mark_around(&level.holes, &mut is_needed);
         if let Some(finer) = number.checked_sub(1).map(|finer| &levels[finer]) {
             let mut started: Vec<usize> =
                 finer.holes.iter().map(|&hole| finer.outside(level.size.1, hole)).collect();
             started.dedup();
-            started.into_iter().flat_map(|pixel| level.around(pixel)).for_each(&mut need);
+            level.mark_around(&started, &mut is_needed);
         }
         // A coarser pixel depends on those inside of it.
         if let (Some(coarser), Some(pixels)) = (levels.get(number + 1), needed.last()) {
-            pixels.iter().flat_map(|&pixel| level.inside(coarser.size.1, pixel)).for_each(&mut need);
+            pixels
+                .iter()
+                .flat_map(|&pixel| level.inside(coarser.size.1, pixel))
+                .for_each(|pixel| is_needed[pixel] = true);
         }
         // In their order, they are read as they lie in memory.
         needed.push((0..is_needed.len()).filter(|&pixel| is_needed[pixel]).collect());

@@ -10,8 +10,11 @@
 //! | - the glow that would be found as a light without it     | `glow.rs`      |
 //! | the membrane that closes the hole of each light          | `membrane.rs`  |
 //! | - the sphere in fewer and fewer pixels                   | `level.rs`     |
-//! | what is taken from the map, as one direction and one RGB | `taken.rs`     |
-//! | - row by row of its own pixels                           | `pixels.rs`    |
+//! | the lights, each of one direction and one RGB            | `taken.rs`     |
+//! | - their pixels closed, the glow dimmed                   | `close.rs`     |
+//! | - what is left tilted, so that the direction is one      | `tilt.rs`      |
+//! | - what was lost                                          | `loss.rs`      |
+//! | - bands and strips of pixels, channel by channel         | `pixels.rs`, `planes.rs` |
 //! | - their solid angles and directions                      | `cells.rs`     |
 //! | - sums over them                                         | `moments.rs`   |
 //!
@@ -24,39 +27,42 @@
 //!
 //! So map and rest with light are the same where the three vectors are parallel to `d`, and `E` are their
 //! lengths. The lens of a camera refracts red and blue differently, and a halo has another colour than its
-//! lamp: in real maps the vectors stand apart by some hundredths of a degree. `taken.rs` makes them parallel as
+//! lamp: in real maps the vectors stand apart by some hundredths of a degree. `tilt.rs` makes them parallel as
 //! far as that does not show.
 
 mod cells;
+mod close;
 mod found;
 mod glow;
 mod level;
+mod loss;
 mod membrane;
 mod moments;
 mod pixels;
+mod planes;
 mod region;
 mod taken;
+mod tilt;
 mod working;
 
-use glam::DVec3;
 use ndarray::{ArrayView3, ArrayViewMut3};
+use rayon::prelude::*;
 
 use crate::error::Result;
+use crate::interrupt;
 use crate::kernels::image::{self, Grid};
 use crate::kernels::sphere::{self, Registration};
 use cells::Cells;
 pub use found::Found;
 use level::Enlarged;
 use pixels::Map;
-use region::Regions;
-use taken::Pixels;
 pub use taken::Taken;
 use working::Working;
 
 /// Take lights out of an equirectangular map of radiance, (height, width, 3), finite and not negative: one for each
 /// direction that was found.
 ///
-/// What is left of their pixels, nowhere negative, is written into `rest`, a copy of the map.
+/// What is left, nowhere negative, is written into `rest`, of the same size.
 ///
 /// # Errors
 ///
@@ -80,9 +86,15 @@ pub fn split(
     let (size, block) = ((height, width), found.block.max(1));
     let working = Working::of(map, size, registration, block);
     let members = found.members(working.size)?;
-    let regions = region::regions(&working, &members, directions.len(), found.threshold);
-    let given = |pixel| regions.mean_left(&working, pixel);
-    let membrane = membrane::membrane(working.grid.clone(), regions.all_holes(), given);
+    let closed = || {
+        let regions = region::regions(&working, &members, directions.len(), found.threshold);
+        let given = |pixel| regions.mean_left(&working, pixel);
+        let membrane = membrane::membrane(working.grid.clone(), regions.all_holes(), given);
+        (regions, membrane)
+    };
+    // The membrane takes about as long as to copy the map: two threads do both.
+    let rest = rest.as_chunks_mut::<3>().0;
+    let ((), (regions, membrane)) = rayon::join(|| copy(map, rest), closed);
     let map = Map {
         pixels: map,
         size,
@@ -91,20 +103,14 @@ pub fn split(
         block,
         threshold: found.threshold as f32,
     };
-    Ok(taken(&map, &Cells::new(&working.grid), &regions, &directions, rest.as_chunks_mut::<3>().0))
+    Ok(taken::take(&map, &Cells::new(&working.grid), &regions, &directions, rest))
 }
 
-/// Take one light after the other, each from its pixels, out of the `rest`.
-fn taken(
-    map: &Map<'_>,
-    working: &Cells,
-    regions: &Regions,
-    directions: &[DVec3],
-    rest: &mut [[f32; 3]],
-) -> Vec<Taken> {
-    let lights = regions.holes.iter().zip(&regions.glow).zip(directions);
-    let take = |((hole, glow), &direction): ((&Vec<u32>, &Vec<u32>), _)| {
-        taken::take(map, working, &Pixels { hole, glow }, direction, rest)
-    };
-    lights.map(take).collect()
+/// Copy a map, so that it can be interrupted.
+fn copy(map: &[[f32; 3]], rest: &mut [[f32; 3]]) {
+    const PIXELS_AT_ONCE: usize = 1 << 18;
+    rest.par_chunks_mut(PIXELS_AT_ONCE).zip(map.par_chunks(PIXELS_AT_ONCE)).for_each(|(rest, map)| {
+        interrupt::check();
+        rest.copy_from_slice(map);
+    });
 }

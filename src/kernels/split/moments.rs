@@ -7,8 +7,7 @@
 //! ```
 //!
 //! The factors of `c = (x s, w p, -y s)` and `dw = w b` are of the row (s, p, b) or of the column (x, y, w). So samples
-//! are summed down the rows first, times two factors for `V` and three for `S`, red, green and blue alike, side by side
-//! as they stand in the map; and then along the columns.
+//! are summed down the rows first, times two factors for `V` and three for `S`, and then along the columns.
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
 use std::array;
@@ -16,6 +15,8 @@ use std::array;
 use glam::{DMat3, DVec3};
 
 use super::cells::{Columns, Row};
+use super::planes::Planes;
+use crate::kernels::detect::tree::dot;
 
 /// Sums down the rows, for `V`.
 #[derive(Default)]
@@ -33,18 +34,18 @@ pub struct Second {
 }
 
 impl First {
-    /// Forget all sums, and make room for so many samples of a row.
-    pub fn start(&mut self, samples: usize) {
+    /// Forget all sums, and make room for so many pixels of a row.
+    pub fn start(&mut self, pixels: usize) {
         for sums in [&mut self.squares, &mut self.products] {
-            empty(sums, samples);
+            empty(sums, 3 * pixels);
         }
     }
 
     /// Add what is taken from a row.
     #[inline(always)]
-    pub fn add(&mut self, given: &[[f32; 3]], left: &[[f32; 3]], row: &Row) {
+    pub fn add(&mut self, given: &Planes<3>, left: &Planes<3>, row: &Row) {
         let sums = self.squares.iter_mut().zip(&mut self.products);
-        let samples = given.as_flattened().iter().zip(left.as_flattened());
+        let samples = given.values().iter().zip(left.values());
         for ((squares, products), (&given, &left)) in sums.zip(samples) {
             let taken = f64::from(given) - f64::from(left);
             *squares += row.squares * taken;
@@ -62,21 +63,21 @@ impl First {
 }
 
 impl Second {
-    /// Forget all sums, and make room for so many samples of a row.
-    pub fn start(&mut self, samples: usize) {
+    /// Forget all sums, and make room for so many pixels of a row.
+    pub fn start(&mut self, pixels: usize) {
         for sums in [&mut self.squares, &mut self.mixed, &mut self.products] {
-            empty(sums, samples);
+            empty(sums, 3 * pixels);
         }
     }
 
-    /// Add the samples of a row.
+    /// Add what is left in a row, times the bump.
     #[inline(always)]
-    pub fn add(&mut self, samples: &[[f32; 3]], row: &Row) {
+    pub fn add(&mut self, bumped: &Planes<3>, row: &Row) {
         let [squares, mixed, products] =
             [row.squares * row.squares, row.squares * row.products, row.products * row.products]
                 .map(|factor| factor / row.band);
         let sums = self.squares.iter_mut().zip(&mut self.mixed).zip(&mut self.products);
-        for (((of_squares, of_mixed), of_products), &sample) in sums.zip(samples.as_flattened()) {
+        for (((of_squares, of_mixed), of_products), &sample) in sums.zip(bumped.values()) {
             let sample = f64::from(sample);
             *of_squares += squares * sample;
             *of_mixed += mixed * sample;
@@ -101,6 +102,45 @@ impl Second {
     }
 }
 
+/// Luminance that is taken from the pixels of a row, and sums of it and of its square down the rows.
+#[derive(Default)]
+pub struct Luminances {
+    row: Vec<f32>,
+    sums: Vec<f64>,
+    squares: Vec<f64>,
+}
+
+impl Luminances {
+    /// Forget all sums, and make room for so many pixels of a row.
+    pub fn start(&mut self, pixels: usize) {
+        self.row.resize(pixels, 0.0);
+        for sums in [&mut self.sums, &mut self.squares] {
+            empty(sums, pixels);
+        }
+    }
+
+    /// The pixels of a row, to be filled.
+    pub fn row(&mut self) -> &mut [f32] {
+        &mut self.row
+    }
+
+    /// Add what the row was filled with.
+    #[inline(always)]
+    pub fn add(&mut self, row: &Row) {
+        for ((sum, squares), &luminance) in self.sums.iter_mut().zip(&mut self.squares).zip(&self.row) {
+            let luminance = f64::from(luminance);
+            *sum += row.band * luminance;
+            *squares += row.band * luminance * luminance;
+        }
+    }
+
+    /// Integrals over the pixels of the luminance and of its square.
+    #[inline(always)]
+    pub fn integrals(&self, columns: &Columns<&[f64]>) -> (f64, f64) {
+        (dot(&self.sums, columns.width), dot(&self.squares, columns.width))
+    }
+}
+
 fn empty(sums: &mut Vec<f64>, samples: usize) {
     sums.clear();
     sums.resize(samples, 0.0);
@@ -109,18 +149,5 @@ fn empty(sums: &mut Vec<f64>, samples: usize) {
 /// Sum of the products of samples with weights, for each channel.
 #[inline(always)]
 fn sum(samples: &[f64], weights: &[f64]) -> [f64; 3] {
-    // Four pixels are three wide vectors.
-    const LANES: usize = 12;
-    let mut lanes = [0.0; LANES];
-    let (samples, last_samples) = samples.as_chunks::<LANES>();
-    let (weights, last_weights) = weights.as_chunks::<LANES>();
-    for (samples, weights) in samples.iter().zip(weights) {
-        for (lane, (sample, weight)) in lanes.iter_mut().zip(samples.iter().zip(weights)) {
-            *lane += sample * weight;
-        }
-    }
-    for (lane, (sample, weight)) in lanes.iter_mut().zip(last_samples.iter().zip(last_weights)) {
-        *lane += sample * weight;
-    }
-    array::from_fn(|i| (lanes[i] + lanes[i + 3]) + (lanes[i + 6] + lanes[i + 9]))
+    array::from_fn(|channel| dot(&samples[channel * weights.len()..][..weights.len()], weights))
 }

@@ -1,16 +1,20 @@
-//! The map's pixels of a light, in strips of the rows behind one of the working image.
+//! The map's pixels of lights: bands of rows, which are worked through at the same time, and in them strips of the rows
+//! behind one of the working image.
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
-use std::mem::take;
 use std::ops::Range;
+
+use rayon::iter::repeat_n;
+use rayon::prelude::*;
 
 use super::cells::Cells;
 use super::level::Enlarged;
+use super::loss::Loss;
 use crate::interrupt;
 use crate::kernels::detect::tree::{Run, runs};
 
-/// Pixels that one task works through, at least. Another number would add in another order.
-const PIXELS_OF_A_PART: usize = 1 << 13;
+/// Rows of the working image in a band: there are some for each thread. Another number would add in another order.
+const ROWS_OF_A_BAND: usize = 8;
 /// Columns of a strip, at most: its sums stay in the first cache.
 const PIXELS_OF_A_STRIP: usize = 128;
 
@@ -27,12 +31,17 @@ pub struct Map<'a> {
     pub threshold: f32,
 }
 
-/// All pixels of a light in some rows.
-pub struct Part {
-    /// Those of the working image, row after row.
+/// The pixels of lights in each band of the working image.
+pub struct Bands {
+    bands: Vec<Vec<Piece>>,
+    pub lights: usize,
+}
+
+/// The pixels of one light in a band, row after row.
+#[derive(Clone)]
+struct Piece {
+    light: usize,
     runs: Vec<Run>,
-    /// How many they are.
-    pixels: usize,
 }
 
 /// Some columns of the map in all rows behind one of the working image.
@@ -50,44 +59,67 @@ pub struct Slab<'a> {
     pixels: &'a mut [[f32; 3]],
 }
 
-impl Map<'_> {
-    /// The map's pixels behind some of the working image, in parts of whole rows.
-    pub fn parts(&self, region: &[u32]) -> Vec<Part> {
-        let most = PIXELS_OF_A_PART.div_ceil(self.block.pow(2));
-        let mut parts: Vec<Part> = Vec::new();
-        for run in runs(region, self.membrane.level.size.1) {
-            let is_full = |part: &Part| part.pixels >= most && part.last_row() < run.row;
-            if parts.last().is_none_or(is_full) {
-                parts.push(Part { runs: Vec::new(), pixels: 0 });
+impl Bands {
+    /// Those of lights, each with flat indices in ascending order, in a working image of this size.
+    pub fn new(lights: &[Vec<u32>], (height, width): (usize, usize)) -> Self {
+        let mut bands = vec![Vec::new(); height.div_ceil(ROWS_OF_A_BAND)];
+        let band = |run: &Run| run.row / ROWS_OF_A_BAND;
+        for (light, pixels) in lights.iter().enumerate() {
+            for runs in runs(pixels, width).chunk_by(|one, other| band(one) == band(other)) {
+                bands[band(&runs[0])].push(Piece { light, runs: runs.to_vec() });
             }
-            let part = parts.last_mut().expect("one was added");
-            part.pixels += run.columns.len();
-            part.runs.push(run);
         }
-        parts
+        Self { bands, lights: lights.len() }
     }
 
-    /// The rows of an image of the map's size that each of these parts lies in.
-    pub fn slabs<'a>(&self, parts: &[Part], mut pixels: &'a mut [[f32; 3]]) -> Vec<Slab<'a>> {
-        let (width, mut first) = (self.size.1, 0);
-        let mut cut_off = |row: usize| {
-            let (above, below) = take(&mut pixels).split_at_mut((row - first) * width);
-            (first, pixels) = (row, below);
-            above
-        };
-        let slab = |part: &Part| {
-            let rows = self.rows_of(&part.runs[0]).start..self.rows_of(&part.runs[part.runs.len() - 1]).end;
-            cut_off(rows.start);
-            Slab { first: rows.start, width, pixels: cut_off(rows.end) }
-        };
-        parts.iter().map(slab).collect()
+    /// Those of the lights that are `chosen`.
+    pub fn of(&self, chosen: &[bool]) -> Self {
+        let pieces = |band: &Vec<Piece>| band.iter().filter(|piece| chosen[piece.light]).cloned().collect();
+        Self { bands: self.bands.iter().map(pieces).collect(), lights: self.lights }
     }
 
-    /// The strips of a part.
-    pub fn strips(&self, part: &Part) -> impl Iterator<Item = Strip> {
+    /// The sums of `work` on each piece of each light: the light, and its pixels.
+    pub fn sum_of_each(&self, work: impl Fn(usize, &[Run]) -> Loss + Sync) -> Vec<Loss> {
+        self.sums(repeat_n((), self.bands.len()), |piece, ()| work(piece.light, &piece.runs))
+    }
+
+    /// What `work` finds in each piece, with what stands beside its band, added up for each light in the order of bands.
+    fn sums<T: Send>(
+        &self,
+        beside: impl IndexedParallelIterator<Item = T>,
+        work: impl Fn(&Piece, &mut T) -> Loss + Sync,
+    ) -> Vec<Loss> {
+        let in_band = |(pieces, mut beside): (&Vec<Piece>, T)| {
+            pieces.iter().map(|piece| (piece.light, work(piece, &mut beside))).collect()
+        };
+        let losses: Vec<Vec<(usize, Loss)>> = self.bands.par_iter().zip(beside).map(in_band).collect();
+        let mut sums = vec![Loss::NONE; self.lights];
+        for (light, loss) in losses.into_iter().flatten() {
+            sums[light] = sums[light].and(loss);
+        }
+        sums
+    }
+}
+
+impl Map<'_> {
+    /// What each light loses by `work` on each piece of it: the light, its pixels, and a slab of the `rest`.
+    pub fn loss_of_each(
+        &self,
+        bands: &Bands,
+        rest: &mut [[f32; 3]],
+        work: impl Fn(usize, &[Run], &mut Slab<'_>) -> Loss + Sync,
+    ) -> Vec<Loss> {
+        let (rows, width) = (ROWS_OF_A_BAND * self.block, self.size.1);
+        let slabs = rest.par_chunks_mut(rows * width).enumerate();
+        let slabs = slabs.map(|(band, pixels)| Slab { first: band * rows, width, pixels });
+        bands.sums(slabs, |piece, slab| work(piece.light, &piece.runs, slab))
+    }
+
+    /// The strips of some runs.
+    pub fn strips(&self, runs: &[Run]) -> impl Iterator<Item = Strip> {
         interrupt::check();
         let most = (PIXELS_OF_A_STRIP / self.block).max(1);
-        part.runs.iter().flat_map(move |run| {
+        runs.iter().flat_map(move |run| {
             let starts = run.columns.clone().step_by(most);
             starts.map(move |start| {
                 let behind = start..run.columns.end.min(start + most);
@@ -110,17 +142,35 @@ impl Map<'_> {
     }
 }
 
-impl Part {
-    fn last_row(&self) -> usize {
-        self.runs.last().map_or(0, |run| run.row)
-    }
-}
-
 impl Slab<'_> {
     /// The pixels of a strip in one of its rows.
     #[inline(always)]
     pub fn at(&mut self, row: usize, strip: &Strip) -> &mut [[f32; 3]] {
         let start = (row - self.first) * self.width;
         &mut self.pixels[start + strip.columns.start..start + strip.columns.end]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two lights side by side in several bands, the second of which begins where the first ends.
+    #[test]
+    fn every_pixel_of_a_light_is_in_one_piece() {
+        let width = 32;
+        let lights: [Vec<u32>; 2] = [(40..300).collect(), (300..777).chain(780..801).collect()];
+        let bands = Bands::new(&lights, (30, width));
+        let count = |bands: &Bands| {
+            let pixels = |runs: &[Run]| runs.iter().map(|run| run.columns.len()).sum::<usize>();
+            let sums = bands.sum_of_each(|_, runs| Loss { flux: pixels(runs) as f64, ..Loss::NONE });
+            sums.iter().map(|sum| sum.flux as usize).collect::<Vec<_>>()
+        };
+        assert_eq!(count(&bands), lights.map(|pixels| pixels.len()));
+        assert_eq!(count(&bands.of(&[false, true])), [0, 498]);
+        for (band, pieces) in bands.bands.iter().enumerate() {
+            let rows = pieces.iter().flat_map(|piece| &piece.runs).map(|run| run.row / ROWS_OF_A_BAND);
+            assert!(rows.into_iter().all(|place| place == band));
+        }
     }
 }

@@ -93,7 +93,7 @@ impl Regions {
 
     /// Mean radiance of a pixel that is not closed, after what is taken of a glow.
     pub fn mean_left(&self, working: &Working<'_>, pixel: usize) -> [f32; 3] {
-        let mean = working.mean(pixel);
+        let mean = working.mean(working.place(pixel));
         let is_glow = (1..=self.glow.len()).contains(&(self.light_of[pixel] as usize));
         let share = if is_glow { share_left(luminance_f32(mean), self.threshold) } else { 1.0 };
         mean.map(|value| share * value)
@@ -153,7 +153,7 @@ fn grown(
     light_of: &[u32],
     rings: &mut Rings,
 ) -> Vec<RingPixel> {
-    let mut front = Front::new(working, light_of);
+    let mut front = Front::new(working, members);
     for &(pixel, _) in members {
         front.visit_around(pixel, pixel, 0);
     }
@@ -164,35 +164,44 @@ fn grown(
             rings.close();
         }
         // Let each pixel be reached from the pixel of a light that is nearest.
-        let (mut reached, mut next) = (Vec::new(), 0);
+        let (mut found, mut next) = (Vec::new(), 0);
         while let Some(&(pixel, source)) = front.rings[ring].get(next) {
             next += 1;
-            if front.source[pixel as usize] == source + 1 && rings.grows(light_of[source as usize] - 1) {
-                reached.push(pixel);
+            let is_nearest = front.reached[pixel as usize].source == source + 1;
+            if is_nearest && rings.grows(light_of[source as usize] - 1) {
+                found.push(pixel);
                 front.visit_around(pixel as usize, source as usize, ring);
             }
         }
-        for pixel in reached {
-            let place = pixel as usize;
-            if !std::mem::replace(&mut front.is_done[place], true) {
-                let light = light_of[front.source[place] as usize - 1] - 1;
-                grown.push(RingPixel { pixel, light, number: front.ring_of(front.nearest[place]) });
-                rings.growing[light as usize].push(working.luminance(place));
+        for pixel in found {
+            let Reached { source, square } = front.reached[pixel as usize];
+            if source != DONE {
+                let light = light_of[source as usize - 1] - 1;
+                grown.push(RingPixel { pixel, light, number: front.ring_of(square) });
+                rings.growing[light as usize].push(working.luminance(working.place(pixel as usize)));
+                front.reached[pixel as usize].source = DONE;
             }
         }
     }
     grown
 }
 
+/// What is known of a pixel around a light.
+#[derive(Clone, Copy)]
+struct Reached {
+    /// The pixel of a light that is nearest so far, counted from 1.
+    source: u32,
+    /// Square of its distance.
+    square: f32,
+}
+
+/// In place of a source: the pixel is in a light, or in a ring.
+const DONE: u32 = u32::MAX;
+
 /// The pixels that the rings have reached.
 struct Front<'a> {
     working: &'a Working<'a>,
-    light_of: &'a [u32],
-    /// The pixel of a light that is nearest to each pixel, counted from 1, as far as is known, and the square of its
-    /// distance.
-    source: Vec<u32>,
-    nearest: Vec<f32>,
-    is_done: Vec<bool>,
+    reached: Vec<Reached>,
     /// Steps to the pixels of each ring: the pixel, and the pixel of a light from which it was reached.
     rings: Vec<Vec<(u32, u32)>>,
     /// Height of a row, and the square of the largest distance.
@@ -201,19 +210,14 @@ struct Front<'a> {
 }
 
 impl<'a> Front<'a> {
-    fn new(working: &'a Working<'a>, light_of: &'a [u32]) -> Self {
-        let (pixels, height) = (light_of.len(), PI / working.size.0 as f64);
+    fn new(working: &'a Working<'a>, members: &[(usize, usize)]) -> Self {
+        let height = PI / working.size.0 as f64;
         let farthest = FARTHEST.max((LEAST_RINGS + STRIDE) as f64 * height);
-        let mut front = Self {
-            working,
-            light_of,
-            source: vec![NONE; pixels],
-            nearest: vec![0.0; pixels],
-            is_done: vec![false; pixels],
-            rings: Vec::new(),
-            height,
-            farthest: farthest * farthest,
-        };
+        let mut reached = vec![Reached { source: NONE, square: 0.0 }; working.size.0 * working.size.1];
+        for &(pixel, _) in members {
+            reached[pixel].source = DONE;
+        }
+        let mut front = Self { working, reached, rings: Vec::new(), height, farthest: farthest * farthest };
         front.rings.resize(front.ring_of(front.farthest as f32) + 1, Vec::new());
         front
     }
@@ -226,18 +230,18 @@ impl<'a> Front<'a> {
     /// Step from a pixel, while this ring grows, to those around it that know of no light's pixel nearer than `source`.
     fn visit_around(&mut self, pixel: usize, source: usize, ring: usize) {
         let counted = source as u32 + 1;
-        for other in self.working.around(pixel) {
-            let is_known = self.is_done[other] || self.source[other] == counted;
-            if is_known || self.light_of[other] != NONE {
+        let middle = self.working.centre(self.working.place(source));
+        for other in self.working.around(self.working.place(pixel)) {
+            let known = self.reached[other.index];
+            if known.source == DONE || known.source == counted {
                 continue;
             }
-            let square = self.working.centre(other).distance_squared(self.working.centre(source));
-            let is_first = self.source[other] == NONE;
-            if square < self.farthest && (is_first || (square as f32) < self.nearest[other]) {
-                self.source[other] = counted;
-                self.nearest[other] = square as f32;
+            let square = self.working.centre(other).distance_squared(middle);
+            let is_nearer = known.source == NONE || (square as f32) < known.square;
+            if square < self.farthest && is_nearer {
+                self.reached[other.index] = Reached { source: counted, square: square as f32 };
                 let number = self.ring_of(square as f32);
-                self.rings[number.max(ring)].push((other as u32, source as u32));
+                self.rings[number.max(ring)].push((other.index as u32, source as u32));
             }
         }
     }

@@ -7,6 +7,15 @@ use glam::{DVec3, Vec4};
 use crate::kernels::image::{Grid, luminance_f32};
 use crate::kernels::sphere::{Registration, band_heights};
 
+/// A larger pixel.
+#[derive(Clone, Copy)]
+pub struct Place {
+    /// Its flat index.
+    pub index: usize,
+    row: usize,
+    column: usize,
+}
+
 /// A map in larger pixels. Few of them lie near a light, so none is stored.
 pub struct Working<'a> {
     /// The pixels of the map itself, row after row.
@@ -52,9 +61,14 @@ impl<'a> Working<'a> {
         }
     }
 
+    /// The pixel of this flat index.
+    pub fn place(&self, index: usize) -> Place {
+        Place { index, row: index / self.size.1, column: index % self.size.1 }
+    }
+
     /// Mean radiance of a pixel, by solid angle.
-    pub fn mean(&self, index: usize) -> [f32; 3] {
-        let [row, column] = [index / self.size.1, index % self.size.1].map(|place| place * self.block);
+    pub fn mean(&self, Place { row, column, .. }: Place) -> [f32; 3] {
+        let [row, column] = [row, column].map(|place| place * self.block);
         let rows = row..(row + self.block).min(self.row_shares.len());
         let columns = column..(column + self.block).min(self.column_shares.len());
         // The mean of differences from the first pixel: exact where all are alike.
@@ -71,39 +85,34 @@ impl<'a> Working<'a> {
     }
 
     /// Luminance of a pixel.
-    pub fn luminance(&self, index: usize) -> f32 {
-        luminance_f32(self.mean(index))
+    pub fn luminance(&self, place: Place) -> f32 {
+        luminance_f32(self.mean(place))
     }
 
     /// Direction of the middle of a pixel.
-    pub fn centre(&self, index: usize) -> DVec3 {
-        let ((sin, cos), (sin_phi, cos_phi)) =
-            (self.rows[index / self.size.1], self.columns[index % self.size.1]);
+    pub fn centre(&self, place: Place) -> DVec3 {
+        let ((sin, cos), (sin_phi, cos_phi)) = (self.rows[place.row], self.columns[place.column]);
         DVec3::new(sin_phi * sin, cos, -cos_phi * sin)
     }
 
     /// Solid angle of a pixel, nearly.
-    pub fn solid_angle(&self, index: usize) -> f64 {
+    pub fn solid_angle(&self, place: Place) -> f64 {
         let (height, width) = self.size;
-        PI / height as f64 * TAU / width as f64 * self.rows[index / width].0
+        PI / height as f64 * TAU / width as f64 * self.rows[place.row].0
     }
 
     /// The eight pixels around one, across the seam and the poles.
-    pub fn around(&self, index: usize) -> [usize; 8] {
+    pub fn around(&self, Place { row, column, .. }: Place) -> [Place; 8] {
         let (height, width) = self.size;
-        let (row, column) = (index / width, index % width);
-        if (1..height - 1).contains(&row) && (1..width - 1).contains(&column) {
-            let (up, down) = (index - width, index + width);
-            return [up - 1, up, up + 1, index - 1, index + 1, down - 1, down, down + 1];
-        }
-        let (left, right) = ((column + width - 1) % width, (column + 1) % width);
-        let across = |column: usize| (column + width / 2) % width;
-        let line = |row: usize, beyond: bool| {
-            [left, column, right].map(|column| row * width + if beyond { across(column) } else { column })
-        };
-        let up = line(row.saturating_sub(1), row == 0);
-        let down = line((row + 1).min(height - 1), row + 1 == height);
-        [up[0], up[1], up[2], row * width + left, row * width + right, down[0], down[1], down[2]]
+        let left = if column > 0 { column - 1 } else { width - 1 };
+        let right = if column + 1 < width { column + 1 } else { 0 };
+        let beside = |row: usize| [left, column, right].map(|column| (row, column));
+        // Beyond a pole lies the same row, half a turn away.
+        let across = || beside(row).map(|(row, column)| (row, (column + width / 2) % width));
+        let up = if row > 0 { beside(row - 1) } else { across() };
+        let down = if row + 1 < height { beside(row + 1) } else { across() };
+        [up[0], up[1], up[2], (row, left), (row, right), down[0], down[1], down[2]]
+            .map(|(row, column)| Place { index: row * width + column, row, column })
     }
 }
 
