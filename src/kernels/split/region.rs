@@ -38,49 +38,69 @@ pub struct Regions {
 
 /// The pixels of the first `taken` lights of `members`: flat indices, each with its light. The others stay.
 pub fn regions(working: &Working<'_>, members: &[(usize, usize)], taken: usize, threshold: f64) -> Regions {
-    // Give each light the pixels in which it was found.
+    let lights = members.iter().map(|&(_, light)| light + 1).max().unwrap_or(0);
+    let mut light_of = light_of_each(working, members);
+    let mut holes = own(members, &light_of, taken);
+    add_rings(working, members, &mut light_of, Rings::new(lights, threshold as f32), &mut holes);
+    let glows = glow::glows(working, &mut light_of, lights, threshold);
+    let mut glow = close_things(&mut holes, glows);
+    for pixels in holes.iter_mut().chain(&mut glow) {
+        pixels.sort_unstable();
+        pixels.dedup();
+    }
+    Regions { holes, glow, light_of, threshold: threshold as f32 }
+}
+
+/// The light of each pixel, counted from 1; of several, the last one.
+fn light_of_each(working: &Working<'_>, members: &[(usize, usize)]) -> Vec<u32> {
     let mut light_of = vec![NONE; working.size.0 * working.size.1];
     for &(index, light) in members {
         light_of[index] = light as u32 + 1;
     }
-    let mut pixels = vec![Vec::new(); taken];
+    light_of
+}
+
+/// The pixels in which each light that is taken was found.
+fn own(members: &[(usize, usize)], light_of: &[u32], taken: usize) -> Vec<Vec<u32>> {
+    let mut holes = vec![Vec::new(); taken];
     for &(index, _) in members {
-        if let Some(pixels) = pixels.get_mut(light_of[index] as usize - 1) {
+        if let Some(pixels) = holes.get_mut(light_of[index] as usize - 1) {
             pixels.push(index as u32);
         }
     }
-    // Grow rings around all lights, and give each those up to its last one.
-    let lights = members.iter().map(|&(_, light)| light + 1).max().unwrap_or(0);
-    let mut rings = Rings::new(lights, threshold as f32);
-    for ring in grown(working, members, &light_of, &mut rings) {
-        if let Some(pixels) = pixels.get_mut(ring.light as usize)
+    holes
+}
+
+/// Grow rings around all lights, and give each that is taken those up to its last one.
+fn add_rings(
+    working: &Working<'_>,
+    members: &[(usize, usize)],
+    light_of: &mut [u32],
+    mut rings: Rings,
+    holes: &mut [Vec<u32>],
+) {
+    for ring in grown(working, members, light_of, &mut rings) {
+        if let Some(pixels) = holes.get_mut(ring.light as usize)
             && ring.number < rings.widths[ring.light as usize]
         {
             pixels.push(ring.pixel);
+            light_of[ring.pixel as usize] = ring.light + 1;
         }
     }
-    // Find the bright pixels around what each light has so far.
-    for (light, pixels) in pixels.iter().enumerate() {
-        for &pixel in pixels {
-            light_of[pixel as usize] = light as u32 + 1;
-        }
-    }
-    let close_or_leave = |(pixels, glow): (&mut Vec<u32>, Glow)| {
+}
+
+/// Close the glows that are things of their own with their lights; those of the others.
+fn close_things(holes: &mut [Vec<u32>], glows: Vec<Glow>) -> Vec<Vec<u32>> {
+    let close_or_leave = |(hole, glow): (&mut Vec<u32>, Glow)| {
         if glow.is_a_thing() {
-            pixels.extend(glow.pixels);
+            hole.extend(glow.pixels);
             return Vec::new();
         }
         glow.pixels
     };
-    let glows = glow::glows(working, &mut light_of, lights, threshold);
-    let mut glow: Vec<Vec<u32>> = pixels.iter_mut().zip(glows).map(close_or_leave).collect();
-    glow.resize(taken, Vec::new());
-    // List the pixels of each light in their order, each once.
-    for pixels in pixels.iter_mut().chain(&mut glow) {
-        pixels.sort_unstable();
-        pixels.dedup();
-    }
-    Regions { holes: pixels, glow, light_of, threshold: threshold as f32 }
+    let mut left: Vec<Vec<u32>> = holes.iter_mut().zip(glows).map(close_or_leave).collect();
+    left.resize(holes.len(), Vec::new());
+    left
 }
 
 impl Regions {
