@@ -178,7 +178,7 @@ def _chosen(
         together = np.cumsum(found.flux_share)
         enough = int(np.searchsorted(together, part * (1 - 1e-12) * found.flux_share.sum())) + 1
         most = min(enough if part else 0, len(found) if most is None else most)
-    return found, found[:most]
+    return found, found if most is None else found[:most]
 
 
 def _count(lights: object) -> int:
