@@ -18,7 +18,7 @@ _NUMBERS = 2**18
 
 
 def blocks(shape: tuple[int, ...]) -> Iterator[slice]:
-    """Slices of the rows of an array of this shape."""
+    """Slices of the rows of an array of this shape, a block in each."""
     rows = max(_NUMBERS // max(math.prod(shape[1:]), 1), 1)
     for first in range(0, shape[0], rows):
         yield slice(first, min(first + rows, shape[0]))

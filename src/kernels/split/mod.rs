@@ -54,8 +54,9 @@ use crate::kernels::image::{self, Grid};
 use crate::kernels::sphere::{self, Registration};
 use cells::Cells;
 pub use found::Found;
-use level::Enlarged;
+use level::{Enlarged, Level};
 use pixels::Map;
+use region::Regions;
 pub use taken::Taken;
 use working::Working;
 
@@ -78,7 +79,7 @@ pub fn split(
     let directions = sphere::unit_vectors("direction", found.directions)?;
     let (height, width, _) = radiance.dim();
     sphere::check_memory(&[height, width, 2])?;
-    // What is not in rows one after the other is empty here, which is no copy of the map either.
+    // What is not in rows one after the other is empty here, and refused for its length.
     let rest = rest.into_slice().unwrap_or_default();
     sphere::check_lengths("radiance", radiance.len(), [("rest", rest.len())])?;
     let samples = image::samples_of(radiance, 0..height);
@@ -86,14 +87,9 @@ pub fn split(
     let (size, block) = ((height, width), found.block.max(1));
     let working = Working::of(map, size, registration, block);
     let members = found.members(working.size)?;
-    let closed = || {
-        let regions = region::regions(&working, &members, directions.len(), found.threshold);
-        let given = |pixel| regions.mean_left(&working, pixel);
-        let membrane = membrane::membrane(working.grid.clone(), regions.all_holes(), given);
-        (regions, membrane)
-    };
-    // The membrane takes about as long as to copy the map: two threads do both.
+    // To find what closes the holes takes about as long as to copy the map: two threads do both.
     let rest = rest.as_chunks_mut::<3>().0;
+    let closed = || closed(&working, &members, directions.len(), found.threshold);
     let ((), (regions, membrane)) = rayon::join(|| copy(map, rest), closed);
     let map = Map {
         pixels: map,
@@ -104,6 +100,19 @@ pub fn split(
         threshold: found.threshold as f32,
     };
     Ok(taken::take(&map, &Cells::new(&working.grid), &regions, &directions, rest))
+}
+
+/// The pixels of the first `taken` lights, and the membrane that closes their holes.
+fn closed(
+    working: &Working<'_>,
+    members: &[(usize, usize)],
+    taken: usize,
+    threshold: f64,
+) -> (Regions, Level) {
+    let regions = region::regions(working, members, taken, threshold);
+    let given = |pixel| regions.mean_left(working, pixel);
+    let membrane = membrane::membrane(working.grid.clone(), regions.all_holes(), given);
+    (regions, membrane)
 }
 
 /// Copy a map, so that it can be interrupted.

@@ -13,7 +13,7 @@ use super::loss::Loss;
 use crate::interrupt;
 use crate::kernels::detect::tree::{Run, runs};
 
-/// Rows of the working image in a band: there are some for each thread. Another number would add in another order.
+/// Rows of the working image in a band: few, so that every thread has work. Another number would add in another order.
 const ROWS_OF_A_BAND: usize = 8;
 /// Columns of a strip, at most: its sums stay in the first cache.
 const PIXELS_OF_A_STRIP: usize = 128;

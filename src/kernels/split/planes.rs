@@ -13,7 +13,7 @@ pub struct Planes<const CHANNELS: usize> {
 }
 
 impl<const CHANNELS: usize> Planes<CHANNELS> {
-    /// Make room for so many pixels.
+    /// Make room for so many pixels, which are to be filled.
     pub fn start(&mut self, pixels: usize) {
         self.pixels = pixels;
         self.values.resize(CHANNELS * pixels, 0.0);
