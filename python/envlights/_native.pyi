@@ -120,6 +120,7 @@ class WhiteDetection:
 @final
 class FitAnswer:
     points: int
+    lights: int
     angular_radii: list[float]
     shadow_error: float
     channels: int

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import operator
 import os
+import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, overload
@@ -39,8 +40,9 @@ def brightest_first(irradiance: NDArray[np.float64]) -> NDArray[np.intp]:
     red, green, blue = LUMINANCE[:, None] * irradiance.T
     luminance = red + green + blue
     # Luminances that differ by rounding alone are equal.
-    unit = max(luminance.max(initial=0.0), np.finfo(float).tiny)
-    return np.argsort(-np.round(luminance / unit, 9), kind="stable")
+    unit = max(luminance.max(initial=0.0), sys.float_info.min)
+    order: NDArray[np.intp] = (-(luminance / unit).round(9)).argsort(kind="stable")
+    return order
 
 
 #: What takes several lights out of all: a slice, numbers, or a mask.
@@ -85,6 +87,20 @@ class Lights(Result):
         object.__setattr__(self, "direction", sealed(direction[order]))
         object.__setattr__(self, "irradiance", sealed(irradiance[order]))
         object.__setattr__(self, "angular_radius", sealed(radius[order]))
+
+    @classmethod
+    def unchecked(
+        cls,
+        direction: NDArray[np.float64],
+        irradiance: NDArray[np.float64],
+        angular_radius: NDArray[np.float64],
+    ) -> Lights:
+        """Lights that a kernel has found, brightest first, in arrays that nobody else holds."""
+        lights = cls.__new__(cls)
+        object.__setattr__(lights, "direction", sealed(direction))
+        object.__setattr__(lights, "irradiance", sealed(irradiance))
+        object.__setattr__(lights, "angular_radius", sealed(angular_radius))
+        return lights
 
     def __len__(self) -> int:
         return len(self.direction)

@@ -39,6 +39,12 @@ impl FitAnswer {
         rows(py, &self.fitted.rig.irradiance)
     }
 
+    /// How many lights there are.
+    #[getter]
+    fn lights(&self) -> usize {
+        self.fitted.rig.directions.len()
+    }
+
     /// Angular radius of each light, in radians: 0 for a point.
     #[getter]
     fn angular_radii(&self) -> Vec<f64> {

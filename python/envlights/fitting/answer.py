@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,8 +14,19 @@ from envlights.report import FitReport, StopReason
 from envlights.rig import Rig
 
 
-def rig_of(answer: FitAnswer, asked: Asked, scale: float = 1.0) -> Rig:
-    """The rig of an `answer` whose irradiance is in units of `scale`."""
+def rig_of(
+    answer: FitAnswer,
+    asked: Asked,
+    *,
+    scale: float = 1.0,
+    notes: tuple[str, ...] = (),
+    floor: bool = False,
+    **told: Any,
+) -> Rig:
+    """The rig of an `answer` whose irradiance is in units of `scale`.
+
+    Its report holds what the answer knows, and what is `told` beside it.
+    """
     irradiance = answer.irradiance * scale
     # Sort once, in the final units: rounding in other units could exchange lights that are alike.
     order = brightest_first(irradiance)
@@ -28,13 +41,17 @@ def rig_of(answer: FitAnswer, asked: Asked, scale: float = 1.0) -> Rig:
         direction_errors=_sorted(answer.direction_errors, order),
         irradiance_errors=_sorted_rgb(answer.irradiance_errors, order, scale),
         direction_tolerances=_sorted(answer.tolerances, order),
-        fixed=tuple(np.argsort(order)[: len(asked.fixed)].tolist()),
+        fixed=tuple(order.argsort()[: len(asked.fixed)].tolist()) if len(asked.fixed) else (),
+        **told,
     )
+    radii = np.array(answer.angular_radii)
     return Rig(
         ambient if len(ambient) > 1 else ambient.sum(axis=0),
-        Lights(answer.directions[order], irradiance[order], np.take(answer.angular_radii, order)),
+        Lights.unchecked(answer.directions[order], irradiance[order], radii[order]),
         answer.error,
         report,
+        notes,
+        floor,
     )
 
 
@@ -54,7 +71,7 @@ def _sorted_rgb(
 
 def _stop_reason(answer: FitAnswer, asked: Asked) -> StopReason:
     """Why there are no more lights, given the errors that were asked for."""
-    if not answer.ambient.any() and not answer.irradiance.any() and answer.error == 0:
+    if answer.error == 0 and not answer.ambient.any() and not answer.irradiance.any():
         return StopReason.NOTHING_TO_FIT
     if asked.has_goal and not asked.is_reached(answer.error, answer.shadow_error):
         return StopReason.ERROR_NOT_REACHED

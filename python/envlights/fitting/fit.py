@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from time import perf_counter
 
 import numpy as np
@@ -184,29 +183,32 @@ def fit(
 
     world, answers = seen_through(env, answers_under)
     clock.lap("fit")
-    chosen = _chosen(answers, wanted)
+    chosen = _chosen(answers, wanted) if ambient == AUTO else ambient
     answer = answers[chosen]
-    rig = rig_of(answer, wanted)
-    clock.lap("report")
-    report = replace(
-        rig.report,
+    rig = rig_of(
+        answer,
+        wanted,
+        notes=(*world.notes, *notes.clipping(world)),
+        floor=floor,
         # Where an error was asked for, all numbers of lights had sizes.
-        sized_error=rig.error if of_discs and len(rig.lights) and not wanted.has_goal else None,
+        sized_error=answer.error if of_discs and answer.lights and not wanted.has_goal else None,
+        # The last stage will be noted there.
         seconds=clock.laps,
         measured_on=notes.measured_on(answer.judging, normals, floor),
         shadow_error=answer.shadow_error,
         ambient=chosen,
-        ambients={name: (len(one.directions), one.error) for name, one in answers.items()}
+        ambients={name: (one.lights, one.error) for name, one in answers.items()}
         if ambient == AUTO
         else {},
         skipped=(
             *notes.working_map(world, answer.points, RENDERING_ERROR),
             *notes.channels(answer),
             *notes.sizes(sizes, normals),
-            *notes.fewer_lights(rig, wanted, RENDERING_ERROR),
+            *notes.fewer_lights(answer, wanted, RENDERING_ERROR),
         ),
     )
-    return replace(rig, report=report, notes=(*world.notes, *notes.clipping(world)), floor=floor)
+    clock.lap("report")
+    return rig
 
 
 def fit_probe(
@@ -297,16 +299,18 @@ def fit_probe(
         MAX_STEPS,
     )
     clock.lap("fit")
-    rig = rig_of(answer, wanted, scale)
-    clock.lap("report")
-    report = replace(
-        rig.report,
+    rig = rig_of(
+        answer,
+        wanted,
+        scale=scale,
+        # The last stage will be noted there.
         seconds=clock.laps,
         measured_on=f"the {len(normals)} fitted normals",
         ambient=ambient,
-        skipped=(*notes.channels(answer), *notes.fewer_lights(rig, wanted, 0.0)),
+        skipped=(*notes.channels(answer), *notes.fewer_lights(answer, wanted, 0.0)),
     )
-    return replace(rig, report=report)
+    clock.lap("report")
+    return rig
 
 
 class _Clock:
@@ -373,7 +377,7 @@ def _chosen(answers: Mapping[str, FitAnswer], wanted: Asked) -> str:
     `answers` hold the simplest first, which is chosen where several do as well.
     """
     reached = {
-        name: len(answer.directions)
+        name: answer.lights
         for name, answer in answers.items()
         if wanted.is_reached(answer.error, answer.shadow_error)
     }

@@ -6,7 +6,6 @@ from envlights._native import FitAnswer
 from envlights.envmap import EnvMap
 from envlights.fitting.asked import Asked
 from envlights.kernels.probe import WORKING_COLUMNS
-from envlights.rig import Rig
 
 
 def measured_on(count: int, normals: str, floor: bool) -> str:
@@ -38,14 +37,15 @@ def sizes(asked: bool, normals: str) -> tuple[str, ...]:
     return ("sizes: lights for upward normals are points",) if asked and normals == "upper" else ()
 
 
-def fewer_lights(rig: Rig, wanted: Asked, rendering_error: float) -> tuple[str, ...]:
+def fewer_lights(answer: FitAnswer, wanted: Asked, rendering_error: float) -> tuple[str, ...]:
     """Why there are fewer lights than there may be."""
-    used, most, tried = len(rig.lights), wanted.lights, max(rig.report.errors)
+    used, most = answer.lights, wanted.lights
     if used >= most:
         return ()
-    if wanted.is_reached(rig.error, rig.report.shadow_error or 0.0):
+    tried = max(lights for lights, _ in answer.errors)
+    if wanted.is_reached(answer.error, answer.shadow_error):
         why = "fewer are good enough"
-    elif rig.error <= rendering_error:
+    elif answer.error <= rendering_error:
         why = f"the error is below that of rendering, {rendering_error:.0e}"
     else:
         why = "they would not lower the error"
