@@ -2,6 +2,7 @@
 //!
 //! | step                                           | file           |
 //! |------------------------------------------------|----------------|
+//! | what maps of the same pixels share             | `kept.rs`      |
 //! | directions, pixels, solid angles               | `sphere.rs`    |
 //! | low-discrepancy points, icospheres             | `sampling.rs`  |
 //! | spherical harmonics, and irradiance under them | `harmonics.rs` |
@@ -21,6 +22,7 @@ pub mod disc_map;
 pub mod fit;
 pub mod harmonics;
 pub mod image;
+mod kept;
 pub mod madsen;
 pub mod probe;
 pub mod sampling;

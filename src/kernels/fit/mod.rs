@@ -184,7 +184,7 @@ pub fn energy(map: &WorkingMap) -> f64 {
 /// The probe under a map at normals that are quickly looked at.
 fn rendered(map: &WorkingMap, fewest: usize) -> Result<Samples> {
     let probe::Judged { normals, weights, irradiance } = probe::judge(map, fewest)?;
-    Samples::new(normals.view(), weights.view(), irradiance.view())
+    Ok(Samples::of(normals, weights, irradiance))
 }
 
 /// The best rig for irradiance at given normals, which judge it as well.

@@ -10,7 +10,7 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
-use ndarray::{Array1, Array2, Axis};
+use ndarray::Axis;
 use pulp::Arch;
 use rayon::prelude::*;
 
@@ -20,8 +20,8 @@ use super::runs::{Run, Sums};
 use super::sources::under_sources;
 use super::strips::{Ring, View};
 use crate::error::{Error, Result};
-use crate::kernels::image::WorkingMap;
-use crate::kernels::sphere;
+use crate::kernels::image::{Grid, WorkingMap};
+use crate::kernels::kept::Kept;
 
 /// Rows of the map that one task sums.
 const ROWS_OF_A_RUN: usize = 16;
@@ -31,12 +31,21 @@ const GOLDEN_SECTION: f64 = 0.618_033_988_749_894_9;
 /// Irradiance at normals that judge a rig.
 #[derive(Clone, Debug)]
 pub struct Judged {
-    /// Unit normals, (n, 3); the second half mirrors the first, whose normals face up.
-    pub normals: Array2<f64>,
-    /// Solid angle that each stands for, (n,).
-    pub weights: Array1<f64>,
-    /// RGB irradiance at each, (n, 3).
-    pub irradiance: Array2<f64>,
+    /// Unit normals; the second half mirrors the first, whose normals face up.
+    pub normals: Vec<DVec3>,
+    /// Solid angle that each stands for.
+    pub weights: Vec<f64>,
+    /// RGB irradiance at each.
+    pub irradiance: Vec<DVec3>,
+}
+
+/// The rings, and what they see of the rows of a map: the same under all maps of one grid.
+struct Rings {
+    columns: EvenColumns,
+    views: Vec<View>,
+    /// The normals of all rings, ring after ring, and then their opposites.
+    normals: Vec<DVec3>,
+    weights: Vec<f64>,
 }
 
 /// Irradiance under a reduced map at `fewest` normals, or some more: their azimuths follow its columns.
@@ -45,34 +54,41 @@ pub struct Judged {
 ///
 /// [`Error::TooBright`].
 pub fn judge(map: &WorkingMap, fewest: usize) -> Result<Judged> {
-    // Lay the rings, and find where the horizon of each cuts the rows.
-    let columns = EvenColumns::new(&map.grid);
-    let rings = upper_rings(&columns, fewest.div_ceil(2 * columns.azimuths));
-    let views: Vec<View> = rings.par_iter().map(|ring| ring.view(&map.grid.theta_edges, &columns)).collect();
-    let normals = normals_of(&rings, &columns);
+    static RINGS: Kept<(Grid, usize), Rings> = Kept::new();
+    let rings = RINGS.of(&(map.grid.clone(), fewest), || Rings::new(&map.grid, fewest));
+    let normals = &rings.normals[..rings.normals.len() / 2];
     // Add up cells and sources.
-    let cells = under_cells(map, &columns, &normals, &views);
-    let sources = under_sources(&map.sources, &normals);
+    let cells = under_cells(map, &rings.columns, normals, &rings.views);
+    let sources = under_sources(&map.sources, normals);
     let flux = std::array::from_fn(|axis| cells.flux[axis] + flux_of_sources(map, axis));
     // Get the opposites back.
     let front: Vec<DVec3> =
         cells.irradiance.iter().zip(sources).map(|(cells, source)| cells + source).collect();
-    let behind = front.iter().zip(&normals).map(|(front, &normal)| front - opposite::dot(normal, &flux));
+    let behind = front.iter().zip(normals).map(|(front, &normal)| front - opposite::dot(normal, &flux));
     let irradiance: Vec<DVec3> = front.iter().copied().chain(behind).collect();
     if !irradiance.iter().all(|sum| sum.is_finite()) {
         return Err(Error::TooBright);
     }
-    let all = normals.iter().copied().chain(normals.iter().map(|&normal| -normal));
     Ok(Judged {
-        weights: rings
-            .iter()
-            .chain(&rings)
-            .flat_map(|ring| vec![ring.solid_angle; columns.azimuths])
-            .collect(),
-        normals: sphere::from_vectors(all),
+        normals: rings.normals.clone(),
+        weights: rings.weights.clone(),
         // Rounding must not make darkness negative.
-        irradiance: sphere::from_vectors(irradiance.into_iter().map(|sum| sum.max(DVec3::ZERO))),
+        irradiance: irradiance.into_iter().map(|sum| sum.max(DVec3::ZERO)).collect(),
     })
+}
+
+impl Rings {
+    /// `fewest` normals, or some more, and what they see of the rows of a grid.
+    fn new(grid: &Grid, fewest: usize) -> Self {
+        let columns = EvenColumns::new(grid);
+        let rings = upper_rings(&columns, fewest.div_ceil(2 * columns.azimuths));
+        let views = rings.par_iter().map(|ring| ring.view(&grid.theta_edges, &columns)).collect();
+        let upper = normals_of(&rings, &columns);
+        let normals = upper.iter().copied().chain(upper.iter().map(|&normal| -normal)).collect();
+        let solid_angles = rings.iter().chain(&rings).map(|ring| ring.solid_angle);
+        let weights = solid_angles.flat_map(|one| std::iter::repeat_n(one, columns.azimuths)).collect();
+        Self { columns, views, normals, weights }
+    }
 }
 
 /// That many rings of normals that face up.
@@ -160,8 +176,8 @@ mod tests {
     use super::super::{Steps, irradiance, under_cells as exact_under_cells};
     use super::*;
     use crate::kernels::sphere::Registration::{self, BorderSampled, CellCentred};
-    use crate::kernels::{fit, image};
-    use ndarray::{Array3, s};
+    use crate::kernels::{fit, image, sphere};
+    use ndarray::{Array1, Array2, Array3, ArrayView1, ArrayView2};
     use rayon::ThreadPoolBuilder;
 
     /// Heights, registrations and columns of the working map: cells kept, split, in blocks, with a rest.
@@ -176,6 +192,12 @@ mod tests {
         (257, CellCentred, 256),
         (9, CellCentred, 256),
     ];
+
+    /// Relative RMS error beside the `exact` irradiance, (n, 3).
+    fn error(judged: &Judged, exact: ArrayView2<'_, f64>) -> f64 {
+        let found = sphere::from_vectors(judged.irradiance.iter().copied());
+        fit::relative_rms(found.view(), exact, ArrayView1::from(&judged.weights)).unwrap()
+    }
 
     fn waves(height: usize) -> Array3<f32> {
         let wave = |y: f64, x: f64| (11.0 * x).sin() + (0.5 * (y - x) * height as f64).cos() + 2.0;
@@ -194,11 +216,10 @@ mod tests {
             let rows = map.radiance.dim().0;
             let fine = (512 / rows).max(1);
             let split = split_rows(&map, fine);
-            let normals = sphere::to_vectors(judged.normals.view());
+            let steps = Steps::of(rows);
             let exact =
-                exact_under_cells(split.radiance.view(), &split.grid, Steps::of(rows), &normals).unwrap();
-            let error =
-                fit::relative_rms(judged.irradiance.view(), exact.view(), judged.weights.view()).unwrap();
+                exact_under_cells(split.radiance.view(), &split.grid, steps, &judged.normals).unwrap();
+            let error = error(&judged, exact.view());
 
             let bound = if height < 100 { 1e-4 } else { 5e-6 };
             assert!(error < bound, "{height} rows, {registration:?}: {error:e}");
@@ -237,7 +258,7 @@ mod tests {
             let map = image::reduce(sky.view(), registration, columns, 2.0, false).unwrap();
             let judged = judge(&map, 5120).unwrap();
             let difference =
-                judged.irradiance.iter().map(|value| (value / PI - 1.0).abs()).fold(0.0, f64::max);
+                judged.irradiance.iter().map(|value| (value / PI - 1.0).abs().max_element()).fold(0.0, f64::max);
 
             let bound = if height < 10 {
                 1e-3
@@ -255,14 +276,15 @@ mod tests {
         for (height, registration, columns) in MAPS {
             let map = image::reduce(waves(height).view(), registration, columns, 1.0, false).unwrap();
             let Judged { normals, weights, .. } = judge(&map, 5120).unwrap();
-            let half = normals.nrows() / 2;
-            assert!(2 * half >= 5120);
-            assert_eq!(normals.slice(s![..half, ..]), -&normals.slice(s![half.., ..]));
-            assert!((weights.sum() / (4.0 * PI) - 1.0).abs() < 1e-12);
-            for normal in normals.rows() {
-                assert!((normal.dot(&normal) - 1.0).abs() < 1e-14);
+            let (upper, lower) = normals.split_at(normals.len() / 2);
+            assert!(normals.len() >= 5120 && upper.len() == lower.len());
+            assert!(upper.iter().zip(lower).all(|(&upper, &lower)| upper == -lower));
+            assert!((weights.iter().sum::<f64>() / (4.0 * PI) - 1.0).abs() < 1e-12);
+            for normal in &normals {
+                assert!((normal.dot(*normal) - 1.0).abs() < 1e-14);
             }
             // The mean of n n^T is a third of the identity.
+            let (normals, weights) = (sphere::from_vectors(normals.into_iter()), Array1::from(weights));
             let moments = normals.t().dot(&(&normals * &weights.insert_axis(Axis(1)))) / (4.0 * PI);
             let difference = (moments - Array2::<f64>::eye(3) / 3.0).mapv(f64::abs);
             assert!(difference.iter().all(|&x| x < 1e-14), "{difference}");
@@ -292,9 +314,10 @@ mod tests {
         map[[200, 300, 1]] = 1e5;
         let working = image::reduce(map.view(), CellCentred, 256, 2e-3, false).unwrap();
         assert_eq!(working.sources.dim().0, 2);
-        let Judged { normals, weights, irradiance: found } = judge(&working, 5120).unwrap();
+        let judged = judge(&working, 5120).unwrap();
+        let normals = sphere::from_vectors(judged.normals.iter().copied());
         let exact = irradiance(map.view(), CellCentred, normals.view()).unwrap();
-        let error = fit::relative_rms(found.view(), exact.view(), weights.view()).unwrap();
+        let error = error(&judged, exact.view());
         assert!(error < 2e-4, "{error:e}");
     }
 
@@ -303,7 +326,8 @@ mod tests {
         let map = image::reduce(waves(257).view(), CellCentred, 256, 1e-4, false).unwrap();
         let on = |threads: usize| {
             let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| judge(&map, 5120).unwrap().irradiance.mapv(f64::to_bits))
+            let judged = pool.install(|| judge(&map, 5120).unwrap());
+            judged.irradiance.iter().map(|e| e.to_array().map(f64::to_bits)).collect::<Vec<_>>()
         };
         let one = on(1);
         assert_eq!(one, on(2));

@@ -13,14 +13,16 @@ use super::harmonics::{Harmonics, Rgb2};
 use super::place::Legendre;
 use super::zonal::DEGREES;
 use crate::kernels::image::Grid;
+use crate::kernels::kept::Kept;
 
 impl Harmonics {
     /// Of a map in cells.
     pub fn of_cells(radiance: ArrayView3<'_, f32>, grid: &Grid) -> Self {
         /// Parts of the rows that are summed side by side; always the same, so that the sums are too.
         const PARTS: usize = 4;
+        static ROWS: Kept<Vec<f64>, Vec<Row>> = Kept::new();
         let azimuthal = azimuthal(radiance, &grid.phi_edges);
-        let rows = Row::all(&grid.theta_edges);
+        let rows = ROWS.of(&grid.theta_edges, || Row::all(&grid.theta_edges));
         let part = |rows: &[Row]| {
             let mut out = Self::zero();
             for row in rows {
@@ -93,9 +95,10 @@ fn turns(phi: f64) -> [Complex<f64>; DEGREES] {
 
 /// A row of cells between two polar angles, and the one at the same angles from the other pole where there is one.
 struct Row {
-    edges: [f64; 2],
     index: usize,
     mirrored: Option<usize>,
+    /// Integrals of `P_lm` over theta, order by order, degree by degree.
+    integrals: Vec<f64>,
 }
 
 impl Row {
@@ -104,38 +107,43 @@ impl Row {
         let is_symmetric = (0..=rows).all(|i| (edges[i] + edges[rows - i] - PI).abs() < 1e-12);
         let row = |index: usize| {
             let mirrored = (is_symmetric && rows - 1 - index != index).then(|| rows - 1 - index);
-            Self { edges: [edges[index], edges[index + 1]], index, mirrored }
+            Self { index, mirrored, integrals: Self::integrals(edges[index], edges[index + 1]) }
         };
         (0..if is_symmetric { rows.div_ceil(2) } else { rows }).map(row).collect()
     }
 
-    /// Add it to harmonics, by two Gauss nodes in theta, more where it is high.
-    fn add_to(&self, out: &mut Harmonics, azimuthal: &[Rgb2]) {
+    /// By two Gauss nodes in theta, more where the row is high.
+    fn integrals(low: f64, high: f64) -> Vec<f64> {
         const HIGHEST: f64 = FRAC_PI_4 / 16.0;
-        let height = self.edges[1] - self.edges[0];
-        let parts = (height / HIGHEST).ceil().max(1.0);
-        let half = 0.5 * height / parts;
-        let mut integrals = vec![[0.0; DEGREES]; DEGREES];
+        let parts = ((high - low) / HIGHEST).ceil().max(1.0);
+        let half = 0.5 * (high - low) / parts;
+        let mut out = vec![0.0; DEGREES * (DEGREES + 1) / 2];
         for node in 0..2 * parts as usize {
-            let middle = self.edges[0] + half * (2 * (node / 2) + 1) as f64;
+            let middle = low + half * (2 * (node / 2) + 1) as f64;
             let side = if node % 2 == 0 { -half } else { half };
             let (sine, cosine) = (middle + side / 3.0_f64.sqrt()).sin_cos();
             let mut legendre = Legendre::new(cosine, sine);
-            for (m, integrals) in integrals.iter_mut().enumerate() {
+            let mut integrals = out.iter_mut();
+            for m in 0..DEGREES {
                 let column = legendre.column(m);
-                (m..DEGREES).for_each(|l| integrals[l] += half * sine * column[l]);
+                (m..DEGREES).zip(&mut integrals).for_each(|(l, sum)| *sum += half * sine * column[l]);
             }
         }
-        let mut values = out.values.iter_mut();
-        for (m, integrals) in integrals.iter().enumerate() {
+        out
+    }
+
+    /// Add it to harmonics.
+    fn add_to(&self, out: &mut Harmonics, azimuthal: &[Rgb2]) {
+        let mut values = out.values.iter_mut().zip(&self.integrals);
+        for m in 0..DEGREES {
             // On the other side of the horizon, every second degree has the other sign.
             let one = azimuthal[self.index * DEGREES + m];
             let other = self.mirrored.map_or([0.0; 8], |row| azimuthal[row * DEGREES + m]);
             let sums: [Rgb2; 2] =
                 [std::array::from_fn(|i| one[i] + other[i]), std::array::from_fn(|i| one[i] - other[i])];
-            for (l, value) in (m..DEGREES).zip(&mut values) {
+            for (l, (value, integral)) in (m..DEGREES).zip(&mut values) {
                 let sum = &sums[(l - m) % 2];
-                (0..8).for_each(|i| value[i] += integrals[l] * sum[i]);
+                (0..8).for_each(|i| value[i] += integral * sum[i]);
             }
         }
     }

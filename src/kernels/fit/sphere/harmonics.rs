@@ -18,6 +18,7 @@ use ndarray::ArrayView3;
 
 use super::points::Point;
 use crate::kernels::image::Grid;
+use crate::kernels::kept::Kept;
 use crate::kernels::sphere::angles;
 
 /// The highest degree. The clamped cosine weighs degree l by about `l^-5` in an inner product: beyond 32 the
@@ -113,7 +114,8 @@ pub struct Spectrum {
 impl Spectrum {
     /// Of a map in cells.
     pub fn new(radiance: ArrayView3<'_, f32>, grid: &Grid) -> Self {
-        let bands = Bands::new(&grid.theta_edges);
+        static BANDS: Kept<Vec<f64>, Bands> = Kept::new();
+        let bands = BANDS.of(&grid.theta_edges, || Bands::new(&grid.theta_edges));
         let azimuthal = azimuthal(radiance, &grid.phi_edges);
         Self { even: even(&bands, &azimuthal), first: bands.first_moments(&azimuthal) }
     }
@@ -204,14 +206,12 @@ pub fn turned(mut harmonics: Coefficients, azimuth: f64) -> Coefficients {
 /// The coefficients of even degree.
 fn even(bands: &Bands, azimuthal: &Azimuthal) -> Coefficients {
     let mut out: Coefficients = Default::default();
-    let mut legendre = Legendre::new(bands.nodes.iter().map(|node| node.height).collect());
+    let mut integrals = bands.integrals.chunks_exact(bands.rows.len());
     for order in 0..ORDERS {
         let sums = bands.sums(azimuthal, order);
-        for row in legendre.rows() {
+        for (_, integrals) in degrees(order).zip(&mut integrals) {
             let mut sum = [0.0; 6];
-            for (band, values) in bands.rows.iter().zip(&sums) {
-                let weighted = row[band.nodes.clone()].iter().zip(&bands.nodes[band.nodes.clone()]);
-                let integral: f64 = weighted.map(|(p, node)| p * node.weight).sum();
+            for (integral, values) in integrals.iter().zip(&sums) {
                 (0..6).for_each(|i| sum[i] += integral * values[i]);
             }
             let [cosine, sine] = [0, 3].map(|i| [sum[i], sum[i + 1], sum[i + 2]]);
@@ -220,7 +220,6 @@ fn even(bands: &Bands, azimuthal: &Azimuthal) -> Coefficients {
                 out[2 + order % 2].push(sine);
             }
         }
-        legendre.raise();
     }
     out
 }
@@ -315,6 +314,8 @@ fn whole(samples: &[[f32; 3]], columns: usize) -> [DMatrix<f64>; 4] {
 struct Bands {
     nodes: Vec<Node>,
     rows: Vec<Row>,
+    /// Integrals of `P_lm` over theta, order by order, degree by degree: one for each row.
+    integrals: Vec<f64>,
 }
 
 /// A node of an integral over theta.
@@ -337,7 +338,7 @@ impl Bands {
         const HIGHEST: f64 = FRAC_PI_4 / 16.0;
         let rows = edges.len() - 1;
         let is_symmetric = (0..=rows).all(|i| (edges[i] + edges[rows - i] - PI).abs() < 1e-12);
-        let mut bands = Self { nodes: Vec::new(), rows: Vec::new() };
+        let mut bands = Self { nodes: Vec::new(), rows: Vec::new(), integrals: Vec::new() };
         for row in 0..if is_symmetric { rows.div_ceil(2) } else { rows } {
             let (low, high, first) = (edges[row], edges[row + 1], bands.nodes.len());
             let parts = ((high - low) / HIGHEST).ceil().max(1.0);
@@ -352,7 +353,24 @@ impl Bands {
             let mirrored = (is_symmetric && rows - 1 - row != row).then(|| rows - 1 - row);
             bands.rows.push(Row { index: row, mirrored, nodes: first..bands.nodes.len() });
         }
+        bands.integrals = bands.integrals();
         bands
+    }
+
+    fn integrals(&self) -> Vec<f64> {
+        let mut out = Vec::new();
+        let mut legendre = Legendre::new(self.nodes.iter().map(|node| node.height).collect());
+        for _ in 0..ORDERS {
+            for values in legendre.rows() {
+                let integral = |row: &Row| {
+                    let weighted = values[row.nodes.clone()].iter().zip(&self.nodes[row.nodes.clone()]);
+                    weighted.map(|(p, node)| p * node.weight).sum::<f64>()
+                };
+                out.extend(self.rows.iter().map(integral));
+            }
+            legendre.raise();
+        }
+        out
     }
 
     /// `integral of L w dw`, by channel.
