@@ -1,6 +1,7 @@
 """The fit against known rigs, scipy, and itself under other scales."""
 
 import re
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -100,6 +101,33 @@ def test_a_constant_map_is_ambient_alone():
     np.testing.assert_allclose(rig.ambient, [1, 2, 3], rtol=1e-8)
     # The probes that measure the error are rendered from 64 rows of cells.
     assert rig.error < 1.3e-4
+
+
+def told(rig):
+    """All numbers of a fit but its times."""
+    return rig.to_dict() | {"report": rig.report.to_dict() | {"seconds": {}}}
+
+
+def maps_of_several_sizes():
+    """Maps with different pixels, for which the kernels make different tables."""
+    hall = el.synthetic.hall
+    border_sampled = el.EnvMap(hall(96).radiance, registration="border-sampled")
+    return [el.EnvMap(hall(96).radiance), border_sampled, hall(64), hall(97), hall(192)]
+
+
+def test_maps_of_other_sizes_in_between_change_nothing():
+    maps = maps_of_several_sizes()
+    alone = [[told(el.fit(env, lights=2)) for _ in range(2)][1] for env in maps]
+    for _ in range(2):
+        assert [told(el.fit(env, lights=2)) for env in maps] == alone
+
+
+def test_maps_of_several_sizes_at_once_are_fitted_as_one_by_one():
+    maps = maps_of_several_sizes()
+    alone = [told(el.fit(env, lights=2)) for env in maps]
+    with ThreadPoolExecutor(len(maps)) as threads:
+        together = threads.map(lambda env: told(el.fit(env, lights=2)), 4 * maps)
+    assert list(together) == 4 * alone
 
 
 @pytest.mark.parametrize("scale", [1e-6, 1e6])

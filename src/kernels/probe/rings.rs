@@ -257,8 +257,11 @@ mod tests {
             let sky = Array3::from_elem((height, 2 * height, 3), 1.0_f32);
             let map = image::reduce(sky.view(), registration, columns, 2.0, false).unwrap();
             let judged = judge(&map, 5120).unwrap();
-            let difference =
-                judged.irradiance.iter().map(|value| (value / PI - 1.0).abs().max_element()).fold(0.0, f64::max);
+            let difference = judged
+                .irradiance
+                .iter()
+                .map(|value| (value / PI - 1.0).abs().max_element())
+                .fold(0.0, f64::max);
 
             let bound = if height < 10 {
                 1e-3
