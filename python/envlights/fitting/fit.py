@@ -192,7 +192,7 @@ def fit(
         floor=floor,
         # Where an error was asked for, all numbers of lights had sizes.
         sized_error=answer.error if of_discs and answer.lights and not wanted.has_goal else None,
-        # The last stage will be noted there.
+        # This stage is noted once it has ended.
         seconds=clock.laps,
         measured_on=notes.measured_on(answer.judging, normals, floor),
         shadow_error=answer.shadow_error,
@@ -303,7 +303,7 @@ def fit_probe(
         answer,
         wanted,
         scale=scale,
-        # The last stage will be noted there.
+        # This stage is noted once it has ended.
         seconds=clock.laps,
         measured_on=f"the {len(normals)} fitted normals",
         ambient=ambient,
