@@ -11,6 +11,7 @@
 //! | best radiances, none negative                   | `radiances.rs`, `nnls.rs`          |
 //! | best directions near given ones                 | `state.rs`, `newton.rs`, `descent.rs` |
 //! | - gradient and hessian in wide vectors          | `curvature.rs`, `dense.rs`         |
+//! | numbers side by side                            | `lanes.rs`                         |
 //! | what a light in a new place would explain       | `candidates.rs`, `moves.rs`        |
 //! | best set of a number of lights                  | `search.rs`, `multistart.rs`       |
 //! | which number                                    | `light_count.rs`                   |
@@ -24,6 +25,7 @@ mod curvature;
 mod dense;
 mod descent;
 mod discs;
+mod lanes;
 mod light_count;
 mod moves;
 mod multistart;

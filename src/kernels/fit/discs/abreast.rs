@@ -4,9 +4,9 @@
 
 use pulp::Simd;
 
-use super::lanes::Lanes;
 use super::place::Place;
 use super::zonal::{Factors, factors};
+use crate::kernels::fit::lanes::Lanes;
 
 /// As many discs as one vector holds numbers.
 pub struct Abreast<S: Simd> {

@@ -7,9 +7,9 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::abreast::Abreast;
 use super::harmonics::{Harmonics, Rgb2};
-use super::lanes::{Lanes, MOST, Number};
 use super::place::{Legendre, Place};
 use super::zonal::DEGREES;
+use crate::kernels::fit::lanes::{LANES, Lanes, Number};
 
 impl Harmonics {
     /// Add discs: the direction, the A, and the flux of each.
@@ -54,7 +54,7 @@ impl WithSimd for Addition<'_> {
             for m in 0..DEGREES {
                 let (order, rest) = later.split_at_mut(DEGREES - m);
                 let column = legendre.column(m);
-                let mut turned = [[0.0; 8]; MOST];
+                let mut turned = [[0.0; 8]; LANES];
                 for (lane, (turned, disc)) in turned.iter_mut().zip(discs).enumerate() {
                     *turned = disc.turned(abreast.turn.map(|turn| turn.lane(lane)));
                 }
@@ -70,7 +70,7 @@ impl WithSimd for Addition<'_> {
 
 /// Add the share that each disc has of a harmonic; of discs that are not there, nothing.
 #[inline(always)]
-fn add<S: Simd>(value: &mut Rgb2, weights: Lanes<S>, turned: &[Rgb2; MOST]) {
+fn add<S: Simd>(value: &mut Rgb2, weights: Lanes<S>, turned: &[Rgb2; LANES]) {
     let mut sum = *value;
     for (lane, turned) in turned.iter().enumerate().take(S::F64_LANES) {
         let weight = weights.lane(lane);

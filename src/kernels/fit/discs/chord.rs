@@ -35,8 +35,8 @@ use nalgebra::DMatrix;
 
 use super::far::{are_far, far, far_orders};
 use super::jet::Jet;
-use super::lanes::{MOST, Number};
 use super::zonal::{chord_factor, disc_factors, legendre_values};
+use crate::kernels::fit::lanes::{LANES, Number};
 
 /// Nodes along w, r and p.
 const NODES: [usize; 3] = [17, 9, 16];
@@ -73,7 +73,7 @@ pub fn mean_distance<const N: usize, T: Number>(
 #[inline(always)]
 fn table<const ORDERS: usize, T: Number>(at: [T; 3]) -> Jet<3, T> {
     let one = at[0].like(1.0);
-    let mut sums = [[[[0.0; MOST]; ORDERS]; ORDERS]; ORDERS];
+    let mut sums = [[[[0.0; LANES]; ORDERS]; ORDERS]; ORDERS];
     for lane in 0..T::COUNT {
         let at = at.map(|number| number.lane(lane));
         // Each number is what it would be alone.
@@ -167,7 +167,7 @@ fn parts_of<T: Number>(one: T, values: &[f64]) -> [T; 4] {
 #[inline(always)]
 fn splines<const ORDERS: usize, T: Number>(t: T, scale: f64) -> [[T; 4]; ORDERS] {
     /// By powers of t. No vector is longer.
-    const COEFFICIENTS: [[f64; MOST]; 4] = [
+    const COEFFICIENTS: [[f64; LANES]; 4] = [
         [1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0, 0.0, 0.0, 0.0, 0.0, 0.0],
         [-0.5, 0.0, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0],
         [0.5, -1.0, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0],
@@ -214,7 +214,7 @@ static TABLE: LazyLock<Vec<f64>> = LazyLock::new(|| {
     let along_w = through(&turned(&along_r, SPLINES[1]), NODES[0]);
     let mut table = turned(&along_w, SPLINES[0]);
     // A vector may be longer than what is taken from the end.
-    table.extend([0.0; MOST]);
+    table.extend([0.0; LANES]);
     table
 });
 
@@ -274,7 +274,7 @@ fn turned(values: &[f64], count: usize) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernels::fit::discs::lanes::Lanes;
+    use crate::kernels::fit::lanes::Lanes;
     use crate::kernels::sphere::direction;
     use glam::DVec3;
     use proptest::prelude::*;
@@ -300,9 +300,9 @@ mod tests {
 
     /// Value, alone, and a sum of derivatives.
     struct SideBySide {
-        c: [f64; MOST],
-        a: [f64; MOST],
-        b: [f64; MOST],
+        c: [f64; LANES],
+        a: [f64; LANES],
+        b: [f64; LANES],
     }
 
     impl WithSimd for SideBySide {
@@ -352,7 +352,7 @@ mod tests {
             b in prop::array::uniform8(1e-9..0.37_f64),
         ) {
             let side_by_side = Arch::new().dispatch(SideBySide { c, a, b });
-            for i in 0..MOST {
+            for i in 0..LANES {
                 let [c, a, b] = [(c[i], 0), (a[i], 1), (b[i], 2)].map(|(x, k)| Jet::<3>::variable(x, k));
                 let one = mean_distance(c, a, b);
                 let scale = one.second.as_flattened().iter().fold(1.0_f64, |most, x| most.max(x.abs()));

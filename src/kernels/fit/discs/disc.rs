@@ -5,9 +5,9 @@
 use glam::DVec3;
 
 use super::jet::Jet;
-use super::lanes::Number;
 use super::place::Place;
 use super::zonal::{Factors, factors};
+use crate::kernels::fit::lanes::Number;
 
 /// A light of uniform radiance within an angular radius.
 #[derive(Clone, Copy, Debug)]

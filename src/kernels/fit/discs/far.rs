@@ -16,7 +16,7 @@
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
 use super::jet::Jet;
-use super::lanes::Number;
+use crate::kernels::fit::lanes::Number;
 
 /// Whether [`far`] is right to 5e-8 of the distance.
 #[inline(always)]

@@ -7,7 +7,7 @@
 
 use std::ops::{Add, Mul, Sub};
 
-use super::lanes::Number;
+use crate::kernels::fit::lanes::Number;
 
 /// A value, and its derivatives; second ones are symmetric.
 #[derive(Clone, Copy, Debug)]

@@ -6,7 +6,7 @@
 //! | step                                                  | file            |
 //! |-------------------------------------------------------|-----------------|
 //! | kernels, and discs, in Legendre polynomials           | `zonal.rs`      |
-//! | numbers side by side, and with derivatives            | `lanes.rs`, `jet.rs` |
+//! | numbers with derivatives                              | `jet.rs`        |
 //! | the cone of the kernel, between two discs             | `chord.rs`      |
 //! | - where they are far apart                            | `far.rs`        |
 //! | the map in harmonics, and their values at a place     | `harmonics.rs`, `analysis.rs`, `place.rs`, `synthesis.rs` |
@@ -30,7 +30,6 @@ mod far;
 mod harmonics;
 mod jet;
 mod judge;
-mod lanes;
 mod newton;
 mod patches;
 mod place;

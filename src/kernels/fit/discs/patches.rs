@@ -14,8 +14,8 @@ use super::chord::mean_distance;
 use super::disc::{Disc, on_tangents};
 use super::harmonics::Harmonics;
 use super::jet::Jet;
-use super::lanes::{Lanes, MOST, Number};
 use super::synthesis::Sum;
+use crate::kernels::fit::lanes::{LANES, Lanes, Number};
 use crate::kernels::image::{Part, WorkingMap};
 
 /// A part of a bright cell of the map, as a disc of the same spread.
@@ -68,7 +68,7 @@ impl Patches {
         // Fill the last vector with black ones.
         let black = Patch { direction: DVec3::Y, share: 1.0, flux: [0.0; 3] };
         let padded = patches.iter().copied().chain(repeat(black));
-        let padded: Vec<Patch> = padded.take(patches.len().next_multiple_of(MOST)).collect();
+        let padded: Vec<Patch> = padded.take(patches.len().next_multiple_of(LANES)).collect();
         let of = |number: &dyn Fn(&Patch) -> f64| padded.iter().map(number).collect::<Vec<_>>();
         Self {
             count: patches.len(),
@@ -109,8 +109,8 @@ fn triples<S: Simd>(simd: S, numbers: &[Vec<f64>; 3]) -> impl Iterator<Item = [L
 /// It is the same both ways: pairs of two blocks are summed one way, and count twice.
 pub fn distances(patches: &[Patch]) -> [f64; 3] {
     let mut out = [0.0; 3];
-    for (block, own) in patches.chunks(MOST).enumerate() {
-        let later = Patches::new(&patches[block * MOST + own.len()..]);
+    for (block, own) in patches.chunks(LANES).enumerate() {
+        let later = Patches::new(&patches[block * LANES + own.len()..]);
         let within = Patches::new(own);
         for one in own {
             let [own, others] = [&within, &later].map(|all| all.distances_to(one.direction, one.share));

@@ -8,8 +8,8 @@ use std::sync::LazyLock;
 
 use glam::DVec3;
 
-use super::lanes::Number;
 use super::zonal::DEGREES;
+use crate::kernels::fit::lanes::Number;
 use crate::kernels::sphere::{angle_derivatives, angles};
 
 /// A place on the sphere, and its frame: towards growing theta, and growing phi.

@@ -8,9 +8,9 @@ use pulp::{Arch, Simd, WithSimd};
 use super::abreast::Abreast;
 use super::disc::Disc;
 use super::harmonics::{Harmonics, Rgb2};
-use super::lanes::{Lanes, Number};
 use super::place::{Legendre, RECURRENCE};
 use super::zonal::DEGREES;
+use crate::kernels::fit::lanes::{Lanes, Number};
 
 /// Derivatives of a sum at a place.
 #[derive(Clone, Copy, Debug, Default)]

@@ -25,7 +25,7 @@ use std::f64::consts::PI;
 use std::sync::LazyLock;
 
 use super::jet::Jet;
-use super::lanes::Number;
+use crate::kernels::fit::lanes::Number;
 
 /// The highest degree of the map, and of what is left of a kernel without its cone.
 pub const DEGREE: usize = 40;

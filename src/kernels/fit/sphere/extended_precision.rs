@@ -10,7 +10,9 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use glam::DVec3;
 use proptest::prelude::*;
 
-use super::kernel::{LANES, Lanes, mixed_derivatives, second_derivative};
+use super::kernel::{Block, mixed_derivatives, second_derivative};
+use crate::kernels::fit::lanes::LANES;
+use pulp::Scalar;
 
 /// The first f64 has the number's leading digits.
 #[derive(Clone, Copy, Debug)]
@@ -191,14 +193,15 @@ proptest! {
         let step = 1e-3 * angle.sin();
         let mut weights = [0.0; LANES];
         weights[0] = 1.0;
-        let own = second_derivative(a, &weights, &Lanes::new([b].into_iter()));
-        let others = [b, at_b[0], at_b[1]].map(|axis| Lanes::new([axis].into_iter()));
-        let both = mixed_derivatives([a, at_a[0], at_a[1]], &others).both;
+        let own = second_derivative(Scalar::new(), a, &weights, &Block::new([b].into_iter()));
+        let [own_frame, other_frame] = [[a, at_a[0], at_a[1]], [b, at_b[0], at_b[1]]]
+            .map(|frame| frame.map(|axis| axis.to_array()));
+        let both = mixed_derivatives(&own_frame, &other_frame).both;
         for (u, both) in at_a.into_iter().zip(both) {
             let (found, wanted) = (u.dot(own * u), second(a, b, u, step));
             prop_assert!((found - wanted).abs() <= BOUND, "{found:e} {wanted:e} {:e}", found - wanted);
             for (v, both) in at_b.into_iter().zip(both) {
-                let (found, wanted) = (both[0], mixed(a, b, [u, v], step));
+                let (found, wanted) = (both, mixed(a, b, [u, v], step));
                 prop_assert!((found - wanted).abs() <= BOUND, "mixed {found:e} {wanted:e} {:e}", found - wanted);
             }
         }

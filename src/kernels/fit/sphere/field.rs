@@ -79,8 +79,8 @@ impl Field {
     #[inline(always)]
     pub fn gradient(&self, l: DVec3) -> [DVec3; 3] {
         let place = Place::of(self.inward(l));
-        let [bu, bv] = [place.u, place.v].map(weights);
-        let [du, dv] = [place.u, place.v].map(slopes);
+        let (bu, bv) = (weights(place.u), weights(place.v));
+        let (du, dv) = (slopes(place.u), slopes(place.v));
         let (mut value, mut by_u, mut by_v) = ([0.0; 4], [0.0; 4], [0.0; 4]);
         for i in 0..4 {
             let row = self.row(&place, i);
@@ -108,9 +108,9 @@ impl Field {
     #[inline(always)]
     pub fn second_derivative(&self, l: DVec3, shares: [f64; 3]) -> DMat3 {
         let place = Place::of(self.inward(l));
-        let [bu, bv] = [place.u, place.v].map(weights);
-        let [du, dv] = [place.u, place.v].map(slopes);
-        let [cu, cv] = [place.u, place.v].map(bends);
+        let (bu, bv) = (weights(place.u), weights(place.v));
+        let (du, dv) = (slopes(place.u), slopes(place.v));
+        let (cu, cv) = (bends(place.u), bends(place.v));
         let (mut uu, mut uv, mut vv) = (0.0, 0.0, 0.0);
         for i in 0..4 {
             for (j, value) in self.row(&place, i).iter().enumerate() {
@@ -162,18 +162,26 @@ impl Place {
     fn of(l: DVec3) -> Self {
         let size = l.abs();
         let face = if size.x >= size.y && size.x >= size.z { 0 } else { 1 + usize::from(size.z > size.y) };
-        let ratios = OTHERS[face].map(|axis| l[axis] / l[face]);
-        let knots = ratios.map(|ratio| (ratio + 1.0) * HALF as f64);
+        // The others come in turns: y and z, z and x, x and y.
+        let (own, one, other) = match face {
+            0 => (l.x, l.y, l.z),
+            1 => (l.y, l.z, l.x),
+            _ => (l.z, l.x, l.y),
+        };
+        let inverse = 1.0 / own;
+        let ratios = [one * inverse, other * inverse];
+        let knots = [(ratios[0] + 1.0) * HALF as f64, (ratios[1] + 1.0) * HALF as f64];
         // The edge itself belongs to the last cell.
-        let first = knots.map(|knot| (knot.max(0.0) as usize).min(2 * HALF - 1));
-        let [u, v] = [0, 1].map(|i| knots[i] - first[i] as f64);
-        Self { face, height: size[face], sign: l[face].signum(), ratios, first, u, v }
+        let last = 2 * HALF - 1;
+        let first = [(knots[0].max(0.0) as usize).min(last), (knots[1].max(0.0) as usize).min(last)];
+        let (u, v) = (knots[0] - first[0] as f64, knots[1] - first[1] as f64);
+        Self { face, height: own.abs(), sign: own.signum(), ratios, first, u, v }
     }
 
     /// From the value of f and its derivatives by knots.
     #[inline(always)]
     fn gradient(&self, value: f64, by_u: f64, by_v: f64) -> DVec3 {
-        let [fu, fv] = [by_u, by_v].map(|slope| self.sign * slope * HALF as f64);
+        let (fu, fv) = (self.sign * by_u * HALF as f64, self.sign * by_v * HALF as f64);
         let own = self.sign * value - self.ratios[0] * fu - self.ratios[1] * fv;
         self.vector(own, fu, fv)
     }
@@ -195,11 +203,11 @@ impl Place {
 
     #[inline(always)]
     fn vector(&self, own: f64, u: f64, v: f64) -> DVec3 {
-        let mut out = DVec3::ZERO;
-        out[self.face] = own;
-        out[OTHERS[self.face][0]] = u;
-        out[OTHERS[self.face][1]] = v;
-        out
+        match self.face {
+            0 => DVec3::new(own, u, v),
+            1 => DVec3::new(v, own, u),
+            _ => DVec3::new(u, v, own),
+        }
     }
 }
 
@@ -207,7 +215,8 @@ impl Place {
 #[inline(always)]
 fn weights(t: f64) -> [f64; 4] {
     let s = 1.0 - t;
-    [s * s * s, 4.0 - 3.0 * t * t * (1.0 + s), 4.0 - 3.0 * s * s * (1.0 + t), t * t * t].map(|w| w / 6.0)
+    let (one, other) = (4.0 - 3.0 * t * t * (1.0 + s), 4.0 - 3.0 * s * s * (1.0 + t));
+    [s * s * s / 6.0, one / 6.0, other / 6.0, t * t * t / 6.0]
 }
 
 /// Their first derivatives.

@@ -23,89 +23,95 @@
 use std::f64::consts::{FRAC_PI_3, PI};
 
 use glam::{DMat3, DVec3};
+use pulp::Simd;
 
-/// Directions side by side: two vectors of most processors, which do not wait for each other.
-pub const LANES: usize = 8;
+use crate::kernels::fit::lanes::{LANES, Lanes, Number};
 
-/// As many directions, or fewer and zeros.
+/// Directions side by side, or fewer and zeros.
 #[derive(Clone, Copy, Debug)]
-pub struct Lanes {
-    pub axes: [[f64; LANES]; 3],
+pub struct Block {
+    axes: [[f64; LANES]; 3],
 }
 
-impl Lanes {
+impl Block {
     /// Of up to [`LANES`].
     #[inline(always)]
     pub fn new(directions: impl Iterator<Item = DVec3>) -> Self {
         let mut axes = [[0.0; LANES]; 3];
         for (i, direction) in directions.take(LANES).enumerate() {
-            (0..3).for_each(|axis| axes[axis][i] = direction[axis]);
+            (axes[0][i], axes[1][i], axes[2][i]) = (direction.x, direction.y, direction.z);
         }
         Self { axes }
     }
 
-    /// The product of each with `v`.
+    /// Those of one vector.
     #[inline(always)]
-    pub fn dots(&self, v: DVec3) -> [f64; LANES] {
-        let ([x, y, z], mut dots) = (&self.axes, [0.0; LANES]);
-        (0..LANES).for_each(|i| dots[i] = v.x * x[i] + v.y * y[i] + v.z * z[i]);
-        dots
+    pub fn at<S: Simd>(&self, simd: S, vector: usize) -> [Lanes<S>; 3] {
+        let [x, y, z] = &self.axes;
+        [Lanes::at(simd, x, vector), Lanes::at(simd, y, vector), Lanes::at(simd, z, vector)]
     }
 }
 
-/// The angles between a light and others.
-#[derive(Clone, Copy, Debug)]
-pub struct Angles {
-    pub cosine: [f64; LANES],
-    /// `sin^2 (h / 2)`, h: the angle to the other or to its opposite, whichever is nearer.
-    square: [f64; LANES],
+/// The same direction everywhere.
+#[inline(always)]
+pub fn splat<S: Simd>(simd: S, direction: DVec3) -> [Lanes<S>; 3] {
+    [Lanes::splat(simd, direction.x), Lanes::splat(simd, direction.y), Lanes::splat(simd, direction.z)]
 }
 
-impl Angles {
-    /// Between `l` and each of `others`. The squared chord `|a - b|^2 = 4 sin^2 (h / 2)`, or `|a + b|^2`, keeps the
-    /// digits of small angles.
+/// The product of vectors.
+#[inline(always)]
+fn product<N: Number>(one: &[N; 3], other: &[N; 3]) -> N {
+    (one[0] * other[0]).add_product(one[1], other[1]).add_product(one[2], other[2])
+}
+
+/// The angles between lights and others.
+#[derive(Clone, Copy, Debug)]
+pub struct Angles<N> {
+    pub cosine: N,
+    /// `sin^2 (h / 2)`, h: the angle to the other or to its opposite, whichever is nearer.
+    square: N,
+}
+
+impl<N: Number> Angles<N> {
+    /// Between each of `lights` and its other. The squared chord `|a - b|^2 = 4 sin^2 (h / 2)`, or `|a + b|^2`, keeps
+    /// the digits of small angles.
     #[inline(always)]
-    pub fn new(l: DVec3, Lanes { axes: [x, y, z] }: &Lanes) -> Self {
-        let (mut cosine, mut square) = ([0.0; LANES], [0.0; LANES]);
-        for i in 0..LANES {
-            cosine[i] = l.x * x[i] + l.y * y[i] + l.z * z[i];
-            let side = 1.0_f64.copysign(cosine[i]);
-            let chord = [l.x - side * x[i], l.y - side * y[i], l.z - side * z[i]];
-            square[i] = 0.25 * (chord[0] * chord[0] + chord[1] * chord[1] + chord[2] * chord[2]);
+    pub fn between(lights: &[N; 3], others: &[N; 3]) -> Self {
+        let cosine = product(lights, others);
+        let side = cosine.select_negative(cosine.like(-1.0), cosine.like(1.0));
+        let mut chord = *lights;
+        for (chord, other) in chord.iter_mut().zip(others) {
+            *chord = *chord - side * *other;
         }
-        Self { cosine, square }
+        Self { cosine, square: product(&chord, &chord) * cosine.like(0.25) }
     }
 
     /// k - c k'
     #[inline(always)]
-    pub fn rests(&self) -> [f64; LANES] {
-        self.square.map(|square| 4.0 / 3.0 * (square * (1.0 - square)).sqrt())
+    pub fn rests(&self) -> N {
+        let Self { square, .. } = *self;
+        (square * (square.like(1.0) - square)).sqrt() * square.like(4.0 / 3.0)
     }
 
     /// k'
     #[inline(always)]
-    pub fn slopes(&self) -> [f64; LANES] {
-        let mut slopes = [0.0; LANES];
-        let over_sine = arcsines_over_sines(&self.square);
-        for i in 0..LANES {
-            let nearer = 2.0 * self.square[i].sqrt() * over_sine[i];
-            slopes[i] = 2.0 / 3.0 * if self.cosine[i] < 0.0 { nearer } else { PI - nearer };
-        }
-        slopes
+    pub fn slopes(&self) -> N {
+        let Self { cosine, square } = *self;
+        let nearer = square.sqrt() * arcsines_over_sines(square) * square.like(2.0);
+        cosine.select_negative(nearer, cosine.like(PI) - nearer) * cosine.like(2.0 / 3.0)
     }
 
     /// k''; bounded where the directions are the same or opposite: all that it multiplies vanishes there.
     #[inline(always)]
-    pub fn bends(&self) -> [f64; LANES] {
-        self.rests().map(|rest| 4.0 / 9.0 / rest.max(f64::EPSILON))
+    pub fn bends(&self) -> N {
+        let rests = self.rests();
+        rests.max(rests.like(f64::EPSILON)).recip() * rests.like(4.0 / 9.0)
     }
 
     /// k
     #[inline(always)]
-    pub fn values(&self) -> [f64; LANES] {
-        let (mut values, slopes) = (self.rests(), self.slopes());
-        (0..LANES).for_each(|i| values[i] += slopes[i] * self.cosine[i]);
-        values
+    pub fn values(&self) -> N {
+        self.rests().add_product(self.slopes(), self.cosine)
     }
 }
 
@@ -113,7 +119,7 @@ impl Angles {
 ///
 /// Summed in pairs, and pairs of pairs (Estrin 1960): from the last coefficient on, each step would wait for the last.
 #[inline(always)]
-fn arcsines_over_sines(squares: &[f64; LANES]) -> [f64; LANES] {
+fn arcsines_over_sines<N: Number>(squares: N) -> N {
     #[allow(clippy::unreadable_literal, reason = "no one reads them digit by digit")]
     const COEFFICIENTS: [f64; 18] = [
         1.0,
@@ -135,61 +141,52 @@ fn arcsines_over_sines(squares: &[f64; LANES]) -> [f64; LANES] {
         -2.4213735547737834,
         0.7052830179687845,
     ];
-    let second = combined(squares, squares, &[0.0; LANES]);
-    let fourth = combined(&second, &second, &[0.0; LANES]);
-    let eighth = combined(&fourth, &fourth, &[0.0; LANES]);
-    let mut eights = [[0.0; LANES]; 2];
-    for (k, eight) in eights.iter_mut().enumerate() {
-        let mut fours = [[0.0; LANES]; 2];
-        for (j, four) in fours.iter_mut().enumerate() {
-            let first = 8 * k + 4 * j;
-            let low = combined(&[COEFFICIENTS[first + 1]; LANES], squares, &[COEFFICIENTS[first]; LANES]);
-            let high =
-                combined(&[COEFFICIENTS[first + 3]; LANES], squares, &[COEFFICIENTS[first + 2]; LANES]);
-            *four = combined(&high, &second, &low);
-        }
-        *eight = combined(&fours[1], &fourth, &fours[0]);
+    let second = squares * squares;
+    let fourth = second * second;
+    let eighth = fourth * fourth;
+    let (mut pairs, mut fours, mut eights) = ([squares; 9], [squares; 4], [squares; 2]);
+    for i in 0..9 {
+        let [low, high] = [COEFFICIENTS[2 * i], COEFFICIENTS[2 * i + 1]];
+        pairs[i] = squares.like(low).add_product(squares.like(high), squares);
     }
-    let last = combined(&[COEFFICIENTS[17]; LANES], squares, &[COEFFICIENTS[16]; LANES]);
-    combined(&combined(&last, &eighth, &eights[1]), &eighth, &eights[0])
+    for i in 0..4 {
+        fours[i] = pairs[2 * i].add_product(pairs[2 * i + 1], second);
+    }
+    for i in 0..2 {
+        eights[i] = fours[2 * i].add_product(fours[2 * i + 1], fourth);
+    }
+    eights[0].add_product(eights[1].add_product(pairs[8], eighth), eighth)
 }
 
-/// `high x + low`
-#[inline(always)]
-fn combined(high: &[f64; LANES], x: &[f64; LANES], low: &[f64; LANES]) -> [f64; LANES] {
-    let mut out = [0.0; LANES];
-    (0..LANES).for_each(|i| out[i] = high[i] * x[i] + low[i]);
-    out
-}
-
-/// Derivatives of the kernel between a light and each of others.
+/// The kernel between lights and others, and its derivatives.
 #[derive(Clone, Copy, Debug)]
-pub struct Mixed {
-    /// Along the tangents of the light.
-    pub own: [[f64; LANES]; 2],
+pub struct Mixed<N> {
+    pub value: N,
+    /// Along the tangents of the lights.
+    pub own: [N; 2],
     /// Along those of the others.
-    pub other: [[f64; LANES]; 2],
-    /// Along one of the light and one of the others.
-    pub both: [[[f64; LANES]; 2]; 2],
+    pub other: [N; 2],
+    /// Along one of the lights and one of the others.
+    pub both: [[N; 2]; 2],
 }
 
-/// For a light with two tangents, `frame`, and `others` with theirs.
+/// For lights with two tangents each, and `others` with theirs.
 #[inline(always)]
-pub fn mixed_derivatives(frame: [DVec3; 3], others: &[Lanes; 3]) -> Mixed {
-    let angles = Angles::new(frame[0], &others[0]);
+pub fn mixed_derivatives<N: Number>(lights: &[[N; 3]; 3], others: &[[N; 3]; 3]) -> Mixed<N> {
+    let angles = Angles::between(&lights[0], &others[0]);
     let (slopes, bends) = (angles.slopes(), angles.bends());
-    let zero = [[0.0; LANES]; 2];
-    let mut mixed = Mixed { own: zero, other: zero, both: [zero; 2] };
+    let value = angles.rests().add_product(slopes, angles.cosine);
+    let zero = [slopes.like(0.0); 2];
+    let mut mixed = Mixed { value, own: zero, other: zero, both: [zero; 2] };
     for a in 0..2 {
-        let along = others[0].dots(frame[a + 1]);
+        let along = product(&others[0], &lights[a + 1]);
+        mixed.own[a] = slopes * along;
         for b in 0..2 {
-            let (back, across) = (others[b + 1].dots(frame[0]), others[b + 1].dots(frame[a + 1]));
-            for i in 0..LANES {
-                mixed.other[b][i] = slopes[i] * back[i];
-                mixed.both[a][b][i] = slopes[i] * across[i] + bends[i] * along[i] * back[i];
-            }
+            let (back, across) =
+                (product(&others[b + 1], &lights[0]), product(&others[b + 1], &lights[a + 1]));
+            mixed.other[b] = slopes * back;
+            mixed.both[a][b] = (slopes * across).add_product(bends * along, back);
         }
-        (0..LANES).for_each(|i| mixed.own[a][i] = slopes[i] * along[i]);
     }
     mixed
 }
@@ -197,28 +194,27 @@ pub fn mixed_derivatives(frame: [DVec3; 3], others: &[Lanes; 3]) -> Mixed {
 /// The weighted sum of the second derivatives by `l` of the kernels between it and `others`, on its tangent plane: of
 /// the others only what lies in it, for k'' may be large.
 #[inline(always)]
-pub fn second_derivative(l: DVec3, weights: &[f64; LANES], others: &Lanes) -> DMat3 {
-    let angles = Angles::new(l, others);
-    let (rests, bends) = (angles.rests(), angles.bends());
+pub fn second_derivative<S: Simd>(simd: S, l: DVec3, weights: &[f64; LANES], others: &Block) -> DMat3 {
+    let own = splat(simd, l);
     // xx, yy, zz, xy, yz, zx
-    let mut sums = [[0.0; LANES]; 6];
-    for i in 0..LANES {
-        let [x, y, z] = [0, 1, 2].map(|axis| others.axes[axis][i] - angles.cosine[i] * l[axis]);
-        let (round, bend) = (weights[i] * rests[i], weights[i] * bends[i]);
-        let products = [round + bend * x * x, round + bend * y * y, round + bend * z * z];
-        (0..3).for_each(|k| sums[k][i] = products[k]);
-        let products = [bend * x * y, bend * y * z, bend * z * x];
-        (0..3).for_each(|k| sums[3 + k][i] = products[k]);
+    let mut sums = [Lanes::splat(simd, 0.0); 6];
+    for vector in 0..Lanes::<S>::VECTORS {
+        let (weights, others) = (Lanes::at(simd, weights, vector), others.at(simd, vector));
+        let angles = Angles::between(&own, &others);
+        let (round, bend) = (weights * angles.rests(), weights * angles.bends());
+        let mut flat = others;
+        for axis in 0..3 {
+            flat[axis] = others[axis] - angles.cosine * own[axis];
+        }
+        for axis in 0..3 {
+            let next = (axis + 1) % 3;
+            sums[axis] = sums[axis] + round.add_product(bend * flat[axis], flat[axis]);
+            sums[axis + 3] = sums[axis + 3].add_product(bend * flat[axis], flat[next]);
+        }
     }
-    let [xx, yy, zz, xy, yz, zx] = sums.map(sum);
+    let (xx, yy, zz) = (sums[0].sum(), sums[1].sum(), sums[2].sum());
+    let (xy, yz, zx) = (sums[3].sum(), sums[4].sum(), sums[5].sum());
     DMat3::from_cols_array(&[xx, xy, zx, xy, yy, yz, zx, yz, zz])
-}
-
-/// Of all lanes.
-#[inline(always)]
-pub fn sum(lanes: [f64; LANES]) -> f64 {
-    let pair = |i: usize| lanes[i] + lanes[i + LANES / 2];
-    (pair(0) + pair(2)) + (pair(1) + pair(3))
 }
 
 /// `a b^T`

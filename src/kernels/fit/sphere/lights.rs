@@ -6,7 +6,8 @@ use glam::DVec3;
 use nalgebra::DMatrix;
 use pulp::{Simd, WithSimd};
 
-use super::kernel::{Angles, LANES, Lanes, mixed_derivatives};
+use super::kernel::{Angles, Block, mixed_derivatives, splat};
+use crate::kernels::fit::lanes::{LANES, Lanes, Number};
 use crate::kernels::fit::objective::{Derivatives, Pair};
 
 /// Inner products of lights, into the last rows and columns of a Gram matrix.
@@ -19,13 +20,13 @@ impl WithSimd for Products<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
+    fn with_simd<S: Simd>(self, simd: S) {
         let Self { directions, gram } = self;
         let first = gram.nrows() - directions.len();
         for (block, others) in directions.chunks(LANES).enumerate() {
-            let lanes = Lanes::new(others.iter().copied());
+            let others = Block::new(others.iter().copied());
             for (j, &l) in directions.iter().enumerate().skip(block * LANES) {
-                let values = Angles::new(l, &lanes).values();
+                let values = values(simd, l, &others);
                 for (k, &value) in (block * LANES..=j).zip(&values) {
                     gram[(first + k, first + j)] = value;
                     gram[(first + j, first + k)] = value;
@@ -48,28 +49,49 @@ impl WithSimd for Turned<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
+    fn with_simd<S: Simd>(self, simd: S) {
         let Self { directions, ambient, fixed, derivatives } = self;
         let tangent = |light: usize, side: usize| {
             light.checked_sub(fixed).map_or(DVec3::ZERO, |free| derivatives.frames[free][side])
         };
         let block = |block: usize| {
             let lights = block * LANES..directions.len().min((block + 1) * LANES);
-            let tangents = [0, 1].map(|side| Lanes::new(lights.clone().map(|light| tangent(light, side))));
-            [Lanes::new(lights.map(|light| directions[light])), tangents[0], tangents[1]]
+            let tangents = [0, 1].map(|side| Block::new(lights.clone().map(|light| tangent(light, side))));
+            [Block::new(lights.map(|light| directions[light])), tangents[0], tangents[1]]
         };
-        let blocks: Vec<[Lanes; 3]> = (0..directions.len().div_ceil(LANES)).map(block).collect();
+        let blocks: Vec<[Block; 3]> = (0..directions.len().div_ceil(LANES)).map(block).collect();
         for j in fixed..directions.len() {
             let [s, t] = derivatives.frames[j - fixed];
-            for (block, others) in blocks[..=j / LANES].iter().enumerate() {
-                let mixed = mixed_derivatives([directions[j], s, t], others);
-                for (i, k) in (block * LANES..=j).take(LANES).enumerate() {
-                    let own = [0, 1].map(|a| mixed.own[a][i]);
-                    let other = [0, 1].map(|b| mixed.other[b][i]);
-                    let both = [0, 1].map(|a| [0, 1].map(|b| mixed.both[a][b][i]));
-                    derivatives.set(ambient, fixed, [j, k], &Pair { own, other, both });
+            let own = [splat(simd, directions[j]), splat(simd, s), splat(simd, t)];
+            for (block, [others, s, t]) in blocks[..=j / LANES].iter().enumerate() {
+                for vector in 0..Lanes::<S>::VECTORS {
+                    let others = [others.at(simd, vector), s.at(simd, vector), t.at(simd, vector)];
+                    let mixed = mixed_derivatives(&own, &others);
+                    let first = block * LANES + vector * S::F64_LANES;
+                    for (i, k) in (first..=j).take(S::F64_LANES).enumerate() {
+                        let both = mixed.both;
+                        let pair = Pair {
+                            own: [mixed.own[0].lane(i), mixed.own[1].lane(i)],
+                            other: [mixed.other[0].lane(i), mixed.other[1].lane(i)],
+                            both: [
+                                [both[0][0].lane(i), both[0][1].lane(i)],
+                                [both[1][0].lane(i), both[1][1].lane(i)],
+                            ],
+                        };
+                        derivatives.set(ambient, fixed, [j, k], &pair);
+                    }
                 }
             }
         }
     }
+}
+
+/// The inner products of a light with others.
+#[inline(always)]
+pub fn values<S: Simd>(simd: S, l: DVec3, others: &Block) -> [f64; LANES] {
+    let (own, mut values) = (splat(simd, l), [0.0; LANES]);
+    for vector in 0..Lanes::<S>::VECTORS {
+        Angles::between(&own, &others.at(simd, vector)).values().write(&mut values, vector);
+    }
+    values
 }

@@ -31,16 +31,19 @@ mod points;
 
 use glam::{DMat3, DVec3};
 use nalgebra::DMatrix;
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Arch, Scalar, Simd, WithSimd};
 
 use self::ambient_columns::{Columns, Radiance};
 use self::field::Field;
 use self::harmonics::Spectrum;
-use self::kernel::{Angles, LANES, LINEAR, Lanes, outer, second_derivative, spectrum};
-use self::lights::{Products, Turned};
+use self::kernel::{Block, LINEAR, outer, second_derivative, spectrum};
+use self::lights::{Products, Turned, values};
 use self::points::{Point, Points};
 use super::ambient::Ambient;
-use super::objective::{Derivatives, Directions, Given, Moments, Objective, distinct_channels};
+use super::lanes::LANES;
+use super::objective::{
+    Derivatives, Directions, Given, Moments, Objective, distinct_channels,
+};
 use super::rig::Rig;
 use crate::kernels::image::WorkingMap;
 
@@ -108,7 +111,7 @@ impl Sphere {
         let smooth = smooth + LINEAR * rest.first[channel].length_squared();
         points.iter().fold(smooth, |sum, point| {
             let l = point.direction;
-            let twice = 2.0 * self.rest_at(l)[channel] + self.points.gradient(l)[channel];
+            let twice = 2.0 * self.rest_at(l)[channel] + self.points.gradient(Scalar::new(), l)[channel];
             sum + point.irradiance[channel] * twice.dot(l)
         })
     }
@@ -125,9 +128,9 @@ impl Sphere {
 
     /// The gradient of F, by channel.
     #[inline(always)]
-    fn probe_at(&self, l: DVec3) -> [DVec3; 3] {
+    fn probe_at<S: Simd>(&self, simd: S, l: DVec3) -> [DVec3; 3] {
         let mut gradients = self.rest_at(l);
-        for (gradient, points) in gradients.iter_mut().zip(self.points.gradient(l)) {
+        for (gradient, points) in gradients.iter_mut().zip(self.points.gradient(simd, l)) {
             *gradient += points;
         }
         gradients
@@ -135,10 +138,12 @@ impl Sphere {
 
     /// `<v_l, y>` of a light, for each side y.
     #[inline(always)]
-    fn sides_at(&self, l: DVec3, sides: &mut Vec<DVec3>) {
-        let probe = self.probe_at(l);
+    fn sides_at<S: Simd>(&self, simd: S, l: DVec3, sides: &mut Vec<DVec3>) {
+        let probe = self.probe_at(simd, l);
         self.columns.gradients(l, sides);
-        sides.extend(self.given.channels.iter().map(|&channel| probe[channel]));
+        for &channel in &self.given.channels {
+            sides.push(probe[channel]);
+        }
     }
 }
 
@@ -236,9 +241,11 @@ impl WithSimd for Sides<'_> {
     type Output = Vec<DVec3>;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let mut sides = Vec::with_capacity(self.directions.len() * self.sphere.given.sides());
-        self.directions.iter().for_each(|&l| self.sphere.sides_at(l, &mut sides));
+        for &l in self.directions {
+            self.sphere.sides_at(simd, l, &mut sides);
+        }
         sides
     }
 }
@@ -256,17 +263,17 @@ impl WithSimd for SecondDerivative<'_> {
     type Output = DMat3;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> DMat3 {
+    fn with_simd<S: Simd>(self, simd: S) -> DMat3 {
         let Self { sphere: Sphere { given, columns, points, field, .. }, l, lights, weights, sides } = self;
         let (ambient, channels) = sides.split_at(given.ambient.coefficients());
         let mut shares = [0.0; 3];
         given.channels.iter().zip(channels).for_each(|(&channel, share)| shares[channel] = *share);
-        let map = field.second_derivative(l, shares) + points.second_derivative(l, shares);
+        let map = field.second_derivative(l, shares) + points.second_derivative(simd, l, shares);
         let sides = columns.second_derivative(l, ambient) + map;
         lights.chunks(LANES).zip(weights.chunks(LANES)).fold(sides, |sum, (lights, weights)| {
             let mut padded = [0.0; LANES];
             padded[..weights.len()].copy_from_slice(weights);
-            sum + second_derivative(l, &padded, &Lanes::new(lights.iter().copied()))
+            sum + second_derivative(simd, l, &padded, &Block::new(lights.iter().copied()))
         })
     }
 }
@@ -282,10 +289,10 @@ impl WithSimd for Values<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
+    fn with_simd<S: Simd>(self, simd: S) {
         for (directions, out) in self.at.directions.chunks(LANES).zip(self.out.chunks_mut(LANES)) {
-            let angles = Angles::new(self.light, &Lanes::new(directions.iter().copied()));
-            out.copy_from_slice(&angles.values()[..out.len()]);
+            let values = values(simd, self.light, &Block::new(directions.iter().copied()));
+            out.copy_from_slice(&values[..out.len()]);
         }
     }
 }

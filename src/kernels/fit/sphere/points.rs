@@ -4,8 +4,10 @@
 
 use glam::{DMat3, DVec3};
 use ndarray::{ArrayView2, Axis};
+use pulp::Simd;
 
-use super::kernel::{Angles, LANES, Lanes, second_derivative, sum};
+use super::kernel::{Angles, Block, second_derivative, splat};
+use crate::kernels::fit::lanes::{LANES, Lanes, Number};
 use crate::kernels::image::WorkingMap;
 
 /// Points that are kept at most, the brightest: beyond, harmonics are as good.
@@ -21,7 +23,7 @@ pub struct Point {
 /// Points side by side: the last lanes are filled up with black ones.
 #[derive(Clone, Debug)]
 pub struct Points {
-    blocks: Vec<(Lanes, [[f64; LANES]; 3])>,
+    blocks: Vec<(Block, [[f64; LANES]; 3])>,
 }
 
 impl Points {
@@ -52,43 +54,49 @@ impl Points {
             for (i, point) in points.iter().enumerate() {
                 (0..3).for_each(|channel| irradiance[channel][i] = point.irradiance[channel]);
             }
-            (Lanes::new(points.iter().map(|point| point.direction)), irradiance)
+            (Block::new(points.iter().map(|point| point.direction)), irradiance)
         };
         Self { blocks: points.chunks(LANES).map(block).collect() }
     }
 
     /// Gradients at l of the inner product of a light with all points, by channel.
     #[inline(always)]
-    pub fn gradient(&self, l: DVec3) -> [DVec3; 3] {
+    pub fn gradient<S: Simd>(&self, simd: S, l: DVec3) -> [DVec3; 3] {
+        let own = splat(simd, l);
         // Of each channel the pull towards the points, and along l.
-        let mut sums = [[[0.0; LANES]; 4]; 3];
-        for (lanes, irradiance) in &self.blocks {
-            let angles = Angles::new(l, lanes);
-            let (rests, slopes) = (angles.rests(), angles.slopes());
-            for (sums, e) in sums.iter_mut().zip(irradiance) {
-                for i in 0..LANES {
-                    let pull = e[i] * slopes[i];
-                    (0..3).for_each(|axis| sums[axis][i] += pull * lanes.axes[axis][i]);
-                    sums[3][i] += e[i] * rests[i];
+        let mut sums = [[Lanes::splat(simd, 0.0); 4]; 3];
+        for (points, irradiance) in &self.blocks {
+            for vector in 0..Lanes::<S>::VECTORS {
+                let points = points.at(simd, vector);
+                let angles = Angles::between(&own, &points);
+                let (rests, slopes) = (angles.rests(), angles.slopes());
+                for (sums, e) in sums.iter_mut().zip(irradiance) {
+                    let e = Lanes::at(simd, e, vector);
+                    let pull = e * slopes;
+                    for axis in 0..3 {
+                        sums[axis] = sums[axis].add_product(pull, points[axis]);
+                    }
+                    sums[3] = sums[3].add_product(e, rests);
                 }
             }
         }
         let mut gradients = [DVec3::ZERO; 3];
         for (gradient, [x, y, z, along]) in gradients.iter_mut().zip(sums) {
-            *gradient = DVec3::new(sum(x), sum(y), sum(z)) + l * sum(along);
+            *gradient = DVec3::new(x.sum(), y.sum(), z.sum()) + l * along.sum();
         }
         gradients
     }
 
     /// The second derivative on the tangent plane of l, of the channels with these `shares`.
     #[inline(always)]
-    pub fn second_derivative(&self, l: DVec3, shares: [f64; 3]) -> DMat3 {
+    pub fn second_derivative<S: Simd>(&self, simd: S, l: DVec3, shares: [f64; 3]) -> DMat3 {
         let mut out = DMat3::ZERO;
         for (points, [red, green, blue]) in &self.blocks {
             let mut weights = [0.0; LANES];
-            let lanes = 0..LANES;
-            lanes.for_each(|i| weights[i] = red[i] * shares[0] + green[i] * shares[1] + blue[i] * shares[2]);
-            out += second_derivative(l, &weights, points);
+            for i in 0..LANES {
+                weights[i] = red[i] * shares[0] + green[i] * shares[1] + blue[i] * shares[2];
+            }
+            out += second_derivative(simd, l, &weights, points);
         }
         out
     }

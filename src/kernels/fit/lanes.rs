@@ -28,6 +28,12 @@ pub trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = 
     fn sqrt(self) -> Self;
 
     fn recip(self) -> Self;
+
+    /// The larger one of each pair.
+    fn max(self, other: Self) -> Self;
+
+    /// One where this is below 0, else the other.
+    fn select_negative(self, one: Self, other: Self) -> Self;
 }
 
 impl Number for f64 {
@@ -67,10 +73,20 @@ impl Number for f64 {
     fn recip(self) -> Self {
         Self::recip(self)
     }
+
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Self::max(self, other)
+    }
+
+    #[inline(always)]
+    fn select_negative(self, one: Self, other: Self) -> Self {
+        if self < 0.0 { one } else { other }
+    }
 }
 
 /// The most numbers that stand side by side.
-pub const MOST: usize = 8;
+pub const LANES: usize = 8;
 
 /// As many numbers as one vector holds.
 #[derive(Clone, Copy, Debug)]
@@ -85,17 +101,32 @@ impl<S: Simd> Lanes<S> {
         Self { simd, values: simd.splat_f64s(value) }
     }
 
+    /// How many vectors hold [`LANES`] numbers.
+    pub const VECTORS: usize = LANES / S::F64_LANES;
+
+    /// The vector of that number among those that hold the values.
+    #[inline(always)]
+    pub fn at(simd: S, values: &[f64; LANES], vector: usize) -> Self {
+        Self { simd, values: S::as_simd_f64s(values).0[vector] }
+    }
+
+    /// Write them in the place of that vector.
+    #[inline(always)]
+    pub fn write(self, values: &mut [f64; LANES], vector: usize) {
+        S::as_mut_simd_f64s(values).0[vector] = self.values;
+    }
+
     /// A number of each of some things, of which there are no more than numbers in a vector; the last one fills it.
     #[inline(always)]
     pub fn gathered<A>(simd: S, things: &[A], number: impl Fn(&A) -> f64) -> Self {
-        let mut values = [0.0; MOST];
+        let mut values = [0.0; LANES];
         for (i, value) in values.iter_mut().enumerate() {
             *value = number(&things[i.min(things.len() - 1)]);
         }
         Self::splat(simd, 0.0).like_all(&values)
     }
 
-    /// Vectors from numbers, of which there is a multiple of [`MOST`].
+    /// Vectors from numbers, of which there is a multiple of [`LANES`].
     #[inline(always)]
     pub fn of(simd: S, values: &[f64]) -> impl Iterator<Item = Self> {
         S::as_simd_f64s(values).0.iter().map(move |&values| Self { simd, values })
@@ -138,6 +169,17 @@ impl<S: Simd> Number for Lanes<S> {
     #[inline(always)]
     fn recip(self) -> Self {
         Self { values: self.simd.div_f64s(self.simd.splat_f64s(1.0), self.values), ..self }
+    }
+
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Self { values: self.simd.max_f64s(self.values, other.values), ..self }
+    }
+
+    #[inline(always)]
+    fn select_negative(self, one: Self, other: Self) -> Self {
+        let is_negative = self.simd.less_than_f64s(self.values, self.simd.splat_f64s(0.0));
+        Self { values: self.simd.select_f64s(is_negative, one.values, other.values), ..self }
     }
 }
 
