@@ -16,13 +16,13 @@ use super::state::{RESOLUTION, State, StopReason};
 use crate::kernels::sphere::{exponential_map, tangents};
 
 /// A light never turns by more than this in one step, in radians: the model is true only nearby.
-const LONGEST_STEP: f64 = 0.5;
+pub const LONGEST_STEP: f64 = 0.5;
 /// Least damping: with less, rounding would choose the way along what the cost hardly depends on.
-const LEAST_DAMPING: f64 = 1e-5;
+pub const LEAST_DAMPING: f64 = 1e-5;
 /// Damping at which a step no longer moves anything.
-const STIFFEST: f64 = 1e8;
+pub const STIFFEST: f64 = 1e8;
 /// Damping from which a small gain says nothing of the valley.
-const STIFF: f64 = 0.1;
+pub const STIFF: f64 = 0.1;
 /// Relative gain of a step below which second derivatives are worth their time.
 const LITTLE: f64 = 0.03;
 /// A step that crosses more horizons than this for each light failed for its length.

@@ -11,7 +11,8 @@
 //! | best radiances, none negative                   | `radiances.rs`, `nnls.rs`          |
 //! | best directions near given ones                 | `state.rs`, `newton.rs`, `descent.rs` |
 //! | - gradient and hessian in wide vectors          | `curvature.rs`, `dense.rs`         |
-//! | numbers side by side                            | `lanes.rs`                         |
+//! | - roughly, from many starts side by side        | `abreast/`                         |
+//! | numbers side by side, and matrices of them      | `lanes.rs`, `wide.rs`              |
 //! | what a light in a new place would explain       | `candidates.rs`, `moves.rs`        |
 //! | best set of a number of lights                  | `search.rs`, `multistart.rs`       |
 //! | which number                                    | `light_count.rs`                   |
@@ -19,6 +20,7 @@
 //! | the error of one probe beside another           | `relative_rms.rs`                  |
 //! | how well the probe determines them              | `uncertainty.rs`                   |
 
+mod abreast;
 mod ambient;
 mod candidates;
 mod curvature;
@@ -41,6 +43,7 @@ mod search;
 mod sphere;
 mod state;
 mod uncertainty;
+mod wide;
 
 pub use ambient::Ambient;
 pub use discs::Comparison;

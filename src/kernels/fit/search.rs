@@ -8,6 +8,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::abreast::{self, Rough};
 use super::candidates::Candidates;
 use super::moves;
 use super::multistart;
@@ -17,6 +18,8 @@ use crate::error::Result;
 
 /// Relative fall of the cost in one step at which a start has shown what it is worth.
 const ROUGH: f64 = 4e-2;
+/// The same where many go on side by side, and where exact steps take over.
+const NEARLY_CLOSE: f64 = 1e-2;
 /// Relative fall of the cost in one step at which an answer is final.
 pub const FINE: f64 = 1e-9;
 /// Relative fall of the cost for which a light is exchanged. Starts that differ by less end in the same place.
@@ -147,9 +150,7 @@ impl<'a> Search<'a> {
     /// The best lights, from the `beam` of as many.
     pub fn best(&self, beam: Vec<State>) -> Result<Option<State>> {
         let Some(lights) = beam.first().map(State::lights) else { return Ok(None) };
-        let starts = self.even(lights)?;
-        let going_on = starts.len().div_ceil(self.breadth.one_in);
-        let mut starts = best_of(starts, going_on);
+        let mut starts = self.even(lights)?;
         starts.extend(self.likely(lights).into_iter().chain(beam));
         let close = starts.into_par_iter().map(|state| self.descended(state, self.breadth.close)).collect();
         let settled =
@@ -179,22 +180,43 @@ impl<'a> Search<'a> {
         Ok(even.map(|even| State::new(objective, &[&start[..fixed], even.as_slice()].concat())))
     }
 
-    /// Where even starts lead to, roughly.
+    /// Where the best of even starts lead to.
     fn even(&self, lights: usize) -> Result<Vec<State>> {
+        let starts = self.even_starts(lights)?;
+        let going_on = starts.len().div_ceil(self.breadth.one_in);
+        Ok(match abreast::descents(self.problem, &starts, ROUGH) {
+            Some(ends) => self.nearly_close(best_ends(ends, going_on)),
+            None => best_of(starts.par_iter().map(|start| self.rough(start, lights)).collect(), going_on),
+        })
+    }
+
+    /// Lights spread evenly, beside those that are fixed.
+    fn even_starts(&self, lights: usize) -> Result<Vec<Vec<DVec3>>> {
         let Problem { objective, start, fixed, .. } = *self.problem;
         let most = Breadth::MOST_STARTS.min(Breadth::MOST_STARTED / lights.max(1)).max(1);
         let count = (self.breadth.starts * lights).clamp(1, most);
-        let descend = |start_of: &Vec<DVec3>| {
-            let placed = start_of.iter().map(|&l| objective.placed(l));
-            let directions: Vec<DVec3> = start[..fixed].iter().copied().chain(placed).collect();
-            let mut state = State::new(objective, &directions);
-            state = self.descended(state, ROUGH);
-            while state.lights() > lights {
-                state = self.descended(self.without_one(&state), ROUGH);
-            }
-            state
+        let with_fixed = |even: Vec<DVec3>| {
+            let placed = even.into_iter().map(|l| objective.placed(l));
+            start[..fixed].iter().copied().chain(placed).collect()
         };
-        Ok(multistart::even(count, lights - fixed + self.breadth.spare)?.par_iter().map(descend).collect())
+        let even = multistart::even(count, lights - fixed + self.breadth.spare)?;
+        Ok(even.into_iter().map(with_fixed).collect())
+    }
+
+    /// Where a start leads to, roughly, without the lights that it has to spare.
+    fn rough(&self, start: &[DVec3], lights: usize) -> State {
+        let mut state = self.descended(State::new(self.problem.objective, start), ROUGH);
+        while state.lights() > lights {
+            state = self.descended(self.without_one(&state), ROUGH);
+        }
+        state
+    }
+
+    /// On from the `ends` of rough descents side by side.
+    fn nearly_close(&self, ends: Vec<Rough>) -> Vec<State> {
+        let starts: Vec<Vec<DVec3>> = ends.into_iter().map(|end| end.directions).collect();
+        let ends = abreast::descents(self.problem, &starts, NEARLY_CLOSE).unwrap_or_default();
+        ends.iter().map(|end| end.state(self.problem.objective)).collect()
     }
 
     /// With one more light where most is missing, and then without the one that is missed least, while that pays.
@@ -283,6 +305,14 @@ fn best_of(mut places: Vec<State>, count: usize) -> Vec<State> {
     places
 }
 
+/// The `count` best ends of rough descents, best first, each of another cost.
+fn best_ends(mut ends: Vec<Rough>, count: usize) -> Vec<Rough> {
+    ends.sort_by_key(|end| rounded(end.cost));
+    ends.dedup_by_key(|end| rounded(end.cost));
+    ends.truncate(count);
+    ends
+}
+
 /// The `count` best of some places that are not the same, best first.
 fn distinct(mut places: Vec<State>, count: usize) -> Vec<State> {
     places.sort_by_key(rounded_cost);
@@ -299,7 +329,11 @@ fn is_lower(next: &State, best: &State, worth: f64) -> bool {
 /// The cost with the digits of single precision, at any scale: costs that differ by rounding alone, as those of
 /// mirror images do, are equal and keep their order.
 fn rounded_cost(state: &State) -> u64 {
+    rounded(state.cost)
+}
+
+fn rounded(cost: f64) -> u64 {
     const SPARE_DIGITS: u32 = f64::MANTISSA_DIGITS - f32::MANTISSA_DIGITS;
     // The bits of numbers that are not negative are in the order of the numbers.
-    state.cost.max(0.0).to_bits() >> SPARE_DIGITS
+    cost.max(0.0).to_bits() >> SPARE_DIGITS
 }

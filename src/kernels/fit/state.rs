@@ -20,6 +20,9 @@ pub const RESOLUTION: f64 = 1e-13;
 /// Relative cost below which it is summed from the residuals, where that can be.
 const SMALL: f64 = 1e-5;
 
+/// Damping of a first step.
+pub const FIRST_DAMPING: f64 = 1e-3;
+
 /// Why the solver stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StopReason {
@@ -61,8 +64,6 @@ impl State {
     /// The best radiances of the lights of `moments`, after that many `steps`; those that are not 0 may be
     /// those of `guess`.
     pub fn at(objective: &dyn Objective, moments: Moments, steps: usize, guess: &[Arc<Support>]) -> Self {
-        /// Damping of a first step.
-        const FIRST_DAMPING: f64 = 1e-3;
         interrupt::check();
         let given = objective.given();
         let Radiances { x, supports, dark } = radiances::solve(given, &moments.gram, &moments.rhs, guess);

@@ -1,0 +1,20 @@
+//! Descents side by side: each start in a lane of its own.
+//!
+//! A step for a few lights is some thousand small sums that wait for each other. Starts do not, so eight of them go
+//! downhill together, in vectors that are always full, and take little longer than one.
+//!
+//! | step                              | file           |
+//! |-----------------------------------|----------------|
+//! | a place in each lane, its cost    | `place.rs`     |
+//! | - best radiances, none negative   | `radiances.rs` |
+//! | Gauss and Newton's step           | `quadratic.rs` |
+//! | - small systems of equations      | `factors.rs`   |
+//! | all lanes to the end of their way | `descent.rs`   |
+
+mod descent;
+mod factors;
+mod place;
+mod quadratic;
+mod radiances;
+
+pub use descent::{Rough, descents};
