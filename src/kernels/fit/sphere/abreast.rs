@@ -6,17 +6,18 @@ use std::array;
 use glam::DVec3;
 use pulp::{Simd, WithSimd};
 
-use super::Sphere;
 use super::kernel::{Block, mixed_derivatives};
 use crate::kernels::fit::lanes::{LANES, Lanes};
-use crate::kernels::fit::objective::MomentsAbreast;
+use crate::kernels::fit::objective::{Given, MomentsAbreast};
 use crate::kernels::fit::wide::{Matrix, Wide};
 use crate::kernels::sphere::tangents;
 
 /// What [`Objective::abreast`](crate::kernels::fit::Objective::abreast) asks for.
 pub struct Asked<'a> {
-    pub sphere: &'a Sphere,
+    pub given: &'a Given,
     pub sets: &'a [Vec<DVec3>; LANES],
+    /// `<v_l, y>` of each light and side, set after set.
+    pub sides: [Vec<DVec3>; LANES],
     pub fixed: usize,
 }
 
@@ -25,8 +26,7 @@ impl WithSimd for Asked<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> MomentsAbreast {
-        let Self { sphere, sets, fixed } = self;
-        let given = &sphere.given;
+        let Self { given, sets, sides, fixed } = self;
         let (ambient, channels) = (given.ambient.coefficients(), given.channels.len());
         let lights = sets.iter().map(Vec::len).max().unwrap_or(0);
         let (columns, turns) = (ambient + lights, 2 * (lights - fixed));
@@ -38,13 +38,10 @@ impl WithSimd for Asked<'_> {
             both: Matrix::zeros(turns, turns),
             slopes: Matrix::zeros(channels, turns),
         };
-        add_ambient(sphere, &mut abreast);
-        let mut sides = Vec::with_capacity(given.sides());
-        for (lane, set) in sets.iter().enumerate() {
-            for (light, &l) in set.iter().enumerate() {
-                sides.clear();
-                sphere.sides_at(simd, l, &mut sides);
-                add_sides(&mut abreast, lane, ambient, fixed, light, l, &sides);
+        add_ambient(given, &mut abreast);
+        for (lane, (set, sides)) in sets.iter().zip(&sides).enumerate() {
+            for (light, (&l, sides)) in set.iter().zip(sides.chunks(given.sides().max(1))).enumerate() {
+                add_sides(&mut abreast, lane, ambient, fixed, light, l, sides);
             }
         }
         add_lights(simd, sets, &mut abreast, ambient, fixed);
@@ -53,8 +50,7 @@ impl WithSimd for Asked<'_> {
 }
 
 /// What the ambient columns have in common with each other and the irradiance.
-fn add_ambient(sphere: &Sphere, abreast: &mut MomentsAbreast) {
-    let given = &sphere.given;
+fn add_ambient(given: &Given, abreast: &mut MomentsAbreast) {
     let ambient = given.ambient.coefficients();
     for i in 0..ambient {
         for k in 0..ambient {

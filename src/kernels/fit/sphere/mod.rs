@@ -180,7 +180,11 @@ impl Objective for Sphere {
     fn abreast(&self, sets: &[Vec<DVec3>; LANES], fixed: usize) -> Option<MomentsAbreast> {
         // Harmonics and floors have conditions of their own.
         let is_plain = self.given.free() == 0 && !self.columns.has_floor;
-        is_plain.then(|| self.widest.dispatch(abreast::Asked { sphere: self, sets, fixed }))
+        is_plain.then(|| {
+            let sides_of = |directions| self.widest.dispatch(Sides { sphere: self, directions });
+            let sides = sets.each_ref().map(|set| sides_of(set));
+            self.widest.dispatch(abreast::Asked { given: &self.given, sets, sides, fixed })
+        })
     }
 
     fn kinks(&self, _: &Moments, to: &Moments) -> Vec<(usize, DVec3)> {
