@@ -1,9 +1,10 @@
 //! The search for the best set of lights, among the many that no small step improves.
 //!
 //! Lights are added one at a time where they promise most, in one set or a few side by side (a beam). At the number
-//! that is wanted, the sets of the beam and sets spread evenly over the sphere go downhill; the best of them
-//! exchange lights, one at a time, while that pays; the best of all goes to the bottom of its valley. Over given
-//! normals each valley holds many small ones, between kinks: there the search goes on from perturbed lights.
+//! that is wanted, the sets of the beam and sets spread evenly over the sphere go downhill, these side by side where
+//! the objective knows how; the best of them exchange lights, one at a time, while that pays; the best of all goes to
+//! the bottom of its valley. Over given normals each valley holds many small ones, between kinks: there the search goes
+//! on from perturbed lights.
 
 use glam::DVec3;
 use rayon::prelude::*;

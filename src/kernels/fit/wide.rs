@@ -1,7 +1,8 @@
 //! Numbers side by side, in vectors as wide as the processor has, and matrices of them.
 //!
-//! Plain arrays, so that the compiler chooses the instructions of the caller: whoever calls from within
-//! [`pulp::Arch::dispatch`] gets the widest. Closures are not always inlined, so the loops have none.
+//! Arrays, for they pass through the [`Objective`](super::Objective), which knows no vectors. Sums and products of them
+//! become vectors of whoever calls from within [`pulp::Arch::dispatch`]; what the compiler does not find is written out.
+//! Closures are not always inlined, so the loops have none.
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
 use std::ops::{Add, AddAssign, Index, IndexMut, Mul, Sub, SubAssign};
@@ -14,7 +15,7 @@ use super::lanes::LANES;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Wide(pub [f64; LANES]);
 
-/// `Wide` with `Wide`, lane by lane.
+/// An operator, lane by lane.
 macro_rules! lane_by_lane {
     ($operator:ident, $function:ident, $assigning:ident, $assign:ident) => {
         impl $assigning for Wide {

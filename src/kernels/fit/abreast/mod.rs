@@ -1,7 +1,7 @@
 //! Descents side by side: each start in a lane of its own.
 //!
-//! A step for a few lights is some thousand small sums that wait for each other. Starts do not, so eight of them go
-//! downhill together, in vectors that are always full, and take little longer than one.
+//! A step for a few lights is some thousand small sums that wait for each other. Starts do not wait, so eight of them go
+//! downhill together, each in a lane of the vectors: steps of eight lights take as long as two or three of one start.
 //!
 //! | step                              | file           |
 //! |-----------------------------------|----------------|
