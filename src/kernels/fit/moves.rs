@@ -62,6 +62,24 @@ pub fn exchanged(
     moves
 }
 
+/// The light, not of the first `fixed`, without which the cost grows least where no radiance turns negative: by
+/// `sum_c x_jc^2 / R_jj`, R the inverse Gram matrix of the columns that a channel uses (`candidates.rs`).
+pub fn weakest(objective: &dyn Objective, state: &State, fixed: usize) -> usize {
+    let given = objective.given();
+    let ambient = given.ambient.coefficients();
+    let mut needs = vec![0.0; state.x.nrows()];
+    for (channel, support) in state.supports.iter().enumerate() {
+        for (place, &column) in support.columns.iter().enumerate() {
+            let mut inverse = vec![0.0; support.columns.len()];
+            inverse[place] = 1.0;
+            support.factors.solve(&mut inverse);
+            needs[column] += given.copies(channel) * state.x[(column, channel)].powi(2) / inverse[place];
+        }
+    }
+    let needs = &needs[ambient..];
+    (fixed..state.lights()).min_by(|&a, &b| needs[a].total_cmp(&needs[b])).unwrap_or(fixed)
+}
+
 /// The first `count` of `places`, best first, that do not crowd each other.
 fn apart(mut places: Vec<Promise>, count: usize) -> Vec<Promise> {
     let mut chosen: Vec<Promise> = Vec::new();
@@ -72,4 +90,42 @@ fn apart(mut places: Vec<Promise>, count: usize) -> Vec<Promise> {
         places.retain(|place| place.1.dot(best.1) < APART);
     }
     chosen
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::kernels::fit::{Ambient, Sphere};
+    use crate::kernels::image;
+    use crate::kernels::sphere::Registration;
+    use ndarray::Array3;
+
+    #[test]
+    fn the_weakest_light_is_the_one_without_which_the_refitted_cost_is_lowest() {
+        let map = Array3::from_shape_fn((32, 64, 3), |(y, x, c)| {
+            let hot = if (y, x % 13) == (9 + x / 8, 7 + c) { 40.0 } else { 0.0 };
+            (2.5 + (0.2 * x as f64).sin() + (0.3 * y as f64).cos() + hot) as f32
+        });
+        let working = image::reduce(map.view(), Registration::CellCentred, 256, 3e-3, false).unwrap();
+        let mut compared = 0;
+        for (seed, ambient) in (0..40).flat_map(|seed| [(seed, Ambient::None), (seed, Ambient::Constant)]) {
+            let sphere = Sphere::new(&working, ambient, false);
+            let direction = |i: usize| {
+                let [x, y, z] = [1.3, 2.1, 3.7].map(|turn| (turn * (5 * seed + i + 1) as f64).sin());
+                DVec3::new(x, y, z).normalize()
+            };
+            let state = State::new(&sphere, &[0, 1, 2, 3, 4].map(direction));
+            let without = |gone: usize| {
+                let kept: Vec<usize> = (0..5).filter(|&light| light != gone).collect();
+                state.exchanged(&sphere, &kept, &[])
+            };
+            let best = (1..5).min_by(|&a, &b| without(a).cost.total_cmp(&without(b).cost)).unwrap();
+            if state.x.min() > 0.0 && (1..5).all(|gone| without(gone).x.min() > 0.0) {
+                assert_eq!(weakest(&sphere, &state, 1), best);
+                compared += 1;
+            }
+        }
+        assert!(compared >= 10, "{compared}");
+    }
 }

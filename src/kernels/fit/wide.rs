@@ -178,6 +178,14 @@ pub fn add<S: Simd>(simd: S, out: &mut [Wide], factor: Wide, a: &[Wide]) {
     }
 }
 
+/// The numbers of `b` in place of those of `a` in the lanes where `chosen` is 1, not 0.
+#[inline(always)]
+pub fn take<S: Simd>(simd: S, a: &mut [Wide], b: &[Wide], chosen: Wide) {
+    for (a, b) in a.iter_mut().zip(b) {
+        a.take(simd, *b, chosen);
+    }
+}
+
 /// Matrices side by side, row after row.
 #[derive(Clone, Debug, Default)]
 pub struct Matrix {
@@ -226,9 +234,7 @@ impl Matrix {
     /// The values of `other` in the lanes where `chosen` is 1, not 0.
     #[inline(always)]
     pub fn take<S: Simd>(&mut self, simd: S, other: &Self, chosen: Wide) {
-        for (own, other) in self.values.iter_mut().zip(&other.values) {
-            own.take(simd, *other, chosen);
-        }
+        take(simd, &mut self.values, &other.values, chosen);
     }
 }
 

@@ -8,7 +8,6 @@ use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 use super::place::Places;
-use super::quadratic::Quadratic;
 use crate::interrupt;
 use crate::kernels::fit::descent::{LEAST_DAMPING, LONGEST_STEP, STIFF, STIFFEST};
 use crate::kernels::fit::lanes::LANES;
@@ -19,7 +18,7 @@ use crate::kernels::fit::wide::{Matrix, Wide};
 use crate::kernels::sphere::exponential_map;
 
 /// Starts that share the lanes, one after the other: the last ones run beside empty lanes, but more threads have work.
-const IN_A_QUEUE: usize = 12;
+const IN_A_QUEUE: usize = 2 * LANES;
 
 /// Where a descent has led.
 #[derive(Clone, Debug)]
@@ -122,10 +121,9 @@ impl Descents<'_> {
     /// A step from each place. A lane that has come to its end goes on with the next start.
     #[inline(always)]
     fn tried<S: Simd>(&self, simd: S, running: &mut Running) -> Tried {
-        let Problem { objective, fixed, .. } = *self.problem;
-        let (given, places) = (objective.given(), &running.places);
-        let model = Quadratic::around(simd, given, places, given.ambient.coefficients() + fixed);
-        let (step, fall) = model.step(simd, Wide(running.lanes.map(|lane| lane.damping)));
+        let fixed = self.problem.fixed;
+        let places = &running.places;
+        let (step, fall) = places.model.step(simd, Wide(running.lanes.map(|lane| lane.damping)));
         let sets = array::from_fn(|i| turned(places, i, &step, fixed));
         let mut tried = Tried { sets, used: places.used.clone(), is_new: [false; LANES] };
         for i in 0..LANES {
@@ -188,9 +186,7 @@ impl Lane {
 /// The directions of a lane, each turned by its part of `step`.
 fn turned(places: &Places, lane: usize, step: &[Wide], fixed: usize) -> Vec<DVec3> {
     let mut turned = places.sets[lane].clone();
-    for (i, (direction, [s, t])) in
-        turned.iter_mut().zip(&places.moments.frames[lane]).skip(fixed).enumerate()
-    {
+    for (i, (direction, [s, t])) in turned.iter_mut().zip(&places.frames[lane]).skip(fixed).enumerate() {
         let along = *s * step[2 * i].0[lane] + *t * step[2 * i + 1].0[lane];
         *direction = exponential_map(*direction, along.clamp_length_max(LONGEST_STEP));
     }

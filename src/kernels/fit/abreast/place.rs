@@ -4,6 +4,7 @@
 use glam::DVec3;
 use pulp::Simd;
 
+use super::quadratic::Quadratic;
 use super::radiances::solve;
 use crate::kernels::fit::lanes::LANES;
 use crate::kernels::fit::objective::{Given, MomentsAbreast, Objective};
@@ -11,14 +12,16 @@ use crate::kernels::fit::wide::{Matrix, Wide, dot};
 
 /// One place in each lane.
 pub struct Places {
-    /// Towards the lights; none in a lane that is left out.
+    /// Towards the lights, none in a lane that is left out, and the tangents of each.
     pub sets: [Vec<DVec3>; LANES],
-    pub moments: MomentsAbreast,
-    /// Radiances, a row for each channel, and the columns that are used: 1, or 0.
+    pub frames: [Vec<[DVec3; 2]>; LANES],
+    /// Inner products of the columns; radiances, a row for each channel, and the columns that are used: 1, or 0.
+    pub gram: Matrix,
     pub x: Matrix,
     pub used: Matrix,
-    /// Weighted sum of squares of what is left unexplained.
+    /// Weighted sum of squares of what is left unexplained, and how it changes with small turns.
     pub cost: Wide,
+    pub model: Quadratic,
 }
 
 impl Places {
@@ -31,32 +34,31 @@ impl Places {
         fixed: usize,
         mut used: Matrix,
     ) -> Option<Self> {
+        let given = objective.given();
         let moments = objective.abreast(&sets, fixed)?;
         let mut x = Matrix::zeros(moments.rhs.rows(), moments.rhs.columns());
-        solve(simd, &moments.gram, &moments.rhs, &mut used, &mut x);
-        let cost = cost(simd, objective.given(), &moments, &x);
-        Some(Self { sets, moments, x, used, cost })
+        let supports = solve(simd, &moments.gram, &moments.rhs, &mut used, &mut x);
+        let cost = cost(simd, given, &moments, &x);
+        let still = given.ambient.coefficients() + fixed;
+        let model = Quadratic::around(simd, given, &moments, &x, &supports, still);
+        let MomentsAbreast { frames, gram, .. } = moments;
+        Some(Self { sets, frames, gram, x, used, cost, model })
     }
 
     /// The places of `other` in the lanes that are `chosen`.
     #[inline(always)]
     pub fn take<S: Simd>(&mut self, simd: S, other: Self, chosen: [bool; LANES]) {
         let is_chosen = Wide(chosen.map(|is_chosen| f64::from(u8::from(is_chosen))));
-        let MomentsAbreast { frames, gram, rhs, model, both, slopes } = other.moments;
-        let own = &mut self.moments;
-        own.gram.take(simd, &gram, is_chosen);
-        own.rhs.take(simd, &rhs, is_chosen);
-        own.model.take(simd, &model, is_chosen);
-        own.both.take(simd, &both, is_chosen);
-        own.slopes.take(simd, &slopes, is_chosen);
-        for (i, (frames, set)) in frames.into_iter().zip(other.sets).enumerate() {
+        for (i, (set, frames)) in other.sets.into_iter().zip(other.frames).enumerate() {
             if chosen[i] {
-                (own.frames[i], self.sets[i]) = (frames, set);
+                (self.sets[i], self.frames[i]) = (set, frames);
             }
         }
+        self.gram.take(simd, &other.gram, is_chosen);
         self.x.take(simd, &other.x, is_chosen);
         self.used.take(simd, &other.used, is_chosen);
         self.cost.take(simd, other.cost, is_chosen);
+        self.model.take(simd, &other.model, is_chosen);
     }
 }
 

@@ -2,14 +2,14 @@
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
 use std::ops::Range;
+use std::rc::Rc;
 
 use pulp::Simd;
 
 use super::factors::Factors;
-use super::place::Places;
 use super::radiances::Support;
-use crate::kernels::fit::objective::Given;
-use crate::kernels::fit::wide::{Matrix, Wide, add, are_same, dot};
+use crate::kernels::fit::objective::{Given, MomentsAbreast};
+use crate::kernels::fit::wide::{Matrix, Wide, add, dot, take};
 
 /// `cost + 2 gradient.t + t^T hessian t`
 pub struct Quadratic {
@@ -19,68 +19,29 @@ pub struct Quadratic {
 }
 
 impl Quadratic {
-    /// For the lights that may turn, of which the first follows that many `still` columns.
+    /// For the lights that may turn, of which the first follows that many `still` columns; with radiances `x` and the
+    /// support of each channel.
     #[inline(always)]
-    pub fn around<S: Simd>(simd: S, given: &Given, places: &Places, still: usize) -> Self {
-        let (channels, turns) = (places.x.rows(), places.moments.both.rows());
-        let mut quadratic = Self { hessian: Matrix::zeros(turns, turns), gradient: vec![Wide::ZERO; turns] };
-        for channel in 0..channels {
-            quadratic.add_slopes(simd, given, places, channel, still);
-        }
-        let mut from = 0;
-        while from < channels {
-            let used = places.used.row(from);
-            let alike = (from..channels)
-                .take_while(|&channel| are_same(simd, places.used.row(channel), used))
-                .count();
-            quadratic.add_bends(simd, given, places, from..from + alike, still);
-            from += alike;
-        }
-        quadratic
-    }
-
-    /// `g_i -= x_i <da_i, r>` of one channel.
-    #[inline(always)]
-    fn add_slopes<S: Simd>(&mut self, simd: S, given: &Given, places: &Places, channel: usize, still: usize) {
-        let (x, mut slopes) = (places.x.row(channel), places.moments.slopes.row(channel).to_vec());
-        for (column, x) in x.iter().enumerate() {
-            add(simd, &mut slopes, x.negated(), places.moments.model.row(column));
-        }
-        let copies = Wide::splat(-given.copies(channel));
-        for (i, slope) in slopes.into_iter().enumerate() {
-            self.gradient[i].add_product(simd, copies * x[still + i / 2], slope);
-        }
-    }
-
-    /// `H_ik += x_i x_k (<da_i, da_k> - M_i G^-1 M_k^T)` of channels that use the same columns.
-    #[inline(always)]
-    fn add_bends<S: Simd>(
-        &mut self,
+    pub fn around<S: Simd>(
         simd: S,
         given: &Given,
-        places: &Places,
-        channels: Range<usize>,
+        moments: &MomentsAbreast,
+        x: &Matrix,
+        supports: &[Rc<Support>],
         still: usize,
-    ) {
-        let along = orthonormal(simd, places, channels.start);
-        let turns = self.gradient.len();
-        // Both tangents of two lights at a time.
-        for i in (0..turns).step_by(2) {
-            for k in (i..turns).step_by(2) {
-                let mut share = Wide::ZERO;
-                for channel in channels.clone() {
-                    let x = places.x.row(channel);
-                    let own = Wide::splat(given.copies(channel)) * x[still + i / 2];
-                    share.add_product(simd, own, x[still + k / 2]);
-                }
-                let inside = inside(simd, &places.moments.both, &along, i, k);
-                for (a, inside) in inside.into_iter().enumerate() {
-                    for (b, inside) in inside.into_iter().enumerate() {
-                        self.hessian[(i + a, k + b)].add_product(simd, share, inside);
-                    }
-                }
-            }
+    ) -> Self {
+        let turns = moments.both.rows();
+        let mut quadratic = Self { hessian: Matrix::zeros(turns, turns), gradient: vec![Wide::ZERO; turns] };
+        let around = Around { given, moments, x, still };
+        for channel in 0..supports.len() {
+            around.add_slopes(simd, &mut quadratic.gradient, channel);
         }
+        let mut from = 0;
+        for alike in supports.chunk_by(Rc::ptr_eq) {
+            around.add_bends(simd, &mut quadratic.hessian, &alike[0], from..from + alike.len());
+            from += alike.len();
+        }
+        quadratic
     }
 
     /// The solution of `(H + damping diag H) step = -gradient`, as in `newton.rs`, and what the cost falls by with it:
@@ -89,8 +50,9 @@ impl Quadratic {
     ///   -(2 g.s + s^T H s) = -g.s + damping s^T (diag H) s
     /// ```
     #[inline(always)]
-    pub fn step<S: Simd>(self, simd: S, damping: Wide) -> (Vec<Wide>, Wide) {
-        let Self { mut hessian, gradient } = self;
+    pub fn step<S: Simd>(&self, simd: S, damping: Wide) -> (Vec<Wide>, Wide) {
+        let Self { hessian, gradient } = self;
+        let mut hessian = hessian.clone();
         let mut highest = Wide::splat(f64::MIN_POSITIVE);
         for i in 0..gradient.len() {
             highest = highest.max(simd, hessian[(i, i)]);
@@ -103,28 +65,79 @@ impl Quadratic {
             step.push(gradient.negated());
         }
         Factors::new(simd, hessian).solve(simd, &mut step);
-        let mut fall = dot(simd, &gradient, &step).negated();
+        let mut fall = dot(simd, gradient, &step).negated();
         for (added, step) in added.into_iter().zip(&step) {
             fall.add_product(simd, added * *step, *step);
         }
         (step, fall)
     }
+
+    /// Those of `other` in the lanes where `chosen` is 1, not 0.
+    #[inline(always)]
+    pub fn take<S: Simd>(&mut self, simd: S, other: &Self, chosen: Wide) {
+        self.hessian.take(simd, &other.hessian, chosen);
+        take(simd, &mut self.gradient, &other.gradient, chosen);
+    }
 }
 
-/// `M L^-T D^-1/2`, transposed: the products of the derivatives with orthonormal columns in place of those that a channel
-/// uses.
+/// What the model is made of.
+struct Around<'a> {
+    given: &'a Given,
+    moments: &'a MomentsAbreast,
+    x: &'a Matrix,
+    still: usize,
+}
+
+impl Around<'_> {
+    /// `g_i -= x_i <da_i, r>` of one channel.
+    #[inline(always)]
+    fn add_slopes<S: Simd>(&self, simd: S, gradient: &mut [Wide], channel: usize) {
+        let (x, mut slopes) = (self.x.row(channel), self.moments.slopes.row(channel).to_vec());
+        for (column, x) in x.iter().enumerate() {
+            add(simd, &mut slopes, x.negated(), self.moments.model.row(column));
+        }
+        let copies = Wide::splat(-self.given.copies(channel));
+        for (i, slope) in slopes.into_iter().enumerate() {
+            gradient[i].add_product(simd, copies * x[self.still + i / 2], slope);
+        }
+    }
+
+    /// `H_ik += x_i x_k (<da_i, da_k> - M_i G^-1 M_k^T)` of channels that share a support.
+    #[inline(always)]
+    fn add_bends<S: Simd>(&self, simd: S, hessian: &mut Matrix, support: &Support, channels: Range<usize>) {
+        let along = orthonormal(simd, &self.moments.model, support);
+        let turns = hessian.rows();
+        // Both tangents of two lights at a time.
+        for i in (0..turns).step_by(2) {
+            for k in (i..turns).step_by(2) {
+                let mut share = Wide::ZERO;
+                for channel in channels.clone() {
+                    let x = self.x.row(channel);
+                    let own = Wide::splat(self.given.copies(channel)) * x[self.still + i / 2];
+                    share.add_product(simd, own, x[self.still + k / 2]);
+                }
+                let inside = inside(simd, &self.moments.both, &along, i, k);
+                for (a, inside) in inside.into_iter().enumerate() {
+                    for (b, inside) in inside.into_iter().enumerate() {
+                        hessian[(i + a, k + b)].add_product(simd, share, inside);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// `M L^-T D^-1/2`, transposed: the products of the derivatives with orthonormal columns in place of those of a support.
 #[inline(always)]
-fn orthonormal<S: Simd>(simd: S, places: &Places, channel: usize) -> Matrix {
-    let used = places.used.row(channel);
-    let factors = Support::new(simd, &places.moments.gram, used).factors;
-    let mut along = places.moments.model.clone();
-    for (column, used) in used.iter().enumerate() {
+fn orthonormal<S: Simd>(simd: S, model: &Matrix, support: &Support) -> Matrix {
+    let mut along = model.clone();
+    for (column, used) in support.used.iter().enumerate() {
         for value in along.row_mut(column) {
             *value = *value * *used;
         }
     }
-    factors.forward(simd, &mut along);
-    for (column, inverse) in factors.inverse_pivots().iter().enumerate() {
+    support.factors.forward(simd, &mut along);
+    for (column, inverse) in support.factors.inverse_pivots().iter().enumerate() {
         let scale = inverse.sqrt(simd);
         for value in along.row_mut(column) {
             *value = *value * scale;
@@ -151,6 +164,7 @@ fn inside<S: Simd>(simd: S, both: &Matrix, along: &Matrix, i: usize, k: usize) -
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use super::super::place::Places;
     use super::*;
     use crate::kernels::fit::lanes::LANES;
     use crate::kernels::fit::newton;
@@ -180,8 +194,7 @@ mod tests {
             let mut used = Matrix::zeros(sphere.given().channels.len(), columns);
             (0..6).for_each(|lane| used.fill_lane(lane, 1.0));
             let places = Places::at(Scalar::new(), &sphere, sets.clone(), 1, used).unwrap();
-            let model = Quadratic::around(Scalar::new(), sphere.given(), &places, ambient.coefficients() + 1);
-            let (step, fall) = model.step(Scalar::new(), Wide::splat(0.01));
+            let (step, fall) = places.model.step(Scalar::new(), Wide::splat(0.01));
             for (lane, set) in sets.iter().enumerate().take(6) {
                 let problem = Problem {
                     objective: &sphere,

@@ -1,6 +1,8 @@
 //! The best radiances of lights in fixed directions, none negative, side by side.
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
+use std::rc::Rc;
+
 use pulp::Simd;
 
 use super::factors::Factors;
@@ -13,40 +15,48 @@ const ROUNDING: f64 = 1e-13;
 
 /// Columns that are used, 1 or 0 for each, and the factors of their Gram matrix.
 pub struct Support {
-    used: Vec<Wide>,
+    pub used: Vec<Wide>,
     pub factors: Factors,
 }
 
 impl Support {
     /// A column that is not used has a row of the identity in the Gram matrix instead.
     #[inline(always)]
-    pub fn new<S: Simd>(simd: S, gram: &Matrix, used: &[Wide]) -> Self {
+    fn new<S: Simd>(simd: S, gram: &Matrix, used: &[Wide]) -> Self {
         let mut masked = gram.clone();
         for (i, own) in used.iter().enumerate() {
-            let row = masked.row_mut(i);
-            for (value, other) in row.iter_mut().zip(used) {
+            let row = &mut masked.row_mut(i)[i..];
+            for (value, other) in row.iter_mut().zip(&used[i..]) {
                 *value = *value * *own * *other;
             }
-            row[i] += Wide::ONE - *own;
+            row[0] += Wide::ONE - *own;
         }
         Self { used: used.to_vec(), factors: Factors::new(simd, masked) }
     }
 
     /// That of the `used` columns, which may be the `last` one.
     #[inline(always)]
-    pub fn after<S: Simd>(simd: S, gram: &Matrix, used: &[Wide], last: Option<Self>) -> Self {
+    fn after<S: Simd>(simd: S, gram: &Matrix, used: &[Wide], last: Option<Rc<Self>>) -> Rc<Self> {
         match last {
             Some(last) if are_same(simd, &last.used, used) => last,
-            _ => Self::new(simd, gram, used),
+            _ => Rc::new(Self::new(simd, gram, used)),
         }
     }
 }
 
-/// The values `x`, a row for each channel, from the columns on that are `used`: both are changed.
+/// The values `x`, a row for each channel, from the columns on that are `used`: both are changed. Channels in a row that
+/// use the same columns share their support.
 ///
 /// Block principal pivoting, as in `nnls.rs`.
 #[inline(always)]
-pub fn solve<S: Simd>(simd: S, gram: &Matrix, right: &Matrix, used: &mut Matrix, x: &mut Matrix) {
+pub fn solve<S: Simd>(
+    simd: S,
+    gram: &Matrix,
+    right: &Matrix,
+    used: &mut Matrix,
+    x: &mut Matrix,
+) -> Vec<Rc<Support>> {
+    let mut supports = Vec::with_capacity(right.rows());
     let mut last = None;
     for channel in 0..right.rows() {
         let (right, used, x) = (right.row(channel), used.row_mut(channel), x.row_mut(channel));
@@ -68,7 +78,9 @@ pub fn solve<S: Simd>(simd: S, gram: &Matrix, right: &Matrix, used: &mut Matrix,
                 *x = x.max(simd, Wide::ZERO);
             }
         }
+        supports.extend(last.clone());
     }
+    supports
 }
 
 /// Give up columns that are negative, and use those along which the cost falls; whether there were any.
