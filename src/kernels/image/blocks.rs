@@ -4,15 +4,19 @@
 //! A reduction takes the mean of each block in two steps: down the rows of a row of blocks, here, and then
 //! across the columns of each block, where the reductions differ.
 
+#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+
 use std::borrow::Cow;
 use std::ops::Range;
 
 use ndarray::{ArrayView3, s};
+use pulp::{Arch, Simd, WithSimd};
 
 use crate::kernels::sphere::band_heights;
 
-/// Pixels of a row whose means are taken at once: few enough to stay in the first cache.
-const PIXELS_AT_ONCE: usize = 128;
+/// Pixels of a row whose means are taken at once: few enough that the means stay in the first cache, many enough that
+/// memory is read in long runs.
+const PIXELS_AT_ONCE: usize = 1024;
 
 /// The rows of a map behind one row of blocks.
 pub(crate) struct BlockRow<'a> {
@@ -43,11 +47,12 @@ impl<'a> BlockRow<'a> {
         let width = rows[0].len() / 3;
         let at_once = (PIXELS_AT_ONCE / self.block).max(1) * self.block;
         let mut mean = vec![0.0; 3 * at_once];
-        let mut signs = false;
+        let (mut signs, widest) = (false, Arch::new());
         for start in (0..width).step_by(at_once) {
             let columns = start..(start + at_once).min(width);
             let mean = &mut mean[..3 * columns.len()];
-            signs |= weighted_mean(&rows, &self.weights, 3 * columns.start..3 * columns.end, mean);
+            let samples = 3 * columns.start..3 * columns.end;
+            signs |= widest.dispatch(WeightedMean { rows: &rows, weights: &self.weights, samples, mean });
             visit(columns, mean);
         }
         signs
@@ -56,37 +61,54 @@ impl<'a> BlockRow<'a> {
 
 /// The samples of some rows of a map, row after row.
 pub(crate) fn samples_of(radiance: ArrayView3<'_, f32>, rows: Range<usize>) -> Cow<'_, [f32]> {
-    let rows = radiance.slice_move(s![rows, .., ..]);
-    rows.to_slice().map_or_else(|| Cow::Owned(rows.iter().copied().collect()), Cow::Borrowed)
+    in_order(radiance.slice_move(s![rows, .., ..]))
 }
 
-/// Mean of the `columns` of some rows, four rows at a time: fewer passes over what is summed. Tells
+/// The samples of a part of a map, row after row; where they do not lie in this order, a copy.
+pub(super) fn in_order(part: ArrayView3<'_, f32>) -> Cow<'_, [f32]> {
+    part.to_slice().map_or_else(|| Cow::Owned(part.iter().copied().collect()), Cow::Borrowed)
+}
+
+/// Mean of the same `samples` of some rows, four rows at a time: fewer passes over what is summed. Tells
 /// whether a sample has a minus sign.
-fn weighted_mean(rows: &[&[f32]], weights: &[f32], columns: Range<usize>, mean: &mut [f32]) -> bool {
-    let mut bits = 0;
-    let (fours, rest) = rows.as_chunks::<4>();
-    for (i, (rows, weights)) in fours.iter().zip(weights.as_chunks::<4>().0).enumerate() {
-        let rows = rows.map(|row| &row[columns.clone()]);
-        bits |= if i == 0 {
-            add_four::<true>(rows, weights, mean)
-        } else {
-            add_four::<false>(rows, weights, mean)
-        };
-    }
-    if fours.is_empty() {
-        mean.fill(0.0);
-    }
-    for (row, weight) in rest.iter().zip(&weights[4 * fours.len()..]) {
-        for (mean, sample) in mean.iter_mut().zip(&row[columns.clone()]) {
-            *mean += weight * sample;
-            bits |= sample.to_bits();
+struct WeightedMean<'a> {
+    rows: &'a [&'a [f32]],
+    weights: &'a [f32],
+    samples: Range<usize>,
+    mean: &'a mut [f32],
+}
+
+impl WithSimd for WeightedMean<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> bool {
+        let Self { rows, weights, samples, mean } = self;
+        let mut bits = 0;
+        let (fours, rest) = rows.as_chunks::<4>();
+        for (i, (rows, weights)) in fours.iter().zip(weights.as_chunks::<4>().0).enumerate() {
+            let rows = rows.map(|row| &row[samples.clone()]);
+            bits |= if i == 0 {
+                add_four::<true>(rows, weights, mean)
+            } else {
+                add_four::<false>(rows, weights, mean)
+            };
         }
+        if fours.is_empty() {
+            mean.fill(0.0);
+        }
+        for (row, weight) in rest.iter().zip(&weights[4 * fours.len()..]) {
+            for (mean, sample) in mean.iter_mut().zip(&row[samples.clone()]) {
+                *mean += weight * sample;
+                bits |= sample.to_bits();
+            }
+        }
+        bits >> 31 == 1
     }
-    bits >> 31 == 1
 }
 
 /// Add four weighted rows to `mean`, or set it to their sum if they are the `FIRST`; the bits of all samples.
-#[inline]
+#[inline(always)]
 fn add_four<const FIRST: bool>([a, b, c, d]: [&[f32]; 4], weights: &[f32; 4], mean: &mut [f32]) -> u32 {
     let mut bits = 0;
     for ((((mean, a), b), c), d) in mean.iter_mut().zip(a).zip(b).zip(c).zip(d) {

@@ -3,9 +3,9 @@
 use std::array::from_fn;
 use std::ops::Range;
 
-use glam::DVec3;
-use ndarray::ArrayView3;
+use ndarray::{ArrayView3, s};
 
+use super::blocks::in_order;
 use super::grid::Grid;
 use crate::kernels::sphere::band_heights;
 
@@ -96,66 +96,78 @@ struct Sum {
 impl Apart {
     /// The parts of a `block` are its sixteenths that hold more than a `flux`, and what is left of it.
     pub fn new(block: &Block, radiance: ArrayView3<'_, f32>, pixels: &Grid, flux: f64, pixel: Pixel) -> Self {
-        const ROUNDING: f64 = 1e-9;
         let theta = 0.5 * (pixels.theta_edges[block.rows.start] + pixels.theta_edges[block.rows.end]);
         let part =
             |sum: &Sum| Part { irradiance: sum.irradiance, spread: sum.spread() + pixel.spread(theta) };
-        let whole = block.sum(radiance, pixels);
+        let sums = block.sixteenths(radiance, pixels);
+        let whole = sums.iter().fold(Sum::default(), Sum::plus);
         if whole.flux <= flux {
             return Self { whole: part(&whole), parts: vec![part(&whole)] };
         }
-        let sums = block.sixteenths().map(|one| one.sum(radiance, pixels));
-        let bright: Vec<Sum> = sums.filter(|sum| sum.flux > flux).collect();
-        let rest = bright.iter().fold(whole, Sum::less);
-        let rest = (rest.flux > ROUNDING * whole.flux).then_some(&rest);
+        let (bright, faint): (Vec<Sum>, Vec<Sum>) = sums.into_iter().partition(|sum| sum.flux > flux);
+        let rest = faint.iter().fold(Sum::default(), Sum::plus);
+        let rest = (rest.flux > 0.0).then_some(&rest);
         Self { whole: part(&whole), parts: bright.iter().chain(rest).map(part).collect() }
     }
 }
 
 impl Block {
-    /// Blocks of a fourth of its sides, rounded up to pixels.
-    fn sixteenths(&self) -> impl Iterator<Item = Self> {
+    /// The light of its parts of a fourth of its sides, rounded up to pixels.
+    ///
+    /// With the width `w` and the azimuth of each pixel, a row of a part has the sums of `L w sin phi`, `L w cos phi` and
+    /// `L w`; the height of the row makes irradiance of them.
+    fn sixteenths(&self, radiance: ArrayView3<'_, f32>, pixels: &Grid) -> Vec<Sum> {
         const SIDE: usize = 4;
-        let fourths = |range: &Range<usize>| -> Vec<Range<usize>> {
-            let step = range.len().div_ceil(SIDE);
-            range.clone().step_by(step).map(|first| first..(first + step).min(range.end)).collect()
-        };
-        let (rows, columns) = (fourths(&self.rows), fourths(&self.columns));
-        rows.into_iter().flat_map(move |rows| {
-            let block = move |columns| Self { rows: rows.clone(), columns };
-            columns.clone().into_iter().map(block)
-        })
-    }
-
-    /// The light of its pixels.
-    fn sum(&self, radiance: ArrayView3<'_, f32>, pixels: &Grid) -> Sum {
-        let middle = |edges: &[f64], i: usize| 0.5 * (edges[i] + edges[i + 1]);
         let (theta, phi) = (&pixels.theta_edges, &pixels.phi_edges);
-        let columns: Vec<(f64, (f64, f64))> =
-            self.columns.clone().map(|x| (phi[x + 1] - phi[x], middle(phi, x).sin_cos())).collect();
-        let mut sum = Sum::default();
-        for row in self.rows.clone() {
-            let band = band_heights(&theta[row..row + 2])[0];
-            let (sine, cosine) = middle(theta, row).sin_cos();
-            for (column, &(width, (sin_phi, cos_phi))) in self.columns.clone().zip(&columns) {
-                let solid_angle = band * width;
-                let towards = solid_angle * DVec3::new(sin_phi * sine, cosine, -cos_phi * sine);
-                for channel in 0..3 {
-                    let value = f64::from(radiance[[row, column, channel]]);
-                    (0..3).for_each(|axis| sum.irradiance[axis][channel] += value * towards[axis]);
-                    sum.flux += value * solid_angle;
-                }
+        let columns: Vec<[f64; 3]> = self.columns.clone().map(|x| widths(phi[x], phi[x + 1])).collect();
+        let [high, wide] = [&self.rows, &self.columns].map(|side| side.len().div_ceil(SIDE));
+        let across = columns.len().div_ceil(wide);
+        let mut sums = vec![Sum::default(); self.rows.len().div_ceil(high) * across];
+        for (i, row) in self.rows.clone().enumerate() {
+            let samples = in_order(radiance.slice_move(s![row..=row, self.columns.clone(), ..]));
+            let parts = samples.as_chunks::<3>().0.chunks(wide).zip(columns.chunks(wide));
+            let heights = heights(&theta[row..row + 2]);
+            for ((samples, columns), sum) in parts.zip(&mut sums[i / high * across..]) {
+                sum.add_row(heights, samples, columns);
             }
         }
-        sum
+        sums
     }
 }
 
+/// The width of a column of pixels, times the sine and the cosine of its middle and 1.
+fn widths(low: f64, high: f64) -> [f64; 3] {
+    let (sin, cos) = (0.5 * (low + high)).sin_cos();
+    [sin, cos, 1.0].map(|value| (high - low) * value)
+}
+
+/// `cos theta_top - cos theta_bottom` of a row, times the sine and the cosine of its middle and 1.
+fn heights(theta: &[f64]) -> [f64; 3] {
+    let (sine, cosine) = (0.5 * (theta[0] + theta[1])).sin_cos();
+    [sine, cosine, 1.0].map(|value| band_heights(theta)[0] * value)
+}
+
 impl Sum {
-    /// What is left without a part of it.
-    fn less(self, part: &Self) -> Self {
+    /// Add some pixels of a row with these [`heights`], in columns with these [`widths`].
+    fn add_row(&mut self, heights: [f64; 3], samples: &[[f32; 3]], columns: &[[f64; 3]]) {
+        let mut sums = [[0.0; 3]; 3];
+        for (sample, widths) in samples.iter().zip(columns) {
+            for (sums, width) in sums.iter_mut().zip(widths) {
+                (0..3).for_each(|c| sums[c] += f64::from(sample[c]) * width);
+            }
+        }
+        let ([by_sin, by_cos, plain], [sine, cosine, height]) = (sums, heights);
+        for c in 0..3 {
+            self.irradiance[0][c] += sine * by_sin[c];
+            self.irradiance[1][c] += cosine * plain[c];
+            self.irradiance[2][c] -= sine * by_cos[c];
+            self.flux += height * plain[c];
+        }
+    }
+
+    fn plus(self, part: &Self) -> Self {
         let [a, b] = [self, *part].map(|sum| sum.irradiance);
-        Self { irradiance: from_fn(|axis| from_fn(|c| a[axis][c] - b[axis][c])), flux: self.flux - part.flux }
+        Self { irradiance: from_fn(|axis| from_fn(|c| a[axis][c] + b[axis][c])), flux: self.flux + part.flux }
     }
 
     /// Mean of 1 - cos of the angle to the middle: light that comes from several directions has a vector irradiance

@@ -4,7 +4,7 @@ use std::array::from_fn;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::DVec3;
-use ndarray::{Array3, ArrayView3, ArrayViewMut2, s};
+use ndarray::{Array3, ArrayView3, Axis, s};
 use rayon::prelude::*;
 
 use super::blocks::BlockRow;
@@ -61,135 +61,161 @@ pub fn reduce(
 ) -> Result<WorkingMap> {
     let (pixels, grid, block) = Grid::of_map(radiance, registration, columns)?;
     let (height, width, _) = radiance.dim();
-    let mut flux = block_flux(radiance, &pixels, block)?;
+    let mut flux = Flux::new(radiance, &pixels, block)?;
     if has_floor {
-        hide_below(&mut flux, &grid);
+        flux.hide_below(&grid);
     }
-    let cells = source_cells(&flux, source_share);
-    let pixel = Pixel::of(&pixels);
-    let whole = flux.sum();
-    let block_of = |&(row, column): &(usize, usize)| Block {
-        rows: row * block..((row + 1) * block).min(height),
-        columns: column * block..((column + 1) * block).min(width),
+    let whole = flux.whole();
+    let cells = flux.sources(whole, source_share);
+    cells.iter().for_each(|&cell| flux.take(cell));
+    let (means, bright) = flux.means(&grid);
+    let (pixel, worth) = (Pixel::of(&pixels), PART_SHARE * whole.iter().sum::<f64>());
+    let apart = |&(row, column): &(usize, usize)| {
+        let rows = row * block..((row + 1) * block).min(height);
+        let columns = column * block..((column + 1) * block).min(width);
+        Apart::new(&Block { rows, columns }, radiance, &pixels, worth, pixel)
     };
-    let apart = |cell| Apart::new(&block_of(cell), radiance, &pixels, PART_SHARE * whole, pixel);
-    let mut apart_cells: Vec<Apart> = cells.iter().map(apart).collect();
+    let apart_cells: Vec<Apart> = cells.par_iter().chain(&bright).map(apart).collect();
     let is_seen = |part: &Part| !has_floor || part.is_up();
     let sources = Array3::from_shape_fn((cells.len(), 3, 3), |(i, axis, c)| {
         let Apart { whole, .. } = &apart_cells[i];
         if is_seen(whole) { whole.irradiance[axis][c] } else { 0.0 }
     });
-    for &(row, column) in &cells {
-        flux.slice_mut(s![row, column, ..]).fill(0.0);
-    }
-    let bright = bright_cells(&flux, &grid);
-    apart_cells.extend(bright.iter().map(apart));
     let mut parts = parts(apart_cells);
     parts.retain(is_seen);
-    Ok(WorkingMap { radiance: mean_radiance(&flux, &grid), grid, sources, bright, parts, pixel })
+    Ok(WorkingMap { radiance: means, grid, sources, bright, parts, pixel })
 }
 
-/// Integral of the radiance over each block, (rows, columns, 3).
-fn block_flux(radiance: ArrayView3<'_, f32>, pixels: &Grid, block: usize) -> Result<Array3<f64>> {
-    let (height, width, _) = radiance.dim();
-    let widths = widths(&pixels.phi_edges);
-    let mut flux = Array3::zeros((height.div_ceil(block), width.div_ceil(block), 3));
-    let cells = flux.outer_iter_mut().into_par_iter().enumerate();
-    let signs: Vec<bool> = cells
-        .map(|(row, cells)| {
-            let pixels = BlockRow::new(radiance, &pixels.theta_edges, block, row);
-            add_across(cells, &pixels, &widths, block)
-        })
-        .collect();
-    if signs.contains(&true) || !flux.iter().all(|value| value.is_finite()) {
-        check_samples(radiance)?;
+/// Integral of the radiance over each cell.
+struct Flux {
+    /// (rows, columns, 3)
+    cells: Array3<f64>,
+    /// That of each row.
+    rows: Vec<[f64; 3]>,
+}
+
+impl Flux {
+    /// Of the blocks of a map's pixels.
+    fn new(radiance: ArrayView3<'_, f32>, pixels: &Grid, block: usize) -> Result<Self> {
+        let (height, width, _) = radiance.dim();
+        let widths = widths(&pixels.phi_edges);
+        let mut cells = Array3::zeros((height.div_ceil(block), width.div_ceil(block), 3));
+        let rows = rows_mut(&mut cells).enumerate().map(|(row, cells)| {
+            let has_signs =
+                add_across(cells, &BlockRow::new(radiance, &pixels.theta_edges, block, row), &widths, block);
+            (has_signs, sum(cells))
+        });
+        let (signs, rows): (Vec<bool>, Vec<[f64; 3]>) = rows.unzip();
+        // What is no number, or infinite, stays so in every sum.
+        if signs.contains(&true) || !rows.as_flattened().iter().all(|sum| sum.is_finite()) {
+            check_samples(radiance)?;
+        }
+        Ok(Self { cells, rows })
     }
-    Ok(flux)
-}
 
-/// Take away what the horizon hides of each row.
-fn hide_below(flux: &mut Array3<f64>, grid: &Grid) {
-    for (mut row, edges) in flux.outer_iter_mut().zip(grid.theta_edges.windows(2)) {
-        let kept = ((FRAC_PI_2 - edges[0]) / (edges[1] - edges[0])).clamp(0.0, 1.0);
-        row.mapv_inplace(|value| kept * value);
+    /// Take away what the horizon hides of each row.
+    fn hide_below(&mut self, grid: &Grid) {
+        let rows = self.cells.outer_iter_mut().zip(&mut self.rows);
+        for ((mut cells, sum), edges) in rows.zip(grid.theta_edges.windows(2)) {
+            let kept = ((FRAC_PI_2 - edges[0]) / (edges[1] - edges[0])).clamp(0.0, 1.0);
+            cells.mapv_inplace(|value| kept * value);
+            *sum = sum.map(|value| kept * value);
+        }
+    }
+
+    /// That of the map, by channel.
+    fn whole(&self) -> [f64; 3] {
+        sum(&self.rows)
+    }
+
+    /// Take a cell out.
+    fn take(&mut self, (row, column): (usize, usize)) {
+        self.cells.slice_mut(s![row, column, ..]).fill(0.0);
+        let left = self.cells.index_axis(Axis(0), row);
+        self.rows[row] = from_fn(|channel| left.column(channel).sum());
+    }
+
+    /// Cells that hold more than `share` of the `whole` flux of a channel, and stand out: of few cells each holds much.
+    fn sources(&self, whole: [f64; 3], share: f64) -> Vec<(usize, usize)> {
+        /// Times the flux of a usual cell.
+        const STANDS_OUT: f64 = 8.0;
+        let (rows, columns, _) = self.cells.dim();
+        let share = share.max(STANDS_OUT / (rows * columns) as f64);
+        let least = whole.map(|whole| share * whole);
+        let is_source = |cell: &[f64; 3]| (0..3).any(|c| cell[c] > least[c]);
+        let in_row = |(row, cells): (usize, &[[f64; 3]])| {
+            let columns = cells.iter().enumerate().filter(|(_, cell)| is_source(cell));
+            columns.map(|(column, _)| (row, column)).collect::<Vec<_>>()
+        };
+        rows_of(&self.cells).enumerate().flat_map_iter(in_row).collect()
+    }
+
+    /// Mean radiance of the cells, and those of them that are too bright for harmonics to be sharp enough, by what they
+    /// give and by how far they stand out: with the flux F of the map's `F_0` and the radiance L over its mean `L_0`, where
+    /// `F / F_0 * L / L_0 > .012` and `L > 8 L_0`. That is each cell that stands out with 1.5e-3 of the flux, and one beside
+    /// a sun with less.
+    fn means(&self, grid: &Grid) -> (Array3<f32>, Vec<(usize, usize)>) {
+        const STANDS_OUT: f64 = 8.0;
+        const WORTH: f64 = 0.012;
+        // Divide nothing: `L / L_0` is the share over the solid angle, in units of the whole sphere.
+        let over_whole = 1.0 / self.whole().iter().sum::<f64>();
+        let is_bright = |cell: &[f64; 3], solid_angle: f64| {
+            let share = cell.iter().sum::<f64>() * over_whole;
+            let dense = share * 4.0 * PI;
+            dense > STANDS_OUT * solid_angle && share * dense > WORTH * solid_angle
+        };
+        let widths = widths(&grid.phi_edges);
+        let of_row = |(row, ((means, cells), band)): (usize, ((&mut [[f32; 3]], &[[f64; 3]]), &f64))| {
+            let mut bright = Vec::new();
+            for (column, ((mean, cell), width)) in means.iter_mut().zip(cells).zip(&widths).enumerate() {
+                let solid_angle = band * width;
+                let over = 1.0 / solid_angle;
+                *mean = cell.map(|flux| (flux * over) as f32);
+                if is_bright(cell, solid_angle) {
+                    bright.push((row, column));
+                }
+            }
+            bright
+        };
+        let mut means = Array3::zeros(self.cells.dim());
+        let bands = band_heights(&grid.theta_edges);
+        let rows = rows_mut(&mut means).zip(rows_of(&self.cells)).zip(&bands);
+        let bright = rows.enumerate().flat_map_iter(of_row).collect();
+        (means, bright)
     }
 }
 
 /// Sum rows of pixels of these `widths` into the cells that they make. Tells whether a sample has a minus
 /// sign.
-fn add_across(
-    mut cells: ArrayViewMut2<'_, f64>,
-    pixels: &BlockRow<'_>,
-    widths: &[f64],
-    block: usize,
-) -> bool {
-    let mut cells = cells.outer_iter_mut();
+fn add_across(cells: &mut [[f64; 3]], pixels: &BlockRow<'_>, widths: &[f64], block: usize) -> bool {
+    let mut cells = cells.iter_mut();
     let height = pixels.height;
     pixels.mean(|columns, mean| {
         let blocks = mean.as_chunks::<3>().0.chunks(block).zip(widths[columns].chunks(block));
-        for ((pixels, widths), mut cell) in blocks.zip(&mut cells) {
+        for ((pixels, widths), cell) in blocks.zip(&mut cells) {
             let mut sum = [0.0; 3];
             for (pixel, width) in pixels.iter().zip(widths) {
                 (0..3).for_each(|c| sum[c] += f64::from(pixel[c]) * width);
             }
-            (0..3).for_each(|c| cell[c] = sum[c] * height);
+            *cell = sum.map(|sum| sum * height);
         }
     })
 }
 
-/// Cells that hold more than `share` of all flux of a channel, and stand out: of few cells each holds much.
-fn source_cells(flux: &Array3<f64>, share: f64) -> Vec<(usize, usize)> {
-    /// Times the flux of a usual cell.
-    const STANDS_OUT: f64 = 8.0;
-    let cells = || rows_of(flux).flatten();
-    let total = cells().fold([0.0; 3], |sum: [f64; 3], cell| from_fn(|c| sum[c] + cell[c]));
-    let (rows, columns, _) = flux.dim();
-    let share = share.max(STANDS_OUT / (rows * columns) as f64);
-    let least = total.map(|total| share * total);
-    let is_bright = |cell: &[f64; 3]| (0..3).any(|c| cell[c] > least[c]);
-    let bright = cells().enumerate().filter(|(_, cell)| is_bright(cell));
-    bright.map(|(i, _)| (i / columns, i % columns)).collect()
+fn sum(fluxes: &[[f64; 3]]) -> [f64; 3] {
+    fluxes.iter().fold([0.0; 3], |sum, flux| from_fn(|c| sum[c] + flux[c]))
 }
 
-/// Cells that are too bright for harmonics to be sharp enough, by what they give and by how far they stand out: with the
-/// flux F of the map's `F_0` and the radiance L over its mean `L_0`, where `F / F_0 * L / L_0 > .012` and `L > 8 L_0`. That is
-/// each cell that stands out with 1.5e-3 of the flux, and one beside a sun with less.
-fn bright_cells(flux: &Array3<f64>, grid: &Grid) -> Vec<(usize, usize)> {
-    const STANDS_OUT: f64 = 8.0;
-    const WORTH: f64 = 0.012;
-    let over_whole = 1.0 / flux.sum();
-    // Divide nothing: `L / L_0` is the share over the solid angle, in units of the whole sphere.
-    let is_bright = |cell: &[f64; 3], solid_angle: f64| {
-        let share = cell.iter().sum::<f64>() * over_whole;
-        let dense = share * 4.0 * PI;
-        dense > STANDS_OUT * solid_angle && share * dense > WORTH * solid_angle
-    };
-    let (widths, mut bright) = (widths(&grid.phi_edges), Vec::new());
-    for ((row, cells), band) in rows_of(flux).enumerate().zip(band_heights(&grid.theta_edges)) {
-        let columns = cells.iter().zip(&widths).enumerate();
-        let columns = columns.filter(|(_, (cell, width))| is_bright(cell, band * *width));
-        bright.extend(columns.map(|(column, _)| (row, column)));
-    }
-    bright
+/// The cells of each row, side by side.
+fn rows_of<T: Sync>(cells: &Array3<T>) -> impl IndexedParallelIterator<Item = &[[T; 3]]> {
+    let samples = cells.as_slice().unwrap_or(&[]); // as it was made, row after row
+    samples.as_chunks::<3>().0.par_chunks(cells.dim().1)
 }
 
-fn mean_radiance(flux: &Array3<f64>, grid: &Grid) -> Array3<f32> {
-    let (widths, mut mean) = (widths(&grid.phi_edges), Array3::zeros(flux.dim()));
-    let rows = mean.outer_iter_mut().zip(rows_of(flux)).zip(band_heights(&grid.theta_edges));
-    for ((mut means, cells), band) in rows {
-        let means = means.as_slice_mut().unwrap_or(&mut []).as_chunks_mut::<3>().0; // zeros lie row after row
-        for ((mean, cell), width) in means.iter_mut().zip(cells).zip(&widths) {
-            let over = 1.0 / (band * width);
-            *mean = cell.map(|flux| (flux * over) as f32);
-        }
-    }
-    mean
-}
-
-/// The cells of each row.
-fn rows_of(flux: &Array3<f64>) -> impl Iterator<Item = &[[f64; 3]]> {
-    let cells = flux.as_slice().unwrap_or(&[]); // as it was made, row after row
-    cells.as_chunks::<3>().0.chunks(flux.dim().1)
+fn rows_mut<T: Send>(cells: &mut Array3<T>) -> impl IndexedParallelIterator<Item = &mut [[T; 3]]> {
+    let columns = cells.dim().1;
+    let samples = cells.as_slice_mut().unwrap_or(&mut []); // as it was made, row after row
+    samples.as_chunks_mut::<3>().0.par_chunks_mut(columns)
 }
 
 fn widths(phi_edges: &[f64]) -> Vec<f64> {
@@ -210,7 +236,7 @@ mod tests {
         let map = Array3::from_shape_fn((30, 60, 3), |(y, x, c)| ((y * 7 + x * 3 + c) % 11) as f32);
         for registration in [Registration::CellCentred, Registration::BorderSampled] {
             let pixels = Grid::of_pixels(30, 60, registration);
-            let before = block_flux(map.view(), &pixels, 1).unwrap().sum();
+            let before = Flux::new(map.view(), &pixels, 1).unwrap().cells.sum();
             let small = reduce(map.view(), registration, 16, 2.0, false).unwrap();
             let bands = band_heights(&small.grid.theta_edges);
             let after: f64 = small
