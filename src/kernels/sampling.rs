@@ -1,4 +1,4 @@
-//! Points that fill the sphere evenly: Hammersley, Halton, icospheres.
+//! Points that fill the sphere evenly: Hammersley, Halton, icospheres. Nodes and weights of Gauss.
 
 use std::f64::consts::{PI, TAU};
 
@@ -202,6 +202,30 @@ fn spherical_area([a, b, c]: &[DVec3; 3]) -> f64 {
     2.0 * volume.atan2(1.0 + a.dot(*b) + b.dot(*c) + c.dot(*a))
 }
 
+/// Nodes, from 1 down, and weights of the Gauss-Legendre rule of `count` nodes on -1 .. 1.
+///
+/// Newton's method on the Legendre polynomial P, with `P' = n (x P_n - P_(n-1)) / (x^2 - 1)`; the weight is
+/// `2 / ((1 - x^2) P'^2)`.
+pub(crate) fn gauss_legendre(count: usize) -> (Vec<f64>, Vec<f64>) {
+    /// From the starting value on, Newton's method doubles the digits: 4 steps are enough.
+    const STEPS: usize = 6;
+    let node = |i: usize| {
+        let mut x = (PI * (i as f64 + 0.75) / (count as f64 + 0.5)).cos();
+        let mut slope = 1.0;
+        for _ in 0..STEPS {
+            let (mut before, mut value) = (1.0, x);
+            for k in 2..=count {
+                let k = k as f64;
+                (before, value) = (value, ((2.0 * k - 1.0) * x * value - (k - 1.0) * before) / k);
+            }
+            slope = count as f64 * (x * value - before) / (x * x - 1.0);
+            x -= value / slope;
+        }
+        (x, 2.0 / ((1.0 - x * x) * slope * slope))
+    };
+    (0..count).map(node).unzip()
+}
+
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
@@ -214,6 +238,22 @@ mod tests {
         assert_eq!(halves, [0.0, 0.5, 0.25, 0.75, 0.125]);
         assert_relative_eq!(radical_inverse(5, 3).unwrap(), 2.0 / 3.0 + 1.0 / 9.0);
         assert_eq!(radical_inverse(1, 1), Err(Error::BadBase { base: 1 }));
+    }
+
+    #[test]
+    fn gauss_legendre_integrates_polynomials() {
+        for count in [2, 10, 40, 108] {
+            let (nodes, weights) = gauss_legendre(count);
+            let integral = |power: i32| -> f64 {
+                nodes.iter().zip(&weights).map(|(x, weight)| weight * x.powi(power)).sum()
+            };
+            for power in [0, 1, 2, 3] {
+                let wanted = if power % 2 == 0 { 2.0 / f64::from(power + 1) } else { 0.0 };
+                assert!((integral(power) - wanted).abs() < 1e-13, "{count} nodes, power {power}");
+            }
+            let last = 2 * count as i32 - 2;
+            assert!((integral(last) - 2.0 / f64::from(last + 1)).abs() < 1e-13, "{count} nodes");
+        }
     }
 
     #[test]

@@ -5,6 +5,7 @@
 //! | step                                            | file                               |
 //! |-------------------------------------------------|------------------------------------|
 //! | what is asked, and ambient + lights             | `problem.rs`, `rig.rs`, `ambient.rs` |
+//! | a map in integrals over azimuth                 | `azimuthal.rs`                     |
 //! | what is minimised: two moments of lights        | `objective.rs`                     |
 //! | - at every normal, in closed form               | `sphere/`                          |
 //! | - at given normals                              | `samples/`                         |
@@ -22,6 +23,7 @@
 
 mod abreast;
 mod ambient;
+mod azimuthal;
 mod candidates;
 mod curvature;
 mod dense;
@@ -58,12 +60,13 @@ pub use uncertainty::Uncertainty;
 
 use glam::DVec3;
 
+use self::azimuthal::Azimuthal;
 use self::discs::{Sized, Sizes};
 use self::light_count::{Goal, Tried};
 use self::relative_rms::relative_error;
+use self::sphere::rendered;
 use self::state::State;
 use super::image::WorkingMap;
-use super::probe;
 use crate::error::{Error, Result};
 
 /// What a caller asks for.
@@ -135,13 +138,16 @@ const JUDGING: usize = 5120;
 /// [`Error::TooFewNormals`], [`Error::TooBright`].
 pub fn under_map(map: &WorkingMap, world: World, asked: &Asked, error_floor: f64) -> Result<Fitted> {
     let has_floor = world == World::Floor;
-    let sizes = || Sizes::new(map, asked.ambient, has_floor, asked.sizes.unwrap_or(Comparison::Shadows));
+    let azimuthal = Azimuthal::of(map);
+    let rest = azimuthal.without_bright(map);
+    let comparison = asked.sizes.unwrap_or(Comparison::Shadows);
+    let sizes = || Sizes::new(map, &rest, asked.ambient, has_floor, comparison);
     if world == World::Upward {
-        return facing_up(map, sizes(), asked, error_floor);
+        return facing_up(map, &rest, sizes(), asked, error_floor);
     }
     check_unknowns(asked, JUDGING)?;
-    let figures = || rayon::join(sizes, || rendered(map, JUDGING));
-    let sphere = || Sphere::new(map, asked.ambient, has_floor);
+    let figures = || rayon::join(sizes, || rendered(map, &rest, JUDGING));
+    let sphere = || Sphere::of(map, &azimuthal, asked.ambient, has_floor);
     if asked.has_goal() {
         let (sphere, (sizes, judge)) = rayon::join(sphere, figures);
         let figures = Figures { judge: &judge?, sizes: Some(sizes), asked };
@@ -161,8 +167,15 @@ pub fn under_map(map: &WorkingMap, world: World, asked: &Asked, error_floor: f64
 }
 
 /// The best rig for surfaces that face up.
-fn facing_up(map: &WorkingMap, sizes: Sizes<'_>, asked: &Asked, error_floor: f64) -> Result<Fitted> {
-    let (judge, fitted) = (rendered(map, 2 * JUDGING)?.upward(), rendered(map, JUDGING)?.upward());
+fn facing_up(
+    map: &WorkingMap,
+    rest: &Azimuthal,
+    sizes: Sizes<'_>,
+    asked: &Asked,
+    error_floor: f64,
+) -> Result<Fitted> {
+    let upward = |fewest| rendered(map, rest, fewest).map(Samples::upward);
+    let (judge, fitted) = (upward(2 * JUDGING)?, upward(JUDGING)?);
     check_unknowns(asked, judge.normals.len())?;
     let figures = Figures { judge: &judge, sizes: Some(sizes), asked };
     fit(&asked.problem(&Probe::new(fitted, asked.ambient)), &figures, error_floor)
@@ -184,12 +197,6 @@ fn searched(problem: &Problem<'_>, goal: &Goal, error_floor: f64) -> Result<Vec<
 /// `<E, E>` of the probe under a map, over all normals and channels, in closed form.
 pub fn energy(map: &WorkingMap) -> f64 {
     Sphere::new(map, Ambient::Constant, false).given().energy
-}
-
-/// The probe under a map at normals that are quickly looked at.
-fn rendered(map: &WorkingMap, fewest: usize) -> Result<Samples> {
-    let probe::Judged { normals, weights, irradiance } = probe::judge(map, fewest)?;
-    Ok(Samples::of(normals, weights, irradiance))
 }
 
 /// The best rig for irradiance at given normals, which judge it as well.

@@ -26,22 +26,14 @@
 //! | flux of a band of rows up to an azimuth | `band.rs`     |
 //! | the part of a band before a normal      | `horizon.rs`  |
 //! | the same for many normals, few cells    | `table.rs`    |
-//! | the same at normals that judge a rig    | `rings.rs`    |
-//! | - columns of one width                  | `even.rs`     |
-//! | - the horizon of a ring of normals      | `strips.rs`   |
-//! | - what a ring sees of a run of rows     | `runs.rs`     |
 //! | lights that are kept as points          | `sources.rs`  |
 
 mod band;
 mod bright;
-mod even;
 mod horizon;
 mod opposite;
-mod rings;
 mod rows;
-mod runs;
 mod sources;
-mod strips;
 mod table;
 
 use glam::DVec3;
@@ -56,7 +48,6 @@ use band::{Band, Columns};
 use bright::Limits;
 use horizon::{Normal, Steps};
 use opposite::VectorFlux;
-pub use rings::{Judged, judge};
 use sources::under_sources;
 
 /// Rows are summed in runs of their own, whatever the number of threads: the same bits everywhere.

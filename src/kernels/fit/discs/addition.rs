@@ -6,9 +6,10 @@ use glam::DVec3;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::abreast::Abreast;
-use super::harmonics::{Harmonics, Rgb2};
+use super::harmonics::Harmonics;
 use super::place::{Legendre, Place};
 use super::zonal::DEGREES;
+use crate::kernels::fit::azimuthal::Rgb2;
 use crate::kernels::fit::lanes::{LANES, Lanes, Number};
 
 impl Harmonics {

@@ -1,96 +1,54 @@
 //! From a map to harmonics.
 //!
-//! A map is the sum of its cells, each a patch of one radiance between two parallels and two meridians. So its
-//! coefficients come in two steps: integrals over azimuth row by row, then over the height of the rows.
+//! The coefficients of a map come in two steps: integrals over azimuth row by row (`azimuthal.rs`), then over the height
+//! of the rows.
+
+#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
 use std::f64::consts::{FRAC_PI_4, PI};
 
-use nalgebra::{Complex, DMatrix};
-use ndarray::ArrayView3;
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
-use super::harmonics::{Harmonics, Rgb2};
+use super::harmonics::Harmonics;
 use super::place::Legendre;
 use super::zonal::DEGREES;
+use crate::kernels::fit::azimuthal::{self, Azimuthal, Rgb2};
 use crate::kernels::image::Grid;
 use crate::kernels::kept::Kept;
 
+const _: () = assert!(DEGREES <= azimuthal::ORDERS, "rows are integrated for each order");
+
 impl Harmonics {
-    /// Of a map in cells.
-    pub fn of_cells(radiance: ArrayView3<'_, f32>, grid: &Grid) -> Self {
+    /// Of a map in cells, from the integrals over their rows.
+    pub fn of_cells(azimuthal: &Azimuthal, grid: &Grid) -> Self {
         /// Parts of the rows that are summed side by side; always the same, so that the sums are too.
         const PARTS: usize = 4;
         static ROWS: Kept<Vec<f64>, Vec<Row>> = Kept::new();
-        let azimuthal = azimuthal(radiance, &grid.phi_edges);
         let rows = ROWS.of(&grid.theta_edges, || Row::all(&grid.theta_edges));
-        let part = |rows: &[Row]| {
-            let mut out = Self::zero();
-            for row in rows {
-                row.add_to(&mut out, &azimuthal);
-            }
-            out
-        };
+        let part = |rows: &[Row]| Arch::new().dispatch(Rows { rows, azimuthal });
         let parts: Vec<Self> = rows.par_chunks(rows.len().div_ceil(PARTS)).map(part).collect();
         parts.iter().fold(Self::zero(), |sum, part| sum.scaled_sum(&[1.0; DEGREES], part, &[1.0; DEGREES]))
     }
 }
 
-/// Integrals over azimuth of each row, by `cos m phi` and `sin m phi`: for each row, each order.
-fn azimuthal(radiance: ArrayView3<'_, f32>, edges: &[f64]) -> Vec<Rgb2> {
-    let (rows, columns, _) = radiance.dim();
-    let samples = radiance.as_standard_layout();
-    let samples = samples.as_slice().unwrap_or(&[]).as_chunks::<3>().0; // the standard layout is a slice
-    let whole = edges[columns];
-    let is_symmetric = columns.is_multiple_of(2)
-        && (0..=columns).all(|x| (edges[x] + edges[columns - x] - whole).abs() < 1e-12 * whole);
-    // Cosines are even, sines are odd: of symmetric columns one half is enough.
-    let used = if is_symmetric { columns / 2 } else { columns };
-    let mut cells = [(); 2].map(|()| DMatrix::zeros(used, 3 * rows));
-    let [even, odd] = &mut cells;
-    for (row, samples) in samples.chunks_exact(columns).enumerate() {
-        for x in 0..used {
-            for (channel, &one) in samples[x].iter().enumerate() {
-                let (place, one) = ((x, 3 * row + channel), f64::from(one));
-                let other = f64::from(samples[columns - 1 - x][channel]);
-                even[place] = if is_symmetric { one + other } else { one };
-                odd[place] = if is_symmetric { one - other } else { one };
-            }
-        }
-    }
-    let mut out = vec![[0.0; 8]; rows * DEGREES];
-    for ((first, cells), integrals) in [0, 4].into_iter().zip(&cells).zip(integrals(&edges[..=used])) {
-        let sums = integrals * cells;
-        for row in 0..rows {
-            for m in 0..DEGREES {
-                (0..3).for_each(|c| out[row * DEGREES + m][first + c] = sums[(m, 3 * row + c)]);
-            }
-        }
-    }
-    out
+/// Some rows of a map.
+struct Rows<'a> {
+    rows: &'a [Row],
+    azimuthal: &'a Azimuthal,
 }
 
-/// `integral of cos m phi` and of `sin m phi` over each column, for each order.
-fn integrals(edges: &[f64]) -> [DMatrix<f64>; 2] {
-    let mut out = [(); 2].map(|()| DMatrix::zeros(DEGREES, edges.len() - 1));
-    let mut low = turns(edges[0]);
-    for (x, edge) in edges.windows(2).enumerate() {
-        let high = turns(edge[1]);
-        out[0][(0, x)] = edge[1] - edge[0];
-        for m in 1..DEGREES {
-            out[0][(m, x)] = (high[m].im - low[m].im) / m as f64;
-            out[1][(m, x)] = (low[m].re - high[m].re) / m as f64;
-        }
-        low = high;
-    }
-    out
-}
+impl WithSimd for Rows<'_> {
+    type Output = Harmonics;
 
-/// `exp(i m phi)` for each order m, each from the one before.
-fn turns(phi: f64) -> [Complex<f64>; DEGREES] {
-    let turn = Complex::from_polar(1.0, phi);
-    let mut turns = [Complex::ONE; DEGREES];
-    (1..DEGREES).for_each(|m| turns[m] = turns[m - 1] * turn);
-    turns
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Harmonics {
+        let mut out = Harmonics::zero();
+        for row in self.rows {
+            row.add_to(&mut out, self.azimuthal);
+        }
+        out
+    }
 }
 
 /// A row of cells between two polar angles, and the one at the same angles from the other pole where there is one.
@@ -133,17 +91,22 @@ impl Row {
     }
 
     /// Add it to harmonics.
-    fn add_to(&self, out: &mut Harmonics, azimuthal: &[Rgb2]) {
+    #[inline(always)]
+    fn add_to(&self, out: &mut Harmonics, azimuthal: &Azimuthal) {
         let mut values = out.values.iter_mut().zip(&self.integrals);
         for m in 0..DEGREES {
             // On the other side of the horizon, every second degree has the other sign.
-            let one = azimuthal[self.index * DEGREES + m];
-            let other = self.mirrored.map_or([0.0; 8], |row| azimuthal[row * DEGREES + m]);
-            let sums: [Rgb2; 2] =
-                [std::array::from_fn(|i| one[i] + other[i]), std::array::from_fn(|i| one[i] - other[i])];
+            let one = azimuthal.at(self.index, m);
+            let other = self.mirrored.map_or(&[0.0; 8], |row| azimuthal.at(row, m));
+            let mut sums: [Rgb2; 2] = [[0.0; 8]; 2];
+            for i in 0..8 {
+                (sums[0][i], sums[1][i]) = (one[i] + other[i], one[i] - other[i]);
+            }
             for (l, (value, integral)) in (m..DEGREES).zip(&mut values) {
                 let sum = &sums[(l - m) % 2];
-                (0..8).for_each(|i| value[i] += integral * sum[i]);
+                for i in 0..8 {
+                    value[i] += integral * sum[i];
+                }
             }
         }
     }
@@ -180,7 +143,7 @@ mod tests {
             (Registration::CellCentred, 250),
         ] {
             let (map, grid) = waves(registration, columns);
-            let harmonics = Harmonics::of_cells(map.view(), &grid);
+            let harmonics = Harmonics::of_cells(&Azimuthal::new(map.view(), &grid.phi_edges), &grid);
             for place in [direction(0.0, 0.0), direction(1.0, 2.0), direction(2.9, 5.0)] {
                 let values = harmonics.values(&[Disc::new(place, 0.0)])[0];
                 for (channel, value) in values.into_iter().enumerate() {

@@ -80,6 +80,7 @@ mod tests {
     use super::*;
     use crate::kernels::fit::Sphere;
     use crate::kernels::fit::ambient::Ambient;
+    use crate::kernels::fit::azimuthal::Azimuthal;
     use crate::kernels::fit::discs::target::{Picture, Target};
     use crate::kernels::fit::discs::zonal::Comparison;
     use crate::kernels::fit::objective::Objective;
@@ -101,7 +102,12 @@ mod tests {
             (Ambient::Sh2, false),
         ] {
             let sphere = Sphere::new(&map, ambient, has_floor);
-            let target = Target::new(&Picture::new(&map), Comparison::Mixed, ambient, has_floor);
+            let target = Target::new(
+                &Picture::new(&map, &Azimuthal::of(&map).without_bright(&map)),
+                Comparison::Mixed,
+                ambient,
+                has_floor,
+            );
             let problem = Problem { target: &target, given: sphere.given(), fixed: 0, max_steps: 10 };
             let disc = |theta, phi, radius| problem.disc(direction(theta, phi), radius);
             let state = State::new(&problem, vec![disc(1.2, 4.0, 0.3), disc(0.9, 1.5, 0.1)], &[]);

@@ -11,12 +11,10 @@ use std::f64::consts::PI;
 use glam::{DMat3, DVec3};
 
 use super::zonal::{DEGREE, DEGREES};
+use crate::kernels::fit::azimuthal::Rgb2;
 
 /// Harmonics of one sign of m: order by order, degree by degree from the order on.
 const COUNT: usize = DEGREES * (DEGREES + 1) / 2;
-
-/// Three channels of a cosine, a place left free, and three of the sine.
-pub type Rgb2 = [f64; 8];
 
 /// Coefficients of three channels.
 #[derive(Clone, Debug)]

@@ -53,6 +53,7 @@ use self::newton::Quadratic;
 use self::state::{Problem, State};
 use self::target::{Picture, Target};
 use super::ambient::Ambient;
+use super::azimuthal::Azimuthal;
 use super::objective::Given;
 use super::relative_rms::relative_error;
 use super::rig::Rig;
@@ -94,9 +95,16 @@ pub struct Sizes<'a> {
 }
 
 impl<'a> Sizes<'a> {
-    /// For a `map`, over a floor or not, and for fits by one comparison.
-    pub fn new(map: &'a WorkingMap, ambient: Ambient, has_floor: bool, comparison: Comparison) -> Self {
-        let picture = Picture::new(map);
+    /// For a `map`, over a floor or not, and for fits by one comparison: `rest` holds the integrals over the rows of all
+    /// that is not bright.
+    pub fn new(
+        map: &'a WorkingMap,
+        rest: &Azimuthal,
+        ambient: Ambient,
+        has_floor: bool,
+        comparison: Comparison,
+    ) -> Self {
+        let picture = Picture::new(map, rest);
         let target = |comparison| Target::new(&picture, comparison, ambient, has_floor);
         let other = (comparison != Comparison::Shadows).then(|| target(comparison));
         Self { map, shadows: target(Comparison::Shadows), other }

@@ -7,9 +7,10 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::abreast::Abreast;
 use super::disc::Disc;
-use super::harmonics::{Harmonics, Rgb2};
+use super::harmonics::Harmonics;
 use super::place::{Legendre, RECURRENCE};
 use super::zonal::DEGREES;
+use crate::kernels::fit::azimuthal::Rgb2;
 use crate::kernels::fit::lanes::{Lanes, Number};
 
 /// Derivatives of a sum at a place.

@@ -15,6 +15,7 @@ use super::patches::{Patch, Patches, distances, patches};
 use super::synthesis::Sum;
 use super::zonal::{Comparison, DEGREE, Kernel};
 use crate::kernels::fit::ambient::Ambient;
+use crate::kernels::fit::azimuthal::Azimuthal;
 use crate::kernels::fit::objective::Given;
 use crate::kernels::harmonics::{cosine_lobe, irradiance_of_moments, radiance};
 use crate::kernels::image::{Grid, MOST_PARTS, WorkingMap};
@@ -36,13 +37,13 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// Of a map.
-    pub fn new(map: &WorkingMap) -> Self {
+    /// Of a map: `rest` holds the integrals over the rows of all that is not bright.
+    pub fn new(map: &WorkingMap, rest: &Azimuthal) -> Self {
         let mut radiance = map.radiance.clone();
         for &(row, column) in &map.bright {
             radiance.slice_mut(s![row, column, ..]).fill(0.0);
         }
-        let mut rest = Harmonics::of_cells(radiance.view(), &map.grid);
+        let mut rest = Harmonics::of_cells(rest, &map.grid);
         let mut patches = patches(map, &mut rest);
         // Harmonics take the dullest, where there are too many.
         patches.sort_by(|a, b| b.radiance().total_cmp(&a.radiance()));

@@ -26,6 +26,7 @@ use std::sync::LazyLock;
 
 use super::jet::Jet;
 use crate::kernels::fit::lanes::Number;
+use crate::kernels::sampling::gauss_legendre;
 
 /// The highest degree of the map, and of what is left of a kernel without its cone.
 pub const DEGREE: usize = 40;
@@ -205,21 +206,6 @@ static SPECTRA: LazyLock<[[f64; DEGREES]; 2]> = LazyLock::new(|| {
     }
     out
 });
-
-/// Nodes and weights of Gauss and Legendre on -1 .. 1.
-fn gauss_legendre(count: usize) -> (Vec<f64>, Vec<f64>) {
-    let node = |i: usize| {
-        let mut x = -(PI * (i as f64 + 0.75) / (count as f64 + 0.5)).cos();
-        let mut slope = 1.0;
-        for _ in 0..8 {
-            let values = legendre_values(x, count + 1);
-            slope = count as f64 * (values[count - 1] - x * values[count]) / (1.0 - x * x);
-            x -= values[count] / slope;
-        }
-        (x, 2.0 / ((1.0 - x * x) * slope * slope))
-    };
-    (0..count).map(node).unzip()
-}
 
 #[cfg(test)]
 mod tests {

@@ -6,17 +6,16 @@
 //!   P_lm(cos theta) cos(m phi)      P_lm(cos theta) sin(m phi)        orthonormal on the sphere
 //! ```
 //!
-//! A map is the sum of its cells, each a patch of one radiance between two parallels and two meridians. So its
-//! coefficients come in two steps: integrals over azimuth row by row, then over the height of the rows.
+//! The coefficients of a map come in two steps: integrals over azimuth row by row (`azimuthal.rs`), then over the height
+//! of the rows.
 
 use std::f64::consts::{FRAC_PI_4, PI};
 use std::ops::Range;
 
 use glam::{DMat3, DVec3};
-use nalgebra::{Complex, DMatrix};
-use ndarray::ArrayView3;
 
 use super::points::Point;
+use crate::kernels::fit::azimuthal::{self, Azimuthal, Rgb2};
 use crate::kernels::image::Grid;
 use crate::kernels::kept::Kept;
 use crate::kernels::sphere::angles;
@@ -25,7 +24,8 @@ use crate::kernels::sphere::angles;
 /// cells of the working map, not the harmonics, set the error.
 pub const DEGREE: usize = 32;
 /// Orders from 0 on.
-const ORDERS: usize = DEGREE + 1;
+pub const ORDERS: usize = DEGREE + 1;
+const _: () = assert!(ORDERS <= azimuthal::ORDERS, "rows are integrated for each order");
 
 /// The four kinds of harmonics of even degree, by the axes along which they change sign when that axis is
 /// mirrored: cosines of even order along none, the others along two.
@@ -112,12 +112,11 @@ pub struct Spectrum {
 }
 
 impl Spectrum {
-    /// Of a map in cells.
-    pub fn new(radiance: ArrayView3<'_, f32>, grid: &Grid) -> Self {
+    /// Of a map in cells, from the integrals over their rows.
+    pub fn new(azimuthal: &Azimuthal, grid: &Grid) -> Self {
         static BANDS: Kept<Vec<f64>, Bands> = Kept::new();
         let bands = BANDS.of(&grid.theta_edges, || Bands::new(&grid.theta_edges));
-        let azimuthal = azimuthal(radiance, &grid.phi_edges);
-        Self { even: even(&bands, &azimuthal), first: bands.first_moments(&azimuthal) }
+        Self { even: even(&bands, azimuthal), first: bands.first_moments(azimuthal) }
     }
 
     /// With points of light.
@@ -210,11 +209,11 @@ fn even(bands: &Bands, azimuthal: &Azimuthal) -> Coefficients {
     for order in 0..ORDERS {
         let sums = bands.sums(azimuthal, order);
         for (_, integrals) in degrees(order).zip(&mut integrals) {
-            let mut sum = [0.0; 6];
+            let mut sum = [0.0; 8];
             for (integral, values) in integrals.iter().zip(&sums) {
-                (0..6).for_each(|i| sum[i] += integral * values[i]);
+                (0..8).for_each(|i| sum[i] += integral * values[i]);
             }
-            let [cosine, sine] = [0, 3].map(|i| [sum[i], sum[i + 1], sum[i + 2]]);
+            let [cosine, sine] = [0, 4].map(|i| [sum[i], sum[i + 1], sum[i + 2]]);
             out[order % 2].push(cosine);
             if order > 0 {
                 out[2 + order % 2].push(sine);
@@ -222,92 +221,6 @@ fn even(bands: &Bands, azimuthal: &Azimuthal) -> Coefficients {
         }
     }
     out
-}
-
-/// Integrals over azimuth of each row, by `cos m phi` and by `sin m phi`: for each row and order, three
-/// channels of the one, then of the other.
-struct Azimuthal {
-    values: Vec<[f64; 6]>,
-}
-
-fn azimuthal(radiance: ArrayView3<'_, f32>, edges: &[f64]) -> Azimuthal {
-    let (rows, columns, _) = radiance.dim();
-    let width = edges[columns] / columns as f64;
-    let are_alike = edges.windows(2).all(|edge| ((edge[1] - edge[0]) / width - 1.0).abs() < 1e-9);
-    let samples = radiance.as_standard_layout();
-    let samples = samples.as_slice().unwrap_or(&[]).as_chunks::<3>().0; // the standard layout is a slice
-    let cells = if are_alike && columns.is_multiple_of(4) {
-        folded(samples, columns)
-    } else {
-        whole(samples, columns)
-    };
-    let mut values = vec![[0.0; 6]; rows * ORDERS];
-    for (kind, cells) in cells.iter().enumerate() {
-        let sums = integrals(kind, &edges[..=cells.nrows()]) * cells;
-        for (place, order) in orders(kind).enumerate() {
-            for row in 0..rows {
-                let sum = &mut values[row * ORDERS + order][3 * (kind / 2)..];
-                (0..3).for_each(|channel| sum[channel] = sums[(place, 3 * row + channel)]);
-            }
-        }
-    }
-    Azimuthal { values }
-}
-
-/// `integral of cos m phi` or `sin m phi` over each column, for each order of a kind.
-fn integrals(kind: usize, edges: &[f64]) -> DMatrix<f64> {
-    let orders: Vec<usize> = orders(kind).collect();
-    let mut out = DMatrix::zeros(orders.len(), edges.len() - 1);
-    let mut low = turns(edges[0]);
-    for (mut column, edge) in out.column_iter_mut().zip(edges.windows(2)) {
-        let high = turns(edge[1]);
-        for (value, &m) in column.iter_mut().zip(&orders) {
-            *value = match kind {
-                _ if m == 0 => edge[1] - edge[0],
-                0 | 1 => (high[m].im - low[m].im) / m as f64,
-                _ => (low[m].re - high[m].re) / m as f64,
-            };
-        }
-        low = high;
-    }
-    out
-}
-
-/// `exp(i m phi)` for each order m, each from the one before.
-fn turns(phi: f64) -> [Complex<f64>; ORDERS] {
-    let turn = Complex::from_polar(1.0, phi);
-    let mut turns = [Complex::ONE; ORDERS];
-    (1..ORDERS).for_each(|m| turns[m] = turns[m - 1] * turn);
-    turns
-}
-
-/// The four quarters of each row laid upon each other, for each kind with the signs that its functions have in
-/// them: a column for each row and channel.
-fn folded(samples: &[[f32; 3]], columns: usize) -> [DMatrix<f64>; 4] {
-    /// By kind, in the quarters at phi, pi - phi, pi + phi and 2 pi - phi.
-    const SIGNS: [[f64; 4]; 4] =
-        [[1.0, 1.0, 1.0, 1.0], [1.0, -1.0, -1.0, 1.0], [1.0, -1.0, 1.0, -1.0], [1.0, 1.0, -1.0, -1.0]];
-    let (length, half) = (columns / 4, columns / 2);
-    let mut out = [(); 4].map(|()| DMatrix::zeros(length, 3 * samples.len() / columns));
-    for column in 0..out[0].ncols() {
-        let (row, channel) = (&samples[column / 3 * columns..][..columns], column % 3);
-        let at = |x: usize| f64::from(row[x][channel]);
-        let mut folded = out.each_mut().map(|kind| kind.column_mut(column));
-        for x in 0..length {
-            let quarters = [at(x), at(half - 1 - x), at(half + x), at(columns - 1 - x)];
-            for (folded, signs) in folded.iter_mut().zip(SIGNS) {
-                folded[x] = (0..4).map(|quarter| signs[quarter] * quarters[quarter]).sum();
-            }
-        }
-    }
-    out
-}
-
-/// The rows as they are, for each kind.
-fn whole(samples: &[[f32; 3]], columns: usize) -> [DMatrix<f64>; 4] {
-    let cell = |x: usize, row: usize| f64::from(samples[row / 3 * columns + x][row % 3]);
-    let cells = DMatrix::from_fn(columns, 3 * samples.len() / columns, cell);
-    [(); 4].map(|()| cells.clone())
 }
 
 /// Heights at which the rows are integrated.
@@ -381,10 +294,9 @@ impl Bands {
                 let sine = (1.0 - height * height).sqrt();
                 for (row, height) in [(Some(*index), *height), (*mirrored, -height)] {
                     let Some(row) = row else { continue };
-                    let (zeroth, first) =
-                        (azimuthal.values[row * ORDERS], azimuthal.values[row * ORDERS + 1]);
+                    let (zeroth, first) = (azimuthal.at(row, 0), azimuthal.at(row, 1));
                     for (channel, out) in out.iter_mut().enumerate() {
-                        let (x, z) = (sine * first[channel + 3], -sine * first[channel]);
+                        let (x, z) = (sine * first[channel + 4], -sine * first[channel]);
                         *out += DVec3::new(x, height * zeroth[channel], z) * *weight;
                     }
                 }
@@ -394,12 +306,12 @@ impl Bands {
     }
 
     /// The integrals over azimuth of one order for each row and the mirrored one together.
-    fn sums(&self, azimuthal: &Azimuthal, order: usize) -> Vec<[f64; 6]> {
+    fn sums(&self, azimuthal: &Azimuthal, order: usize) -> Vec<Rgb2> {
         // Mirrored at the equator, harmonics of even degree and odd order change sign.
         let sign = if order.is_multiple_of(2) { 1.0 } else { -1.0 };
-        let of = |row: usize| azimuthal.values[row * ORDERS + order];
+        let of = |row: usize| *azimuthal.at(row, order);
         let sum = |row: &Row| {
-            let (own, other) = (of(row.index), row.mirrored.map_or([0.0; 6], of));
+            let (own, other) = (of(row.index), row.mirrored.map_or([0.0; 8], of));
             std::array::from_fn(|i| own[i] + sign * other[i])
         };
         self.rows.iter().map(sum).collect()

@@ -223,20 +223,24 @@ pub fn outer(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 
-/// What the kernel multiplies spherical harmonics of the even `degrees` 0, 2, .. by when it is convolved with
-/// them: the squares of those of a clamped cosine (Ramamoorthi and Hanrahan 2001, equation 8). It has no odd
-/// degree but the first, whose factor is [`LINEAR`].
-pub fn spectrum(degrees: usize) -> Vec<f64> {
-    let mut binomial = 1.0; // l! / (2^l (l/2)!^2)
-    let factor = |l: f64, binomial: f64| 2.0 * PI * binomial / ((l + 2.0) * (l - 1.0));
+/// What a clamped cosine multiplies spherical harmonics of the even `degrees` 0, 2, .. by when it is convolved with
+/// them (Ramamoorthi and Hanrahan 2001, equation 8).
+pub fn clamped_cosine(degrees: usize) -> Vec<f64> {
+    let mut binomial = -1.0; // l! / (2^l (l/2)!^2), of one sign and then the other
     let degrees = (0..degrees).map(|i| 2.0 * i as f64);
     degrees
         .map(|l| {
-            let factor = factor(l, binomial);
-            binomial *= (l + 1.0) / (l + 2.0);
-            factor * factor
+            let factor = 2.0 * PI * binomial / ((l + 2.0) * (l - 1.0));
+            binomial *= -(l + 1.0) / (l + 2.0);
+            factor
         })
         .collect()
+}
+
+/// What the kernel multiplies them by: the squares of these. It has no odd degree but the first, whose factor is
+/// [`LINEAR`].
+pub fn spectrum(degrees: usize) -> Vec<f64> {
+    clamped_cosine(degrees).into_iter().map(|factor| factor * factor).collect()
 }
 
 /// What a light at l and a map of the vector irradiance F have in common by their odd harmonics, over l.F.

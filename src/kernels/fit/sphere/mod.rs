@@ -18,6 +18,7 @@
 //! | the map in spherical harmonics           | `harmonics.rs`       |
 //! | a smooth even function, quick to look up | `field.rs`           |
 //! | the ambient term beside a light          | `ambient_columns.rs` |
+//! | the probe at normals that judge a rig    | `rendered.rs`        |
 
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
@@ -30,6 +31,9 @@ mod harmonics;
 mod kernel;
 mod lights;
 mod points;
+mod rendered;
+
+pub use rendered::rendered;
 
 use glam::{DMat3, DVec3};
 use nalgebra::DMatrix;
@@ -42,6 +46,7 @@ use self::kernel::{Block, LINEAR, outer, second_derivative, spectrum};
 use self::lights::{Products, Turned, values};
 use self::points::{Point, Points};
 use super::ambient::Ambient;
+use super::azimuthal::Azimuthal;
 use super::lanes::LANES;
 use super::objective::{
     Derivatives, Directions, Given, Moments, MomentsAbreast, Objective, distinct_channels,
@@ -69,8 +74,13 @@ impl Sphere {
     /// The probe under `map`, and the `ambient` term that may explain it. Where it `has_floor`, no light may
     /// stand below the horizon, and the map has none there.
     pub fn new(map: &WorkingMap, ambient: Ambient, has_floor: bool) -> Self {
+        Self::of(map, &Azimuthal::of(map), ambient, has_floor)
+    }
+
+    /// The same of a map whose rows have these integrals over azimuth.
+    pub fn of(map: &WorkingMap, azimuthal: &Azimuthal, ambient: Ambient, has_floor: bool) -> Self {
         let (points, faint, aside) = Points::chosen(map);
-        let mut rest = Spectrum::new(map.radiance.view(), &map.grid).with_points(&faint);
+        let mut rest = Spectrum::new(azimuthal, &map.grid).with_points(&faint);
         (0..3).for_each(|channel| rest.first[channel] += aside[channel]);
         let factors = spectrum(harmonics::DEGREE / 2 + 1);
         let field = Field::new(rest.scaled(&factors), rest.azimuth());

@@ -30,7 +30,7 @@ impl Points {
     /// The brightest sources of the map, then the others, then the vector irradiance that is left of the first: their
     /// channels may have their middles aside of each other, which counts in the first degree alone.
     pub fn chosen(map: &WorkingMap) -> (Vec<Point>, Vec<Point>, [DVec3; 3]) {
-        let mut sources: Vec<[DVec3; 3]> = map.sources.axis_iter(Axis(0)).map(by_channel).collect();
+        let mut sources = sources_of(map);
         let power = |source: &[DVec3; 3]| source.iter().map(|e| e.length()).sum::<f64>();
         sources.sort_by(|a, b| power(b).total_cmp(&power(a)));
         let mut aside = [DVec3::ZERO; 3];
@@ -113,8 +113,12 @@ fn brightest(powers: &[f64]) -> usize {
     (0..=MOST_POINTS).rev().find(is_gap).unwrap_or(0)
 }
 
-fn by_channel(source: ArrayView2<'_, f64>) -> [DVec3; 3] {
-    [0, 1, 2].map(|channel| DVec3::new(source[[0, channel]], source[[1, channel]], source[[2, channel]]))
+/// The vector irradiance of each source of a map, by channel.
+pub fn sources_of(map: &WorkingMap) -> Vec<[DVec3; 3]> {
+    let by_channel = |source: ArrayView2<'_, f64>| {
+        [0, 1, 2].map(|channel| DVec3::new(source[[0, channel]], source[[1, channel]], source[[2, channel]]))
+    };
+    map.sources.axis_iter(Axis(0)).map(by_channel).collect()
 }
 
 #[cfg(test)]

@@ -1,0 +1,354 @@
+//! The probe under a map at normals that judge a rig: from the harmonics of its cells, and its bright places one by one.
+//!
+//! The clamped cosine `max(0, n.w)` is half of `n.w` and half of `|n.w|`, which is even. With the factors A of its even
+//! degrees (`kernel.rs`), F the integral of `L w dw` over the whole map, and the vector irradiance f of each source and
+//! bright cell,
+//!
+//! ```text
+//!   E(n) = n.F / 2 + sum over even l of A_l L_lm Y_lm(n) + sum over bright places of |n.f| / 2
+//! ```
+//!
+//! and the normal -n has the same but for the sign of the first term. A cell with the share s of the flux loses some
+//! 5e-3 s of the irradiance with its higher degrees. Bright cells have 1.5e-3 of it or more; on 17 real maps the error
+//! of a rig of 1 to 32 lights is as near to the exact one as with all cells looked up one by one, 1e-5 to 5e-5 in the mean.
+//!
+//! The normals stand on rings. These lie at the nodes of a Gauss-Legendre rule, the normals of a ring at even azimuths:
+//! judged at 5120 of them the error of a rig is as near to that at all normals as at 5120 Hammersley points, where even
+//! heights double its scatter. From ring to ring the normals are turned by the golden section of a step, which spreads
+//! them evenly.
+
+#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+
+use std::f64::consts::TAU;
+use std::sync::LazyLock;
+
+use glam::DVec3;
+use nalgebra::DMatrix;
+use pulp::{Arch, Simd, WithSimd};
+
+use super::harmonics::{DEGREE, Legendre, ORDERS, Spectrum};
+use super::kernel::clamped_cosine;
+use super::points::{Point, sources_of};
+use crate::error::{Error, Result};
+use crate::kernels::fit::azimuthal::Azimuthal;
+use crate::kernels::fit::samples::Samples;
+use crate::kernels::image::WorkingMap;
+use crate::kernels::kept::Kept;
+use crate::kernels::sampling::gauss_legendre;
+use crate::kernels::sphere::{band_heights, direction};
+
+/// Normals of a ring: enough that the steps around are as fine as those between rings of 5120 normals.
+const AZIMUTHS: usize = 128;
+/// `(sqrt 5 - 1) / 2`.
+const GOLDEN_SECTION: f64 = 0.618_033_988_749_894_9;
+
+/// Cosine and sine of `m phi` of each order m, at the azimuths of a ring from its first normal on.
+static TURNS: LazyLock<DMatrix<f64>> = LazyLock::new(|| {
+    DMatrix::from_fn(AZIMUTHS, 2 * ORDERS, |i, column| {
+        let (sin, cos) = (TAU * (i * (column / 2) % AZIMUTHS) as f64 / AZIMUTHS as f64).sin_cos();
+        if column % 2 == 0 { cos } else { sin }
+    })
+});
+
+/// Irradiance at `fewest` normals, or some more, under a map: `rest` holds the integrals over the rows of all that is not
+/// bright. The second half of the normals is opposite the first, which face up.
+///
+/// # Errors
+///
+/// [`Error::TooBright`].
+pub fn rendered(map: &WorkingMap, rest: &Azimuthal, fewest: usize) -> Result<Samples> {
+    static RINGS: Kept<usize, Rings> = Kept::new();
+    let count = fewest.div_ceil(2 * AZIMUTHS);
+    let rings = RINGS.of(&count, || Rings::new(count));
+    let cells = Spectrum::new(rest, &map.grid);
+    let (sources, bright) = (sources_of(map), bright_cells(map));
+    // Add up what is the same at opposite normals.
+    let mut even = &*TURNS * rings.along_orders(&cells);
+    Arch::new().dispatch(Halves {
+        rings: &rings,
+        sources: &sources,
+        bright: &bright,
+        even: even.as_mut_slice(),
+    });
+    // Add what has the other sign there.
+    let mut whole = cells.first;
+    for c in 0..3 {
+        whole[c] += sources.iter().map(|source| source[c]).sum::<DVec3>();
+        whole[c] += bright.iter().map(|cell| cell.direction * cell.irradiance[c]).sum::<DVec3>();
+    }
+    let both = |(i, normal): (usize, &DVec3)| {
+        let (ring, azimuth) = (i / AZIMUTHS, i % AZIMUTHS);
+        let even = DVec3::from_array([0, 1, 2].map(|c| even[(azimuth, 3 * ring + c)]));
+        let odd = DVec3::from_array(whole.map(|flux| 0.5 * normal.dot(flux)));
+        // Rounding, and what the harmonics leave out, must not make darkness negative.
+        [even + odd, even - odd].map(|sum| if sum.is_finite() { sum.max(DVec3::ZERO) } else { sum })
+    };
+    let (front, behind): (Vec<DVec3>, Vec<DVec3>) =
+        rings.upper().iter().enumerate().map(both).map(|[front, behind]| (front, behind)).unzip();
+    let irradiance = [front, behind].concat();
+    if !irradiance.iter().all(|sum| sum.is_finite()) {
+        return Err(Error::TooBright);
+    }
+    Ok(Samples::of(rings.normals.clone(), rings.weights.clone(), irradiance))
+}
+
+/// Bright cells that are no sources, as points.
+fn bright_cells(map: &WorkingMap) -> Vec<Point> {
+    let (theta, phi) = (&map.grid.theta_edges, &map.grid.phi_edges);
+    let point = |&(row, column): &(usize, usize)| {
+        let solid_angle = band_heights(&theta[row..row + 2])[0] * (phi[column + 1] - phi[column]);
+        let middle = |edges: &[f64], i: usize| 0.5 * (edges[i] + edges[i + 1]);
+        let irradiance = [0, 1, 2].map(|c| solid_angle * f64::from(map.radiance[[row, column, c]]));
+        Point { direction: direction(middle(theta, row), middle(phi, column)), irradiance }
+    };
+    map.bright.iter().map(point).collect()
+}
+
+/// Rings of normals.
+struct Rings {
+    /// Those that face up, ring after ring, and then their opposites.
+    normals: Vec<DVec3>,
+    /// Solid angle that each stands for.
+    weights: Vec<f64>,
+    /// Azimuth of the first normal of each.
+    starts: Vec<f64>,
+    /// `P_lm` at their heights, order by order, even degree by even degree.
+    legendre: Vec<Vec<Vec<f64>>>,
+}
+
+impl Rings {
+    /// That many of normals that face up.
+    fn new(count: usize) -> Self {
+        let (heights, weights) = gauss_legendre(2 * count);
+        let (heights, weights) = (heights[..count].to_vec(), &weights[..count]);
+        let step = TAU / AZIMUTHS as f64;
+        let starts: Vec<f64> =
+            (0..count).map(|i| ((i as f64 + 0.5) * GOLDEN_SECTION).fract() * step).collect();
+        let of_ring = |(height, start): (&f64, &f64)| {
+            let (theta, start) = (height.acos(), *start);
+            (0..AZIMUTHS).map(move |i| direction(theta, start + step * i as f64))
+        };
+        let upper: Vec<DVec3> = heights.iter().zip(&starts).flat_map(of_ring).collect();
+        let normals = upper.iter().copied().chain(upper.iter().map(|&normal| -normal)).collect();
+        let solid_angles = weights.iter().chain(weights).map(|weight| weight * step);
+        let weights = solid_angles.flat_map(|one| std::iter::repeat_n(one, AZIMUTHS)).collect();
+        let mut legendre = Legendre::new(heights);
+        let of_order = |_| {
+            let rows = legendre.rows();
+            legendre.raise();
+            rows
+        };
+        Self { normals, weights, starts, legendre: (0..ORDERS).map(of_order).collect() }
+    }
+
+    fn upper(&self) -> &[DVec3] {
+        &self.normals[..self.normals.len() / 2]
+    }
+
+    /// The even part of the irradiance on each ring, by `cos m phi` and `sin m phi` from its first normal on: a column for
+    /// each ring and channel.
+    fn along_orders(&self, cells: &Spectrum) -> DMatrix<f64> {
+        let scaled = cells.scaled(&clamped_cosine(DEGREE / 2 + 1));
+        let mut kinds = scaled.iter().map(|kind| kind.iter()).collect::<Vec<_>>();
+        let mut out = DMatrix::zeros(2 * ORDERS, 3 * self.starts.len());
+        for (order, rows) in self.legendre.iter().enumerate() {
+            for row in rows {
+                let cosine = kinds[order % 2].next().copied().unwrap_or_default();
+                let sine = if order == 0 { None } else { kinds[2 + order % 2].next() };
+                let pair = [cosine, sine.copied().unwrap_or_default()];
+                for (i, p) in row.iter().enumerate() {
+                    for c in 0..3 {
+                        (0..2).for_each(|side| out[(2 * order + side, 3 * i + c)] += p * pair[side][c]);
+                    }
+                }
+            }
+            self.turn(order, &mut out);
+        }
+        out
+    }
+
+    /// Count the azimuths of an order from the first normal of each ring.
+    fn turn(&self, order: usize, out: &mut DMatrix<f64>) {
+        for (i, start) in self.starts.iter().enumerate() {
+            let (sin, cos) = (order as f64 * start).sin_cos();
+            for column in 3 * i..3 * i + 3 {
+                let (a, b) = (out[(2 * order, column)], out[(2 * order + 1, column)]);
+                out[(2 * order, column)] = a * cos + b * sin;
+                out[(2 * order + 1, column)] = b * cos - a * sin;
+            }
+        }
+    }
+}
+
+/// Adds `|n.f| / 2` of all bright places to the `even` part: for each ring and channel, at each normal.
+struct Halves<'a> {
+    rings: &'a Rings,
+    /// Vector irradiance in each channel: the middles of these may differ.
+    sources: &'a [[DVec3; 3]],
+    bright: &'a [Point],
+    even: &'a mut [f64],
+}
+
+impl WithSimd for Halves<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { rings, sources, bright, even } = self;
+        for (normals, even) in rings.upper().chunks(AZIMUTHS).zip(even.chunks_mut(3 * AZIMUTHS)) {
+            let ring = HalfNormals::new(normals);
+            for source in sources {
+                for (flux, even) in source.iter().zip(even.chunks_mut(AZIMUTHS)) {
+                    let cosines = ring.cosines(*flux);
+                    even.iter_mut().zip(&cosines).for_each(|(even, cosine)| *even += cosine);
+                }
+            }
+            for Point { direction, irradiance } in bright {
+                let cosines = ring.cosines(*direction);
+                for (irradiance, even) in irradiance.iter().zip(even.chunks_mut(AZIMUTHS)) {
+                    even.iter_mut().zip(&cosines).for_each(|(even, cosine)| *even += irradiance * cosine);
+                }
+            }
+        }
+    }
+}
+
+/// Half of each normal of a ring.
+struct HalfNormals {
+    x: [f64; AZIMUTHS],
+    /// The same for all.
+    y: f64,
+    z: [f64; AZIMUTHS],
+}
+
+impl HalfNormals {
+    #[inline(always)]
+    fn new(normals: &[DVec3]) -> Self {
+        let mut out = Self { x: [0.0; AZIMUTHS], y: 0.5 * normals[0].y, z: [0.0; AZIMUTHS] };
+        for (i, normal) in normals.iter().enumerate() {
+            (out.x[i], out.z[i]) = (0.5 * normal.x, 0.5 * normal.z);
+        }
+        out
+    }
+
+    /// `|n.f| / 2`
+    #[inline(always)]
+    fn cosines(&self, flux: DVec3) -> [f64; AZIMUTHS] {
+        let (up, mut out) = (self.y * flux.y, [0.0; AZIMUTHS]);
+        for ((out, x), z) in out.iter_mut().zip(&self.x).zip(&self.z) {
+            *out = (x * flux.x + z * flux.z + up).abs();
+        }
+        out
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::kernels::fit::relative_rms;
+    use crate::kernels::sphere::Registration::{self, BorderSampled, CellCentred};
+    use crate::kernels::{image, probe, sphere};
+    use ndarray::{Array2, Array3, ArrayView1, ArrayView2};
+    use rayon::ThreadPoolBuilder;
+    use std::f64::consts::PI;
+
+    /// Heights and registrations: cells kept, in blocks, few.
+    const MAPS: [(usize, Registration); 8] = [
+        (128, CellCentred),
+        (128, BorderSampled),
+        (125, CellCentred),
+        (32, CellCentred),
+        (32, BorderSampled),
+        (256, CellCentred),
+        (9, CellCentred),
+        (2, CellCentred),
+    ];
+
+    fn waves(height: usize) -> Array3<f32> {
+        let wave = |y: f64, x: f64| (11.0 * x).sin() + (0.5 * (y - x) * height as f64).cos() + 2.0;
+        let unit = |i: usize| i as f64 / height as f64;
+        Array3::from_shape_fn((height, 2 * height, 3), |(y, x, c)| {
+            (wave(unit(y), unit(x)) * (c + 1) as f64) as f32
+        })
+    }
+
+    fn reduced(radiance: &Array3<f32>, registration: Registration) -> WorkingMap {
+        image::reduce(radiance.view(), registration, 256, 5e-3, false).unwrap()
+    }
+
+    fn judge(map: &WorkingMap) -> Samples {
+        rendered(map, &Azimuthal::of(map).without_bright(map), 5120).unwrap()
+    }
+
+    /// Relative RMS error beside `exact` look-ups of all cells, one by one.
+    fn error(map: &WorkingMap, exact: impl Fn(ArrayView2<'_, f64>) -> Result<Array2<f64>>) -> f64 {
+        let samples = judge(map);
+        let normals = sphere::from_vectors(samples.normals.iter().copied());
+        let exact = exact(normals.view()).unwrap();
+        let found = sphere::from_vectors(samples.irradiance.iter().copied());
+        relative_rms(found.view(), exact.view(), ArrayView1::from(&samples.weights)).unwrap()
+    }
+
+    #[test]
+    fn harmonics_see_what_look_ups_see() {
+        for (height, registration) in MAPS {
+            let map = reduced(&waves(height), registration);
+            let error = error(&map, |normals| probe::irradiance(map.radiance.view(), registration, normals));
+            assert!(error < 1e-4, "{height} rows, {registration:?}: {error:e}");
+        }
+    }
+
+    /// A sun whose channels have their middles apart, and lamps that are bright cells, before a dark sky.
+    #[test]
+    fn bright_places_are_seen_one_by_one() {
+        let mut map = 0.05 * waves(256);
+        map[[100, 300, 0]] = 3e4;
+        map[[100, 301, 1]] = 3e4;
+        for lamp in 0..12 {
+            map[[60 + 11 * lamp, 37 * lamp, 2]] = 120.0;
+        }
+        let map = reduced(&map, CellCentred);
+        assert_eq!((map.sources.dim().0, map.bright.len()), (1, 12));
+        let error = error(&map, |normals| probe::working_irradiance(&map, normals));
+        assert!(error < 2e-5, "{error:e}");
+    }
+
+    #[test]
+    fn constant_sky_gives_pi() {
+        for (height, registration) in MAPS {
+            let sky = Array3::from_elem((height, 2 * height, 3), 1.0_f32);
+            for value in judge(&reduced(&sky, registration)).irradiance {
+                assert!((value / PI - 1.0).abs().max_element() < 1e-5, "{height} rows: {value}");
+            }
+        }
+    }
+
+    #[test]
+    fn normals_stand_for_the_whole_sphere() {
+        let Samples { normals, weights, .. } = judge(&reduced(&waves(32), CellCentred));
+        assert_eq!(normals.len(), 5120);
+        assert!((weights.iter().sum::<f64>() / (4.0 * PI) - 1.0).abs() < 1e-12);
+        // The mean of the product of two axes is a third, or 0.
+        let mean = |i: usize, k: usize| -> f64 {
+            normals.iter().zip(&weights).map(|(n, weight)| weight * n[i] * n[k] / (4.0 * PI)).sum()
+        };
+        for (i, k) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)] {
+            let wanted = if i == k { 1.0 / 3.0 } else { 0.0 };
+            assert!((mean(i, k) - wanted).abs() < 1e-14, "{i} {k}: {}", mean(i, k));
+        }
+    }
+
+    #[test]
+    fn same_bits_for_any_number_of_threads() {
+        let map = reduced(&waves(128), CellCentred);
+        let on = |threads: usize| {
+            let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let samples = pool.install(|| judge(&map));
+            samples.irradiance.iter().map(|e| e.to_array().map(f64::to_bits)).collect::<Vec<_>>()
+        };
+        let one = on(1);
+        assert_eq!(one, on(2));
+        assert_eq!(one, on(5));
+    }
+}
