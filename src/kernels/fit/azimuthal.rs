@@ -4,6 +4,8 @@
 //! coefficients come in two steps: integrals over azimuth by `cos m phi` and `sin m phi`, which are these, and then
 //! integrals over the height of the rows: `sphere/harmonics.rs`, and `discs/analysis.rs` for more degrees.
 
+use std::sync::Arc;
+
 use nalgebra::{Complex, DMatrix};
 use ndarray::ArrayView3;
 use rayon::prelude::*;
@@ -39,8 +41,7 @@ impl Azimuthal {
 
     /// Of cells of `radiance`, (rows, columns, 3), between meridians.
     pub fn new(radiance: ArrayView3<'_, f32>, edges: &[f64]) -> Self {
-        static COLUMNS: Kept<Vec<f64>, Columns> = Kept::new();
-        let columns = COLUMNS.of(&edges.to_vec(), || Columns::new(edges));
+        let columns = Columns::between(edges);
         let (rows, count, _) = radiance.dim();
         let samples = radiance.as_standard_layout();
         let samples = samples.as_slice().unwrap_or(&[]).as_chunks::<3>().0; // the standard layout is a slice
@@ -54,15 +55,15 @@ impl Azimuthal {
 
     /// The same without the light of some `cells`, as rows and columns.
     fn without(&self, cells: &[(usize, usize)], radiance: ArrayView3<'_, f32>, edges: &[f64]) -> Self {
+        let columns = Columns::between(edges);
         let mut values = self.values.clone();
         for &(row, column) in cells {
-            let ends = [turns(edges[column]), turns(edges[column + 1])];
-            let width = edges[column + 1] - edges[column];
-            for (m, value) in values[row * ORDERS..][..ORDERS].iter_mut().enumerate() {
-                let integrals = integrals(&ends, m, width);
+            let light = [0, 1, 2].map(|channel| f64::from(radiance[[row, column, channel]]));
+            let orders = values[row * ORDERS..].iter_mut().zip(&columns.each[column]);
+            for (value, [cosine, sine]) in orders {
                 for channel in 0..3 {
-                    let light = f64::from(radiance[[row, column, channel]]);
-                    (0..2).for_each(|side| value[4 * side + channel] -= light * integrals[side]);
+                    value[channel] -= light[channel] * cosine;
+                    value[4 + channel] -= light[channel] * sine;
                 }
             }
         }
@@ -80,7 +81,9 @@ struct Columns {
     count: usize,
     /// Whether the quarters of a row mirror each other.
     are_folded: bool,
-    /// By kind: a row for each order, a column for each column of a row, or of its first quarter.
+    /// `integral of cos m phi` and of `sin m phi` over each, for each order m.
+    each: Vec<[[f64; 2]; ORDERS]>,
+    /// The same by kind: a row for each order, a column for each column of a row, or of its first quarter.
     integrals: [DMatrix<f64>; 4],
 }
 
@@ -90,20 +93,25 @@ fn orders(kind: usize) -> impl Iterator<Item = usize> {
 }
 
 impl Columns {
+    /// Between meridians.
+    fn between(edges: &[f64]) -> Arc<Self> {
+        static COLUMNS: Kept<Vec<f64>, Columns> = Kept::new();
+        COLUMNS.of(&edges.to_vec(), || Self::new(edges))
+    }
+
     fn new(edges: &[f64]) -> Self {
         let count = edges.len() - 1;
         let width = edges[count] / count as f64;
         let are_alike = edges.windows(2).all(|edge| ((edge[1] - edge[0]) / width - 1.0).abs() < 1e-9);
         let are_folded = are_alike && count.is_multiple_of(4);
         let used = if are_folded { count / 4 } else { count };
-        let turns: Vec<_> = edges[..=used].iter().map(|&edge| turns(edge)).collect();
+        let each: Vec<_> = edges.windows(2).map(|edge| integrals(edge[0], edge[1])).collect();
         let of_kind = |kind: usize| {
             let orders: Vec<usize> = orders(kind).collect();
-            DMatrix::from_fn(orders.len(), used, |i, x| {
-                integrals(&[turns[x], turns[x + 1]], orders[i], edges[x + 1] - edges[x])[kind / 2]
-            })
+            DMatrix::from_fn(orders.len(), used, |i, x| each[x][orders[i]][kind / 2])
         };
-        Self { count, are_folded, integrals: [0, 1, 2, 3].map(of_kind) }
+        let integrals = [0, 1, 2, 3].map(of_kind);
+        Self { count, are_folded, each, integrals }
     }
 
     /// The integrals over some rows of `samples`.
@@ -154,12 +162,13 @@ impl Columns {
     }
 }
 
-/// `integral of cos m phi` and of `sin m phi` over a column of a `width`, from the [`turns`] of its edges.
-fn integrals([low, high]: &[[Complex<f64>; ORDERS]; 2], m: usize, width: f64) -> [f64; 2] {
-    if m == 0 {
-        return [width, 0.0];
-    }
-    [(high[m].im - low[m].im) / m as f64, (low[m].re - high[m].re) / m as f64]
+/// `integral of cos m phi` and of `sin m phi` between two azimuths, for each order m.
+fn integrals(low: f64, high: f64) -> [[f64; 2]; ORDERS] {
+    let ends = [low, high].map(turns);
+    std::array::from_fn(|m| match m {
+        0 => [high - low, 0.0],
+        _ => [(ends[1][m].im - ends[0][m].im) / m as f64, (ends[0][m].re - ends[1][m].re) / m as f64],
+    })
 }
 
 /// `exp(i m phi)` for each order m, each from the one before.

@@ -1,6 +1,7 @@
 //! The error of a rig with sizes at normals.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use crate::kernels::disc::irradiance_share;
 use crate::kernels::fit::rig::Rig;
@@ -41,21 +42,31 @@ impl Profile {
     }
 }
 
+/// Normals that are looked at in one task.
+const NORMALS_OF_A_PART: usize = 1280;
+
 /// How far `rig`, whose lights have these radii, is from `samples`.
 pub fn judged(samples: &Samples, rig: &Rig, radii: &[f64]) -> Judged {
     let profiles: Vec<Profile> = radii.iter().map(|&radius| Profile::new(radius)).collect();
     let ambient = Rig { directions: Vec::new(), irradiance: Vec::new(), ..rig.clone() };
-    let (mut difference, mut whole, mut largest) = (DVec3::ZERO, DVec3::ZERO, 0.0_f64);
-    for ((&n, &weight), &e) in samples.normals.iter().zip(&samples.weights).zip(&samples.irradiance) {
-        let mut seen = ambient.at(n);
-        for ((l, irradiance), profile) in rig.directions.iter().zip(&rig.irradiance).zip(&profiles) {
-            seen += *irradiance * profile.at(n.dot(*l));
-        }
+    let at = |i: usize| {
+        let (n, weight, e) = (samples.normals[i], samples.weights[i], samples.irradiance[i]);
+        let lights = rig.directions.iter().zip(&rig.irradiance).zip(&profiles);
+        let seen = lights.fold(ambient.at(n), |seen, ((l, irradiance), profile)| {
+            seen + *irradiance * profile.at(n.dot(*l))
+        });
         let off = (seen - e).abs();
-        difference += weight * off * off;
-        whole += weight * e * e;
-        largest = largest.max(off.max_element());
-    }
+        (weight * off * off, weight * e * e, off.max_element())
+    };
+    let plus = |(difference, whole, largest): (DVec3, DVec3, f64), one: (DVec3, DVec3, f64)| {
+        (difference + one.0, whole + one.1, largest.max(one.2))
+    };
+    let zero = (DVec3::ZERO, DVec3::ZERO, 0.0);
+    // Parts of one length, added in their order: the same sums for any number of threads.
+    let count = samples.normals.len();
+    let part = |first: usize| (first..count.min(first + NORMALS_OF_A_PART)).map(at).fold(zero, plus);
+    let parts: Vec<_> = (0..count).into_par_iter().step_by(NORMALS_OF_A_PART).map(part).collect();
+    let (difference, whole, largest) = parts.into_iter().fold(zero, plus);
     Judged::of(difference, whole, largest, samples.weights.iter().sum())
 }
 

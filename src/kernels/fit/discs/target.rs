@@ -192,16 +192,18 @@ impl Target {
 
     /// The derivatives of the products with the map, for each disc second ones of the channels with its `shares`.
     pub fn sides_around(&self, discs: &[Disc], shares: &[[f64; 3]]) -> Vec<Sum> {
-        let block = |(discs, shares): (&[Disc], &[[f64; 3]])| {
-            let mut sums = self.field.sums(discs, shares);
-            if self.kernel.cone > 0.0 {
-                for ((sum, disc), &shares) in sums.iter_mut().zip(discs).zip(shares) {
-                    sum.add(&self.patches.distances_around(disc, shares), -self.kernel.cone);
-                }
-            }
-            sums
-        };
-        discs.par_chunks(BLOCK).zip(shares.par_chunks(BLOCK)).flat_map_iter(block).collect()
+        let blocks = discs.par_chunks(BLOCK).zip(shares.par_chunks(BLOCK));
+        let smooth = || blocks.flat_map_iter(|(discs, shares)| self.field.sums(discs, shares)).collect();
+        if self.kernel.cone <= 0.0 {
+            return smooth();
+        }
+        let around = |(disc, &shares): (&Disc, &[f64; 3])| self.patches.distances_around(disc, shares);
+        let distances = || discs.par_iter().zip(shares).map(around).collect();
+        let (mut sums, distances): (Vec<Sum>, Vec<Sum>) = rayon::join(smooth, distances);
+        for (sum, distances) in sums.iter_mut().zip(&distances) {
+            sum.add(distances, -self.kernel.cone);
+        }
+        sums
     }
 
     /// Product of a disc of flux 1 with itself, as a function of A.

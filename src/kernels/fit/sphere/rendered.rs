@@ -18,6 +18,7 @@
 //! them evenly.
 
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+#![allow(clippy::needless_range_loop, reason = "loops, not closures, are inlined")]
 
 use std::f64::consts::TAU;
 use std::sync::LazyLock;
@@ -61,20 +62,14 @@ pub fn rendered(map: &WorkingMap, rest: &Azimuthal, fewest: usize) -> Result<Sam
     let count = fewest.div_ceil(2 * AZIMUTHS);
     let rings = RINGS.of(&count, || Rings::new(count));
     let cells = Spectrum::new(rest, &map.grid);
-    let (sources, bright) = (sources_of(map), bright_cells(map));
+    let bright: Vec<Point> = sources(map).into_iter().chain(bright_cells(map)).collect();
     // Add up what is the same at opposite normals.
     let mut even = &*TURNS * rings.along_orders(&cells);
-    Arch::new().dispatch(Halves {
-        rings: &rings,
-        sources: &sources,
-        bright: &bright,
-        even: even.as_mut_slice(),
-    });
+    Arch::new().dispatch(Halves { halves: &rings.halves, bright: &bright, even: even.as_mut_slice() });
     // Add what has the other sign there.
     let mut whole = cells.first;
-    for c in 0..3 {
-        whole[c] += sources.iter().map(|source| source[c]).sum::<DVec3>();
-        whole[c] += bright.iter().map(|cell| cell.direction * cell.irradiance[c]).sum::<DVec3>();
+    for (c, whole) in whole.iter_mut().enumerate() {
+        *whole += bright.iter().map(|point| point.direction * point.irradiance[c]).sum::<DVec3>();
     }
     let both = |(i, normal): (usize, &DVec3)| {
         let (ring, azimuth) = (i / AZIMUTHS, i % AZIMUTHS);
@@ -90,6 +85,16 @@ pub fn rendered(map: &WorkingMap, rest: &Azimuthal, fewest: usize) -> Result<Sam
         return Err(Error::TooBright);
     }
     Ok(Samples::of(rings.normals.clone(), rings.weights.clone(), irradiance))
+}
+
+/// The sources of a map, a point for each channel: the middles of these may differ.
+fn sources(map: &WorkingMap) -> Vec<Point> {
+    let point = |(channel, flux): (usize, DVec3)| {
+        let mut irradiance = [0.0; 3];
+        irradiance[channel] = flux.length();
+        Point { direction: flux.normalize_or(DVec3::Y), irradiance }
+    };
+    sources_of(map).into_iter().flat_map(|source| source.into_iter().enumerate().map(point)).collect()
 }
 
 /// Bright cells that are no sources, as points.
@@ -108,6 +113,8 @@ fn bright_cells(map: &WorkingMap) -> Vec<Point> {
 struct Rings {
     /// Those that face up, ring after ring, and then their opposites.
     normals: Vec<DVec3>,
+    /// Half of each that faces up, axis by axis.
+    halves: [Vec<f64>; 3],
     /// Solid angle that each stands for.
     weights: Vec<f64>,
     /// Azimuth of the first normal of each.
@@ -129,6 +136,7 @@ impl Rings {
             (0..AZIMUTHS).map(move |i| direction(theta, start + step * i as f64))
         };
         let upper: Vec<DVec3> = heights.iter().zip(&starts).flat_map(of_ring).collect();
+        let halves = [0, 1, 2].map(|axis| upper.iter().map(|normal| 0.5 * normal[axis]).collect());
         let normals = upper.iter().copied().chain(upper.iter().map(|&normal| -normal)).collect();
         let solid_angles = weights.iter().chain(weights).map(|weight| weight * step);
         let weights = solid_angles.flat_map(|one| std::iter::repeat_n(one, AZIMUTHS)).collect();
@@ -138,7 +146,7 @@ impl Rings {
             legendre.raise();
             rows
         };
-        Self { normals, weights, starts, legendre: (0..ORDERS).map(of_order).collect() }
+        Self { normals, halves, weights, starts, legendre: (0..ORDERS).map(of_order).collect() }
     }
 
     fn upper(&self) -> &[DVec3] {
@@ -182,9 +190,8 @@ impl Rings {
 
 /// Adds `|n.f| / 2` of all bright places to the `even` part: for each ring and channel, at each normal.
 struct Halves<'a> {
-    rings: &'a Rings,
-    /// Vector irradiance in each channel: the middles of these may differ.
-    sources: &'a [[DVec3; 3]],
+    /// Half of each normal, axis by axis.
+    halves: &'a [Vec<f64>; 3],
     bright: &'a [Point],
     even: &'a mut [f64],
 }
@@ -193,53 +200,38 @@ impl WithSimd for Halves<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let Self { rings, sources, bright, even } = self;
-        for (normals, even) in rings.upper().chunks(AZIMUTHS).zip(even.chunks_mut(3 * AZIMUTHS)) {
-            let ring = HalfNormals::new(normals);
-            for source in sources {
-                for (flux, even) in source.iter().zip(even.chunks_mut(AZIMUTHS)) {
-                    let cosines = ring.cosines(*flux);
-                    even.iter_mut().zip(&cosines).for_each(|(even, cosine)| *even += cosine);
-                }
-            }
-            for Point { direction, irradiance } in bright {
-                let cosines = ring.cosines(*direction);
-                for (irradiance, even) in irradiance.iter().zip(even.chunks_mut(AZIMUTHS)) {
-                    even.iter_mut().zip(&cosines).for_each(|(even, cosine)| *even += irradiance * cosine);
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { halves, bright, even } = self;
+        for (ring, even) in even.chunks_mut(3 * AZIMUTHS).enumerate() {
+            let on_ring = |axis: &'_ Vec<f64>| -> [f64; AZIMUTHS] {
+                axis[ring * AZIMUTHS..].first_chunk().copied().unwrap_or([0.0; AZIMUTHS])
+            };
+            let axes = halves.each_ref().map(on_ring);
+            for place in 0..AZIMUTHS / S::F64_LANES {
+                let normals = axes.each_ref().map(|axis| S::as_simd_f64s(axis).0[place]);
+                let sums = sum(simd, normals, bright);
+                for (sum, even) in sums.into_iter().zip(even.chunks_mut(AZIMUTHS)) {
+                    let even = &mut S::as_mut_simd_f64s(even).0[place];
+                    *even = simd.add_f64s(*even, sum);
                 }
             }
         }
     }
 }
 
-/// Half of each normal of a ring.
-struct HalfNormals {
-    x: [f64; AZIMUTHS],
-    /// The same for all.
-    y: f64,
-    z: [f64; AZIMUTHS],
-}
-
-impl HalfNormals {
-    #[inline(always)]
-    fn new(normals: &[DVec3]) -> Self {
-        let mut out = Self { x: [0.0; AZIMUTHS], y: 0.5 * normals[0].y, z: [0.0; AZIMUTHS] };
-        for (i, normal) in normals.iter().enumerate() {
-            (out.x[i], out.z[i]) = (0.5 * normal.x, 0.5 * normal.z);
+/// The sum of `|n.f| / 2` over all bright places, by channel, at as many normals as a vector holds.
+#[inline(always)]
+fn sum<S: Simd>(simd: S, [x, y, z]: [S::f64s; 3], bright: &[Point]) -> [S::f64s; 3] {
+    let mut sums = [simd.splat_f64s(0.0); 3];
+    for Point { direction, irradiance } in bright {
+        let [to_x, to_y, to_z] = direction.to_array().map(|value| simd.splat_f64s(value));
+        let cosine = simd.mul_add_e_f64s(x, to_x, simd.mul_add_e_f64s(y, to_y, simd.mul_f64s(z, to_z)));
+        let cosine = simd.abs_f64s(cosine);
+        for c in 0..3 {
+            sums[c] = simd.mul_add_e_f64s(cosine, simd.splat_f64s(irradiance[c]), sums[c]);
         }
-        out
     }
-
-    /// `|n.f| / 2`
-    #[inline(always)]
-    fn cosines(&self, flux: DVec3) -> [f64; AZIMUTHS] {
-        let (up, mut out) = (self.y * flux.y, [0.0; AZIMUTHS]);
-        for ((out, x), z) in out.iter_mut().zip(&self.x).zip(&self.z) {
-            *out = (x * flux.x + z * flux.z + up).abs();
-        }
-        out
-    }
+    sums
 }
 
 #[cfg(test)]
