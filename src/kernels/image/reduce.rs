@@ -67,7 +67,9 @@ pub fn reduce(
     }
     let whole = flux.whole();
     let cells = flux.sources(whole, source_share);
-    cells.iter().for_each(|&cell| flux.take(cell));
+    for &cell in &cells {
+        flux.take(cell);
+    }
     let (means, bright) = flux.means(&grid);
     let (pixel, worth) = (Pixel::of(&pixels), PART_SHARE * whole.iter().sum::<f64>());
     let apart = |&(row, column): &(usize, usize)| {
@@ -165,7 +167,7 @@ impl Flux {
             dense > STANDS_OUT * solid_angle && share * dense > WORTH * solid_angle
         };
         let widths = widths(&grid.phi_edges);
-        let of_row = |(row, ((means, cells), band)): (usize, ((&mut [[f32; 3]], &[[f64; 3]]), &f64))| {
+        let of_row = |row: usize, means: &mut [[f32; 3]], cells: &[[f64; 3]], band: f64| {
             let mut bright = Vec::new();
             for (column, ((mean, cell), width)) in means.iter_mut().zip(cells).zip(&widths).enumerate() {
                 let solid_angle = band * width;
@@ -180,7 +182,9 @@ impl Flux {
         let mut means = Array3::zeros(self.cells.dim());
         let bands = band_heights(&grid.theta_edges);
         let rows = rows_mut(&mut means).zip(rows_of(&self.cells)).zip(&bands);
-        let bright = rows.enumerate().flat_map_iter(of_row).collect();
+        let bright = rows.enumerate();
+        let bright =
+            bright.flat_map_iter(|(row, ((means, cells), band))| of_row(row, means, cells, *band)).collect();
         (means, bright)
     }
 }
@@ -281,6 +285,16 @@ mod tests {
             let middle = direction(200.5 * PI / 512.0, 407.5 * PI / 512.0);
             assert!(vector.normalize().distance(middle) < 1e-4);
         }
+    }
+
+    /// A lamp with little of the flux of a map with a sun, and much of what is left without it.
+    #[test]
+    fn bright_cells_stand_out_from_what_is_left_without_sources() {
+        let mut map = Array3::from_elem((64, 128, 3), 0.05_f32);
+        map.slice_mut(s![20, 30, ..]).fill(1e6);
+        map.slice_mut(s![40, 90, ..]).fill(50.0);
+        let working = reduce(map.view(), Registration::CellCentred, 256, 5e-3, false).unwrap();
+        assert_eq!((working.sources.dim().0, working.bright), (1, vec![(40, 90)]));
     }
 
     /// Sixteen lamps of which each alone would have some fifteen parts.

@@ -73,6 +73,26 @@ pub fn judged(samples: &Samples, rig: &Rig, radii: &[f64]) -> Judged {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kernels::sphere::direction;
+
+    /// In parts, the last one shorter than the others.
+    #[test]
+    fn discs_of_radius_0_are_judged_as_points_are() {
+        let normals: Vec<DVec3> =
+            (0..3000).map(|i| direction(3.1 * f64::from(i) / 3000.0, 2.4 * f64::from(i))).collect();
+        let irradiance = normals.iter().map(|n| DVec3::new(2.0, 1.0 + n.x, 1.5 + n.y * n.z)).collect();
+        let weights = (0..normals.len()).map(|i| 1.0 + (i % 7) as f64).collect();
+        let samples = Samples::of(normals, weights, irradiance);
+        let rig = Rig {
+            ambient: vec![DVec3::new(0.3, 0.2, 0.1)],
+            directions: vec![DVec3::Y, DVec3::new(2.0, 3.0, -6.0) / 7.0],
+            irradiance: vec![DVec3::ONE, DVec3::new(0.1, 2.0, 0.3)],
+            ..Rig::default()
+        };
+        let (discs, points) = (judged(&samples, &rig, &[0.0; 2]), samples.judged(&rig));
+        assert!((discs.error / points.error - 1.0).abs() < 1e-12, "{} {}", discs.error, points.error);
+        assert!((discs.largest / points.largest - 1.0).abs() < 1e-12, "{} {}", discs.largest, points.largest);
+    }
 
     #[test]
     fn a_profile_is_the_closed_form() {

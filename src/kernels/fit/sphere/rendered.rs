@@ -65,7 +65,7 @@ pub fn rendered(map: &WorkingMap, rest: &Azimuthal, fewest: usize) -> Result<Sam
     let bright: Vec<Point> = sources(map).into_iter().chain(bright_cells(map)).collect();
     // Add up what is the same at opposite normals.
     let mut even = &*TURNS * rings.along_orders(&cells);
-    Arch::new().dispatch(Halves { halves: &rings.halves, bright: &bright, even: even.as_mut_slice() });
+    Arch::new().dispatch(Halves { normals: &rings.halves, bright: &bright, even: even.as_mut_slice() });
     // Add what has the other sign there.
     let mut whole = cells.first;
     for (c, whole) in whole.iter_mut().enumerate() {
@@ -191,7 +191,7 @@ impl Rings {
 /// Adds `|n.f| / 2` of all bright places to the `even` part: for each ring and channel, at each normal.
 struct Halves<'a> {
     /// Half of each normal, axis by axis.
-    halves: &'a [Vec<f64>; 3],
+    normals: &'a [Vec<f64>; 3],
     bright: &'a [Point],
     even: &'a mut [f64],
 }
@@ -201,12 +201,12 @@ impl WithSimd for Halves<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { halves, bright, even } = self;
+        let Self { normals, bright, even } = self;
         for (ring, even) in even.chunks_mut(3 * AZIMUTHS).enumerate() {
             let on_ring = |axis: &'_ Vec<f64>| -> [f64; AZIMUTHS] {
                 axis[ring * AZIMUTHS..].first_chunk().copied().unwrap_or([0.0; AZIMUTHS])
             };
-            let axes = halves.each_ref().map(on_ring);
+            let axes = normals.each_ref().map(on_ring);
             for place in 0..AZIMUTHS / S::F64_LANES {
                 let normals = axes.each_ref().map(|axis| S::as_simd_f64s(axis).0[place]);
                 let sums = sum(simd, normals, bright);
