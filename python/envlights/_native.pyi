@@ -100,7 +100,7 @@ class TreeDetection:
     is_faint: list[bool]
     widest_bar: tuple[float, float]
     threshold: float
-    threshold_rule: tuple[float, float, float | None]
+    threshold_rule: tuple[float, float, float | None] | None
     map_flux: float
     working_size: tuple[int, int]
     tiles: int
@@ -175,6 +175,7 @@ def detect_tree(
     min_flux_share: float,
     min_worth: float,
     max_lights: int,
+    original: tuple[float, float, float] | None,
 ) -> TreeDetection: ...
 def detect_white(
     radiance: _Image,

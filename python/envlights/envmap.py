@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -28,6 +28,19 @@ PROJECTIONS = ("equirectangular",)
 REGISTRATIONS = ("cell-centred", "border-sampled")
 
 _T = TypeVar("_T")
+
+
+class Original(NamedTuple):
+    """A map before lights were taken out of it."""
+
+    threshold: float
+    """Luminance above which a place is bright."""
+
+    flux: float
+    """Integral of the luminance."""
+
+    peak: float
+    """Largest luminance of its lights."""
 
 
 class EnvMap:
@@ -86,6 +99,7 @@ class EnvMap:
         check_choice("registration", registration, REGISTRATIONS)
         self._white = None if white is None else checked_white(white)
         self._clipped: tuple[float, float] | None = None
+        self._original: Original | None = None
         self._notes = texts("notes", notes)
         self._projection, self._registration = projection, registration
         if isinstance(radiance, str | os.PathLike):
@@ -103,12 +117,13 @@ class EnvMap:
         registration: str = REGISTRATIONS[0],
         notes: Iterable[str] = (),
         white: float | None = None,
+        original: Original | None = None,
     ) -> EnvMap:
         """A map whose samples are not checked: kernels will check each, or have made it."""
         env = cls.__new__(cls)
         env._notes = list(notes)
         env._projection, env._registration = PROJECTIONS[0], registration
-        env._white, env._clipped = white, None
+        env._white, env._clipped, env._original = white, None, original
         env._radiance = _read_only(env._linear(map_array(radiance, env._notes)))
         return env
 
@@ -150,7 +165,7 @@ class EnvMap:
         if registration is None:
             registration = REGISTRATIONS[image.border_sampled]
         try:
-            return cls(
+            env = cls(
                 image.pixels,
                 registration=registration,
                 notes=image.notes,
@@ -158,6 +173,7 @@ class EnvMap:
             )
         except EnvLightsError as refusal:
             raise EnvLightsError(f"{os.fspath(path)}: {refusal}") from None
+        return env._left_of(image.original and Original(*image.original))
 
     @classmethod
     def from_exposures(
@@ -243,6 +259,15 @@ class EnvMap:
         return self._white
 
     @property
+    def original(self) -> Original | None:
+        """The map from which `split` took lights to leave this one; None for other maps.
+
+        `detect` and `split` judge what is left as they judged it there. Files in OpenEXR keep this;
+        arrays do not, so ``detect(rest.radiance)`` judges what is left by itself.
+        """
+        return self._original
+
+    @property
     def clipped_share(self) -> float:
         """Share of the sphere whose radiance was cut off.
 
@@ -318,9 +343,10 @@ class EnvMap:
 
         Notes
         -----
-        Primaries are those of Rec.709. A border-sampled map has the attribute ``envmap``; a
-        cell-centred one must not, because readers would take its outer pixels for the border. No
-        .hdr file can say that it is border-sampled: such a map becomes cells.
+        Primaries are those of Rec.709. An .exr file keeps `original`. A border-sampled map has the
+        attribute ``envmap``; a cell-centred one must not, because readers would take its outer
+        pixels for the border. No .hdr file can say that it is border-sampled: such a map becomes
+        cells.
         """
         if map_suffix(path) == ".hdr":
             if half or compression != COMPRESSIONS[0]:
@@ -334,6 +360,7 @@ class EnvMap:
             half=half,
             compression=compression,
             border_sampled=is_border,
+            original=self._original,
         )
 
     def rotated(self, matrix: ArrayLike) -> EnvMap:
@@ -370,7 +397,8 @@ class EnvMap:
         registration = self._registration
         if turned is None:
             turned, registration = _native.rotated(self.cells(), turn), REGISTRATIONS[0]
-        return EnvMap(turned, registration=registration, notes=self._notes, white=self._white)
+        env = EnvMap(turned, registration=registration, notes=self._notes, white=self._white)
+        return env._left_of(self._original)
 
     def cells(self) -> NDArray[np.float32]:
         """Radiance of a cell-centred map of the same size: `radiance` itself where it is one.
@@ -508,7 +536,12 @@ class EnvMap:
     def __reduce__(self) -> tuple[Any, ...]:
         # A copy is looked through again: only its constructor closes the array to writing.
         arguments = self._projection, self._registration, self._notes, self._white
-        return _copied, (self._radiance, *arguments)
+        return _copied, (self._radiance, *arguments, self._original)
+
+    def _left_of(self, original: Original | None) -> EnvMap:
+        """The same map, as what is left of another."""
+        self._original = original
+        return self
 
     def _clipped_shares(self) -> tuple[float, float]:
         if self._clipped is None:
@@ -567,10 +600,12 @@ def _copied(
     registration: str,
     notes: list[str],
     white: float | None = None,
+    original: Original | None = None,
 ) -> EnvMap:
-    return EnvMap(
+    env = EnvMap(
         radiance, projection=projection, registration=registration, notes=notes, white=white
     )
+    return env._left_of(original)
 
 
 def checked_white(white: float) -> float:

@@ -7,7 +7,9 @@ use pyo3::prelude::*;
 use super::pool::{in_pool, interruptible};
 use super::sphere::registration;
 use crate::kernels::detect::clipped_share as clipped;
-use crate::kernels::detect::tree::{self, Detection, Light, Options, Rule, Run, WorkingImage, runs};
+use crate::kernels::detect::tree::{
+    self, Detection, Light, Options, Original, Rule, Run, WorkingImage, runs,
+};
 use crate::kernels::detect::white::{self, Ending};
 
 /// The lights of `detect_tree`, and how they were found; see `envlights.detect_tree`.
@@ -28,7 +30,7 @@ pub struct TreeDetection {
     is_faint: Vec<bool>,
     widest_bar: (f64, f64),
     threshold: f64,
-    threshold_rule: (f64, f64, Option<f64>),
+    threshold_rule: Option<(f64, f64, Option<f64>)>,
     map_flux: f64,
     working_size: (usize, usize),
     tiles: usize,
@@ -65,10 +67,21 @@ pub fn detect_tree(
     min_flux_share: f64,
     min_worth: f64,
     max_lights: usize,
+    original: Option<(f64, f64, f64)>,
 ) -> PyResult<TreeDetection> {
     let radiance = radiance.as_array();
-    let options =
-        Options { working_columns, rise, prominence, extent, gap, min_flux_share, min_worth, max_lights };
+    let original = original.map(|(threshold, flux, peak)| Original { threshold, flux, peak });
+    let options = Options {
+        working_columns,
+        rise,
+        prominence,
+        extent,
+        gap,
+        min_flux_share,
+        min_worth,
+        max_lights,
+        original,
+    };
     let found = in_pool(py, || tree::detect(radiance, registration(border_sampled), &options))?;
     Ok(TreeDetection::new(py, &found, None))
 }
@@ -102,8 +115,17 @@ pub fn detect_white(
     max_lights: usize,
 ) -> PyResult<WhiteDetection> {
     let radiance = radiance.as_array();
-    let options =
-        Options { working_columns, rise, prominence, extent, gap, min_flux_share, min_worth, max_lights };
+    let options = Options {
+        working_columns,
+        rise,
+        prominence,
+        extent,
+        gap,
+        min_flux_share,
+        min_worth,
+        max_lights,
+        original: None,
+    };
     let found = interruptible(py, || white::detect(radiance, registration(border_sampled), white, &options))?;
     let numbers = |values: Vec<f64>| Array1::from(values).into_pyarray(py).unbind();
     Ok(WhiteDetection {
@@ -172,11 +194,12 @@ fn ending(ending: Ending) -> (&'static str, f64) {
 }
 
 /// Factor and share of the rule that set a threshold; where the cut was needed, also the share of the sphere
-/// that is light.
-fn rule(rule: Rule) -> (f64, f64, Option<f64>) {
+/// that is light. None for that of another map.
+fn rule(rule: Rule) -> Option<(f64, f64, Option<f64>)> {
     match rule {
-        Rule::Background { factor, share } => (factor, share, None),
-        Rule::BelowCut { factor, share, light_share } => (factor, share, Some(light_share)),
+        Rule::Background { factor, share } => Some((factor, share, None)),
+        Rule::BelowCut { factor, share, light_share } => Some((factor, share, Some(light_share))),
+        Rule::Original => None,
     }
 }
 

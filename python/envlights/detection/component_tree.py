@@ -96,6 +96,9 @@ def detect_tree(
     by the root of that contrast within five pixels, unlike that of a gradient or a cloud. They hold
     no light above the threshold; `report.notes` names them. The rule is ours.
 
+    What `split` has left of a map is judged as that map was: by its threshold, with shares of its
+    flux, and with nothing clipped that is dimmer than its lights; see `EnvMap.original`.
+
     Maps that end at a white, as those of integers do, are treated differently, for their threshold
     would often lie above white. Luminance :math:`y`, in units of white, is expanded to
     :math:`y / (1.02 - y)` first: white becomes 50. Pixels of 0.985 and more form a plateau, and a
@@ -142,7 +145,7 @@ def detect_tree(
         end = world.white if given is None else given
         where = world.radiance, world.registration == "border-sampled"
         if end is None:
-            return _Found(_native.detect_tree(*where, **options), None)
+            return _Found(_native.detect_tree(*where, original=world.original, **options), None)
         columns = max(options["working_columns"] // _FEWER_COLUMNS, _LEAST_COLUMNS)
         reduced = options | {"working_columns": columns}
         behind_white = _native.detect_white(*where, white=end, **reduced)
@@ -207,6 +210,8 @@ def _reason_at_white(found: _native.WhiteDetection) -> str:
 
 def _reason(found: _native.TreeDetection) -> str:
     """The rule that set the threshold, with its numbers."""
+    if found.threshold_rule is None:
+        return "that of the map before lights were taken out of it"
     factor, share, light_share = found.threshold_rule
     if light_share is None:
         return (

@@ -15,7 +15,7 @@ from envlights._native import EnvLightsError
 from envlights.detection.detect import detect
 from envlights.detection.lights import DetectedLights, DetectionReport
 from envlights.detection.taken import TakenLights
-from envlights.envmap import AnyMap, EnvMap, as_envmap
+from envlights.envmap import AnyMap, EnvMap, Original, as_envmap
 from envlights.kernels.image import LUMINANCE, reduced_luminance
 
 #: Options of the component tree that find what would be a light once the others are gone: then the
@@ -88,7 +88,8 @@ def split(
     lights : TakenLights
         With the irradiance at normal incidence of what was taken.
     rest : EnvMap
-        What is left; its `notes` say what was taken.
+        What is left; its `notes` say what was taken. It is judged as the map was, see
+        `EnvMap.original`: a further `split` finds the lights that stayed, and no others.
 
     Raises
     ------
@@ -115,9 +116,9 @@ def split(
     without them: the bright clouds around a sun, or the dim part of a softbox. Of y thresholds
     there remain 2 - 1/4 / (y - 1) where y is above 1.5, so the sky stays and the light points to
     the sun; what ends sharply around most of it, as a softbox does, goes with the light. A light
-    rises to more, so `detect` finds nothing in the places of lights but an even top, as of a light
-    that was clipped, where a glow was even. It may find what is bright only once they are gone, as
-    in a dark studio.
+    rises to more, so nothing is found in the places of lights. Nor is anything else: in a studio
+    whose lamps give nearly all light, the threshold of what is left alone would fall to a tenth,
+    and the floor would be a light. Whoever looks for that gives the array, ``rest.radiance``.
 
     Maps that end at a white lose what white has left of a light: its irradiance is a lower bound.
 
@@ -153,7 +154,13 @@ def split(
     parts = _native.split_map(env.radiance, *members, border_sampled, radiance)
     taken = _taken(chosen, parts, _report(chosen, len(found), perf_counter() - start))
     notes = (*env.notes, *_notes(taken))
-    rest = EnvMap.unchecked(radiance, registration=env.registration, notes=notes, white=env.white)
+    rest = EnvMap.unchecked(
+        radiance,
+        registration=env.registration,
+        notes=notes,
+        white=env.white,
+        original=env.original or _original(found),
+    )
     return Split(taken, rest)
 
 
@@ -274,6 +281,17 @@ def _taken(chosen: DetectedLights, parts: _native.MapSplit, report: DetectionRep
         "report": report,
     }
     return TakenLights(**(kept | measured))
+
+
+def _original(found: DetectedLights) -> Original | None:
+    """The map of the lights, or None where it has none or where they were found in another way.
+
+    The threshold of the article is its own, and behind a white each light is weighed by all others.
+    """
+    if not len(found) or found.report.method != "tree" or found.weight is not None:
+        return None
+    peak = float(found.peak_luminance.max())
+    return Original(found.report.threshold, _map_flux(found), peak)
 
 
 def _map_flux(lights: DetectedLights) -> float:

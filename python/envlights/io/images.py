@@ -33,6 +33,9 @@ _LINEAR = {"half", "float", "double"}
 #: Primaries and white of Rec.709, as OpenEXR stores them: x and y of red, green, blue, white.
 REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
 
+#: The attribute of OpenEXR files of what is left of a map, with three numbers of that map.
+ORIGINAL = "envlights:original"
+
 
 @dataclass(frozen=True, eq=False)
 class Image:
@@ -49,6 +52,9 @@ class Image:
 
     white: float | None = None
     """The largest value that the samples can hold; None for floating point."""
+
+    original: tuple[float, float, float] | None = None
+    """What the file tells of the map before lights were taken out of it."""
 
 
 def read_image(path: str | os.PathLike[str], *, max_pixels: int = MOST_PIXELS) -> Image:
@@ -135,7 +141,14 @@ def _read(name: str, file: oiio.ImageInput) -> Image:
     if spec.get_int_attribute("oiio:subimages", 1) > 1:
         notes.append("only the first of several images in the file was read")
     border_sampled = bool(spec.getattribute("oiio:sampleborder"))
-    return Image(pixels, border_sampled, tuple(notes), 1.0 if is_coded else None)
+    white = 1.0 if is_coded else None
+    return Image(pixels, border_sampled, tuple(notes), white, _original(spec))
+
+
+def _original(spec: oiio.ImageSpec) -> tuple[float, float, float] | None:
+    """What the file tells of the map before lights were taken; None where it is damaged."""
+    numbers = spec.getattribute(ORIGINAL, oiio.TypeDesc("vector"))
+    return numbers if numbers and all(0 < number < np.inf for number in numbers) else None
 
 
 def _pixels(name: str, file: oiio.ImageInput, channels: list[int]) -> NDArray[np.float32]:

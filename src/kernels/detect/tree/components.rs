@@ -102,7 +102,7 @@ pub fn segments(
         peaks[*peak as usize] = *most;
     }
     let light = absorb(adjacency, luminance, &border, &image, &peaks, prominence as f32);
-    let lowest_peak = lowest_peak(&level, threshold.luminance as f32, rise as f32);
+    let lowest_peak = lowest_peak(&level, threshold, rise as f32);
     let (label_of_basin, peaks) = labels(light, &peaks, &basin, lowest_peak);
     // Collect the pixels of each light, and label those within its edge.
     let edges: Vec<f32> = peaks.iter().map(|&peak| threshold.edge(f64::from(peak), extent) as f32).collect();
@@ -142,8 +142,9 @@ fn labels(mut light: Vec<u32>, level: &[f32], basin: &[u32], lowest_peak: f32) -
 /// threshold, and extends down to it (hysteresis).
 ///
 /// At the ceiling of a clipped picture the true luminance is unknown, so a light need not rise as far.
-fn lowest_peak(level: &[f32], threshold: f32, rise: f32) -> f32 {
-    let ceiling = CEILING * largest(level);
+fn lowest_peak(level: &[f32], threshold: &Threshold, rise: f32) -> f32 {
+    let ceiling = CEILING * largest(level).max(threshold.uncut as f32);
+    let threshold = threshold.luminance as f32;
     let is_clipped = level.iter().filter(|&&level| level >= ceiling).count() >= CEILING_PIXELS;
     let enough = rise * threshold;
     if is_clipped { enough.min(ceiling.max(CLIPPED_HYSTERESIS * threshold)) } else { enough }
@@ -260,6 +261,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::super::test_maps::{drawn, drawn_from, segments, sizes};
+    use super::super::threshold::Original;
     use super::*;
 
     /// Pixels of each light in one row between dark ones, the smallest light first.
@@ -327,6 +329,13 @@ mod tests {
         assert_eq!(in_a_row("....11.........."), [0; 0]);
         assert_eq!(in_a_row("....111........."), [3]);
         assert_eq!(in_a_row("....111....9...."), [1]); // here the ceiling is higher
+    }
+
+    #[test]
+    fn below_the_peak_of_the_map_before_its_lights_were_taken_nothing_is_clipped() {
+        let original = |peak| Threshold::of(&Original { threshold: 0.5, flux: 1.0, peak });
+        let lowest = |peak| lowest_peak(&[1.0; 9], &original(peak), 2.5);
+        assert_eq!((lowest(9.0), lowest(0.9)), (1.25, CEILING));
     }
 
     #[test]

@@ -48,20 +48,26 @@ const NEARLY: f64 = 0.7;
 /// Fills that are tried until two take the same.
 const MOST_FILLS: usize = 6;
 
-/// Add the places of low contrast to the segments.
-pub fn add(working: &WorkingImage, adjacency: &Adjacency, segments: &mut Segments) {
-    for candidate in candidates(working, &segments.label, LEAST_FLUX * working.flux, LARGEST_PLACE) {
+/// Add the places of low contrast to the segments, in a map of the flux `whole`.
+pub fn add(working: &WorkingImage, adjacency: &Adjacency, segments: &mut Segments, whole: f64) {
+    for candidate in candidates(working, &segments.label, LEAST_FLUX * whole, LARGEST_PLACE) {
         let Some(start) = Start::of(working, &candidate).filter(|start| start.is_promising(working)) else {
             continue;
         };
-        if let Some(place) = place(working, adjacency, &segments.label, &start) {
+        if let Some(place) = place(working, adjacency, &segments.label, &start, whole) {
             push(working, segments, &place);
         }
     }
 }
 
 /// The place around a pixel, if it is one.
-fn place(working: &WorkingImage, adjacency: &Adjacency, label: &[u32], start: &Start) -> Option<Filled> {
+fn place(
+    working: &WorkingImage,
+    adjacency: &Adjacency,
+    label: &[u32],
+    start: &Start,
+    whole: f64,
+) -> Option<Filled> {
     let Start { seed, mut level, largest, .. } = *start;
     let mut last: Option<(Filled, Measured)> = None;
     for _ in 0..MOST_FILLS {
@@ -69,7 +75,7 @@ fn place(working: &WorkingImage, adjacency: &Adjacency, label: &[u32], start: &S
         if last.as_ref().is_some_and(|(last, _)| *last == filled) {
             break;
         }
-        let measured = Measured::of(working, adjacency, &filled, level);
+        let measured = Measured::of(working, adjacency, &filled, level, whole);
         if !measured.is_place(NEARLY) {
             return None;
         }
@@ -94,14 +100,14 @@ struct Measured {
 }
 
 impl Measured {
-    fn of(working: &WorkingImage, adjacency: &Adjacency, filled: &Filled, level: f32) -> Self {
+    fn of(working: &WorkingImage, adjacency: &Adjacency, filled: &Filled, level: f32, whole: f64) -> Self {
         let falls = rim::falls(working, adjacency, &filled.runs, level);
         let flux = flux(working, &filled.runs);
         let (inside, background) = (flux / filled.solid_angle, background(&falls));
         Self {
             inside,
             background,
-            flux: flux / working.flux,
+            flux: flux / whole,
             pixels: filled.solid_angle / working.row_height().powi(2),
             sharp: sharp(&falls, inside / background),
         }
@@ -207,6 +213,11 @@ mod tests {
 
     /// The places in a map of 128 x 256 pixels, of the luminance 1 but for a square on the seam.
     fn places(luminance: char, label: u32) -> Segments {
+        places_of(luminance, label, 1.0)
+    }
+
+    /// Those in what is left of a map of this many times the flux.
+    fn places_of(luminance: char, label: u32, before: f64) -> Segments {
         let is_inside =
             |y: usize, x: usize| y.abs_diff(60) < 10 && (x + 128) % 256 > 118 && (x + 128) % 256 < 138;
         let pixel = |y: usize, x: usize| if is_inside(y, x) { luminance } else { '1' };
@@ -214,7 +225,7 @@ mod tests {
         let working = drawn(&rows.iter().map(String::as_str).collect::<Vec<_>>());
         let mut segments = Segments { pixels: Vec::new(), peaks: Vec::new(), label: vec![0; 128 * 256] };
         segments.label[60 * 256] = label;
-        add(&working, &Adjacency::of(&working), &mut segments);
+        add(&working, &Adjacency::of(&working), &mut segments, before * working.flux);
         segments
     }
 
@@ -231,6 +242,12 @@ mod tests {
     fn what_has_too_little_contrast_or_holds_a_light_is_none() {
         assert!(places('2', 0).pixels.is_empty());
         assert!(places('3', 7).pixels.is_empty());
+    }
+
+    #[test]
+    fn what_gave_too_little_beside_the_lights_that_were_taken_is_none() {
+        assert_eq!(places_of('3', 0, 3.0).pixels.len(), 1);
+        assert!(places_of('3', 0, 9.0).pixels.is_empty());
     }
 
     #[test]

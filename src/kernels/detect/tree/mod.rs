@@ -61,7 +61,7 @@ pub use faint::LARGEST_PLACE;
 use linkage::Selection;
 pub use moments::Light;
 pub use run::{Run, runs};
-pub use threshold::{Rule, Threshold};
+pub use threshold::{Original, Rule, Threshold};
 pub use working_image::WorkingImage;
 
 use super::clipping::Ceiling;
@@ -88,6 +88,8 @@ pub struct Options {
     pub min_worth: f64,
     /// Most lights; neighbours are merged until there are no more.
     pub max_lights: usize,
+    /// The map from which lights were taken to make this one: what counts is judged as there.
+    pub original: Option<Original>,
 }
 
 /// Lights, and how they were found.
@@ -147,7 +149,9 @@ fn detect_in_pool(
 ) -> Result<Detection> {
     let working = WorkingImage::of(radiance, registration, options.working_columns)?;
     let adjacency = Adjacency::of(&working);
-    let threshold = threshold::from_histogram(&working);
+    let original = options.original.as_ref();
+    let threshold = original.map_or_else(|| threshold::from_histogram(&working), Threshold::of);
+    let whole = original.map_or(working.flux, |original| original.flux);
     let bright = components::bright_pixels(&working, threshold.luminance);
     let segments = components::segments(
         &working,
@@ -160,7 +164,7 @@ fn detect_in_pool(
     );
     let mut segments = bridging::bridge(&working, &adjacency, segments, options.prominence, options.gap);
     let first_faint = segments.pixels.len();
-    faint::add(&working, &adjacency, &mut segments);
+    faint::add(&working, &adjacency, &mut segments, whole);
     let segments = outline::trim(&adjacency, segments);
     let outline = outline::outline(&adjacency, &segments);
     let backgrounds = background::local_backgrounds(&working, &adjacency, &segments, &outline);
@@ -170,7 +174,7 @@ fn detect_in_pool(
     // Select the lights that hold enough flux and are worth a line.
     let is_listed = |light: &Light, background: f64| {
         light.flux >= options.min_flux_share * working.flux
-            && worth::is_worth_a_line(light, background, working.flux, options.min_worth)
+            && worth::is_worth_a_line(light, background, whole, options.min_worth)
     };
     let (mut selection, panes) = openings.select(is_listed, options.max_lights);
     small_discs::measure(radiance, registration, &mut selection.lights);

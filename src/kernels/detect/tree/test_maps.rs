@@ -10,7 +10,7 @@ use crate::kernels::sphere::Registration;
 
 /// Pixels of a test map are bright above 0.5, and a light reaches 1.25.
 pub const THRESHOLD: Threshold =
-    Threshold { luminance: 0.5, rule: Rule::Background { factor: 2.0, share: 0.9 } };
+    Threshold { luminance: 0.5, rule: Rule::Background { factor: 2.0, share: 0.9 }, uncut: 0.0 };
 
 /// A map from its drawing: a digit is its luminance, a dot 0.1.
 pub fn map_of(rows: &[&str]) -> Array3<f32> {

@@ -62,6 +62,8 @@ pub enum Rule {
         /// The share of the sphere that the other rule takes for light.
         light_share: f64,
     },
+    /// That of the map before lights were taken out of it.
+    Original,
 }
 
 /// The luminance above which a pixel is bright, and why.
@@ -71,9 +73,28 @@ pub struct Threshold {
     pub luminance: f64,
     /// The rule that set it.
     pub rule: Rule,
+    /// A camera has cut off nothing below this luminance.
+    pub uncut: f64,
+}
+
+/// A map before lights were taken out of it. Without them less would do to be bright, to give
+/// much of the light, or to be the brightest of all.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Original {
+    /// Luminance above which a pixel is bright.
+    pub threshold: f64,
+    /// Integral of the luminance.
+    pub flux: f64,
+    /// Largest luminance.
+    pub peak: f64,
 }
 
 impl Threshold {
+    /// The threshold of the map before lights were taken out of it.
+    pub fn of(original: &Original) -> Self {
+        Self { luminance: original.threshold, rule: Rule::Original, uncut: original.peak }
+    }
+
     /// The luminance at which a light of the peak `P` ends: at least its share `extent`.
     ///
     /// The edge of a light cuts pixels. One that it covers in the share c has the luminance
@@ -99,14 +120,14 @@ pub fn from_histogram(working: &WorkingImage) -> Threshold {
     let (median, background) = (histogram.quantile(0.5), histogram.quantile(BACKGROUND));
     if background <= MOST_OVER_MEDIAN * median {
         let rule = Rule::Background { factor: FACTOR, share: BACKGROUND };
-        return Threshold { luminance: FACTOR * background * mean, rule };
+        return Threshold { luminance: FACTOR * background * mean, rule, uncut: 0.0 };
     }
     // Else divide light from background and take twice the background below the cut.
     let cut = histogram.clamped(MOST_OVER_BACKGROUND * background).flux_weighted_cut();
     let below = histogram.up_to(cut).quantile(BACKGROUND_BELOW_CUT);
     let light_share = 1.0 - BACKGROUND;
     let rule = Rule::BelowCut { factor: FACTOR, share: BACKGROUND_BELOW_CUT, light_share };
-    Threshold { luminance: FACTOR * below * mean, rule }
+    Threshold { luminance: FACTOR * below * mean, rule, uncut: 0.0 }
 }
 
 /// Solid angle by luminance over mean luminance.

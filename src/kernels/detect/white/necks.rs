@@ -34,7 +34,8 @@ pub fn parts(working: &WorkingImage, plateau: &[Run], depth: &[f32]) -> Vec<u32>
     let level = working.with_luminance(level);
     let pixels = BrightPixels { indices, opened_tiles: 0 };
     // Each part counts, however shallow.
-    let none = Threshold { luminance: 0.0, rule: Rule::Background { factor: 0.0, share: 0.0 } };
+    let rule = Rule::Background { factor: 0.0, share: 0.0 };
+    let none = Threshold { luminance: 0.0, rule, uncut: 0.0 };
     components::segments(&level, &Adjacency::of(&level), &pixels, &none, 1.0, PROMINENCE, 0.0).label
 }
 
