@@ -96,6 +96,7 @@ class TreeDetection:
     is_clipped: NDArray[np.bool_]
     pixel: _Indices
     light_of_pixel: _Indices
+    luminance: NDArray[np.float32]
     panes: list[int]
     is_faint: list[bool]
     widest_bar: tuple[float, float]
@@ -301,6 +302,7 @@ def split_map(
     direction: _Reals,
     block: int,
     threshold: float,
+    luminance: _Image | None,
     border_sampled: bool,
     rest: _Image,
 ) -> MapSplit: ...

@@ -26,6 +26,7 @@ pub struct TreeDetection {
     is_clipped: Py<PyArray1<bool>>,
     pixel: Py<PyArray2<i64>>,
     light_of_pixel: Py<PyArray1<i64>>,
+    luminance: Py<PyArray1<f32>>,
     panes: Vec<usize>,
     is_faint: Vec<bool>,
     widest_bar: (f64, f64),
@@ -83,7 +84,7 @@ pub fn detect_tree(
         original,
     };
     let found = in_pool(py, || tree::detect(radiance, registration(border_sampled), &options))?;
-    Ok(TreeDetection::new(py, &found, None))
+    Ok(TreeDetection::new(py, found, None))
 }
 
 /// The lights of `detect_white`, beside those of the tree; see `envlights.detect_tree`.
@@ -129,7 +130,7 @@ pub fn detect_white(
     let found = interruptible(py, || white::detect(radiance, registration(border_sampled), white, &options))?;
     let numbers = |values: Vec<f64>| Array1::from(values).into_pyarray(py).unbind();
     Ok(WhiteDetection {
-        tree: Py::new(py, TreeDetection::new(py, &found.detection, Some(white as f32)))?,
+        tree: Py::new(py, TreeDetection::new(py, found.detection, Some(white as f32)))?,
         direction_uncertainty: numbers(found.places.iter().map(|place| place.uncertainty).collect()),
         plateau_radius: numbers(found.places.iter().map(|place| place.plateau_radius).collect()),
         weight: numbers(found.weights),
@@ -204,7 +205,7 @@ fn rule(rule: Rule) -> Option<(f64, f64, Option<f64>)> {
 }
 
 impl TreeDetection {
-    fn new(py: Python<'_>, found: &Detection, white: Option<f32>) -> Self {
+    fn new(py: Python<'_>, found: Detection, white: Option<f32>) -> Self {
         let lights = &found.lights;
         let numbers =
             |of: fn(&Light) -> f64| lights.iter().map(of).collect::<Array1<f64>>().into_pyarray(py).unbind();
@@ -228,8 +229,9 @@ impl TreeDetection {
             is_clipped: found.are_clipped(white).collect::<Array1<bool>>().into_pyarray(py).unbind(),
             pixel: Array2::from(pixels).into_pyarray(py).unbind(),
             light_of_pixel: indices(found.light_of_pixel.iter().map(|&light| i64::from(light)).collect()),
-            panes: found.panes.clone(),
-            is_faint: found.is_faint.clone(),
+            luminance: found.luminance.into_pyarray(py).unbind(),
+            panes: found.panes,
+            is_faint: found.is_faint,
             widest_bar: (tree::WIDEST_BAR, tree::WIDEST_ANGLE),
             threshold: found.report.threshold.luminance,
             threshold_rule: rule(found.report.threshold.rule),

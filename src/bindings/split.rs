@@ -35,12 +35,14 @@ pub fn split_map(
     direction: PyReadonlyArray2<'_, f64>,
     block: usize,
     threshold: f64,
+    luminance: Option<PyReadonlyArray1<'_, f32>>,
     border_sampled: bool,
     mut rest: PyReadwriteArray3<'_, f32>,
 ) -> PyResult<MapSplit> {
     let radiance = radiance.as_array();
     let rest = Mutex::new(rest.as_array_mut());
-    let found = found(&pixel, &light_of_pixel, &direction, block, threshold);
+    let mut found = found(&pixel, &light_of_pixel, &direction, block, threshold);
+    found.luminance = luminance.as_ref().map(PyReadonlyArray1::as_slice).transpose()?;
     // Work that was interrupted may run again, and writes the same again.
     let lights = interruptible(py, || {
         let mut rest = rest.lock().unwrap_or_else(PoisonError::into_inner);
@@ -91,5 +93,5 @@ fn found<'a>(
     threshold: f64,
 ) -> Found<'a> {
     let (pixels, light_of_pixel) = (pixel.as_array(), light_of_pixel.as_array());
-    Found { pixels, light_of_pixel, directions: direction.as_array(), block, threshold }
+    Found { pixels, light_of_pixel, directions: direction.as_array(), block, threshold, luminance: None }
 }

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 import time
 from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from envlights import _native
 from envlights._check import LARGEST_COUNT, amount, count
@@ -126,6 +130,41 @@ def detect_tree(
     array([[ 0.71,  0.71,  0.  ],
            [ 0.  ,  0.  , -1.  ]])
     """
+    lights, _ = _searched(
+        env,
+        max_lights=max_lights,
+        min_flux_share=min_flux_share,
+        min_worth=min_worth,
+        rise=rise,
+        prominence=prominence,
+        gap_deg=gap_deg,
+        extent=extent,
+        working_width=working_width,
+        white=white,
+    )
+    return lights
+
+
+def searched(env: AnyMap, **options: Any) -> tuple[DetectedLights, NDArray[np.float32]]:
+    """Lights as `detect_tree` finds them, and the luminance of the image that was searched."""
+    given = inspect.signature(detect_tree).bind(env, **options)
+    given.apply_defaults()
+    return _searched(**given.arguments)
+
+
+def _searched(
+    env: AnyMap,
+    *,
+    max_lights: int | None,
+    min_flux_share: float,
+    min_worth: float,
+    rise: float,
+    prominence: float,
+    gap_deg: float,
+    extent: float,
+    working_width: int,
+    white: float | None,
+) -> tuple[DetectedLights, NDArray[np.float32]]:
     start = time.perf_counter()
     most = LARGEST_COUNT if max_lights is None else count("max_lights", max_lights, 1)
     options: dict[str, Any] = {
@@ -154,7 +193,8 @@ def detect_tree(
     world, found = seen_through(env, found_in)
     tree = found.tree
     casts = cast_notes(world, tree.peak_direction, tree.peak_luminance)
-    return _wrapped(found, (*world.notes, *casts, *_faint(tree)), time.perf_counter() - start)
+    notes = (*world.notes, *casts, *_faint(tree))
+    return _wrapped(found, notes, time.perf_counter() - start), tree.luminance
 
 
 class _Found(NamedTuple):

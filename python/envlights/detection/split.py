@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from envlights import _native
 from envlights._check import amount, count, shown
 from envlights._native import EnvLightsError
+from envlights.detection.component_tree import searched
 from envlights.detection.detect import detect
 from envlights.detection.lights import DetectedLights, DetectionReport
 from envlights.detection.taken import TakenLights
@@ -144,14 +145,14 @@ def split(
     True
     """
     env = as_envmap(env)
-    found, chosen = _chosen(env, lights, share, options)
+    found, chosen, luminance = _chosen(env, lights, share, options)
     start = perf_counter()
     members = _members(env, chosen)
     if chosen is lights:
         _check_peaks(env, chosen, members)
     radiance = np.empty_like(env.radiance)
     border_sampled = env.registration == "border-sampled"
-    parts = _native.split_map(env.radiance, *members, border_sampled, radiance)
+    parts = _native.split_map(env.radiance, *members, luminance, border_sampled, radiance)
     taken = _taken(chosen, parts, _report(chosen, len(found), perf_counter() - start))
     notes = (*env.notes, *_notes(taken))
     rest = EnvMap.unchecked(
@@ -166,8 +167,11 @@ def split(
 
 def _chosen(
     env: EnvMap, lights: int | DetectedLights | None, share: float | None, options: dict[str, Any]
-) -> tuple[DetectedLights, DetectedLights]:
-    """All lights that were found, and those of them that are taken."""
+) -> tuple[DetectedLights, DetectedLights, NDArray[np.float32] | None]:
+    """All lights that were found, those that are taken, and the image in which they were found.
+
+    That is its luminance, where this call has searched it by the tree.
+    """
     if isinstance(lights, DetectedLights):
         given = [*options, *(["share"] if share is not None else [])]
         if given:
@@ -175,17 +179,24 @@ def _chosen(
                 f"{given[0]} has no meaning for lights that were found before; give one of both"
             )
         _check_size(env, lights.report)
-        return lights, lights
+        return lights, lights, None
     most = None if lights is None else _count(lights)
     part = None if share is None else amount("share", share, most=1.0)
-    if options.get("method", "tree") == "tree":
-        options = _ALL | options
-    found = detect(env, **options)
+    found, luminance = _detected(env, **options)
     if part is not None:
         together = np.cumsum(found.flux_share)
         enough = int(np.searchsorted(together, part * (1 - 1e-12) * found.flux_share.sum())) + 1
         most = min(enough if part else 0, len(found) if most is None else most)
-    return found, found if most is None else found[:most]
+    return found, found if most is None else found[:most], luminance
+
+
+def _detected(
+    env: EnvMap, method: str = "tree", **options: Any
+) -> tuple[DetectedLights, NDArray[np.float32] | None]:
+    """Lights, and the luminance of the image that was searched by the tree."""
+    if method == "tree":
+        return searched(env, **_ALL | options)
+    return detect(env, method, **options), None
 
 
 def _count(lights: object) -> int:

@@ -18,6 +18,8 @@ pub struct Found<'a> {
     pub block: usize,
     /// Luminance above which a place is bright.
     pub threshold: f64,
+    /// Luminance of the working image, row after row, where it is known.
+    pub luminance: Option<&'a [f32]>,
 }
 
 impl Found<'_> {

@@ -58,7 +58,7 @@ impl Glow {
 /// counted from 1 in `light_of`.
 pub fn glows(working: &Working<'_>, light_of: &mut [u32], lights: usize, threshold: f64) -> Vec<Glow> {
     let (threshold, mut glows) = (threshold as f32, vec![Glow::default(); lights]);
-    // No pixel is read twice: its mean takes time.
+    // What is outside counts once.
     let mut is_outside = vec![false; light_of.len()];
     let mut around = flood(working, light_of, threshold, &mut glows, &mut is_outside);
     // Look at what is some steps farther out.

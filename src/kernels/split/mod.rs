@@ -85,7 +85,8 @@ pub fn split(
     let samples = image::samples_of(radiance, 0..height);
     let map = samples.as_chunks::<3>().0;
     let (size, block) = ((height, width), found.block.max(1));
-    let working = Working::of(map, size, registration, block);
+    let working = Working::of(map, size, registration, block, found.luminance);
+    sphere::check_lengths("pixels", working.size.0 * working.size.1, [("luminance", working.luminances())])?;
     let members = found.members(working.size)?;
     // To find what closes the holes takes about as long as to copy the map: two threads do both.
     let rest = rest.as_chunks_mut::<3>().0;

@@ -1,9 +1,12 @@
 //! The map in the larger pixels in which its lights were found: each is read only where it is asked for.
 
+use std::borrow::Cow;
 use std::f64::consts::{PI, TAU};
 
 use glam::{DVec3, Vec4};
+use rayon::prelude::*;
 
+use crate::interrupt;
 use crate::kernels::image::{Grid, luminance_f32};
 use crate::kernels::sphere::{Registration, band_heights};
 
@@ -16,7 +19,7 @@ pub struct Place {
     column: usize,
 }
 
-/// A map in larger pixels. Few of them lie near a light, so none is stored.
+/// A map in larger pixels. Few of them lie near a light, so no mean radiance is stored.
 pub struct Working<'a> {
     /// The pixels of the map itself, row after row.
     pixels: &'a [[f32; 3]],
@@ -24,6 +27,8 @@ pub struct Working<'a> {
     pub size: (usize, usize),
     /// Where they lie.
     pub grid: Grid,
+    /// Their luminance.
+    luminance: Cow<'a, [f32]>,
     /// Pixels of the map along each of their sides.
     block: usize,
     /// Share of each row and column of the map in the larger pixels that it is in.
@@ -35,12 +40,14 @@ pub struct Working<'a> {
 }
 
 impl<'a> Working<'a> {
-    /// A map of this height and width, in pixels of `block` x `block` of its own.
+    /// A map of this height and width, in pixels of `block` x `block` of its own. Their luminance is measured if it is not
+    /// known.
     pub fn of(
         map: &'a [[f32; 3]],
         (height, width): (usize, usize),
         registration: Registration,
         block: usize,
+        luminance: Option<&'a [f32]>,
     ) -> Self {
         let pixels = Grid::of_pixels(height, width, registration);
         let grid = pixels.in_blocks(block);
@@ -49,16 +56,38 @@ impl<'a> Working<'a> {
         };
         let widths: Vec<f64> = pixels.phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect();
         let (rows, columns) = (middles(&grid.theta_edges), middles(&grid.phi_edges));
-        Self {
+        let mut working = Self {
             pixels: map,
             size: (rows.len(), columns.len()),
             grid,
+            luminance: Cow::Borrowed(luminance.unwrap_or_default()),
             block,
             row_shares: shares(&band_heights(&pixels.theta_edges), block),
             column_shares: shares(&widths, block),
             rows,
             columns,
+        };
+        if luminance.is_none() {
+            working.luminance = Cow::Owned(working.measured());
         }
+        working
+    }
+
+    /// The luminance of each pixel.
+    fn measured(&self) -> Vec<f32> {
+        let pixels = (0..self.size.0 * self.size.1).into_par_iter().with_min_len(self.size.1);
+        let luminance = |pixel| {
+            if pixel % self.size.1 == 0 {
+                interrupt::check();
+            }
+            luminance_f32(self.mean(self.place(pixel)))
+        };
+        pixels.map(luminance).collect()
+    }
+
+    /// How many pixels have a known luminance: all, if it is that of this map.
+    pub fn luminances(&self) -> usize {
+        self.luminance.len()
     }
 
     /// The pixel of this flat index.
@@ -86,7 +115,7 @@ impl<'a> Working<'a> {
 
     /// Luminance of a pixel.
     pub fn luminance(&self, place: Place) -> f32 {
-        luminance_f32(self.mean(place))
+        self.luminance[place.index]
     }
 
     /// Direction of the middle of a pixel.

@@ -107,6 +107,8 @@ pub struct Detection {
     pub is_faint: Vec<bool>,
     /// How they were found.
     pub report: Report,
+    /// The working image.
+    pub luminance: Vec<f32>,
 }
 
 /// How lights were found: the threshold, what was opened, dropped and merged.
@@ -180,7 +182,7 @@ fn detect_in_pool(
     small_discs::measure(radiance, registration, &mut selection.lights);
     let is_faint = selection.holding(first_faint);
     let report = Report::of(&working, threshold, &bright, &selection);
-    Ok(Detection::new(&segments, selection, panes, is_faint, report))
+    Ok(Detection::new(&segments, selection, panes, is_faint, report, working.luminance))
 }
 
 impl Report {
@@ -216,6 +218,7 @@ impl Detection {
         panes: Vec<usize>,
         is_faint: Vec<bool>,
         report: Report,
+        luminance: Vec<f32>,
     ) -> Self {
         let (mut pixels, mut light_of_pixel) = (Vec::new(), Vec::new());
         for (segment, light) in segments.pixels.iter().zip(&selection.part_of) {
@@ -223,6 +226,6 @@ impl Detection {
             pixels.extend(segment.iter().filter(|&&index| segments.label[index as usize] != 0));
             light_of_pixel.resize(pixels.len(), *light as u32);
         }
-        Self { lights: selection.lights, pixels, light_of_pixel, panes, is_faint, report }
+        Self { lights: selection.lights, pixels, light_of_pixel, panes, is_faint, report, luminance }
     }
 }

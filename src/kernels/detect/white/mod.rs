@@ -148,7 +148,7 @@ fn detect_in_pool(
     let report = Report::of(&working, level, &bright, &selection);
     let part_of = selection.part_of.clone();
     let is_faint = vec![false; selection.lights.len()];
-    let detection = Detection::new(&segments, selection, panes, is_faint, report);
+    let detection = Detection::new(&segments, selection, panes, is_faint, report, working.luminance);
     Ok(WhiteDetection::new(detection, &part_of, &places, &weights, ending, clipped_share))
 }
 
