@@ -302,7 +302,7 @@ def split_map(
     direction: _Reals,
     block: int,
     threshold: float,
-    luminance: _Image | None,
+    luminance: NDArray[np.float32] | None,
     border_sampled: bool,
     rest: _Image,
 ) -> MapSplit: ...
