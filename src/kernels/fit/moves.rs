@@ -1,9 +1,11 @@
 //! Moves from one set of lights to another that a small step would never find.
 
 use glam::DVec3;
+use nalgebra::DMatrix;
 
 use super::candidates::{Candidates, Promise};
-use super::objective::Objective;
+use super::nnls::Support;
+use super::objective::{Given, Objective};
 use super::state::State;
 
 /// Starts of added lights closer than this (cosine) would end in the same place.
@@ -63,21 +65,23 @@ pub fn exchanged(
 }
 
 /// The light, not of the first `fixed`, without which the cost grows least where no radiance turns negative: by
-/// `sum_c x_jc^2 / R_jj`, R the inverse Gram matrix of the columns that a channel uses (`candidates.rs`).
-pub fn weakest(objective: &dyn Objective, state: &State, fixed: usize) -> usize {
-    let given = objective.given();
-    let ambient = given.ambient.coefficients();
-    let mut needs = vec![0.0; state.x.nrows()];
-    for (channel, support) in state.supports.iter().enumerate() {
+/// `sum_c x_jc^2 / R_jj`, R the inverse of the Gram matrix of the columns that a channel uses (`candidates.rs`).
+pub fn weakest(given: &Given, gram: &DMatrix<f64>, x: &DMatrix<f64>, fixed: usize) -> usize {
+    let first = given.ambient.coefficients() + fixed;
+    let mut needs = vec![0.0; x.nrows()];
+    for (channel, x) in x.column_iter().enumerate() {
+        let used = (0..x.len()).filter(|&column| x[column] > 0.0).collect();
+        // Columns that depend on each other: any of them may go.
+        let Some(support) = Support::new(gram, used) else { continue };
         for (place, &column) in support.columns.iter().enumerate() {
             let mut inverse = vec![0.0; support.columns.len()];
             inverse[place] = 1.0;
             support.factors.solve(&mut inverse);
-            needs[column] += given.copies(channel) * state.x[(column, channel)].powi(2) / inverse[place];
+            needs[column] += given.copies(channel) * x[column].powi(2) / inverse[place];
         }
     }
-    let needs = &needs[ambient..];
-    (fixed..state.lights()).min_by(|&a, &b| needs[a].total_cmp(&needs[b])).unwrap_or(fixed)
+    let weakest = (first..x.nrows()).min_by(|&a, &b| needs[a].total_cmp(&needs[b]));
+    weakest.map_or(fixed, |row| row - given.ambient.coefficients())
 }
 
 /// The first `count` of `places`, best first, that do not crowd each other.
@@ -122,7 +126,7 @@ mod tests {
             };
             let best = (1..5).min_by(|&a, &b| without(a).cost.total_cmp(&without(b).cost)).unwrap();
             if state.x.min() > 0.0 && (1..5).all(|gone| without(gone).x.min() > 0.0) {
-                assert_eq!(weakest(&sphere, &state, 1), best);
+                assert_eq!(weakest(sphere.given(), &state.moments.gram, &state.x, 1), best);
                 compared += 1;
             }
         }

@@ -237,7 +237,7 @@ impl<'a> Search<'a> {
     /// The directions of an end without the light that it needs least.
     fn without_weakest(&self, mut end: Rough) -> Vec<DVec3> {
         let Problem { objective, fixed, .. } = *self.problem;
-        end.directions.remove(moves::weakest(objective, &end.state(objective), fixed));
+        end.directions.remove(moves::weakest(objective.given(), &end.gram, &end.x, fixed));
         end.directions
     }
 

@@ -4,6 +4,7 @@
 use std::{array, mem};
 
 use glam::DVec3;
+use nalgebra::DMatrix;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
@@ -24,8 +25,22 @@ const IN_A_QUEUE: usize = 2 * LANES;
 #[derive(Clone, Debug)]
 pub struct Rough {
     pub directions: Vec<DVec3>,
+    /// Inner products of the columns; radiances, a column for each channel.
+    pub gram: DMatrix<f64>,
+    pub x: DMatrix<f64>,
     pub cost: f64,
     pub steps: usize,
+}
+
+impl Places {
+    /// What is in a lane, which is left.
+    fn end(&mut self, lane: usize, steps: usize) -> Rough {
+        let of_lane = |matrix: &Matrix| {
+            DMatrix::from_fn(matrix.columns(), matrix.rows(), |column, row| matrix[(row, column)].0[lane])
+        };
+        let directions = mem::take(&mut self.sets[lane]);
+        Rough { directions, gram: of_lane(&self.gram), x: of_lane(&self.x), cost: self.cost.0[lane], steps }
+    }
 }
 
 impl Rough {
@@ -129,8 +144,7 @@ impl Descents<'_> {
         for i in 0..LANES {
             let (lane, cost) = (running.lanes[i], running.places.cost.0[i]);
             if let Some(start) = lane.start.filter(|_| self.has_ended(lane, cost, fall.0[i])) {
-                let directions = mem::take(&mut running.places.sets[i]);
-                running.ends[start] = Some(Rough { directions, cost, steps: lane.steps });
+                running.ends[start] = Some(running.places.end(i, lane.steps));
                 let lane = Lane::new(running.next, self.starts.len());
                 running.next += 1;
                 running.lanes[i] = lane;
