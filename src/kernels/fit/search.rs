@@ -87,6 +87,8 @@ impl Breadth {
         settled: 1e-3,
         replaces: false,
     };
+    /// Over a floor starts do not go side by side, and lights to spare would cost more than they bring.
+    const FLOOR: Self = Self { starts: |lights| (3 * lights, 0), ..Self::USUAL };
     /// With harmonics that may not turn negative, a promise says little, and there are more valleys: of 114 fits of real
     /// and generated maps, the best came from the first place in 92, from the seventeenth at the latest.
     const HARMONICS: Self = Self {
@@ -123,6 +125,7 @@ impl Breadth {
     fn of(problem: &Problem<'_>) -> Self {
         match problem.objective.given().free() {
             0 if problem.objective.has_kinks() => Self::KINKS,
+            0 if problem.objective.given().has_floor => Self::FLOOR,
             0 => Self::USUAL,
             _ => Self::HARMONICS,
         }
