@@ -73,11 +73,7 @@ impl Breadth {
         added: 1,
         descended: 1,
         starts: |lights| {
-            if lights < 7 {
-                (LANES.max(lights * lights / 2), 0)
-            } else {
-                ((2 * lights).next_multiple_of(LANES), 2)
-            }
+            if lights < 7 { (4 * lights, 0) } else { ((2 * lights).next_multiple_of(LANES), 2) }
         },
         one_in: 2,
         promising: 6,
