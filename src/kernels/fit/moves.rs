@@ -66,13 +66,15 @@ pub fn exchanged(
 
 /// The light, not of the first `fixed`, without which the cost grows least where no radiance turns negative: by
 /// `sum_c x_jc^2 / R_jj`, R the inverse of the Gram matrix of the columns that a channel uses (`candidates.rs`).
-pub fn weakest(given: &Given, gram: &DMatrix<f64>, x: &DMatrix<f64>, fixed: usize) -> usize {
+pub fn weakest(given: &Given, mut gram: DMatrix<f64>, x: &DMatrix<f64>, fixed: usize) -> usize {
+    /// Share that keeps columns apart which depend on each other, as those of lights in one place: none is needed.
+    const APART: f64 = 1e-9;
+    (0..gram.nrows()).for_each(|i| gram[(i, i)] *= 1.0 + APART);
     let first = given.ambient.coefficients() + fixed;
     let mut needs = vec![0.0; x.nrows()];
     for (channel, x) in x.column_iter().enumerate() {
         let used = (0..x.len()).filter(|&column| x[column] > 0.0).collect();
-        // Columns that depend on each other: any of them may go.
-        let Some(support) = Support::new(gram, used) else { continue };
+        let Some(support) = Support::new(&gram, used) else { continue };
         for (place, &column) in support.columns.iter().enumerate() {
             let mut inverse = vec![0.0; support.columns.len()];
             inverse[place] = 1.0;
@@ -126,10 +128,23 @@ mod tests {
             };
             let best = (1..5).min_by(|&a, &b| without(a).cost.total_cmp(&without(b).cost)).unwrap();
             if state.x.min() > 0.0 && (1..5).all(|gone| without(gone).x.min() > 0.0) {
-                assert_eq!(weakest(sphere.given(), &state.moments.gram, &state.x, 1), best);
+                assert_eq!(weakest(sphere.given(), state.moments.gram.clone(), &state.x, 1), best);
                 compared += 1;
             }
         }
         assert!(compared >= 10, "{compared}");
+    }
+    #[test]
+    fn of_two_lights_in_one_place_one_is_weakest() {
+        let mut given = Given::nothing(Ambient::None, false);
+        (given.channels, given.like) = (vec![0], [Some(0); 3]);
+        // Two alike, of which each has half of the radiance; the others are far from them, and dim.
+        let gram = DMatrix::from_row_slice(
+            4,
+            4,
+            &[2.0, 0.1, 0.1, 0.1, 0.1, 2.0, 0.1, 2.0, 0.1, 0.1, 2.0, 0.1, 0.1, 2.0, 0.1, 2.0],
+        );
+        let x = DMatrix::from_column_slice(4, 1, &[0.3, 5.0, 0.2, 5.0]);
+        assert!([1, 3].contains(&weakest(&given, gram, &x, 0)));
     }
 }

@@ -234,10 +234,11 @@ impl<'a> Search<'a> {
     }
 
     /// The directions of an end without the light that it needs least.
-    fn without_weakest(&self, mut end: Rough) -> Vec<DVec3> {
+    fn without_weakest(&self, end: Rough) -> Vec<DVec3> {
         let Problem { objective, fixed, .. } = *self.problem;
-        end.directions.remove(moves::weakest(objective.given(), &end.gram, &end.x, fixed));
-        end.directions
+        let mut directions = end.directions;
+        directions.remove(moves::weakest(objective.given(), end.gram, &end.x, fixed));
+        directions
     }
 
     /// On from the `ends` of rough descents side by side, and the best of where that leads to.

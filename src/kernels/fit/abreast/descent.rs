@@ -33,7 +33,7 @@ pub struct Rough {
 }
 
 impl Places {
-    /// What is in a lane, which is left.
+    /// Where the descent in a lane has led; its directions leave the lane.
     fn end(&mut self, lane: usize, steps: usize) -> Rough {
         let of_lane = |matrix: &Matrix| {
             DMatrix::from_fn(matrix.columns(), matrix.rows(), |column, row| matrix[(row, column)].0[lane])
