@@ -9,9 +9,8 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::abreast::{self, Rough};
+use super::abreast::{self, IN_A_QUEUE, Rough};
 use super::candidates::Candidates;
-use super::lanes::LANES;
 use super::moves;
 use super::multistart;
 use super::problem::Problem;
@@ -20,7 +19,8 @@ use crate::error::Result;
 
 /// Relative fall of the cost in one step at which a start has shown what it is worth.
 const ROUGH: f64 = 4e-2;
-/// The same for starts side by side, where exact steps take over.
+/// The same for starts side by side, which go in longer strides: first, and where exact steps take over.
+const ROUGH_ABREAST: f64 = 6e-2;
 const NEARLY_CLOSE: f64 = 1e-2;
 /// Valleys of these that are followed on: with eight starts for 3 lights, the best was once not among the first two.
 const VALLEYS: usize = 4;
@@ -73,7 +73,7 @@ impl Breadth {
         added: 1,
         descended: 1,
         starts: |lights| {
-            if lights < 7 { (4 * lights, 0) } else { ((2 * lights).next_multiple_of(LANES), 2) }
+            if lights < 7 { (4 * lights, 0) } else { ((2 * lights).next_multiple_of(IN_A_QUEUE), 2) }
         },
         one_in: 2,
         promising: 6,
@@ -225,10 +225,10 @@ impl<'a> Search<'a> {
 
     /// Where starts lead to, roughly and side by side, without the lights that they have to spare.
     fn rough_abreast(&self, starts: &[Vec<DVec3>], lights: usize) -> Option<Vec<Rough>> {
-        let mut ends = abreast::descents(self.problem, starts, ROUGH)?;
+        let mut ends = abreast::descents(self.problem, starts, ROUGH_ABREAST)?;
         for _ in lights..starts.first().map_or(lights, Vec::len) {
             let fewer: Vec<Vec<DVec3>> = ends.into_par_iter().map(|end| self.without_weakest(end)).collect();
-            ends = abreast::descents(self.problem, &fewer, ROUGH)?;
+            ends = abreast::descents(self.problem, &fewer, ROUGH_ABREAST)?;
         }
         Some(ends)
     }

@@ -76,13 +76,14 @@ impl Factors {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kernels::fit::lanes::LANES;
     use nalgebra::DMatrix;
     use proptest::prelude::*;
     use pulp::Scalar;
 
     proptest! {
         #[test]
-        fn the_solution_solves_in_each_lane(values in proptest::collection::vec(-1.0..1.0_f64, 800), size in 1..9_usize) {
+        fn the_solution_solves_in_each_lane(values in proptest::collection::vec(-1.0..1.0_f64, 100 * LANES), size in 1..9_usize) {
             let grams: Vec<DMatrix<f64>> = values
                 .chunks(100)
                 .map(|values| DMatrix::from_column_slice(11, size, &values[..11 * size]))

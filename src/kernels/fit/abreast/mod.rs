@@ -1,7 +1,7 @@
 //! Descents side by side: each start in a lane of its own.
 //!
-//! A step for a few lights is some thousand small sums that wait for each other. Starts do not wait, so eight of them go
-//! downhill together, each in a lane of the vectors: steps of eight lights take as long as two or three of one start.
+//! A step for a few lights is some thousand small sums that wait for each other. Starts do not wait, so four of them go
+//! downhill together, each in a lane of the vectors.
 //!
 //! | step                              | file           |
 //! |-----------------------------------|----------------|
@@ -9,6 +9,7 @@
 //! | - best radiances, none negative   | `radiances.rs` |
 //! | Gauss and Newton's step           | `quadratic.rs` |
 //! | - small systems of equations      | `factors.rs`   |
+//! | how far lights turn               | `turn.rs`      |
 //! | all lanes to the end of their way | `descent.rs`   |
 
 mod descent;
@@ -16,5 +17,6 @@ mod factors;
 mod place;
 mod quadratic;
 mod radiances;
+mod turn;
 
-pub use descent::{Rough, descents};
+pub use descent::{IN_A_QUEUE, Rough, descents};

@@ -48,6 +48,10 @@ impl Places {
     /// The places of `other` in the lanes that are `chosen`.
     #[inline(always)]
     pub fn take<S: Simd>(&mut self, simd: S, other: Self, chosen: [bool; LANES]) {
+        if chosen == [true; LANES] {
+            *self = other;
+            return;
+        }
         let is_chosen = Wide(chosen.map(|is_chosen| f64::from(u8::from(is_chosen))));
         for (i, (set, frames)) in other.sets.into_iter().zip(other.frames).enumerate() {
             if chosen[i] {

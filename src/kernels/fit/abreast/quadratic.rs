@@ -178,24 +178,26 @@ mod tests {
     use pulp::Scalar;
     use std::array;
 
-    /// Of four lights, of which the first stays; two lanes are empty.
+    /// Of four lights, of which the first stays; the last lane is empty.
     #[test]
     fn steps_are_those_of_a_place_alone() {
+        const FULL: usize = LANES - 1;
         let map =
             Array3::from_shape_fn((16, 32, 3), |(y, x, c)| if (y, x % 9) == (3 + c, 4) { 50.0 } else { 1.0 });
         let working = image::reduce(map.view(), Registration::CellCentred, 256, 3e-3, false).unwrap();
         let direction =
             |i: usize| DVec3::new((1.3 * i as f64).sin(), (2.1 * i as f64).sin(), (0.7 * i as f64).cos());
         let set = |lane: usize| (0..4).map(|light| direction(4 * lane + light + 1).normalize()).collect();
-        let sets: [Vec<DVec3>; LANES] = array::from_fn(|lane| if lane < 6 { set(lane) } else { Vec::new() });
+        let sets: [Vec<DVec3>; LANES] =
+            array::from_fn(|lane| if lane < FULL { set(lane) } else { Vec::new() });
         for ambient in [Ambient::None, Ambient::Constant] {
             let sphere = Sphere::new(&working, ambient, false);
             let columns = ambient.coefficients() + 4;
             let mut used = Matrix::zeros(sphere.given().channels.len(), columns);
-            (0..6).for_each(|lane| used.fill_lane(lane, 1.0));
+            (0..FULL).for_each(|lane| used.fill_lane(lane, 1.0));
             let places = Places::at(Scalar::new(), &sphere, sets.clone(), 1, used).unwrap();
             let (step, fall) = places.model.step(Scalar::new(), Wide::splat(0.01));
-            for (lane, set) in sets.iter().enumerate().take(6) {
+            for (lane, set) in sets.iter().enumerate().take(FULL) {
                 let problem = Problem {
                     objective: &sphere,
                     start: set,

@@ -168,10 +168,10 @@ fn parts_of<T: Number>(one: T, values: &[f64]) -> [T; 4] {
 fn splines<const ORDERS: usize, T: Number>(t: T, scale: f64) -> [[T; 4]; ORDERS] {
     /// By powers of t. No vector is longer.
     const COEFFICIENTS: [[f64; LANES]; 4] = [
-        [1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-        [-0.5, 0.0, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0],
-        [0.5, -1.0, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0],
-        [-1.0 / 6.0, 0.5, -0.5, 1.0 / 6.0, 0.0, 0.0, 0.0, 0.0],
+        [1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0, 0.0],
+        [-0.5, 0.0, 0.5, 0.0],
+        [0.5, -1.0, 0.5, 0.0],
+        [-1.0 / 6.0, 0.5, -0.5, 1.0 / 6.0],
     ];
     let mut out = [[t; 4]; ORDERS];
     for order in 0..ORDERS {
@@ -347,9 +347,9 @@ mod tests {
         /// Vectors hold what single numbers do.
         #[test]
         fn side_by_side_is_one_by_one(
-            c in prop::array::uniform8(-1.0..1.0_f64),
-            a in prop::array::uniform8(1e-9..0.37_f64),
-            b in prop::array::uniform8(1e-9..0.37_f64),
+            c in prop::array::uniform4(-1.0..1.0_f64),
+            a in prop::array::uniform4(1e-9..0.37_f64),
+            b in prop::array::uniform4(1e-9..0.37_f64),
         ) {
             let side_by_side = Arch::new().dispatch(SideBySide { c, a, b });
             for i in 0..LANES {
