@@ -323,7 +323,8 @@ def test_an_earlier_rig_is_followed():
     after = el.fit(frame(turned), lights=2, start=before, sizes=False)
     fresh = el.fit(frame(turned), lights=2, sizes=False)
     assert after.error <= fresh.error * (1 + 1e-6)
-    assert after.report.steps < fresh.report.steps
+    # Of a search, those of the start that won are told, not those of the others.
+    assert after.report.steps < 10
     moved = np.rad2deg(np.arccos((after.lights.direction * before.lights.direction).sum(axis=1)))
     assert sorted(moved.round(1)) == pytest.approx([0.0, np.rad2deg(0.02) * 0.6], abs=0.3)
 
