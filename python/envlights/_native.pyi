@@ -74,6 +74,7 @@ __all__ = [
 _Reals = NDArray[np.float64]
 _Image = NDArray[np.float32]
 _Indices = NDArray[np.int64]
+_Original = tuple[float, float, float, float | None, float, int]
 
 LEAST_WHITE: float
 LUMINANCE: list[float]
@@ -117,6 +118,7 @@ class WhiteDetection:
     weight: _Reals
     ending: tuple[str, float]
     clipped_share: float
+    least_weight: float
 
 @final
 class FitAnswer:
@@ -176,7 +178,7 @@ def detect_tree(
     min_flux_share: float,
     min_worth: float,
     max_lights: int,
-    original: tuple[float, float, float] | None,
+    original: _Original | None,
 ) -> TreeDetection: ...
 def detect_white(
     radiance: _Image,
@@ -190,6 +192,7 @@ def detect_white(
     min_flux_share: float,
     min_worth: float,
     max_lights: int,
+    original: _Original | None,
 ) -> WhiteDetection: ...
 def direction_to_uv(direction: _Reals) -> _Reals: ...
 def disc_map(height: int, directions: _Reals, irradiance: _Reals, radii: _Reals) -> _Reals: ...
@@ -253,6 +256,7 @@ def peaks_of_lights(
     direction: _Reals,
     block: int,
     threshold: float,
+    end: float | None,
 ) -> NDArray[np.float32]: ...
 def pixel_directions(
     height: int, width: int, border_sampled: bool, top: int, bottom: int
@@ -302,6 +306,7 @@ def split_map(
     direction: _Reals,
     block: int,
     threshold: float,
+    end: float | None,
     luminance: NDArray[np.float32] | None,
     border_sampled: bool,
     rest: _Image,

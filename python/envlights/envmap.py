@@ -42,6 +42,26 @@ class Original(NamedTuple):
     peak: float
     """Largest luminance of its lights."""
 
+    end: float | None = None
+    """Luminance at which it was cut off; None where it was not."""
+
+    least_weight: float = 0.0
+    """Weight that a light needs behind that end; see `DetectedLights.weight`."""
+
+    columns: int = 0
+    """Columns of the image that was searched behind that end."""
+
+    @classmethod
+    def of_numbers(cls, numbers: Iterable[float]) -> Original:
+        """What `to_numbers` has told."""
+        threshold, flux, peak, end, least_weight, columns = numbers
+        return cls(threshold, flux, peak, end or None, least_weight, int(columns))
+
+    def to_numbers(self) -> tuple[float, ...]:
+        """Numbers alone, for a file."""
+        end = self.end or 0.0
+        return self.threshold, self.flux, self.peak, end, self.least_weight, self.columns
+
 
 class EnvMap:
     r"""An environment map: radiance from every direction.
@@ -173,7 +193,8 @@ class EnvMap:
             )
         except EnvLightsError as refusal:
             raise EnvLightsError(f"{os.fspath(path)}: {refusal}") from None
-        return env._left_of(image.original and Original(*image.original))
+        numbers = image.original
+        return env._left_of(None if numbers is None else Original.of_numbers(numbers))
 
     @classmethod
     def from_exposures(
@@ -360,7 +381,7 @@ class EnvMap:
             half=half,
             compression=compression,
             border_sampled=is_border,
-            original=self._original,
+            original=self._original and self._original.to_numbers(),
         )
 
     def rotated(self, matrix: ArrayLike) -> EnvMap:

@@ -8,7 +8,7 @@ use super::pool::{in_pool, interruptible};
 use super::sphere::registration;
 use crate::kernels::detect::clipped_share as clipped;
 use crate::kernels::detect::tree::{
-    self, Detection, Light, Options, Original, Rule, Run, WorkingImage, runs,
+    self, Detection, Light, Options, Original, OriginalWhite, Rule, Run, WorkingImage, runs,
 };
 use crate::kernels::detect::white::{self, Ending};
 
@@ -68,10 +68,9 @@ pub fn detect_tree(
     min_flux_share: f64,
     min_worth: f64,
     max_lights: usize,
-    original: Option<(f64, f64, f64)>,
+    original: Option<OriginalNumbers>,
 ) -> PyResult<TreeDetection> {
     let radiance = radiance.as_array();
-    let original = original.map(|(threshold, flux, peak)| Original { threshold, flux, peak });
     let options = Options {
         working_columns,
         rise,
@@ -81,7 +80,7 @@ pub fn detect_tree(
         min_flux_share,
         min_worth,
         max_lights,
-        original,
+        original: original.map(original_of),
     };
     let found = in_pool(py, || tree::detect(radiance, registration(border_sampled), &options))?;
     Ok(TreeDetection::new(py, found, None))
@@ -96,6 +95,7 @@ pub struct WhiteDetection {
     weight: Py<PyArray1<f64>>,
     ending: (&'static str, f64),
     clipped_share: f64,
+    least_weight: f64,
 }
 
 /// See `envlights.detect_tree`.
@@ -114,6 +114,7 @@ pub fn detect_white(
     min_flux_share: f64,
     min_worth: f64,
     max_lights: usize,
+    original: Option<OriginalNumbers>,
 ) -> PyResult<WhiteDetection> {
     let radiance = radiance.as_array();
     let options = Options {
@@ -125,7 +126,7 @@ pub fn detect_white(
         min_flux_share,
         min_worth,
         max_lights,
-        original: None,
+        original: original.map(original_of),
     };
     let found = interruptible(py, || white::detect(radiance, registration(border_sampled), white, &options))?;
     let numbers = |values: Vec<f64>| Array1::from(values).into_pyarray(py).unbind();
@@ -136,7 +137,15 @@ pub fn detect_white(
         weight: numbers(found.weights),
         ending: ending(found.ending),
         clipped_share: found.clipped_share,
+        least_weight: found.least_weight,
     })
+}
+
+/// The fields of `envlights.envmap.Original`.
+type OriginalNumbers = (f64, f64, f64, Option<f64>, f64, usize);
+
+fn original_of((threshold, flux, peak, end, least_weight, _): OriginalNumbers) -> Original {
+    Original { threshold, flux, peak, white: end.map(|end| OriginalWhite { end, least_weight }) }
 }
 
 /// See `envlights.EnvMap.clipped_share`: of the sphere, and of the flux.

@@ -35,13 +35,14 @@ pub fn split_map(
     direction: PyReadonlyArray2<'_, f64>,
     block: usize,
     threshold: f64,
+    end: Option<f64>,
     luminance: Option<PyReadonlyArray1<'_, f32>>,
     border_sampled: bool,
     mut rest: PyReadwriteArray3<'_, f32>,
 ) -> PyResult<MapSplit> {
     let radiance = radiance.as_array();
     let rest = Mutex::new(rest.as_array_mut());
-    let mut found = found(&pixel, &light_of_pixel, &direction, block, threshold);
+    let mut found = found(&pixel, &light_of_pixel, &direction, block, threshold, end);
     found.luminance = luminance.as_ref().map(PyReadonlyArray1::as_slice).transpose()?;
     // Work that was interrupted may run again, and writes the same again.
     let lights = interruptible(py, || {
@@ -70,6 +71,7 @@ pub fn split_map(
 
 /// See `envlights.split`.
 #[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "what was found is one struct on the other side")]
 pub fn peaks_of_lights<'py>(
     py: Python<'py>,
     radiance: PyReadonlyArray3<'py, f32>,
@@ -78,9 +80,10 @@ pub fn peaks_of_lights<'py>(
     direction: PyReadonlyArray2<'py, f64>,
     block: usize,
     threshold: f64,
+    end: Option<f64>,
 ) -> PyResult<Bound<'py, PyArray1<f32>>> {
     let radiance = radiance.as_array();
-    let found = found(&pixel, &light_of_pixel, &direction, block, threshold);
+    let found = found(&pixel, &light_of_pixel, &direction, block, threshold, end);
     Ok(interruptible(py, || found.peaks(radiance))?.into_pyarray(py))
 }
 
@@ -91,7 +94,8 @@ fn found<'a>(
     direction: &'a PyReadonlyArray2<'_, f64>,
     block: usize,
     threshold: f64,
+    end: Option<f64>,
 ) -> Found<'a> {
     let (pixels, light_of_pixel) = (pixel.as_array(), light_of_pixel.as_array());
-    Found { pixels, light_of_pixel, directions: direction.as_array(), block, threshold, luminance: None }
+    Found { pixels, light_of_pixel, directions: direction.as_array(), block, threshold, end, luminance: None }
 }

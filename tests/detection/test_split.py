@@ -10,9 +10,10 @@ from hypothesis import strategies as st
 
 import envlights as el
 from envlights import kernels
+from envlights._srgb import encode_srgb
 from envlights.io.image_output import write_exr
 from envlights.kernels.image import LUMINANCE
-from envlights.synthetic import Disc, PixelSun, Rectangle, scene
+from envlights.synthetic import Disc, PixelSun, Rectangle, scene, suite
 from tests.conftest import real_maps
 from tests.helpers import printed_by_threads
 
@@ -145,16 +146,53 @@ def test_files_copies_and_turned_maps_tell_of_the_map_before(tmp_path):
     assert turned.original == pickle.loads(pickle.dumps(rest)).original == rest.original
     rest.save(tmp_path / "rest.exr")
     opened = el.EnvMap.open(tmp_path / "rest.exr")
-    np.testing.assert_allclose(opened.original, rest.original, rtol=1e-7)
+    numbers = (each.original.to_numbers() for each in (opened, rest))
+    np.testing.assert_allclose(*numbers, rtol=1e-7)
     assert len(el.split(opened).lights) == len(el.split(turned).lights) == 0
     rest.save(tmp_path / "rest.hdr")
     assert el.EnvMap.open(tmp_path / "rest.hdr").original is None
 
 
 @pytest.mark.parametrize("number", [np.nan, np.inf, -1.0])
-def test_what_no_map_can_be_is_not_taken_for_the_map_before(tmp_path, number):
-    write_exr(tmp_path / "map.exr", three().radiance, original=(1.0, number, 1.0))
+@pytest.mark.parametrize("place", range(6))
+def test_what_no_map_can_be_is_not_taken_for_the_map_before(tmp_path, number, place):
+    numbers = np.where(np.arange(6) == place, number, 1.0)
+    write_exr(tmp_path / "map.exr", three().radiance, original=tuple(numbers))
     assert el.EnvMap.open(tmp_path / "map.exr").original is None
+
+
+def eight_bits(radiance):
+    return el.EnvMap(np.round(255 * encode_srgb(np.clip(radiance, 0, 1))).astype(np.uint8))
+
+
+@pytest.mark.parametrize("name", ["plain", "hard"])
+@pytest.mark.parametrize("exposure", [0.25, 1, 4])
+def test_nothing_is_found_in_what_is_left_of_pictures_of_eight_bits(name, exposure):
+    for seed in suite.JUDGING[:16]:
+        picture = eight_bits(exposure * getattr(suite, name)(seed, 256).radiance)
+        _, rest = el.split(picture)
+        assert len(el.detect(rest)) == len(el.split(rest).lights) == 0, seed
+
+
+def test_what_is_left_of_a_picture_is_judged_as_the_picture(tmp_path):
+    """A lamp of less than 1 % of the weight of others stays, and is none without them."""
+    lamps = [Disc(place, 4.0, (9, 9, 9)) for place in PLACES[2::3]]
+    dim = Disc((0, -0.5, 1), 2.0, (0.45, 0.45, 0.45))
+    picture = eight_bits(world([*lamps, dim], 256, (0.1, 0.1, 0.1)).radiance)
+    lights, rest = el.split(picture)
+    assert (len(lights), len(el.detect(rest))) == (2, 0)
+    assert len(el.detect(eight_bits(rest.radiance))) == 1
+    # A file tells where it was cut off, and so do lights that were found before.
+    rest.save(tmp_path / "rest.exr")
+    opened = el.EnvMap.open(tmp_path / "rest.exr")
+    assert opened.white is None
+    assert len(el.detect(opened)) == len(el.split(opened).lights) == 0
+    found = el.detect(picture, rise=2.25)
+    assert el.split(picture, found).rest.original == rest.original
+    # Of the lights that stay, one that is taken leaves the others as they are.
+    again = el.split(el.split(picture, 1).rest)
+    assert len(again.lights) == 1
+    np.testing.assert_array_equal(again.rest.radiance, rest.radiance)
 
 
 @pytest.mark.parametrize("unevenness", [0.0, 0.1])
@@ -444,7 +482,7 @@ print(hashlib.sha256(rest.radiance.tobytes() + lights.irradiance.tobytes()).hexd
     assert len(printed_by_threads(code)) == 1
 
 
-@real_maps("hdr/*.hdr", "exr/*.exr", "openexr_envmaps/*LatLong.exr")
+@real_maps("hdr/*.hdr", "exr/*.exr", "openexr_envmaps/*LatLong.exr", "ldr/*.png")
 def test_real_maps_close(path):
     env = el.EnvMap.open(path)
     lights, rest = el.split(env)

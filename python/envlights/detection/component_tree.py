@@ -74,7 +74,8 @@ def detect_tree(
         them where it has a white, for a plateau has no fine detail, and to fewer still where more
         than 12 % of the sphere is bright.
     white : float, optional
-        The value at which the map was cut off, in place of `EnvMap.white`.
+        The value at which the map was cut off, in place of `EnvMap.white`. What is left of a map
+        that was cut off ends where that did.
 
     Returns
     -------
@@ -101,7 +102,8 @@ def detect_tree(
     no light above the threshold; `report.notes` names them. The rule is ours.
 
     What `split` has left of a map is judged as that map was: by its threshold, with shares of its
-    flux, and with nothing clipped that is dimmer than its lights; see `EnvMap.original`.
+    flux, and with nothing clipped that is dimmer than its lights; behind a white, by weight beside
+    the lights of that map, and in pixels of the same size. See `EnvMap.original`.
 
     Maps that end at a white, as those of integers do, are treated differently, for their threshold
     would often lie above white. Luminance :math:`y`, in units of white, is expanded to
@@ -181,13 +183,16 @@ def _searched(
     given = None if white is None else checked_white(white)
 
     def found_in(world: EnvMap) -> _Found:
-        end = world.white if given is None else given
-        where = world.radiance, world.registration == "border-sampled"
-        if end is None:
-            return _Found(_native.detect_tree(*where, original=world.original, **options), None)
+        white = world.white if given is None else given
         columns = max(options["working_columns"] // _FEWER_COLUMNS, _LEAST_COLUMNS)
-        reduced = options | {"working_columns": columns}
-        behind_white = _native.detect_white(*where, white=end, **reduced)
+        if world.original and world.original.end is not None:
+            white = world.original.end
+            columns = max(world.original.columns, _LEAST_COLUMNS)
+        where = world.radiance, world.registration == "border-sampled"
+        if white is None:
+            return _Found(_native.detect_tree(*where, original=world.original, **options), None)
+        reduced = options | {"working_columns": columns, "original": world.original}
+        behind_white = _native.detect_white(*where, white=white, **reduced)
         return _Found(behind_white.tree, behind_white)
 
     world, found = seen_through(env, found_in)
@@ -211,6 +216,7 @@ def _wrapped(both: _Found, notes: tuple[str, ...], seconds: float) -> DetectedLi
         threshold=found.threshold,
         reason=_reason(found) if behind_white is None else _reason_at_white(behind_white),
         working_size=found.working_size,
+        **({} if behind_white is None else _cut_off(behind_white)),
         skipped=tuple(_skipped(found)),
         notes=notes,
         seconds={"detect": seconds},
@@ -232,9 +238,17 @@ def _wrapped(both: _Found, notes: tuple[str, ...], seconds: float) -> DetectedLi
     )
 
 
+def _cut_off(found: _native.WhiteDetection) -> dict[str, Any]:
+    """Where the map was cut off, and what a light needs to weigh there."""
+    ending, end = found.ending
+    return {} if ending == "whole" else {"end": end, "least_weight": found.least_weight}
+
+
 def _reason_at_white(found: _native.WhiteDetection) -> str:
     """Where the map ends, and the rule that this led to."""
     ending, end = found.ending
+    if found.tree.threshold_rule is None:
+        return _reason(found.tree)
     if ending == "whole":
         return (
             f"{_reason(found.tree)}; the map ends at {end:.3g}, below white, and has lost nothing"

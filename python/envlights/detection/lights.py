@@ -65,6 +65,12 @@ class DetectionReport(Result):
     working_size: tuple[int, int]
     """Height and width of the image that was searched for lights."""
 
+    end: float | None = None
+    """Luminance at which the map was cut off; None where it was not, and for the article."""
+
+    least_weight: float = 0.0
+    """Weight that a light needs behind that end."""
+
     skipped: tuple[str, ...] = ()
     """Tiles that were not searched and lights that were dropped or merged, with numbers."""
 
@@ -81,6 +87,8 @@ class DetectionReport(Result):
             "threshold": self.threshold,
             "reason": self.reason,
             "working_size": list(self.working_size),
+            "end": self.end,
+            "least_weight": self.least_weight,
             "skipped": list(self.skipped),
             "notes": list(self.notes),
         }
@@ -95,6 +103,8 @@ class DetectionReport(Result):
             threshold=amount("threshold", data["threshold"]),
             reason=reason,
             working_size=(height, width),
+            end=None if data.get("end") is None else amount("end", data["end"]),
+            least_weight=amount("least_weight", data.get("least_weight", 0.0)),
             skipped=tuple(texts("skipped", data["skipped"])),
             notes=tuple(texts("notes", data["notes"])),
         )

@@ -31,8 +31,8 @@ _WINDOW = 6
 _PEAK = 1e-3
 
 #: Lights as the kernel takes them: pixels of the map in blocks, the light of each, directions,
-#: pixels along the side of a block, and the threshold.
-_Found = tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64], int, float]
+#: pixels along the side of a block, the threshold, and where the map was cut off.
+_Found = tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64], int, float, float | None]
 
 
 class Split(NamedTuple):
@@ -122,6 +122,7 @@ def split(
     and the floor would be a light. Whoever looks for that gives the array, ``rest.radiance``.
 
     Maps that end at a white lose what white has left of a light: its irradiance is a lower bound.
+    There y is of expanded luminance; see `detect_tree`.
 
     References
     ----------
@@ -276,7 +277,8 @@ def _bright_around(
 def _members(env: EnvMap, lights: DetectedLights) -> _Found:
     """Lights as the kernel takes them."""
     block = -(-env.width // lights.report.working_size[1])
-    return *_pixels(env, lights, block), lights.direction, block, lights.report.threshold
+    report = lights.report
+    return *_pixels(env, lights, block), lights.direction, block, report.threshold, report.end
 
 
 def _taken(chosen: DetectedLights, parts: _native.MapSplit, report: DetectionReport) -> TakenLights:
@@ -297,12 +299,19 @@ def _taken(chosen: DetectedLights, parts: _native.MapSplit, report: DetectionRep
 def _original(found: DetectedLights) -> Original | None:
     """The map of the lights, or None where it has none or where they were found in another way.
 
-    The threshold of the article is its own, and behind a white each light is weighed by all others.
+    The threshold of the article is its own.
     """
-    if not len(found) or found.report.method != "tree" or found.weight is not None:
+    report = found.report
+    if not len(found) or report.method != "tree":
         return None
-    peak = float(found.peak_luminance.max())
-    return Original(found.report.threshold, _map_flux(found), peak)
+    return Original(
+        report.threshold,
+        _map_flux(found),
+        peak=float(found.peak_luminance.max()),
+        end=report.end,
+        least_weight=report.least_weight,
+        columns=0 if report.end is None else report.working_size[1],
+    )
 
 
 def _map_flux(lights: DetectedLights) -> float:

@@ -4,7 +4,7 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::glow::share_left;
+use super::glow::Bright;
 use super::level::Value;
 use super::loss::Loss;
 use super::moments::{First, Luminances, Second};
@@ -129,7 +129,7 @@ impl WithSimd for Dimmed<'_, '_> {
             for row in strip.rows.clone() {
                 let cells = &map.cells.rows[row];
                 given.read(map.given(row, &strip));
-                dim_row(map.threshold, &given, &mut left, taken.row());
+                dim_row(map.bright, &given, &mut left, taken.row());
                 left.write(slab.at(row, &strip));
                 first.add(&given, &left, cells);
                 taken.add(cells);
@@ -143,11 +143,11 @@ impl WithSimd for Dimmed<'_, '_> {
 
 /// What is left of the pixels of a row of a glow, and the luminance of what is taken.
 #[inline(always)]
-fn dim_row(threshold: f32, given: &Planes<3>, left: &mut Planes<3>, taken: &mut [f32]) {
+fn dim_row(bright: Bright, given: &Planes<3>, left: &mut Planes<3>, taken: &mut [f32]) {
     given.luminance(taken);
     let shares = taken;
     for share in shares.iter_mut() {
-        *share = share_left(*share, threshold);
+        *share = bright.share_left(*share);
     }
     for (left, given) in left.channels_mut().into_iter().zip(given.channels()) {
         left.iter_mut()

@@ -2,6 +2,7 @@
 
 use ndarray::{ArrayView1, ArrayView2, ArrayView3, s};
 
+use super::glow::Bright;
 use crate::error::{Error, Result};
 use crate::kernels::image::{check_rgb, luminance_f32};
 use crate::kernels::sphere;
@@ -18,11 +19,18 @@ pub struct Found<'a> {
     pub block: usize,
     /// Luminance above which a place is bright.
     pub threshold: f64,
+    /// Luminance at which the map was cut off.
+    pub end: Option<f64>,
     /// Luminance of the working image, row after row, where it is known.
     pub luminance: Option<&'a [f32]>,
 }
 
 impl Found<'_> {
+    /// What counts as bright.
+    pub fn bright(&self) -> Bright {
+        Bright { threshold: self.threshold as f32, end: self.end.map(|end| end as f32) }
+    }
+
     /// Flat indices of the pixels of lights in a working image of this size, each with its light.
     ///
     /// # Errors

@@ -10,7 +10,8 @@
 //! ```
 //!
 //! which goes on smoothly from `y`, keeps clouds apart, and stays below 2, while a light rises to 2.25. None is found
-//! where the glow ends before [`FARTHEST`], and the threshold of the rest is not much lower.
+//! where the glow ends before [`FARTHEST`], and the threshold of the rest is not much lower. Where the map was cut off
+//! at a white, `y` is expanded luminance, by which lights are told there.
 //!
 //! A glow with a sharp rim around most of it is a thing of its own, the rest of a softbox or a panel behind a lamp, and
 //! would still be found, for that is how detection tells places of low contrast. It goes with the light as a whole.
@@ -24,6 +25,7 @@ use glam::DVec3;
 use super::working::{Place, Working};
 use crate::interrupt;
 use crate::kernels::detect::tree::LARGEST_PLACE;
+use crate::kernels::detect::white::{compressed, expand};
 
 /// No light: they are counted from 1, so that memory which was never written holds none.
 pub const NONE: u32 = 0;
@@ -36,6 +38,8 @@ const DARK: f32 = 0.6;
 /// Share of the rim that is sharp, at least, around a thing of its own. Of the glows of 19 real maps, softboxes and panels
 /// have 0.83 and more, lit walls and skies up to 0.70, but for a sky above a city that is larger.
 const LEAST_SHARP: f64 = 0.75;
+/// Of so many thresholds and less all stays.
+const LEAST_DIMMED: f32 = 1.5;
 
 /// The bright pixels that are connected to a light.
 #[derive(Clone, Default)]
@@ -56,8 +60,8 @@ impl Glow {
 
 /// The glow of each of so many lights: a pixel is part of that of the light which is the fewest steps away, which is
 /// counted from 1 in `light_of`.
-pub fn glows(working: &Working<'_>, light_of: &mut [u32], lights: usize, threshold: f64) -> Vec<Glow> {
-    let (threshold, mut glows) = (threshold as f32, vec![Glow::default(); lights]);
+pub fn glows(working: &Working<'_>, light_of: &mut [u32], lights: usize, threshold: f32) -> Vec<Glow> {
+    let mut glows = vec![Glow::default(); lights];
     // What is outside counts once.
     let mut is_outside = vec![false; light_of.len()];
     let mut around = flood(working, light_of, threshold, &mut glows, &mut is_outside);
@@ -118,9 +122,30 @@ fn flood(
     rim
 }
 
-/// Share that is left of a pixel of the glow.
+/// What counts as bright.
+#[derive(Clone, Copy)]
+pub struct Bright {
+    /// Luminance above which a place is bright.
+    pub threshold: f32,
+    /// Luminance at which the map was cut off.
+    pub end: Option<f32>,
+}
+
+impl Bright {
+    /// Share that is left of a pixel of the glow.
+    #[inline(always)]
+    pub fn share_left(self, luminance: f32) -> f32 {
+        let Some(end) = self.end else { return share_left(luminance / self.threshold) };
+        let (expanded, threshold) = (expand(luminance / end), expand(self.threshold / end));
+        let left = compressed(expanded * share_left(expanded / threshold), end);
+        // Not to round what is not dimmed.
+        if expanded > LEAST_DIMMED * threshold { left / luminance } else { 1.0 }
+    }
+}
+
+/// Share that is left of so many thresholds.
 #[inline(always)]
-pub fn share_left(luminance: f32, threshold: f32) -> f32 {
-    let excess = (luminance / threshold).max(1.5);
+fn share_left(thresholds: f32) -> f32 {
+    let excess = thresholds.max(LEAST_DIMMED);
     (2.0 - 0.25 / (excess - 1.0)) / excess
 }

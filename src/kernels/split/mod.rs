@@ -54,6 +54,7 @@ use crate::kernels::image::{self, Grid};
 use crate::kernels::sphere::{self, Registration};
 use cells::Cells;
 pub use found::Found;
+use glow::Bright;
 use level::{Enlarged, Level};
 use pixels::Map;
 use region::Regions;
@@ -90,7 +91,7 @@ pub fn split(
     let members = found.members(working.size)?;
     // To find what closes the holes takes about as long as to copy the map: two threads do both.
     let rest = rest.as_chunks_mut::<3>().0;
-    let closed = || closed(&working, &members, directions.len(), found.threshold);
+    let closed = || closed(&working, &members, directions.len(), found.bright());
     let ((), (regions, membrane)) = rayon::join(|| copy(map, rest), closed);
     let map = Map {
         pixels: map,
@@ -98,7 +99,7 @@ pub fn split(
         cells: Cells::new(&Grid::of_pixels(height, width, registration)),
         membrane: Enlarged::new(&membrane, block, width),
         block,
-        threshold: found.threshold as f32,
+        bright: found.bright(),
     };
     Ok(taken::take(&map, &Cells::new(&working.grid), &regions, &directions, rest))
 }
@@ -108,9 +109,9 @@ fn closed(
     working: &Working<'_>,
     members: &[(usize, usize)],
     taken: usize,
-    threshold: f64,
+    bright: Bright,
 ) -> (Regions, Level) {
-    let regions = region::regions(working, members, taken, threshold);
+    let regions = region::regions(working, members, taken, bright);
     let given = |pixel| regions.mean_left(working, pixel);
     let membrane = membrane::membrane(working.grid.clone(), regions.all_holes(), given);
     (regions, membrane)

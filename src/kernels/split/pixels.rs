@@ -8,6 +8,7 @@ use rayon::iter::repeat_n;
 use rayon::prelude::*;
 
 use super::cells::Cells;
+use super::glow::Bright;
 use super::level::Enlarged;
 use super::loss::Loss;
 use crate::interrupt;
@@ -27,8 +28,7 @@ pub struct Map<'a> {
     pub membrane: Enlarged<'a>,
     /// Pixels of the map along each side of a pixel of the working image.
     pub block: usize,
-    /// Luminance above which a place is bright.
-    pub threshold: f32,
+    pub bright: Bright,
 }
 
 /// The pixels of lights in each band of the working image.

@@ -8,7 +8,7 @@
 
 use std::f64::consts::PI;
 
-use super::glow::{self, Glow, NONE, share_left};
+use super::glow::{self, Bright, Glow, NONE};
 use super::working::Working;
 use crate::interrupt;
 use crate::kernels::image::luminance_f32;
@@ -33,22 +33,22 @@ pub struct Regions {
     pub glow: Vec<Vec<u32>>,
     /// The light of each pixel, counted from 1.
     light_of: Vec<u32>,
-    threshold: f32,
+    bright: Bright,
 }
 
 /// The pixels of the first `taken` lights of `members`: flat indices, each with its light. The others stay.
-pub fn regions(working: &Working<'_>, members: &[(usize, usize)], taken: usize, threshold: f64) -> Regions {
+pub fn regions(working: &Working<'_>, members: &[(usize, usize)], taken: usize, bright: Bright) -> Regions {
     let lights = members.iter().map(|&(_, light)| light + 1).max().unwrap_or(0);
     let mut light_of = light_of_each(working, members);
     let mut holes = own(members, &light_of, taken);
-    add_rings(working, members, &mut light_of, Rings::new(lights, threshold as f32), &mut holes);
-    let glows = glow::glows(working, &mut light_of, lights, threshold);
+    add_rings(working, members, &mut light_of, Rings::new(lights, bright.threshold), &mut holes);
+    let glows = glow::glows(working, &mut light_of, lights, bright.threshold);
     let mut glow = close_things(&mut holes, glows);
     for pixels in holes.iter_mut().chain(&mut glow) {
         pixels.sort_unstable();
         pixels.dedup();
     }
-    Regions { holes, glow, light_of, threshold: threshold as f32 }
+    Regions { holes, glow, light_of, bright }
 }
 
 /// The light of each pixel, counted from 1; of several, the last one.
@@ -115,7 +115,7 @@ impl Regions {
     pub fn mean_left(&self, working: &Working<'_>, pixel: usize) -> [f32; 3] {
         let mean = working.mean(working.place(pixel));
         let is_glow = (1..=self.glow.len()).contains(&(self.light_of[pixel] as usize));
-        let share = if is_glow { share_left(luminance_f32(mean), self.threshold) } else { 1.0 };
+        let share = if is_glow { self.bright.share_left(luminance_f32(mean)) } else { 1.0 };
         mean.map(|value| share * value)
     }
 }

@@ -333,7 +333,7 @@ mod tests {
 
     #[test]
     fn below_the_peak_of_the_map_before_its_lights_were_taken_nothing_is_clipped() {
-        let original = |peak| Threshold::of(&Original { threshold: 0.5, flux: 1.0, peak });
+        let original = |peak| Threshold::of(&Original { threshold: 0.5, flux: 1.0, peak, white: None });
         let lowest = |peak| lowest_peak(&[1.0; 9], &original(peak), 2.5);
         assert_eq!((lowest(9.0), lowest(0.9)), (1.25, CEILING));
     }

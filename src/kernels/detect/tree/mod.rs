@@ -61,7 +61,7 @@ pub use faint::LARGEST_PLACE;
 use linkage::Selection;
 pub use moments::Light;
 pub use run::{Run, runs};
-pub use threshold::{Original, Rule, Threshold};
+pub use threshold::{Original, OriginalWhite, Rule, Threshold};
 pub use working_image::WorkingImage;
 
 use super::clipping::Ceiling;

@@ -87,12 +87,29 @@ pub struct Original {
     pub flux: f64,
     /// Largest luminance.
     pub peak: f64,
+    /// What counts behind white, if it was cut off.
+    pub white: Option<OriginalWhite>,
+}
+
+/// What counts behind the white of a map before lights were taken out of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OriginalWhite {
+    /// Luminance at which the map was cut off.
+    pub end: f64,
+    /// Weight that a light needs.
+    pub least_weight: f64,
 }
 
 impl Threshold {
     /// The threshold of the map before lights were taken out of it.
     pub fn of(original: &Original) -> Self {
         Self { luminance: original.threshold, rule: Rule::Original, uncut: original.peak }
+    }
+
+    /// The same of luminance on another scale.
+    #[must_use]
+    pub fn map(self, scale: impl Fn(f64) -> f64) -> Self {
+        Self { luminance: scale(self.luminance), uncut: scale(self.uncut), ..self }
     }
 
     /// The luminance at which a light of the peak `P` ends: at least its share `extent`.

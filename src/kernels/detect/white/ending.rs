@@ -5,6 +5,7 @@
 //! even top, has lost nothing: what it shows is what there is.
 
 use super::super::clipping::LEAST_WHITE;
+use super::super::tree::Original;
 use super::super::tree::working_image::{TILE, WorkingImage};
 
 /// A picture that ends below this share of white has lost nothing to it.
@@ -34,6 +35,11 @@ impl Ending {
         }
         let is_peak = || share_above(working, TOP * maximum) < MOST_OF_THE_SPHERE;
         if maximum >= LEAST_END * white && is_peak() { Self::Peak(maximum) } else { Self::Whole(maximum) }
+    }
+
+    /// Where a picture ended before lights were taken out of it.
+    pub fn of_original(original: &Original) -> Self {
+        original.white.map_or(Self::Whole(original.peak), |white| Self::White(white.end))
     }
 
     /// The luminance at which values are cut off, if any.

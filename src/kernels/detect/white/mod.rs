@@ -31,6 +31,7 @@ mod sharing;
 use ndarray::ArrayView3;
 
 pub use ending::Ending;
+pub use expansion::{compressed, expand};
 pub use placement::Place;
 use reduction::Reduced;
 pub use sharing::{plateau_depth, shares};
@@ -40,7 +41,8 @@ use super::tree::adjacency::Adjacency;
 use super::tree::moments::Light;
 use super::tree::threshold::{self, Threshold};
 use super::tree::{
-    Detection, Options, Report, WorkingImage, background, bars, bridging, components, measure, outline,
+    Detection, Options, Original, Report, WorkingImage, background, bars, bridging, components, measure,
+    outline,
 };
 use crate::error::Result;
 use crate::kernels::sphere::Registration;
@@ -65,6 +67,8 @@ pub struct WhiteDetection {
     pub ending: Ending,
     /// Share of the sphere at white.
     pub clipped_share: f64,
+    /// The weight that a light needs.
+    pub least_weight: f64,
 }
 
 /// Lights of an equirectangular map of radiance, (height, width, 3), finite and not negative, of which `white`
@@ -89,10 +93,12 @@ fn detect_in_pool(
     white: f64,
     options: &Options,
 ) -> Result<WhiteDetection> {
-    // Find where the picture ends. One that ends far below white has lost nothing to it.
+    // Find where the picture ends, or where the original did. One that ends far below white has lost nothing to it.
     let reduced = |end| Reduced::of(radiance, registration, options.working_columns, end);
     let first = reduced(white)?;
-    let ending = Ending::of(&first.working, first.maximum, white);
+    let original = options.original.as_ref();
+    let ending =
+        original.map_or_else(|| Ending::of(&first.working, first.maximum, white), Ending::of_original);
     let clipped_share = ending::share_above(&first.working, LEAST_WHITE * white);
     let Some(end) = ending.luminance() else {
         let detection = super::tree::detect(radiance, registration, options)?;
@@ -100,13 +106,14 @@ fn detect_in_pool(
     };
     // Expand it anew if it ends in a peak below white, as few pictures do.
     let first = if end < white { reduced(end)? } else { first };
-    // Reduce it further if much of it is bright.
-    let mut level = threshold_of(&first, end);
+    // Reduce it further if much of it is bright; an original comes with as many columns as it had then.
+    let mut level = threshold_of(&first, end, original);
     let bright_share = ending::share_above(&first.expanded, level.luminance);
-    let factor = coarser_by(&first.working, radiance.dim().1, (bright_share / MOST_BRIGHT).sqrt());
+    let wanted = if original.is_some() { 1.0 } else { (bright_share / MOST_BRIGHT).sqrt() };
+    let factor = coarser_by(&first.working, radiance.dim().1, wanted);
     let Reduced { working, expanded, .. } = if factor > 1 {
         let coarser = first.coarser(factor);
-        level = threshold_of(&coarser, end);
+        level = threshold_of(&coarser, end, original);
         coarser
     } else {
         first
@@ -132,7 +139,9 @@ fn detect_in_pool(
     // Place the lights, weigh them and leave out the least.
     let places = placement::places(&working, &expanded, &segments, &depth);
     let weights = order::weights(&expanded, &segments, &places);
-    let (segments, places, weights) = order::without_the_least(segments, places, weights);
+    let white = original.and_then(|original| original.white);
+    let least = white.map_or_else(|| order::least_weight(&weights), |white| white.least_weight);
+    let (segments, places, weights) = order::without_the_least(segments, places, weights, least);
     // Measure them in the map's own pixels.
     let segments = outline::trim(&adjacency, segments);
     let outline = outline::outline(&adjacency, &segments);
@@ -144,12 +153,13 @@ fn detect_in_pool(
     let openings = bars::join(&working, &adjacency, &segments, &outline, options.gap, lights, backgrounds);
     let is_listed = |light: &Light, _| light.flux >= options.min_flux_share * working.flux;
     let (selection, panes) = openings.select(is_listed, options.max_lights);
-    level.luminance = expansion::compressed(level.luminance, end);
+    let level = level.map(|expanded| f64::from(compressed(expanded as f32, end as f32)));
     let report = Report::of(&working, level, &bright, &selection);
     let part_of = selection.part_of.clone();
     let is_faint = vec![false; selection.lights.len()];
     let detection = Detection::new(&segments, selection, panes, is_faint, report, working.luminance);
-    Ok(WhiteDetection::new(detection, &part_of, &places, &weights, ending, clipped_share))
+    let found = WhiteDetection::new(detection, &part_of, &places, &weights, ending, clipped_share);
+    Ok(WhiteDetection { least_weight: least, ..found })
 }
 
 /// By what factor the pixels of a map of this `width` become coarser, at most the next whole number from `wanted` on:
@@ -163,8 +173,11 @@ fn coarser_by(working: &WorkingImage, width: usize, wanted: f64) -> usize {
     (2..=wanted.ceil() as usize).rev().find(is_reduction).unwrap_or(1)
 }
 
-/// The expanded luminance above which a pixel is bright, of a picture that ends there.
-fn threshold_of(reduced: &Reduced, end: f64) -> Threshold {
+/// The expanded luminance above which a pixel is bright, of a picture that ends there, or of its original.
+fn threshold_of(reduced: &Reduced, end: f64, original: Option<&Original>) -> Threshold {
+    if let Some(original) = original {
+        return Threshold::of(original).map(|luminance| f64::from(expand((luminance / end) as f32)));
+    }
     let mut threshold = threshold::from_histogram(&reduced.expanded);
     let white_share = ending::share_above(&reduced.working, LEAST_WHITE * end);
     threshold.luminance = expansion::below_white(threshold.luminance, white_share);
@@ -176,7 +189,7 @@ impl WhiteDetection {
     fn measured(detection: Detection, ending: Ending, clipped_share: f64) -> Self {
         let places = detection.lights.iter().map(Place::measured).collect();
         let weights = detection.lights.iter().map(|light| light.flux).collect();
-        Self { detection, places, weights, ending, clipped_share }
+        Self { detection, places, weights, ending, clipped_share, least_weight: 0.0 }
     }
 
     fn new(
@@ -197,7 +210,7 @@ impl WhiteDetection {
             sums[light] += weight;
         }
         let places = joined.into_iter().flatten().collect();
-        Self { detection, places, weights: sums, ending, clipped_share }
+        Self { detection, places, weights: sums, ending, clipped_share, least_weight: 0.0 }
     }
 }
 

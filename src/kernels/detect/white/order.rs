@@ -55,14 +55,19 @@ pub fn from_above(solid_angle: f64, sine: f64) -> f64 {
     if is_floor { 0.0 } else { (UPWARDS * sine).exp() }
 }
 
-/// Segments, places and weights without those of the least weight; of many equal ones none.
+/// The weight that a light needs: of many equal ones all have it.
+pub fn least_weight(weights: &[f64]) -> f64 {
+    let largest = weights.iter().copied().fold(0.0, f64::max);
+    (LEAST_SHARE * weights.iter().sum::<f64>()).min(largest)
+}
+
+/// Segments, places and weights without those that weigh less than `least`.
 pub fn without_the_least(
     segments: Segments,
     places: Vec<Place>,
     weights: Vec<f64>,
+    least: f64,
 ) -> (Segments, Vec<Place>, Vec<f64>) {
-    let largest = weights.iter().copied().fold(0.0, f64::max);
-    let least = (LEAST_SHARE * weights.iter().sum::<f64>()).min(largest);
     let mut kept = Segments { pixels: Vec::new(), peaks: Vec::new(), label: segments.label };
     let (mut kept_places, mut kept_weights) = (Vec::new(), Vec::new());
     let segments = segments.pixels.into_iter().zip(segments.peaks);
