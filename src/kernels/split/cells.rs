@@ -8,6 +8,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
+use crate::kernels::detect::tree::Run;
 use crate::kernels::image::Grid;
 use crate::kernels::sphere::band_heights;
 
@@ -99,10 +100,11 @@ impl Cells {
         0.5 * (PI / self.rows.len() as f64).hypot(width)
     }
 
-    /// The mean direction of a pixel, not quite a unit vector.
-    pub fn mean(&self, row: usize, column: usize) -> DVec3 {
-        let Row { squares, products, band } = self.rows[row];
-        let (sin, cos) = (self.columns.mean_sin[column], self.columns.mean_cos[column]);
-        DVec3::new(sin * squares, products, -cos * squares) / band
+    /// Dot products of a vector with the mean directions of pixels side by side, which are not quite unit vectors.
+    pub fn dot_products(&self, run: &Run, vector: DVec3) -> impl Iterator<Item = f64> {
+        let Row { squares, products, band } = self.rows[run.row];
+        let DVec3 { x, y, z } = vector * DVec3::new(squares, products, -squares) / band;
+        let Columns { mean_sin, mean_cos, .. } = self.columns(run.columns.clone());
+        mean_sin.iter().zip(mean_cos).map(move |(sin, cos)| x * sin + y + z * cos)
     }
 }

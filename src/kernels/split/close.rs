@@ -5,17 +5,19 @@
 use pulp::{Arch, Simd, WithSimd};
 
 use super::glow::Bright;
-use super::level::Value;
 use super::loss::Loss;
 use super::moments::{First, Luminances, Second};
-use super::pixels::{Bands, Map, Slab, Strip};
+use super::pixels::{Bands, Map, Slab};
 use super::planes::Planes;
+use super::stretched::Stretched;
 use crate::kernels::detect::tree::Run;
 
-/// What each light loses, but for its flux, where its pixels are closed; in channels that are `dark`, what is darker
-/// than the membrane stays.
-pub fn close(map: &Map<'_>, bands: &Bands, dark: &[[bool; 3]]) -> Vec<Loss> {
-    bands.sum_of_each(|light, runs| Arch::new().dispatch(Closed { map, runs, is_dark: dark[light] }))
+/// Leave of each pixel of a light in the `rest` the membrane where that is darker; what each light loses. In channels
+/// that are `dark`, what is darker than the membrane stays.
+pub fn close(map: &Map<'_>, bands: &Bands, dark: &[[bool; 3]], rest: &mut [[f32; 3]]) -> Vec<Loss> {
+    map.loss_of_each(bands, rest, |light, runs, slab| {
+        Arch::new().dispatch(Closed { map, runs, is_dark: dark[light], slab })
+    })
 }
 
 /// Leave of each pixel of a glow in the `rest` what may stay.
@@ -24,51 +26,65 @@ pub fn dim(map: &Map<'_>, bands: &Bands, rest: &mut [[f32; 3]]) -> Vec<Loss> {
 }
 
 /// Pixels of a light that are closed.
-struct Closed<'a> {
+struct Closed<'a, 'b> {
     map: &'a Map<'a>,
     runs: &'a [Run],
     is_dark: [bool; 3],
+    slab: &'a mut Slab<'b>,
 }
 
-impl WithSimd for Closed<'_> {
+impl WithSimd for Closed<'_, '_> {
     type Output = Loss;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Loss {
-        let Self { map, runs, is_dark } = self;
-        let (mut first, mut second) = (First::default(), Second::default());
-        let (mut loss, mut row) = (Loss::NONE, ClosedRow::default());
+        let Self { map, runs, is_dark, slab } = self;
+        let (mut first, mut second, mut taken) = Default::default();
+        let (mut loss, mut row, mut membrane) = (Loss::NONE, ClosedRow::default(), Stretched::default());
         for strip in map.strips(runs) {
             let columns = map.cells.columns(strip.columns.clone());
-            first.start(columns.width.len());
-            second.start(columns.width.len());
+            start(columns.width.len(), &mut first, &mut second, &mut taken);
             row.start(columns.width.len());
+            membrane.stretch(map.membrane, map.block, &strip.behind, strip.columns.len(), strip.rows.start);
             for number in strip.rows.clone() {
-                row.close(map, number, &strip, is_dark);
-                first.add(&row.given, &row.left, &map.cells.rows[number]);
-                second.add(row.bumped(), &map.cells.rows[number]);
+                let cells = &map.cells.rows[number];
+                membrane.row(number, &mut row.fill);
+                row.given.read(map.given(number, &strip));
+                row.close(is_dark);
+                row.left.write(slab.at(number, &strip));
+                first.add(&row.given, &row.left, cells);
+                second.add(row.bumped(), cells);
+                row.given.luminance_without(&row.left, taken.row());
+                taken.add(cells);
             }
             let (vectors, tensors) = (first.vectors(&columns), second.tensors(&columns));
-            loss = loss.and(Loss { vectors, tensors, ..Loss::NONE });
+            let (flux, squares) = taken.integrals(&columns);
+            loss = loss.and(Loss { vectors, tensors, flux, squares });
         }
         loss
     }
 }
 
+/// Make room for sums over so many pixels of a row.
+fn start(pixels: usize, first: &mut First, second: &mut Second, taken: &mut Luminances) {
+    first.start(pixels);
+    second.start(pixels);
+    taken.start(pixels);
+}
+
 /// Pixels of a row that are closed: those of the map, the membrane and its bump, and what is left.
 #[derive(Default)]
-pub struct ClosedRow {
-    pub given: Planes<3>,
-    pub fill: Planes<4>,
-    pub left: Planes<3>,
+struct ClosedRow {
+    given: Planes<3>,
+    fill: Planes<4>,
+    left: Planes<3>,
     bumped: Planes<3>,
     brighter: Vec<f32>,
-    room: Vec<Value>,
 }
 
 impl ClosedRow {
     /// Make room for so many pixels.
-    pub fn start(&mut self, pixels: usize) {
+    fn start(&mut self, pixels: usize) {
         self.fill.start(pixels);
         for planes in [&mut self.given, &mut self.left, &mut self.bumped] {
             planes.start(pixels);
@@ -76,11 +92,9 @@ impl ClosedRow {
         self.brighter.resize(pixels, 0.0);
     }
 
-    /// Find what is left of a row of a strip.
+    /// Find what is left.
     #[inline(always)]
-    pub fn close(&mut self, map: &Map<'_>, row: usize, strip: &Strip, is_dark: [bool; 3]) {
-        self.given.read(map.given(row, strip));
-        map.membrane.row(row, &strip.behind, &mut self.room, &mut self.fill);
+    fn close(&mut self, is_dark: [bool; 3]) {
         // Above 0 where a pixel is brighter than the membrane.
         self.given.luminance_without(&self.fill, &mut self.brighter);
         let channels = self.given.channels().into_iter().zip(self.fill.channels()).zip(is_dark);

@@ -92,7 +92,9 @@ fn flood(
 ) -> Vec<(Place, u32)> {
     let farthest = (2.0 * (FARTHEST / 2.0).sin()).powi(2);
     // Each pixel knows the middle of the pixel of a light from which it was reached.
-    let members = (0..light_of.len()).filter(|&pixel| light_of[pixel] != NONE).map(|i| working.place(i));
+    let is_of_light = |pixel: usize| light_of[pixel] != NONE;
+    let on_rim = |&pixel: &usize| is_of_light(pixel) && !working.is_inside(pixel, is_of_light);
+    let members = (0..light_of.len()).filter(on_rim).map(|pixel| working.place(pixel));
     let mut front: Vec<(Place, DVec3)> = members.map(|pixel| (pixel, working.centre(pixel))).collect();
     let (mut rim, mut is_first) = (Vec::new(), true);
     while !front.is_empty() {

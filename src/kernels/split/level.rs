@@ -1,11 +1,10 @@
 //! The sphere in fewer and fewer pixels, on which a membrane is found from the coarsest to the finest.
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
-use std::ops::Range;
+use std::mem::replace;
 
 use glam::Vec4;
 
-use super::planes::Planes;
 use crate::interrupt;
 use crate::kernels::image::Grid;
 use crate::kernels::sphere::band_heights;
@@ -104,13 +103,40 @@ impl Level {
         }
     }
 
-    /// Let the holes relax `sweeps` times: each pixel takes the mean of its neighbours (Gauss and Seidel, every second
+    /// The holes inside pixels of a `coarser` level that are at most so many steps from a rim there.
+    pub fn near_rim(&self, coarser: &Self, steps: usize) -> Vec<usize> {
+        let mut is_far = coarser.is_hole.clone();
+        let beside = |&hole: &usize| coarser.around(hole).iter().any(|&at| !coarser.is_hole[at]);
+        let mut front: Vec<usize> = coarser.holes.iter().copied().filter(beside).collect();
+        for &hole in &front {
+            is_far[hole] = false;
+        }
+        for _ in 0..steps {
+            let around = front.iter().flat_map(|&hole| coarser.around(hole));
+            front = around.filter(|&hole| replace(&mut is_far[hole], false)).collect();
+        }
+        let is_near = |&hole: &usize| !is_far[self.outside(coarser.size.1, hole)];
+        self.holes.iter().copied().filter(is_near).collect()
+    }
+
+    /// The pixels at the four sides of one, across the seam.
+    fn around(&self, at: usize) -> [usize; 4] {
+        let (height, width) = self.size;
+        let (row, column) = (at / width, at % width);
+        let left = if column > 0 { at - 1 } else { at + width - 1 };
+        let right = if column + 1 < width { at + 1 } else { at + 1 - width };
+        let above = if row > 0 { at - width } else { at };
+        let below = if row + 1 < height { at + width } else { at };
+        [left, right, above, below]
+    }
+
+    /// Let some holes relax `sweeps` times: each pixel takes the mean of its neighbours (Gauss and Seidel, every second
     /// pixel first).
     ///
     /// In finite volumes on the sphere, two pixels exchange the length of the side that they share over the
     /// distance of their middles. A row at a pole has no side there. The bump has a source of 1 everywhere.
-    pub fn relax(&mut self, sweeps: usize) {
-        let stencils = self.stencils();
+    pub fn relax(&mut self, holes: &[usize], sweeps: usize) {
+        let stencils = self.stencils(holes);
         for _ in 0..sweeps {
             interrupt::check();
             for stencil in &stencils {
@@ -119,7 +145,7 @@ impl Level {
         }
     }
 
-    fn stencils(&self) -> Vec<Stencil> {
+    fn stencils(&self, holes: &[usize]) -> Vec<Stencil> {
         let (height, width) = self.size;
         let theta = &self.grid.theta_edges;
         let bands = band_heights(theta);
@@ -136,25 +162,22 @@ impl Level {
             (0..height).map(|row| (theta[row + 1] - theta[row]) / middles[row].sin()).collect();
         let stencil = |&at: &usize| {
             let (row, column) = (at / width, at % width);
-            let left = if column > 0 { column - 1 } else { width - 1 };
-            let right = if column + 1 < width { column + 1 } else { 0 };
-            let above = if row > 0 { at - width } else { at };
-            let below = if row + 1 < height { at + width } else { at };
+            let [left, right, above, below] = self.around(at);
             let own = widths[column];
-            let beside = |other: usize| 2.0 * side[row] / (own + widths[other]);
+            let beside = |other: usize| 2.0 * side[row] / (own + widths[other % width]);
             let conductances = [beside(left), own * up[row], own * up[row + 1]];
             let share = 1.0 / (conductances.iter().sum::<f64>() + beside(right));
             Stencil {
                 at: at as u32,
-                right: (row * width + right) as u32,
-                others: [row * width + left, above, below].map(|at| at as u32),
+                right: right as u32,
+                others: [left, above, below].map(|at| at as u32),
                 weights: conductances.map(|conductance| (share * conductance) as f32),
                 source: (share * own * bands[row]) as f32,
             }
         };
         // Take every second pixel first, as on a chessboard: none waits for the one before it.
         let is_black = |&&at: &&usize| (at / width + at % width).is_multiple_of(2);
-        let (black, white): (Vec<&usize>, Vec<&usize>) = self.holes.iter().partition(is_black);
+        let (black, white): (Vec<&usize>, Vec<&usize>) = holes.iter().partition(is_black);
         black.into_iter().chain(white).map(stencil).collect()
     }
 }
@@ -185,8 +208,8 @@ impl Stencil {
 }
 
 /// A level in smaller pixels, each between the four nearest of the level.
-pub struct Enlarged<'a> {
-    pub level: &'a Level,
+struct Enlarged<'a> {
+    level: &'a Level,
     /// How many of them lie along the side of a pixel.
     factor: usize,
     /// Between which columns of the level each of the smaller ones lies.
@@ -198,7 +221,7 @@ type Between = (usize, f32);
 
 impl<'a> Enlarged<'a> {
     /// A level in pixels that are `factor` times as small, in so many `columns` at most.
-    pub fn new(level: &'a Level, factor: usize, columns: usize) -> Self {
+    fn new(level: &'a Level, factor: usize, columns: usize) -> Self {
         let columns = (0..columns).map(|column| after(column, factor)).collect();
         Self { level, factor, columns }
     }
@@ -209,27 +232,6 @@ impl<'a> Enlarged<'a> {
         let right = if right < width { right } else { 0 };
         let rows = after(row, self.factor);
         between(self.in_rows(rows, left), self.in_rows(rows, right), share).to_array()
-    }
-
-    /// Fill planes with the values in a row behind some columns of the level, with `room` for some of its own.
-    #[inline(always)]
-    pub fn row(&self, row: usize, behind: &Range<usize>, room: &mut Vec<Value>, planes: &mut Planes<4>) {
-        let (rows, width) = (after(row, self.factor), self.level.size.1);
-        let before = if behind.start > 0 { behind.start - 1 } else { width - 1 };
-        let beyond = if behind.end < width { behind.end } else { 0 };
-        // The values of the level at this row, from the column before the first to the one behind the last.
-        room.clear();
-        room.push(self.in_rows(rows, before));
-        room.extend(behind.clone().map(|column| self.in_rows(rows, column)));
-        room.push(self.in_rows(rows, beyond));
-        let columns = behind.start * self.factor..(behind.end * self.factor).min(self.columns.len());
-        let columns = &self.columns[columns];
-        let [red, green, blue, bump] = planes.channels_mut();
-        let planes = red.iter_mut().zip(green).zip(blue).zip(bump);
-        for ((((red, green), blue), bump), &(right, share)) in planes.zip(columns) {
-            let right = right - behind.start;
-            [*red, *green, *blue, *bump] = between(room[right], room[right + 1], share).to_array();
-        }
     }
 
     /// The value of a column of the level between two of its rows.
@@ -244,7 +246,7 @@ impl<'a> Enlarged<'a> {
 /// The first pixel whose middle is beyond that of one of pixels `factor` times as small, and how far that one is on the
 /// way there from the pixel before.
 #[inline(always)]
-fn after(place: usize, factor: usize) -> Between {
+pub fn after(place: usize, factor: usize) -> Between {
     let share = ((place % factor) as f32 + 0.5) / factor as f32 - 0.5;
     if share < 0.0 { (place / factor, share + 1.0) } else { (place / factor + 1, share) }
 }
@@ -254,4 +256,27 @@ fn after(place: usize, factor: usize) -> Between {
 fn between(one: Value, other: Value, share: f32) -> Vec4 {
     let (one, other) = (Vec4::from_array(one), Vec4::from_array(other));
     one + share * (other - one)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernels::sphere::Registration;
+
+    #[test]
+    fn what_is_many_steps_from_a_rim_is_not_near_it() {
+        let grid = Grid::of_pixels(64, 128, Registration::CellCentred);
+        // Across the seam.
+        let is_hole = |row: usize, column: usize| (10..54).contains(&row) && !(24..104).contains(&column);
+        let places = (0..64).flat_map(|row| (0..128).map(move |column| (row, column)));
+        let places = places.filter(|&(row, column)| is_hole(row, column));
+        let fine = Level::new(grid, places.map(|(row, column)| row * 128 + column).collect());
+        let near = fine.near_rim(&fine.coarser(), 2);
+        for &hole in &fine.holes {
+            let (row, column) = (hole / 128, (hole + 64) % 128);
+            // Pixels to the rim, from 1 on; those of the coarser level come in pairs.
+            let steps = (row - 9).min(54 - row).min(column - 39).min(88 - column);
+            assert_eq!(near.contains(&hole), steps <= 6, "row {row}, column {column}");
+        }
+    }
 }

@@ -3,7 +3,7 @@
 //! It solves Laplace's equation on the sphere, for each channel, so that it lies between the darkest and the
 //! brightest pixel around its hole. The coarsest image in which no hole is left starts the next finer one, and
 //! so on (cascadic multigrid: Bornemann and Deuflhard 1996, "The cascadic multigrid method for elliptic
-//! problems").
+//! problems"). Each level relaxes no farther from the rim than its sweeps reach: what is inside comes from the coarser one.
 //!
 //! Beside it stands a bump, the solution of Poisson's equation with a source of 1: smooth, 0 at the rim of
 //! each hole and positive inside.
@@ -42,11 +42,14 @@ pub fn membrane(grid: Grid, holes: Vec<usize>, given: impl Fn(usize) -> [f32; 3]
     // Close the holes, from the coarsest to the finest.
     let mut solved = levels.pop().expect("one level at least");
     if !solved.holes.is_empty() {
-        solved.relax(MOST_SWEEPS);
+        solved.relax(&solved.holes.clone(), MOST_SWEEPS);
     }
     while let Some(mut finer) = levels.pop() {
         finer.start_from(&solved);
-        finer.relax((SWEEPS << levels.len()).min(MOST_SWEEPS));
+        let sweeps = (SWEEPS << levels.len()).min(MOST_SWEEPS);
+        // So many sweeps carry what is at a rim as many pixels far. Farther inside, the coarser level is smooth enough.
+        let near = finer.near_rim(&solved, sweeps / 2);
+        finer.relax(&near, sweeps);
         solved = finer;
     }
     solved

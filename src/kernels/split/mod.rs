@@ -12,6 +12,7 @@
 //! | - the sphere in fewer and fewer pixels                   | `level.rs`     |
 //! | the lights, each of one direction and one RGB            | `taken.rs`     |
 //! | - their pixels closed, the glow dimmed                   | `close.rs`     |
+//! | - the membrane in the pixels of the map                  | `stretched.rs` |
 //! | - what is left tilted, so that the direction is one      | `tilt.rs`      |
 //! | - what was lost                                          | `loss.rs`      |
 //! | - bands and strips of pixels, channel by channel         | `pixels.rs`, `planes.rs` |
@@ -41,6 +42,7 @@ mod moments;
 mod pixels;
 mod planes;
 mod region;
+mod stretched;
 mod taken;
 mod tilt;
 mod working;
@@ -55,7 +57,7 @@ use crate::kernels::sphere::{self, Registration};
 use cells::Cells;
 pub use found::Found;
 use glow::Bright;
-use level::{Enlarged, Level};
+use level::Level;
 use pixels::Map;
 use region::Regions;
 pub use taken::Taken;
@@ -97,7 +99,7 @@ pub fn split(
         pixels: map,
         size,
         cells: Cells::new(&Grid::of_pixels(height, width, registration)),
-        membrane: Enlarged::new(&membrane, block, width),
+        membrane: &membrane,
         block,
         bright: found.bright(),
     };
@@ -113,7 +115,7 @@ fn closed(
 ) -> (Regions, Level) {
     let regions = region::regions(working, members, taken, bright);
     let given = |pixel| regions.mean_left(working, pixel);
-    let membrane = membrane::membrane(working.grid.clone(), regions.all_holes(), given);
+    let membrane = membrane::membrane(working.grid.clone(), regions.all_holes.clone(), given);
     (regions, membrane)
 }
 

@@ -25,12 +25,12 @@ pub struct First {
     products: Vec<f64>,
 }
 
-/// Sums down the rows, for `S`.
+/// Sums down the rows, for `S`, in single precision: a tilt changes hundredths of `V`.
 #[derive(Default)]
 pub struct Second {
-    squares: Vec<f64>,
-    mixed: Vec<f64>,
-    products: Vec<f64>,
+    squares: Vec<f32>,
+    mixed: Vec<f32>,
+    products: Vec<f32>,
 }
 
 impl First {
@@ -75,10 +75,9 @@ impl Second {
     pub fn add(&mut self, bumped: &Planes<3>, row: &Row) {
         let [squares, mixed, products] =
             [row.squares * row.squares, row.squares * row.products, row.products * row.products]
-                .map(|factor| factor / row.band);
+                .map(|factor| (factor / row.band) as f32);
         let sums = self.squares.iter_mut().zip(&mut self.mixed).zip(&mut self.products);
         for (((of_squares, of_mixed), of_products), &sample) in sums.zip(bumped.values()) {
-            let sample = f64::from(sample);
             *of_squares += squares * sample;
             *of_mixed += mixed * sample;
             *of_products += products * sample;
@@ -141,13 +140,15 @@ impl Luminances {
     }
 }
 
-fn empty(sums: &mut Vec<f64>, samples: usize) {
+fn empty<T: Clone + Default>(sums: &mut Vec<T>, samples: usize) {
     sums.clear();
-    sums.resize(samples, 0.0);
+    sums.resize(samples, T::default());
 }
 
-/// Sum of the products of samples with weights, for each channel.
+/// Sum of the products of samples with weights, for each channel. What `array::from_fn` calls is not inlined.
 #[inline(always)]
-fn sum(samples: &[f64], weights: &[f64]) -> [f64; 3] {
-    array::from_fn(|channel| dot(&samples[channel * weights.len()..][..weights.len()], weights))
+fn sum<T: Copy + Into<f64>>(samples: &[T], weights: &[f64]) -> [f64; 3] {
+    let (red, more) = samples.split_at(weights.len());
+    let (green, blue) = more.split_at(weights.len());
+    [dot(red, weights), dot(green, weights), dot(blue, weights)]
 }

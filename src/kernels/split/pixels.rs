@@ -4,28 +4,27 @@
 
 use std::ops::Range;
 
-use rayon::iter::repeat_n;
 use rayon::prelude::*;
 
 use super::cells::Cells;
 use super::glow::Bright;
-use super::level::Enlarged;
+use super::level::Level;
 use super::loss::Loss;
 use crate::interrupt;
-use crate::kernels::detect::tree::{Run, runs};
+use crate::kernels::detect::tree::Run;
 
 /// Rows of the working image in a band: few, so that every thread has work. Another number would add in another order.
 const ROWS_OF_A_BAND: usize = 8;
 /// Columns of a strip, at most: its sums stay in the first cache.
-const PIXELS_OF_A_STRIP: usize = 128;
+const PIXELS_OF_A_STRIP: usize = 256;
 
-/// A map, its cells, and the membrane in its pixels.
+/// A map, its cells, and the membrane in the pixels of the working image.
 pub struct Map<'a> {
     /// Its pixels, row after row, and its height and width.
     pub pixels: &'a [[f32; 3]],
     pub size: (usize, usize),
     pub cells: Cells,
-    pub membrane: Enlarged<'a>,
+    pub membrane: &'a Level,
     /// Pixels of the map along each side of a pixel of the working image.
     pub block: usize,
     pub bright: Bright,
@@ -60,12 +59,12 @@ pub struct Slab<'a> {
 }
 
 impl Bands {
-    /// Those of lights, each with flat indices in ascending order, in a working image of this size.
-    pub fn new(lights: &[Vec<u32>], (height, width): (usize, usize)) -> Self {
+    /// Those of lights, each with its runs in ascending order, in a working image of this height.
+    pub fn new(lights: &[Vec<Run>], height: usize) -> Self {
         let mut bands = vec![Vec::new(); height.div_ceil(ROWS_OF_A_BAND)];
         let band = |run: &Run| run.row / ROWS_OF_A_BAND;
-        for (light, pixels) in lights.iter().enumerate() {
-            for runs in runs(pixels, width).chunk_by(|one, other| band(one) == band(other)) {
+        for (light, runs) in lights.iter().enumerate() {
+            for runs in runs.chunk_by(|one, other| band(one) == band(other)) {
                 bands[band(&runs[0])].push(Piece { light, runs: runs.to_vec() });
             }
         }
@@ -76,11 +75,6 @@ impl Bands {
     pub fn of(&self, chosen: &[bool]) -> Self {
         let pieces = |band: &Vec<Piece>| band.iter().filter(|piece| chosen[piece.light]).cloned().collect();
         Self { bands: self.bands.iter().map(pieces).collect(), lights: self.lights }
-    }
-
-    /// The sums of `work` on each piece of each light: the light, and its pixels.
-    pub fn sum_of_each(&self, work: impl Fn(usize, &[Run]) -> Loss + Sync) -> Vec<Loss> {
-        self.sums(repeat_n((), self.bands.len()), |piece, ()| work(piece.light, &piece.runs))
     }
 
     /// What `work` finds in each piece, with what stands beside its band, added up for each light in the order of bands.
@@ -153,17 +147,21 @@ impl Slab<'_> {
 
 #[cfg(test)]
 mod tests {
+    use rayon::iter::repeat_n;
+
     use super::*;
+    use crate::kernels::detect::tree::runs;
 
     /// Two lights side by side in several bands, the second of which begins where the first ends.
     #[test]
     fn every_pixel_of_a_light_is_in_one_piece() {
         let width = 32;
         let lights: [Vec<u32>; 2] = [(40..300).collect(), (300..777).chain(780..801).collect()];
-        let bands = Bands::new(&lights, (30, width));
+        let bands = Bands::new(&lights.clone().map(|pixels| runs(&pixels, width)), 30);
         let count = |bands: &Bands| {
             let pixels = |runs: &[Run]| runs.iter().map(|run| run.columns.len()).sum::<usize>();
-            let sums = bands.sum_of_each(|_, runs| Loss { flux: pixels(runs) as f64, ..Loss::NONE });
+            let loss = |piece: &Piece| Loss { flux: pixels(&piece.runs) as f64, ..Loss::NONE };
+            let sums = bands.sums(repeat_n((), bands.bands.len()), |piece, ()| loss(piece));
             sums.iter().map(|sum| sum.flux as usize).collect::<Vec<_>>()
         };
         assert_eq!(count(&bands), lights.map(|pixels| pixels.len()));

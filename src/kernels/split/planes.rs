@@ -24,10 +24,19 @@ impl<const CHANNELS: usize> Planes<CHANNELS> {
         &self.values
     }
 
+    /// All channels, to be filled.
+    pub fn values_mut(&mut self) -> &mut [f32] {
+        &mut self.values
+    }
+
     /// Each channel.
     #[inline(always)]
     pub fn channels(&self) -> [&[f32]; CHANNELS] {
-        array::from_fn(|channel| &self.values[channel * self.pixels..][..self.pixels])
+        let mut channels = [[].as_slice(); CHANNELS];
+        for (channel, values) in channels.iter_mut().zip(self.values.chunks_exact(self.pixels)) {
+            *channel = values;
+        }
+        channels
     }
 
     /// Each channel, to be filled.
@@ -69,11 +78,12 @@ impl Planes<3> {
     /// The luminance of each pixel without that of others.
     #[inline(always)]
     pub fn luminance_without<const MORE: usize>(&self, others: &Planes<MORE>, luminance: &mut [f32]) {
-        let pixels = luminance.len();
-        let these = self.channels().map(|channel| &channel[..pixels]);
-        let others = others.channels().map(|channel| &channel[..pixels]);
-        for (i, luminance) in luminance.iter_mut().enumerate() {
-            *luminance = luminance_f32(array::from_fn(|channel| these[channel][i] - others[channel][i]));
+        let [red, green, blue] = self.channels();
+        let others = others.channels();
+        let these = luminance.iter_mut().zip(red).zip(green).zip(blue);
+        let both = these.zip(others[0]).zip(others[1]).zip(others[2]);
+        for ((((((luminance, &red), &green), &blue), &other_red), &other_green), &other_blue) in both {
+            *luminance = luminance_f32([red - other_red, green - other_green, blue - other_blue]);
         }
     }
 }

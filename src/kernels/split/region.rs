@@ -8,7 +8,7 @@
 
 use std::f64::consts::PI;
 
-use super::glow::{self, Bright, Glow, NONE};
+use super::glow::{self, Bright, NONE};
 use super::working::Working;
 use crate::interrupt;
 use crate::kernels::image::luminance_f32;
@@ -27,10 +27,12 @@ const FALLS: [f32; 2] = [1.1, 1.25];
 
 /// The pixels of the working image of which something is taken.
 pub struct Regions {
-    /// Flat indices of the pixels of each light that are closed.
+    /// Flat indices of the pixels of each light that are closed, in ascending order.
     pub holes: Vec<Vec<u32>>,
     /// Those of its glow, unless it is closed with the light.
     pub glow: Vec<Vec<u32>>,
+    /// All pixels that are closed, in ascending order.
+    pub all_holes: Vec<usize>,
     /// The light of each pixel, counted from 1.
     light_of: Vec<u32>,
     bright: Bright,
@@ -40,15 +42,15 @@ pub struct Regions {
 pub fn regions(working: &Working<'_>, members: &[(usize, usize)], taken: usize, bright: Bright) -> Regions {
     let lights = members.iter().map(|&(_, light)| light + 1).max().unwrap_or(0);
     let mut light_of = light_of_each(working, members);
-    let mut holes = own(members, &light_of, taken);
-    add_rings(working, members, &mut light_of, Rings::new(lights, bright.threshold), &mut holes);
-    let glows = glow::glows(working, &mut light_of, lights, bright.threshold);
-    let mut glow = close_things(&mut holes, glows);
-    for pixels in holes.iter_mut().chain(&mut glow) {
-        pixels.sort_unstable();
-        pixels.dedup();
+    add_rings(working, members, &mut light_of, Rings::new(lights, bright.threshold), taken);
+    let mut is_closed: Vec<bool> = light_of.iter().map(|&light| light != NONE).collect();
+    for glow in glow::glows(working, &mut light_of, lights, bright.threshold) {
+        // A glow that is a thing of its own is closed with its light.
+        if glow.is_a_thing() {
+            glow.pixels.iter().for_each(|&pixel| is_closed[pixel as usize] = true);
+        }
     }
-    Regions { holes, glow, light_of, bright }
+    Regions::new(light_of, &is_closed, taken, bright)
 }
 
 /// The light of each pixel, counted from 1; of several, the last one.
@@ -60,55 +62,38 @@ fn light_of_each(working: &Working<'_>, members: &[(usize, usize)]) -> Vec<u32> 
     light_of
 }
 
-/// The pixels in which each light that is taken was found.
-fn own(members: &[(usize, usize)], light_of: &[u32], taken: usize) -> Vec<Vec<u32>> {
-    let mut holes = vec![Vec::new(); taken];
-    for &(index, _) in members {
-        if let Some(pixels) = holes.get_mut(light_of[index] as usize - 1) {
-            pixels.push(index as u32);
-        }
-    }
-    holes
-}
-
 /// Grow rings around all lights, and give each that is taken those up to its last one.
 fn add_rings(
     working: &Working<'_>,
     members: &[(usize, usize)],
     light_of: &mut [u32],
     mut rings: Rings,
-    holes: &mut [Vec<u32>],
+    taken: usize,
 ) {
-    for ring in grown(working, members, light_of, &mut rings) {
-        if let Some(pixels) = holes.get_mut(ring.light as usize)
-            && ring.number < rings.widths[ring.light as usize]
-        {
-            pixels.push(ring.pixel);
-            light_of[ring.pixel as usize] = ring.light + 1;
+    for RingPixel { pixel, light, number } in grown(working, members, light_of, &mut rings) {
+        if (light as usize) < taken && number < rings.widths[light as usize] {
+            light_of[pixel as usize] = light + 1;
         }
     }
 }
 
-/// Close the glows that are things of their own with their lights; those of the others.
-fn close_things(holes: &mut [Vec<u32>], glows: Vec<Glow>) -> Vec<Vec<u32>> {
-    let close_or_leave = |(hole, glow): (&mut Vec<u32>, Glow)| {
-        if glow.is_a_thing() {
-            hole.extend(glow.pixels);
-            return Vec::new();
-        }
-        glow.pixels
-    };
-    let mut left: Vec<Vec<u32>> = holes.iter_mut().zip(glows).map(close_or_leave).collect();
-    left.resize(holes.len(), Vec::new());
-    left
-}
-
 impl Regions {
-    /// All pixels that are closed, in ascending order.
-    pub fn all_holes(&self) -> Vec<usize> {
-        let mut holes: Vec<usize> = self.holes.iter().flatten().map(|&pixel| pixel as usize).collect();
-        holes.sort_unstable();
-        holes
+    /// The pixels of the first `taken` lights, each with its light in `light_of`, in the order in which they lie.
+    fn new(light_of: Vec<u32>, is_closed: &[bool], taken: usize, bright: Bright) -> Self {
+        let (mut holes, mut glow, mut all_holes) =
+            (vec![Vec::new(); taken], vec![Vec::new(); taken], Vec::new());
+        for (pixel, (&light, &is_closed)) in light_of.iter().zip(is_closed).enumerate() {
+            if light == NONE || light as usize > taken {
+                continue;
+            }
+            if is_closed {
+                holes[light as usize - 1].push(pixel as u32);
+                all_holes.push(pixel);
+            } else {
+                glow[light as usize - 1].push(pixel as u32);
+            }
+        }
+        Self { holes, glow, all_holes, light_of, bright }
     }
 
     /// Mean radiance of a pixel that is not closed, after what is taken of a glow.
@@ -175,7 +160,9 @@ fn grown(
 ) -> Vec<RingPixel> {
     let mut front = Front::new(working, members);
     for &(pixel, _) in members {
-        front.visit_around(pixel, pixel, 0);
+        if !working.is_inside(pixel, |other| front.reached[other].source == DONE) {
+            front.visit_around(pixel, pixel, 0);
+        }
     }
     let mut grown = Vec::new();
     for ring in 0..front.rings.len() {

@@ -11,7 +11,8 @@ use super::close::{close, dim};
 use super::loss::Loss;
 use super::pixels::{Bands, Map};
 use super::region::Regions;
-use super::tilt::{leave, tilts};
+use super::tilt::{tilt, tilts};
+use crate::kernels::detect::tree::{Run, runs};
 
 /// A light that was taken out of a map.
 #[derive(Clone, Debug)]
@@ -39,34 +40,36 @@ pub fn take(
     found: &[DVec3],
     rest: &mut [[f32; 3]],
 ) -> Vec<Taken> {
-    let level = map.membrane.level;
-    let bands = Bands::new(&regions.holes, level.size);
-    let dimmed = dim(map, &Bands::new(&regions.glow, level.size), rest);
-    let (dark, closed) = keep_dark_channels(map, &bands);
+    let level = map.membrane;
+    let [holes, glow] = [&regions.holes, &regions.glow]
+        .map(|lights| lights.iter().map(|pixels| runs(pixels, level.size.1)).collect::<Vec<_>>());
+    let bands = Bands::new(&holes, level.size.0);
+    let dimmed = dim(map, &Bands::new(&glow, level.size.0), rest);
+    let closed = close_but_dark_channels(map, &bands, rest);
     let lights = || (0..found.len()).into_par_iter();
-    let tilts = |i: usize| tilts(&closed[i].and(dimmed[i]), found[i], level, working, &regions.holes[i]);
+    let tilts = |i: usize| tilts(&closed[i].and(dimmed[i]), found[i], level, working, &holes[i]);
     let tilts: Vec<[DVec3; 3]> = lights().map(tilts).collect();
-    let closed = leave(map, &bands, &dark, &tilts, &closed, rest);
+    let closed = tilt(map, &bands, &tilts, closed, rest);
     let taken = |i: usize| {
-        let pixels = || regions.holes[i].iter().chain(&regions.glow[i]);
-        light(&closed[i].and(dimmed[i]), found[i], |axis| reach(working, level.size.1, pixels(), axis))
+        let pixels = || holes[i].iter().chain(&glow[i]);
+        light(&closed[i].and(dimmed[i]), found[i], |axis| reach(working, pixels(), axis))
     };
     lights().map(taken).collect()
 }
 
 /// Close the pixels. In a channel of which the membrane holds more than the light, take nothing from any pixel that is
-/// darker; tell which channels of each light these are.
+/// darker.
 ///
 /// So a red lamp before a white wall takes no negative blue with it.
-fn keep_dark_channels(map: &Map<'_>, bands: &Bands) -> (Vec<[bool; 3]>, Vec<Loss>) {
-    let mut losses = close(map, bands, &vec![[false; 3]; bands.lights]);
+fn close_but_dark_channels(map: &Map<'_>, bands: &Bands, rest: &mut [[f32; 3]]) -> Vec<Loss> {
+    let mut losses = close(map, bands, &vec![[false; 3]; bands.lights], rest);
     let is_dark = |loss: &Loss| loss.vectors.map(|vector| vector.dot(loss.toward()) < 0.0);
     let dark: Vec<[bool; 3]> = losses.iter().map(is_dark).collect();
     let has_dark: Vec<bool> = dark.iter().map(|dark| dark.contains(&true)).collect();
-    let again = close(map, &bands.of(&has_dark), &dark);
+    let again = close(map, &bands.of(&has_dark), &dark, rest);
     let changed = losses.iter_mut().zip(again).zip(has_dark).filter(|(_, has_dark)| *has_dark);
     changed.for_each(|((loss, again), _)| *loss = again);
-    (dark, losses)
+    losses
 }
 
 /// The light that was lost; it keeps the direction in which it was `found` where that is nothing.
@@ -85,13 +88,8 @@ fn light(loss: &Loss, found: DVec3, reach: impl Fn(DVec3) -> f64) -> Taken {
 }
 
 /// Angle from a direction within which some pixels of the working image lie.
-fn reach<'a>(
-    working: &Cells,
-    columns: usize,
-    pixels: impl Iterator<Item = &'a u32>,
-    direction: DVec3,
-) -> f64 {
-    let cosine = |place: usize| direction.dot(working.mean(place / columns, place % columns));
-    let least = pixels.map(|&place| cosine(place as usize)).fold(1.0, f64::min);
+fn reach<'a>(working: &Cells, pixels: impl Iterator<Item = &'a Run>, direction: DVec3) -> f64 {
+    let cosines = pixels.flat_map(|run| working.dot_products(run, direction));
+    let least = cosines.fold(1.0, f64::min);
     least.max(-1.0).acos() + working.half_diagonal()
 }

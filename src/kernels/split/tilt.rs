@@ -22,11 +22,12 @@ use glam::{DMat2, DMat3, DVec2, DVec3};
 use pulp::{Arch, Simd, WithSimd};
 
 use super::cells::{Cells, Columns, Row};
-use super::close::ClosedRow;
 use super::level::Level;
 use super::loss::Loss;
 use super::moments::Luminances;
 use super::pixels::{Bands, Map, Slab};
+use super::planes::Planes;
+use super::stretched::Stretched;
 use crate::kernels::detect::tree::Run;
 use crate::kernels::sphere::tangents;
 
@@ -38,7 +39,7 @@ const ROUNDING: f64 = 1e-7;
 
 /// A vector `k` for each channel: the tilt that makes its vector parallel to that of the luminance, 0 where that would
 /// show in a pixel of the working image in the `hole`.
-pub fn tilts(loss: &Loss, found: DVec3, membrane: &Level, working: &Cells, hole: &[u32]) -> [DVec3; 3] {
+pub fn tilts(loss: &Loss, found: DVec3, membrane: &Level, working: &Cells, hole: &[Run]) -> [DVec3; 3] {
     let axis = loss.toward().try_normalize().unwrap_or(found);
     let across = tangents(axis);
     array::from_fn(|channel| {
@@ -60,62 +61,69 @@ fn solved(tensor: DMat3, moment: DVec2, across: [DVec3; 2]) -> DVec3 {
 }
 
 /// Largest change by a tilt in some pixels of the working image.
-fn steepest(membrane: &Level, working: &Cells, hole: &[u32], tilt: DVec3) -> f64 {
-    let change = |place: usize| {
-        let (row, column) = (place / membrane.size.1, place % membrane.size.1);
-        (f64::from(membrane.values[place][3]) * tilt.dot(working.mean(row, column))).abs()
+fn steepest(membrane: &Level, working: &Cells, hole: &[Run], tilt: DVec3) -> f64 {
+    let changes = |run: &Run| {
+        let values = &membrane.values[run.pixels(membrane.size.1)];
+        let changes = values.iter().zip(working.dot_products(run, tilt));
+        changes.map(|(value, dot)| (f64::from(value[3]) * dot).abs()).fold(0.0, f64::max)
     };
-    hole.iter().map(|&place| change(place as usize)).fold(0.0, f64::max)
+    hole.iter().map(changes).fold(0.0, f64::max)
 }
 
-/// Leave of each pixel in the `rest` what closed pixels leave, tilted; what each light loses then. The channels of a
-/// light that are `dark` are closed as in `closed`.
-pub fn leave(
+/// Tilt what is left in the `rest` of the lights that have a tilt, of which so much was lost when they were `closed`; what
+/// each light loses then.
+pub fn tilt(
     map: &Map<'_>,
     bands: &Bands,
-    dark: &[[bool; 3]],
     tilts: &[[DVec3; 3]],
-    closed: &[Loss],
+    mut closed: Vec<Loss>,
     rest: &mut [[f32; 3]],
 ) -> Vec<Loss> {
-    let left = map.loss_of_each(bands, rest, |light, runs, slab| {
-        Arch::new().dispatch(Left { map, runs, is_dark: dark[light], tilts: &tilts[light], slab })
+    let is_tilted: Vec<bool> = tilts.iter().map(|tilts| *tilts != [DVec3::ZERO; 3]).collect();
+    let left = map.loss_of_each(&bands.of(&is_tilted), rest, |light, runs, slab| {
+        Arch::new().dispatch(Tilted { map, runs, tilts: &tilts[light], slab })
     });
-    let loss = |((left, closed), tilts): ((Loss, &Loss), &[DVec3; 3])| {
-        let vectors =
-            array::from_fn(|channel| closed.vectors[channel] - closed.tensors[channel] * tilts[channel]);
-        Loss { vectors, tensors: closed.tensors, ..left }
-    };
-    left.into_iter().zip(closed).zip(tilts).map(loss).collect()
+    for light in (0..closed.len()).filter(|&light| is_tilted[light]) {
+        let Loss { vectors, tensors, .. } = closed[light];
+        let vectors = array::from_fn(|channel| vectors[channel] - tensors[channel] * tilts[light][channel]);
+        closed[light] = Loss { vectors, tensors, ..left[light] };
+    }
+    closed
 }
 
-/// Pixels of a light that are closed and tilted.
-struct Left<'a, 'b> {
+/// Closed pixels of a light that are tilted.
+struct Tilted<'a, 'b> {
     map: &'a Map<'a>,
     runs: &'a [Run],
-    is_dark: [bool; 3],
     tilts: &'a [DVec3; 3],
     slab: &'a mut Slab<'b>,
 }
 
-impl WithSimd for Left<'_, '_> {
+impl WithSimd for Tilted<'_, '_> {
     /// The luminance that is taken; no vectors.
     type Output = Loss;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Loss {
-        let Self { map, runs, is_dark, tilts, slab } = self;
-        let (mut loss, mut taken, mut row) = (Loss::NONE, Luminances::default(), ClosedRow::default());
+        let Self { map, runs, tilts, slab } = self;
+        let (mut loss, mut taken, mut membrane) = (Loss::NONE, Luminances::default(), Stretched::default());
+        let (mut given, mut left, mut bump) = (Planes::default(), Planes::default(), Planes::default());
         for strip in map.strips(runs) {
             let columns = map.cells.columns(strip.columns.clone());
-            row.start(columns.width.len());
-            taken.start(columns.width.len());
-            for number in strip.rows.clone() {
-                let cells = &map.cells.rows[number];
-                row.close(map, number, &strip, is_dark);
-                tilt_row(tilts, cells, &columns, &mut row);
-                row.left.write(slab.at(number, &strip));
-                row.given.luminance_without(&row.left, taken.row());
+            let pixels = columns.width.len();
+            given.start(pixels);
+            left.start(pixels);
+            bump.start(pixels);
+            taken.start(pixels);
+            membrane.stretch(map.membrane, map.block, &strip.behind, pixels, strip.rows.start);
+            for row in strip.rows.clone() {
+                let cells = &map.cells.rows[row];
+                membrane.row(row, &mut bump);
+                given.read(map.given(row, &strip));
+                left.read(slab.at(row, &strip));
+                tilt_row(tilts, cells, &columns, &bump, &mut left);
+                left.write(slab.at(row, &strip));
+                given.luminance_without(&left, taken.row());
                 taken.add(cells);
             }
             let (flux, squares) = taken.integrals(&columns);
@@ -127,11 +135,15 @@ impl WithSimd for Left<'_, '_> {
 
 /// Tilt each channel of what is left in a row.
 #[inline(always)]
-fn tilt_row(tilts: &[DVec3; 3], cells: &Row, columns: &Columns<&[f64]>, row: &mut ClosedRow) {
-    let [_, _, _, bump] = row.fill.channels();
-    for (left, tilt) in
-        row.left.channels_mut().into_iter().zip(tilts).filter(|(_, tilt)| **tilt != DVec3::ZERO)
-    {
+fn tilt_row(
+    tilts: &[DVec3; 3],
+    cells: &Row,
+    columns: &Columns<&[f64]>,
+    bump: &Planes<1>,
+    left: &mut Planes<3>,
+) {
+    let [bump] = bump.channels();
+    for (left, tilt) in left.channels_mut().into_iter().zip(tilts).filter(|(_, tilt)| **tilt != DVec3::ZERO) {
         // Factors of the sine and the cosine of the column, and what is even: the mean direction over the row.
         let [sin, cos, even] = [tilt.x * cells.squares, -tilt.z * cells.squares, tilt.y * cells.products]
             .map(|factor| (factor / cells.band) as f32);

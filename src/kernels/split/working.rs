@@ -130,6 +130,15 @@ impl<'a> Working<'a> {
         PI / height as f64 * TAU / width as f64 * self.rows[place.row].0
     }
 
+    /// Whether a pixel and all around it are some for which this holds; not told at the seam and the poles.
+    pub fn is_inside(&self, pixel: usize, holds: impl Fn(usize) -> bool) -> bool {
+        let (height, width) = self.size;
+        let is_at_end = pixel < width || pixel + width >= height * width;
+        let is_at_seam = pixel.is_multiple_of(width) || (pixel + 1).is_multiple_of(width);
+        let rows = [pixel.wrapping_sub(width), pixel, pixel + width];
+        !is_at_end && !is_at_seam && rows.into_iter().all(|middle| (middle - 1..=middle + 1).all(&holds))
+    }
+
     /// The eight pixels around one, across the seam and the poles.
     pub fn around(&self, Place { row, column, .. }: Place) -> [Place; 8] {
         let (height, width) = self.size;
