@@ -282,7 +282,7 @@ impl<'a> Search<'a> {
         loop {
             let Breadth { exchanged, promised, .. } = self.breadth;
             let moves = moves::exchanged(&self.candidates, &best, fixed, promised, exchanged);
-            let rough = moves.iter().map(|one| self.descended(one.from(objective, &best), ROUGH));
+            let rough = moves.par_iter().map(|one| self.descended(one.from(objective, &best), ROUGH));
             let near = rough.filter(|state| state.cost < NEAR * best.cost);
             let exchanged = near.map(|state| self.descended(state, self.breadth.close)).collect();
             match best_of(exchanged, 1).pop() {
