@@ -90,6 +90,7 @@ mod tests {
     use crate::kernels::fit::{Ambient, Objective, Sphere};
     use crate::kernels::image;
     use crate::kernels::sphere::Registration;
+    use approx::assert_relative_eq;
     use ndarray::Array3;
     use pulp::Scalar;
     use std::array;
@@ -142,12 +143,16 @@ mod tests {
 
     #[test]
     fn a_stride_leads_to_the_bottom_of_a_parabola() {
-        let turn = |slope: f64, stride: f64| Turn { along: Vec::new(), slope, stride };
-        assert_eq!(turn(-1.0, 0.5).next_stride(-0.6), 1.25);
-        assert_eq!(turn(-1.0, 1.0).next_stride(-0.5), 2.0);
-        assert_eq!(turn(-1.0, 2.0).next_stride(-0.2), 2.5);
-        assert_eq!(turn(-1.0, 1.0).next_stride(0.3), 1.0);
-        assert_eq!(turn(-1.0, 1.0).next_stride(-0.9), LONGEST_STRIDE);
-        assert_eq!(turn(-1.0, 1.0).next_stride(-1.1), LONGEST_STRIDE);
+        for (before, stride, after, wanted) in [
+            (-1.0, 0.5, -0.6, 1.25),
+            (-1.0, 1.0, -0.5, 2.0),
+            (-1.0, 2.0, -0.2, 2.5),
+            (-1.0, 1.0, 0.3, 1.0),
+            (-1.0, 1.0, -0.9, LONGEST_STRIDE),
+            (-1.0, 1.0, -1.1, LONGEST_STRIDE),
+        ] {
+            let turn = Turn { along: Vec::new(), slope: before, stride };
+            assert_relative_eq!(turn.next_stride(after), wanted, max_relative = 1e-12);
+        }
     }
 }
