@@ -332,6 +332,25 @@ def test_a_lamp_of_two_colours_tells_what_stands_across():
     np.testing.assert_allclose(rest.radiance, np.broadcast_to(SKY, rest.radiance.shape), rtol=1e-6)
 
 
+def test_a_lamp_of_nearly_one_colour_is_tilted_to_one_direction():
+    """What is left of it tells the difference of its halves."""
+    halves = [
+        Rectangle((1, 0.07, 0), 8, 8, (20.05, 20, 19.95)),
+        Rectangle((1, -0.07, 0), 8, 8, (19.95, 20, 20.05)),
+    ]
+    env = world(halves)
+    lights, rest = el.split(env)
+    assert len(lights) == 1
+    assert lights.off_axis.max() < 1e-9
+    assert closure(env, lights, rest).max() < 1e-6
+    tilt = rest.radiance / SKY - 1
+    assert 0.05 < np.abs(tilt[..., 0]).max() < 0.2
+    # Blue is tilted the other way.
+    up, down = np.split(tilt, 2)
+    assert up[..., 0].max() * up[..., 2].min() < 0 < up[..., 0].max()
+    assert down[..., 0].min() * down[..., 2].max() < 0 < down[..., 2].max()
+
+
 # Which lights
 
 
