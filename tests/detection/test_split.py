@@ -318,12 +318,14 @@ def test_a_red_lamp_before_a_white_wall_takes_no_blue():
     np.testing.assert_array_less(-1e-9, env.radiance - rest.radiance)
 
 
+def halves(upper, lower):
+    """A lamp of two colours."""
+    places = {(1, 0.07, 0): upper, (1, -0.07, 0): lower}
+    return [Rectangle(place, 8, 8, colour) for place, colour in places.items()]
+
+
 def test_a_lamp_of_two_colours_tells_what_stands_across():
-    halves = [
-        Rectangle((1, 0.07, 0), 8, 8, (90, 10, 10)),
-        Rectangle((1, -0.07, 0), 8, 8, (10, 10, 90)),
-    ]
-    env = world(halves)
+    env = world(halves((90, 10, 10), (10, 10, 90)))
     lights, rest = el.split(env)
     assert len(lights) == 1
     assert lights.off_axis.max() > 0.01
@@ -334,11 +336,7 @@ def test_a_lamp_of_two_colours_tells_what_stands_across():
 
 def test_a_lamp_of_nearly_one_colour_is_tilted_to_one_direction():
     """What is left of it tells the difference of its halves."""
-    halves = [
-        Rectangle((1, 0.07, 0), 8, 8, (20.05, 20, 19.95)),
-        Rectangle((1, -0.07, 0), 8, 8, (19.95, 20, 20.05)),
-    ]
-    env = world(halves)
+    env = world(halves((20.05, 20, 19.95), (19.95, 20, 20.05)))
     lights, rest = el.split(env)
     assert len(lights) == 1
     assert lights.off_axis.max() < 1e-9

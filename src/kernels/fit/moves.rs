@@ -134,6 +134,7 @@ mod tests {
         }
         assert!(compared >= 10, "{compared}");
     }
+
     #[test]
     fn of_two_lights_in_one_place_one_is_weakest() {
         let mut given = Given::nothing(Ambient::None, false);

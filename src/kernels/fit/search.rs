@@ -19,8 +19,9 @@ use crate::error::Result;
 
 /// Relative fall of the cost in one step at which a start has shown what it is worth.
 const ROUGH: f64 = 4e-2;
-/// The same for starts side by side, which go in longer strides: first, and where exact steps take over.
+/// The same for starts side by side, which go in longer strides.
 const ROUGH_ABREAST: f64 = 6e-2;
+/// The same where exact steps take over from them.
 const NEARLY_CLOSE: f64 = 1e-2;
 /// Valleys of these that are followed on: with eight starts for 3 lights, the best was once not among the first two.
 const VALLEYS: usize = 4;

@@ -139,9 +139,9 @@ fn detect_in_pool(
     // Place the lights, weigh them and leave out the least.
     let places = placement::places(&working, &expanded, &segments, &depth);
     let weights = order::weights(&expanded, &segments, &places);
-    let white = original.and_then(|original| original.white);
-    let least = white.map_or_else(|| order::least_weight(&weights), |white| white.least_weight);
-    let (segments, places, weights) = order::without_the_least(segments, places, weights, least);
+    let cut_off = original.and_then(|original| original.white);
+    let least_weight = cut_off.map_or_else(|| order::least_weight(&weights), |cut_off| cut_off.least_weight);
+    let (segments, places, weights) = order::without_the_least(segments, places, weights, least_weight);
     // Measure them in the map's own pixels.
     let segments = outline::trim(&adjacency, segments);
     let outline = outline::outline(&adjacency, &segments);
@@ -158,8 +158,8 @@ fn detect_in_pool(
     let part_of = selection.part_of.clone();
     let is_faint = vec![false; selection.lights.len()];
     let detection = Detection::new(&segments, selection, panes, is_faint, report, working.luminance);
-    let found = WhiteDetection::new(detection, &part_of, &places, &weights, ending, clipped_share);
-    Ok(WhiteDetection { least_weight: least, ..found })
+    let (places, weights) = order::joined(&detection.lights, &part_of, &places, &weights);
+    Ok(WhiteDetection { detection, places, weights, ending, clipped_share, least_weight })
 }
 
 /// By what factor the pixels of a map of this `width` become coarser, at most the next whole number from `wanted` on:
@@ -190,27 +190,6 @@ impl WhiteDetection {
         let places = detection.lights.iter().map(Place::measured).collect();
         let weights = detection.lights.iter().map(|light| light.flux).collect();
         Self { detection, places, weights, ending, clipped_share, least_weight: 0.0 }
-    }
-
-    fn new(
-        detection: Detection,
-        part_of: &[Option<usize>],
-        places: &[Place],
-        weights: &[f64],
-        ending: Ending,
-        clipped_share: f64,
-    ) -> Self {
-        // Join the places and the weights of the lights that were joined or merged.
-        let mut joined: Vec<Option<Place>> = vec![None; detection.lights.len()];
-        let mut sums = vec![0.0; detection.lights.len()];
-        for ((place, weight), light) in places.iter().zip(weights).zip(part_of) {
-            let Some(light) = *light else { continue };
-            let whole = joined[light].get_or_insert_with(|| place.clone());
-            *whole = whole.and(place, detection.lights[light].direction());
-            sums[light] += weight;
-        }
-        let places = joined.into_iter().flatten().collect();
-        Self { detection, places, weights: sums, ending, clipped_share, least_weight: 0.0 }
     }
 }
 

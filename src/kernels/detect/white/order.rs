@@ -14,6 +14,7 @@
 use std::f64::consts::TAU;
 
 use super::super::tree::components::Segments;
+use super::super::tree::moments::Light;
 use super::super::tree::run::runs;
 use super::super::tree::working_image::WorkingImage;
 use super::placement::Place;
@@ -86,4 +87,22 @@ pub fn without_the_least(
         }
     }
     (kept, kept_places, kept_weights)
+}
+
+/// Join the places and the weights of the `lights` that were joined or merged, of which those are a `part_of`.
+pub fn joined(
+    lights: &[Light],
+    part_of: &[Option<usize>],
+    places: &[Place],
+    weights: &[f64],
+) -> (Vec<Place>, Vec<f64>) {
+    let mut joined: Vec<Option<Place>> = vec![None; lights.len()];
+    let mut sums = vec![0.0; lights.len()];
+    for ((place, weight), light) in places.iter().zip(weights).zip(part_of) {
+        let Some(light) = *light else { continue };
+        let whole = joined[light].get_or_insert_with(|| place.clone());
+        *whole = whole.and(place, lights[light].direction());
+        sums[light] += weight;
+    }
+    (joined.into_iter().flatten().collect(), sums)
 }
