@@ -2,7 +2,6 @@
 
 import os
 import re
-from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -26,8 +25,6 @@ def session(tmp_path_factory):
 
 @pytest.mark.parametrize("number", range(len(BLOCKS)))
 def test_a_block_runs_as_pasted(number, session):
-    if "Mitsuba" in BLOCKS[number] and find_spec("mitsuba") is None:
-        pytest.skip("needs Mitsuba")
     exec(compile(BLOCKS[number], f"README, block {number}", "exec"), session)
 
 
