@@ -1,9 +1,9 @@
-"""Lights found in generated maps whose lights are known: run time against what was missed.
+"""Detection of lights in generated maps with known lights: run time against missed lights.
 
-Settings of `tree` and `article` are working widths. The two families of maps come once as radiance
-and once as 8-bit sRGB pictures in which 1 % of the sphere is white; there the peers get the decoded
-radiance, and the error of flux has what white cut off. Angle and flux are medians over the lights
-that were found. Of each family eight maps, 1024x512, of which two are timed.
+The settings of `tree` and `article` are working widths. Two families of maps are measured as radiance
+and as 8-bit sRGB pictures with 1 % of the sphere clipped. For the pictures the peers read the decoded
+radiance, and the error of flux includes the clipped light. Angle and flux are medians over the
+detected lights. Each family has eight maps of 1024x512 pixels; two are timed.
 """
 
 from functools import partial
@@ -19,7 +19,7 @@ from envlights.kernels.image import LUMINANCE
 
 TITLE = "Detection"
 READ = ": left is faster, down is more accurate"
-ERRORS = {"missed": "1 - F1", "angle": "angle of what was found, radians", "flux": "error of flux"}
+ERRORS = {"missed": "1 - F1", "angle": "angle of detected lights, radians", "flux": "error of flux"}
 COUNTED = None
 OURS = ("tree", "article")
 COLUMNS = (128, 256, 512, 1024)

@@ -1,10 +1,9 @@
-"""Few lights for a map: run time against two errors, that of a white probe and that of its shadows.
+"""A few lights for a map: run time against the error of a white probe and of its shadows.
 
-Each method begins with the map in memory, float32, and ends with its lights. Settings are numbers
-of lights; of harmonics alone, their order; of Radiance's `mksource`, its threshold over the mean,
-and its time has the files that it needs; it draws anew at each call, and its errors are medians of
-three. A peer counts as better only with no more lights than
-ours; harmonics and `mksource` always count.
+Each method starts with the map in memory, float32, and ends with its lights. The settings are numbers
+of lights, orders of harmonics, and for Radiance's `mksource` its threshold over the mean. The time of
+`mksource` includes its files; it is random, and its errors are medians of three. A peer is called
+better only if it has no more lights than ours; harmonics and `mksource` always count.
 """
 
 from functools import partial
@@ -18,7 +17,7 @@ import envlights as el
 
 TITLE = "Few lights for a map"
 READ = ": left is faster, down is more accurate"
-ERRORS = {"probe": "error of a white probe", "shadows": "error where things cast shadows"}
+ERRORS = {"probe": "error of a white probe", "shadows": "error of shadows"}
 #: What the settings count, and whose settings count something else.
 COUNTED, UNCOUNTED = "lights", ("harmonics, projected", "mksource")
 #: Calls of a method that draws anew at each, whose errors are medians.

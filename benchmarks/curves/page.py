@@ -5,17 +5,15 @@ from curves.results import curves, told
 
 _HEAD = """# Run time against error
 
-`python -m benchmarks --out docs` measures everything on this page, and writes it; with the names of
-parts, it measures those anew. Each part says on what machine it was measured. The last table has
-what a second run of the command changed.
+`python -m benchmarks --out docs` measures this page and writes it; with the names of parts, it measures
+those again. Each part names its machine. The last table compares the page with a second run.
 
-Within a part all methods take turns in one process, warmed up, round by round; a round repeats what
-takes less than 3 ms. All parts are then measured again in new processes, as many as each part says:
-two processes differ by more than the rounds of one, for their memory lies elsewhere and the machine
-is busy otherwise. Times are medians over the processes of the medians over their rounds, on one
-thread those of the processor; times and errors are geometric means over the cases. The spread is
-half the interval of 99.9 % of the mean over the processes, by Student's t, of the median case.
-Compare ratios: the times are those of one machine.
+In a part all methods alternate in one warm process, round by round; a round repeats calls that take
+less than 3 ms. New processes repeat all parts, because memory and other load differ between processes.
+Times are medians over the processes of the medians over their rounds; on one thread they are processor
+times. Times and errors are geometric means over the cases. The spread is half the interval of 99.9 % of
+the mean over the processes, by Student's t, of the median case. Compare ratios, not times: the times
+are those of one machine.
 """
 
 
@@ -36,12 +34,11 @@ def is_table(part):
 def _measured_on(machine):
     threads, cores = machine["threads"], machine["cores"]
     often = machine["processes"]
-    few = "; a quick run, with few rounds" if machine["quick"] else ""
-    load = f"; load {machine['load']} when it began" if machine.get("load") else ""
+    few = "; a quick run with few rounds" if machine["quick"] else ""
+    load = f"; load {machine['load']} at the start" if machine.get("load") else ""
     return (
-        f"Measured on {machine['date']}: {machine['processor']}, {cores} cores, of which"
-        f" {threads} {'was' if threads == 1 else 'were'} used; {often}"
-        f" process{'es' if often > 1 else ''}{load}{few}."
+        f"Measured on {machine['date']}: {machine['processor']}, {threads} of {cores} cores;"
+        f" {often} process{'es' if often > 1 else ''}{load}{few}."
     )
 
 
@@ -107,9 +104,11 @@ def _losses(part, errors, points):
                     beaten.setdefault(key, set()).add(our.case)
             if not any(_is_matched(our, their, error) for our in rivals):
                 unbeaten.setdefault(name, set()).add(their.case)
-        text.append(f"\nFaster and more accurate than ours, {label}: {_said(beaten, cases)}.")
         text.append(
-            f"\nPeers that none of ours matches in less time, {label}: {_said(unbeaten, cases)}."
+            f"\nPeers that are faster and more accurate than ours, {label}: {_said(beaten, cases)}."
+        )
+        text.append(
+            f"\nPeers that no setting of ours matches in less time, {label}: {_said(unbeaten, cases)}."
         )
     return text
 

@@ -1,8 +1,9 @@
-"""The probe of a map at 320 normals: run time against error.
+"""Irradiance of a map at 320 normals: run time against error.
 
-Settings are columns of a reduced map, of harmonics the order, of Monte Carlo and of Mitsuba samples
-at each normal. Mitsuba has a meter on each normal, its scalar variant, and its scene made before.
-The truth is a sum over all pixels, each in 4x4 parts, at every fourth normal.
+The settings are columns of a reduced map, the order of harmonics, and for Monte Carlo and Mitsuba the
+samples at each normal. Mitsuba uses an irradiance meter on each normal, its scalar variant, and a
+scene that is loaded before. The reference is a sum over all pixels, each in 4x4 parts, at every
+fourth normal.
 """
 
 import os

@@ -1,9 +1,9 @@
-"""Run time and memory against what grows: pixels, lights, normals, images.
+"""Run time and memory by the number of pixels, lights, normals and images.
 
-All maps are the generated hall, its pixels repeated; lights are fitted to it at 1024x512, which the
-probe of many normals reads, too. Images are pairs of the generated room at rank 16. Beside them one
-pass of NumPy over the same map. Memory is the peak of a process of its own beyond what it had
-before the call, on Linux, from 2048x1024 on.
+All maps repeat the pixels of the generated hall. The fits and the probes of many normals use 1024x512
+pixels. The images are pairs of the generated room at rank 16. One pass of NumPy over the same map is
+measured as well. Memory is the peak of a process beyond its memory before the call, on Linux, from
+2048x1024 on.
 """
 
 import sys

@@ -1,10 +1,10 @@
 """Indirect light from direct light: run time of a frame against the error on unseen lights.
 
-The error is the median of the relative errors of the unseen images; the second panel has it over
-the time of a fit. Settings are ranks; of `fewer pairs` their number, and of `smaller direct` texels
-along a side of the direct image, both at rank 32. All have the ridge 1e-3 but `ridge="loo"`, and
-the same pairs: the generated room without noise, 64x64, and the database in
-`ENVLIGHTS_TRANSFER_DB`, if any.
+The error is the median of the relative errors of the unseen images. The second panel shows the same
+error against the time of a fit. The settings are ranks. At rank 32, `fewer pairs` has a setting for
+the number of pairs, and `smaller direct` one for the texels along a side of the direct image. The
+ridge is 1e-3, except for `ridge="loo"`. The pairs are those of the generated room without noise,
+64x64, and of the database in `ENVLIGHTS_TRANSFER_DB`, if any.
 """
 
 import os

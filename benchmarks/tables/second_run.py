@@ -1,13 +1,12 @@
-"""The same command a second time, as `--against` compares it with the first.
+"""A second run of the command, compared with the first by `--against`.
 
-A ratio is a run time of ours over a peer's on the same case, in the same rounds; its interval is
-the one of 99.9 % of the mean over the processes, by Student's t. Both runs agree on it if their
-intervals overlap: of nine processes, by chance alone they would not on one ratio of 400 000, which
-is one in 150 comparisons of all parts. Agreement says no more than the intervals do: where half of
-one is 50 %, a ratio may have doubled and still agree. Half an interval is stated as a mean of both
-runs, as a share or as a factor. An error agrees if it changes by no more than a millionth, those
-of methods that draw anew left out; the peak of memory, if it changes by no more than a fiftieth of
-itself and of 50 MB: pages are counted in batches, and stacks of threads grow at times.
+A ratio is our run time over a peer's on one case, in the same rounds. Its interval covers 99.9 % of
+the mean over the processes, by Student's t. Two runs agree on a ratio if their intervals overlap. With
+nine processes, chance alone separates one of 400 000 ratios, which is one in 150 comparisons of all
+parts. Agreement depends on the width of the intervals: if half of one is 50 %, a doubled ratio may
+still agree. Half an interval is the mean of both runs, as a percentage or as a factor. An error agrees
+if it changes by at most 1e-6 of itself; random methods are left out. The peak of memory agrees if it
+changes by at most 2 % of itself and of 50 MB, because pages are counted in batches and stacks grow.
 """
 
 from itertools import product

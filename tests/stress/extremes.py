@@ -209,7 +209,7 @@ CASES = [
     ),
     Case(
         "close",
-        "detection, suns on two pixels side by side",
+        "detection, suns on two adjacent pixels",
         _ROUNDED,
         "flux is kept",
         partial(_detected_apart, 0.35),
