@@ -100,7 +100,7 @@ def test_each_part_is_measured_alone_and_stays_on_the_page(tmp_path):
     assert " NO " not in page
 
 
-def test_what_is_better_in_both_is_told(curves):
+def test_a_peer_that_is_better_in_both_is_reported(curves):
     """A peer that wins, one that nothing of ours beats, and one that loses."""
     results, page = curves["results"], curves["page"]
     part = SimpleNamespace(
@@ -118,7 +118,7 @@ def test_what_is_better_in_both_is_told(curves):
     ]
     text = page.page([("p", part, MACHINE, points)])
     assert "more accurate than ours, error: wins (1) against ours (1) on 1 of 1." in text
-    assert "matches in less time, error: fast (1) on 1 of 1; wins (1) on 1 of 1." in text
+    assert "matched by ours in less time, error: fast (1) on 1 of 1; wins (1) on 1 of 1." in text
 
 
 def test_mksource_finds_a_sun(curves):
@@ -150,7 +150,7 @@ def test_processes_become_one_point(curves):
         [results.point("t", "room", "ours", 4, errors, call=[call], fit=[fit])]
         for errors, call, fit in zip(({"unseen": 0.1}, {}, {}), calls, fits, strict=True)
     ]
-    (found,) = results.merged(passes)
+    (found,) = results.merge(passes)
     assert found.seconds == 3.0
     assert found.errors == {"unseen": 0.1, "fit": 6.0}
     assert found.rounds == {"call": list(calls), "fit": list(fits)}
