@@ -29,6 +29,6 @@ def test_a_block_runs_as_pasted(number, session):
 
 
 def test_the_shortest_path_comes_first():
-    """The first block stands alone, in at most eight lines."""
+    """The first block runs alone, in at most eight lines."""
     assert BLOCKS[0].startswith("import envlights as el\n")
     assert len(BLOCKS[0].splitlines()) <= 8
