@@ -78,7 +78,7 @@ pub enum Error {
         what: &'static str,
         /// Row of the first offender.
         index: usize,
-        /// What it holds.
+        /// Its value.
         value: f64,
     },
 
@@ -89,14 +89,14 @@ pub enum Error {
         what: &'static str,
         /// Row of the first offender.
         index: usize,
-        /// What it holds.
+        /// Its value.
         value: f64,
     },
 
     /// An icosphere of this many faces does not exist.
     #[error("an icosphere has 20 * 4^k faces (20, 80, 320, 1280, 5120, ... up to {limit}); got {faces}")]
     NoSuchIcosphere {
-        /// Faces that were asked for.
+        /// Requested faces.
         faces: usize,
         /// The largest that is made.
         limit: usize,
@@ -116,7 +116,7 @@ pub enum Error {
         seen: usize,
         /// Normals needed for as many equations as unknowns.
         wanted: usize,
-        /// Lights asked for.
+        /// Requested lights.
         lights: usize,
     },
 
@@ -130,9 +130,9 @@ pub enum Error {
     /// An image of too few pixels to cover the sphere.
     #[error("an image of the sphere needs at least 2 rows and 2 columns; got {height} rows of {width}")]
     TooFewPixels {
-        /// Rows that were asked for.
+        /// Requested rows.
         height: usize,
-        /// Columns that were asked for.
+        /// Requested columns.
         width: usize,
     },
 
@@ -144,7 +144,7 @@ pub enum Error {
     UnusableSamples {
         /// Row of the first offender.
         row: usize,
-        /// What it holds.
+        /// Its value.
         value: f32,
         /// Samples that are not a number.
         nan: usize,
@@ -166,9 +166,9 @@ pub enum Error {
     /// An image of more pixels than are made.
     #[error("an image may have up to {limit} pixels; got {height} rows of {width}")]
     HugeImage {
-        /// Rows that were asked for.
+        /// Requested rows.
         height: usize,
-        /// Columns that were asked for.
+        /// Requested columns.
         width: usize,
         /// Pixels of the largest.
         limit: usize,
@@ -190,7 +190,7 @@ pub enum Error {
     OutOfRange {
         /// Name of the argument.
         what: &'static str,
-        /// What was given.
+        /// Value of the argument.
         value: f64,
         /// The smallest that is accepted.
         least: f64,
@@ -207,7 +207,7 @@ pub enum Error {
         row: usize,
         /// Its column.
         column: usize,
-        /// What it holds.
+        /// Its value.
         value: f32,
     },
 

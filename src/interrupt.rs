@@ -1,26 +1,26 @@
-//! A caller who wants the answer no more, as by Ctrl-C.
+//! Early end of a kernel, for example after Ctrl-C.
 //!
-//! Kernels call [`check`] between pieces of work of some milliseconds at most. Once the caller has asked, it unwinds
-//! from there, through the threads of rayon too, up to whoever runs the kernel. So a kernel needs no second kind of
-//! result for it, and leaves nothing half done, for it owns all that it changes.
+//! Kernels call [`check`] between pieces of work of some milliseconds at most. After a request to stop,
+//! it unwinds through the threads of rayon to the caller of the kernel. So a kernel needs no second kind of result.
+//! It leaves nothing half done, because it owns all that it changes.
 
 use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-static ASKED: AtomicBool = AtomicBool::new(false);
+static IS_REQUESTED: AtomicBool = AtomicBool::new(false);
 
-/// What [`check`] unwinds with.
+/// Payload with which [`check`] unwinds.
 #[derive(Clone, Copy, Debug)]
-pub struct Interrupted;
+pub struct Interruption;
 
-/// Ask all kernels that run to stop.
-pub fn ask() {
-    ASKED.store(true, Ordering::Relaxed);
+/// Request that all running kernels stop.
+pub fn request() {
+    IS_REQUESTED.store(true, Ordering::Relaxed);
 }
 
 /// Let kernels run again.
 pub fn clear() {
-    ASKED.store(false, Ordering::Relaxed);
+    IS_REQUESTED.store(false, Ordering::Relaxed);
 }
 
 /// The fewest items of one task of rayon, for `items` that each call [`check`]: every task unwinds by itself, and takes
@@ -30,11 +30,11 @@ pub fn min_task_len(items: usize) -> usize {
     items.div_ceil(MOST_TASKS).max(1)
 }
 
-/// Unwind with [`Interrupted`] if a caller has asked to stop.
+/// Unwind with [`Interruption`] if a stop is requested.
 #[inline]
 pub fn check() {
-    if ASKED.load(Ordering::Relaxed) {
+    if IS_REQUESTED.load(Ordering::Relaxed) {
         // Without the message that a panic prints: nothing is wrong.
-        resume_unwind(Box::new(Interrupted));
+        resume_unwind(Box::new(Interruption));
     }
 }

@@ -16,26 +16,26 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::error::EnvLightsError;
 use crate::error::Result;
-use crate::interrupt::{self, Interrupted};
+use crate::interrupt::{self, Interruption};
 
 /// Run `work` without the GIL, with all threads of this process: for kernels that end within tenths of a second
 /// whatever they are given.
 pub fn in_pool<T: Send>(py: Python<'_>, work: impl Fn() -> Result<T> + Send + Sync) -> PyResult<T> {
-    run(py, &work, |threads| (threads.install(|| caught(&work)), None))
+    run(py, &work, |threads| (threads.install(|| catch(&work)), None))
 }
 
 /// Run `work` without the GIL, with all threads of this process; a signal such as that of Ctrl-C ends it.
 ///
 /// Watching costs about 15 microseconds a call, as much as a small kernel takes.
 pub fn interruptible<T: Send>(py: Python<'_>, work: impl Fn() -> Result<T> + Send + Sync) -> PyResult<T> {
-    run(py, &work, |threads| watched(threads, &work))
+    run(py, &work, |threads| watch_signals(threads, &work))
 }
 
 /// Run `work` by `start` in the pool, again where another thread of Python was interrupted, and all work with it.
 fn run<T: Send>(
     py: Python<'_>,
     work: &(impl Fn() -> Result<T> + Sync),
-    start: impl Fn(&ThreadPool) -> (Done<T>, Option<PyErr>) + Send + Sync,
+    start: impl Fn(&ThreadPool) -> (Outcome<T>, Option<PyErr>) + Send + Sync,
 ) -> PyResult<T> {
     let Some(threads) = py.detach(current) else {
         return detached(py, || in_this_thread(work));
@@ -46,7 +46,7 @@ fn run<T: Send>(
             return Err(signal);
         }
         match done {
-            Err(payload) if payload.is::<Interrupted>() => {}
+            Err(payload) if payload.is::<Interruption>() => {}
             done => return answer(done),
         }
     }
@@ -71,31 +71,31 @@ pub fn by_size<T: Send>(
 /// An interruption that was meant for the kernel of another thread of Python may end it too; it then runs again.
 pub fn detached<T: Send>(py: Python<'_>, work: impl Fn() -> Result<T> + Send + Sync) -> PyResult<T> {
     loop {
-        match py.detach(|| caught(&work)) {
-            Err(payload) if payload.is::<Interrupted>() => {}
+        match py.detach(|| catch(&work)) {
+            Err(payload) if payload.is::<Interruption>() => {}
             done => return answer(done),
         }
     }
 }
 
-/// The answer of a kernel, or what it unwound with.
-type Done<T> = std::result::Result<Result<T>, Box<dyn Any + Send>>;
+/// Result of a kernel, or the payload of its panic.
+type Outcome<T> = std::result::Result<Result<T>, Box<dyn Any + Send>>;
 
-/// What a panic leaves half done is not looked at again: kernels own all that they change.
-fn caught<T>(work: impl FnOnce() -> Result<T>) -> Done<T> {
+/// Run `work` and catch a panic. Kernels own all that they change, so nothing half done is visible afterwards.
+fn catch<T>(work: impl FnOnce() -> Result<T>) -> Outcome<T> {
     catch_unwind(AssertUnwindSafe(work))
 }
 
-/// Run `work` in the pool while this thread looks for signals; the one that ended it, if one came.
-fn watched<T: Send>(
+/// Run `work` in the pool while this thread checks for signals; the second result is a signal that ended it.
+fn watch_signals<T: Send>(
     threads: &ThreadPool,
     work: &(impl Fn() -> Result<T> + Sync),
-) -> (Done<T>, Option<PyErr>) {
-    /// Between two looks: a person does not notice, and it costs nothing.
+) -> (Outcome<T>, Option<PyErr>) {
+    /// Time between two checks; a user does not notice it, and it costs nothing.
     const BETWEEN: Duration = Duration::from_millis(50);
     threads.in_place_scope(|scope| {
         let (sender, receiver) = mpsc::channel();
-        scope.spawn(move |_| sender.send(caught(work)).expect("the receiver waits"));
+        scope.spawn(move |_| sender.send(catch(work)).expect("the receiver waits"));
         let mut signal = None;
         let done = loop {
             if let Ok(done) = receiver.recv_timeout(BETWEEN) {
@@ -106,7 +106,7 @@ fn watched<T: Send>(
                 let caught = Python::attach(|py| py.check_signals());
                 signal = caught.err();
                 if signal.is_some() {
-                    interrupt::ask();
+                    interrupt::request();
                 }
             }
         };
@@ -117,16 +117,16 @@ fn watched<T: Send>(
     })
 }
 
-/// An answer or a refusal. A panic is a mistake in the kernels, and is told as such.
-fn answer<T>(done: Done<T>) -> PyResult<T> {
-    done.map_err(|panic| EnvLightsError::new_err(told(panic.as_ref())))?.map_err(PyErr::from)
+/// Result for Python; a panic becomes an internal error.
+fn answer<T>(done: Outcome<T>) -> PyResult<T> {
+    done.map_err(|panic| EnvLightsError::new_err(panic_message(panic.as_ref())))?.map_err(PyErr::from)
 }
 
-/// The message of a panic, and whose mistake it is.
-fn told(panic: &(dyn Any + Send)) -> String {
+/// Message of a panic.
+fn panic_message(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no reason");
-    format!("a mistake in envlights, not in its input; please report it with what was given: {text}")
+    format!("internal error in envlights; please report it with the arguments of the call: {text}")
 }
 
 /// Run `work` with rayon's functions confined to this thread.
@@ -138,10 +138,10 @@ fn in_this_thread<T>(work: impl FnOnce() -> T) -> T {
     work()
 }
 
-/// How many threads are wanted; 0 leaves it to `RAYON_NUM_THREADS`, or to the number of cores.
+/// Requested number of threads; 0 means `RAYON_NUM_THREADS`, or else the number of cores.
 static WANTED: AtomicUsize = AtomicUsize::new(0);
 
-/// Let the kernels use `wanted` threads from the next call on, if it is given; how many they use.
+/// Set the number of threads from the next call on, if `wanted` is known, and return the number in use.
 #[pyfunction]
 pub fn threads(py: Python<'_>, wanted: Option<usize>) -> usize {
     if let Some(wanted) = wanted {

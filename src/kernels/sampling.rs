@@ -88,7 +88,7 @@ pub fn uniform_sphere(uv: ArrayView2<'_, f64>) -> Result<Array2<f64>> {
 }
 
 /// `count` directions spread evenly, (count, 3): Hammersley points shifted by half a step, so that none
-/// stands on a pole.
+/// lies on a pole.
 pub fn even_sphere(count: usize) -> Array2<f64> {
     from_vectors((0..count).map(|i| {
         let height = (i as f64 + 0.5) / count as f64;
@@ -158,8 +158,9 @@ impl FaceSearch {
     }
 }
 
-/// The index of that of the `quarters` of a triangle in which `direction` lies: one at a corner, beyond
-/// the side that it shares with the middle, or else the middle.
+/// Index of the quarter of a triangle that contains `direction`.
+///
+/// It is a quarter at a corner, beyond its side towards the middle quarter, or else the middle one.
 fn quarter_of(quarters: &[[DVec3; 3]; 4], direction: DVec3) -> usize {
     let [ab, bc, ca] = quarters[3];
     let is_beyond = |from: DVec3, to: DVec3, corner: DVec3| {
@@ -195,7 +196,8 @@ fn quarters([a, b, c]: [DVec3; 3]) -> [[DVec3; 3]; 4] {
     [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
 }
 
-/// Solid angle of a triangle on the sphere (van Oosterom and Strackee 1983):
+/// Solid angle of a triangle on the sphere (van Oosterom and Strackee 1983).
+///
 /// `tan(omega / 2) = a.(b x c) / (1 + a.b + b.c + c.a)`.
 fn spherical_area([a, b, c]: &[DVec3; 3]) -> f64 {
     let volume = a.dot(b.cross(*c)).abs();

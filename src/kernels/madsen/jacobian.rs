@@ -17,7 +17,7 @@ use ndarray::{Array2, ArrayView1, ArrayViewMut2, Axis};
 use rayon::prelude::*;
 
 use super::parameters::{Light, OF_AMBIENT, OF_LIGHT, Parameters};
-use super::residual::Measured;
+use super::residual::ProbeSamples;
 use super::surface::Surface;
 use crate::error::Result;
 use crate::interrupt;
@@ -43,7 +43,11 @@ impl Moving {
 ///
 /// [`crate::error::Error::NotParameters`], [`crate::error::Error::NotFinite`],
 /// [`crate::error::Error::NoMemory`].
-pub fn jacobian(x: ArrayView1<'_, f64>, measured: &Measured<'_>, surface: &Surface) -> Result<Array2<f64>> {
+pub fn jacobian(
+    x: ArrayView1<'_, f64>,
+    measured: &ProbeSamples<'_>,
+    surface: &Surface,
+) -> Result<Array2<f64>> {
     let lights: Vec<Moving> = Parameters::unpack(x)?.lights.iter().map(Moving::of).collect();
     check_memory(&[3 * measured.normals.len(), x.len()])?;
     let mut out = Array2::zeros((3 * measured.normals.len(), x.len()));
@@ -58,7 +62,7 @@ pub fn jacobian(x: ArrayView1<'_, f64>, measured: &Measured<'_>, surface: &Surfa
     Ok(out)
 }
 
-/// The three rows of one normal, of which only entries that are not zero are written.
+/// Write the entries of the three rows of one normal that are not zero.
 fn fill(mut rows: ArrayViewMut2<'_, f64>, normal: DVec3, root: f64, lights: &[Moving], surface: &Surface) {
     let ambient = -root * surface.k_a * surface.colour;
     let diffuse = -root * surface.k_d * surface.colour;
@@ -109,7 +113,7 @@ mod tests {
             let surface = Surface { k_a: surface[0], k_d: surface[1], colour: DVec3::new(1.0, surface[2], 0.5) };
             let (normals, _) = sampling::icosphere(80).unwrap();
             let (probe, weights) = (Array2::ones((80, 3)), Array1::from_elem(80, weight));
-            let measured = Measured::new(normals.view(), probe.view(), weights.view()).unwrap();
+            let measured = ProbeSamples::new(normals.view(), probe.view(), weights.view()).unwrap();
             let written = jacobian(x.view(), &measured, &surface).unwrap();
             let axis = direction(light[3], light[4]);
             for unknown in 0..x.len() {

@@ -27,5 +27,5 @@ pub use faces::face_radiance;
 pub use jacobian::jacobian;
 pub use model::model;
 pub use parameters::{Parameters, pack};
-pub use residual::{Measured, residual};
+pub use residual::{ProbeSamples, residual};
 pub use surface::Surface;

@@ -22,7 +22,7 @@ pub(super) const OF_LIGHT: usize = 5;
 /// One directional light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Light {
-    /// `L_j` of the paper, times the solid angle that it stands for: at normal incidence.
+    /// Irradiance at normal incidence: `L_j` of the paper times its solid angle.
     pub irradiance: DVec3,
     pub theta: f64,
     pub phi: f64,

@@ -11,7 +11,7 @@ use crate::kernels::sphere::check_weighted;
 
 /// Probe values that the lights should reproduce, and how much each counts.
 #[derive(Clone, Debug)]
-pub struct Measured<'a> {
+pub struct ProbeSamples<'a> {
     rows: ArrayView2<'a, f64>,
     pub(super) normals: Vec<DVec3>,
     probe: ArrayView2<'a, f64>,
@@ -19,7 +19,7 @@ pub struct Measured<'a> {
     pub(super) roots: Vec<f64>,
 }
 
-impl<'a> Measured<'a> {
+impl<'a> ProbeSamples<'a> {
     /// Check and pair up what was measured.
     ///
     /// # Inputs
@@ -52,7 +52,11 @@ impl<'a> Measured<'a> {
 /// # Errors
 ///
 /// [`crate::error::Error::NotParameters`], [`crate::error::Error::NotFinite`].
-pub fn residual(x: ArrayView1<'_, f64>, measured: &Measured<'_>, surface: &Surface) -> Result<Array1<f64>> {
+pub fn residual(
+    x: ArrayView1<'_, f64>,
+    measured: &ProbeSamples<'_>,
+    surface: &Surface,
+) -> Result<Array1<f64>> {
     let mut residual = &measured.probe - &model(x, measured.rows, surface)?;
     for (mut row, root) in residual.rows_mut().into_iter().zip(&measured.roots) {
         interrupt::check();
@@ -72,7 +76,7 @@ mod tests {
         let surface = Surface { k_a: 1.0, k_d: 1.0, colour: DVec3::ONE };
         let normals = array![[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]];
         let probe = array![[2.0, 3.0, 4.0], [5.0, 6.0, 7.0]];
-        let measured = Measured::new(normals.view(), probe.view(), array![1.0, 4.0].view()).unwrap();
+        let measured = ProbeSamples::new(normals.view(), probe.view(), array![1.0, 4.0].view()).unwrap();
         let found = residual(array![1.0, 1.0, 1.0].view(), &measured, &surface).unwrap();
         assert_eq!(found, array![1.0, 2.0, 3.0, 8.0, 10.0, 12.0]);
     }

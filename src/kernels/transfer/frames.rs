@@ -9,8 +9,7 @@
 //!   t = 32 tile + lane
 //! ```
 //!
-//! so the sums of a tile stay in registers side by side, and a frame that needs the first components
-//! alone reads no other.
+//! so the sums of a tile stay in registers, and a frame of the first components reads no others.
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
 use half::f16;
@@ -32,17 +31,16 @@ pub const SHARE: usize = 16;
 type Scales = [f32; TILE / SHARE];
 /// Tiles of a task.
 const SPAN: usize = 128;
-/// Vectors of a tile whose sums run side by side: with three channels, of eight floats, they fill the
-/// registers.
+/// Vectors of a tile that are summed together. With three channels of eight floats they fill the registers.
 const GROUP: usize = 4;
 
-/// A value of the basis as it is kept.
-pub trait Kept: Copy + Sync {
+/// Stored value of the basis.
+pub trait StoredValue: Copy + Sync {
     /// Write values as they are used, before their scale, into `wide` of the same length.
     fn widen(kept: &[Self], wide: &mut [f32]);
 }
 
-impl Kept for i8 {
+impl StoredValue for i8 {
     #[inline(always)]
     fn widen(kept: &[Self], wide: &mut [f32]) {
         for (wide, &kept) in wide.iter_mut().zip(kept) {
@@ -51,7 +49,7 @@ impl Kept for i8 {
     }
 }
 
-impl Kept for f16 {
+impl StoredValue for f16 {
     #[inline(always)]
     fn widen(kept: &[Self], wide: &mut [f32]) {
         kept.convert_to_f32_slice(wide);
@@ -75,7 +73,7 @@ impl Kept for f16 {
 ///
 /// [`Error::WrongShape`] for tiles of another size or coefficients that are no RGB, [`Error::OutOfRange`] for
 /// more components than the basis has, or a place that is not in `values`; [`Error::NoMemory`].
-pub fn frames<T: Kept>(
+pub fn frames<T: StoredValue>(
     values: ArrayView3<'_, T>,
     scales: ArrayView3<'_, f32>,
     coefficients: ArrayView3<'_, f32>,
@@ -113,7 +111,7 @@ struct Basis<'a, T> {
     rank: usize,
 }
 
-impl<'a, T: Kept> Basis<'a, T> {
+impl<'a, T: StoredValue> Basis<'a, T> {
     /// A basis from arrays in the standard layout.
     fn new(values: ArrayView3<'a, T>, scales: ArrayView3<'a, f32>) -> Result<Self> {
         let (tiles, rank, lanes) = values.dim();
@@ -164,7 +162,7 @@ struct Span<'a, T> {
     places: &'a [i64],
 }
 
-impl<T: Kept> WithSimd for Span<'_, T> {
+impl<T: StoredValue> WithSimd for Span<'_, T> {
     type Output = ();
 
     /// A tile is widened once for all images.
@@ -191,7 +189,7 @@ impl<T: Kept> WithSimd for Span<'_, T> {
             }
             // Mix the tile of each image.
             for (out, coefficients) in self.out.iter_mut().zip(self.images) {
-                let [red, green, blue] = mixed(simd, &wide, coefficients);
+                let [red, green, blue] = mix(simd, &wide, coefficients);
                 for (lane, texel) in out[TILE * tile..TILE * (tile + 1)].iter_mut().enumerate() {
                     *texel = [red[lane], green[lane], blue[lane]];
                 }
@@ -200,9 +198,9 @@ impl<T: Kept> WithSimd for Span<'_, T> {
     }
 }
 
-/// The three channels of a tile.
+/// Sums of a tile, by channel.
 #[inline(always)]
-fn mixed<S: Simd>(simd: S, components: &[[f32; TILE]], coefficients: &[[f32; 3]]) -> [[f32; TILE]; 3] {
+fn mix<S: Simd>(simd: S, components: &[[f32; TILE]], coefficients: &[[f32; 3]]) -> [[f32; TILE]; 3] {
     const { assert!((TILE / S::F32_LANES).is_multiple_of(GROUP), "a tile must be whole groups of vectors") };
     let mut sums = [[0.0; TILE]; 3];
     for group in 0..TILE / S::F32_LANES / GROUP {
@@ -296,7 +294,7 @@ mod tests {
         assert_eq!(refusal, Err(wanted.to_owned()));
     }
 
-    /// As `numpy` saves them where they were transposed before.
+    /// Arrays in Fortran order, as `numpy` saves a transposed array.
     #[test]
     fn a_basis_in_another_order_is_the_same() {
         let values = Array3::from_shape_fn((2, 3, TILE), |(i, r, l)| (i + 3 * r + 7 * l) as i8 % 13);

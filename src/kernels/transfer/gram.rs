@@ -9,11 +9,9 @@ use super::rows;
 use crate::error::Result;
 use crate::interrupt;
 
-/// Texels whose products are summed in f32, before they are added to the others in f64: over so few
-/// the sum is wrong by 2e-8 of the largest eigenvalue.
+/// Texels whose products are summed in f32, before f64 adds the blocks. The error is 2e-8 of the largest eigenvalue.
 const BLOCK: usize = 1024;
-/// Rows of the products that are found together. Only what is left of the diagonal is found: the more
-/// rows, the more beyond it. Of 24, 32, 48, 64, 96 and 128, 32 is fastest for 384 rows.
+/// Rows of the products that are computed together. Only the lower triangle is needed; more rows compute more beyond it. Of 24, 32, 48, 64, 96 and 128, 32 is fastest for 384 rows.
 const PANEL: usize = 32;
 
 /// Inner products of the rows of `images`, and which texels are not black in every image.
@@ -31,7 +29,7 @@ const PANEL: usize = 32;
 ///
 /// # Returns
 ///
-/// (3 k, 3 k), of which only the lower triangle is filled; and (texels,).
+/// (3 k, 3 k), with its lower triangle filled; and (texels,).
 ///
 /// # Errors
 ///

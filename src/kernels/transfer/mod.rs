@@ -18,5 +18,5 @@ mod gram;
 mod rows;
 
 pub use columns::columns;
-pub use frames::{Kept, SHARE, TILE, frames};
+pub use frames::{SHARE, StoredValue, TILE, frames};
 pub use gram::gram;

@@ -48,7 +48,7 @@ fn fill_from<const N: usize>(
     // Copy what does not lie in RGB, as where alpha was dropped.
     let parts: [_; N] = from_fn(|i| parts[i].as_standard_layout());
     let parts: [&[[f32; 3]]; N] = from_fn(|i| parts[i].as_slice().unwrap_or_default().as_chunks().0);
-    // Write the values of all images of a texel side by side.
+    // Write the values of all images for one texel next to each other.
     for (t, row) in rows.chunks_exact_mut(width).enumerate() {
         let values: [[f32; 3]; N] = from_fn(|i| parts[i][t].map(|value| value * scale[i]));
         row[3 * image..3 * (image + N)].copy_from_slice(values.as_flattened());
