@@ -35,23 +35,22 @@ QUICK_MAPS = {
 }
 
 
-def real_maps(*patterns, quick=frozenset(QUICK_MAPS)):
+def real_maps(*patterns, all_quick=False):
     """Parametrise over the real maps that match, where `ENVLIGHTS_MAPS` names their folder.
 
-    Those that are not in `quick` are marked as slow.
+    Maps outside `QUICK_MAPS` are marked as slow, unless the test is quick with every map.
     """
     if not os.environ.get("ENVLIGHTS_MAPS"):
         reason = "set ENVLIGHTS_MAPS to a folder of maps to try them as well"
         return pytest.mark.parametrize("path", [pytest.param(None, marks=pytest.mark.skip(reason))])
     found = paths_of_real_maps(*patterns)
     assert found, f"the folder ENVLIGHTS_MAPS holds nothing that matches {patterns}"
-    return pytest.mark.parametrize(
-        "path",
-        [
-            pytest.param(path, id=path.name, marks=[] if path.name in quick else [pytest.mark.slow])
-            for path in found
-        ],
-    )
+    slow = [path for path in found if not (all_quick or path.name in QUICK_MAPS)]
+    params = [
+        pytest.param(path, id=path.name, marks=[pytest.mark.slow] if path in slow else [])
+        for path in found
+    ]
+    return pytest.mark.parametrize("path", params)
 
 
 def pytest_ignore_collect(collection_path):
