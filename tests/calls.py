@@ -12,10 +12,11 @@ from hypothesis import strategies as st
 
 import envlights as el
 from envlights import export, io, kernels, synthetic
+from tests.helpers import oblong
 
 RIG = synthetic.rigs(1)[0]
-ROOM = synthetic.room(8, width=16)
-MODEL = el.TransferModel.fit(ROOM.direct, ROOM.indirect)
+DIRECT, INDIRECT = oblong(8, np.float32)
+MODEL = el.TransferModel.fit(DIRECT, INDIRECT)
 FITTED = el.fit(synthetic.hall(32).radiance, lights=3)
 DETECTED = el.detect(synthetic.hall(64).radiance)
 
@@ -264,8 +265,8 @@ CALLS = {
     "TransferModel.fit": (
         el.TransferModel.fit,
         {
-            "direct": st.one_of(array(6, 2, 3, 3), st.just(ROOM.direct)),
-            "indirect": st.one_of(array(6, 4, 2, 3), st.just(ROOM.indirect)),
+            "direct": st.one_of(array(6, 2, 3, 3), st.just(DIRECT)),
+            "indirect": st.one_of(array(6, 4, 2, 3), st.just(INDIRECT)),
             "rank": st.one_of(st.integers(1, 9), SHARE),
             "ridge": st.one_of(SHARE, st.just("loo")),
             "error": st.one_of(st.none(), SHARE),
@@ -274,12 +275,12 @@ CALLS = {
     ),
     "TransferModel.predict": (
         _method(MODEL, "predict"),
-        {"direct": st.just(ROOM.direct), "error": SHARE, "region": st.none()},
+        {"direct": st.just(DIRECT), "error": SHARE, "region": st.none()},
     ),
-    "TransferModel.project": (_method(MODEL, "project"), {"indirect": st.just(ROOM.indirect)}),
+    "TransferModel.project": (_method(MODEL, "project"), {"indirect": st.just(INDIRECT)}),
     "TransferModel.add": (
         _method(MODEL, "add"),
-        {"direct": st.just(ROOM.direct[:1]), "indirect": st.just(ROOM.indirect[:1])},
+        {"direct": st.just(DIRECT[:1]), "indirect": st.just(INDIRECT[:1])},
     ),
     "TransferModel.compressed": (_method(MODEL, "compressed"), {"error": SHARE}),
     "TransferModel.load": (el.TransferModel.load, {"path": st.just("none.npz")}),

@@ -5,7 +5,7 @@ no more than the bound, or by the exact step that it replaces.
 """
 
 from collections.abc import Callable
-from functools import cache, partial
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -59,15 +59,12 @@ def _sunny(height):
     return radiance
 
 
-@cache
-def scenes(height=512):
-    """A dark, an overcast, a sunny and a cluttered map."""
-    return {
-        "dark": _dark(height),
-        "overcast": _gradient(height),
-        "sunny": _sunny(height),
-        "cluttered": synthetic.hard(synthetic.JUDGING[0], height).radiance.astype(np.float32),
-    }
+def _cluttered(height):
+    return synthetic.hard(synthetic.JUDGING[0], height).radiance.astype(np.float32)
+
+
+#: Radiance of each scene, made for a number of rows.
+SCENES = {"dark": _dark, "overcast": _gradient, "sunny": _sunny, "cluttered": _cluttered}
 
 
 def of_map(name, radiance):
@@ -85,12 +82,18 @@ def of_map(name, radiance):
 
 def skips(height=512, width=128):
     """Yield each skip on each scene, then those of the indirect light of the generated room."""
-    for scene, radiance in scenes(height).items():
-        yield _black_rows(scene, radiance)
-        yield _pixels(scene, radiance)
-        yield _grey_channels(scene, radiance)
-        yield _dark_tiles(scene, radiance)
-    yield from _of_frames(width)
+    for scene in SCENES:
+        yield from of_scene(scene, height)
+    yield from of_frames(width)
+
+
+def of_scene(scene, height):
+    """Yield each skip on one scene."""
+    radiance = SCENES[scene](height)
+    yield _black_rows(scene, radiance)
+    yield _pixels(scene, radiance)
+    yield _grey_channels(scene, radiance)
+    yield _dark_tiles(scene, radiance)
 
 
 def _differ(found, wanted):
@@ -164,7 +167,7 @@ def _lights_differ(one, other):
     return lights_apart(other, one.direction, one.irradiance, in_order=True)
 
 
-def _of_frames(width):
+def of_frames(width):
     """Skips of frames of indirect light; half of the texels are black in all images."""
     room = synthetic.room(64, width=width)
     direct, indirect, image = room.direct[:48], room.indirect[:48].copy(), room.direct[50]

@@ -35,6 +35,7 @@ def run_notebook(name):
     return notebook.cells
 
 
+@pytest.mark.slow
 def test_a_map_becomes_a_rig_and_every_result_shows_itself():
     cells = run_notebook("rig")
     shown = [
@@ -45,12 +46,14 @@ def test_a_map_becomes_a_rig_and_every_result_shows_itself():
     assert all("text/plain" in data for data in shown)
 
 
+@pytest.mark.slow
 def test_the_article_and_the_tree_find_the_windows():
     told = "".join(map(printed_text, run_notebook("article")))
     article, tree = (float(off) for off in re.findall(r"is ([\d.]+) degrees off", told))
     assert tree < 1 < article < 10
 
 
+@pytest.mark.slow
 def test_the_error_on_new_lights_falls_with_more_pairs():
     told = "".join(map(printed_text, run_notebook("transfer")))
     errors = [float(error) for error in re.findall(r"pairs: ([\d.]+) %", told)]
@@ -59,6 +62,7 @@ def test_the_error_on_new_lights_falls_with_more_pairs():
     assert errors[-1] < 12
 
 
+@pytest.mark.slow
 def test_each_choice_is_worth_what_the_notebook_says():
     told = "".join(map(printed_text, run_notebook("choice")))
     rates = re.findall(r"precision ([\d.]+) %, recall ([\d.]+) %", told)
@@ -80,6 +84,7 @@ def test_each_choice_is_worth_what_the_notebook_says():
     assert all(float(whole) <= float(measured) for whole, measured in timed)
 
 
+@pytest.mark.slow
 def test_mitsuba_agrees_with_a_rig_within_its_noise():
     pytest.importorskip("mitsuba")
     cells = run_notebook("against_mitsuba")
@@ -90,6 +95,7 @@ def test_mitsuba_agrees_with_a_rig_within_its_noise():
     assert "image/png" in cells[-1].outputs[-1].data
 
 
+@pytest.mark.slow
 def test_the_courtyard_goes_from_a_map_to_a_lightmap_within_the_stated_error():
     pytest.importorskip("mitsuba")
     notebook = nbformat.read(FOLDER / "courtyard.ipynb", as_version=4)

@@ -266,6 +266,7 @@ def test_an_opening_holds_all_flux_of_its_panes_and_the_report_says_what_was_joi
     assert "between 6 panes of one opening at azimuth 90" in joined
 
 
+@pytest.mark.slow
 def test_openings_are_one_light_each_and_lamps_of_a_row_stay_apart():
     worlds = [synthetic.openings(seed) for seed in range(24)]
     for kind in ("window", "skylight", "sky behind", "row"):

@@ -164,6 +164,7 @@ def test_the_fit_is_as_good_as_many_random_starts_of_scipy_on_the_hall(lights):
     assert fitted_error(irradiance, lights) <= 1.02 * best
 
 
+@pytest.mark.slow
 @real_maps("hdr/*.hdr")
 def test_the_fit_is_as_good_as_many_random_starts_of_scipy_on_real_maps(path):
     env = el.EnvMap.open(path)

@@ -87,11 +87,13 @@ def test_no_solver_of_scipy_improves_our_answer_on_the_hall():
     assert_no_peer_improves_our_answer(HALL, range(1, 9), SCIPY)
 
 
+@pytest.mark.slow
 def test_jaxopt_does_not_improve_our_answer_on_the_hall():
     pytest.importorskip("jaxopt")
     assert_no_peer_improves_our_answer(HALL, (1, 4), ["jaxopt"])
 
 
+@pytest.mark.slow
 def test_an_answer_in_a_crease_is_at_the_bottom_of_it():
     """There no step across leads down, but one along it may: of a bent cost only half is known."""
     creased = 0
@@ -114,6 +116,7 @@ def a_degree_beside(directions, rng):
     return moved / np.linalg.norm(moved, axis=1, keepdims=True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("peer", ["bounded", "lm"])
 def test_from_a_degree_beside_the_answer_no_peer_ends_lower(peer):
     """Both start with the best radiances for the directions of the start."""
@@ -146,16 +149,19 @@ def assert_no_peer_ends_lower_than_the_search(irradiance, peers):
                 assert gain <= 1e-6, f"{name}, {problem.lights} lights, {problem.ambient}: {gain}"
 
 
+@pytest.mark.slow
 def test_from_even_starts_no_solver_of_scipy_ends_lower_than_the_search():
     for irradiance in some_generated().values():
         assert_no_peer_ends_lower_than_the_search(irradiance, SCIPY)
 
 
+@pytest.mark.slow
 @real_maps(*EQUIRECTANGULAR)
 def test_from_even_starts_no_solver_of_scipy_ends_lower_than_the_search_on_real_maps(path):
     assert_no_peer_ends_lower_than_the_search(probe_of(el.EnvMap.open(path)), SCIPY)
 
 
+@pytest.mark.slow
 @real_maps("hdr/*.hdr")
 def test_from_its_own_starts_jaxopt_does_not_end_lower_than_the_search_on_real_maps(path):
     """From even ones and from two that are drawn."""
@@ -181,6 +187,7 @@ def test_the_search_never_ends_higher_than_the_even_start_of_the_paper():
             assert ratio(searched**2, started**2) <= 1 + 1e-6, case
 
 
+@pytest.mark.slow
 def test_the_search_ends_where_the_best_of_random_starts_does():
     ratios = {}
     for name, irradiance in some_probes().items():
@@ -254,6 +261,7 @@ def test_twenty_thousand_normals_are_as_good_as_all_under_suns(points, lights):
     assert_agrees_with_the_closed_form(random_world(points, seed=points), lights)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("lights", [1, 3])
 def test_twenty_thousand_normals_are_as_good_as_all_in_the_hall(lights):
     assert_agrees_with_the_closed_form(world_of_pixels(el.synthetic.hall(16).radiance), lights)

@@ -22,6 +22,7 @@ def relative(seen, wanted):
     return np.linalg.norm(seen - wanted) / np.linalg.norm(wanted)
 
 
+@pytest.mark.slow
 def test_a_rig_and_its_map_give_the_same_image():
     """Lights one at a time and added, or all at once in a map."""
     under_map = still_life(RIG.to_map(256), 1.0, 32, 0)
@@ -40,6 +41,7 @@ def test_one_bounce_is_the_direct_light_alone():
     assert whole.mean() > 1.02 * direct.mean()
 
 
+@pytest.mark.slow
 def test_noise_is_not_taken_for_an_error():
     """Few paths and many: the noise falls, the error stays what it is."""
     truth = still_life(RIG, 0.0, 64, 0)
@@ -62,6 +64,7 @@ def test_below_the_floor_no_light_passes():
     assert still.noise == still.error(still) == 0
 
 
+@pytest.mark.slow
 def test_seeds_give_the_same_image_and_titles_tell_its_figures():
     env = el.EnvMap(el.synthetic.hall(32).radiance)
     rig = el.Rig([0.3] * 3, LIGHTS, error=0.0)

@@ -15,7 +15,7 @@ def shadow_error(
     irradiance,
     angular_radius,
     *,
-    normals=5120,
+    normals=1280,
     planes=320,
     border=False,
 ):
