@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights import _html, _thumbnails
+from envlights import _html, _targets, _thumbnails
 from envlights._arrays import sealed
 from envlights._check import reals, rotation, shown
 from envlights._lobes import SphericalGaussians, lobes
@@ -20,7 +20,9 @@ from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights._tables import MOST_ROWS, Table
 from envlights.envmap import EnvMap
+from envlights.io.csv_table import read_csv
 from envlights.io.files import as_path
+from envlights.io.own_json import read_json
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import disc_map
@@ -234,10 +236,7 @@ class Lights(Result):
         environment : EnvMap or array_like, optional
             A map around the lights, such as the rest of a split map, for targets that take one.
         """
-        # Here, so that `import envlights` does not wait for the exporters.
-        from envlights.export.targets import save
-
-        save(self, path, environment)
+        _targets.save(self, path, environment)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Lights:
@@ -248,9 +247,6 @@ class Lights(Result):
         EnvLightsError
             If the file is missing, of another kind or version, or holds impossible lights.
         """
-        from envlights.export.csv import read_csv
-        from envlights.export.own_json import read_json
-
         if as_path(path).suffix.lower() == ".csv":
             table = read_csv(path)
             return Lights(table.direction, table.irradiance, table.angular_radius)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights import _html
+from envlights import _html, _targets
 from envlights._arrays import frozen
 from envlights._blocks import in_blocks
 from envlights._check import amount, flag, one_or_more, rotation
@@ -17,7 +17,9 @@ from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights.ambient import ambient_rows, turned_ambient
 from envlights.envmap import EnvMap
+from envlights.io.csv_table import read_csv
 from envlights.io.files import as_path
+from envlights.io.own_json import read_json
 from envlights.kernels import probe
 from envlights.kernels.sphere import FRAME
 from envlights.lights import Lights, lights_of
@@ -185,10 +187,7 @@ class Rig(Result):
         --------
         envlights.export : the same as dictionaries and text.
         """
-        # Here, so that `import envlights` does not wait for the exporters.
-        from envlights.export.targets import save
-
-        save(self, path, environment)
+        _targets.save(self, path, environment)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Rig:
@@ -199,9 +198,6 @@ class Rig(Result):
         EnvLightsError
             If the file is missing, of another kind or version, or holds impossible lights.
         """
-        from envlights.export.csv import read_csv
-        from envlights.export.own_json import read_json
-
         if as_path(path).suffix.lower() == ".csv":
             table = read_csv(path)
             if table.ambient is None or table.error is None:

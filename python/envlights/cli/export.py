@@ -10,11 +10,12 @@ from pathlib import Path
 import click
 
 from envlights._native import EnvLightsError
+from envlights._targets import save
 from envlights.cli.outputs import check_output, say_written
 from envlights.detection.lights import DetectedLights
 from envlights.envmap import EnvMap
-from envlights.export.csv import read_csv
-from envlights.export.targets import SUFFIXES, TARGETS, save
+from envlights.export.targets import SUFFIXES, TARGETS
+from envlights.io.csv_table import read_csv
 from envlights.lights import Lights
 from envlights.rig import Rig
 

@@ -17,6 +17,7 @@ from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights._tables import MOST_ROWS
 from envlights.detection.members import Members
+from envlights.io.own_json import read_json
 from envlights.kernels.sphere import FRAME
 from envlights.light import DetectedLight
 from envlights.lights import (
@@ -288,8 +289,6 @@ class DetectedLights(Lights):
         EnvLightsError
             If the file is missing, of another kind or version, or holds impossible lights.
         """
-        from envlights.export.own_json import read_json
-
         return read_json(path, _KIND, (_VERSION,), _from_dict)
 
     def __str__(self) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,9 +10,7 @@ from numpy.typing import NDArray
 from envlights.envmap import EnvMap
 from envlights.export.scene import Scene
 from envlights.kernels import sphere
-
-if TYPE_CHECKING:
-    from envlights.lights import Lights
+from envlights.lights import Lights
 
 #: Rows of a map for discs: as many as give the smallest a radius of that many, within limits.
 #: With 64 rows, Radiance lost 0.9 % of a disc of 46 degrees at its rim.

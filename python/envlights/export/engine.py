@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import os
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,10 +21,8 @@ from envlights.envmap import EnvMap
 from envlights.export.axes import AXES, Axes, Matrix
 from envlights.export.files import save_scene, texture_name
 from envlights.export.scene import Scene, scene_of
-
-if TYPE_CHECKING:
-    from envlights.lights import Lights
-    from envlights.rig import Rig
+from envlights.lights import Lights
+from envlights.rig import Rig
 
 _FORMAT, _VERSION = "envlights engine", 1
 _UNITS = (

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from pathlib import PurePath
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,10 +15,8 @@ from envlights.export.axes import AXES
 from envlights.export.discs import looked_up, split_by_size, with_discs
 from envlights.export.files import save_scene, texture_name
 from envlights.export.scene import Scene, scene_of
-
-if TYPE_CHECKING:
-    from envlights.lights import Lights
-    from envlights.rig import Rig
+from envlights.lights import Lights
+from envlights.rig import Rig
 
 #: Angular radius in radians above which a light is part of the sky. Radiance samples a source as
 #: if all of it stood near its centre: at 0.25 that is off by 0.9 %, at 0.6 by 2.2 %.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,10 +12,8 @@ from envlights._check import shown
 from envlights._native import EnvLightsError
 from envlights.ambient import ambient_rows
 from envlights.envmap import EnvMap, as_envmap
-
-if TYPE_CHECKING:
-    from envlights.lights import Lights
-    from envlights.rig import Rig
+from envlights.lights import Lights
+from envlights.rig import Rig
 
 #: Rows of the map for an ambient term that is not constant; it changes slowly over the sphere.
 ROWS = 128

@@ -6,7 +6,7 @@ import colorsys
 import json
 import os
 import uuid
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,10 +17,8 @@ from envlights.envmap import EnvMap
 from envlights.export.axes import AXES
 from envlights.export.files import save_scene
 from envlights.export.scene import scene_of
-
-if TYPE_CHECKING:
-    from envlights.lights import Lights
-    from envlights.rig import Rig
+from envlights.lights import Lights
+from envlights.rig import Rig
 
 #: Where lights stand, for their shadow cameras; their light does not depend on it.
 _DISTANCE = 10.0

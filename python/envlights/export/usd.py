@@ -6,7 +6,6 @@ import importlib
 import os
 import tempfile
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,10 +16,8 @@ from envlights.export.axes import AXES
 from envlights.export.files import save_scene, texture_name
 from envlights.export.scene import Scene, scene_of
 from envlights.io.files import as_path
-
-if TYPE_CHECKING:
-    from envlights.lights import Lights
-    from envlights.rig import Rig
+from envlights.lights import Lights
+from envlights.rig import Rig
 
 _HEAD = """#usda 1.0
 (
