@@ -1,8 +1,7 @@
-"""The map: its radiance, the layout of its pixels on the sphere, and what was cleaned."""
+"""The environment map: radiance from every direction, and the layout of its pixels."""
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple, TypeVar
@@ -10,19 +9,16 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights import _html, _native, _thumbnails, resampling
+from envlights import _cleaning, _html, _map_text, _native, _thumbnails, resampling
 from envlights._arrays import converted
-from envlights._blocks import blocks, in_blocks
-from envlights._check import amount, check_choice, for_kernels, one_or_more, rotation, shown, texts
+from envlights._check import amount, check_choice, one_or_more, rotation, shown, texts
 from envlights._map_array import map_array
 from envlights._native import EnvLightsError, UnusableSamplesError
-from envlights._srgb import decode_codes
 from envlights.io.exposures import Exposures
 from envlights.io.image_output import COMPRESSIONS, map_suffix, write_exr, write_hdr
 from envlights.io.images import MOST_PIXELS, read_image
-from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import irradiance
-from envlights.repair import repaired
+from envlights.repair import repair
 
 PROJECTIONS = ("equirectangular",)
 REGISTRATIONS = ("cell-centred", "border-sampled")
@@ -127,7 +123,8 @@ class EnvMap:
                 "a map must be an array; `EnvMap.open` reads files; got"
                 f" {shown(os.fspath(radiance))}"
             )
-        self._radiance = _read_only(self._cleaned(self._linear(map_array(radiance, self._notes))))
+        linear = self._linear(map_array(radiance, self._notes))
+        self._radiance = _read_only(_cleaning.cleaned(linear, self._notes))
 
     @classmethod
     def unchecked(
@@ -267,6 +264,11 @@ class EnvMap:
         return self._registration
 
     @property
+    def is_border_sampled(self) -> bool:
+        """True if the outer pixels lie on the seam and the poles."""
+        return self._registration == REGISTRATIONS[1]
+
+    @property
     def notes(self) -> tuple[str, ...]:
         """What was cleaned or assumed."""
         return tuple(self._notes)
@@ -337,10 +339,9 @@ class EnvMap:
         EnvLightsError
             If `normals` has another shape or holds a vector whose length is not 1.
         """
-        border_sampled = self._registration == "border-sampled"
         rows, is_one = one_or_more("normals", normals)
-        found = irradiance(self._radiance, rows, border_sampled=border_sampled)
-        return found[0] if is_one else found
+        values = irradiance(self._radiance, rows, border_sampled=self.is_border_sampled)
+        return values[0] if is_one else values
 
     def save(
         self,
@@ -374,13 +375,12 @@ class EnvMap:
                 raise EnvLightsError(f"cannot save {path}: half and compression are of .exr files")
             write_hdr(path, self.cells())
             return
-        is_border = self._registration == "border-sampled"
         write_exr(
             path,
             self._radiance,
             half=half,
             compression=compression,
-            border_sampled=is_border,
+            border_sampled=self.is_border_sampled,
             original=self._original and self._original.to_numbers(),
         )
 
@@ -412,13 +412,11 @@ class EnvMap:
         >>> np.array_equal(turned.radiance, np.roll(env.radiance, -2, axis=1))
         True
         """
-        turn = rotation(matrix)
-        is_border = self._registration == "border-sampled"
-        turned = resampling.turned_by_columns(self._radiance, turn, border_sampled=is_border)
-        registration = self._registration
-        if turned is None:
-            turned, registration = _native.rotated(self.cells(), turn), REGISTRATIONS[0]
-        env = EnvMap(turned, registration=registration, notes=self._notes, white=self._white)
+        radiance, is_border = resampling.rotate(
+            self._radiance, rotation(matrix), border_sampled=self.is_border_sampled
+        )
+        registration = REGISTRATIONS[is_border]
+        env = EnvMap(radiance, registration=registration, notes=self._notes, white=self._white)
         return env._left_of(self._original)
 
     def cells(self) -> NDArray[np.float32]:
@@ -426,7 +424,7 @@ class EnvMap:
 
         The pixels of a border-sampled map are averaged; flux is kept.
         """
-        if self._registration == "border-sampled":
+        if self.is_border_sampled:
             return resampling.cells_of_borders(self._radiance)
         return self._radiance
 
@@ -490,47 +488,29 @@ class EnvMap:
         >>> env.repaired(irradiance=2.0).probe([[0, 1, 0]]).round(3)
         array([[2., 2., 2.]])
         """
-        if irradiance is not None and ratio is not None:
-            raise EnvLightsError("give irradiance or ratio, not both")
-        asked = [
-            None if value is None else amount(name, value)
-            for name, value in (("irradiance", irradiance), ("ratio", ratio))
-        ]
         white = self._white
-        if white is None:
-            white = float(self._radiance.max()) if self.clipped_share else math.inf
-        is_border = self._registration == "border-sampled"
-        radiance, note = repaired(self._radiance, is_border, white, *asked)
+        if white is None and self.clipped_share:
+            white = float(self._radiance.max())
+        radiance, note, is_open = repair(
+            self._radiance, self.is_border_sampled, white, irradiance, ratio
+        )
+        white = self._white if is_open else None
         notes = (*self._notes, note)
-        # An estimate that adds nothing leaves what is at white as lost as it was.
-        is_as_it_was = irradiance is None and ratio is None and radiance is self._radiance
-        kept = self._white if is_as_it_was else None
-        return EnvMap(radiance, registration=self._registration, notes=notes, white=kept)
+        return EnvMap(radiance, registration=self._registration, notes=notes, white=white)
 
     def __repr__(self) -> str:
-        size = f"{self.width}x{self.height}"
+        layout = f"{self.width}x{self.height} {self._projection}, {self._registration}"
         notes = f", notes: {'; '.join(self._notes)}" if self._notes else ""
-        clipped = self._clipped_in_words()
-        return f"EnvMap({size} {self._projection}, {self._registration}{clipped}{notes})"
+        return f"EnvMap({layout}{self._clipped_in_words()}{notes})"
 
     def __str__(self) -> str:
-        weights = LUMINANCE.astype(np.float32)
-        luminance = in_blocks(self._radiance.shape, lambda rows: self._radiance[rows] @ weights)
-        median = np.median(luminance)
-        return "\n".join(
-            [
-                f"{self.width}x{self.height} pixels, {self._projection}, {self._registration}",
-                f"luminance: median {median:.3g}, largest {luminance.max():.3g}",
-                *([f"white at {self._white:g}{self._clipped_in_words()}"] if self._white else []),
-                *(f"note: {note}" for note in self._notes),
-            ]
-        )
+        layout = f"{self.width}x{self.height} pixels, {self._projection}, {self._registration}"
+        white = f"clip level {self._white:g}{self._clipped_in_words()}" if self._white else ""
+        return _map_text.paragraph(self._radiance, layout, white, self._notes)
 
     def _clipped_in_words(self) -> str:
-        """The part of the map that is at its white; empty where nothing is, or it has none."""
-        share, flux = (0.0, 0.0) if self._white is None else self._clipped_shares()
-        shares = f", {100 * share:.2g} % of the sphere at white with {100 * flux:.2g} % of its flux"
-        return shares if share else ""
+        """Clipped part of a map with a clip level; empty for other maps."""
+        return "" if self._white is None else _map_text.clipped(*self._clipped_shares())
 
     def _repr_pretty_(self, printer: Any, _: bool) -> None:
         printer.text(repr(self) if printer.indentation else str(self))
@@ -566,47 +546,20 @@ class EnvMap:
 
     def _clipped_shares(self) -> tuple[float, float]:
         if self._clipped is None:
-            is_border = self._registration == "border-sampled"
-            self._clipped = _native.clipped_share(self._radiance, is_border, self._white)
+            self._clipped = _native.clipped_share(
+                self._radiance, self.is_border_sampled, self._white
+            )
         return self._clipped
 
     def _linear(self, array: NDArray[Any]) -> NDArray[np.float32]:
-        if array.dtype.kind == "f":
-            # A float64 sample beyond float32 becomes infinite and is cleaned as such.
-            with np.errstate(over="ignore"):
-                return for_kernels(array, np.float32)
-        self._notes.append(f"{array.dtype.name} samples were taken as sRGB-coded and linearised")
-        self._white = 1.0 if self._white is None else self._white
-        return decode_codes(array)
-
-    def _cleaned(self, linear: NDArray[np.float32]) -> NDArray[np.float32]:
-        nan, infinite, negative = _native.unusable(linear)
-        if not (nan or infinite or negative):
-            return linear
-        parts = (linear[rows] for rows in blocks(linear.shape))
-        largest_of_each = [part.max(where=np.isfinite(part), initial=-np.inf) for part in parts]
-        if max(largest_of_each) == -np.inf:
-            raise EnvLightsError("the map holds no finite sample; is it damaged?")
-        largest = max(float(max(largest_of_each)), 0.0)
-        changes = [
-            (nan, "NaN", "0"),
-            (negative, "negative", "0"),
-            (infinite, "infinite", f"{largest:g}"),
-        ]
-        for seen, kind, value in changes:
-            if seen:
-                self._notes.append(f"{seen} {kind} sample{'s' if seen > 1 else ''} set to {value}")
-        return in_blocks(linear.shape, lambda rows: _usable(linear[rows], largest))
+        """Linear samples of `array`; sRGB codes are clipped at 1."""
+        if array.dtype.kind != "f":
+            self._white = 1.0 if self._white is None else self._white
+        return _cleaning.linear(array, self._notes)
 
 
 #: A map, the path of its file, or its radiance as an array.
 AnyMap = EnvMap | str | os.PathLike[str] | ArrayLike
-
-
-def _usable(linear: NDArray[np.float32], largest: float) -> NDArray[np.float32]:
-    """NaN and negative samples as 0, infinite ones as `largest`."""
-    finite = np.nan_to_num(linear, nan=0.0, posinf=largest, neginf=0.0)
-    return np.maximum(finite, np.float32(0))
 
 
 def _read_only(array: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -8,11 +8,23 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights import _native
 from envlights._blocks import in_blocks
 from envlights.kernels import sphere
 
 #: How far a turn may be from whole columns.
 _TOLERANCE = 1e-6
+
+
+def rotate(
+    radiance: NDArray[np.float32], matrix: NDArray[np.float64], *, border_sampled: bool
+) -> tuple[NDArray[np.float32], bool]:
+    """Rotated radiance, and True if its outer pixels still lie on the seam and the poles."""
+    shifted = turned_by_columns(radiance, matrix, border_sampled=border_sampled)
+    if shifted is not None:
+        return shifted, border_sampled
+    cells = cells_of_borders(radiance) if border_sampled else radiance
+    return _native.rotated(cells, matrix), False
 
 
 def turned_by_columns(
