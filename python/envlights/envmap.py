@@ -597,7 +597,7 @@ def as_envmap(env: AnyMap) -> EnvMap:
     return env if isinstance(env, EnvMap) else EnvMap(env)
 
 
-def seen_through(env: AnyMap, work: Callable[[EnvMap], _T]) -> tuple[EnvMap, _T]:
+def apply_to_map(env: AnyMap, work: Callable[[EnvMap], _T]) -> tuple[EnvMap, _T]:
     """The map, and the result of `work` on it.
 
     The kernels that `work` calls read every sample and count those that are not radiance. Only if

@@ -7,7 +7,7 @@ import pytest
 
 import envlights as el
 from envlights import kernels
-from envlights.fitting.asked import asked
+from envlights.fitting.request import request_of
 from tests.conftest import real_maps
 
 NORMALS, SOLID_ANGLES = kernels.icosphere(5120)
@@ -149,7 +149,7 @@ def test_named_starts_are_places_above_the_horizon(start):
     shapes = [LAMP_BELOW, el.synthetic.Disc(lamp, 5, (30, 30, 30))]
     env = el.EnvMap(el.synthetic.scene(256, background=[0.1] * 3, shapes=shapes).radiance)
     for lights in (1, 5):
-        places = asked(lights, None, start, None).first_directions_under(env, True)
+        places = request_of(lights, None, start, None).first_directions_under(env, True)
         assert (places[:, 1] >= 0).all()
         assert len(places) == (lights if start == "even" else 1)
     if start == "detect":

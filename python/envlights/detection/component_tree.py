@@ -15,7 +15,7 @@ from envlights._check import LARGEST_COUNT, amount, count
 from envlights.detection.casts import cast_notes
 from envlights.detection.lights import DetectedLights, DetectionReport
 from envlights.detection.members import Members
-from envlights.envmap import AnyMap, EnvMap, checked_white, seen_through
+from envlights.envmap import AnyMap, EnvMap, apply_to_map, checked_white
 from envlights.light import place_of
 
 #: The narrowest working image.
@@ -195,7 +195,7 @@ def _searched(
         behind_white = _native.detect_white(*where, white=white, **reduced)
         return _Found(behind_white.tree, behind_white)
 
-    world, found = seen_through(env, found_in)
+    world, found = apply_to_map(env, found_in)
     tree = found.tree
     casts = cast_notes(world, tree.peak_direction, tree.peak_luminance)
     notes = (*world.notes, *casts, *_faint(tree))

@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 from envlights import _native
 from envlights._check import check_choice, flag, reals
 from envlights._native import EnvLightsError, FitAnswer
-from envlights.envmap import AnyMap, EnvMap, seen_through
-from envlights.fitting import notes
-from envlights.fitting.answer import rig_of
-from envlights.fitting.asked import MAX_STEPS, STARTS_WITHOUT_MAP, Asked, asked
+from envlights.envmap import AnyMap, EnvMap, apply_to_map
+from envlights.fitting import wording
+from envlights.fitting.request import MAX_STEPS, STARTS_WITHOUT_MAP, Request, request_of
+from envlights.fitting.result import rig_of
 from envlights.kernels.probe import WORKING_COLUMNS
 from envlights.lights import Lights
 from envlights.rig import Rig
@@ -167,44 +167,44 @@ def fit(
     check_choice("ambient", ambient, (*AMBIENTS, AUTO))
     check_choice("normals", normals, NORMALS)
     check_choice("objective", objective, OBJECTIVES)
-    wanted = asked(lights, error, start, fixed, shadow_error=shadow_error)
+    request = request_of(lights, error, start, fixed, shadow_error=shadow_error)
     of_discs = objective if flag("sizes", sizes) and normals != "upper" else None
     if flag("floor", floor):
-        _check_over_floor(ambient, normals, wanted)
+        _check_over_floor(ambient, normals, request)
     names = tuple(AMBIENTS)[: 2 if floor else 3] if ambient == AUTO else (ambient,)
     clock = _Clock()
 
     def answers_under(world: EnvMap) -> dict[str, FitAnswer]:
-        first = wanted.first_directions_under(world, floor)
+        first = request.first_directions_under(world, floor)
         clock.lap("start")
         return {
-            name: _answer(world, wanted, first, name, of_discs, normals, floor) for name in names
+            name: _answer(world, request, first, name, of_discs, normals, floor) for name in names
         }
 
-    world, answers = seen_through(env, answers_under)
+    world, answers = apply_to_map(env, answers_under)
     clock.lap("fit")
-    chosen = _chosen(answers, wanted) if ambient == AUTO else ambient
+    chosen = _chosen(answers, request) if ambient == AUTO else ambient
     answer = answers[chosen]
     rig = rig_of(
         answer,
-        wanted,
-        notes=(*world.notes, *notes.clipping(world)),
+        request,
+        notes=(*world.notes, *wording.clipping(world)),
         floor=floor,
         # Where an error was asked for, all numbers of lights had sizes.
-        sized_error=answer.error if of_discs and answer.lights and not wanted.has_goal else None,
+        sized_error=answer.error if of_discs and answer.lights and not request.has_goal else None,
         # This stage is noted once it has ended.
         seconds=clock.laps,
-        measured_on=notes.measured_on(answer.judging, normals, floor),
+        measured_on=wording.measured_on(answer.judging, normals, floor),
         shadow_error=answer.shadow_error,
         ambient=chosen,
         ambients={name: (one.lights, one.error) for name, one in answers.items()}
         if ambient == AUTO
         else {},
         skipped=(
-            *notes.working_map(world, answer.points, RENDERING_ERROR),
-            *notes.channels(answer),
-            *notes.sizes(sizes, normals),
-            *notes.fewer_lights(answer, wanted, RENDERING_ERROR),
+            *wording.working_map(world, answer.points, RENDERING_ERROR),
+            *wording.channels(answer),
+            *wording.sizes(sizes, normals),
+            *wording.fewer_lights(answer, request, RENDERING_ERROR),
         ),
     )
     clock.lap("report")
@@ -277,7 +277,7 @@ def fit_probe(
     (array([[0. , 0.6, 0.8]]), array([[3., 2., 1.]]))
     """
     check_choice("ambient", ambient, tuple(AMBIENTS))
-    wanted = asked(lights, None, start, fixed, STARTS_WITHOUT_MAP)
+    request = request_of(lights, None, start, fixed, STARTS_WITHOUT_MAP)
     normals, irradiance = reals("normals", normals, 2), reals("irradiance", irradiance, 2)
     weights = np.ones(len(normals)) if weights is None else reals("weights", weights, 1)
     if len(weights) and not weights.any():
@@ -287,27 +287,27 @@ def fit_probe(
     brightest = float(np.abs(irradiance).max(initial=0.0))
     scale = brightest if 0 < brightest < np.inf else 1.0
     clock = _Clock()
-    first = wanted.first_directions(len(normals))
+    first = request.first_directions(len(normals))
     answer = _native.fit_samples(
         normals,
         weights,
         irradiance / scale,
         AMBIENTS[ambient],
-        np.concatenate([wanted.fixed, first]),
-        len(wanted.fixed),
-        wanted.lights,
+        np.concatenate([request.fixed, first]),
+        len(request.fixed),
+        request.lights,
         MAX_STEPS,
     )
     clock.lap("fit")
     rig = rig_of(
         answer,
-        wanted,
+        request,
         scale=scale,
         # This stage is noted once it has ended.
         seconds=clock.laps,
         measured_on=f"the {len(normals)} fitted normals",
         ambient=ambient,
-        skipped=(*notes.channels(answer), *notes.fewer_lights(answer, wanted, 0.0)),
+        skipped=(*wording.channels(answer), *wording.fewer_lights(answer, request, 0.0)),
     )
     clock.lap("report")
     return rig
@@ -327,7 +327,7 @@ class _Clock:
         self._last = now
 
 
-def _check_over_floor(ambient: str, normals: str, wanted: Asked) -> None:
+def _check_over_floor(ambient: str, normals: str, request: Request) -> None:
     """Refuse what makes no sense, or is not fitted, where a floor hides the lower half."""
     if ambient == "sh2":
         raise EnvLightsError(
@@ -339,12 +339,12 @@ def _check_over_floor(ambient: str, normals: str, wanted: Asked) -> None:
             "normals must be 'sphere' where there is a floor, which hides the light from below from"
             " every surface; got 'upper'"
         )
-    wanted.check_above_horizon()
+    request.check_above_horizon()
 
 
 def _answer(
     env: EnvMap,
-    wanted: Asked,
+    request: Request,
     first: NDArray[np.float64],
     ambient: str,
     objective: str | None,
@@ -354,15 +354,15 @@ def _answer(
     """The best rig under `env` with one kind of `ambient` term; points without an `objective`."""
     return _native.fit_map(
         env.radiance,
-        env.registration == "border-sampled",
+        env.is_border_sampled,
         WORKING_COLUMNS,
         POINT_SHARE,
         AMBIENTS[ambient],
-        np.concatenate([wanted.fixed, first]),
-        len(wanted.fixed),
-        wanted.lights,
-        wanted.error,
-        wanted.shadow_error,
+        np.concatenate([request.fixed, first]),
+        len(request.fixed),
+        request.lights,
+        request.error,
+        request.shadow_error,
         objective,
         MAX_STEPS,
         normals == "upper",
@@ -371,7 +371,7 @@ def _answer(
     )
 
 
-def _chosen(answers: Mapping[str, FitAnswer], wanted: Asked) -> str:
+def _chosen(answers: Mapping[str, FitAnswer], request: Request) -> str:
     """The ambient term that is good enough with the fewest lights; else that of least error.
 
     `answers` hold the simplest first, which is chosen where several do as well.
@@ -379,7 +379,7 @@ def _chosen(answers: Mapping[str, FitAnswer], wanted: Asked) -> str:
     reached = {
         name: answer.lights
         for name, answer in answers.items()
-        if wanted.is_reached(answer.error, answer.shadow_error)
+        if request.is_reached(answer.error, answer.shadow_error)
     }
     if reached:
         return min(reached, key=lambda name: reached[name])

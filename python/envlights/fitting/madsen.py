@@ -16,7 +16,7 @@ from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights._tables import Table
 from envlights.envmap import AnyMap, EnvMap, as_envmap
-from envlights.fitting.notes import clipping
+from envlights.fitting.wording import clipping
 from envlights.kernels import madsen, probe, sampling
 from envlights.light import azimuths, elevations
 from envlights.lights import Lights, rgb_cell
