@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,39 +24,6 @@ PROJECTIONS = ("equirectangular",)
 REGISTRATIONS = ("cell-centred", "border-sampled")
 
 _T = TypeVar("_T")
-
-
-class Original(NamedTuple):
-    """A map before lights were taken out of it."""
-
-    threshold: float
-    """Luminance above which a place is bright."""
-
-    flux: float
-    """Integral of the luminance."""
-
-    peak: float
-    """Largest luminance of its lights."""
-
-    end: float | None = None
-    """Luminance at which it was cut off; None where it was not."""
-
-    least_weight: float = 0.0
-    """Weight that a light needs behind that end; see `DetectedLights.weight`."""
-
-    columns: int = 0
-    """Columns of the image that was searched behind that end."""
-
-    @classmethod
-    def of_numbers(cls, numbers: Iterable[float]) -> Original:
-        """What `to_numbers` has told."""
-        threshold, flux, peak, end, least_weight, columns = numbers
-        return cls(threshold, flux, peak, end or None, least_weight, int(columns))
-
-    def to_numbers(self) -> tuple[float, ...]:
-        """Numbers alone, for a file."""
-        end = self.end or 0.0
-        return self.threshold, self.flux, self.peak, end, self.least_weight, self.columns
 
 
 class EnvMap:
@@ -115,7 +82,6 @@ class EnvMap:
         check_choice("registration", registration, REGISTRATIONS)
         self._white = None if white is None else checked_white(white)
         self._clipped: tuple[float, float] | None = None
-        self._original: Original | None = None
         self._notes = texts("notes", notes)
         self._projection, self._registration = projection, registration
         if isinstance(radiance, str | os.PathLike):
@@ -134,13 +100,12 @@ class EnvMap:
         registration: str = REGISTRATIONS[0],
         notes: Iterable[str] = (),
         white: float | None = None,
-        original: Original | None = None,
     ) -> EnvMap:
         """A map whose samples are not checked: kernels will check each, or have made it."""
         env = cls.__new__(cls)
         env._notes = list(notes)
         env._projection, env._registration = PROJECTIONS[0], registration
-        env._white, env._clipped, env._original = white, None, original
+        env._white, env._clipped = white, None
         env._radiance = _read_only(env._linear(map_array(radiance, env._notes)))
         return env
 
@@ -182,7 +147,7 @@ class EnvMap:
         if registration is None:
             registration = REGISTRATIONS[image.border_sampled]
         try:
-            env = cls(
+            return cls(
                 image.pixels,
                 registration=registration,
                 notes=image.notes,
@@ -190,8 +155,6 @@ class EnvMap:
             )
         except EnvLightsError as refusal:
             raise EnvLightsError(f"{os.fspath(path)}: {refusal}") from None
-        numbers = image.original
-        return env._left_of(None if numbers is None else Original.of_numbers(numbers))
 
     @classmethod
     def from_exposures(
@@ -282,15 +245,6 @@ class EnvMap:
         return self._white
 
     @property
-    def original(self) -> Original | None:
-        """The map from which `split` took lights to leave this one; None for other maps.
-
-        `detect` and `split` judge what is left as they judged it there. Files in OpenEXR keep this;
-        arrays do not, so ``detect(rest.radiance)`` judges what is left by itself.
-        """
-        return self._original
-
-    @property
     def clipped_share(self) -> float:
         """Share of the sphere whose radiance was cut off.
 
@@ -365,10 +319,9 @@ class EnvMap:
 
         Notes
         -----
-        Primaries are those of Rec.709. An .exr file keeps `original`. A border-sampled map has the
-        attribute ``envmap``; a cell-centred one must not, because readers would take its outer
-        pixels for the border. No .hdr file can say that it is border-sampled: such a map becomes
-        cells.
+        Primaries are those of Rec.709. A border-sampled map has the attribute ``envmap``; a
+        cell-centred one must not, because readers would take its outer pixels for the border. No
+        .hdr file can say that it is border-sampled: such a map becomes cells.
         """
         if map_suffix(path) == ".hdr":
             if half or compression != COMPRESSIONS[0]:
@@ -381,7 +334,6 @@ class EnvMap:
             half=half,
             compression=compression,
             border_sampled=self.is_border_sampled,
-            original=self._original and self._original.to_numbers(),
         )
 
     def rotated(self, matrix: ArrayLike) -> EnvMap:
@@ -416,8 +368,7 @@ class EnvMap:
             self._radiance, rotation(matrix), border_sampled=self.is_border_sampled
         )
         registration = REGISTRATIONS[is_border]
-        env = EnvMap(radiance, registration=registration, notes=self._notes, white=self._white)
-        return env._left_of(self._original)
+        return EnvMap(radiance, registration=registration, notes=self._notes, white=self._white)
 
     def cells(self) -> NDArray[np.float32]:
         """Radiance of a cell-centred map of the same size: `radiance` itself where it is one.
@@ -537,12 +488,7 @@ class EnvMap:
     def __reduce__(self) -> tuple[Any, ...]:
         # A copy is looked through again: only its constructor closes the array to writing.
         arguments = self._projection, self._registration, self._notes, self._white
-        return _copied, (self._radiance, *arguments, self._original)
-
-    def _left_of(self, original: Original | None) -> EnvMap:
-        """The same map, as what is left of another."""
-        self._original = original
-        return self
+        return _copied, (self._radiance, *arguments)
 
     def _clipped_shares(self) -> tuple[float, float]:
         if self._clipped is None:
@@ -574,12 +520,10 @@ def _copied(
     registration: str,
     notes: list[str],
     white: float | None = None,
-    original: Original | None = None,
 ) -> EnvMap:
-    env = EnvMap(
+    return EnvMap(
         radiance, projection=projection, registration=registration, notes=notes, white=white
     )
-    return env._left_of(original)
 
 
 def checked_white(white: float) -> float:

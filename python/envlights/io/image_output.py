@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from envlights._check import check_choice, flag
 from envlights._native import EnvLightsError
 from envlights.io.files import as_path, write_atomically
-from envlights.io.images import ORIGINAL, ORIGINAL_TYPE, REC709, failure, read_image
+from envlights.io.images import REC709, failure, read_image
 from envlights.io.openimageio import oiio
 
 #: Of OpenEXR; all keep every bit.
@@ -30,7 +30,6 @@ def write_exr(
     half: bool = False,
     compression: str = COMPRESSIONS[0],
     border_sampled: bool = False,
-    original: tuple[float, ...] | None = None,
 ) -> None:
     """Write linear Rec.709 RGB, (height, width, 3), as an OpenEXR file.
 
@@ -45,8 +44,6 @@ def write_exr(
     border_sampled : bool
         Whether the outer pixels lie on the seam and the poles. Such a map, and no other, has the
         attribute ``envmap``: readers take its outer pixels so.
-    original : tuple, optional
-        Six numbers of the map from which lights were taken to leave this one: `EnvMap.original`.
     """
     check_choice("compression", compression, COMPRESSIONS)
     if flag("half", half) and radiance.max(initial=0) > _LARGEST_HALF:
@@ -57,8 +54,6 @@ def write_exr(
     spec = _spec(radiance, oiio.HALF if half else oiio.FLOAT)
     spec.attribute("compression", compression)
     spec.attribute("chromaticities", oiio.TypeDesc("float[8]"), REC709)
-    if original:
-        spec.attribute(ORIGINAL, oiio.TypeDesc(ORIGINAL_TYPE), original)
     if border_sampled:
         spec.attribute("textureformat", "LatLong Environment")
         spec.attribute("openexr:levelmode", 0)  # one level, no pyramid

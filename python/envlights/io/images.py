@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._check import LARGEST_COUNT, count
+from envlights._check import count
 from envlights._native import EnvLightsError
 from envlights._srgb import decode_codes
 from envlights.io import png
@@ -33,10 +33,6 @@ _LINEAR = {"half", "float", "double"}
 #: Primaries and white of Rec.709, as OpenEXR stores them: x and y of red, green, blue, white.
 REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
 
-#: The attribute of OpenEXR files of what is left of a map, with six numbers of that map.
-ORIGINAL = "envlights:original"
-ORIGINAL_TYPE = "float[6]"
-
 
 @dataclass(frozen=True, eq=False)
 class Image:
@@ -53,9 +49,6 @@ class Image:
 
     white: float | None = None
     """The largest value that the samples can hold; None for floating point."""
-
-    original: tuple[float, ...] | None = None
-    """What the file tells of the map before lights were taken out of it."""
 
 
 def read_image(path: str | os.PathLike[str], *, max_pixels: int = MOST_PIXELS) -> Image:
@@ -143,20 +136,7 @@ def _read(name: str, file: oiio.ImageInput) -> Image:
         notes.append("only the first of several images in the file was read")
     border_sampled = bool(spec.getattribute("oiio:sampleborder"))
     white = 1.0 if is_coded else None
-    return Image(pixels, border_sampled, tuple(notes), white, _original(spec))
-
-
-def _original(spec: oiio.ImageSpec) -> tuple[float, ...] | None:
-    """What the file tells of the map before lights were taken; None where it is damaged."""
-    numbers = spec.getattribute(ORIGINAL, oiio.TypeDesc(ORIGINAL_TYPE))
-    if not numbers:
-        return None
-    # A map has a threshold, flux and a peak; it need not have been cut off.
-    has_light = all(0 < number < np.inf for number in numbers[:3])
-    may_end = (
-        all(0 <= number < np.inf for number in numbers[3:5]) and 0 <= numbers[5] <= LARGEST_COUNT
-    )
-    return numbers if has_light and may_end else None
+    return Image(pixels, border_sampled, tuple(notes), white)
 
 
 def _pixels(name: str, file: oiio.ImageInput, channels: list[int]) -> NDArray[np.float32]:
