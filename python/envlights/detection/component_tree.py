@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 
 from envlights import _native
 from envlights._check import LARGEST_COUNT, amount, count
+from envlights._map_pixels import checked_white
 from envlights.detection.casts import cast_notes
 from envlights.detection.lights import DetectedLights, DetectionReport
 from envlights.detection.members import Members
-from envlights.envmap import AnyMap, EnvMap, apply_to_map, checked_white
+from envlights.envmap import AnyMap, EnvMap, apply_to_map
 from envlights.light import place_of
 
 #: The narrowest working image.

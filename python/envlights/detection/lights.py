@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights import _html
 from envlights._arrays import sealed
 from envlights._check import amount, counts, flag, reals, rotation, texts
+from envlights._light_arrays import light_arrays, rotate, row_of, rows_of
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights._tables import MOST_ROWS
@@ -20,17 +21,7 @@ from envlights.detection.members import Members
 from envlights.io.own_json import read_json
 from envlights.kernels.sphere import FRAME
 from envlights.light import DetectedLight
-from envlights.lights import (
-    Lights,
-    Rows,
-    brightest_first,
-    light_arrays,
-    place_cells,
-    rgb_cell,
-    row_of,
-    rows_of,
-    turned,
-)
+from envlights.lights import Lights, Rows, brightest_first, place_cells, rgb_cell
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -242,9 +233,9 @@ class DetectedLights(Lights):
         turn = rotation(matrix)
         return replace(
             self,
-            direction=turned(self.direction, turn),
-            peak_direction=turned(self.peak_direction, turn),
-            orientation=turned(self.orientation, turn),
+            direction=rotate(self.direction, turn),
+            peak_direction=rotate(self.peak_direction, turn),
+            orientation=rotate(self.orientation, turn),
         )
 
     def discs(self) -> Lights:
