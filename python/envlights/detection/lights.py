@@ -286,6 +286,11 @@ class DetectedLights(Lights):
         table = self.table() if len(self) else "no light"
         return f"{table}\n\n{self._together()}\n{self.report}"
 
+    def verbose(self) -> str:
+        """Text with all details of the report."""
+        table = self.table() if len(self) else "no light"
+        return f"{table}\n\n{self._together()}\n{self.report.verbose()}"
+
     def _html_parts(self) -> tuple[str, ...]:
         return (*super()._html_parts(), _html.lines(f"{self._together()}\n{self.report}"))
 

@@ -200,11 +200,11 @@ def fit(
         ambients={name: (one.lights, one.error) for name, one in answers.items()}
         if ambient == AUTO
         else {},
+        fewer_lights=wording.fewer_lights(answer, request, RENDERING_ERROR),
         skipped=(
             *wording.working_map(world, answer.points, RENDERING_ERROR),
             *wording.channels(answer),
             *wording.sizes(sizes, normals),
-            *wording.fewer_lights(answer, request, RENDERING_ERROR),
         ),
     )
     clock.lap("report")
@@ -307,7 +307,8 @@ def fit_probe(
         seconds=clock.laps,
         measured_on=f"the {len(normals)} fitted normals",
         ambient=ambient,
-        skipped=(*wording.channels(answer), *wording.fewer_lights(answer, request, 0.0)),
+        fewer_lights=wording.fewer_lights(answer, request, 0.0),
+        skipped=wording.channels(answer),
     )
     clock.lap("report")
     return rig

@@ -39,11 +39,11 @@ def sizes(requested: bool, normals: str) -> tuple[str, ...]:
     return ()
 
 
-def fewer_lights(answer: FitAnswer, request: Request, rendering_error: float) -> tuple[str, ...]:
-    """Reason why there are fewer lights than allowed."""
+def fewer_lights(answer: FitAnswer, request: Request, rendering_error: float) -> str:
+    """Reason why there are fewer lights than allowed; empty if there are not."""
     used, most = answer.lights, request.lights
     if used >= most:
-        return ()
+        return ""
     searched = max(lights for lights, _ in answer.errors)
     if request.is_reached(answer.error, answer.shadow_error):
         why = "they reach the requested error"
@@ -52,7 +52,7 @@ def fewer_lights(answer: FitAnswer, request: Request, rendering_error: float) ->
     else:
         why = "more would not lower the error"
     limit = f"; {searched + 1} or more were not searched" if searched < most else ""
-    return (f"{used} of at most {most} lights used: {why}{limit}",)
+    return f"{used} of at most {most} lights used: {why}{limit}"
 
 
 def clipping(env: EnvMap) -> tuple[str, ...]:
