@@ -24,7 +24,7 @@ def linear(array: NDArray[Any], notes: list[str]) -> NDArray[np.float32]:
     return decode_codes(array)
 
 
-def cleaned(radiance: NDArray[np.float32], notes: list[str]) -> NDArray[np.float32]:
+def clean(radiance: NDArray[np.float32], notes: list[str]) -> NDArray[np.float32]:
     """Radiance with NaN, negative and infinite samples replaced, and counted in `notes`."""
     nan, infinite, negative = _native.unusable(radiance)
     if not (nan or infinite or negative):
@@ -38,7 +38,7 @@ def cleaned(radiance: NDArray[np.float32], notes: list[str]) -> NDArray[np.float
     for count, kind, value in changes:
         if count:
             notes.append(f"{count} {kind} sample{'s' if count > 1 else ''} set to {value}")
-    return in_blocks(radiance.shape, lambda rows: _replaced(radiance[rows], largest))
+    return in_blocks(radiance.shape, lambda rows: _replace(radiance[rows], largest))
 
 
 def _largest_finite(radiance: NDArray[np.float32]) -> float:
@@ -50,7 +50,7 @@ def _largest_finite(radiance: NDArray[np.float32]) -> float:
     return max(float(largest), 0.0)
 
 
-def _replaced(radiance: NDArray[np.float32], largest: float) -> NDArray[np.float32]:
+def _replace(radiance: NDArray[np.float32], largest: float) -> NDArray[np.float32]:
     """NaN and negative samples as 0, infinite ones as `largest`."""
     finite = np.nan_to_num(radiance, nan=0.0, posinf=largest, neginf=0.0)
     return np.maximum(finite, np.float32(0))

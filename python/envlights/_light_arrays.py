@@ -7,7 +7,7 @@ import operator
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._check import reals, shown
+from envlights._check import describe, reals
 from envlights._native import EnvLightsError
 from envlights.kernels import sphere
 
@@ -76,7 +76,7 @@ def row_of(which: object, lights: int) -> int:
     except TypeError:
         raise EnvLightsError(
             "an index of lights must be a number, as in lights[0], a slice, as in lights[:4], or a"
-            f" list of numbers; got {shown(which)}"
+            f" list of numbers; got {describe(which)}"
         ) from None
     if not -lights <= row < lights:
         raise IndexError(f"there are {lights} lights; got the index {row}")

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _cleaning, _html, _map_text, _native, _thumbnails, resampling
-from envlights._arrays import converted
-from envlights._check import amount, check_choice, shown, texts
+from envlights._arrays import convert
+from envlights._check import amount, check_choice, describe, texts
 from envlights._map_array import map_array
 from envlights._native import EnvLightsError
 
@@ -44,10 +44,10 @@ class MapPixels:
         if isinstance(radiance, str | os.PathLike):
             raise EnvLightsError(
                 "a map must be an array; `EnvMap.open` reads files; got"
-                f" {shown(os.fspath(radiance))}"
+                f" {describe(os.fspath(radiance))}"
             )
         linear = self._linear(map_array(radiance, self._notes))
-        self._radiance = _read_only(_cleaning.cleaned(linear, self._notes))
+        self._radiance = _read_only(_cleaning.clean(linear, self._notes))
 
     @classmethod
     def unchecked(
@@ -161,7 +161,7 @@ class MapPixels:
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
         """Radiance as an array, for NumPy."""
-        return converted(self._radiance, dtype, copy)
+        return convert(self._radiance, dtype, copy)
 
     def __reduce__(self) -> tuple[Any, ...]:
         layout = {"projection": self._projection, "registration": self._registration}

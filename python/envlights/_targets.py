@@ -14,25 +14,28 @@ from envlights.io.files import PICTURES, as_path
 
 
 class Target(NamedTuple):
-    """A program, or a format, for which rigs can be written."""
+    """Program or format that rigs can be exported to."""
 
     name: str
-    """The name of its file here, and of its public function."""
+    """Name of its module and of its public function."""
 
     title: str
-    """Its own name."""
+    """Full name."""
 
     suffixes: tuple[str, ...]
-    """Ends of file names, in lower case; the first is the usual one."""
+    """Suffixes in lower case, the usual one first."""
 
     save: Callable[..., None]
-    """Takes a rig or lights and a path; then a map as `environment`, if it takes maps."""
+    """Writer: takes a rig or lights, a path, and an `environment` map if it accepts one."""
 
     takes_map: bool
-    """Whether the ambient term can be a map."""
+    """True if the ambient term can be a map."""
 
     keeps: str
+    """Parts of a rig that it keeps."""
+
     loses: str
+    """Parts of a rig that it loses."""
 
 
 _TARGETS: list[Target] = []
@@ -66,7 +69,7 @@ def targets() -> tuple[Target, ...]:
 
 
 def target_of(path: str | os.PathLike[str]) -> Target:
-    """The target that the end of a file's name stands for; the longest one that fits."""
+    """Target of a file name; the longest matching suffix decides."""
     name = as_path(path).name.lower()[1:]
     fits = [
         (len(suffix), target)
@@ -96,13 +99,13 @@ def save(
     path : path-like
         Textures are written beside it, ``scene.ambient.exr`` beside ``scene.usda``.
     environment : EnvMap or array_like, optional
-        A map in place of the ambient term, such as the rest of a split map.
+        Map that replaces the ambient term, such as the rest of a split map.
 
     Raises
     ------
     EnvLightsError
-        If the suffix is unknown, the target takes no map but is given one, or the file cannot be
-        written.
+        If the suffix is unknown, the target accepts no map but `environment` is one, or the file
+        cannot be written.
     """
     target = target_of(path)
     if environment is None:
@@ -110,4 +113,4 @@ def save(
     elif target.takes_map:
         target.save(rig, path, environment)
     else:
-        raise EnvLightsError(f"cannot write {path}: {target.title} takes no map as environment")
+        raise EnvLightsError(f"cannot write {path}: {target.title} accepts no environment map")

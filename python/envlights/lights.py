@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _html, _targets, _thumbnails
-from envlights._arrays import sealed
+from envlights._arrays import seal
 from envlights._check import rotation
 from envlights._light_arrays import light_arrays, radii, rotate, row_of, rows_of
 from envlights._lobes import SphericalGaussians, lobes
@@ -85,9 +85,9 @@ class Lights(Result):
         direction, irradiance = light_arrays(self.direction, self.irradiance)
         radius = radii(self.angular_radius, len(direction))
         order = brightest_first(irradiance)
-        object.__setattr__(self, "direction", sealed(direction[order]))
-        object.__setattr__(self, "irradiance", sealed(irradiance[order]))
-        object.__setattr__(self, "angular_radius", sealed(radius[order]))
+        object.__setattr__(self, "direction", seal(direction[order]))
+        object.__setattr__(self, "irradiance", seal(irradiance[order]))
+        object.__setattr__(self, "angular_radius", seal(radius[order]))
 
     @classmethod
     def unchecked(
@@ -98,9 +98,9 @@ class Lights(Result):
     ) -> Lights:
         """Lights that a kernel has found, brightest first, in arrays that nobody else holds."""
         lights = cls.__new__(cls)
-        object.__setattr__(lights, "direction", sealed(direction))
-        object.__setattr__(lights, "irradiance", sealed(irradiance))
-        object.__setattr__(lights, "angular_radius", sealed(angular_radius))
+        object.__setattr__(lights, "direction", seal(direction))
+        object.__setattr__(lights, "irradiance", seal(irradiance))
+        object.__setattr__(lights, "angular_radius", seal(angular_radius))
         return lights
 
     def __len__(self) -> int:

@@ -50,7 +50,7 @@ PLATEAU_COLUMNS, PLATEAU_GAP = 512, math.radians(0.8)
 _ROWS = 128
 
 
-class Repaired(NamedTuple):
+class Repair(NamedTuple):
     """Radiance with an estimate of the clipped light."""
 
     radiance: NDArray[np.float32]
@@ -66,7 +66,7 @@ def repair(
     white: float | None,
     irradiance: float | None,
     ratio: float | None,
-) -> Repaired:
+) -> Repair:
     """Add the light that was clipped at `white`: a measured amount, or an estimate."""
     if irradiance is not None and ratio is not None:
         raise EnvLightsError("give irradiance or ratio, not both")
@@ -78,15 +78,15 @@ def repair(
         radiance, border_sampled, level, PLATEAU_COLUMNS, PLATEAU_GAP
     )
     if not share.any():
-        return Repaired(radiance, "nothing was added: no pixel is clipped", is_estimate)
-    light = _measured(radiance, share, level, border_sampled)
+        return Repair(radiance, "nothing was added: no pixel is clipped", is_estimate)
+    light = _measure(radiance, share, level, border_sampled)
     missing, source = light.estimate(level) if is_estimate else light.up_to(irradiance, ratio)
     if missing == 0:
         note = f"nothing was added for the clipped light: {source}"
-        return Repaired(radiance, note, is_estimate)
+        return Repair(radiance, note, is_estimate)
     factor = 1 + missing / light.flux
     note = f"the flux was raised by a factor of {factor:.3g} for the clipped light: {source}"
-    return Repaired(_raised(radiance, share, missing), note, False)
+    return Repair(_raise_clipped(radiance, share, missing), note, False)
 
 
 @dataclass(frozen=True)
@@ -167,7 +167,7 @@ def _true_factors(factor: float) -> tuple[float, float]:
 _TWO_THIRDS = 0.8, 2.3
 
 
-def _measured(
+def _measure(
     radiance: NDArray[np.float32], share: NDArray[np.float32], white: float, border_sampled: bool
 ) -> _Light:
     """Measure flux, irradiance and solid angle of what is clipped and what is not."""
@@ -212,7 +212,7 @@ def _measured(
     )
 
 
-def _raised(
+def _raise_clipped(
     radiance: NDArray[np.float32], share: NDArray[np.float32], missing: float
 ) -> NDArray[np.float32]:
     """`radiance` with the flux `missing` in the clipped pixels, each of its own colour."""

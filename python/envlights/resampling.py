@@ -53,14 +53,14 @@ def cells_of_borders(radiance: NDArray[np.float32]) -> NDArray[np.float32]:
     columns = _shares(_border_edges(width), _cell_edges(width))
 
     def cells(some: slice) -> NDArray[np.float32]:
-        lines = _averaged(radiance, rows, np.arange(some.start, some.stop))
-        new = _averaged(lines.swapaxes(0, 1), columns, np.arange(width)).swapaxes(0, 1)
+        lines = _average(radiance, rows, np.arange(some.start, some.stop))
+        new = _average(lines.swapaxes(0, 1), columns, np.arange(width)).swapaxes(0, 1)
         return np.maximum(new, 0).astype(np.float32)
 
     return in_blocks(radiance.shape, cells)
 
 
-def _averaged(
+def _average(
     values: NDArray[np.floating], shares: NDArray[np.float64], at: NDArray[np.intp]
 ) -> NDArray[np.float64]:
     """Means of the values before, at and after these places along the first axis."""

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _html, _targets
-from envlights._arrays import frozen
+from envlights._arrays import freeze
 from envlights._blocks import in_blocks
 from envlights._check import amount, flag, one_or_more, rotation
 from envlights._native import EnvLightsError
@@ -65,7 +65,7 @@ class Rig(Result):
     """True if a floor hides the ambient light from below the horizon."""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "ambient", frozen(_ambient(self.ambient)))
+        object.__setattr__(self, "ambient", freeze(_ambient(self.ambient)))
         if flag("floor", self.floor) and self.ambient.ndim == 2:
             raise EnvLightsError("ambient must be one radiance where there is a floor; got (9, 3)")
         object.__setattr__(self, "error", amount("error", self.error))

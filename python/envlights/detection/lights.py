@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _html
-from envlights._arrays import sealed
+from envlights._arrays import seal
 from envlights._check import amount, counts, flag, reals, rotation, texts
 from envlights._light_arrays import light_arrays, rotate, row_of, rows_of
 from envlights._native import EnvLightsError
@@ -187,11 +187,11 @@ class DetectedLights(Lights):
                 raise EnvLightsError(
                     f"{name} must have a row for each light ({len(order)}); got {len(array)}"
                 )
-            object.__setattr__(self, name, sealed(array[order]))
+            object.__setattr__(self, name, seal(array[order]))
         radius = 2 * np.arcsin(np.sqrt(np.clip(self.solid_angle / (4 * np.pi), 0, 1)))
-        object.__setattr__(self, "angular_radius", sealed(radius))
+        object.__setattr__(self, "angular_radius", seal(radius))
         rank = np.argsort(order)
-        members = replace(self.members, light=sealed(rank[self.members.light]))
+        members = replace(self.members, light=seal(rank[self.members.light]))
         object.__setattr__(self, "members", members)
 
     def _order(self, irradiance: NDArray[np.float64]) -> NDArray[np.intp]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
-from envlights._check import amount, count, shown
+from envlights._check import amount, count, describe
 from envlights._native import EnvLightsError
 from envlights.detection.component_tree import searched
 from envlights.detection.detect import detect
@@ -202,7 +202,7 @@ def _count(lights: object) -> int:
     if isinstance(lights, bool) or not isinstance(lights, int | np.integer):
         raise EnvLightsError(
             "lights must be a number, or what `detect` has found, such as found[[0, 2]]; got"
-            f" {shown(lights)}"
+            f" {describe(lights)}"
         )
     return count("lights", int(lights))
 

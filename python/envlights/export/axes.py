@@ -1,4 +1,4 @@
-"""From our frame to the target's: one table, which every exporter uses.
+"""Axes of each target, in one table that every exporter uses.
 
 Ours is right-handed with +y up; the centre of a map looks along +z, its left quarter along +x.
 """
@@ -32,7 +32,7 @@ _UNREAL: Matrix = ((0, 0, 1), (-1, 0, 0), (0, 1, 0))
 
 
 class Axes(NamedTuple):
-    """Where our axes lie in a target.
+    """Axes of a target.
 
     Examples
     --------

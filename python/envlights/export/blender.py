@@ -17,7 +17,7 @@ from envlights.export.scene import Scene, scene_of
 from envlights.lights import Lights
 from envlights.rig import Rig
 
-#: Runs in Blender 4.2 and newer. What stands in it twice is replaced the second time.
+#: Runs in Blender 4.2 and newer. A second run replaces the objects of the first.
 _SCRIPT = '''\
 """Lights of envlights: run this in Blender's Text Editor, or by blender --python."""
 

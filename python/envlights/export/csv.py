@@ -20,9 +20,9 @@ _FRAME = (
 
 
 def csv(rig: Rig | Lights) -> str:
-    """A row for each light and for the ambient term, without loss; harmonics are nine rows.
+    """Lossless table with a row for each light and for the ambient term (nine for harmonics).
 
-    Frame and units are the package's own, and stand in comments that begin with ``#``.
+    Comments that begin with ``#`` give frame and units.
 
     See Also
     --------

@@ -148,7 +148,7 @@ def rows_on_poles(radiance: NDArray[Any]) -> NDArray[np.float64]:
 
 
 def sharp_rows_on_poles(env: EnvMap) -> NDArray[np.float64]:
-    """The same of cells so fine that Mitsuba's interpolation hardly blurs the map."""
+    """Rows of cells so fine that Mitsuba's interpolation hardly blurs the map."""
     times = -(-MOST_ROWS // env.height)
     return rows_on_poles(env.cells().repeat(times, axis=0).repeat(times, axis=1))
 

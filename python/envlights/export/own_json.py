@@ -1,4 +1,4 @@
-"""The package's own JSON: everything, without loss, with its format, version, frame and units."""
+"""Lossless JSON of the package, with format, version, frame and units."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from envlights.kernels.sphere import FRAME
 from envlights.lights import Lights
 from envlights.rig import Rig
 
-#: Of lights alone, whose `to_dict` is a part of other formats too.
+#: Header of a file of lights, because `Lights.to_dict` holds only arrays.
 _LIGHTS = {
     "format": "envlights lights",
     "version": 1,
@@ -20,7 +20,7 @@ _LIGHTS = {
 
 
 def save_json(rig: Rig | Lights, path: str | os.PathLike[str]) -> None:
-    """Write all that `to_dict` gives; `load` of the same class reads it back."""
+    """Write the result of `to_dict`, which `load` of the same class reads."""
     data = rig.to_dict()
     if "format" not in data:
         data = {**_LIGHTS, **data}

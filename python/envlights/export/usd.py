@@ -94,7 +94,7 @@ def _text(scene: Scene, texture: str) -> str:
         ]
         prims.append(_prim("DomeLight", "ambient", ["float inputs:intensity = 1.0", *file]))
     elif scene.ambient is not None:
-        prims.append(_prim("DomeLight", "ambient", _coloured(scene.ambient)))
+        prims.append(_prim("DomeLight", "ambient", _colour(scene.ambient)))
     return _HEAD + "\n".join(prims) + "}\n"
 
 
@@ -113,7 +113,7 @@ def _light(
         name,
         [
             f"float inputs:angle = {float(2 * np.rad2deg(radius))!r}",
-            *_coloured(irradiance),
+            *_colour(irradiance),
             "bool inputs:normalize = 1",
             f"matrix4d xformOp:transform = ( {matrix} )",
             'uniform token[] xformOpOrder = ["xformOp:transform"]',
@@ -121,7 +121,7 @@ def _light(
     )
 
 
-def _coloured(values: NDArray[np.float64]) -> list[str]:
+def _colour(values: NDArray[np.float64]) -> list[str]:
     """Colour and intensity with the product `values`."""
     most = float(values.max())
     colour = values / most if most > 0 else values

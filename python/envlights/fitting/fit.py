@@ -183,7 +183,7 @@ def fit(
 
     world, answers = apply_to_map(env, answers_under)
     clock.lap("fit")
-    chosen = _chosen(answers, request) if ambient == AUTO else ambient
+    chosen = _choose(answers, request) if ambient == AUTO else ambient
     answer = answers[chosen]
     rig = rig_of(
         answer,
@@ -372,7 +372,7 @@ def _answer(
     )
 
 
-def _chosen(answers: Mapping[str, FitAnswer], request: Request) -> str:
+def _choose(answers: Mapping[str, FitAnswer], request: Request) -> str:
     """The ambient term that is good enough with the fewest lights; else that of least error.
 
     `answers` hold the simplest first, which is chosen where several do as well.

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._arrays import frozen
+from envlights._arrays import freeze
 from envlights._check import amount, colour, count, reals
 from envlights._interruptible import interruptible
 from envlights._native import EnvLightsError
@@ -221,7 +221,7 @@ def fit_paper(
     ambient = np.full(3, 1.0 if surface.k_a > 0 else 0.0)
     x = madsen.pack_lights(ambient, first, np.ones((lights, 3)))
     x, errors, stop = _gauss_newton(problem, x, damped, max_steps)
-    found, directions, irradiance = (frozen(part) for part in madsen.unpack_lights(x))
+    found, directions, irradiance = (freeze(part) for part in madsen.unpack_lights(x))
     history, (k_a, k_d, _) = tuple(errors), surface
     notes = (*env.notes, *clipping(env))
     return PaperFit(found, directions, irradiance, history, stop, k_a, k_d, notes)

@@ -38,9 +38,9 @@ def rig_of(
         channel_errors=tuple(answer.channel_errors),
         max_error=answer.max_error,
         condition=answer.condition,
-        direction_errors=_reordered(answer.direction_errors, order),
-        irradiance_errors=_reordered_rgb(answer.irradiance_errors, order, scale),
-        direction_tolerances=_reordered(answer.tolerances, order),
+        direction_errors=_reorder(answer.direction_errors, order),
+        irradiance_errors=_reorder_rgb(answer.irradiance_errors, order, scale),
+        direction_tolerances=_reorder(answer.tolerances, order),
         fixed=tuple(order.argsort()[: len(request.fixed)].tolist()) if len(request.fixed) else (),
         **report_fields,
     )
@@ -55,12 +55,12 @@ def rig_of(
     )
 
 
-def _reordered(values: list[float], order: NDArray[np.intp]) -> tuple[float, ...]:
+def _reorder(values: list[float], order: NDArray[np.intp]) -> tuple[float, ...]:
     """One value for each light, in the `order` of the lights; empty if there are no values."""
     return tuple(values[light] for light in order) if values else ()
 
 
-def _reordered_rgb(
+def _reorder_rgb(
     values: list[list[float]], order: NDArray[np.intp], scale: float
 ) -> tuple[tuple[float, float, float], ...]:
     """Three values for each light, in units of `scale`, in the `order` of the lights."""

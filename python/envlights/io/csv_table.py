@@ -16,12 +16,12 @@ FORMAT = "# envlights CSV, version 1"
 
 HEADER = "kind,x,y,z,red,green,blue,angular_radius"
 _RIG = re.compile(r"# relative RMS error (\S+)(, over a floor)?")
-#: Rows of an ambient term: of a constant, and of nine harmonics.
+#: First cells of the rows of an ambient term: constant, or nine harmonics.
 AMBIENTS = (["ambient"], [f"ambient sh{j}" for j in range(9)])
 
 
 class Table(NamedTuple):
-    """What a CSV file holds; a file of lights alone has neither ambient nor error."""
+    """Content of a CSV file; without an ambient term for lights alone."""
 
     direction: NDArray[np.float64]
     """Unit vectors towards the lights, (n, 3)."""
@@ -39,7 +39,7 @@ class Table(NamedTuple):
     """Relative RMS error of the rig."""
 
     floor: bool
-    """Whether a floor hides the ambient light from below."""
+    """True if a floor hides the ambient light from below."""
 
 
 def read_csv(path: str | os.PathLike[str]) -> Table:
@@ -73,7 +73,7 @@ def read_csv(path: str | os.PathLike[str]) -> Table:
 
 
 def _rows(lines: list[str]) -> list[list[str]]:
-    """The cells of each row below the header."""
+    """Cells of each row below the header."""
     if lines[:1] != [HEADER]:
         raise ValueError(f"the header must be '{HEADER}'")
     rows = [line.split(",") for line in lines[1:]]
@@ -84,10 +84,10 @@ def _rows(lines: list[str]) -> list[list[str]]:
 
 
 def _ambient(rows: list[list[str]]) -> NDArray[np.float64] | None:
-    """The ambient term in its shape, or None."""
+    """Ambient term, (3,) or (9, 3), or None."""
     if not rows:
         return None
     if [row[0] for row in rows] not in AMBIENTS:
-        raise ValueError("its rows must be lights, then one row of ambient, or nine")
+        raise ValueError("its rows must be lights, then one row of ambient or nine")
     values = np.array([row[4:7] for row in rows], float)
     return values if len(rows) > 1 else values[0]

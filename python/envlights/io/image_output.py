@@ -1,4 +1,4 @@
-"""Images out, by OpenImageIO: linear RGB as OpenEXR or Radiance files, whole or not at all."""
+"""Writer of linear RGB as OpenEXR or Radiance files, by OpenImageIO."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from envlights.io.files import as_path, write_atomically
 from envlights.io.images import REC709, failure, read_image
 from envlights.io.openimageio import oiio
 
-#: Of OpenEXR; all keep every bit.
+#: Lossless compressions of OpenEXR.
 COMPRESSIONS = ("zip", "piz", "rle", "none")
 #: Width and height of tiles: OpenImageIO writes the attribute `envmap` into tiled files only.
 _TILE = 64
@@ -66,12 +66,12 @@ def write_hdr(path: str | os.PathLike[str], radiance: NDArray[np.float32]) -> No
     _write(path, _spec(radiance, oiio.FLOAT), radiance)
 
 
-#: By the suffixes of files.
+#: Formats by suffix.
 MAP_SUFFIXES = (".exr", ".hdr")
 
 
 def map_suffix(path: str | os.PathLike[str]) -> str:
-    """The suffix of a map that can be written, or a refusal."""
+    """Suffix of a map file, or a refusal."""
     suffix = as_path(path).suffix.lower()
     if suffix not in MAP_SUFFIXES:
         raise EnvLightsError(
@@ -83,7 +83,7 @@ def map_suffix(path: str | os.PathLike[str]) -> str:
 def _spec(radiance: NDArray[np.float32], sample: oiio.BASETYPE) -> oiio.ImageSpec:
     height, width, channels = radiance.shape
     spec = oiio.ImageSpec(width, height, channels, sample)
-    # Without the hour of writing, which is not that of the capture: one map has one file.
+    # Leave out the time of writing, so that equal maps give equal files.
     spec.attribute("DateTime", "")
     return spec
 
@@ -105,7 +105,7 @@ def _write(
 
 
 def _fill(file: oiio.ImageOutput, radiance: NDArray[np.float32]) -> bool:
-    """Write the pixels some rows at a time, so that Ctrl-C need not wait for the last; success."""
+    """Write the pixels in blocks of rows, so that Ctrl-C works; True on success."""
     spec = file.spec()
     for top in range(0, spec.height, _ROWS_AT_ONCE):
         rows = radiance[top : top + _ROWS_AT_ONCE]
@@ -119,7 +119,7 @@ def _fill(file: oiio.ImageOutput, radiance: NDArray[np.float32]) -> bool:
 
 
 def _check_whole(path: Path) -> None:
-    """Read the file back: OpenImageIO does not notice a disk that was full for the last bytes."""
+    """Read the file back, because OpenImageIO does not report a full disk for the last bytes."""
     try:
         read_image(path)
     except EnvLightsError:

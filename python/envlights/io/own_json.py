@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from envlights._check import shown
+from envlights._check import describe
 from envlights._native import EnvLightsError
 from envlights.io.files import as_path
 
@@ -19,7 +19,7 @@ def read_json(
     versions: tuple[int, ...],
     build: Callable[[dict[str, Any]], _T],
 ) -> _T:
-    """What `build` makes of a file of a `kind`, such as "rig", in one of some versions.
+    """Read a file of a `kind`, such as "rig", and pass its content to `build`.
 
     Raises
     ------
@@ -42,7 +42,7 @@ def read_json(
     except KeyError as error:
         reason = f"the key {error} is missing"
     except (AttributeError, IndexError, OverflowError, TypeError, ValueError):
-        reason = "a value has another type or shape than those that `save` writes"
+        reason = "a value has another type or shape than `save` writes"
     raise EnvLightsError(f"{path} is not {_one(kind, 'complete')}: {reason}")
 
 
@@ -51,14 +51,14 @@ def _check_version(path: object, kind: str, versions: tuple[int, ...], data: Any
     if not isinstance(data, dict) or data.get("format") != name:
         raise EnvLightsError(f"{path} is not {_one(kind)}: it does not say 'format': '{name}'")
     if data.get("version") not in versions:
-        version, read = shown(data.get("version")), " and ".join(map(str, versions))
+        version, read = describe(data.get("version")), " and ".join(map(str, versions))
         raise EnvLightsError(
             f"{path} is {_one(kind)} of version {version}; this package reads {read}"
         )
 
 
 def _one(kind: str, quality: str = "") -> str:
-    """A file of a `kind` as a sentence calls it: "a rig", "a complete list of lights"."""
+    """Noun for a file of a `kind`: "a rig", "a complete list of lights"."""
     noun = f"list of {kind}" if kind.endswith("s") else kind
     return f"a {quality} {noun}" if quality else f"a {noun}"
 

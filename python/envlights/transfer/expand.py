@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._check import shown
+from envlights._check import describe
 from envlights._native import EnvLightsError
 
 #: Texels of a block: the rows of a few images fit into the cache.
@@ -100,7 +100,7 @@ def region_mask(region: Any, shape: tuple[int, int]) -> NDArray[np.bool_]:
         needed[rows, columns] = True
     except (TypeError, ValueError):
         raise EnvLightsError(
-            f"region must be two slices, of rows and of columns; got {shown(region)}"
+            f"region must be two slices, of rows and of columns; got {describe(region)}"
         ) from None
     return needed
 
