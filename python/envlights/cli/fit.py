@@ -17,7 +17,7 @@ from envlights.cli.outputs import (
 )
 from envlights.envmap import EnvMap
 from envlights.export.targets import SUFFIXES
-from envlights.fitting.fit import AMBIENTS, AUTO, NORMALS, fit
+from envlights.fitting.fit import AMBIENTS, AUTO, fit
 from envlights.io.files import PICTURES
 from envlights.rig import Rig
 
@@ -40,13 +40,6 @@ from envlights.rig import Rig
     help="The environment beside the lights; sh2: nine spherical harmonics; auto: what pays.",
 )
 @click.option(
-    "--normals",
-    type=click.Choice(NORMALS),
-    default=default_of(fit, "normals"),
-    show_default=True,
-    help="Surfaces that count; upper: those that face up.",
-)
-@click.option(
     "--floor", is_flag=True, help="A floor in the scene hides all light from below the horizon."
 )
 @output_option(OUTPUTS)
@@ -58,7 +51,6 @@ def command(
     shadow_error: float | None,
     sizes: bool,
     ambient: str,
-    normals: str,
     floor: bool,
     outputs: Sequence[str],
     as_json: bool,
@@ -74,7 +66,6 @@ def command(
         shadow_error=shadow_error,
         sizes=sizes,
         ambient=ambient,
-        normals=normals,
         floor=floor,
     )
     for output in outputs:

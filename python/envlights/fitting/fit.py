@@ -26,8 +26,6 @@ AMBIENTS = {"none": 0, "constant": 1, "sh2": 9}
 AUTO = "auto"
 #: What lights with sizes are fitted to.
 OBJECTIVES = ("mixed", "shadows", "probe")
-#: Surfaces whose irradiance is fitted.
-NORMALS = ("sphere", "upper")
 
 #: Error of the working map: on 14 real maps the relative RMS difference of its irradiance from the
 #: exact one was 3e-5 to 1.4e-4. Below it, lights would follow the error of the rendering.
@@ -49,7 +47,6 @@ def fit(
     ambient: str = "constant",
     start: str | Rig | Lights = "greedy",
     fixed: ArrayLike | Lights | None = None,
-    normals: str = "sphere",
     floor: bool = False,
 ) -> Rig:
     """Ambient and a few lights that light a scene as `env` does.
@@ -69,8 +66,7 @@ def fit(
 
     For objects that stand on a floor, give ``floor=True``: the floor hides the light from below,
     from the objects and from itself. For objects in the air, or with nothing below them in the
-    scene, leave it out. ``normals="upper"`` only leaves out the surfaces that face down; those that
-    face up still receive light from below the horizon, and nothing is hidden.
+    scene, leave it out.
 
     Parameters
     ----------
@@ -88,8 +84,7 @@ def fit(
         The same for the error that sees shadows. With both, the fewest lights that reach both.
     sizes : bool
         Whether lights become discs. Their angular radii are at most 75 degrees; over a `floor`, at
-        most their elevation. A radius of 0 is a point. Without sizes all lights are points. Lights
-        for ``normals="upper"`` have no sizes.
+        most their elevation. A radius of 0 is a point. Without sizes all lights are points.
     objective : {"mixed", "shadows", "probe"}
         What the discs are fitted to: the error with shadows, that of the probe with nothing in the
         way, or a mean of both, which is nearly as good as either alone.
@@ -112,9 +107,6 @@ def fit(
         Unit vectors towards lights that stay where they are; only their radiances and sizes are
         fitted. They count among `lights`, and are returned even if black. `report.fixed` holds
         their rows among the lights of the rig.
-    normals : {"sphere", "upper"}
-        Which surfaces count, in the fit and in the error: all, or those that face up. Upward
-        surfaces are fitted at 2560 normals and measured at 5120 others.
     floor : bool
         Whether there is a floor in the scene, which hides what is below the horizon. Then light
         from there neither counts nor is used: all lights stand above the horizon, and the `ambient`
@@ -131,9 +123,8 @@ def fit(
     ------
     EnvLightsError
         If `env` is not a map, `lights` not a count or fewer than `fixed`, `error` or `shadow_error`
-        not a share, a `fixed` direction not a unit vector, or `objective`, `ambient`, `start` or
-        `normals` not known; with a `floor`, for "sh2", for "upper", and for `fixed` or `start`
-        lights below the horizon.
+        not a share, a `fixed` direction not a unit vector, or `objective`, `ambient` or `start` not
+        known; with a `floor`, for "sh2", and for `fixed` or `start` lights below the horizon.
 
     See Also
     --------
@@ -165,21 +156,18 @@ def fit(
     True
     """
     check_choice("ambient", ambient, (*AMBIENTS, AUTO))
-    check_choice("normals", normals, NORMALS)
     check_choice("objective", objective, OBJECTIVES)
     wanted = asked(lights, error, start, fixed, shadow_error=shadow_error)
-    of_discs = objective if flag("sizes", sizes) and normals != "upper" else None
+    of_discs = objective if flag("sizes", sizes) else None
     if flag("floor", floor):
-        _check_over_floor(ambient, normals, wanted)
+        _check_over_floor(ambient, wanted)
     names = tuple(AMBIENTS)[: 2 if floor else 3] if ambient == AUTO else (ambient,)
     clock = _Clock()
 
     def answers_under(world: EnvMap) -> dict[str, FitAnswer]:
         first = wanted.first_directions_under(world, floor)
         clock.lap("start")
-        return {
-            name: _answer(world, wanted, first, name, of_discs, normals, floor) for name in names
-        }
+        return {name: _answer(world, wanted, first, name, of_discs, floor) for name in names}
 
     world, answers = seen_through(env, answers_under)
     clock.lap("fit")
@@ -194,7 +182,7 @@ def fit(
         sized_error=answer.error if of_discs and answer.lights and not wanted.has_goal else None,
         # This stage is noted once it has ended.
         seconds=clock.laps,
-        measured_on=notes.measured_on(answer.judging, normals, floor),
+        measured_on=notes.measured_on(answer.judging, floor),
         shadow_error=answer.shadow_error,
         ambient=chosen,
         ambients={name: (one.lights, one.error) for name, one in answers.items()}
@@ -203,7 +191,6 @@ def fit(
         skipped=(
             *notes.working_map(world, answer.points, RENDERING_ERROR),
             *notes.channels(answer),
-            *notes.sizes(sizes, normals),
             *notes.fewer_lights(answer, wanted, RENDERING_ERROR),
         ),
     )
@@ -327,17 +314,12 @@ class _Clock:
         self._last = now
 
 
-def _check_over_floor(ambient: str, normals: str, wanted: Asked) -> None:
+def _check_over_floor(ambient: str, wanted: Asked) -> None:
     """Refuse what makes no sense, or is not fitted, where a floor hides the lower half."""
     if ambient == "sh2":
         raise EnvLightsError(
             "ambient must be 'none' or 'constant' or 'auto' where there is a floor: harmonics that"
             " it half hides are not fitted; got 'sh2'"
-        )
-    if normals == "upper":
-        raise EnvLightsError(
-            "normals must be 'sphere' where there is a floor, which hides the light from below from"
-            " every surface; got 'upper'"
         )
     wanted.check_above_horizon()
 
@@ -348,7 +330,6 @@ def _answer(
     first: NDArray[np.float64],
     ambient: str,
     objective: str | None,
-    normals: str,
     floor: bool,
 ) -> FitAnswer:
     """The best rig under `env` with one kind of `ambient` term; points without an `objective`."""
@@ -365,7 +346,6 @@ def _answer(
         wanted.shadow_error,
         objective,
         MAX_STEPS,
-        normals == "upper",
         floor,
         RENDERING_ERROR,
     )

@@ -8,10 +8,8 @@ from envlights.fitting.asked import Asked
 from envlights.kernels.probe import WORKING_COLUMNS
 
 
-def measured_on(count: int, normals: str, floor: bool) -> str:
+def measured_on(count: int, floor: bool) -> str:
     """The normals on which the error was measured."""
-    if normals == "upper":
-        return f"{count} upward normals that were not fitted"
     return f"{count} normals over a floor" if floor else f"{count} normals"
 
 
@@ -30,11 +28,6 @@ def channels(answer: FitAnswer) -> tuple[str, ...]:
     """A note where channels are black or equal, and so were not fitted one by one."""
     left_out = 3 - answer.channels
     return (f"{left_out} of 3 channels: black, or the same as another",) if left_out else ()
-
-
-def sizes(asked: bool, normals: str) -> tuple[str, ...]:
-    """A note where lights have no sizes though they may."""
-    return ("sizes: lights for upward normals are points",) if asked and normals == "upper" else ()
 
 
 def fewer_lights(answer: FitAnswer, wanted: Asked, rendering_error: float) -> tuple[str, ...]:
