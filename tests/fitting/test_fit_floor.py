@@ -99,9 +99,7 @@ def test_over_a_floor_no_other_fit_is_better(lights):
     shapes = [LAMP_BELOW, el.synthetic.Disc((-0.5, 0.4, 0.2), 12, (9, 9, 7))]
     for radiance in (hall(), el.synthetic.scene(128, background=[0.5] * 3, shapes=shapes).radiance):
         over_floor, _ = errors_over_floor(el.fit(radiance, lights, floor=True), radiance)
-        for options in ({}, {"normals": "upper"}):
-            other = el.fit(radiance, lights, **options)
-            assert over_floor < errors_over_floor(other, radiance)[0]
+        assert over_floor < errors_over_floor(el.fit(radiance, lights), radiance)[0]
 
 
 def assert_none_below(radiance):
@@ -173,7 +171,6 @@ BELOW = el.Lights([[0, 0.6, 0.8], [0.6, -0.8, 0]], [[2, 2, 2], [1, 1, 1]])
     ("options", "message"),
     [
         ({"ambient": "sh2"}, "ambient must be 'none' or 'constant' or 'auto' where there is a"),
-        ({"normals": "upper"}, "normals must be 'sphere' where there is a floor"),
         (
             {"start": BELOW},
             "start must have no light below the horizon .* direction 1 has y = -0.8",

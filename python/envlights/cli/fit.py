@@ -18,7 +18,7 @@ from envlights.cli.outputs import (
 )
 from envlights.envmap import EnvMap
 from envlights.export.targets import SUFFIXES
-from envlights.fitting.fit import AMBIENTS, AUTO, NORMALS, fit
+from envlights.fitting.fit import AMBIENTS, AUTO, fit
 from envlights.io.files import PICTURES
 from envlights.rig import Rig
 
@@ -49,13 +49,6 @@ from envlights.rig import Rig
     help="Light from everywhere; sh2: 9 spherical harmonics; auto: the best for the error.",
 )
 @click.option(
-    "--normals",
-    type=click.Choice(NORMALS),
-    default=default_of(fit, "normals"),
-    show_default=True,
-    help="Surfaces to match; upper: those that face up.",
-)
-@click.option(
     "--floor", is_flag=True, help="The scene has a floor, which hides light from below the horizon."
 )
 @output_option(OUTPUTS)
@@ -68,7 +61,6 @@ def command(
     shadow_error: float | None,
     sizes: bool,
     ambient: str,
-    normals: str,
     floor: bool,
     outputs: Sequence[str],
     verbose: bool,
@@ -85,7 +77,6 @@ def command(
         shadow_error=shadow_error,
         sizes=sizes,
         ambient=ambient,
-        normals=normals,
         floor=floor,
     )
     for output in outputs:

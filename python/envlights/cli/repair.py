@@ -15,7 +15,11 @@ MAPS = (".exr", ".hdr")
 @click.argument("map_path", metavar="MAP")
 @click.option("-o", "--output", required=True, help="File to write (.exr, .hdr).")
 @click.option("--irradiance", type=float, help="Measured irradiance of a horizontal surface.")
-@click.option("--ratio", type=float, help="That irradiance divided by the one with the sun shaded.")
+@click.option(
+    "--ratio",
+    type=float,
+    help="Irradiance of a horizontal surface in the open divided by that with the sun shaded.",
+)
 def command(map_path: str, output: str, irradiance: float | None, ratio: float | None) -> None:
     """Estimate the clipped light of MAP, such as a JPEG or PNG."""
     check_output(output, MAPS, {"the map": map_path})

@@ -8,10 +8,8 @@ from envlights.fitting.request import Request
 from envlights.kernels.probe import WORKING_COLUMNS
 
 
-def measured_on(count: int, normals: str, floor: bool) -> str:
+def measured_on(count: int, floor: bool) -> str:
     """Normals on which the error was measured."""
-    if normals == "upper":
-        return f"{count} upward normals that were not fitted"
     return f"{count} normals over a floor" if floor else f"{count} normals"
 
 
@@ -32,27 +30,18 @@ def channels(answer: FitAnswer) -> tuple[str, ...]:
     return (f"{skipped} of 3 channels skipped: black or equal to another",) if skipped else ()
 
 
-def sizes(requested: bool, normals: str) -> tuple[str, ...]:
-    """Note on lights that have no sizes although sizes were requested."""
-    if requested and normals == "upper":
-        return ("lights for upward normals are points without sizes",)
-    return ()
-
-
 def fewer_lights(answer: FitAnswer, request: Request, rendering_error: float) -> str:
     """Reason why there are fewer lights than allowed; empty if there are not."""
     used, most = answer.lights, request.lights
     if used >= most:
         return ""
-    searched = max(lights for lights, _ in answer.errors)
     if request.is_reached(answer.error, answer.shadow_error):
-        why = "they reach the requested error"
+        why = "the requested error is reached"
     elif answer.error <= rendering_error:
         why = f"the error is already {_below(rendering_error)}"
     else:
         why = "more would not lower the error"
-    limit = f"; {searched + 1} or more were not searched" if searched < most else ""
-    return f"{used} of at most {most} lights used: {why}{limit}"
+    return f"{used} of at most {most} lights used: {why}"
 
 
 def clipping(env: EnvMap) -> tuple[str, ...]:
