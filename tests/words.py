@@ -143,8 +143,6 @@ def python(source: str) -> tuple[list[Text], list[Name]]:
                 ignored.add(doc)
         if isinstance(node, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
             names.append(Name(node.lineno, node.name, "class" if is_class else "def"))
-        if isinstance(node, ast.FormattedValue) and node.format_spec:
-            ignored.update(ast.walk(node.format_spec))
         help_text = node.value if isinstance(node, ast.keyword) and node.arg == "help" else None
         if isinstance(help_text, ast.Constant):
             texts.append(Text(help_text.lineno, str(help_text.value), True))
