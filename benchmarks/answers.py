@@ -181,7 +181,7 @@ def summary(group, rows):
 
 
 def lights_summary(rows):
-    """Lights with more than 1 % of the flux that have no counterpart, and how far the others moved."""
+    """Describe lights without a counterpart, and how far the others moved."""
     lost, angles, ratios, suns = [], [], [], []
     for key, (one, other) in rows.items():
         pairs = list(matched(one, other))
@@ -199,7 +199,7 @@ def lights_summary(rows):
 
 
 def matched(one, other):
-    """Yield the flux fraction of each light, and angle and flux ratio of its counterpart, if any."""
+    """Yield the flux fraction of each light, with the angle and flux ratio of its counterpart."""
     towards = np.reshape(other["direction"], (-1, 3))
     columns = (one["direction"], one["flux"], one["flux_share"], one["solid_angle"])
     for direction, flux, share, solid_angle in zip(*columns, strict=True):
