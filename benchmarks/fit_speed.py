@@ -123,7 +123,7 @@ def kernel(radiance, lights):
     """The whole search for lights and a constant ambient term, and the probe that measures it."""
     most_steps, rendering_error = 100, 1e-4
     wanted = (1, NOWHERE, 0, lights, None, None, None, most_steps)
-    return _native.fit_map(radiance, *REDUCED, *wanted, False, False, rendering_error)
+    return _native.fit_map(radiance, *REDUCED, *wanted, False, rendering_error)
 
 
 def block_means(radiance, columns=256):

@@ -199,9 +199,9 @@ def _images_differ(found, wanted):
 
 def _directions(model, image, error):
     """How many directions of the basis the frame spares."""
-    from envlights.transfer.expand import truncated
+    from envlights.transfer.expand import truncate
 
     rows = image.transpose(2, 0, 1).reshape(1, 3, -1).astype(float)
     coefficients = np.swapaxes(rows.swapaxes(0, 1) @ model.transfer, 0, 1)
     rank = model.transfer.shape[2]
-    return f"{rank - truncated(coefficients, error).shape[-1]} of {rank} directions"
+    return f"{rank - truncate(coefficients, error).shape[-1]} of {rank} directions"

@@ -343,7 +343,6 @@ def test_a_light_that_starts_where_it_is_black_starts_again():
         ({"error": -0.1}, "error must be a finite number, from 0 to 1"),
         ({"error": np.nan}, "error must be a finite number"),
         ({"ambient": "x"}, "ambient must be 'none' or 'constant' or 'sh2' or 'auto'"),
-        ({"normals": "x"}, "normals must be 'sphere' or 'upper'"),
         ({"fixed": [[0, 2, 0]]}, "direction 0 has length 2"),
         ({"fixed": [0, 1, 0]}, "fixed must have 2 axes"),
         ({"fixed": [[0, 1, 0], [0, 0, 1]], "lights": 1}, "lights must be at least the 2 fixed"),
@@ -508,20 +507,6 @@ def test_the_smallest_numbers_there_are_do_not_overflow():
     rig = el.fit_probe(NORMALS, known_rig().probe(NORMALS) * 1e-310, lights=3)
     assert np.isfinite(rig.lights.irradiance).all()
     assert rig.error < 1e-3
-
-
-def test_upper_normals_forget_the_light_from_below():
-    lamps = [el.synthetic.Disc((0, y, 0.6), 4, (50, 40, 30)) for y in (0.8, -0.8)]
-    env = el.synthetic.scene(128, background=[0.1] * 3, shapes=lamps).radiance
-    rig = el.fit(env, lights=1, normals="upper")
-    assert rig.lights.direction[0, 1] > 0.5
-    assert rig.report.measured_on == "5120 upward normals that were not fitted"
-    normals, solid_angles = kernels.icosphere(20480)
-    up = normals[:, 1] > 0
-    exact = el.EnvMap(env).probe(normals[up])
-    error = kernels.relative_rms(rig.probe(normals[up]), exact, solid_angles[up])
-    assert rig.error == pytest.approx(error, rel=0.05)
-    assert rig.error < el.fit(env, lights=1).error
 
 
 # The report

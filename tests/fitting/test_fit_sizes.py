@@ -285,12 +285,6 @@ def test_no_light_is_wider_than_the_limit():
     assert rig.lights.angular_radius.max() <= np.deg2rad(75) + 1e-9
 
 
-def test_lights_for_upward_surfaces_have_no_size():
-    rig = el.fit(el.synthetic.hall(64).radiance, 2, normals="upper")
-    assert not rig.lights.angular_radius.any()
-    assert any(note.startswith("sizes:") for note in rig.report.skipped)
-
-
 @pytest.mark.parametrize("objective", ["mixed", "shadows", "probe"])
 def test_a_black_map_has_no_shadow_error(objective):
     rig = el.fit(np.zeros((8, 16, 3), np.float32), objective=objective)

@@ -68,14 +68,6 @@ def test_over_a_floor_too():
         assert 0.05 < min(growths(radiance, rig, light, floor=True, sizes=False)) < 0.15
 
 
-def test_upward_surfaces_too():
-    """Of a sum over normals only the steps of Gauss and Newton are known: a little too small."""
-    radiance = el.synthetic.hall(128).radiance
-    rig = el.fit(radiance, 3, normals="upper")
-    least = [min(growths(radiance, rig, light, normals="upper")) for light in range(3)]
-    assert all(0.03 < growth < 0.15 for growth in least), least
-
-
 def test_a_fixed_light_has_no_tolerance_and_each_figure_its_light():
     radiance = el.synthetic.hall(128).radiance
     free = el.fit(radiance, 3)

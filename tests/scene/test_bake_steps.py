@@ -27,7 +27,7 @@ class Scene(el.MitsubaScene):
         if k == self.failing:
             raise el.EnvLightsError("the renderer broke")
         self.asked.append(("indirect", k, samples, seed))
-        return el.scene.Rendered(np.full((2, 3, 3), k + 1, np.float32), 0.25 * k)
+        return el.scene.Rendering(np.full((2, 3, 3), k + 1, np.float32), 0.25 * k)
 
 
 def test_each_rig_is_rendered_once_in_its_order_and_with_a_seed_of_its_own():
