@@ -224,7 +224,7 @@ def violations_in(path: Path) -> Iterator[Violation]:
             )
         if is_doc and (words := len(sentence.split())) > LONGEST_SENTENCE:
             yield Violation(path, line, "length", f"{words} words: {sentence.split(chr(10))[0]}")
-        prose = without_code(text)
+        prose = without_code(text) if re.search(r"\s", text.strip()) else ""
         for rule, pattern in (("phrase", DIALECT), ("digit", BARE_POINT)):
             for hit in pattern.finditer(prose):
                 at = line + (prose.count("\n", 0, hit.start()) if path.suffix != ".ipynb" else 0)

@@ -30,7 +30,7 @@ def above_horizon(radiance):
 
 @cache
 def cosines(height):
-    """Of NORMALS with the pixels above the horizon, 0 for those behind."""
+    """Clamped cosines of NORMALS with the pixels above the horizon."""
     towards = kernels.pixel_directions(height, 2 * height)[: height // 2].reshape(-1, 3)
     return np.maximum(NORMALS @ towards.T, 0)
 

@@ -152,7 +152,7 @@ def test_errors_by_number_of_lights_are_all_of_one_kind():
     assert discs.report.sized_error == discs.error < 0.9 * discs.report.errors[3]
     assert "error by number of lights without sizes: 0:" in str(discs.report)
     assert f"; with sizes: {100 * discs.error:.3g} %" in str(discs.report)
-    # Where an error is asked for, each number of lights got its sizes.
+    # With an error target, each number of lights has sizes.
     asked = el.fit(radiance, 3, error=discs.error)
     assert asked.report.errors[3] == asked.error == pytest.approx(discs.error)
     assert asked.report.sized_error is None
@@ -309,7 +309,7 @@ def test_sizes_pay_on_real_maps(lights, shadows):
 
 @pytest.mark.skipif(not paths_of_real_maps("hdr/*.hdr"), reason="needs real maps")
 def test_each_objective_is_best_at_what_it_minimises():
-    """In the mean: a single descent may end in another valley."""
+    """Compared in the mean, because a single descent may end in another local minimum."""
     ratios = []
     for path in paths_of_real_maps(*EQUIRECTANGULAR):
         env = el.EnvMap.open(path)

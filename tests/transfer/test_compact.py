@@ -91,7 +91,7 @@ def test_values_are_rounded_by_half_a_step_at_most(basis, dtype):
 
 
 def test_large_bases_are_rounded_as_small_ones():
-    """Of several blocks, the last in part, and with holes."""
+    """Several blocks, the last one partial, with holes."""
     rng = np.random.default_rng(0)
     lit = rng.random((150, 131)) < 0.9
     lit[40:45] = False
@@ -212,7 +212,7 @@ def test_a_region_is_the_crop_of_the_frame_to_the_bit(model, both, region):
 
 
 def test_large_regions_are_the_crop_too():
-    """Of several blocks of texels, of which some are not needed."""
+    """Several blocks of texels; the region needs some of them."""
     rng = np.random.default_rng(0)
     direct, indirect = rng.random((4, 2, 2, 3)), rng.random((4, 150, 100, 3), np.float32)
     indirect[:, 60:62] = 0
