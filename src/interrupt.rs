@@ -1,40 +1,40 @@
-//! Early end of a kernel, for example after Ctrl-C.
+//! Interruption of a running kernel, for example by Ctrl-C.
 //!
-//! Kernels call [`check`] between pieces of work of some milliseconds at most. After a request to stop,
-//! it unwinds through the threads of rayon to the caller of the kernel. So a kernel needs no second kind of result.
-//! It leaves nothing half done, because it owns all that it changes.
+//! Kernels call [`check`] between pieces of work that take a few milliseconds. After a request to stop, it unwinds
+//! through the threads of rayon up to the binding that runs the kernel. A kernel owns everything that it changes, so
+//! it leaves nothing half done and needs no second kind of result.
 
 use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-static IS_REQUESTED: AtomicBool = AtomicBool::new(false);
+static REQUESTED: AtomicBool = AtomicBool::new(false);
 
-/// Payload with which [`check`] unwinds.
+/// Payload of the panic that [`check`] raises.
 #[derive(Clone, Copy, Debug)]
-pub struct Interruption;
+pub struct Interrupted;
 
 /// Request that all running kernels stop.
 pub fn request() {
-    IS_REQUESTED.store(true, Ordering::Relaxed);
+    REQUESTED.store(true, Ordering::Relaxed);
 }
 
-/// Let kernels run again.
+/// Withdraw the request, so that kernels run again.
 pub fn clear() {
-    IS_REQUESTED.store(false, Ordering::Relaxed);
+    REQUESTED.store(false, Ordering::Relaxed);
 }
 
-/// The fewest items of one task of rayon, for `items` that each call [`check`]: every task unwinds by itself, and takes
-/// some microseconds for it.
+/// Least number of items in one task of rayon, for `items` that each call [`check`]: each task unwinds on its own,
+/// which takes a few microseconds.
 pub fn min_task_len(items: usize) -> usize {
     const MOST_TASKS: usize = 256;
     items.div_ceil(MOST_TASKS).max(1)
 }
 
-/// Unwind with [`Interruption`] if a stop is requested.
+/// Unwind with [`Interrupted`] if a caller has requested to stop.
 #[inline]
 pub fn check() {
-    if IS_REQUESTED.load(Ordering::Relaxed) {
-        // Without the message that a panic prints: nothing is wrong.
-        resume_unwind(Box::new(Interruption));
+    if REQUESTED.load(Ordering::Relaxed) {
+        // Do not print the message of a panic: this is no error.
+        resume_unwind(Box::new(Interrupted));
     }
 }
