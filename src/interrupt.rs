@@ -11,7 +11,7 @@ static REQUESTED: AtomicBool = AtomicBool::new(false);
 
 /// Payload of the panic that [`check`] raises.
 #[derive(Clone, Copy, Debug)]
-pub struct Interrupted;
+pub struct Interruption;
 
 /// Request that all running kernels stop.
 pub fn request() {
@@ -23,18 +23,18 @@ pub fn clear() {
     REQUESTED.store(false, Ordering::Relaxed);
 }
 
-/// Least number of items in one task of rayon, for `items` that each call [`check`]: each task unwinds on its own,
+/// Least number of items in one task of rayon, for `items` that each call [`check`]. Each task unwinds on its own,
 /// which takes a few microseconds.
 pub fn min_task_len(items: usize) -> usize {
     const MOST_TASKS: usize = 256;
     items.div_ceil(MOST_TASKS).max(1)
 }
 
-/// Unwind with [`Interrupted`] if a caller has requested to stop.
+/// Unwind with [`Interruption`] if a caller has requested to stop.
 #[inline]
 pub fn check() {
     if REQUESTED.load(Ordering::Relaxed) {
         // Do not print the message of a panic: this is no error.
-        resume_unwind(Box::new(Interrupted));
+        resume_unwind(Box::new(Interruption));
     }
 }

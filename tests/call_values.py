@@ -122,8 +122,8 @@ def method_of(of, name):
     return lambda **arguments: getattr(of, name)(**arguments)
 
 
-def detect(env, method, maxlight_ats):
-    return el.detect(env, method, maxlight_ats=maxlight_ats)
+def detect(env, method, max_lights):
+    return el.detect(env, method, max_lights=max_lights)
 
 
 def light_at(index):

@@ -132,7 +132,6 @@ CALLS = {
             "objective": st.sampled_from(["mixed", "lambert"]),
             "ambient": AMBIENT_MODEL,
             "start": st.sampled_from(["greedy", "detect", "even", RIG]),
-            "normals": st.sampled_from(["sphere", "320"]),
             "floor": FLAG,
         },
     ),

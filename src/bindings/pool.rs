@@ -15,7 +15,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::error::EnvLightsError;
 use crate::error::Result;
-use crate::interrupt::{self, Interrupted};
+use crate::interrupt::{self, Interruption};
 
 /// Run `work` without the GIL on all threads of this process, for kernels that end within tenths of a second.
 pub fn in_pool<T: Send>(py: Python<'_>, work: impl Fn() -> Result<T> + Send + Sync) -> PyResult<T> {
@@ -44,7 +44,7 @@ fn run<T: Send>(
             return Err(signal);
         }
         match done {
-            Err(payload) if payload.is::<Interrupted>() => {}
+            Err(payload) if payload.is::<Interruption>() => {}
             done => return into_result(done),
         }
     }
@@ -69,7 +69,7 @@ pub fn by_size<T: Send>(
 pub fn detached<T: Send>(py: Python<'_>, work: impl Fn() -> Result<T> + Send + Sync) -> PyResult<T> {
     loop {
         match py.detach(|| catch(&work)) {
-            Err(payload) if payload.is::<Interrupted>() => {}
+            Err(payload) if payload.is::<Interruption>() => {}
             done => return into_result(done),
         }
     }

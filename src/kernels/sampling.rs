@@ -157,7 +157,9 @@ impl FaceSearch {
     }
 }
 
-/// Index of the quarter of a triangle that contains `direction`: a corner if the direction lies beyond the side
+/// Index of the quarter of a triangle that contains `direction`.
+///
+/// It is a corner if the direction lies beyond the side
 /// that the corner shares with the middle, else the middle.
 fn quarter_of(quarters: &[[DVec3; 3]; 4], direction: DVec3) -> usize {
     let [ab, bc, ca] = quarters[3];
@@ -194,7 +196,8 @@ fn quarters([a, b, c]: [DVec3; 3]) -> [[DVec3; 3]; 4] {
     [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
 }
 
-/// Solid angle of a triangle on the sphere (van Oosterom and Strackee 1983):
+/// Solid angle of a triangle on the sphere (van Oosterom and Strackee 1983).
+///
 /// `tan(omega / 2) = a.(b x c) / (1 + a.b + b.c + c.a)`.
 fn spherical_area([a, b, c]: &[DVec3; 3]) -> f64 {
     let volume = a.dot(b.cross(*c)).abs();

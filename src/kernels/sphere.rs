@@ -25,7 +25,7 @@ use crate::interrupt;
 /// Registration of the pixels of an equirectangular map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Registration {
-    /// Pixel `x` of `width` stands for the cell between `x` and `x + 1` widths: most files.
+    /// Pixel `x` of `width` covers the cell between `x` and `x + 1` widths, as in most files.
     CellCentred,
     /// The first and last columns lie on the seam, the first and last rows on the poles: `OpenEXR`
     /// files with the `envmap` attribute. Their cells are half as wide as the others.

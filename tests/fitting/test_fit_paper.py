@@ -182,7 +182,7 @@ def test_negative_light_is_an_answer_of_the_paper_but_no_rig():
     below = el.fit_paper(HALL.radiance, start=-HALL.lights.direction, lights=3)
     assert below.irradiance.min() < 0
     with pytest.raises(
-        el.EnvLightsError, match=r"must not hold negative light, and the least here is -"
+        el.EnvLightsError, match=r"must not hold negative light; the smallest value is -"
     ):
         below.rig()
 

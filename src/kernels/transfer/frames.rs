@@ -189,7 +189,7 @@ impl<T: BasisValue> WithSimd for Span<'_, T> {
             }
             // Mix the tile of each image.
             for (out, coefficients) in self.out.iter_mut().zip(self.images) {
-                let [red, green, blue] = mixed(simd, &wide, coefficients);
+                let [red, green, blue] = mix(simd, &wide, coefficients);
                 for (lane, texel) in out[TILE * tile..TILE * (tile + 1)].iter_mut().enumerate() {
                     *texel = [red[lane], green[lane], blue[lane]];
                 }
@@ -200,7 +200,7 @@ impl<T: BasisValue> WithSimd for Span<'_, T> {
 
 /// The three channels of a tile.
 #[inline(always)]
-fn mixed<S: Simd>(simd: S, components: &[[f32; TILE]], coefficients: &[[f32; 3]]) -> [[f32; TILE]; 3] {
+fn mix<S: Simd>(simd: S, components: &[[f32; TILE]], coefficients: &[[f32; 3]]) -> [[f32; TILE]; 3] {
     const { assert!((TILE / S::F32_LANES).is_multiple_of(GROUP), "a tile must be whole groups of vectors") };
     let mut sums = [[0.0; TILE]; 3];
     for group in 0..TILE / S::F32_LANES / GROUP {
@@ -294,7 +294,7 @@ mod tests {
         assert_eq!(refusal, Err(wanted.to_owned()));
     }
 
-    /// As `numpy` saves them where they were transposed before.
+    /// Arrays in Fortran order, as `numpy` saves a transposed array.
     #[test]
     fn a_basis_in_another_order_is_the_same() {
         let values = Array3::from_shape_fn((2, 3, TILE), |(i, r, l)| (i + 3 * r + 7 * l) as i8 % 13);

@@ -31,7 +31,7 @@ const PANEL: usize = 32;
 ///
 /// # Returns
 ///
-/// (3 k, 3 k), of which only the lower triangle is filled; and (texels,).
+/// (3 k, 3 k), with its lower triangle filled; and (texels,).
 ///
 /// # Errors
 ///
