@@ -11,7 +11,7 @@ from envlights import _native
 from envlights._check import amount, colour, count, flag, float_image, reals
 from envlights._native import EnvLightsError
 
-#: Width of the map that `working_irradiance` makes when it is not told another.
+#: Default width of the map that `working_irradiance` makes.
 WORKING_COLUMNS = 256
 
 

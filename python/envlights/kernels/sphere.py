@@ -96,9 +96,9 @@ def pixel_directions(
 def over_map(
     height: int, value: Callable[[NDArray[np.float64]], NDArray[Any]], *, finer: int = 1
 ) -> NDArray[Any]:
-    """What `value` makes of the directions of a map's pixels, (n, 2 * height, 3) for rows of it.
+    """Array of the results of `value` for the pixel directions of a map, (n, 2 * height, 3) at a time.
 
-    With `finer`, each of its rows is made of that many rows of a map that much higher.
+    `finer` multiplies the resolution at which `value` is called.
     """
     high, wide = finer * height, 2 * finer * height
 

@@ -143,7 +143,7 @@ def _sun(
 
 
 def _pair(rng: np.random.Generator, radiance: NDArray[np.float64]) -> list[Lamp]:
-    """Two discs side by side with 2 to 4 degrees between the rims."""
+    """Two discs with a gap of 2 to 4 degrees between the rims."""
     radii = rng.uniform(0.5, 3, size=2)
     centre = _anywhere(rng)
     aside = unit(np.cross(centre, _anywhere(rng)))

@@ -164,12 +164,12 @@ _Shown = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
 def _behind(share: NDArray[np.float64], covered: NDArray[np.float64]) -> NDArray[np.float64]:
-    """What is left of a share behind what has `covered` it."""
+    """Visible fraction of a shape behind others that have `covered` it."""
     return in_blocks(share.shape, lambda rows: share[rows] * (1 - covered[rows]))
 
 
 def _add(backdrop: NDArray[np.float64], shown: list[_Shown], rows: slice) -> NDArray[np.float64]:
-    """What shapes add to some rows of a background."""
+    """Radiance that shapes add to some rows of a background."""
     behind = backdrop[rows]
     added = [share[rows] * (colour - behind) for share, colour in shown]
     whole: NDArray[np.float64] = np.sum(added, axis=0) if added else np.zeros_like(behind)

@@ -1,9 +1,9 @@
-"""Two families of random maps with known lights, to judge detectors by.
+"""Two families of random maps with known lights, for the evaluation of detectors.
 
-The same seed always gives the same map. To choose a threshold, use the seeds `TUNING`. The seeds
-`JUDGING` are for the final numbers only, so that no threshold is fitted to them.
+The same seed always gives the same map. Use the seeds `TUNING` to choose a threshold, and the seeds
+`JUDGING` only for final numbers.
 
-Lights do not overlap and stand apart by some degrees. They are at least 8 times as bright as the
+Lights do not overlap; gaps of some degrees separate them. They are at least 8 times as bright as the
 brightest surroundings; in pictures clipped to 1, at least 2.5 times.
 """
 
@@ -88,11 +88,10 @@ def plain(seed: int, height: int = 512) -> SyntheticMap:
 
 
 def hard(seed: int, height: int = 512) -> SyntheticMap:
-    """A map with things that are easily mistaken for lights.
+    """Map with distractors that look like lights.
 
-    There are glare around lights, bright walls and bright clouds, which are not lights. There are
-    windows with bars, each of which is one light. Some maps have noise of 2 %. All this comes in
-    many combinations. Every eighth map has clouds or bright walls and no light.
+    Glare around lights, bright walls and bright clouds are not lights. A window with bars is one
+    light. Some maps have noise of 2 %. Every eighth map has clouds or bright walls and no light.
 
     Parameters
     ----------
