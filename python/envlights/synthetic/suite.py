@@ -3,8 +3,8 @@
 The same seed always gives the same map. Use the seeds `TUNING` to choose a threshold, and the seeds
 `JUDGING` only for final numbers.
 
-Lights do not overlap; gaps of some degrees separate them. They are at least 8 times as bright as the
-brightest surroundings; in pictures clipped to 1, at least 2.5 times.
+Gaps of some degrees separate the lights. They are at least 8 times as bright as the brightest
+surroundings, and at least 2.5 times in pictures clipped to 1.
 """
 
 from __future__ import annotations
