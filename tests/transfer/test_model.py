@@ -19,7 +19,7 @@ NEW = slice(64, None)
 SCENE = ROOM.direct[:64], ROOM.indirect[:64]
 FACTOR = st.floats(1e-3, 1e3)
 #: The note of every model of this room.
-BLACK = "10 of 1024 texels are black in every image: they are predicted black, without work"
+BLACK = "10 of 1024 texels are black in every image, so they are predicted black"
 
 
 @pytest.fixture(scope="module")

@@ -41,7 +41,8 @@ def luminance(radiance: ArrayLike) -> NDArray[np.float32]:
 def resize_bilinear(image: ArrayLike, height: int, width: int) -> NDArray[np.float32]:
     """Resize an image by bilinear interpolation; Loghin (2021), step 1.
 
-    A reduction by more than 2 skips pixels, so small lights may vanish; `reduced_luminance` keeps them.
+    A reduction by more than 2 skips pixels, so small lights may vanish, unlike in
+    `reduced_luminance`.
 
     Parameters
     ----------

@@ -23,7 +23,7 @@ from envlights.synthetic.shapes import Lamp, PixelSun
 
 #: Seeds for choosing thresholds.
 TUNING = range(0, 60)
-#: Seeds for the numbers that are published. No threshold may be chosen by them.
+#: Seeds for published numbers, never for the choice of a threshold.
 JUDGING = range(1000, 1060)
 
 #: Rows of the smallest map whose samples are close enough to show a disc of 0.25 degrees.
@@ -47,7 +47,7 @@ _CLUTTER = ("clouds", "lit walls")
 
 
 def plain(seed: int, height: int = 512) -> SyntheticMap:
-    """A map that every detector should master.
+    """Map without distractors.
 
     Discs of 0.25 to 15 degrees in radius, windows, glass fronts, tubes, close pairs and one-pixel
     suns, some across the seam or on a pole. The background is even, a clear sky, noise of 2 %, a
@@ -72,7 +72,7 @@ def plain(seed: int, height: int = 512) -> SyntheticMap:
     """
     height = count("height", height, least=_LEAST_HEIGHT, most=MOST_ROWS)
     rng = np.random.default_rng([count("seed", seed), 1])
-    # Take backgrounds in turn, which keeps every range of seeds balanced.
+    # Cycle through the backgrounds, which keeps every range of seeds balanced.
     name = _nth(_PLAIN_BACKDROPS, seed + seed // 10)
     background = _PLAIN_BACKDROPS[name](rng, height)
     # Draw the lights.
