@@ -51,10 +51,10 @@ def demo_transfer(
     Parameters
     ----------
     folder : path-like
-        Folder for the pairs ``room/direct_0000.exr``, ``room/lightmap_0000.exr`` and so on are written,
-        the model ``room.npz``, the direct light ``room_direct.exr`` of a frame that it has not seen
-        and the lightmap ``room_lightmap.exr`` that it predicts, and two pictures: ``room.png`` with
-        the prediction beside the truth, ``room_parts.png`` with the lightmap in the room.
+        Folder for the pairs (``room/direct_0000.exr``, ``room/lightmap_0000.exr``, ...), the model
+        ``room.npz``, the direct light ``room_direct.exr`` of a new frame, the predicted lightmap
+        ``room_lightmap.exr``, and two pictures: ``room.png`` with the prediction beside the truth,
+        ``room_parts.png`` with the lightmap in the room.
     progress : bool, optional
         Progress bars; see `read_pairs`.
 
