@@ -105,8 +105,8 @@ def test_the_scale_of_a_map_does_not_matter():
     ("options", "message"),
     [
         ({"irradiance": 1.0, "ratio": 2.0}, "irradiance or ratio, not both"),
-        ({"irradiance": 0.1}, "irradiance must be at least that of the map as it is, 0.32"),
-        ({"ratio": 0.5}, "ratio must be at least that of the map as it is, 1.0"),
+        ({"irradiance": 0.1}, "irradiance must be at least that of the map, 0.32"),
+        ({"ratio": 0.5}, "ratio must be at least that of the map, 1.0"),
         ({"irradiance": -1.0}, "irradiance must be a finite number, 0 or more; got -1.0"),
         ({"ratio": "two"}, "ratio must be a finite number, 0 or more; got 'two'"),
     ],

@@ -86,7 +86,7 @@ def test_the_figures_of_each_are_those_of_its_own_fit(options):
 def test_the_choice_is_printed_and_saved(tmp_path):
     rig = el.fit(gradient(), ambient="auto", error=0.05, lights=1)
     text = str(rig.report)
-    assert "ambient chosen: sh2, of  none: 1 light, " in text
+    assert "ambient term 'sh2' selected from  none: 1 light, " in text
     assert "  sh2: 0 lights, " in text
     rig.save(tmp_path / "rig.json")
     assert el.Rig.load(tmp_path / "rig.json").report == rig.report

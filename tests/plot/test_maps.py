@@ -56,7 +56,7 @@ def test_the_title_names_harmonics():
 def test_the_title_has_the_error_with_shadows_where_it_was_measured():
     rig = el.fit(HALL, lights=1)
     told = replace(rig, report=replace(rig.report, shadow_error=0.0312))
-    assert "normals, with shadows 3.12 %" in plot.picture(HALL, told).get_suptitle()
+    assert " %, with shadows 3.12 %" in plot.picture(HALL, told).get_suptitle()
 
 
 def test_over_a_floor_the_probe_is_compared_with_the_map_that_the_floor_cuts():

@@ -160,7 +160,7 @@ def test_the_most_compact_type_that_keeps_the_bound_is_taken(model):
         as_it_is.report.notes[-1]
         == "the basis is not compressed: int8 and float16 exceed the error 1e-06"
     )
-    assert model.compressed(0.02).report.notes[-1].startswith("the basis is kept in int8: no frame")
+    assert model.compressed(0.02).report.notes[-1].startswith("the basis is stored as int8: no frame")
 
 
 @pytest.mark.parametrize("dtype", list(compact.LARGEST))
