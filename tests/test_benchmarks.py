@@ -84,6 +84,7 @@ def test_the_command_names_its_parts():
     assert "unknown part nonsense; there are lights, probe, detection, transfer" in done.stderr
 
 
+@pytest.mark.slow
 def test_each_part_is_measured_alone_and_stays_on_the_page(tmp_path):
     """What an earlier run left is shown again: a long run can be taken up part by part."""
     parts = tmp_path / "benchmarks"
