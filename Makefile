@@ -21,6 +21,7 @@ lint:
 	cargo clippy --all-targets --features python -- -D warnings
 	$(PYTHON) -m ruff check .
 	$(PYTHON) -m ruff format --check .
+	$(PYTHON) tests/words.py
 	$(PYTHON) -c 'import sys; from importlinter.cli import lint_imports; sys.exit(lint_imports(no_cache=True, no_logo=True))'
 
 .PHONY: types  ## Python types, and stubs against the compiled module

@@ -1,4 +1,4 @@
-"""What tests and benchmarks share; nothing here needs pytest."""
+"""Helpers of tests and benchmarks; none needs pytest."""
 
 import contextlib
 import os
@@ -20,7 +20,7 @@ NORMALS, SOLID_ANGLES = kernels.icosphere(320)
 
 
 def cases(*, short, long):
-    """How many generated cases a test tries: `long` where `ENVLIGHTS_FUZZ` is set."""
+    """Number of generated cases of a test: `long` if `ENVLIGHTS_FUZZ` is set."""
     return long if os.environ.get("ENVLIGHTS_FUZZ") else short
 
 

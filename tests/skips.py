@@ -1,7 +1,7 @@
-"""What each stage skips, and the same work with the skip switched off.
+"""Skips of each stage, and the same work without the skip.
 
 A skip has no option: it is switched off by data that leave nothing to skip and change the result by
-no more than the bound, or by the exact step that it stands for.
+no more than the bound, or by the exact step that it replaces.
 """
 
 from collections.abc import Callable
@@ -23,7 +23,7 @@ class Skip(NamedTuple):
     scene: str
     stage: str
     skipped: str
-    """What is left out, and how much of it on this scene."""
+    """Name and amount of the skipped work on this scene."""
 
     on: Callable[[], object]
     off: Callable[[], object]
@@ -34,7 +34,7 @@ class Skip(NamedTuple):
     reason: str
 
     def error(self):
-        """What the skip costs."""
+        """Error of the skip."""
         return self.differ(self.on(), self.off())
 
 
@@ -146,7 +146,7 @@ def _dark_tiles(scene, radiance):
 
 
 def _wrongly_shut(radiance, lights, _, tile=16):
-    """How many more tiles hold a bright pixel than the report says were opened, or fewer."""
+    """Difference between the tiles with a bright pixel and the opened tiles of the report."""
     luminance = kernels.reduced_luminance(radiance, 1024)
     rows, columns = np.nonzero(luminance > np.float32(lights.report.threshold))
     opened = len(set(zip(rows // tile, columns // tile, strict=True)))
@@ -201,10 +201,10 @@ def _images_differ(found, wanted):
 
 
 def _directions(model, image, error):
-    """How many directions of the basis the frame spares."""
-    from envlights.transfer.expand import truncated
+    """Number of directions of the basis that the frame does not use."""
+    from envlights.transfer.expand import truncate
 
     rows = image.transpose(2, 0, 1).reshape(1, 3, -1).astype(float)
     coefficients = np.swapaxes(rows.swapaxes(0, 1) @ model.transfer, 0, 1)
     rank = model.transfer.shape[2]
-    return f"{rank - truncated(coefficients, error).shape[-1]} of {rank} directions"
+    return f"{rank - truncate(coefficients, error).shape[-1]} of {rank} directions"

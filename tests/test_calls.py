@@ -48,7 +48,7 @@ def arguments(draw, strategies):
 
 @pytest.fixture(scope="module")
 def outcomes():
-    """How many calls ended how; printed in the end."""
+    """Count of each outcome of the calls, printed at the end."""
     counted = collections.Counter()
     before = {each: signal.signal(each, give_up) for each in (signal.SIGALRM, signal.SIGPROF)}
     with limited_memory(BYTES):

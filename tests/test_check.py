@@ -1,4 +1,4 @@
-"""What refusals show of what they were given."""
+"""Values in the messages of refusals."""
 
 from pathlib import Path
 
@@ -7,7 +7,7 @@ import pytest
 
 import envlights as el
 from envlights import kernels
-from envlights._check import first_not_finite, float_image, reals, shown, whole_numbers
+from envlights._check import describe, first_not_finite, float_image, reals, whole_numbers
 
 MAP = np.random.default_rng(0).random((8, 16, 3), dtype=np.float32)
 
@@ -27,7 +27,7 @@ MAP = np.random.default_rng(0).random((8, 16, 3), dtype=np.float32)
     ],
 )
 def test_a_refusal_shows_no_python_repr(value, text):
-    assert shown(value) == text
+    assert describe(value) == text
 
 
 def test_the_first_sample_that_is_not_finite_is_found_by_rows():

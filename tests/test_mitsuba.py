@@ -26,7 +26,7 @@ def smooth_sky(theta, phi):
 
 
 def skies(height):
-    """The same sky for us (rows between the poles) and for Mitsuba (rows on the poles)."""
+    """One sky for us (rows between the poles) and for Mitsuba (rows on the poles)."""
     phi = 2 * np.pi * (np.arange(2 * height) + 0.5) / (2 * height)
     ours = np.pi * (np.arange(height)[:, None] + 0.5) / height
     theirs = np.pi * np.arange(height)[:, None] / (height - 1)
@@ -123,7 +123,7 @@ def test_a_rendered_probe_under_sun_and_sky_gives_the_sun_back():
     irradiance = np.array([5.0, 4.5, 4.0])
     sun = {"type": "directional", "direction": (-towards).tolist(), "irradiance": rgb(irradiance)}
     sky = {"type": "envmap", "bitmap": mi.Bitmap(theirs)}
-    # Each emitter for itself leaves no noise of which one is drawn.
+    # Separate emitters avoid the noise of choosing one.
     (probe, weights), (under_sky, _) = (
         whole_probe({"emitter": each}, samples, seeds=(1,))
         for each, samples in ((sun, 64), (sky, 256))

@@ -5,11 +5,11 @@ import sys
 
 import pytest
 
-from envlights._progress import counted
+from envlights._progress import progress_bar
 
 
 class Terminal:
-    """A stream that says whether it is a terminal, and keeps what it is told."""
+    """A stream that may be a terminal, and keeps its text."""
 
     def __init__(self, is_terminal):
         self.isatty = lambda: is_terminal
@@ -30,14 +30,14 @@ def test_bars_are_for_those_who_look(monkeypatch, progress, is_terminal, shown):
     stream = Terminal(is_terminal)
     monkeypatch.setattr(sys, "stderr", stream)
     monkeypatch.setattr("envlights._progress._DELAY", 0.0)
-    assert list(counted(range(5), "counting", "item", progress)) == list(range(5))
+    assert list(progress_bar(range(5), "counting", "item", progress)) == list(range(5))
     assert ("counting: 100%" in stream.told) == shown
 
 
 def test_short_work_shows_nothing_unasked(monkeypatch):
     stream = Terminal(True)
     monkeypatch.setattr(sys, "stderr", stream)
-    assert list(counted(range(5), "counting", "item", None)) == list(range(5))
+    assert list(progress_bar(range(5), "counting", "item", None)) == list(range(5))
     assert "counting" not in stream.told
 
 
@@ -48,7 +48,7 @@ def test_a_notebook_without_widgets_gets_a_bar_and_no_warning():
         import tqdm.notebook
         from envlights import _progress
         tqdm.notebook.IProgress = None
-        list(_progress.counted(range(3), "counting", "item", True))
+        list(_progress.progress_bar(range(3), "counting", "item", True))
     """
     told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert "counting: 100%" in told.stderr

@@ -1,4 +1,4 @@
-"""How results show themselves, and when two are equal."""
+"""Text, tables and equality of results."""
 
 import copy
 import io

@@ -1,4 +1,4 @@
-"""What is skipped changes the result by no more than its bound, and somebody says what it was."""
+"""Skipped work changes the result by at most its bound, and is reported."""
 
 import numpy as np
 import pytest

@@ -10,7 +10,7 @@
 import typing as _typing
 from importlib import import_module as _import_module
 
-from envlights import kernels
+from envlights import _targets, kernels
 from envlights._native import EnvLightsError
 from envlights._threads import threads
 from envlights.detection.component_tree import detect_tree
@@ -70,6 +70,9 @@ _LATER = {
     **dict.fromkeys(("BakedPairs", "DirectLight", "MitsubaScene", "Surface", "bake"), "scene"),
     **dict.fromkeys(("FilePairs", "TransferModel", "TransferReport", "read_pairs"), "transfer"),
 }
+
+# The first `save` loads the exporters, which register themselves.
+_targets.register_later(lambda: _import_module(f"{__name__}.export"))
 
 if _typing.TYPE_CHECKING:
     __version__: str

@@ -8,18 +8,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-def frozen(array: NDArray[Any]) -> NDArray[Any]:
+def freeze(array: NDArray[Any]) -> NDArray[Any]:
     """A copy of `array` that cannot be written to."""
-    return sealed(array.copy())
+    return seal(array.copy())
 
 
-def sealed(array: NDArray[Any]) -> NDArray[Any]:
+def seal(array: NDArray[Any]) -> NDArray[Any]:
     """`array` itself, closed to writing; for one that nobody else holds."""
     array.flags.writeable = False
     return array
 
 
-def converted(array: NDArray[Any], dtype: Any, copy: bool | None) -> NDArray[Any]:
+def convert(array: NDArray[Any], dtype: Any, copy: bool | None) -> NDArray[Any]:
     """What ``__array__`` returns of the `array` that an object holds."""
     if copy:
         return np.array(array, dtype)

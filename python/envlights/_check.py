@@ -26,7 +26,7 @@ _ROTATION_TOLERANCE = 1e-6
 _FEW = 4
 
 
-def shown(value: object) -> str:
+def describe(value: object) -> str:
     """`value` as a refusal shows it: numbers, text in quotes, a few of them, or only its type."""
     if isinstance(value, str | os.PathLike):
         return f"'{value}'"
@@ -34,9 +34,9 @@ def shown(value: object) -> str:
         return str(value)
     if isinstance(value, slice):
         ends = (value.start, value.stop)
-        return ":".join("" if end is None else shown(end) for end in ends)
+        return ":".join("" if end is None else describe(end) for end in ends)
     if isinstance(value, tuple | list) and len(value) <= _FEW:
-        return f"({', '.join(map(shown, value))})"
+        return f"({', '.join(map(describe, value))})"
     return f"an object of the type {type(value).__name__}"
 
 
@@ -87,9 +87,11 @@ def count(name: str, value: object, least: int = 0, most: int = LARGEST_COUNT) -
     """`value` as an int from `least` to `most`, or a refusal that names it."""
     is_whole = isinstance(value, numbers.Integral) and not isinstance(value, bool)
     if not is_whole or int(value) < least:  # type: ignore[call-overload]
-        raise EnvLightsError(f"{name} must be a whole number, {least} or more; got {shown(value)}")
+        raise EnvLightsError(
+            f"{name} must be a whole number, {least} or more; got {describe(value)}"
+        )
     if int(value) > most:  # type: ignore[call-overload]
-        raise EnvLightsError(f"{name} must be a whole number up to {most}; got {shown(value)}")
+        raise EnvLightsError(f"{name} must be a whole number up to {most}; got {describe(value)}")
     return int(value)  # type: ignore[call-overload, no-any-return]
 
 
@@ -97,7 +99,7 @@ def counts(name: str, values: object) -> list[int]:
     """`values` as a list of ints of at least 0, or a refusal that names them."""
     if isinstance(values, str | bytes) or not isinstance(values, Iterable):
         raise EnvLightsError(
-            f"{name} must be whole numbers, one after another; got {shown(values)}"
+            f"{name} must be whole numbers, one after another; got {describe(values)}"
         )
     return [count(name, value) for value in values]
 
@@ -111,7 +113,7 @@ def amount(name: str, value: object, least: float = 0.0, most: float = math.inf)
     if not (least <= number <= most and math.isfinite(number)):
         limits = f"from {least:g} to {most:g}" if math.isfinite(most) else f"{least:g} or more"
         limits += " (1 is 100 %)" if most == 1 else ""
-        raise EnvLightsError(f"{name} must be a finite number, {limits}; got {shown(value)}")
+        raise EnvLightsError(f"{name} must be a finite number, {limits}; got {describe(value)}")
     return number
 
 
@@ -135,14 +137,14 @@ def colour(name: str, values: ArrayLike) -> list[float]:
 def check_choice(name: str, value: object, choices: tuple[str, ...]) -> None:
     """Refuse a `value` that is none of the `choices`."""
     if not isinstance(value, str) or value not in choices:
-        wanted = " or ".join(map(shown, choices))
-        raise EnvLightsError(f"{name} must be {wanted}; got {shown(value)}")
+        wanted = " or ".join(map(describe, choices))
+        raise EnvLightsError(f"{name} must be {wanted}; got {describe(value)}")
 
 
 def flag(name: str, value: object) -> bool:
     """`value` as a bool, or a refusal that names it."""
     if not isinstance(value, bool | np.bool_):
-        raise EnvLightsError(f"{name} must be True or False; got {shown(value)}")
+        raise EnvLightsError(f"{name} must be True or False; got {describe(value)}")
     return bool(value)
 
 
@@ -157,7 +159,7 @@ def texts(name: str, values: object) -> list[str]:
     each = [values] if isinstance(values, str) or not isinstance(values, Iterable) else [*values]
     for text in each:
         if not isinstance(text, str):
-            raise EnvLightsError(f"{name} must be text; got {shown(text)}")
+            raise EnvLightsError(f"{name} must be text; got {describe(text)}")
     return [str(text) for text in each]
 
 
@@ -202,7 +204,7 @@ def rotation(matrix: ArrayLike) -> NDArray[np.float64]:
     """`matrix` as a rotation, (3, 3), or a refusal of what is none."""
     if isinstance(matrix, numbers.Real) or is_vector(matrix):
         raise EnvLightsError(
-            f"matrix must be a rotation of the shape (3, 3), not angles; got {shown(matrix)}"
+            f"matrix must be a rotation of the shape (3, 3), not angles; got {describe(matrix)}"
         )
     turn = reals("matrix", matrix, 2)
     if turn.shape != (3, 3):

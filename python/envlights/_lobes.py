@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._arrays import sealed
+from envlights._arrays import seal
 
 #: Angular radius of the sun, in radians: 0.267 degrees at its mean distance.
 SUN_RADIUS = 0.00465
@@ -37,7 +37,7 @@ def lobes(
     sharpness = _sharpness(np.sin(np.maximum(angular_radius, SUN_RADIUS) / 2) ** 2)
     at_normal = 2 * np.pi * (sharpness - 1 + np.exp(-sharpness)) / sharpness**2
     amplitude = irradiance / at_normal[:, None]
-    return SphericalGaussians(direction, sealed(sharpness), sealed(amplitude))
+    return SphericalGaussians(direction, seal(sharpness), seal(amplitude))
 
 
 def _sharpness(spread: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -211,7 +211,6 @@ def fit_map(
     shadow_error: float | None,
     sizes: str | None,
     max_steps: int,
-    upward: bool,
     floor: bool,
     error_floor: float,
 ) -> FitAnswer: ...

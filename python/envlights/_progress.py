@@ -13,7 +13,9 @@ _T = TypeVar("_T")
 _DELAY = 1.0
 
 
-def counted(items: Collection[_T], what: str, unit: str, progress: bool | None) -> Iterable[_T]:
+def progress_bar(
+    items: Collection[_T], what: str, unit: str, progress: bool | None
+) -> Iterable[_T]:
     """The items one by one, with a bar on stderr or in the notebook if `progress` is True.
 
     None: only where somebody may look, in a terminal or a notebook, and only after a second.

@@ -1,4 +1,4 @@
-"""The base of all results."""
+"""Base class of all results."""
 
 from __future__ import annotations
 
@@ -13,31 +13,34 @@ from envlights import _html
 
 
 class Result(ABC):
-    """A dataclass whose `repr` is one line, which Jupyter shows in full, and which has an equality.
+    """Dataclass with a one-line `repr`, a text, a view in Jupyter, and an equality by value.
 
-    Two are equal if they are of one class and all they hold is, arrays value by value; a field with
-    ``compare=False``, such as wall times, does not count. What is compared so cannot be hashed.
+    Two results are equal if their classes and all fields are equal, arrays value by value. A field
+    with ``compare=False``, such as wall times, is not compared. Results cannot be hashed.
 
-    Copies and pickles are rebuilt by the constructor. So a class whose constructor checks its
-    arrays, or closes them to writing, does so for copies too; this base does neither.
+    The constructor makes copies and unpickled objects too, so its checks hold for them.
     """
 
     @abstractmethod
     def in_short(self) -> str:
-        """The line, without the name of the class."""
+        """One line, without the name of the class."""
+
+    def verbose(self) -> str:
+        """Text with all details; `str` gives the short one."""
+        return str(self)
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: {self.in_short()}>"
 
     def _repr_pretty_(self, printer: Any, _: bool) -> None:
-        """All of it where it stands alone, one line where it stands in a list or the like."""
+        """The whole text for a single object, one line for an element of a list."""
         printer.text(repr(self) if printer.indentation else str(self))
 
     def _repr_html_(self) -> str:
         return _html.block(type(self).__name__, self.in_short(), *self._html_parts())
 
     def _html_parts(self) -> Iterable[str]:
-        """What stands below the line: tables, pictures, text."""
+        """HTML below the line: tables, pictures, text."""
         return (_html.lines(str(self)),)
 
     def __eq__(self, other: object) -> bool:
@@ -49,8 +52,8 @@ class Result(ABC):
     __hash__ = None  # type: ignore[assignment]  # as of a list: equality is that of the content
 
     def __reduce__(self) -> tuple[Any, ...]:
-        given = (each for each in fields(self) if each.init)  # type: ignore[arg-type]
-        names = (each.name for each in given)
+        arguments = (each for each in fields(self) if each.init)  # type: ignore[arg-type]
+        names = (each.name for each in arguments)
         return type(self), tuple(getattr(self, name) for name in names)
 
 

@@ -52,7 +52,7 @@ def white_of(radiance: NDArray[np.floating]) -> tuple[float, float]:
     return white, float(darker[below - 1]) if below else 0.0
 
 
-def reduced(radiance: NDArray[np.floating], columns: int) -> NDArray[np.float64]:
+def shrink(radiance: NDArray[np.floating], columns: int) -> NDArray[np.float64]:
     """Means over blocks of pixels, with `columns` columns or up to twice as many."""
     step = max(radiance.shape[1] // columns, 1)
     height, width = (side // step * step for side in radiance.shape[:2])
@@ -60,15 +60,15 @@ def reduced(radiance: NDArray[np.floating], columns: int) -> NDArray[np.float64]
     return in_blocks(cells.shape, lambda rows: cells[rows].mean(axis=(1, 3), dtype=np.float64))
 
 
-def exposed(radiance: NDArray[np.floating], white: float) -> NDArray[np.uint8]:
+def expose(radiance: NDArray[np.floating], white: float) -> NDArray[np.uint8]:
     """Codes of radiance, with the luminance that becomes white."""
     return _codes(encode_srgb(radiance / white))
 
 
 def of_map(radiance: NDArray[np.floating]) -> NDArray[np.uint8]:
     """Codes of a picture of a map, exposed so that lamps stand out."""
-    small = reduced(radiance, _COLUMNS)
-    return exposed(small, white_of(small)[0])
+    small = shrink(radiance, _COLUMNS)
+    return expose(small, white_of(small)[0])
 
 
 def of_lights(
@@ -94,7 +94,7 @@ def of_lights(
 
 def of_pairs(direct: NDArray[np.floating], indirect: NDArray[np.floating]) -> NDArray[np.uint8]:
     """Codes of the first few pairs: direct light above, indirect light below."""
-    rows = [[_exposed(image) for image in images[:_IMAGES]] for images in (direct, indirect)]
+    rows = [[_expose_image(image) for image in images[:_IMAGES]] for images in (direct, indirect)]
     return np.vstack([_strip(images) for images in rows])
 
 
@@ -102,16 +102,18 @@ def of_signed(images: NDArray[np.floating]) -> NDArray[np.uint8]:
     """Codes of a few images (n, height, width), each around its zero, which is grey."""
     limits = np.abs(images).max(axis=(1, 2), keepdims=True)
     grey = 0.5 + 0.5 * images / np.where(limits > 0, limits, 1)
-    return _strip([_codes(_scaled(np.repeat(image[..., None], 3, axis=2))) for image in grey])
+    return _strip(
+        [_codes(_nearest_texels(np.repeat(image[..., None], 3, axis=2))) for image in grey]
+    )
 
 
-def _exposed(image: NDArray[np.floating]) -> NDArray[np.uint8]:
-    small = _scaled(image.astype(np.float64))
+def _expose_image(image: NDArray[np.floating]) -> NDArray[np.uint8]:
+    small = _nearest_texels(image.astype(np.float64))
     white = np.percentile(small, 99) or small.max() or 1.0
-    return exposed(small, white)
+    return expose(small, white)
 
 
-def _scaled(image: NDArray[np.floating]) -> NDArray[np.floating]:
+def _nearest_texels(image: NDArray[np.floating]) -> NDArray[np.floating]:
     """The nearest texels of an image, as many as fit a thumbnail."""
     height, width = image.shape[:2]
     longest = max(height, width)

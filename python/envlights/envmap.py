@@ -1,69 +1,28 @@
-"""The map: its radiance, the layout of its pixels on the sphere, and what was cleaned."""
+"""The environment map: radiance from every direction, and the layout of its pixels."""
 
 from __future__ import annotations
 
-import math
 import os
-from collections.abc import Callable, Iterable, Sequence
-from typing import Any, NamedTuple, TypeVar
+from collections.abc import Callable, Sequence
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights import _html, _native, _thumbnails, resampling
-from envlights._arrays import converted
-from envlights._blocks import blocks, in_blocks
-from envlights._check import amount, check_choice, for_kernels, one_or_more, rotation, shown, texts
-from envlights._map_array import map_array
+from envlights import resampling
+from envlights._check import one_or_more, rotation
+from envlights._map_pixels import REGISTRATIONS, MapPixels
 from envlights._native import EnvLightsError, UnusableSamplesError
-from envlights._srgb import decode_codes
 from envlights.io.exposures import Exposures
 from envlights.io.image_output import COMPRESSIONS, map_suffix, write_exr, write_hdr
 from envlights.io.images import MOST_PIXELS, read_image
-from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import irradiance
-from envlights.repair import repaired
-
-PROJECTIONS = ("equirectangular",)
-REGISTRATIONS = ("cell-centred", "border-sampled")
+from envlights.repair import repair
 
 _T = TypeVar("_T")
 
 
-class Original(NamedTuple):
-    """A map before lights were taken out of it."""
-
-    threshold: float
-    """Luminance above which a place is bright."""
-
-    flux: float
-    """Integral of the luminance."""
-
-    peak: float
-    """Largest luminance of its lights."""
-
-    end: float | None = None
-    """Luminance at which it was cut off; None where it was not."""
-
-    least_weight: float = 0.0
-    """Weight that a light needs behind that end; see `DetectedLights.weight`."""
-
-    columns: int = 0
-    """Columns of the image that was searched behind that end."""
-
-    @classmethod
-    def of_numbers(cls, numbers: Iterable[float]) -> Original:
-        """What `to_numbers` has told."""
-        threshold, flux, peak, end, least_weight, columns = numbers
-        return cls(threshold, flux, peak, end or None, least_weight, int(columns))
-
-    def to_numbers(self) -> tuple[float, ...]:
-        """Numbers alone, for a file."""
-        end = self.end or 0.0
-        return self.threshold, self.flux, self.peak, end, self.least_weight, self.columns
-
-
-class EnvMap:
+class EnvMap(MapPixels):
     r"""An environment map: radiance from every direction.
 
     Frame: right-handed, +y up. The centre of the image looks along +z, its left quarter along +x,
@@ -72,25 +31,23 @@ class EnvMap:
     Parameters
     ----------
     radiance : array_like, shape (height, 2 * height, 3)
-        Three channels; of four the last is alpha, which is ignored, and one, or none at all, is
-        grey: `notes` says so.
         Floating point: linear radiance in W m\ :sup:`-2` sr\ :sup:`-1`, on any common scale.
-        uint8 and uint16: sRGB-coded, which is noted. A C-contiguous float32 array is not copied
-        (it must not be changed afterwards), unless it holds samples that are not radiance: negative
-        ones and NaN become 0, infinite ones the largest finite sample; `notes` holds their number.
+        uint8 and uint16: sRGB codes. A fourth channel is alpha, which is ignored; a single channel
+        is grey. NaN and negative samples become 0, infinite ones the largest finite sample. `notes`
+        lists every change. A C-contiguous float32 array without such samples is not copied, so do
+        not change it afterwards.
     projection : {"equirectangular"}
-        The layout of the sphere in the image, by name, so that a script says what its array is.
-        Only this one can be read as yet; others are refused.
+        Layout of the sphere in the image. Others are refused.
     registration : {"cell-centred", "border-sampled"}
-        "cell-centred": a pixel stands for the cell around its centre, as in most files.
+        "cell-centred": a pixel covers the cell around its centre, as in most files.
         "border-sampled": the outer pixels lie on the seam and the poles, as in OpenEXR files with
         the `envmap` attribute.
     notes : str or iterable of str
         Remarks on the map's origin.
     white : float, optional
-        The value at which the radiance was cut off, such as 1.0 for a picture that was linearised
-        elsewhere. It is known for uint8 and uint16. Detection treats what is at white as lost, not
-        as dim; see `detect_tree`.
+        Clip level: the largest value that the radiance could hold, such as 1.0 for a linearised
+        picture. Known for uint8 and uint16. Detection treats pixels at the clip level as lights of
+        unknown brightness; see `detect_tree`.
 
     Raises
     ------
@@ -106,47 +63,6 @@ class EnvMap:
     array([[3.142, 3.142, 3.142]])
     """
 
-    def __init__(
-        self,
-        radiance: ArrayLike,
-        *,
-        projection: str = "equirectangular",
-        registration: str = "cell-centred",
-        notes: str | Iterable[str] = (),
-        white: float | None = None,
-    ) -> None:
-        check_choice("projection", projection, PROJECTIONS)
-        check_choice("registration", registration, REGISTRATIONS)
-        self._white = None if white is None else checked_white(white)
-        self._clipped: tuple[float, float] | None = None
-        self._original: Original | None = None
-        self._notes = texts("notes", notes)
-        self._projection, self._registration = projection, registration
-        if isinstance(radiance, str | os.PathLike):
-            raise EnvLightsError(
-                "a map must be an array; `EnvMap.open` reads files; got"
-                f" {shown(os.fspath(radiance))}"
-            )
-        self._radiance = _read_only(self._cleaned(self._linear(map_array(radiance, self._notes))))
-
-    @classmethod
-    def unchecked(
-        cls,
-        radiance: ArrayLike,
-        *,
-        registration: str = REGISTRATIONS[0],
-        notes: Iterable[str] = (),
-        white: float | None = None,
-        original: Original | None = None,
-    ) -> EnvMap:
-        """A map whose samples are not checked: kernels will check each, or have made it."""
-        env = cls.__new__(cls)
-        env._notes = list(notes)
-        env._projection, env._registration = PROJECTIONS[0], registration
-        env._white, env._clipped, env._original = white, None, original
-        env._radiance = _read_only(env._linear(map_array(radiance, env._notes)))
-        return env
-
     @classmethod
     def open(
         cls,
@@ -161,20 +77,20 @@ class EnvMap:
         Parameters
         ----------
         path : path-like
-            Radiance .hdr, OpenEXR, PNG, JPEG, TIFF, or whatever else OpenImageIO reads. Files of
-            8 or 16 bit integers are linearised from sRGB; alpha and extra channels are ignored.
+            Radiance .hdr, OpenEXR, PNG, JPEG, TIFF, or any other format of OpenImageIO. Files of 8
+            or 16 bit integers are decoded from sRGB; alpha and extra channels are ignored.
         registration : {"cell-centred", "border-sampled"}, optional
-            As above. When left out, the metadata of the file decides.
+            See `EnvMap`. When left out, the metadata of the file decides.
         white : float, optional
-            As above. It is known for files of integers.
+            Clip level; see `EnvMap`. Known for files of integers.
         max_pixels : int
-            A file whose header claims more pixels is refused before memory is taken. 32768x16384
-            when left out.
+            Files with more pixels are refused before memory is allocated. The default is
+            32768x16384.
 
         Returns
         -------
         EnvMap
-            Its `notes` list everything that was assumed.
+            With `notes` on everything that was assumed.
 
         Raises
         ------
@@ -185,7 +101,7 @@ class EnvMap:
         if registration is None:
             registration = REGISTRATIONS[image.border_sampled]
         try:
-            env = cls(
+            return cls(
                 image.pixels,
                 registration=registration,
                 notes=image.notes,
@@ -193,8 +109,6 @@ class EnvMap:
             )
         except EnvLightsError as refusal:
             raise EnvLightsError(f"{os.fspath(path)}: {refusal}") from None
-        numbers = image.original
-        return env._left_of(None if numbers is None else Original.of_numbers(numbers))
 
     @classmethod
     def from_exposures(
@@ -202,38 +116,31 @@ class EnvMap:
         pictures: Sequence[ArrayLike | str | os.PathLike[str]],
         times: Sequence[float] | None = None,
     ) -> EnvMap:
-        r"""One linear map from several exposures of a panorama (Madsen et al. 2003, figure 4).
+        """Merge exposures of a panorama into one linear map (Madsen et al. 2003, figure 4).
 
-        Every sample is taken from the exposures that show it below white, in the mean that has the
-        least variance for sRGB codes. Where exposures contradict each other by more than a factor
-        of 1.3, because something moved, the best one is taken alone.
+        Every sample is the mean of the exposures that show it unclipped, with the weights of least
+        variance for sRGB codes. Exposures that differ by more than a factor of 1.3, because
+        something moved, are replaced by the best one.
 
         Parameters
         ----------
         pictures : sequence of path-like or array_like, shape (height, 2 * height, 3)
-            Two exposures or more, from one place, sRGB-coded, in any order: files as in `open`, or
-            arrays of uint8 or uint16. Arrays of floating point are linear, with white at 1.
+            Two exposures or more from one position, sRGB-coded, in any order: files as in `open`,
+            or arrays of uint8 or uint16. Floating-point arrays are linear and clipped at 1.
         times : sequence of float, optional
-            Exposure time of each, in seconds or any other unit: only ratios matter. When left out,
-            they come from the EXIF of the files, with aperture and sensitivity.
+            Exposure time of each picture, in any unit. When left out, the EXIF of the files gives
+            time, aperture and sensitivity.
 
         Returns
         -------
         EnvMap
-            Radiance 1 is white at a time of 1. It has a `white` if the shortest exposure still
-            reaches white. Its `notes` tell where exposures contradict each other and which do not
-            fit their times.
+            Radiance 1 is the clip level at an exposure time of 1. `white` is set if the shortest
+            exposure is still clipped. `notes` report contradictions and doubtful times.
 
         Raises
         ------
         EnvLightsError
             If a picture cannot be read, sizes differ, or a time is missing.
-
-        Notes
-        -----
-        A sample :math:`z` of an exposure of time :math:`t` has the weight :math:`(t / z')^2`, with
-        the slope :math:`z'` of the sRGB curve there: the inverse of the variance that rounding to
-        codes leaves. The response is not estimated, as Debevec and Malik (1997) do: it is known.
 
         Examples
         --------
@@ -251,74 +158,10 @@ class EnvMap:
         notes = (about, *exposures.notes)
         return cls(radiance, registration=registration, notes=notes, white=white)
 
-    @property
-    def radiance(self) -> NDArray[np.float32]:
-        """Linear RGB, (height, width, 3), read-only."""
-        return self._radiance
-
-    @property
-    def projection(self) -> str:
-        """The layout of the sphere in the image."""
-        return self._projection
-
-    @property
-    def registration(self) -> str:
-        """Whether pixels are cells, or the outer ones lie on the seam and the poles."""
-        return self._registration
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """What was cleaned or assumed."""
-        return tuple(self._notes)
-
-    @property
-    def white(self) -> float | None:
-        """The largest value that the radiance can hold; None where that is not known.
-
-        1.0 for files and arrays of integers.
-        """
-        return self._white
-
-    @property
-    def original(self) -> Original | None:
-        """The map from which `split` took lights to leave this one; None for other maps.
-
-        `detect` and `split` judge what is left as they judged it there. Files in OpenEXR keep this;
-        arrays do not, so ``detect(rest.radiance)`` judges what is left by itself.
-        """
-        return self._original
-
-    @property
-    def clipped_share(self) -> float:
-        """Share of the sphere whose radiance was cut off.
-
-        Where `white` is known: the pixels with a channel at white, from code 254 of 255 on. Else
-        those that hold the map's largest sample, if there are several; one is the peak of a light.
-        """
-        return self._clipped_shares()[0]
-
-    @property
-    def clipped_flux_share(self) -> float:
-        """Share of the map's luminance flux in the pixels of `clipped_share`.
-
-        What a fit makes of that share is a lower bound.
-        """
-        return self._clipped_shares()[1]
-
-    @property
-    def height(self) -> int:
-        """Rows."""
-        return int(self._radiance.shape[0])
-
-    @property
-    def width(self) -> int:
-        """Columns."""
-        return int(self._radiance.shape[1])
-
     def probe(self, normals: ArrayLike) -> NDArray[np.float64]:
-        r"""Exact irradiance of a white Lambertian probe under the whole map.
+        r"""Exact irradiance of a white Lambertian probe under the map.
 
-        Nothing is fitted or sampled: this is the reference for the lights of `fit`.
+        It is integrated over all pixels: the reference for `fit`.
 
         Parameters
         ----------
@@ -329,18 +172,17 @@ class EnvMap:
         -------
         ndarray, shape (n, 3) or (3,)
             RGB irradiance in W m\ :sup:`-2`:
-            :math:`E(n) = \int L(\omega) \max(0, n \cdot \omega)\, d\omega`. The radiance of the
-            probe (Madsen et al. 2003, equations 1 to 3) is this over pi.
+            :math:`E(n) = \int L(\omega) \max(0, n \cdot \omega)\, d\omega`. Divide by pi for the
+            radiance of the probe (Madsen et al. 2003, equations 1 to 3).
 
         Raises
         ------
         EnvLightsError
             If `normals` has another shape or holds a vector whose length is not 1.
         """
-        border_sampled = self._registration == "border-sampled"
         rows, is_one = one_or_more("normals", normals)
-        found = irradiance(self._radiance, rows, border_sampled=border_sampled)
-        return found[0] if is_one else found
+        values = irradiance(self._radiance, rows, border_sampled=self.is_border_sampled)
+        return values[0] if is_one else values
 
     def save(
         self,
@@ -349,7 +191,7 @@ class EnvMap:
         half: bool = False,
         compression: str = COMPRESSIONS[0],
     ) -> None:
-        """Write the map as an OpenEXR (.exr) or Radiance (.hdr) file, whole or not at all.
+        """Write the map as an OpenEXR (.exr) or Radiance (.hdr) file; a failure leaves no file.
 
         `open` reads it back: .exr without loss, .hdr with 8 bits and a shared exponent.
 
@@ -364,28 +206,24 @@ class EnvMap:
 
         Notes
         -----
-        Primaries are those of Rec.709. An .exr file keeps `original`. A border-sampled map has the
-        attribute ``envmap``; a cell-centred one must not, because readers would take its outer
-        pixels for the border. No .hdr file can say that it is border-sampled: such a map becomes
-        cells.
+        Primaries are those of Rec.709. A border-sampled map gets the attribute ``envmap``. A .hdr
+        file cannot hold that, so such a map is converted to cells.
         """
         if map_suffix(path) == ".hdr":
             if half or compression != COMPRESSIONS[0]:
                 raise EnvLightsError(f"cannot save {path}: half and compression are of .exr files")
             write_hdr(path, self.cells())
             return
-        is_border = self._registration == "border-sampled"
         write_exr(
             path,
             self._radiance,
             half=half,
             compression=compression,
-            border_sampled=is_border,
-            original=self._original and self._original.to_numbers(),
+            border_sampled=self.is_border_sampled,
         )
 
     def rotated(self, matrix: ArrayLike) -> EnvMap:
-        """The map after a rotation: what was in the direction d is then in ``matrix @ d``.
+        """Rotate the map: the radiance from d then comes from ``matrix @ d``.
 
         Parameters
         ----------
@@ -395,9 +233,9 @@ class EnvMap:
         Returns
         -------
         EnvMap
-            Of the same size. Turns about the pole by whole columns lose nothing. Other turns
-            average samples of each pixel, keep the flux of the map and that of each bright pixel,
-            and make a border-sampled map cell-centred.
+            Map of the same size. Rotations about the pole by whole columns lose nothing. Other
+            rotations average samples of each pixel, keep the flux of the map and of each bright
+            pixel, and make a border-sampled map cell-centred.
 
         See Also
         --------
@@ -412,243 +250,89 @@ class EnvMap:
         >>> np.array_equal(turned.radiance, np.roll(env.radiance, -2, axis=1))
         True
         """
-        turn = rotation(matrix)
-        is_border = self._registration == "border-sampled"
-        turned = resampling.turned_by_columns(self._radiance, turn, border_sampled=is_border)
-        registration = self._registration
-        if turned is None:
-            turned, registration = _native.rotated(self.cells(), turn), REGISTRATIONS[0]
-        env = EnvMap(turned, registration=registration, notes=self._notes, white=self._white)
-        return env._left_of(self._original)
-
-    def cells(self) -> NDArray[np.float32]:
-        """Radiance of a cell-centred map of the same size: `radiance` itself where it is one.
-
-        The pixels of a border-sampled map are averaged; flux is kept.
-        """
-        if self._registration == "border-sampled":
-            return resampling.cells_of_borders(self._radiance)
-        return self._radiance
+        radiance, is_border = resampling.rotate(
+            self._radiance, rotation(matrix), border_sampled=self.is_border_sampled
+        )
+        registration = REGISTRATIONS[is_border]
+        return EnvMap(radiance, registration=registration, notes=self._notes, white=self._white)
 
     def repaired(self, *, irradiance: float | None = None, ratio: float | None = None) -> EnvMap:
-        r"""The map with an estimate of the light that was cut off.
+        r"""Map with an estimate of the clipped light.
 
-        The pixels that are clipped are raised, each in its own colour. How much light is missing is
-        a number of yours, or an estimate with the ground as the light meter of the scene. Where it
-        is missing is a guess: small parts of the plateau count for more than their solid angle, and
-        so do high ones; each is brightest where it is deepest. `detect` and `fit` work on the
-        result as on any map of linear radiance.
+        Clipped pixels are raised, each in its own colour. The amount of missing light is a number
+        that you measured, or an estimate with the ground as light meter. Its distribution is a
+        guess: more in small clipped regions, in high ones, and in the middle of each.
 
         Parameters
         ----------
         irradiance : float, optional
-            Luminance of the irradiance that an upward surface really gets, in W m\ :sup:`-2` on
-            the scale of the map; of a lux meter only if you know that scale.
+            Measured luminance of the irradiance on an upward surface, in W m\ :sup:`-2` on the
+            scale of the map; of a lux meter only if you know that scale.
         ratio : float, optional
-            That irradiance over the one without the clipped places: two readings of a lux meter on
-            the ground, one in the open, one with the sun shaded. It needs no scale.
+            The same irradiance divided by the one without the clipped regions: two readings of a
+            lux meter on the ground, in the open and with the sun shaded. It needs no scale.
 
         Returns
         -------
         EnvMap
-            Without a `white`. Its last note holds the factor by which the flux was raised and where
-            it comes from. Where the ground tells nothing, nothing is added, the map keeps its
-            white, and the note says why.
+            Without a `white`. Its last note holds the factor by which the flux was raised, and its
+            source. If the ground gives no estimate, the map keeps its `white`, and the note says
+            why.
 
         Raises
         ------
         EnvLightsError
-            If both numbers are given, one is less than that of the map as it is, or everything that
-            is clipped lies below the horizon.
+            If both numbers are given, one is less than that of the map, or all clipped pixels lie
+            below the horizon.
 
         Notes
         -----
-        The estimate takes the ground for one of albedo 0.2, with the mean luminance
-        :math:`L` of what lies more than 3 degrees below the horizon and is not clipped, and the
-        irradiance :math:`E` of an upward surface under the map as it is:
-        :math:`\min(3 \max(0, \pi L / 0.2 - E), 3 F, 400\, \Omega)`, where :math:`F` is the flux
-        that is not clipped and :math:`\Omega` the solid angle that is, in units of white. The rule
-        is ours.
-
-        Measured on 8-bit pictures of 17 HDR maps in eleven tones (`benchmarks/clipped_repair.py`),
-        the relative RMS error of a probe at the best common scale falls from 0.43 to 0.23 (median),
-        and grows by more than 0.05 in 2 %. The estimate is worthless on ground that is far from
-        grey, such as snow or a dark floor, in the shade while the sun shines elsewhere, and under
-        light that the ground does not see. Where :math:`\pi L / E` is from 0.7 to 1.1, a white
-        floor explains the ground as well: nothing is added.
+        `envlights.repair` has the formula of the estimate. On 8-bit pictures of 17 HDR maps in
+        eleven tones (`benchmarks/clipped_repair.py`) the relative RMS error of a probe at the best
+        common scale falls from 0.43 to 0.23 (median), and grows by more than 0.05 in 2 %. Do not
+        use it on ground that is far from grey, such as snow or a dark floor, in the shade while the
+        sun shines elsewhere, or for light that does not reach the ground.
 
         Examples
         --------
-        A sun that was cut off, over grey ground that still shows its irradiance:
+        A clipped sun over grey ground that shows its irradiance:
 
         >>> sky = np.full((64, 128, 3), 0.1)
         >>> sky[12:14, 60:62] = 1.0
         >>> sky[32:] = 0.2 / np.pi * 2.0
         >>> env = EnvMap(sky, white=1.0)
         >>> print(env.repaired().notes[-1].split(":")[0])
-        the flux was raised by a factor of 2.6 for what was clipped
+        the flux was raised by a factor of 2.6 for the clipped light
         >>> env.repaired(irradiance=2.0).probe([[0, 1, 0]]).round(3)
         array([[2., 2., 2.]])
         """
-        if irradiance is not None and ratio is not None:
-            raise EnvLightsError("give irradiance or ratio, not both")
-        asked = [
-            None if value is None else amount(name, value)
-            for name, value in (("irradiance", irradiance), ("ratio", ratio))
-        ]
         white = self._white
-        if white is None:
-            white = float(self._radiance.max()) if self.clipped_share else math.inf
-        is_border = self._registration == "border-sampled"
-        radiance, note = repaired(self._radiance, is_border, white, *asked)
+        if white is None and self.clipped_share:
+            white = float(self._radiance.max())
+        radiance, note, is_open = repair(
+            self._radiance, self.is_border_sampled, white, irradiance, ratio
+        )
+        white = self._white if is_open else None
         notes = (*self._notes, note)
-        # An estimate that adds nothing leaves what is at white as lost as it was.
-        is_as_it_was = irradiance is None and ratio is None and radiance is self._radiance
-        kept = self._white if is_as_it_was else None
-        return EnvMap(radiance, registration=self._registration, notes=notes, white=kept)
-
-    def __repr__(self) -> str:
-        size = f"{self.width}x{self.height}"
-        notes = f", notes: {'; '.join(self._notes)}" if self._notes else ""
-        clipped = self._clipped_in_words()
-        return f"EnvMap({size} {self._projection}, {self._registration}{clipped}{notes})"
-
-    def __str__(self) -> str:
-        weights = LUMINANCE.astype(np.float32)
-        luminance = in_blocks(self._radiance.shape, lambda rows: self._radiance[rows] @ weights)
-        median = np.median(luminance)
-        return "\n".join(
-            [
-                f"{self.width}x{self.height} pixels, {self._projection}, {self._registration}",
-                f"luminance: median {median:.3g}, largest {luminance.max():.3g}",
-                *([f"white at {self._white:g}{self._clipped_in_words()}"] if self._white else []),
-                *(f"note: {note}" for note in self._notes),
-            ]
-        )
-
-    def _clipped_in_words(self) -> str:
-        """The part of the map that is at its white; empty where nothing is, or it has none."""
-        share, flux = (0.0, 0.0) if self._white is None else self._clipped_shares()
-        shares = f", {100 * share:.2g} % of the sphere at white with {100 * flux:.2g} % of its flux"
-        return shares if share else ""
-
-    def _repr_pretty_(self, printer: Any, _: bool) -> None:
-        printer.text(repr(self) if printer.indentation else str(self))
-
-    def _repr_html_(self) -> str:
-        picture = _html.picture(
-            _thumbnails.of_map(self._radiance), "the map, exposed for its lamps"
-        )
-        return _html.block("EnvMap", "", picture, _html.lines(str(self)))
-
-    def __eq__(self, other: object) -> bool:
-        """Whether both hold the same radiance in the same pixels, cut off at the same white."""
-        if not isinstance(other, EnvMap):
-            return NotImplemented
-        layout, others = ((e.projection, e.registration, e.white) for e in (self, other))
-        return layout == others and np.array_equal(self.radiance, other.radiance)
-
-    __hash__ = None  # type: ignore[assignment]  # what is compared by its pixels
-
-    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
-        """The radiance, so that NumPy takes a map wherever it takes an array."""
-        return converted(self._radiance, dtype, copy)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        # A copy is looked through again: only its constructor closes the array to writing.
-        arguments = self._projection, self._registration, self._notes, self._white
-        return _copied, (self._radiance, *arguments, self._original)
-
-    def _left_of(self, original: Original | None) -> EnvMap:
-        """The same map, as what is left of another."""
-        self._original = original
-        return self
-
-    def _clipped_shares(self) -> tuple[float, float]:
-        if self._clipped is None:
-            is_border = self._registration == "border-sampled"
-            self._clipped = _native.clipped_share(self._radiance, is_border, self._white)
-        return self._clipped
-
-    def _linear(self, array: NDArray[Any]) -> NDArray[np.float32]:
-        if array.dtype.kind == "f":
-            # A float64 sample beyond float32 becomes infinite and is cleaned as such.
-            with np.errstate(over="ignore"):
-                return for_kernels(array, np.float32)
-        self._notes.append(f"{array.dtype.name} samples were taken as sRGB-coded and linearised")
-        self._white = 1.0 if self._white is None else self._white
-        return decode_codes(array)
-
-    def _cleaned(self, linear: NDArray[np.float32]) -> NDArray[np.float32]:
-        nan, infinite, negative = _native.unusable(linear)
-        if not (nan or infinite or negative):
-            return linear
-        parts = (linear[rows] for rows in blocks(linear.shape))
-        largest_of_each = [part.max(where=np.isfinite(part), initial=-np.inf) for part in parts]
-        if max(largest_of_each) == -np.inf:
-            raise EnvLightsError("the map holds no finite sample; is it damaged?")
-        largest = max(float(max(largest_of_each)), 0.0)
-        changes = [
-            (nan, "NaN", "0"),
-            (negative, "negative", "0"),
-            (infinite, "infinite", f"{largest:g}"),
-        ]
-        for seen, kind, value in changes:
-            if seen:
-                self._notes.append(f"{seen} {kind} sample{'s' if seen > 1 else ''} set to {value}")
-        return in_blocks(linear.shape, lambda rows: _usable(linear[rows], largest))
+        return EnvMap(radiance, registration=self._registration, notes=notes, white=white)
 
 
-#: A map, the path of its file, or its radiance as an array.
+#: Map, path of its file, or its radiance as an array.
 AnyMap = EnvMap | str | os.PathLike[str] | ArrayLike
 
 
-def _usable(linear: NDArray[np.float32], largest: float) -> NDArray[np.float32]:
-    """NaN and negative samples as 0, infinite ones as `largest`."""
-    finite = np.nan_to_num(linear, nan=0.0, posinf=largest, neginf=0.0)
-    return np.maximum(finite, np.float32(0))
-
-
-def _read_only(array: NDArray[np.float32]) -> NDArray[np.float32]:
-    view = array.view()
-    view.flags.writeable = False
-    return view
-
-
-def _copied(
-    radiance: NDArray[np.float32],
-    projection: str,
-    registration: str,
-    notes: list[str],
-    white: float | None = None,
-    original: Original | None = None,
-) -> EnvMap:
-    env = EnvMap(
-        radiance, projection=projection, registration=registration, notes=notes, white=white
-    )
-    return env._left_of(original)
-
-
-def checked_white(white: float) -> float:
-    """A white, or a refusal of what none can be."""
-    value = amount("white", white)
-    if value == 0:
-        raise EnvLightsError("white must be above 0; got 0")
-    return value
-
-
 def as_envmap(env: AnyMap) -> EnvMap:
-    """`env` itself, or the map that an array or the path of a file stands for."""
+    """Map of an array or of the path of a file; a map is returned as it is."""
     if isinstance(env, str | os.PathLike):
         return EnvMap.open(env)
     return env if isinstance(env, EnvMap) else EnvMap(env)
 
 
-def seen_through(env: AnyMap, work: Callable[[EnvMap], _T]) -> tuple[EnvMap, _T]:
-    """The map, and the result of `work` on it.
+def apply_to_map(env: AnyMap, work: Callable[[EnvMap], _T]) -> tuple[EnvMap, _T]:
+    """Map and the result of `work` on it; an array is cleaned only if a kernel refuses it.
 
-    The kernels that `work` calls read every sample and count those that are not radiance. Only if
-    they find some is an array cleaned, and `work` called again.
+    Kernels read every sample anyway and refuse those that are not radiance, so the usual array
+    needs no check of its own.
     """
     if isinstance(env, EnvMap | str | os.PathLike):
         world = as_envmap(env)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import operator
 import os
 import sys
 from collections.abc import Iterator, Sequence
@@ -12,16 +11,18 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights import _html, _thumbnails
-from envlights._arrays import sealed
-from envlights._check import reals, rotation, shown
+from envlights import _html, _targets, _thumbnails
+from envlights._arrays import seal
+from envlights._check import rotation
+from envlights._light_arrays import light_arrays, radii, rotate, row_of, rows_of
 from envlights._lobes import SphericalGaussians, lobes
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights._tables import MOST_ROWS, Table
 from envlights.envmap import EnvMap
+from envlights.io.csv_table import read_csv
 from envlights.io.files import as_path
-from envlights.kernels import sphere
+from envlights.io.own_json import read_json
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import disc_map
 from envlights.light import Light, azimuths, elevations
@@ -82,11 +83,11 @@ class Lights(Result):
 
     def __post_init__(self) -> None:
         direction, irradiance = light_arrays(self.direction, self.irradiance)
-        radius = _radii(self.angular_radius, len(direction))
+        radius = radii(self.angular_radius, len(direction))
         order = brightest_first(irradiance)
-        object.__setattr__(self, "direction", sealed(direction[order]))
-        object.__setattr__(self, "irradiance", sealed(irradiance[order]))
-        object.__setattr__(self, "angular_radius", sealed(radius[order]))
+        object.__setattr__(self, "direction", seal(direction[order]))
+        object.__setattr__(self, "irradiance", seal(irradiance[order]))
+        object.__setattr__(self, "angular_radius", seal(radius[order]))
 
     @classmethod
     def unchecked(
@@ -97,9 +98,9 @@ class Lights(Result):
     ) -> Lights:
         """Lights that a kernel has found, brightest first, in arrays that nobody else holds."""
         lights = cls.__new__(cls)
-        object.__setattr__(lights, "direction", sealed(direction))
-        object.__setattr__(lights, "irradiance", sealed(irradiance))
-        object.__setattr__(lights, "angular_radius", sealed(angular_radius))
+        object.__setattr__(lights, "direction", seal(direction))
+        object.__setattr__(lights, "irradiance", seal(irradiance))
+        object.__setattr__(lights, "angular_radius", seal(angular_radius))
         return lights
 
     def __len__(self) -> int:
@@ -234,10 +235,7 @@ class Lights(Result):
         environment : EnvMap or array_like, optional
             A map around the lights, such as the rest of a split map, for targets that take one.
         """
-        # Here, so that `import envlights` does not wait for the exporters.
-        from envlights.export.targets import save
-
-        save(self, path, environment)
+        _targets.save(self, path, environment)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Lights:
@@ -248,9 +246,6 @@ class Lights(Result):
         EnvLightsError
             If the file is missing, of another kind or version, or holds impossible lights.
         """
-        from envlights.export.csv import read_csv
-        from envlights.export.own_json import read_json
-
         if as_path(path).suffix.lower() == ".csv":
             table = read_csv(path)
             return Lights(table.direction, table.irradiance, table.angular_radius)
@@ -276,7 +271,7 @@ class Lights(Result):
         >>> lamp.rotated([[0, 0, 1], [0, 1, 0], [-1, 0, 0]]).direction
         array([[1., 0., 0.]])
         """
-        return replace(self, direction=turned(self.direction, rotation(matrix)))
+        return replace(self, direction=rotate(self.direction, rotation(matrix)))
 
     def to_map(self, height: int) -> EnvMap:
         """The lights as discs before a black sky: labels to learn from, and a way to any renderer.
@@ -355,47 +350,6 @@ def rgb_cell(irradiance: NDArray[np.float64]) -> str:
     return "  ".join(f"{value:>9.4g}" for value in irradiance)
 
 
-def _radii(values: ArrayLike | None, lights: int) -> NDArray[np.float64]:
-    """A radius for each light, or a refusal where it is no disc."""
-    if values is None:
-        return np.zeros(lights)
-    radii = reals("angular_radius", values, 1)
-    if len(radii) != lights:
-        raise EnvLightsError(
-            f"angular_radius must have a row for each light ({lights}); got {len(radii)}"
-        )
-    bad = np.flatnonzero(~((radii >= 0) & (radii <= np.pi / 2)))
-    if len(bad):
-        raise EnvLightsError(
-            "angular_radius must be from 0 to pi / 2 radians;"
-            f" row {bad[0]} holds {radii[bad[0]]:.6g}"
-        )
-    return radii
-
-
-def light_arrays(
-    direction: ArrayLike, irradiance: ArrayLike
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Directions and irradiances as arrays, or a refusal where no renderer could use them."""
-    direction = reals("direction", direction, 2)
-    irradiance = reals("irradiance", irradiance, 2)
-    sphere.direction_to_uv(direction)  # refuses a vector that is not of length 1
-    if irradiance.shape != direction.shape:
-        raise EnvLightsError(
-            f"irradiance must have the shape {direction.shape}; got {irradiance.shape}"
-        )
-    if not np.isfinite(irradiance).all() or (irradiance < 0).any():
-        raise EnvLightsError("irradiance must be finite and not negative")
-    return direction, irradiance
-
-
-def turned(direction: NDArray[np.float64], matrix: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Unit vectors, (n, 3), after a rotation; still of length 1 where that is inexact."""
-    there = direction @ matrix.T
-    there /= np.linalg.norm(there, axis=1, keepdims=True)
-    return there + 0.0  # no minus zero
-
-
 def lights_of(data: dict[str, Any]) -> Lights:
     """The lights that `Lights.to_dict` wrote."""
     # A list without entries has lost its second axis.
@@ -403,33 +357,3 @@ def lights_of(data: dict[str, Any]) -> Lights:
     irradiance = np.reshape(data["irradiance"], (-1, 3))
     radius: Any = data.get("angular_radius")
     return Lights(direction, irradiance, radius)
-
-
-def rows_of(which: object, lights: int) -> NDArray[np.intp] | None:
-    """The rows that a slice, a list of numbers or a mask means; None for anything else."""
-    if isinstance(which, slice):
-        return np.arange(lights)[which]
-    if not isinstance(which, list | np.ndarray):
-        return None
-    try:
-        chosen = np.asarray(which, None if np.size(which) else np.intp)
-    except ValueError:  # rows of several lengths
-        return None
-    if chosen.ndim != 1 or chosen.dtype.kind not in "iub":
-        return None
-    rows: NDArray[np.intp] = np.arange(lights)[chosen]
-    return rows
-
-
-def row_of(which: object, lights: int) -> int:
-    """The row that an index means, or a refusal; negative ones count from the end."""
-    try:
-        row = operator.index(which)  # type: ignore[arg-type]
-    except TypeError:
-        raise EnvLightsError(
-            "lights are taken by a number, such as lights[0], a slice, such as lights[:4], or a"
-            f" list of numbers; got {shown(which)}"
-        ) from None
-    if not -lights <= row < lights:
-        raise IndexError(f"there are {lights} lights; got the index {row}")
-    return row % lights

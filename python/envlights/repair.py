@@ -15,11 +15,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
+from envlights._check import amount
 from envlights._native import EnvLightsError
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.sphere import pixel_solid_angles
@@ -48,31 +50,43 @@ PLATEAU_COLUMNS, PLATEAU_GAP = 512, math.radians(0.8)
 _ROWS = 128
 
 
-def repaired(
+class Repair(NamedTuple):
+    """Radiance with an estimate of the clipped light."""
+
+    radiance: NDArray[np.float32]
+    note: str
+    """Factor by which the flux was raised, or the reason why it was not."""
+    is_open: bool
+    """True if an estimate added nothing, so that clipped light may still be missing."""
+
+
+def repair(
     radiance: NDArray[np.float32],
     border_sampled: bool,
-    white: float,
+    white: float | None,
     irradiance: float | None,
     ratio: float | None,
-) -> tuple[NDArray[np.float32], str]:
-    """The radiance of a map with what was cut off at `white`, and a remark on how much that is."""
+) -> Repair:
+    """Add the light that was clipped at `white`: a measured amount, or an estimate."""
+    if irradiance is not None and ratio is not None:
+        raise EnvLightsError("give irradiance or ratio, not both")
+    irradiance = None if irradiance is None else amount("irradiance", irradiance)
+    ratio = None if ratio is None else amount("ratio", ratio)
+    is_estimate = irradiance is None and ratio is None
+    level = math.inf if white is None else white
     share = _native.clipped_light_shares(
-        radiance, border_sampled, white, PLATEAU_COLUMNS, PLATEAU_GAP
+        radiance, border_sampled, level, PLATEAU_COLUMNS, PLATEAU_GAP
     )
     if not share.any():
-        return radiance, "nothing was added, for nothing is clipped"
-    light = _measured(radiance, share, white, border_sampled)
-    if irradiance is None and ratio is None:
-        missing, source = light.estimate(white)
-    else:
-        missing, source = light.up_to(irradiance, ratio)
+        return Repair(radiance, "nothing was added: no pixel is clipped", is_estimate)
+    light = _measure(radiance, share, level, border_sampled)
+    missing, source = light.estimate(level) if is_estimate else light.up_to(irradiance, ratio)
     if missing == 0:
-        return radiance, f"nothing was added for what is clipped: {source}"
+        note = f"nothing was added for the clipped light: {source}"
+        return Repair(radiance, note, is_estimate)
     factor = 1 + missing / light.flux
-    return (
-        _raised(radiance, share, missing),
-        f"the flux was raised by a factor of {factor:.3g} for what was clipped: {source}",
-    )
+    note = f"the flux was raised by a factor of {factor:.3g} for the clipped light: {source}"
+    return Repair(_raise_clipped(radiance, share, missing), note, False)
 
 
 @dataclass(frozen=True)
@@ -153,7 +167,7 @@ def _true_factors(factor: float) -> tuple[float, float]:
 _TWO_THIRDS = 0.8, 2.3
 
 
-def _measured(
+def _measure(
     radiance: NDArray[np.float32], share: NDArray[np.float32], white: float, border_sampled: bool
 ) -> _Light:
     """Measure flux, irradiance and solid angle of what is clipped and what is not."""
@@ -198,7 +212,7 @@ def _measured(
     )
 
 
-def _raised(
+def _raise_clipped(
     radiance: NDArray[np.float32], share: NDArray[np.float32], missing: float
 ) -> NDArray[np.float32]:
     """`radiance` with the flux `missing` in the clipped pixels, each of its own colour."""

@@ -1,4 +1,4 @@
-"""How a rig was found, and how far it can be trusted."""
+"""Report of a fit: the search, its errors, and the accuracy of the lights."""
 
 from __future__ import annotations
 
@@ -16,93 +16,105 @@ from envlights._tables import Table
 
 
 class StopReason(enum.Enum):
-    """Why the solver stopped. The text is what a user reads."""
+    """Reason why the solver stopped; the value is its text."""
 
     NOT_FITTED = "not fitted"
-    CONVERGED = "the error stopped falling"
-    EXACT = "the lights reproduce the probe"
-    OUT_OF_STEPS = "the step limit came first; the lights are usable but may not be the best"
-    ERROR_NOT_REACHED = "the error asked for was not reached with that many lights"
-    RAN_AWAY = "a step led to no finite light; the lights are those before it"
-    NOTHING_TO_FIT = "the map is black: there is no light to fit"
+    CONVERGED = "converged: the error no longer falls"
+    EXACT = "exact: the lights reproduce the irradiance"
+    OUT_OF_STEPS = "stopped at the step limit; a better set of lights may exist"
+    ERROR_NOT_REACHED = "the requested error was not reached; allow more lights"
+    RAN_AWAY = "stopped before a step without a finite result; the lights are those before it"
+    NOTHING_TO_FIT = "the map is black, so there is no light to fit"
 
     @property
     def is_success(self) -> bool:
-        """Whether more steps would change nothing."""
+        """True if more steps would change nothing."""
         successes = (StopReason.CONVERGED, StopReason.EXACT, StopReason.NOTHING_TO_FIT)
         return self in successes
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FitReport(Result):
-    """How a rig was found, and how far it can be trusted."""
+    """Report of a fit: the search, its errors, and the accuracy of the lights.
+
+    `str` gives the part for users; `verbose` gives everything.
+    """
 
     errors: Mapping[int, float] = field(default_factory=dict)
-    """Relative RMS error for each number of lights that was tried. Where no error was asked for,
-    all of these are points, and only the last number was searched in full; see `sized_error`."""
+    """Relative RMS error for each number of lights in the search. Without a requested error, these
+    lights are points, and only the last number was searched in full; see `sized_error`."""
 
     sized_error: float | None = None
-    """Relative RMS error of the rig, whose lights have sizes, where `errors` are those of points.
-    None where both are of the same kind."""
+    """Relative RMS error of the rig, if its lights have sizes and `errors` are those of points."""
 
     steps: int = 0
-    """Steps that the solver took on the way to the answer."""
+    """Number of steps of the solver."""
 
     stop_reason: StopReason = StopReason.NOT_FITTED
-    """Why it took no more steps."""
+    """Reason why the solver stopped."""
 
     seconds: Mapping[str, float] = field(default_factory=dict, compare=False)
     """Wall time of each stage."""
 
     measured_on: str = ""
-    """The normals on which the errors were measured, and whether over a floor."""
+    """Normals on which the errors were measured, and the floor if there is one."""
 
     ambient: str = ""
-    """The environment beside the lights: "none", "constant" or "sh2"."""
+    """Ambient term: "none", "constant" or "sh2"."""
 
     ambients: Mapping[str, tuple[int, float]] = field(default_factory=dict)
-    """Where ``ambient="auto"`` chose: lights and error with each that was tried."""
+    """Lights and error with each ambient term that ``ambient="auto"`` compared."""
 
     channel_errors: tuple[float, ...] = ()
     """Relative RMS error in red, green and blue, each relative to its own irradiance."""
 
     max_error: float = 0.0
-    """Greatest difference at the judged normals (5120 or more of a map) and in any channel,
-    relative to the RMS irradiance, as `Rig.error` is. Between them it was up to a fifth greater."""
+    """Largest difference in any channel at the measured normals (5120 or more of a map), relative
+    to the RMS irradiance, like `Rig.error`. Between them it was up to a fifth greater."""
 
     shadow_error: float | None = None
-    """Relative RMS error where things stand in the way: of the irradiance at every normal, with all
-    hidden that lies behind a plane, over all planes; each pixel of the map is a square of one
-    radiance. None where it was not measured."""
+    """Relative RMS error of shadowed irradiance, or None if it was not measured.
+
+    It is the error of the irradiance at every normal with everything behind a plane hidden,
+    integrated over all planes. Each pixel of the map is a square of one radiance."""
 
     direction_tolerances: tuple[float, ...] = ()
-    """For a map: how far each light may stand elsewhere, in radians and in whichever direction
-    matters least, before the error grows by a tenth, all else fitted anew. 0 where the light was
-    fixed, pi where nothing holds it. To second order: where a tolerance is more than some 20
-    degrees, it is the order of magnitude that counts."""
+    """Radians by which each light of a map can move before the error grows by 10 %.
+
+    The light moves in the direction that matters least, and all else is fitted again. 0 for a
+    fixed light, pi if nothing determines the direction. To second order: of a tolerance above about
+    20 degrees, only the order of magnitude is meaningful."""
 
     condition: float = 1.0
-    """For a measured probe: condition number of the Jacobian, its columns scaled to the same
-    length. Large where several unknowns change the probe in almost the same way, infinite where in
-    the same way."""
+    """Condition number of the Jacobian of a measured probe, with columns of equal length.
+
+    Large if several unknowns change the probe in nearly the same way, infinite if in the same
+    way."""
 
     direction_errors: tuple[float, ...] = ()
-    """For a measured probe: standard error of each light's direction, in radians; 0 where it was
-    fixed, infinite where `condition` is. A map has no noise, so it has no standard errors."""
+    """Standard error of each light's direction under a measured probe, in radians.
+
+    0 for a fixed light, infinite if `condition` is. A map has no noise, so it has no standard
+    errors."""
 
     irradiance_errors: tuple[tuple[float, float, float], ...] = ()
-    """For a measured probe: standard error of each light's irradiance, RGB; 0 where the bound at
-    zero is active, infinite where `condition` is."""
+    """Standard error of each light's irradiance under a measured probe, RGB.
+
+    0 where the bound at zero is active, infinite if `condition` is."""
 
     fixed: tuple[int, ...] = ()
-    """Row of each of the `fixed` lights in `Rig.lights`, where the brightest comes first:
-    ``rig.lights.irradiance[list(rig.report.fixed)]`` is theirs, in the order they were given."""
+    """Row of each `fixed` light in `Rig.lights`, where the brightest comes first.
+
+    ``rig.lights.irradiance[list(rig.report.fixed)]`` has the order of the argument."""
+
+    fewer_lights: str = ""
+    """Reason why there are fewer lights than allowed; empty if there are not."""
 
     skipped: tuple[str, ...] = ()
-    """What was not computed because it was not needed."""
+    """Remarks on work that was not necessary."""
 
     def to_dict(self) -> dict[str, Any]:
-        """Everything as plain numbers, lists and strings."""
+        """All fields as plain numbers, lists and strings."""
         return {
             "errors": {str(lights): error for lights, error in self.errors.items()},
             "sized_error": self.sized_error,
@@ -123,12 +135,13 @@ class FitReport(Result):
             "direction_errors": [_finite(error) for error in self.direction_errors],
             "irradiance_errors": [[_finite(e) for e in rgb] for rgb in self.irradiance_errors],
             "fixed": list(self.fixed),
+            "fewer_lights": self.fewer_lights,
             "skipped": list(self.skipped),
         }
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> FitReport:
-        """The report that `to_dict` wrote; what older versions did not write is left out."""
+        """Report that `to_dict` wrote; fields that an older version did not write get defaults."""
         return cls(
             errors={int(n): amount("errors", error) for n, error in data["errors"].items()},
             sized_error=_optional("sized_error", data.get("sized_error")),
@@ -138,8 +151,8 @@ class FitReport(Result):
             measured_on=str(data["measured_on"]),
             ambient=str(data.get("ambient", "")),
             ambients={
-                str(name): (count("lights", tried["lights"]), amount("error", tried["error"]))
-                for name, tried in data.get("ambients", {}).items()
+                str(name): (count("lights", one["lights"]), amount("error", one["error"]))
+                for name, one in data.get("ambients", {}).items()
             },
             channel_errors=tuple(amount("channel_errors", e) for e in data["channel_errors"]),
             max_error=amount("max_error", data["max_error"]),
@@ -151,11 +164,12 @@ class FitReport(Result):
             direction_errors=tuple(_number(error) for error in data["direction_errors"]),
             irradiance_errors=tuple(_rgb(rgb) for rgb in data["irradiance_errors"]),
             fixed=tuple(count("fixed", row) for row in data.get("fixed", ())),
+            fewer_lights=str(data.get("fewer_lights", "")),
             skipped=tuple(str(note) for note in data["skipped"]),
         )
 
     def in_short(self) -> str:
-        """The error of the last number of lights that was tried, and why the solver stopped."""
+        """Number of lights, error, and reason why the solver stopped."""
         if not self.errors:
             return self.stop_reason.value
         lights, error = list(self.errors.items())[-1]
@@ -164,7 +178,11 @@ class FitReport(Result):
         return f"{lights} light{plural}, {_percent(error)}; {self.stop_reason.value}"
 
     def __str__(self) -> str:
-        return "\n".join(filter(None, [self._by_number(), *self._lines()]))
+        return "\n".join(filter(None, [self._by_number(), *self._short()]))
+
+    def verbose(self) -> str:
+        """Text with all details."""
+        return "\n".join(filter(None, [self._by_number(), *self._short(), *self._details()]))
 
     def _html_parts(self) -> tuple[str, ...]:
         has_sizes = self.sized_error is not None
@@ -174,58 +192,60 @@ class FitReport(Result):
             *([self.sized_error] if self.sized_error is not None else []),
         ]
         curve = Table(columns, [["error", *map(_percent, each)]]).html() if self.errors else ""
-        return curve, _html.lines("\n".join(self._lines()))
+        return curve, _html.lines("\n".join(filter(None, self._short())))
 
-    def _lines(self) -> list[str]:
-        steps = f"{self.steps} steps; " if self.steps else ""
-        lines = [
+    def _short(self) -> list[str]:
+        """Lines for users, below the error of each number of lights."""
+        is_problem = self.stop_reason not in (StopReason.CONVERGED, StopReason.EXACT)
+        return [*self._choice(), self.fewer_lights, self.stop_reason.value if is_problem else ""]
+
+    def _details(self) -> list[str]:
+        """Lines for authors."""
+        return [
             f"measured on {self.measured_on}" if self.measured_on else "",
             *self._by_channel(),
             self.with_shadows(),
-            *self._choice(),
-            *self._determined(),
-            f"{steps}{self.stop_reason.value}",
-            *(f"skipped: {note}" for note in self.skipped),
+            *self._accuracy(),
+            f"{self.steps} steps" if self.steps else "",
+            "" if self.stop_reason is StopReason.NOT_FITTED else self.stop_reason.value,
+            *self.skipped,
         ]
-        return [line for line in lines if line]
 
     def with_shadows(self) -> str:
-        """The error with shadows in words; nothing where it was not measured."""
+        """Error with shadows in words; empty if it was not measured."""
         return "" if self.shadow_error is None else f"with shadows {_percent(self.shadow_error)}"
 
     def _by_number(self) -> str:
-        """The error of each number of lights, and of the sizes that the last of them got."""
+        """Error of each number of lights, and of the last number with sizes."""
         if not self.errors:
             return ""
         curve = "  ".join(f"{lights}: {_percent(error)}" for lights, error in self.errors.items())
         if self.sized_error is None:
             return f"error by number of lights: {curve}"
         sized = _percent(self.sized_error)
-        return f"error by number of lights without sizes: {curve}; with sizes: {sized}"
+        return f"error by number of lights, as points: {curve}; with sizes: {sized}"
 
     def _by_channel(self) -> tuple[str, ...]:
         if not self.channel_errors:
             return ()
         channels = "  ".join(_percent(error) for error in self.channel_errors)
-        worst = f"at most {_percent(self.max_error)} at the judged normals"
-        return (f"red, green, blue: {channels}; {worst}",)
+        return (f"error in red, green, blue: {channels}; largest {_percent(self.max_error)}",)
 
     def _choice(self) -> tuple[str, ...]:
-        """The ambient term that was chosen, and the figures of each."""
+        """Selected ambient term, with lights and error of each."""
         if not self.ambients:
             return ()
-        tried = "  ".join(
+        each = "  ".join(
             f"{name}: {lights} light{'' if lights == 1 else 's'}, {_percent(error)}"
             for name, (lights, error) in self.ambients.items()
         )
-        return (f"ambient chosen: {self.ambient}, of  {tried}",)
+        return (f"ambient term {self.ambient!r} selected from  {each}",)
 
-    def _determined(self) -> tuple[str, ...]:
-        """How far the lights are determined."""
+    def _accuracy(self) -> tuple[str, ...]:
+        """Accuracy of the directions."""
         if self.direction_tolerances:
             angles = _degrees(self.direction_tolerances)
-            each = "each light may stand this far off before the error grows by a tenth"
-            return (f"{each}: {angles}",)
+            return (f"direction tolerance (10 % more error): {angles}",)
         if self.direction_errors:
             return (
                 f"condition number {self.condition:.3g}",
@@ -244,7 +264,7 @@ def _degrees(angles: tuple[float, ...]) -> str:
 
 
 def _finite(value: float) -> float | str:
-    """`value`, or a word for infinity, which JSON does not have."""
+    """`value`, or a word for infinity, which JSON cannot hold."""
     return value if np.isfinite(value) else "infinite"
 
 

@@ -8,11 +8,23 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights import _native
 from envlights._blocks import in_blocks
 from envlights.kernels import sphere
 
 #: How far a turn may be from whole columns.
 _TOLERANCE = 1e-6
+
+
+def rotate(
+    radiance: NDArray[np.float32], matrix: NDArray[np.float64], *, border_sampled: bool
+) -> tuple[NDArray[np.float32], bool]:
+    """Rotated radiance, and True if its outer pixels still lie on the seam and the poles."""
+    shifted = turned_by_columns(radiance, matrix, border_sampled=border_sampled)
+    if shifted is not None:
+        return shifted, border_sampled
+    cells = cells_of_borders(radiance) if border_sampled else radiance
+    return _native.rotated(cells, matrix), False
 
 
 def turned_by_columns(
@@ -41,14 +53,14 @@ def cells_of_borders(radiance: NDArray[np.float32]) -> NDArray[np.float32]:
     columns = _shares(_border_edges(width), _cell_edges(width))
 
     def cells(some: slice) -> NDArray[np.float32]:
-        lines = _averaged(radiance, rows, np.arange(some.start, some.stop))
-        new = _averaged(lines.swapaxes(0, 1), columns, np.arange(width)).swapaxes(0, 1)
+        lines = _average(radiance, rows, np.arange(some.start, some.stop))
+        new = _average(lines.swapaxes(0, 1), columns, np.arange(width)).swapaxes(0, 1)
         return np.maximum(new, 0).astype(np.float32)
 
     return in_blocks(radiance.shape, cells)
 
 
-def _averaged(
+def _average(
     values: NDArray[np.floating], shares: NDArray[np.float64], at: NDArray[np.intp]
 ) -> NDArray[np.float64]:
     """Means of the values before, at and after these places along the first axis."""

@@ -1,4 +1,4 @@
-"""The rig: ambient and directional lights, and how well they stand for the map."""
+"""The rig: an ambient term and directional lights, with their error."""
 
 from __future__ import annotations
 
@@ -9,15 +9,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights import _html
-from envlights._arrays import frozen
+from envlights import _html, _targets
+from envlights._arrays import freeze
 from envlights._blocks import in_blocks
 from envlights._check import amount, flag, one_or_more, rotation
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights.ambient import ambient_rows, turned_ambient
 from envlights.envmap import EnvMap
+from envlights.io.csv_table import read_csv
 from envlights.io.files import as_path
+from envlights.io.own_json import read_json
 from envlights.kernels import probe
 from envlights.kernels.sphere import FRAME
 from envlights.lights import Lights, lights_of
@@ -31,7 +33,7 @@ _READ = (2, 3)
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Rig(Result):
-    """Ambient and directional lights, and how well they stand for the map.
+    """Ambient term and directional lights, with their error and a report.
 
     Examples
     --------
@@ -42,27 +44,28 @@ class Rig(Result):
     """
 
     ambient: NDArray[np.float64]
-    """Radiance of a constant environment, linear RGB, shape (3,); or real spherical harmonics of it
-    up to order 2, shape (9, 3), as `kernels.rig_irradiance` takes them. Their irradiance is nowhere
-    negative on a fitted rig."""
+    """Radiance of the ambient term, linear RGB, (3,), or its real spherical harmonics, (9, 3).
+
+    The harmonics go up to order 2, as in `kernels.rig_irradiance`. The irradiance of a fitted rig
+    is nowhere negative."""
 
     lights: Lights
     """Directional lights, brightest first."""
 
     error: float
-    """Relative RMS error of the irradiance; `report` says on which normals."""
+    """Relative RMS error of the irradiance at the normals that `report` names."""
 
     report: FitReport = field(default_factory=FitReport)
-    """How the rig was found."""
+    """Report of the fit."""
 
     notes: tuple[str, ...] = ()
-    """What was cleaned or assumed in the map."""
+    """Remarks on samples of the map that were changed, and on assumptions."""
 
     floor: bool = False
-    """Whether a floor hides the ambient light from below the horizon."""
+    """True if a floor hides the ambient light from below the horizon."""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "ambient", frozen(_ambient(self.ambient)))
+        object.__setattr__(self, "ambient", freeze(_ambient(self.ambient)))
         if flag("floor", self.floor) and self.ambient.ndim == 2:
             raise EnvLightsError("ambient must be one radiance where there is a floor; got (9, 3)")
         object.__setattr__(self, "error", amount("error", self.error))
@@ -79,12 +82,12 @@ class Rig(Result):
         -------
         ndarray, shape (n, 3) or (3,)
             ``pi * ambient + sum_j irradiance_j * max(0, n . direction_j)``; Madsen et al. (2003),
-            equations 4 to 6. Lights with a size are discs of one radiance, in closed form; over a
-            floor the ambient light counts ``(1 + n_y) / 2`` times.
+            equations 4 to 6. Lights with a size are discs of uniform radiance, in closed form. Over
+            a floor the ambient irradiance is multiplied by ``(1 + n_y) / 2``.
         """
         lights = self.lights
         rows, is_one = one_or_more("normals", normals)
-        found = probe.rig_irradiance(
+        values = probe.rig_irradiance(
             rows,
             self.ambient,
             lights.direction,
@@ -92,7 +95,7 @@ class Rig(Result):
             lights.angular_radius,
             floor=self.floor,
         )
-        return found[0] if is_one else found
+        return values[0] if is_one else values
 
     def to_map(self, height: int) -> EnvMap:
         """The rig as a map: its lights as discs before its ambient term.
@@ -125,17 +128,17 @@ class Rig(Result):
         return EnvMap(in_blocks(discs.shape, lambda rows: discs[rows] + sky(rows)))
 
     def rotated(self, matrix: ArrayLike) -> Rig:
-        """The rig after a rotation: a light from the direction d then comes from ``matrix @ d``.
+        """Rotate the rig: a light from the direction d then comes from ``matrix @ d``.
 
         Parameters
         ----------
         matrix : array_like, shape (3, 3)
-            A rotation in our frame. Over a floor, only turns about the pole are possible.
+            A rotation in the frame of `EnvMap`. Over a floor, only rotations about +y are possible.
 
         Returns
         -------
         Rig
-            With the same error and report. ``rig.rotated(m).probe(normals @ m.T)`` is
+            Rig with the same error and report. ``rig.rotated(m).probe(normals @ m.T)`` is
             ``rig.probe(normals)``.
 
         Examples
@@ -146,13 +149,13 @@ class Rig(Result):
         """
         turn = rotation(matrix)
         if self.floor and not np.allclose(turn[1], [0, 1, 0], rtol=0, atol=1e-6):
-            raise EnvLightsError("a rig over a floor can only be turned about the pole, +y")
+            raise EnvLightsError("a rig over a floor can only be rotated about the pole, +y")
         return replace(
             self, ambient=turned_ambient(self.ambient, turn), lights=self.lights.rotated(turn)
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """Everything as plain numbers, lists and strings: what `save` writes."""
+        """All fields as plain numbers, lists and strings, as `save` writes them."""
         return {
             "format": f"envlights {_KIND}",
             "version": _VERSION,
@@ -170,45 +173,45 @@ class Rig(Result):
     def save(
         self, path: str | os.PathLike[str], environment: EnvMap | ArrayLike | None = None
     ) -> None:
-        """Write the rig in the format that the suffix names, whole or not at all.
+        """Write the rig in the format of the suffix; a failure leaves no file.
 
         ``.json`` is the package's own: lossless and versioned, and `load` reads it.
 
         Parameters
         ----------
         path : path-like
-            `el.export.TARGETS` lists the suffixes, and what each format keeps and loses.
+            `el.export.TARGETS` lists the suffixes, with the parts that each format keeps and loses.
         environment : EnvMap or array_like, optional
-            A map in place of the ambient term, for targets that take one.
+            Map that replaces the ambient term, for formats that accept one.
 
         See Also
         --------
-        envlights.export : the same as dictionaries and text.
+        envlights.export : functions that return dictionaries and text.
         """
-        # Here, so that `import envlights` does not wait for the exporters.
-        from envlights.export.targets import save
-
-        save(self, path, environment)
+        _targets.save(self, path, environment)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Rig:
-        """Read a rig that `save` wrote as ``.json``, or as ``.csv``: that holds no report.
+        """Read a rig that `save` wrote as ``.json`` or ``.csv``; the latter has no report.
 
         Raises
         ------
         EnvLightsError
-            If the file is missing, of another kind or version, or holds impossible lights.
+            If the file is missing, has another kind or version, or holds impossible lights.
         """
-        from envlights.export.csv import read_csv
-        from envlights.export.own_json import read_json
-
         if as_path(path).suffix.lower() == ".csv":
             table = read_csv(path)
             if table.ambient is None or table.error is None:
-                raise EnvLightsError(f"{path} holds lights alone; `Lights.load` reads them")
+                raise EnvLightsError(
+                    f"{path} holds lights without an ambient term; use `Lights.load`"
+                )
             lights = Lights(table.direction, table.irradiance, table.angular_radius)
             return cls(table.ambient, lights, table.error, floor=table.floor)
         return read_json(path, _KIND, _READ, _from_dict)
+
+    def verbose(self) -> str:
+        """Text with all details of the report."""
+        return f"{self}\n\n{self.report.verbose()}".rstrip()
 
     def __str__(self) -> str:
         return "\n".join([str(self.lights), *self._lines()])
@@ -217,11 +220,11 @@ class Rig(Result):
         return (*self.lights._html_parts(), _html.lines("\n".join(self._lines())))
 
     def _lines(self) -> list[str]:
-        """What is to be said beside the lights."""
+        """Lines below the table of lights."""
         stop = self.report.stop_reason
         lines = [
             *_ambient_lines(self.ambient),
-            "a floor hides the ambient light from below the horizon" if self.floor else "",
+            "a floor hides ambient light from below the horizon" if self.floor else "",
             error_line(self),
             "" if stop.is_success or stop is StopReason.NOT_FITTED else f"note: {stop.value}",
             *(f"note: {note}" for note in self.notes),
@@ -229,26 +232,24 @@ class Rig(Result):
         return [line for line in lines if line]
 
     def in_short(self) -> str:
-        """Its parts, and its error."""
+        """Ambient term, number of lights and error."""
         return f"{parts_line(self)}, error {100 * self.error:.3g} %"
 
 
 def parts_line(rig: Rig) -> str:
-    """The ambient term and the number of lights."""
+    """Ambient term and number of lights."""
     ambient = "harmonics" if len(rig.ambient) == 9 else "ambient"
     return f"{ambient} + {rig.lights.in_short()}"
 
 
 def error_line(rig: Rig) -> str:
-    """The error, and the normals on which it was measured, if it was."""
-    measured_on = rig.report.measured_on
-    where = f" on {measured_on}" if measured_on else ", as given"
+    """Error without and with shadows."""
     shadows = rig.report.with_shadows()
-    return f"relative RMS error {100 * rig.error:.3g} %{where}{', ' if shadows else ''}{shadows}"
+    return f"relative RMS error {100 * rig.error:.3g} %{', ' if shadows else ''}{shadows}"
 
 
 def _ambient(values: ArrayLike) -> NDArray[np.float64]:
-    """An ambient term in the shape it came in, or a refusal where its radiance is impossible."""
+    """Check an ambient term, and keep its shape."""
     rows = probe.coefficients(values)
     if not np.isfinite(rows).all():
         raise EnvLightsError(f"ambient must be finite; got {rows.tolist()}")

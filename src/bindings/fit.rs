@@ -9,7 +9,7 @@ use super::pool::{by_size, interruptible};
 use super::sphere::registration;
 use crate::error::Result;
 use crate::kernels::disc::{self, Discs};
-use crate::kernels::fit::{self, Ambient, Asked, Comparison, Fitted, Rig, Samples, StopReason, World};
+use crate::kernels::fit::{self, Ambient, Comparison, FitOptions, Fitted, Rig, Samples, StopReason};
 use crate::kernels::image;
 use crate::kernels::sphere::unit_vectors;
 
@@ -142,10 +142,10 @@ fn asked(
     lights: usize,
     error: Option<f64>,
     max_steps: usize,
-) -> Result<Asked> {
+) -> Result<FitOptions> {
     let ambient = Ambient::of(ambient)?;
     let start = unit_vectors("start", start)?;
-    Ok(Asked { ambient, start, fixed, lights, error, shadow_error: None, sizes: None, max_steps })
+    Ok(FitOptions { ambient, start, fixed, lights, error, shadow_error: None, sizes: None, max_steps })
 }
 
 /// By its name in Python, where it is checked.
@@ -157,7 +157,7 @@ fn comparison(objective: &str) -> Comparison {
     }
 }
 
-/// See `envlights.fit`: all surfaces count, or those that face `upward`; or all over a `floor`.
+/// See `envlights.fit`.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "every option is named once more, on the Python side")]
 pub fn fit_map(
@@ -174,23 +174,17 @@ pub fn fit_map(
     shadow_error: Option<f64>,
     sizes: Option<&str>,
     max_steps: usize,
-    upward: bool,
     floor: bool,
     error_floor: f64,
 ) -> PyResult<FitAnswer> {
     let (radiance, start) = (radiance.as_array(), start.as_array());
-    let world = match (upward, floor) {
-        (_, true) => World::Floor,
-        (true, _) => World::Upward,
-        _ => World::Open,
-    };
     let sizes = sizes.map(comparison);
     interruptible(py, || {
         let asked = asked(ambient, start, fixed, lights, error, max_steps)?;
-        let asked = Asked { shadow_error, sizes, ..asked };
+        let asked = FitOptions { shadow_error, sizes, ..asked };
         let map = image::reduce(radiance, registration(border_sampled), columns, point_share, floor)?;
         let points = map.sources.dim().0;
-        let fitted = fit::under_map(&map, world, &asked, error_floor)?;
+        let fitted = fit::under_map(&map, floor, &asked, error_floor)?;
         Ok(FitAnswer { fitted, points })
     })
 }

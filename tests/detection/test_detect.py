@@ -240,10 +240,10 @@ def turned_by(columns, width):
 def test_exposure_changes_nothing_but_radiance(which, factor, registration):
     radiance = some_worlds()[which].radiance.astype(np.float64)
 
-    def found(values):
+    def detect(values):
         return el.detect(el.EnvMap(values.astype(np.float32), registration=registration))
 
-    lights, scaled = found(radiance), found(factor * radiance)
+    lights, scaled = detect(radiance), detect(factor * radiance)
     assert len(scaled) == len(lights)
     assert angle_deg(scaled.direction, lights.direction).max(initial=0) < 1e-3
     np.testing.assert_allclose(scaled.irradiance, factor * lights.irradiance, rtol=1e-5)

@@ -44,12 +44,12 @@ def test_a_suffix_that_is_nearly_right_says_what_to_write(tmp_path, name, hint):
 
 
 def test_what_is_no_rig_is_refused(tmp_path):
-    with pytest.raises(el.EnvLightsError, match="a rig or lights can be exported; got 'lamp'"):
+    with pytest.raises(el.EnvLightsError, match="only a rig or lights can be exported; got 'lamp'"):
         el.export.save("lamp", tmp_path / "scene.csv")
 
 
 def test_a_map_that_the_target_cannot_hold_is_refused(tmp_path):
-    with pytest.raises(el.EnvLightsError, match="takes no map as environment"):
+    with pytest.raises(el.EnvLightsError, match="accepts no environment map"):
         RIG.save(tmp_path / "scene.csv", environment=np.ones((4, 8, 3), np.float32))
     assert not list(tmp_path.iterdir())
 

@@ -7,7 +7,7 @@ import pytest
 
 import envlights as el
 from envlights import kernels
-from envlights.fitting.asked import asked
+from envlights.fitting.request import request_of
 from tests.conftest import real_maps
 
 NORMALS, SOLID_ANGLES = kernels.icosphere(1280)
@@ -30,7 +30,7 @@ def above_horizon(radiance):
 
 @cache
 def cosines(height):
-    """Of NORMALS with the pixels above the horizon, 0 for those behind."""
+    """Clamped cosines of NORMALS with the pixels above the horizon."""
     towards = kernels.pixel_directions(height, 2 * height)[: height // 2].reshape(-1, 3)
     return np.maximum(NORMALS @ towards.T, 0)
 
@@ -99,9 +99,7 @@ def test_over_a_floor_no_other_fit_is_better(lights):
     shapes = [LAMP_BELOW, el.synthetic.Disc((-0.5, 0.4, 0.2), 12, (9, 9, 7))]
     for radiance in (hall(), el.synthetic.scene(128, background=[0.5] * 3, shapes=shapes).radiance):
         over_floor, _ = errors_over_floor(el.fit(radiance, lights, floor=True), radiance)
-        for options in ({}, {"normals": "upper"}):
-            other = el.fit(radiance, lights, **options)
-            assert over_floor < errors_over_floor(other, radiance)[0]
+        assert over_floor < errors_over_floor(el.fit(radiance, lights), radiance)[0]
 
 
 def assert_none_below(radiance):
@@ -149,7 +147,7 @@ def test_named_starts_are_places_above_the_horizon(start):
     shapes = [LAMP_BELOW, el.synthetic.Disc(lamp, 5, (30, 30, 30))]
     env = el.EnvMap(el.synthetic.scene(256, background=[0.1] * 3, shapes=shapes).radiance)
     for lights in (1, 5):
-        places = asked(lights, None, start, None).first_directions_under(env, True)
+        places = request_of(lights, None, start, None).first_directions_under(env, True)
         assert (places[:, 1] >= 0).all()
         assert len(places) == (lights if start == "even" else 1)
     if start == "detect":
@@ -173,7 +171,6 @@ BELOW = el.Lights([[0, 0.6, 0.8], [0.6, -0.8, 0]], [[2, 2, 2], [1, 1, 1]])
     ("options", "message"),
     [
         ({"ambient": "sh2"}, "ambient must be 'none' or 'constant' or 'auto' where there is a"),
-        ({"normals": "upper"}, "normals must be 'sphere' where there is a floor"),
         (
             {"start": BELOW},
             "start must have no light below the horizon .* direction 1 has y = -0.8",

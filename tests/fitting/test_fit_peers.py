@@ -26,25 +26,25 @@ def probe_of(env):
     return irradiance / irradiance.max()
 
 
-def generated(world):
+def probe_of_world(world):
     return probe_of(el.EnvMap(world.radiance))
 
 
-HALL = generated(el.synthetic.hall(128))
+HALL = probe_of_world(el.synthetic.hall(128))
 
 
 @cache
 def some_generated():
     probes = {"hall": HALL}
     for seed in el.synthetic.JUDGING[:3]:
-        probes[f"plain {seed}"] = generated(el.synthetic.plain(seed, 128))
-        probes[f"hard {seed}"] = generated(el.synthetic.hard(seed, 128))
+        probes[f"plain {seed}"] = probe_of_world(el.synthetic.plain(seed, 128))
+        probes[f"hard {seed}"] = probe_of_world(el.synthetic.hard(seed, 128))
     return probes
 
 
 @cache
 def some_probes():
-    """Of generated maps, and of the real ones that are there."""
+    """Probes of generated maps, and of the available real maps."""
     real = paths_of_real_maps("hdr/*.hdr")
     return some_generated() | {path.name: probe_of(el.EnvMap.open(path)) for path in real}
 
@@ -59,12 +59,12 @@ def problems(irradiance, counts):
 
 
 def ratio(ours, theirs):
-    """Of two costs, as shares of what is to be explained; 1 where both are rounding."""
+    """Ratio of two relative costs; 1 if both are rounding."""
     return (ours + ROUNDING) / (theirs + ROUNDING)
 
 
 def lies_in_a_crease(rig):
-    """Whether a light stands at the horizon of a normal: there the cost bends."""
+    """True if a light lies on the horizon of a normal, where the cost has a kink."""
     return bool((np.abs(NORMALS @ rig.lights.direction.T) < 1e-6).any())
 
 
@@ -138,7 +138,7 @@ def test_from_a_degree_beside_the_answer_no_peer_ends_lower(peer):
 
 
 def assert_no_peer_ends_lower_than_the_search(irradiance, peers):
-    """Many small valleys lie around the best: the search must not stop in any of them."""
+    """Many local minima surround the best one; the search must leave all of them."""
     for problem in problems(irradiance, range(1, 9)):
         cost = ours(problem).error ** 2
         start = problem.unknowns(ours(problem, fixed=even(problem.lights)))

@@ -177,7 +177,7 @@ def test_scipy_and_jaxopt_end_in_the_same_minimum_as_documented():
 
 def test_another_solver_finds_nothing_to_gain_from_the_papers_answer():
     found = el.fit_paper(HALL.radiance)
-    problem = rendered(HALL.radiance)
+    problem = render(HALL.radiance)
     polished = least_squares(
         kernels.probe_residual, found.parameters, kernels.probe_jacobian, args=problem, xtol=1e-12
     )
@@ -188,7 +188,7 @@ def test_another_solver_finds_nothing_to_gain_from_the_papers_answer():
 # The paper's fit
 
 
-def rendered(radiance):
+def render(radiance):
     """Normals, and the probe under 5120 sources: equations 1 to 3."""
     normals, _ = kernels.icosphere(320)
     sources, solid_angles = kernels.icosphere(5120)
@@ -197,7 +197,7 @@ def rendered(radiance):
 
 
 def test_the_papers_scene_lights_the_probe_as_the_whole_map_does():
-    normals, received = rendered(HALL.radiance)
+    normals, received = render(HALL.radiance)
     exact = el.EnvMap(HALL.radiance).probe(normals)
     assert kernels.relative_rms(received, exact, np.ones(320)) < 1e-3
 
@@ -216,7 +216,7 @@ def test_a_bright_pixel_is_a_bright_face_around_it():
 
 
 def keeps_the_claim(found):
-    """Whether three lights are within 3 degrees of the windows, and a fourth is the wall's."""
+    """True if three lights are within 3 degrees of the windows, and the fourth is the wall's."""
     cosine = HALL.lights.direction @ found.direction.T
     (others,) = np.nonzero(~np.isin(np.arange(4), cosine.argmax(axis=1)))
     return bool(
@@ -240,7 +240,7 @@ def test_the_claim_of_the_paper_holds_on_its_hall(height, scale):
 
 
 def test_damped_steps_keep_the_claim_from_many_starts_and_whole_ones_from_few():
-    """What the paper calls "more or less arbitrarily chosen initial guesses" decides."""
+    """The paper's "more or less arbitrarily chosen initial guesses" decide."""
     rng = np.random.default_rng(0)
     starts = [TETRAHEDRON @ np.linalg.qr(rng.normal(size=(3, 3)))[0].T for _ in range(12)]
     damped = [el.fit_paper(HALL.radiance, start=start) for start in starts]
@@ -344,11 +344,11 @@ def give_steps(monkeypatch, change):
     """Let each least-squares step be what `change` makes of the right one."""
     lstsq = np.linalg.lstsq
 
-    def changed(*given, **options):
+    def changed_lstsq(*given, **options):
         step, *rest = lstsq(*given, **options)
         return change(step), *rest
 
-    monkeypatch.setattr(np.linalg, "lstsq", changed)
+    monkeypatch.setattr(np.linalg, "lstsq", changed_lstsq)
 
 
 def test_a_step_that_cannot_be_computed_leaves_the_lights_before_it(monkeypatch):

@@ -12,7 +12,7 @@ from scipy.stats import qmc
 
 import envlights as el
 from envlights import _native, kernels
-from envlights.envmap import seen_through
+from envlights.envmap import apply_to_map
 
 
 def test_radical_inverse_of_base_2_and_3_is_scipys_van_der_corput():
@@ -223,11 +223,11 @@ def test_only_samples_that_no_light_can_have_are_cleaned():
         return kernels.working_irradiance(env.radiance, UP)
 
     with pytest.raises(el.EnvLightsError, match=r"too large to be summed"):
-        seen_through(BRIGHTEST, work)
+        apply_to_map(BRIGHTEST, work)
     assert len(runs) == 1
     damaged = np.ones((16, 32, 3), np.float32)
     damaged[5, 7] = np.nan, -1, 2
-    env, (irradiance, _) = seen_through(damaged, work)
+    env, (irradiance, _) = apply_to_map(damaged, work)
     assert len(runs) == 3
     assert np.isfinite(irradiance).all()
     assert env.notes == ("1 NaN sample set to 0", "1 negative sample set to 0")

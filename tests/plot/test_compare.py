@@ -1,4 +1,4 @@
-"""Rigs side by side, errors, the sphere, the article's steps, the basis: what they show."""
+"""Pictures of several rigs, of errors, the sphere, the article's steps and the basis."""
 
 from functools import cache, partial
 

@@ -34,8 +34,8 @@ def test_a_picture_of_an_array_is_that_of_its_map(draw, lights):
 
 
 def test_the_title_says_which_normals_the_error_is_of():
-    title = plot.picture(HALL, el.fit(HALL, lights=1, normals="upper")).get_suptitle()
-    assert "on 5120 upward normals" in title
+    title = plot.picture(HALL, el.fit(HALL, lights=1, floor=True)).get_suptitle()
+    assert "on 5120 normals over a floor" in title
     rig = el.Rig([1, 1, 1], el.Lights([[0, 1, 0]], [[1, 1, 1]]), error=0.5)
     assert (
         "ambient + 1 light: relative RMS error 50 %, as given"

@@ -36,7 +36,7 @@ def test_a_rig_and_its_map_give_the_same_image():
 def test_one_bounce_is_the_direct_light_alone():
     sky = el.Rig([1.0] * 3, LIGHTS[:0], error=0.0)
     direct, whole = (still_life(sky, 0.0, 16, 3, bounces).image for bounces in (1, 3))
-    # Surfaces of reflectance .7 send back that much of a sky of 1 at most; more comes from others.
+    # A surface of reflectance 0.7 reflects at most 0.7 of a sky of 1, and more from other surfaces.
     assert 0.4 < direct.mean() < 0.7
     assert whole.mean() > 1.02 * direct.mean()
 

@@ -126,7 +126,7 @@ def test_discs_are_mitsubas_in_every_direction():
 
 @pytest.mark.slow
 def test_direct_light_of_discs_is_mitsubas(yard):
-    """With shadows of soft edges, over points and an ambient term beside the discs."""
+    """Soft shadows of discs, together with points and an ambient term."""
     lights = el.Lights(NEW[4].lights.direction, NEW[4].lights.irradiance, [0.02, 0.3, 0.0])
     rigs = [el.Rig([0.02, 0.03, 0.05], lights, 0.0), el.Rig(NEW[1].ambient, lights, 0.0)]
     for rig, images in zip(rigs, texels_by_mitsuba(yard.points, rigs, depth=2), strict=True):

@@ -10,7 +10,7 @@ RIGS = el.synthetic.rigs(3)
 
 
 class Scene(el.MitsubaScene):
-    """Notes what it is asked for; the image of the rig k is k + 1 everywhere."""
+    """Records its calls; the image of rig k is k + 1 everywhere."""
 
     lightmap = el.Surface(TEXELS, TEXELS + np.array([0, 1, 0]), TEXELS + 0.5)
 
@@ -27,7 +27,7 @@ class Scene(el.MitsubaScene):
         if k == self.failing:
             raise el.EnvLightsError("the renderer broke")
         self.asked.append(("indirect", k, samples, seed))
-        return el.scene.Rendered(np.full((2, 3, 3), k + 1, np.float32), 0.25 * k)
+        return el.scene.Rendering(np.full((2, 3, 3), k + 1, np.float32), 0.25 * k)
 
 
 def test_each_rig_is_rendered_once_in_its_order_and_with_a_seed_of_its_own():

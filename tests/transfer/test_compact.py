@@ -87,7 +87,7 @@ BASES = hnp.arrays(
 @settings(max_examples=60)
 def test_values_are_rounded_by_half_a_step_at_most(basis, dtype):
     lit = np.ones((1, len(basis)), bool)
-    kept, wrong = compact.rounded(basis, lit, dtype)
+    kept, wrong = compact.round_basis(basis, lit, dtype)
     change = np.abs(kept.dense(lit) - basis)
     for first in range(0, len(basis), 16):
         largest = np.abs(basis[first : first + 16]).max(axis=0)
@@ -100,12 +100,12 @@ def test_values_are_rounded_by_half_a_step_at_most(basis, dtype):
 
 
 def test_large_bases_are_rounded_as_small_ones():
-    """Of several blocks, the last in part, and with holes."""
+    """Several blocks, the last one partial, with holes."""
     rng = np.random.default_rng(0)
     lit = rng.random((150, 131)) < 0.9
     lit[40:45] = False
     basis = rng.normal(size=(np.count_nonzero(lit), 3)).astype(np.float32)
-    kept, wrong = compact.rounded(basis, lit, "int8")
+    kept, wrong = compact.round_basis(basis, lit, "int8")
     change = kept.dense(lit).astype(float) - basis
     np.testing.assert_allclose(wrong, change.T @ change, rtol=1e-5, atol=1e-5 * wrong.max())
     assert np.abs(change).max() <= np.abs(basis).max() / 254 * (1 + 1e-4)
@@ -117,7 +117,7 @@ def test_blocks_that_are_black_altogether_take_no_place():
     lit = np.zeros((300, 100), bool)
     lit[200:250] = True
     basis = rng.normal(size=(np.count_nonzero(lit), 3)).astype(np.float32)
-    kept, wrong = compact.rounded(basis, lit, "int8")
+    kept, wrong = compact.round_basis(basis, lit, "int8")
     change = kept.dense(lit).astype(float) - basis
     np.testing.assert_allclose(wrong, change.T @ change, rtol=1e-5, atol=1e-5 * wrong.max())
 
@@ -128,7 +128,7 @@ def test_what_needs_no_rounding_comes_back(dtype):
     steps[::16] = 127
     basis = (steps * np.float32(2.0**-9)).astype(np.float32)
     lit = np.ones((7, 10), bool)
-    kept, wrong = compact.rounded(basis, lit, dtype)
+    kept, wrong = compact.round_basis(basis, lit, dtype)
     assert kept.values.dtype == dtype
     if dtype == "int8":
         np.testing.assert_array_equal(kept.dense(lit), basis)
@@ -158,7 +158,7 @@ def test_frames_are_the_sums_over_the_rounded_basis(model, both):
 def test_the_most_compact_type_that_keeps_the_bound_is_taken(model):
     assert model.compressed(0.02).basis.values.dtype == np.int8
     assert model.compressed(0.001).basis.values.dtype == np.float16
-    _, wrong = compact.rounded(model.basis, model.lit, "int8")
+    _, wrong = compact.round_basis(model.basis, model.lit, "int8")
     most = np.sqrt(np.linalg.eigvalsh(wrong)[-1])
     assert model.compressed(most * 1.0001).basis.values.dtype == np.int8
     assert model.compressed(most * 0.9999).basis.values.dtype == np.float16
@@ -172,7 +172,7 @@ def test_the_most_compact_type_that_keeps_the_bound_is_taken(model):
 @pytest.mark.parametrize("dtype", list(compact.LARGEST))
 def test_the_bound_holds_and_is_reached(model, dtype):
     """By the frame of the largest singular vector, and by no other."""
-    kept, wrong = compact.rounded(model.basis, model.lit, dtype)
+    kept, wrong = compact.round_basis(model.basis, model.lit, dtype)
     values, vectors = np.linalg.eigh(wrong)
     others = np.random.default_rng(0).normal(size=(20, 24))
     change = kept.dense(model.lit).astype(float) - model.basis
@@ -221,7 +221,7 @@ def test_a_region_is_the_crop_of_the_frame_to_the_bit(model, both, region):
 
 
 def test_large_regions_are_the_crop_too():
-    """Of several blocks of texels, of which some are not needed."""
+    """Several blocks of texels; the region needs some of them."""
     rng = np.random.default_rng(0)
     direct, indirect = rng.random((4, 2, 2, 3)), rng.random((4, 150, 100, 3), np.float32)
     indirect[:, 60:62] = 0
@@ -244,16 +244,16 @@ def test_a_frame_that_stops_early_stays_in_its_error(model, both, error):
 
 def test_frames_stop_at_the_first_component_that_will_do():
     """Squares 16, 8, 4, 2, 1 of 31: without the last two 3/31 are gone, without three 7/31."""
-    from envlights.transfer.expand import truncated
+    from envlights.transfer.expand import truncate
 
     coefficients = np.sqrt([16.0, 8, 4, 2, 1])[None, None] * np.ones((2, 3, 1)) / np.sqrt(3)
     coefficients[1, :, 2:] = 0
     for left_out, components in [(0, 5), (0.5, 5), (1, 4), (3, 3), (7, 2), (30.9, 1), (31, 0)]:
-        found = truncated(coefficients[:1], np.sqrt(left_out * (1 + 1e-9) / 31))
+        found = truncate(coefficients[:1], np.sqrt(left_out * (1 + 1e-9) / 31))
         np.testing.assert_array_equal(found, coefficients[:1, :, :components])
-    together = truncated(coefficients, np.sqrt(1.01 / 31))
+    together = truncate(coefficients, np.sqrt(1.01 / 31))
     np.testing.assert_array_equal(together, coefficients[..., :4])
-    together = truncated(coefficients, np.sqrt(8.01 / 24))
+    together = truncate(coefficients, np.sqrt(8.01 / 24))
     assert (together[1, :, 1:] == 0).all(), "each frame stops for itself"
     assert (together[0, :, 1] != 0).all()
 

@@ -23,7 +23,7 @@ def folder(tmp_path):
 
 
 @pytest.fixture
-def lettered(tmp_path):
+def pair_folder(tmp_path):
     """Six pairs as files; the names are not in the order of the numbers."""
     for name, direct, indirect in zip("fbcade", room().direct, room().indirect, strict=False):
         io.write_exr(tmp_path / f"direct_{name}.exr", direct)
@@ -32,8 +32,8 @@ def lettered(tmp_path):
     return tmp_path
 
 
-def test_a_folder_gives_the_model_of_its_arrays(lettered):
-    pairs = el.read_pairs(lettered)
+def test_a_folder_gives_the_model_of_its_arrays(pair_folder):
+    pairs = el.read_pairs(pair_folder)
     order = np.argsort(list("fbcade"))
     np.testing.assert_array_equal(pairs.direct, room().direct[order])
     np.testing.assert_array_equal(pairs.indirect, room().indirect[order])
@@ -51,18 +51,20 @@ def test_pairs_that_were_read_are_saved_again(folder, tmp_path):
     np.testing.assert_array_equal(copy.indirect, room().indirect)
 
 
-def test_paths_are_taken_in_their_order_and_notes_once(lettered, capsys):
+def test_paths_are_taken_in_their_order_and_notes_once(pair_folder, capsys):
     opaque = np.ones((32, 32, 4), np.float32)
-    io.write_exr(lettered / "lightmap_a.exr", opaque)
-    io.write_exr(lettered / "lightmap_b.exr", opaque)
-    paths = [(lettered / f"direct_{name}.exr", lettered / f"lightmap_{name}.exr") for name in "ab"]
+    io.write_exr(pair_folder / "lightmap_a.exr", opaque)
+    io.write_exr(pair_folder / "lightmap_b.exr", opaque)
+    paths = [
+        (pair_folder / f"direct_{name}.exr", pair_folder / f"lightmap_{name}.exr") for name in "ab"
+    ]
     pairs = el.read_pairs(paths, progress=True)
     np.testing.assert_array_equal(pairs.direct, room().direct[[3, 1]])
     assert pairs.notes == ("alpha was ignored in the lightmap images",)
     assert "2/2" in capsys.readouterr().err
 
 
-def test_images_that_do_not_fit_together_are_refused_by_the_name_of_the_file(lettered):
+def test_images_that_do_not_fit_together_are_refused_by_the_name_of_the_file(pair_folder):
     nan = room().indirect[0].copy()
     nan[5, 7, 0] = np.nan
     for name, change, message in [
@@ -70,10 +72,10 @@ def test_images_that_do_not_fit_together_are_refused_by_the_name_of_the_file(let
         ("lightmap_c.exr", lambda path: io.write_exr(path, nan[:8]), "32x8 pixels, .* 32x32"),
         ("direct_c.exr", lambda path: io.write_exr(path, nan), "32x32 pixels, .* 16x16"),
     ]:
-        change(lettered / name)
+        change(pair_folder / name)
         with pytest.raises(el.EnvLightsError, match=message) as refusal:
-            el.read_pairs(lettered)
-        assert str(lettered / name) in str(refusal.value)
+            el.read_pairs(pair_folder)
+        assert str(pair_folder / name) in str(refusal.value)
         assert "\n" not in str(refusal.value)
 
 
@@ -110,7 +112,7 @@ def test_a_computer_without_a_place_for_temporary_files_is_told_so(folder, tmp_p
         el.read_pairs(folder)
 
 
-def recoded(path, image, compression, tile):
+def recode(path, image, compression, tile):
     """`image` as a file that is compressed in its own way, in rows or in tiles."""
     spec = oiio.ImageSpec(*image.shape[1::-1], 3, oiio.HALF if "b44" in compression else oiio.FLOAT)
     spec.attribute("compression", compression)
@@ -128,7 +130,7 @@ def recoded(path, image, compression, tile):
 )
 def test_an_exr_that_is_cut_off_is_refused_by_name_wherever_it_is_cut(folder, compression, tile):
     path = folder / "lightmap_0004.exr"
-    whole = recoded(path, room().indirect[4], compression, tile)
+    whole = recode(path, room().indirect[4], compression, tile)
     assert io.read_image(path).pixels.shape == (32, 32, 3)
     for size in {*range(0, len(whole), 1 + len(whole) // 80), *range(len(whole) - 12, len(whole))}:
         path.write_bytes(whole[:size])

@@ -419,7 +419,7 @@ IMPOSSIBLE = [
     (lambda model: {"size": (16, 16.0)}, "size must be a whole number"),
     (lambda model: {"parameters": {"rank": 3}}, "parameters must be error, rank, ridge; got rank"),
     (lambda model: {"parameters": {**model.parameters, "ridge": -1}}, "ridge must be a finite"),
-    (lambda model: {"learnt": None}, "learnt must be a Learnt"),
+    (lambda model: {"learnt": None}, "learnt must be a PairSummary"),
     (lambda model: {"report": {}}, "report a TransferReport"),
     (
         lambda model: {"learnt": replace(model.learnt, energy=model.learnt.energy[1:])},

@@ -10,21 +10,20 @@ import click
 
 from envlights._native import EnvLightsError
 
-#: The subcommands and what the help says of each. Its file is imported when it is called, so that
-#: nobody waits for the others.
+#: Subcommands with their help. The file of a subcommand is imported when it is called.
 _COMMANDS = {
-    "demo": "Make something to try, and draw the result.",
-    "detect": "Find the bright places of a map.",
+    "demo": "Make example files, and draw the result.",
+    "detect": "Find the lights of a map.",
     "export": "Write a rig or lights for other programs.",
     "fit": "Fit an ambient term and a few lights to a map.",
-    "repair": "Estimate the light that white cut off in a picture.",
-    "split": "Take the lights out of a map.",
+    "repair": "Estimate the clipped light of a picture.",
+    "split": "Remove the lights from a map.",
     "transfer": "Learn indirect light from pairs of images, and predict it.",
 }
 
 
 class _Main(click.Group):
-    """The subcommands; a refusal is one sentence and the exit code 2, not a traceback."""
+    """Group of all subcommands, which prints a refusal as one sentence with exit code 2."""
 
     def list_commands(self, _: click.Context) -> list[str]:
         return list(_COMMANDS)

@@ -1,4 +1,4 @@
-"""`envlights demo`: those of `envlights.demo`, which imports Matplotlib only when it runs."""
+"""`envlights demo`: the functions of `envlights.demo`; Matplotlib is imported when it runs."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from envlights.cli.outputs import print_rig, say_written
+from envlights.cli.outputs import print_rig, say_written, verbose_option
 
 
 @click.command("demo")
@@ -18,24 +18,26 @@ from envlights.cli.outputs import print_rig, say_written
     "folder",
     default=".",
     metavar="FOLDER",
-    help="Where the files go.",
+    help="Folder of the files.",
     show_default=True,
 )
+@verbose_option()
 @click.option("--json", "as_json", is_flag=True, help="Print the rig, or the report, as JSON.")
-def command(what: str, folder: str, as_json: bool) -> None:
-    """Make something to try, and draw the result.
+def command(what: str, folder: str, verbose: bool, as_json: bool) -> None:
+    """Make example files, and draw the result.
 
-    map: a hall with three bright windows, fitted. transfer: a room under many lamps, whose indirect
-    light is learnt and predicted under lamps that the model has not seen.
+    map: fit lights to a hall with three bright windows. transfer: learn the indirect light in a
+    room from 64 lamps, and predict it for a new lamp.
     """
     from envlights.demo import demo, demo_transfer
 
     if what == "map":
-        print_rig(demo(folder), as_json)
+        print_rig(demo(folder), as_json, verbose)
         names = [f"hall.{suffix}" for suffix in ("exr", "json", "png")]
     else:
         model = demo_transfer(folder, progress=True)
-        click.echo(json.dumps(model.report.to_dict(), indent=2) if as_json else str(model))
+        text = model.verbose() if verbose else str(model)
+        click.echo(json.dumps(model.report.to_dict(), indent=2) if as_json else text)
         names = ["room", "room.npz", "room_direct.exr", "room_lightmap.exr"]
         names += ["room.png", "room_parts.png"]
     say_written([str(Path(folder) / name) for name in names])

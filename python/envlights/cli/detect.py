@@ -8,7 +8,14 @@ from pathlib import Path
 
 import click
 
-from envlights.cli.outputs import OUTPUTS, check_output, default_of, output_option, say_written
+from envlights.cli.outputs import (
+    OUTPUTS,
+    check_output,
+    default_of,
+    output_option,
+    say_written,
+    verbose_option,
+)
 from envlights.detection.detect import METHODS, detect
 from envlights.detection.lights import DetectedLights
 from envlights.envmap import EnvMap
@@ -22,28 +29,35 @@ from envlights.io.files import PICTURES
     "-n",
     "--max-lights",
     type=int,
-    help="Lights, at most: tree merges neighbours, article leaves out the dimmest.",
+    help="Largest number of lights; tree merges neighbours, article drops the dimmest.",
 )
 @click.option(
     "--method",
     type=click.Choice(list(METHODS)),
     default=default_of(detect, "method"),
     show_default=True,
-    help="How bright places are found.",
+    help="Method of detection; article: Loghin (2021).",
 )
 @output_option(OUTPUTS)
+@verbose_option()
 @click.option("--json", "as_json", is_flag=True, help="Print the lights as JSON.")
 def command(
-    map_path: str, max_lights: int | None, method: str, outputs: Sequence[str], as_json: bool
+    map_path: str,
+    max_lights: int | None,
+    method: str,
+    outputs: Sequence[str],
+    verbose: bool,
+    as_json: bool,
 ) -> None:
-    """Find the bright places of MAP (.hdr, .exr, .png, .jpg, .tif)."""
+    """Find the lights of MAP (.hdr, .exr, .png, .jpg, .tif)."""
     for output in outputs:
         check_output(output, (*SUFFIXES, *PICTURES), {"the map": map_path})
     env = EnvMap.open(map_path)
     lights = detect(env, method, max_lights=max_lights)
     for output in outputs:
         _write(env, lights, output)
-    click.echo(json.dumps(lights.to_dict(), indent=2) if as_json else str(lights))
+    text = lights.verbose() if verbose else str(lights)
+    click.echo(json.dumps(lights.to_dict(), indent=2) if as_json else text)
     say_written(outputs)
 
 

@@ -10,15 +10,16 @@ from pathlib import Path
 import click
 
 from envlights._native import EnvLightsError
+from envlights._targets import save
 from envlights.cli.outputs import check_output, say_written
 from envlights.detection.lights import DetectedLights
 from envlights.envmap import EnvMap
-from envlights.export.csv import read_csv
-from envlights.export.targets import SUFFIXES, TARGETS, save
+from envlights.export.targets import SUFFIXES, TARGETS
+from envlights.io.csv_table import read_csv
 from envlights.lights import Lights
 from envlights.rig import Rig
 
-#: By the format that a file says to have.
+#: Readers by the format in the file.
 _READERS: dict[str, Callable[[str], Lights]] = {
     "envlights lights": Lights.load,
     "envlights detected lights": DetectedLights.load,
@@ -26,8 +27,8 @@ _READERS: dict[str, Callable[[str], Lights]] = {
 
 
 def _table() -> str:
-    """The targets, as the help lists them."""
-    lines = ["\b", "Targets, with what each keeps and loses of a rig:"]
+    """List of targets for the help."""
+    lines = ["\b", "Targets, and the parts of a rig that each keeps and loses:"]
     for target in TARGETS:
         lines += [
             f"  {target.name}: {target.title} ({', '.join(target.suffixes)})",
@@ -40,12 +41,12 @@ def _table() -> str:
 @click.command("export", epilog=_table())
 @click.argument("rig_path", metavar="RIG")
 @click.argument("targets", metavar="TARGET...", nargs=-1, required=True)
-@click.option("--environment", metavar="MAP", help="A map in place of the ambient term.")
+@click.option("--environment", metavar="MAP", help="Map that replaces the ambient term.")
 def command(rig_path: str, targets: Sequence[str], environment: str | None) -> None:
     """Write RIG, a file of `fit` or `detect` (.json, .csv), for other programs.
 
-    TARGET is a file, whose suffix names the program, or the name of a target, which is then written
-    beside RIG. Textures go beside each file.
+    TARGET is a file, whose suffix selects the program, or the name of a target; then the file is
+    written beside RIG. Textures are written beside each file.
     """
     outputs = [_place(rig_path, target) for target in targets]
     inputs = {"the rig": rig_path, **({"the map": environment} if environment else {})}
@@ -59,7 +60,7 @@ def command(rig_path: str, targets: Sequence[str], environment: str | None) -> N
 
 
 def _place(rig_path: str, target: str) -> str:
-    """The file that a TARGET stands for."""
+    """Path of a TARGET, which is a path or the name of a target."""
     suffixes = {each.name: each.suffixes[0] for each in TARGETS}
     if target not in suffixes:
         if "." not in target:
@@ -70,7 +71,7 @@ def _place(rig_path: str, target: str) -> str:
 
 
 def _load(path: str) -> Rig | Lights:
-    """What the file holds; `Rig.load` says what is wrong with one that holds neither."""
+    """Rig or lights of a file; `Rig.load` refuses all other files."""
     if Path(path).suffix.lower() == ".csv":
         return Lights.load(path) if read_csv(path).ambient is None else Rig.load(path)
     kind = None

@@ -14,42 +14,45 @@ from envlights.cli.outputs import (
     output_option,
     print_rig,
     say_written,
+    verbose_option,
 )
 from envlights.envmap import EnvMap
 from envlights.export.targets import SUFFIXES
-from envlights.fitting.fit import AMBIENTS, AUTO, NORMALS, fit
+from envlights.fitting.fit import AMBIENTS, AUTO, fit
 from envlights.io.files import PICTURES
 from envlights.rig import Rig
 
 
 @click.command("fit")
 @click.argument("map_path", metavar="MAP")
-@click.option("-n", "--lights", type=int, help="Lights, at most; 4 when left out.")
-@click.option("--error", type=float, help="Use the fewest lights with at most this error: 0.01.")
+@click.option("-n", "--lights", type=int, help="Largest number of lights; 4 by default.")
 @click.option(
-    "--shadow-error", type=float, help="Use the fewest with at most this error of shadows: 0.05."
+    "--error",
+    type=float,
+    help="Largest error, such as 0.01; the fewest lights that reach it are used.",
 )
 @click.option(
-    "--sizes/--points", default=default_of(fit, "sizes"), help="Lights as discs, or as points."
+    "--shadow-error",
+    type=float,
+    help="Largest error with shadows, such as 0.05; the fewest lights that reach it are used.",
+)
+@click.option(
+    "--sizes/--points",
+    default=default_of(fit, "sizes"),
+    help="Lights are discs with a size, or points.",
 )
 @click.option(
     "--ambient",
     type=click.Choice([*AMBIENTS, AUTO]),
     default=default_of(fit, "ambient"),
     show_default=True,
-    help="The environment beside the lights; sh2: nine spherical harmonics; auto: what pays.",
+    help="Light from everywhere; sh2: 9 spherical harmonics; auto: the best for the error.",
 )
 @click.option(
-    "--normals",
-    type=click.Choice(NORMALS),
-    default=default_of(fit, "normals"),
-    show_default=True,
-    help="Surfaces that count; upper: those that face up.",
-)
-@click.option(
-    "--floor", is_flag=True, help="A floor in the scene hides all light from below the horizon."
+    "--floor", is_flag=True, help="The scene has a floor, which hides light from below the horizon."
 )
 @output_option(OUTPUTS)
+@verbose_option()
 @click.option("--json", "as_json", is_flag=True, help="Print the rig as JSON.")
 def command(
     map_path: str,
@@ -58,12 +61,12 @@ def command(
     shadow_error: float | None,
     sizes: bool,
     ambient: str,
-    normals: str,
     floor: bool,
     outputs: Sequence[str],
+    verbose: bool,
     as_json: bool,
 ) -> None:
-    """Fit ambient and a few lights to MAP (.hdr, .exr, .png, .jpg, .tif)."""
+    """Fit an ambient term and a few lights to MAP (.hdr, .exr, .png, .jpg, .tif)."""
     for output in outputs:
         check_output(output, (*SUFFIXES, *PICTURES), {"the map": map_path})
     env = EnvMap.open(map_path)
@@ -74,12 +77,11 @@ def command(
         shadow_error=shadow_error,
         sizes=sizes,
         ambient=ambient,
-        normals=normals,
         floor=floor,
     )
     for output in outputs:
         _write(env, rig, output)
-    print_rig(rig, as_json)
+    print_rig(rig, as_json, verbose)
     say_written(outputs)
 
 
@@ -87,7 +89,7 @@ def _write(env: EnvMap, rig: Rig, output: str) -> None:
     if Path(output).suffix.lower() not in PICTURES:
         rig.save(output)
         return
-    # Drawing takes a second to import; a rig alone does not need it.
+    # Importing Matplotlib takes a second.
     from envlights import plot
 
     plot.save(plot.picture(env, rig), output)

@@ -1,4 +1,4 @@
-"""The output of a subcommand: its option, the checks before the work, and the text at the end."""
+"""Output of a subcommand: options, checks before the work, and printed text."""
 
 from __future__ import annotations
 
@@ -14,26 +14,31 @@ from envlights._native import EnvLightsError
 from envlights.io.files import check_writable
 from envlights.rig import Rig
 
-#: The help of ``-o`` where lights are written.
+#: Help of ``-o`` for subcommands that write lights.
 OUTPUTS = (
-    "Write lights for a program that the suffix names, .json for envlights itself (see envlights"
-    " export -h), or a picture (.png, .pdf, .svg); may be given again."
+    "File to write: lights for the program of the suffix (list: envlights export -h) or a picture"
+    " (.png, .pdf, .svg). Can be repeated."
 )
 
 
 def default_of(function: Callable[..., Any], parameter: str) -> Any:
-    """The default of a parameter, which is written once, in its Python signature."""
+    """Default of a parameter, read from its Python signature."""
     return inspect.signature(function).parameters[parameter].default
 
 
 def output_option(help_text: str) -> Callable[[Any], Any]:
-    """The option ``-o``, which may be given again."""
+    """Repeatable option ``-o``."""
     return click.option("-o", "--output", "outputs", multiple=True, metavar="OUT", help=help_text)
 
 
+def verbose_option() -> Callable[[Any], Any]:
+    """Option ``--verbose``."""
+    return click.option("-v", "--verbose", is_flag=True, help="Print all details of the report.")
+
+
 def check_output(output: str, suffixes: tuple[str, ...], inputs: Mapping[str, str]) -> None:
-    """Refuse an output with another suffix, or one that would overwrite an input."""
-    # A name may begin with a dot, which begins no suffix then.
+    """Refuse an output with an unknown suffix, or one that would overwrite an input."""
+    # The dot of a hidden file begins no suffix.
     if not Path(output).name[1:].lower().endswith(suffixes):
         wanted = f"one of {', '.join(suffixes)}" if suffixes[1:] else suffixes[0]
         raise EnvLightsError(f"cannot write {output}: the suffix must be {wanted}")
@@ -47,12 +52,13 @@ def _is_same(target: Path, source: Path) -> bool:
     return target.exists() and source.exists() and target.samefile(source)
 
 
-def print_rig(rig: Rig, as_json: bool) -> None:
+def print_rig(rig: Rig, as_json: bool, verbose: bool) -> None:
     """Print `rig` as JSON, or as text with its report."""
-    click.echo(json.dumps(rig.to_dict(), indent=2) if as_json else f"{rig}\n\n{rig.report}")
+    text = rig.verbose() if verbose else f"{rig}\n\n{rig.report}".rstrip()
+    click.echo(json.dumps(rig.to_dict(), indent=2) if as_json else text)
 
 
 def say_written(paths: Sequence[str]) -> None:
-    """Name the files, once all are whole: a closed pipe must not keep any from being written."""
+    """Name the written files at the end, so that a closed pipe does not prevent writing."""
     for path in paths:
         click.echo(f"wrote {path}", err=True)

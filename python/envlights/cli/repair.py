@@ -7,17 +7,21 @@ import click
 from envlights.cli.outputs import check_output, say_written
 from envlights.envmap import EnvMap
 
-#: Formats that have room for light brighter than white.
+#: Formats that can hold radiance above the clip level.
 MAPS = (".exr", ".hdr")
 
 
 @click.command("repair")
 @click.argument("map_path", metavar="MAP")
-@click.option("-o", "--output", required=True, help="The map that is written (.exr, .hdr).")
-@click.option("--irradiance", type=float, help="What an upward surface really gets.")
-@click.option("--ratio", type=float, help="That, over the same with the sun shaded.")
+@click.option("-o", "--output", required=True, help="File to write (.exr, .hdr).")
+@click.option("--irradiance", type=float, help="Measured irradiance of a horizontal surface.")
+@click.option(
+    "--ratio",
+    type=float,
+    help="Irradiance of a horizontal surface in the open divided by that with the sun shaded.",
+)
 def command(map_path: str, output: str, irradiance: float | None, ratio: float | None) -> None:
-    """Estimate the light that white cut off in MAP, such as a JPEG or PNG."""
+    """Estimate the clipped light of MAP, such as a JPEG or PNG."""
     check_output(output, MAPS, {"the map": map_path})
     env = EnvMap.open(map_path).repaired(irradiance=irradiance, ratio=ratio)
     env.save(output)

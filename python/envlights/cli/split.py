@@ -15,27 +15,33 @@ from envlights.envmap import EnvMap
 from envlights.export.targets import SUFFIXES
 from envlights.io.files import PICTURES
 
-#: Formats of the map that is left.
+#: Formats of the map without the lights.
 MAPS = (".exr", ".hdr")
 
 
 @click.command("split")
 @click.argument("map_path", metavar="MAP")
 @click.option(
-    "-n", "--lights", type=int, help="Take this many lights, at most, brightest first: 1, the sun."
+    "-n",
+    "--lights",
+    type=int,
+    help="Largest number of lights to remove, brightest first, such as 1 for the sun.",
 )
-@click.option("--share", type=float, help="Take the fewest with this share of all lights: 0.9.")
+@click.option(
+    "--share",
+    type=float,
+    help="Remove the fewest lights that hold this fraction of the light, such as 0.9.",
+)
 @click.option(
     "--method",
     type=click.Choice(list(METHODS)),
     default=default_of(detect, "method"),
     show_default=True,
-    help="How bright places are found.",
+    help="Method of detection; article: Loghin (2021).",
 )
 @output_option(
-    "Write the map without the lights (.exr, .hdr), the lights for a program that the suffix names,"
-    " .json for envlights itself (see envlights export -h), or a picture (.png, .pdf, .svg); may be"
-    " given again."
+    "File to write: the map without the lights (.exr, .hdr), the lights for the program of the"
+    " suffix (list: envlights export -h) or a picture (.png, .pdf, .svg). Can be repeated."
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the lights as JSON.")
 def command(
@@ -46,7 +52,7 @@ def command(
     outputs: Sequence[str],
     as_json: bool,
 ) -> None:
-    """Take the lights out of MAP (.hdr, .exr, .png, .jpg, .tif)."""
+    """Remove the lights from MAP (.hdr, .exr, .png, .jpg, .tif)."""
     for output in outputs:
         check_output(output, (*SUFFIXES, *MAPS, *PICTURES), {"the map": map_path})
     env = EnvMap.open(map_path)

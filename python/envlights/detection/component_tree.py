@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 
 from envlights import _native
 from envlights._check import LARGEST_COUNT, amount, count
+from envlights._map_pixels import checked_white
 from envlights.detection.casts import cast_notes
 from envlights.detection.lights import DetectedLights, DetectionReport
 from envlights.detection.members import Members
-from envlights.envmap import AnyMap, EnvMap, checked_white, seen_through
+from envlights.envmap import AnyMap, EnvMap, apply_to_map
 from envlights.light import place_of
 
 #: The narrowest working image.
@@ -101,10 +102,6 @@ def detect_tree(
     by the root of that contrast within five pixels, unlike that of a gradient or a cloud. They hold
     no light above the threshold; `report.notes` names them. The rule is ours.
 
-    What `split` has left of a map is judged as that map was: by its threshold, with shares of its
-    flux, and with nothing clipped that is dimmer than its lights; behind a white, by weight beside
-    the lights of that map, and in pixels of the same size. See `EnvMap.original`.
-
     Maps that end at a white, as those of integers do, are treated differently, for their threshold
     would often lie above white. Luminance :math:`y`, in units of white, is expanded to
     :math:`y / (1.02 - y)` first: white becomes 50. Pixels of 0.985 and more form a plateau, and a
@@ -185,17 +182,14 @@ def _searched(
     def found_in(world: EnvMap) -> _Found:
         white = world.white if given is None else given
         columns = max(options["working_columns"] // _FEWER_COLUMNS, _LEAST_COLUMNS)
-        if world.original and world.original.end is not None:
-            white = world.original.end
-            columns = max(world.original.columns, _LEAST_COLUMNS)
         where = world.radiance, world.registration == "border-sampled"
         if white is None:
-            return _Found(_native.detect_tree(*where, original=world.original, **options), None)
-        reduced = options | {"working_columns": columns, "original": world.original}
+            return _Found(_native.detect_tree(*where, original=None, **options), None)
+        reduced = options | {"working_columns": columns, "original": None}
         behind_white = _native.detect_white(*where, white=white, **reduced)
         return _Found(behind_white.tree, behind_white)
 
-    world, found = seen_through(env, found_in)
+    world, found = apply_to_map(env, found_in)
     tree = found.tree
     casts = cast_notes(world, tree.peak_direction, tree.peak_luminance)
     notes = (*world.notes, *casts, *_faint(tree))

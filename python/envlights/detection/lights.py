@@ -11,25 +11,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _html
-from envlights._arrays import sealed
+from envlights._arrays import seal
 from envlights._check import amount, counts, flag, reals, rotation, texts
+from envlights._light_arrays import light_arrays, rotate, row_of, rows_of
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights._tables import MOST_ROWS
 from envlights.detection.members import Members
+from envlights.io.own_json import read_json
 from envlights.kernels.sphere import FRAME
 from envlights.light import DetectedLight
-from envlights.lights import (
-    Lights,
-    Rows,
-    brightest_first,
-    light_arrays,
-    place_cells,
-    rgb_cell,
-    row_of,
-    rows_of,
-    turned,
-)
+from envlights.lights import Lights, Rows, brightest_first, place_cells, rgb_cell
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -195,11 +187,11 @@ class DetectedLights(Lights):
                 raise EnvLightsError(
                     f"{name} must have a row for each light ({len(order)}); got {len(array)}"
                 )
-            object.__setattr__(self, name, sealed(array[order]))
+            object.__setattr__(self, name, seal(array[order]))
         radius = 2 * np.arcsin(np.sqrt(np.clip(self.solid_angle / (4 * np.pi), 0, 1)))
-        object.__setattr__(self, "angular_radius", sealed(radius))
+        object.__setattr__(self, "angular_radius", seal(radius))
         rank = np.argsort(order)
-        members = replace(self.members, light=sealed(rank[self.members.light]))
+        members = replace(self.members, light=seal(rank[self.members.light]))
         object.__setattr__(self, "members", members)
 
     def _order(self, irradiance: NDArray[np.float64]) -> NDArray[np.intp]:
@@ -241,9 +233,9 @@ class DetectedLights(Lights):
         turn = rotation(matrix)
         return replace(
             self,
-            direction=turned(self.direction, turn),
-            peak_direction=turned(self.peak_direction, turn),
-            orientation=turned(self.orientation, turn),
+            direction=rotate(self.direction, turn),
+            peak_direction=rotate(self.peak_direction, turn),
+            orientation=rotate(self.orientation, turn),
         )
 
     def discs(self) -> Lights:
@@ -288,13 +280,16 @@ class DetectedLights(Lights):
         EnvLightsError
             If the file is missing, of another kind or version, or holds impossible lights.
         """
-        from envlights.export.own_json import read_json
-
         return read_json(path, _KIND, (_VERSION,), _from_dict)
 
     def __str__(self) -> str:
         table = self.table() if len(self) else "no light"
         return f"{table}\n\n{self._together()}\n{self.report}"
+
+    def verbose(self) -> str:
+        """Text with all details of the report."""
+        table = self.table() if len(self) else "no light"
+        return f"{table}\n\n{self._together()}\n{self.report.verbose()}"
 
     def _html_parts(self) -> tuple[str, ...]:
         return (*super()._html_parts(), _html.lines(f"{self._together()}\n{self.report}"))

@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
-from envlights._check import amount, count, shown
+from envlights._check import amount, count, describe
 from envlights._native import EnvLightsError
 from envlights.detection.component_tree import searched
 from envlights.detection.detect import detect
 from envlights.detection.lights import DetectedLights, DetectionReport
 from envlights.detection.taken import TakenLights
-from envlights.envmap import AnyMap, EnvMap, Original, as_envmap
+from envlights.envmap import AnyMap, EnvMap, as_envmap
 from envlights.kernels.image import LUMINANCE, reduced_luminance
 
 #: Options of the component tree that find what would be a light once the others are gone: then the
@@ -89,8 +89,7 @@ def split(
     lights : TakenLights
         With the irradiance at normal incidence of what was taken.
     rest : EnvMap
-        What is left; its `notes` say what was taken. It is judged as the map was, see
-        `EnvMap.original`: a further `split` finds the lights that stayed, and no others.
+        What is left, a map like any other; its `notes` say what was removed.
 
     Raises
     ------
@@ -161,7 +160,6 @@ def split(
         registration=env.registration,
         notes=notes,
         white=env.white,
-        original=env.original or _original(found),
     )
     return Split(taken, rest)
 
@@ -204,7 +202,7 @@ def _count(lights: object) -> int:
     if isinstance(lights, bool) or not isinstance(lights, int | np.integer):
         raise EnvLightsError(
             "lights must be a number, or what `detect` has found, such as found[[0, 2]]; got"
-            f" {shown(lights)}"
+            f" {describe(lights)}"
         )
     return count("lights", int(lights))
 
@@ -294,24 +292,6 @@ def _taken(chosen: DetectedLights, parts: _native.MapSplit, report: DetectionRep
         "report": report,
     }
     return TakenLights(**(kept | measured))
-
-
-def _original(found: DetectedLights) -> Original | None:
-    """The map of the lights, or None where it has none or where they were found in another way.
-
-    The threshold of the article is its own.
-    """
-    report = found.report
-    if not len(found) or report.method != "tree":
-        return None
-    return Original(
-        report.threshold,
-        _map_flux(found),
-        peak=float(found.peak_luminance.max()),
-        end=report.end,
-        least_weight=report.least_weight,
-        columns=0 if report.end is None else report.working_size[1],
-    )
 
 
 def _map_flux(lights: DetectedLights) -> float:

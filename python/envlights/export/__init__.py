@@ -1,4 +1,4 @@
-"""Rigs and lights for other programs, each in its own axes and units.
+"""Export of rigs and lights to other programs, each in its own axes and units.
 
 | step                                                     | file           |
 |----------------------------------------------------------|----------------|
@@ -16,23 +16,25 @@
 | discs in a map, for targets whose lights have no size    | `discs.py`     |
 | Radiance                                                 | `radiance.py`  |
 | pbrt-v4                                                  | `pbrt.py`      |
-| which suffix is which target, what it keeps and loses    | `targets.py`   |
+| table of targets: suffixes, what each keeps and loses    | `targets.py`   |
 
-A target is a file here. Its public function has its name and returns the target's own form; `save_`
-and its name writes that at a path. `save` takes the target from the suffix.
+Each target has a file with two functions: one with its name, which returns the target's own form,
+and one with `save_` and its name, which writes a file. `save` selects the target by the suffix.
 """
 
+from envlights._targets import Target, save, target_of
 from envlights.export.axes import AXES, Axes
 from envlights.export.blender import add_to_blender, blender, save_blender
-from envlights.export.csv import csv, read_csv, save_csv
+from envlights.export.csv import csv, save_csv
 from envlights.export.engine import engine, save_engine, save_unity, save_unreal, unity, unreal
 from envlights.export.gltf import gltf, save_gltf
 from envlights.export.mitsuba import mitsuba, save_mitsuba
 from envlights.export.pbrt import pbrt, save_pbrt
 from envlights.export.radiance import radiance, save_radiance
-from envlights.export.targets import TARGETS, Target, save, target_of
+from envlights.export.targets import TARGETS
 from envlights.export.three import save_three, three
 from envlights.export.usd import save_usd, usd
+from envlights.io.csv_table import read_csv
 
 __all__ = [
     "AXES",

@@ -1,4 +1,4 @@
-"""From our frame to the target's: one table, which every exporter uses.
+"""Axes of each target, in one table that every exporter uses.
 
 Ours is right-handed with +y up; the centre of a map looks along +z, its left quarter along +x.
 """
@@ -32,7 +32,7 @@ _UNREAL: Matrix = ((0, 0, 1), (-1, 0, 0), (0, 1, 0))
 
 
 class Axes(NamedTuple):
-    """Where our axes lie in a target.
+    """Axes of a target.
 
     Examples
     --------
@@ -44,13 +44,14 @@ class Axes(NamedTuple):
     """Rows: each axis of the target in ours. Column 0, 1, 2: our +x, +y, +z in the target."""
 
     map: Matrix | None = None
-    """The same for the directions of an equirectangular image as the target reads it when it is not
-    turned: column 2 is where the centre of the image looks, column 0 its left quarter. Where this
-    is `matrix`, our maps need no turn. None: the target has no such map."""
+    """Directions of an unrotated equirectangular image in the target, or None without such maps.
+
+    Column 2 is the direction of the centre of the image, column 0 that of its left quarter. If this
+    is `matrix`, our maps need no rotation."""
 
     @property
     def handedness(self) -> int:
-        """1 where the target is right-handed, -1 where it is left-handed."""
+        """1 for a right-handed target, -1 for a left-handed one."""
         return round(float(np.linalg.det(self.matrix)))
 
     def to_target(self, direction: ArrayLike) -> NDArray[np.float64]:
@@ -64,7 +65,7 @@ class Axes(NamedTuple):
         return turned + 0.0
 
     def turn_of_map(self) -> NDArray[np.float64]:
-        """The rotation, in the target's frame, that brings the target's map to our lights."""
+        """Rotation in the target's frame that aligns the target's map with our lights."""
         turn: NDArray[np.float64] = np.asarray(self.matrix, np.float64) @ np.transpose(
             self.map or self.matrix
         )

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import tempfile
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,12 +14,10 @@ from envlights.envmap import EnvMap
 from envlights.export.axes import AXES
 from envlights.export.files import save_scene, texture_name
 from envlights.export.scene import Scene, scene_of
+from envlights.lights import Lights
+from envlights.rig import Rig
 
-if TYPE_CHECKING:
-    from envlights.lights import Lights
-    from envlights.rig import Rig
-
-#: Runs in Blender 4.2 and newer. What stands in it twice is replaced the second time.
+#: Runs in Blender 4.2 and newer. A second run replaces the objects of the first.
 _SCRIPT = '''\
 """Lights of envlights: run this in Blender's Text Editor, or by blender --python."""
 

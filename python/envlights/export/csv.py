@@ -3,59 +3,26 @@
 from __future__ import annotations
 
 import os
-import re
-from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from envlights._native import EnvLightsError
 from envlights.export.files import save_scene
 from envlights.export.scene import check_rig
-from envlights.io.files import as_path
+from envlights.io.csv_table import AMBIENTS, FORMAT, HEADER
+from envlights.lights import Lights
+from envlights.rig import Rig
 
-if TYPE_CHECKING:
-    from envlights.lights import Lights
-    from envlights.rig import Rig
-
-_FORMAT = "# envlights CSV, version 1"
 _FRAME = (
     "# right-handed, +y up; image centre +z, left quarter +x; x, y, z: towards the light;"
     " light: irradiance at normal incidence, angular_radius in radians; ambient: radiance;"
     " linear Rec.709 RGB"
 )
-_HEADER = "kind,x,y,z,red,green,blue,angular_radius"
-_RIG = re.compile(r"# relative RMS error (\S+)(, over a floor)?")
-#: Rows of an ambient term: of a constant, and of nine harmonics.
-_AMBIENTS = (["ambient"], [f"ambient sh{j}" for j in range(9)])
-
-
-class Table(NamedTuple):
-    """What a CSV file holds; a file of lights alone has neither ambient nor error."""
-
-    direction: NDArray[np.float64]
-    """Unit vectors towards the lights, (n, 3)."""
-
-    irradiance: NDArray[np.float64]
-    """Linear RGB at normal incidence, (n, 3)."""
-
-    angular_radius: NDArray[np.float64]
-    """In radians, (n,)."""
-
-    ambient: NDArray[np.float64] | None
-    """Radiance, (3,), or its harmonics, (9, 3)."""
-
-    error: float | None
-    """Relative RMS error of the rig."""
-
-    floor: bool
-    """Whether a floor hides the ambient light from below."""
 
 
 def csv(rig: Rig | Lights) -> str:
-    """A row for each light and for the ambient term, without loss; harmonics are nine rows.
+    """Lossless table with a row for each light and for the ambient term (nine for harmonics).
 
-    Frame and units are the package's own, and stand in comments that begin with ``#``.
+    Comments that begin with ``#`` give frame and units.
 
     See Also
     --------
@@ -68,17 +35,17 @@ def csv(rig: Rig | Lights) -> str:
     light,0.0,1.0,0.0,3.0,2.0,1.0,0.5
     """
     lights = check_rig(rig).discs()
-    lines = [_FORMAT, _FRAME]
+    lines = [FORMAT, _FRAME]
     ambient = getattr(rig, "ambient", None)
     if ambient is not None:
         floor = ", over a floor" if getattr(rig, "floor", False) else ""
         lines.append(f"# relative RMS error {getattr(rig, 'error', 0.0)!r}{floor}")
-    lines.append(_HEADER)
+    lines.append(HEADER)
     arrays = lights.direction, lights.irradiance, lights.angular_radius[:, None]
     lines += [",".join(["light", *map(repr, row)]) for row in np.hstack(arrays).tolist()]
     if ambient is not None:
         rows = np.atleast_2d(ambient).tolist()
-        names = _AMBIENTS[len(rows) > 1]
+        names = AMBIENTS[len(rows) > 1]
         lines += [
             f"{name},,,,{r!r},{g!r},{b!r}," for name, (r, g, b) in zip(names, rows, strict=True)
         ]
@@ -88,54 +55,3 @@ def csv(rig: Rig | Lights) -> str:
 def save_csv(rig: Rig | Lights, path: str | os.PathLike[str]) -> None:
     """Write `csv` at `path`."""
     save_scene(path, csv(rig))
-
-
-def read_csv(path: str | os.PathLike[str]) -> Table:
-    """Read what `save_csv` wrote.
-
-    Raises
-    ------
-    EnvLightsError
-        If the file is missing, or is no such table.
-    """
-    try:
-        lines = as_path(path).read_text(encoding="utf-8").splitlines()
-    except OSError as error:
-        raise EnvLightsError(f"cannot read {path}: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise EnvLightsError(f"{path} is not a CSV file: it is not text") from None
-    if lines[:1] != [_FORMAT]:
-        raise EnvLightsError(f"{path} is not a table of lights: its first line is not '{_FORMAT}'")
-    header = re.fullmatch(_RIG, lines[2]) if len(lines) > 2 else None
-    try:
-        rms = float(header[1]) if header else None
-        rows = _rows([line for line in lines if line and not line.startswith("#")])
-        ambient = _ambient([row for row in rows if row[0] != "light"])
-        lights = np.array([row[1:] for row in rows if row[0] == "light"], float).reshape(-1, 7)
-    except ValueError as reason:
-        raise EnvLightsError(f"{path} is not a complete table of lights: {reason}") from None
-    if (ambient is None) != (rms is None):
-        raise EnvLightsError(f"{path} is not a complete rig: ambient and error go together")
-    floor = bool(header and header[2])
-    return Table(lights[:, :3], lights[:, 3:6], lights[:, 6], ambient, rms, floor)
-
-
-def _rows(lines: list[str]) -> list[list[str]]:
-    """The cells of each row below the header."""
-    if lines[:1] != [_HEADER]:
-        raise ValueError(f"the header must be '{_HEADER}'")
-    rows = [line.split(",") for line in lines[1:]]
-    for number, row in enumerate(rows, 1):
-        if len(row) != _HEADER.count(",") + 1:
-            raise ValueError(f"row {number} has {len(row)} cells")
-    return rows
-
-
-def _ambient(rows: list[list[str]]) -> NDArray[np.float64] | None:
-    """The ambient term in its shape, or None."""
-    if not rows:
-        return None
-    if [row[0] for row in rows] not in _AMBIENTS:
-        raise ValueError("its rows must be lights, then one row of ambient, or nine")
-    values = np.array([row[4:7] for row in rows], float)
-    return values if len(rows) > 1 else values[0]

@@ -1,8 +1,8 @@
-"""Lights with a size for targets that have none, or none so wide: discs in the map around."""
+"""Discs in the map, for targets whose lights have no size or only small ones."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,12 +10,10 @@ from numpy.typing import NDArray
 from envlights.envmap import EnvMap
 from envlights.export.scene import Scene
 from envlights.kernels import sphere
+from envlights.lights import Lights
 
-if TYPE_CHECKING:
-    from envlights.lights import Lights
-
-#: Rows of a map for discs: as many as give the smallest a radius of that many, within limits.
-#: With 64 rows, Radiance lost 0.9 % of a disc of 46 degrees at its rim.
+#: Rows in the radius of the smallest disc, and limits on the rows of its map. With 64 rows,
+#: Radiance lost 0.9 % of a disc of 46 degrees at its rim.
 _DISC_ROWS, _LEAST_ROWS, MOST_ROWS = 8, 256, 1024
 
 
@@ -26,10 +24,10 @@ def split_by_size(lights: Lights, least: float) -> tuple[Lights, Lights]:
 
 
 def with_discs(scene: Scene, discs: Lights) -> Scene:
-    """The constant or the map of a scene with `discs` drawn before it, and no other light."""
-    rest = scene._replace(lights=discs[:0])
+    """Scene without lights, whose constant or map has the `discs` drawn on it."""
+    others = scene._replace(lights=discs[:0])
     if not len(discs):
-        return rest
+        return others
     rows = rows_for(discs)
     around: Any = np.zeros(3) if scene.ambient is None else scene.ambient
     if scene.environment is not None:
@@ -38,17 +36,17 @@ def with_discs(scene: Scene, discs: Lights) -> Scene:
         rows = times * scene.environment.height
         around = scene.environment.radiance.repeat(times, axis=0).repeat(times, axis=1)
     drawn = discs.to_map(rows).radiance + around
-    return rest._replace(ambient=None, environment=EnvMap(drawn.astype(np.float32)))
+    return others._replace(ambient=None, environment=EnvMap(drawn.astype(np.float32)))
 
 
 def rows_for(discs: Lights) -> int:
-    """Rows of a map in which the smallest of the discs is still a disc."""
+    """Rows of a map that shows the smallest disc as a disc."""
     rows = int(_DISC_ROWS * np.pi / discs.angular_radius.min())
     return min(max(rows, _LEAST_ROWS), MOST_ROWS)
 
 
 def looked_up(env: EnvMap, directions: NDArray[np.float64]) -> NDArray[np.float32]:
-    """The pixel of a cell-centred map in each direction, (n, 3)."""
+    """Pixel of a cell-centred map in each direction, (n, 3)."""
     uv = sphere.direction_to_uv(directions)
     columns = (uv[:, 0] * env.width).astype(int) % env.width
     rows = np.minimum((uv[:, 1] * env.height).astype(int), env.height - 1)

@@ -9,22 +9,20 @@ from __future__ import annotations
 
 import json
 import os
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._check import shown
+from envlights._check import describe
 from envlights._native import EnvLightsError
 from envlights.ambient import turned_ambient
 from envlights.envmap import EnvMap
 from envlights.export.axes import AXES, Axes, Matrix
 from envlights.export.files import save_scene, texture_name
 from envlights.export.scene import Scene, scene_of
-
-if TYPE_CHECKING:
-    from envlights.lights import Lights
-    from envlights.rig import Rig
+from envlights.lights import Lights
+from envlights.rig import Rig
 
 _FORMAT, _VERSION = "envlights engine", 1
 _UNITS = (
@@ -74,7 +72,7 @@ def engine(
     """
     axes = Axes(matrix_of(right, up, forward))
     scene = scene_of(rig, environment)
-    # A map of one's own stands in place of the harmonics.
+    # A map replaces the harmonics.
     harmonics = getattr(rig, "ambient", ()) if environment is None else ()
     described = {"right": right, "up": up, "forward": forward}
     return {
@@ -192,7 +190,9 @@ def matrix_of(right: str, up: str, forward: str) -> Matrix:
     ours = {"right": (right, 0, -1), "up": (up, 1, 1), "forward": (forward, 2, 1)}
     for name, (axis, column, sign) in ours.items():
         if not isinstance(axis, str) or axis not in ("+x", "-x", "+y", "-y", "+z", "-z"):
-            raise EnvLightsError(f"{name} must be an axis, such as '+x' or '-z'; got {shown(axis)}")
+            raise EnvLightsError(
+                f"{name} must be an axis, such as '+x' or '-z'; got {describe(axis)}"
+            )
         columns["xyz".index(axis[1]), column] = sign if axis[0] == "+" else -sign
     if (np.abs(columns).sum(axis=1) != 1).any():
         raise EnvLightsError(
@@ -225,7 +225,7 @@ def _light(
 
 
 def _ambient(scene: Scene, harmonics: ArrayLike, axes: Axes, texture: str) -> dict[str, Any]:
-    """What is around the lights; nothing where nothing is."""
+    """Surroundings of the lights; empty if there are none."""
     if scene.ambient is not None:
         return {"ambient": scene.ambient.tolist()}
     if scene.environment is None:

@@ -1,4 +1,4 @@
-"""A scene and its textures on disk: each whole or not at all, the scene last."""
+"""Writer of a scene and its textures; the scene comes last."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from envlights.io.image_output import write_exr, write_hdr
 
 
 def texture_name(path: str | os.PathLike[str], kind: str = "ambient") -> str:
-    """The name of a texture beside `path`: ``scene.ambient.exr`` beside ``scene.usda``.
+    """Name of a texture beside `path`: ``scene.ambient.exr`` beside ``scene.usda``.
 
-    A map that one target alone can read has another `kind`, such as "ambient.mitsuba", so that
-    files for several targets stand in one folder.
+    A map that only one target can read has its own `kind`, such as "ambient.mitsuba", so that
+    files for several targets can share a folder.
     """
     return f"{as_path(path).stem}.{kind}.exr"
 
@@ -29,8 +29,8 @@ def save_scene(
 ) -> None:
     """Write textures, (height, width, 3) by their names beside `path`, and then the scene.
 
-    So no scene stands there that names a texture which is missing. Textures are OpenEXR files, or
-    Radiance pictures where their names end in ``.hdr``.
+    The order ensures that no scene names a missing texture. Textures are OpenEXR files, or
+    Radiance pictures if their names end in ``.hdr``.
     """
     folder = as_path(path).parent
     places = {folder / name: radiance for name, radiance in (textures or {}).items()}

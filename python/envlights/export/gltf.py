@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,10 +12,8 @@ from numpy.typing import NDArray
 from envlights.export.axes import AXES
 from envlights.export.files import save_scene
 from envlights.export.scene import check_rig
-
-if TYPE_CHECKING:
-    from envlights.lights import Lights
-    from envlights.rig import Rig
+from envlights.lights import Lights
+from envlights.rig import Rig
 
 _EXTENSION = "KHR_lights_punctual"
 #: Where a light of glTF shines when its node is not turned.

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import importlib
 import os
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -20,10 +20,8 @@ from envlights.envmap import EnvMap
 from envlights.export.discs import MOST_ROWS, rows_for, split_by_size
 from envlights.export.files import save_scene, texture_name
 from envlights.export.scene import Scene, scene_of
-
-if TYPE_CHECKING:
-    from envlights.lights import Lights
-    from envlights.rig import Rig
+from envlights.lights import Lights
+from envlights.rig import Rig
 
 
 def mitsuba(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) -> dict[str, Any]:
@@ -150,7 +148,7 @@ def rows_on_poles(radiance: NDArray[Any]) -> NDArray[np.float64]:
 
 
 def sharp_rows_on_poles(env: EnvMap) -> NDArray[np.float64]:
-    """The same of cells so fine that Mitsuba's interpolation hardly blurs the map."""
+    """Rows of cells so fine that Mitsuba's interpolation hardly blurs the map."""
     times = -(-MOST_ROWS // env.height)
     return rows_on_poles(env.cells().repeat(times, axis=0).repeat(times, axis=1))
 

@@ -1,23 +1,16 @@
-"""The package's own JSON: everything, without loss, with its format, version, frame and units."""
+"""Lossless JSON of the package, with format, version, frame and units."""
 
 from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, TypeVar
 
-from envlights._check import shown
-from envlights._native import EnvLightsError
 from envlights.export.files import save_scene
-from envlights.io.files import as_path
 from envlights.kernels.sphere import FRAME
+from envlights.lights import Lights
+from envlights.rig import Rig
 
-if TYPE_CHECKING:
-    from envlights.lights import Lights
-    from envlights.rig import Rig
-
-#: Of lights alone, whose `to_dict` is a part of other formats too.
+#: Header of a file of lights, because `Lights.to_dict` holds only arrays.
 _LIGHTS = {
     "format": "envlights lights",
     "version": 1,
@@ -25,64 +18,10 @@ _LIGHTS = {
     "units": "irradiance: at normal incidence; linear Rec.709 RGB; angular_radius: radians",
 }
 
-_T = TypeVar("_T")
-
 
 def save_json(rig: Rig | Lights, path: str | os.PathLike[str]) -> None:
-    """Write all that `to_dict` gives; `load` of the same class reads it back."""
+    """Write the result of `to_dict`, which `load` of the same class reads."""
     data = rig.to_dict()
     if "format" not in data:
         data = {**_LIGHTS, **data}
     save_scene(path, json.dumps(data, indent=2, allow_nan=False) + "\n")
-
-
-def read_json(
-    path: str | os.PathLike[str],
-    kind: str,
-    versions: tuple[int, ...],
-    build: Callable[[dict[str, Any]], _T],
-) -> _T:
-    """What `build` makes of a file of a `kind`, such as "rig", in one of some versions.
-
-    Raises
-    ------
-    EnvLightsError
-        If the file is missing, of another kind or version, or `build` cannot use it.
-    """
-    try:
-        data = json.loads(as_path(path).read_text(encoding="utf-8"))
-    except OSError as error:
-        raise EnvLightsError(f"cannot read {path}: {error.strerror}") from None
-    except (ValueError, RecursionError) as error:
-        raise EnvLightsError(f"{path} is not a JSON file: {error}") from None
-    _check_version(path, kind, versions, data)
-    try:
-        return build(data)
-    except EnvLightsError as error:
-        raise EnvLightsError(f"{path} holds {_impossible(kind)}: {error}") from None
-    except KeyError as error:
-        reason = f"the key {error} is missing"
-    except (AttributeError, IndexError, OverflowError, TypeError, ValueError):
-        reason = "a value has another type or shape than those that `save` writes"
-    raise EnvLightsError(f"{path} is not {_one(kind, 'complete')}: {reason}")
-
-
-def _check_version(path: object, kind: str, versions: tuple[int, ...], data: Any) -> None:
-    name = f"envlights {kind}"
-    if not isinstance(data, dict) or data.get("format") != name:
-        raise EnvLightsError(f"{path} is not {_one(kind)}: it does not say 'format': '{name}'")
-    if data.get("version") not in versions:
-        version, read = shown(data.get("version")), " and ".join(map(str, versions))
-        raise EnvLightsError(
-            f"{path} is {_one(kind)} of version {version}; this package reads {read}"
-        )
-
-
-def _one(kind: str, quality: str = "") -> str:
-    """A file of a `kind` as a sentence calls it: "a rig", "a complete list of lights"."""
-    noun = f"list of {kind}" if kind.endswith("s") else kind
-    return f"a {quality} {noun}" if quality else f"a {noun}"
-
-
-def _impossible(kind: str) -> str:
-    return f"impossible {kind}" if kind.endswith("s") else f"an impossible {kind}"

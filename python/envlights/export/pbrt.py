@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,10 +13,8 @@ from envlights.export.axes import AXES
 from envlights.export.discs import looked_up, split_by_size, with_discs
 from envlights.export.files import save_scene, texture_name
 from envlights.export.scene import Scene, scene_of
-
-if TYPE_CHECKING:
-    from envlights.lights import Lights
-    from envlights.rig import Rig
+from envlights.lights import Lights
+from envlights.rig import Rig
 
 #: Angular radius in radians under which a light has no size in pbrt: 0.7 degrees, which the
 #: largest map of discs would show with a radius of four pixels.

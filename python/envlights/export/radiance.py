@@ -4,22 +4,19 @@ from __future__ import annotations
 
 import os
 from pathlib import PurePath
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._check import shown
+from envlights._check import describe
 from envlights._native import EnvLightsError
 from envlights.envmap import EnvMap
 from envlights.export.axes import AXES
 from envlights.export.discs import looked_up, split_by_size, with_discs
 from envlights.export.files import save_scene, texture_name
 from envlights.export.scene import Scene, scene_of
-
-if TYPE_CHECKING:
-    from envlights.lights import Lights
-    from envlights.rig import Rig
+from envlights.lights import Lights
+from envlights.rig import Rig
 
 #: Angular radius in radians above which a light is part of the sky. Radiance samples a source as
 #: if all of it stood near its centre: at 0.25 that is off by 0.9 %, at 0.6 by 2.2 %.
@@ -27,7 +24,7 @@ _WIDE = 0.2
 #: Angular radius of a point; a source must have one.
 _POINT = 1e-4
 #: Columns and rows of a picture for a direction of the sky: the centre looks along +x.
-_LOOK_UP = "1-atan2(Dy,Dx)/PI .5+atan2(Dz,sqrt(Dx*Dx+Dy*Dy))/PI"
+_LOOK_UP = "1-atan2(Dy,Dx)/PI 0.5+atan2(Dz,sqrt(Dx*Dx+Dy*Dy))/PI"
 _HEADER = """\
 # Lights of envlights, z up. Irradiance and radiance on the scale of the map.
 # rtrace and rpict: -ab 1 or more for the ambient term and wide lights, -dj 1 for soft shadows.
@@ -103,7 +100,7 @@ def _parts(scene: Scene) -> tuple[Lights, Scene]:
 
 def _description(lights: Lights, scene: Scene, name: str) -> str:
     if scene.environment is not None and any(letter.isspace() for letter in name):
-        raise EnvLightsError(f"Radiance reads no name with a space; got {shown(name)}")
+        raise EnvLightsError(f"Radiance reads no name with a space; got {describe(name)}")
     radius = np.maximum(lights.angular_radius, _POINT)
     seen = lights.irradiance / (np.pi * np.sin(radius) ** 2)[:, None] + _sky(scene, lights)
     towards = AXES["radiance"].to_target(lights.direction)

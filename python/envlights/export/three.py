@@ -6,7 +6,7 @@ import colorsys
 import json
 import os
 import uuid
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,10 +17,8 @@ from envlights.envmap import EnvMap
 from envlights.export.axes import AXES
 from envlights.export.files import save_scene
 from envlights.export.scene import scene_of
-
-if TYPE_CHECKING:
-    from envlights.lights import Lights
-    from envlights.rig import Rig
+from envlights.lights import Lights
+from envlights.rig import Rig
 
 #: Where lights stand, for their shadow cameras; their light does not depend on it.
 _DISTANCE = 10.0
@@ -104,7 +102,7 @@ def _light(
     place = _DISTANCE * AXES["three"].to_target(direction)
     matrix = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, *place.tolist(), 1]
     size = {"angular_radius": float(radius)}
-    shone = _coloured(irradiance)
+    shone = _colour(irradiance)
     return _thing("DirectionalLight", f"light_{j}", matrix=matrix, userData=size, **shone)
 
 
@@ -114,13 +112,13 @@ def _ambient(rig: Any) -> dict[str, Any]:
         # three.js has our order, signs and lengths of harmonics.
         harmonics = turned_ambient(rig.ambient, AXES["three"].matrix)
         return _thing("LightProbe", "ambient", sh=harmonics.ravel().tolist())
-    lit = _coloured(np.pi * rig.ambient)
+    lit = _colour(np.pi * rig.ambient)
     if rig.floor:
         return _thing("HemisphereLight", "ambient", groundColor=0, **lit)
     return _thing("AmbientLight", "ambient", **lit)
 
 
-def _coloured(values: NDArray[np.float64]) -> dict[str, Any]:
+def _colour(values: NDArray[np.float64]) -> dict[str, Any]:
     """Colour and intensity with the product `values`.
 
     A colour in hexadecimal has eight bits; as hue, saturation and lightness it has as many digits
@@ -149,5 +147,5 @@ def _thing(kind: str, name: str, **parts: Any) -> dict[str, Any]:
 
 
 def _uuid(name: str) -> str:
-    """The same for the same name, so that a file can be compared with an older one."""
+    """Identifier that depends on the name alone, so that files can be compared."""
     return str(uuid.uuid5(uuid.NAMESPACE_URL, f"envlights/{name}"))

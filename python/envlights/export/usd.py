@@ -6,7 +6,6 @@ import importlib
 import os
 import tempfile
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,10 +16,8 @@ from envlights.export.axes import AXES
 from envlights.export.files import save_scene, texture_name
 from envlights.export.scene import Scene, scene_of
 from envlights.io.files import as_path
-
-if TYPE_CHECKING:
-    from envlights.lights import Lights
-    from envlights.rig import Rig
+from envlights.lights import Lights
+from envlights.rig import Rig
 
 _HEAD = """#usda 1.0
 (
@@ -97,7 +94,7 @@ def _text(scene: Scene, texture: str) -> str:
         ]
         prims.append(_prim("DomeLight", "ambient", ["float inputs:intensity = 1.0", *file]))
     elif scene.ambient is not None:
-        prims.append(_prim("DomeLight", "ambient", _coloured(scene.ambient)))
+        prims.append(_prim("DomeLight", "ambient", _colour(scene.ambient)))
     return _HEAD + "\n".join(prims) + "}\n"
 
 
@@ -116,7 +113,7 @@ def _light(
         name,
         [
             f"float inputs:angle = {float(2 * np.rad2deg(radius))!r}",
-            *_coloured(irradiance),
+            *_colour(irradiance),
             "bool inputs:normalize = 1",
             f"matrix4d xformOp:transform = ( {matrix} )",
             'uniform token[] xformOpOrder = ["xformOp:transform"]',
@@ -124,7 +121,7 @@ def _light(
     )
 
 
-def _coloured(values: NDArray[np.float64]) -> list[str]:
+def _colour(values: NDArray[np.float64]) -> list[str]:
     """Colour and intensity with the product `values`."""
     most = float(values.max())
     colour = values / most if most > 0 else values

@@ -1,12 +1,13 @@
-"""From a map, or from a measured probe, to a rig.
+"""Fit of a rig to a map, or to a measured probe.
 
 | step                                                                | file         |
 |---------------------------------------------------------------------|--------------|
-| what was asked for: how many lights, how good, from where           | `asked.py`   |
-| the kernel's answer, as a rig with its report                       | `answer.py`  |
-| what the report says in words                                       | `notes.py`   |
+| checked arguments: number of lights, errors, start, fixed lights    | `request.py` |
+| rig and report from the kernel's answer                             | `result.py`  |
+| sentences of the report                                             | `wording.py` |
 | `fit` and `fit_probe`: check, call the kernel, report               | `fit.py`     |
-| the paper's own fit, for comparison                                 | `madsen.py`  |
+| the fit of Madsen et al. (2003), for comparison                     | `madsen.py`  |
 
-The search itself is `src/kernels/fit/`; the report is a part of the rig: `envlights.report`.
+`src/kernels/fit/` holds the search. The report belongs to the rig and has its own module,
+`envlights.report`.
 """

@@ -1,4 +1,4 @@
-"""From a map, or from a measured probe, to a rig."""
+"""Fit of a rig to a map, or to a measured probe."""
 
 from __future__ import annotations
 
@@ -11,30 +11,27 @@ from numpy.typing import ArrayLike, NDArray
 from envlights import _native
 from envlights._check import check_choice, flag, reals
 from envlights._native import EnvLightsError, FitAnswer
-from envlights.envmap import AnyMap, EnvMap, seen_through
-from envlights.fitting import notes
-from envlights.fitting.answer import rig_of
-from envlights.fitting.asked import MAX_STEPS, STARTS_WITHOUT_MAP, Asked, asked
+from envlights.envmap import AnyMap, EnvMap, apply_to_map
+from envlights.fitting import wording
+from envlights.fitting.request import MAX_STEPS, STARTS_WITHOUT_MAP, Request, request_of
+from envlights.fitting.result import rig_of
 from envlights.kernels.probe import WORKING_COLUMNS
 from envlights.lights import Lights
 from envlights.rig import Rig
 
-#: Environments beside the lights, the simplest first, and the number of their coefficients in each
-#: channel.
+#: Ambient terms with their number of coefficients in each channel, the simplest first.
 AMBIENTS = {"none": 0, "constant": 1, "sh2": 9}
-#: The one of them that the map asks for.
+#: Name for the best ambient term.
 AUTO = "auto"
-#: What lights with sizes are fitted to.
+#: Errors that lights with sizes can minimise.
 OBJECTIVES = ("mixed", "shadows", "probe")
-#: Surfaces whose irradiance is fitted.
-NORMALS = ("sphere", "upper")
 
-#: Error of the working map: on 14 real maps the relative RMS difference of its irradiance from the
-#: exact one was 3e-5 to 1.4e-4. Below it, lights would follow the error of the rendering.
+#: Relative RMS error of the reduced map's irradiance: 3e-5 to 1.4e-4 on 14 real maps. Lights that
+#: lower the error further would only fit the error of the reduction.
 RENDERING_ERROR = 1e-4
-#: Share of the flux of a channel from which a cell of the working map stays a point source.
+#: Fraction of the flux of a channel from which a cell of the reduced map becomes a point source.
 POINT_SHARE = 5e-3
-#: An environment that lowers the error by less than this share of it does not pay for itself.
+#: Relative difference below which two errors are equal, so that the simpler ambient term wins.
 SAME_ERROR = 1e-3
 
 
@@ -49,78 +46,63 @@ def fit(
     ambient: str = "constant",
     start: str | Rig | Lights = "greedy",
     fixed: ArrayLike | Lights | None = None,
-    normals: str = "sphere",
     floor: bool = False,
 ) -> Rig:
-    """Ambient and a few lights that light a scene as `env` does.
+    """Fit an ambient term and a few lights that light a scene as `env` does.
 
-    The squared difference of two white Lambertian probes, under the map and under the lights, is
-    integrated over all normals in closed form. The lights are found by variable projection with
-    non-negative radiances: lights are added one at a time where they lower that integral most
-    (forward selection), other sets start from evenly spread directions, and the best sets exchange
-    lights while that pays. Each descent takes Gauss-Newton steps, then exact Newton steps. No light
-    is added below an error of 1e-4, which is that of the reduced map. The error is measured on
-    probes at 5120 normals.
+    The fit minimises the squared difference between the irradiance under the map and under the
+    lights, integrated over all normals in closed form. The search uses variable projection with
+    non-negative radiances: forward selection adds lights one at a time where they lower the error
+    most, more starts come from evenly spread directions, and the best sets exchange lights. Each
+    descent takes Gauss-Newton steps, then Newton steps. Lights are added until the error is below
+    1e-4, the accuracy of the reduced map. The final error is measured at 5120 normals.
 
-    A last descent gives every light a size: it becomes a disc of uniform radiance, whose direction,
-    radius and radiance are found together. It minimises an error that sees shadows: the irradiance
-    at every normal, with everything hidden that is behind a plane, over all planes. That error has
-    a closed form too, and `report` tells it beside the error of the probe.
+    A last descent turns every light into a disc of uniform radiance, with a direction, a radius and
+    a radiance. It minimises the error with shadows: the error of the irradiance at every normal
+    with everything behind a plane hidden, integrated over all planes.
 
-    For objects that stand on a floor, give ``floor=True``: the floor hides the light from below,
-    from the objects and from itself. For objects in the air, or with nothing below them in the
-    scene, leave it out. ``normals="upper"`` only leaves out the surfaces that face down; those that
-    face up still receive light from below the horizon, and nothing is hidden.
+    Use ``floor=True`` for objects on a floor, which hides light from below the horizon. Leave it
+    out for objects in the air.
 
     Parameters
     ----------
     env : EnvMap, path-like or array_like, shape (height, 2 * height, 3)
-        The map; an array is taken as `EnvMap` takes it.
+        The map; `EnvMap` describes arrays.
     lights : int, optional
-        How many lights at most, 0 or more. Fewer come back where more would not lower the error.
-        Left out: 4, or as many as `fixed` or `start` have, or up to 32 where an `error` or a
-        `shadow_error` is asked for.
+        Largest number of lights, 0 or more. There are fewer if more would not lower the error.
+        Default: 4, or the number in `fixed` or `start`, or 32 if `error` or `shadow_error` is set.
     error : float, optional
-        Relative RMS error that is good enough: the fewest lights that reach it come back, which
-        may be none. `report` holds the error for each number that was tried, and says whether
-        `lights` were enough.
+        Largest accepted relative RMS error. The result has the fewest lights that reach it, which
+        may be none. `report` holds the error for each number of lights.
     shadow_error : float, optional
-        The same for the error that sees shadows. With both, the fewest lights that reach both.
+        Largest accepted error with shadows. With `error`, both must be reached.
     sizes : bool
-        Whether lights become discs. Their angular radii are at most 75 degrees; over a `floor`, at
-        most their elevation. A radius of 0 is a point. Without sizes all lights are points. Lights
-        for ``normals="upper"`` have no sizes.
+        True: lights are discs with an angular radius of at most 75 degrees, and over a `floor` of
+        at most their elevation; a radius of 0 is a point. False: all lights are points.
     objective : {"mixed", "shadows", "probe"}
-        What the discs are fitted to: the error with shadows, that of the probe with nothing in the
-        way, or a mean of both, which is nearly as good as either alone.
+        Error that the discs minimise: with shadows, without ("probe"), or a mean of both, which is
+        nearly as good as either.
     ambient : {"constant", "none", "sh2", "auto"}
-        "constant": beside the lights, an environment of one radiance. "none": lights alone. "sh2":
-        an environment of nine spherical harmonics, the form that real-time engines take; its
-        irradiance is nowhere negative. "auto": of these three, where an `error` is asked for, the
-        one that reaches it with the fewest lights, else the one of least error; the simplest where
-        several do as well. `report.ambient` and `report.ambients` tell the choice and the figures
-        of each.
+        "constant": one radiance from everywhere. "none": lights only. "sh2": nine spherical
+        harmonics, as real-time engines use them, with irradiance that is nowhere negative. "auto":
+        the one of these three that reaches `error` with the fewest lights, or has the least error
+        without a requested one; if several are equal, the simplest. `report.ambients` holds the
+        results of each.
     start : {"greedy", "detect", "even"}, Rig or Lights
-        "greedy": the whole search. All others descend from given directions, without the search,
-        and add further lights where the residual is largest. "detect": from the bright places that
-        `detect` finds, so that each light stays with its lamp. "even": from points spread over the
-        sphere (Madsen et al. 2003, section 3.2); this often ends in a local minimum. A rig, or
-        lights: from theirs, as for the next frame of a video. Only directions are taken from it, so
-        give `lights` and `ambient` for every frame. Lights are matched by their directions: their
-        order is that of the brightness in this frame.
+        "greedy": the full search. All others descend from start directions and add lights where
+        the residual is largest. "detect": the lights of `detect`, so that each light stays with its
+        lamp. "even": points spread over the sphere (Madsen et al. 2003, section 3.2), which often
+        end in a local minimum. A rig or lights: their directions, as for the next frame of a video.
+        Set `lights` and `ambient` for every frame. Match lights of two frames by direction, because
+        their order is that of brightness.
     fixed : array_like, shape (k, 3), or Lights, optional
-        Unit vectors towards lights that stay where they are; only their radiances and sizes are
-        fitted. They count among `lights`, and are returned even if black. `report.fixed` holds
-        their rows among the lights of the rig.
-    normals : {"sphere", "upper"}
-        Which surfaces count, in the fit and in the error: all, or those that face up. Upward
-        surfaces are fitted at 2560 normals and measured at 5120 others.
+        Unit vectors towards lights that do not move; only radiance and size are fitted. They count
+        among `lights`, and are returned even if black. `report.fixed` holds their rows.
     floor : bool
-        Whether there is a floor in the scene, which hides what is below the horizon. Then light
-        from there neither counts nor is used: all lights stand above the horizon, and the `ambient`
-        radiance lights a normal n by ``pi / 2 (1 + n_y)`` times itself. The error is that over a
-        floor, and `Rig.probe` gives the irradiance over one. A renderer hides the lower half itself
-        once the floor is in its scene.
+        True: a floor hides everything below the horizon. Lights are above the horizon, the
+        `ambient` radiance gives a normal n an irradiance of ``pi / 2 (1 + n_y)`` times itself, and
+        both the error and `Rig.probe` include the floor. A renderer hides the lower half by itself
+        if the floor is in its scene.
 
     Returns
     -------
@@ -130,14 +112,14 @@ def fit(
     Raises
     ------
     EnvLightsError
-        If `env` is not a map, `lights` not a count or fewer than `fixed`, `error` or `shadow_error`
-        not a share, a `fixed` direction not a unit vector, or `objective`, `ambient`, `start` or
-        `normals` not known; with a `floor`, for "sh2", for "upper", and for `fixed` or `start`
-        lights below the horizon.
+        If `env` is not a map, `lights` is not a count or less than `fixed`, `error` or
+        `shadow_error` is not from 0 to 1, a `fixed` direction is not a unit vector, or `objective`,
+        `ambient` or `start` is unknown; with a `floor`, for "sh2" and for `fixed` or `start` lights
+        below the horizon.
 
     See Also
     --------
-    fit_probe : the same fit on probe values from elsewhere.
+    fit_probe : fit to irradiance that was measured or rendered elsewhere.
 
     References
     ----------
@@ -165,46 +147,42 @@ def fit(
     True
     """
     check_choice("ambient", ambient, (*AMBIENTS, AUTO))
-    check_choice("normals", normals, NORMALS)
     check_choice("objective", objective, OBJECTIVES)
-    wanted = asked(lights, error, start, fixed, shadow_error=shadow_error)
-    of_discs = objective if flag("sizes", sizes) and normals != "upper" else None
+    request = request_of(lights, error, start, fixed, shadow_error=shadow_error)
+    of_discs = objective if flag("sizes", sizes) else None
     if flag("floor", floor):
-        _check_over_floor(ambient, normals, wanted)
+        _check_over_floor(ambient, request)
     names = tuple(AMBIENTS)[: 2 if floor else 3] if ambient == AUTO else (ambient,)
     clock = _Clock()
 
     def answers_under(world: EnvMap) -> dict[str, FitAnswer]:
-        first = wanted.first_directions_under(world, floor)
+        first = request.first_directions_under(world, floor)
         clock.lap("start")
-        return {
-            name: _answer(world, wanted, first, name, of_discs, normals, floor) for name in names
-        }
+        return {name: _answer(world, request, first, name, of_discs, floor) for name in names}
 
-    world, answers = seen_through(env, answers_under)
+    world, answers = apply_to_map(env, answers_under)
     clock.lap("fit")
-    chosen = _chosen(answers, wanted) if ambient == AUTO else ambient
+    chosen = _choose(answers, request) if ambient == AUTO else ambient
     answer = answers[chosen]
     rig = rig_of(
         answer,
-        wanted,
-        notes=(*world.notes, *notes.clipping(world)),
+        request,
+        notes=(*world.notes, *wording.clipping(world)),
         floor=floor,
-        # Where an error was asked for, all numbers of lights had sizes.
-        sized_error=answer.error if of_discs and answer.lights and not wanted.has_goal else None,
-        # This stage is noted once it has ended.
+        # With a requested error, all numbers of lights have sizes.
+        sized_error=answer.error if of_discs and answer.lights and not request.has_goal else None,
+        # The report shares this dictionary, which gets its last entry below.
         seconds=clock.laps,
-        measured_on=notes.measured_on(answer.judging, normals, floor),
+        measured_on=wording.measured_on(answer.judging, floor),
         shadow_error=answer.shadow_error,
         ambient=chosen,
         ambients={name: (one.lights, one.error) for name, one in answers.items()}
         if ambient == AUTO
         else {},
+        fewer_lights=wording.fewer_lights(answer, request, RENDERING_ERROR),
         skipped=(
-            *notes.working_map(world, answer.points, RENDERING_ERROR),
-            *notes.channels(answer),
-            *notes.sizes(sizes, normals),
-            *notes.fewer_lights(answer, wanted, RENDERING_ERROR),
+            *wording.working_map(world, answer.points, RENDERING_ERROR),
+            *wording.channels(answer),
         ),
     )
     clock.lap("report")
@@ -221,31 +199,29 @@ def fit_probe(
     start: str | Rig | Lights = "greedy",
     fixed: ArrayLike | Lights | None = None,
 ) -> Rig:
-    """Ambient and at most `lights` directional lights from probe values measured elsewhere.
+    """Fit an ambient term and a few lights to irradiance measured or rendered elsewhere.
 
-    The same fit as `fit`, on irradiance that was measured or rendered by another program: the
-    squared error is summed over `normals`. The horizon of each normal puts a kink into that sum, so
-    the search ends with descents from perturbed lights. Without a map the rig cannot be judged at
-    other normals: its error is the one at `normals`, which is too low where they are few. The
-    values are taken as measured, with noise that the channels may share: `report` holds standard
-    errors and a condition number.
+    The fit is that of `fit`, with the squared error summed over `normals`. Lights are points. The
+    horizon of each normal puts a kink into that sum, so the search ends with descents from
+    perturbed lights. The error is measured at `normals` too, so it is too low if they are few.
+    `report` holds standard errors and a condition number, for noise that channels may share.
 
     Parameters
     ----------
     normals : array_like, shape (n, 3)
         Unit normals, in the frame of `EnvMap`.
     irradiance : array_like, shape (n, 3)
-        RGB irradiance at each. For the radiance of a white Lambertian probe, give pi times it.
+        RGB irradiance at each normal: pi times the radiance of a white Lambertian probe.
     lights : int, optional
-        How many directional lights, 0 or more. Left out: 4, or as many as `fixed` or `start` have.
+        Largest number of lights, 0 or more. Default: 4, or the number in `fixed` or `start`.
     weights : array_like, shape (n,), optional
-        Weight of each normal, such as the solid angle it stands for. All alike when left out.
+        Weight of each normal, such as its solid angle. Default: equal weights.
     ambient : {"constant", "none", "sh2"}
-        As for `fit`.
+        Ambient term; see `fit`.
     start : {"greedy", "even"}, Rig or Lights
-        As for `fit`.
+        Start directions; see `fit`.
     fixed : array_like, shape (k, 3), or Lights, optional
-        As for `fit`.
+        Unit vectors towards lights that do not move; see `fit`.
 
     Returns
     -------
@@ -261,7 +237,7 @@ def fit_probe(
 
     See Also
     --------
-    fit : the fit to a map, at every normal.
+    fit : fit to a map, at every normal.
 
     References
     ----------
@@ -277,37 +253,37 @@ def fit_probe(
     (array([[0. , 0.6, 0.8]]), array([[3., 2., 1.]]))
     """
     check_choice("ambient", ambient, tuple(AMBIENTS))
-    wanted = asked(lights, None, start, fixed, STARTS_WITHOUT_MAP)
+    request = request_of(lights, None, start, fixed, STARTS_WITHOUT_MAP)
     normals, irradiance = reals("normals", normals, 2), reals("irradiance", irradiance, 2)
     weights = np.ones(len(normals)) if weights is None else reals("weights", weights, 1)
     if len(weights) and not weights.any():
         raise EnvLightsError("weights must not all be 0")
-    # The kernel sums fourth powers of irradiance, which would overflow in candela per square metre
-    # of the sun; so irradiance is brought to about 1.
+    # Scale irradiance to about 1, because the kernel sums its fourth powers, which could overflow.
     brightest = float(np.abs(irradiance).max(initial=0.0))
     scale = brightest if 0 < brightest < np.inf else 1.0
     clock = _Clock()
-    first = wanted.first_directions(len(normals))
+    first = request.first_directions(len(normals))
     answer = _native.fit_samples(
         normals,
         weights,
         irradiance / scale,
         AMBIENTS[ambient],
-        np.concatenate([wanted.fixed, first]),
-        len(wanted.fixed),
-        wanted.lights,
+        np.concatenate([request.fixed, first]),
+        len(request.fixed),
+        request.lights,
         MAX_STEPS,
     )
     clock.lap("fit")
     rig = rig_of(
         answer,
-        wanted,
+        request,
         scale=scale,
-        # This stage is noted once it has ended.
+        # The report shares this dictionary, which gets its last entry below.
         seconds=clock.laps,
         measured_on=f"the {len(normals)} fitted normals",
         ambient=ambient,
-        skipped=(*notes.channels(answer), *notes.fewer_lights(answer, wanted, 0.0)),
+        fewer_lights=wording.fewer_lights(answer, request, 0.0),
+        skipped=wording.channels(answer),
     )
     clock.lap("report")
     return rig
@@ -321,65 +297,58 @@ class _Clock:
         self._last = perf_counter()
 
     def lap(self, stage: str) -> None:
-        """Note the time since the last lap under `stage`."""
+        """Store the time since the last lap under `stage`."""
         now = perf_counter()
         self.laps[stage] = now - self._last
         self._last = now
 
 
-def _check_over_floor(ambient: str, normals: str, wanted: Asked) -> None:
-    """Refuse what makes no sense, or is not fitted, where a floor hides the lower half."""
+def _check_over_floor(ambient: str, request: Request) -> None:
+    """Refuse arguments that a floor makes impossible."""
     if ambient == "sh2":
         raise EnvLightsError(
-            "ambient must be 'none' or 'constant' or 'auto' where there is a floor: harmonics that"
-            " it half hides are not fitted; got 'sh2'"
+            "ambient must be 'none' or 'constant' or 'auto' where there is a floor, because"
+            " harmonics cannot be fitted over one; got 'sh2'"
         )
-    if normals == "upper":
-        raise EnvLightsError(
-            "normals must be 'sphere' where there is a floor, which hides the light from below from"
-            " every surface; got 'upper'"
-        )
-    wanted.check_above_horizon()
+    request.check_above_horizon()
 
 
 def _answer(
     env: EnvMap,
-    wanted: Asked,
+    request: Request,
     first: NDArray[np.float64],
     ambient: str,
     objective: str | None,
-    normals: str,
     floor: bool,
 ) -> FitAnswer:
-    """The best rig under `env` with one kind of `ambient` term; points without an `objective`."""
+    """Best rig under `env` with one kind of `ambient` term; points without an `objective`."""
     return _native.fit_map(
         env.radiance,
-        env.registration == "border-sampled",
+        env.is_border_sampled,
         WORKING_COLUMNS,
         POINT_SHARE,
         AMBIENTS[ambient],
-        np.concatenate([wanted.fixed, first]),
-        len(wanted.fixed),
-        wanted.lights,
-        wanted.error,
-        wanted.shadow_error,
+        np.concatenate([request.fixed, first]),
+        len(request.fixed),
+        request.lights,
+        request.error,
+        request.shadow_error,
         objective,
         MAX_STEPS,
-        normals == "upper",
         floor,
         RENDERING_ERROR,
     )
 
 
-def _chosen(answers: Mapping[str, FitAnswer], wanted: Asked) -> str:
-    """The ambient term that is good enough with the fewest lights; else that of least error.
+def _choose(answers: Mapping[str, FitAnswer], request: Request) -> str:
+    """Select the ambient term that reaches the request with the fewest lights, or has the least error.
 
-    `answers` hold the simplest first, which is chosen where several do as well.
+    `answers` hold the simplest first, which wins if several are equal.
     """
     reached = {
         name: answer.lights
         for name, answer in answers.items()
-        if wanted.is_reached(answer.error, answer.shadow_error)
+        if request.is_reached(answer.error, answer.shadow_error)
     }
     if reached:
         return min(reached, key=lambda name: reached[name])

@@ -9,14 +9,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._arrays import frozen
+from envlights._arrays import freeze
 from envlights._check import amount, colour, count, reals
 from envlights._interruptible import interruptible
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights._tables import Table
 from envlights.envmap import AnyMap, EnvMap, as_envmap
-from envlights.fitting.notes import clipping
+from envlights.fitting.wording import clipping
 from envlights.kernels import madsen, probe, sampling
 from envlights.light import azimuths, elevations
 from envlights.lights import Lights, rgb_cell
@@ -25,20 +25,21 @@ from envlights.rig import Rig
 
 #: Faces of the probe and of the scene (section 3.1).
 PROBE_FACES, SCENE_FACES = 320, 5120
-#: The paper takes about 20.
+#: Limit on steps; the paper takes about 20.
 MAX_STEPS = 50
 
-#: Radians by which a damped step may turn a light, so that lights do not jump over each other.
+#: Largest rotation of a light in one damped step, in radians, so that lights cannot jump over
+#: each other.
 _LARGEST_TURN = 0.25
-#: The last step turns no light by more radians and changes no radiance by a larger share.
+#: Largest rotation in radians, and relative change of a radiance, of the last step.
 _SMALL_STEP = 1e-4
-#: Relative tolerance: a damped step that lowers the error by less is the last.
+#: Relative decrease of the error below which a damped step is the last.
 _SMALL_FALL = 1e-9
 #: Relative RMS error that counts as zero.
 _EXACT = 1e-12
-#: Halvings of a damped step before the error counts as the lowest.
+#: Halvings of a damped step before the fit counts as converged.
 _HALVINGS = 30
-#: Reflection of the surface at most, in any unit: squares of it and of radiances stay finite.
+#: Largest reflection coefficient, so that squares of it and of radiances stay finite.
 _STRONGEST = 1e100
 
 _Reals = NDArray[np.float64]
@@ -46,7 +47,7 @@ _Reals = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PaperFit(Result):
-    """The result of the paper's fit. Its light may be negative, which a `Rig` refuses."""
+    """Result of the paper's fit, whose lights may be negative."""
 
     ambient: _Reals
     """Radiance `L_a` of the ambient light, shape (3,), on the scale of `k_a`; 0 if `k_a` is 0."""
@@ -62,7 +63,7 @@ class PaperFit(Result):
     """Relative RMS error on the 320 fitted normals, at the start and after each step."""
 
     stop_reason: StopReason
-    """Why no more steps were taken."""
+    """Reason why the fit stopped."""
 
     k_a: float
     """Coefficient of ambient reflection."""
@@ -71,10 +72,10 @@ class PaperFit(Result):
     """Coefficient of diffuse reflection."""
 
     notes: tuple[str, ...] = ()
-    """What was cleaned or assumed in the map."""
+    """Remarks on samples of the map that were changed, and on assumptions."""
 
     def in_short(self) -> str:
-        """Number of lights, error and why the steps ended."""
+        """Number of lights, error, steps and stop reason."""
         lights = f"{len(self.direction)} lights, error {100 * self.error:.3g} %"
         return f"{lights} after {self.steps} steps: {self.stop_reason.value}"
 
@@ -85,7 +86,7 @@ class PaperFit(Result):
         return (self._table().html(),)
 
     def _table(self) -> Table:
-        """The ambient term and each light; irradiances may be negative."""
+        """Table of the ambient term and of each light."""
         rows = [["ambient", "", "", rgb_cell(self.ambient)]]
         for number, (towards, irradiance) in enumerate(
             zip(self.direction, self.irradiance, strict=True), start=1
@@ -102,16 +103,16 @@ class PaperFit(Result):
 
     @property
     def steps(self) -> int:
-        """Steps taken."""
+        """Number of steps."""
         return len(self.errors) - 1
 
     @property
     def parameters(self) -> _Reals:
-        """The unknowns as `kernels.probe_residual` takes them, to go on with another solver."""
+        """Unknowns in the order of `kernels.probe_residual`, for another solver."""
         return madsen.pack_lights(self.ambient, self.direction, self.irradiance)
 
     def rig(self) -> Rig:
-        """The same as a physical rig.
+        """Convert to a physical rig.
 
         Returns
         -------
@@ -126,8 +127,8 @@ class PaperFit(Result):
         least = min(self.ambient.min(), self.irradiance.min(initial=0.0))
         if least < 0:
             raise EnvLightsError(
-                f"a rig must not hold negative light, and the least here is {least:.3g}; `fit`"
-                " finds the best lights without negative ones"
+                f"a rig must not hold negative light; the smallest value is {least:.3g}. `fit` finds"
+                " the best lights without negative ones"
             )
         measured_on = f"the {PROBE_FACES} fitted normals"
         report = FitReport(steps=self.steps, stop_reason=self.stop_reason, measured_on=measured_on)
@@ -146,7 +147,7 @@ def fit_paper(
     damped: bool = True,
     max_steps: int = MAX_STEPS,
 ) -> PaperFit:
-    """Ambient and directional lights as Madsen, Sørensen and Vittrup (2003) estimate them.
+    """Fit ambient and directional lights by the method of Madsen, Sørensen and Vittrup (2003).
 
     For comparison with the paper. Lights may become negative, and the result depends on the start;
     neither holds for the search of `fit`. A probe of 320 faces is lit by a
@@ -171,15 +172,15 @@ def fit_paper(
         Unit vectors where the lights start. When left out, a spiral of equal areas from +y to -y
         whose first light is on the side of +z. (It is not the even start of `fit`; see the notes.)
     damped : bool
-        Whether a step is shortened if it would turn a light by more than 0.25 radians or raise the
-        error. False: whole Gauss-Newton steps, as the paper's text describes them.
+        True: a step is shortened if it would rotate a light by more than 0.25 radians or raise the
+        error. False: full Gauss-Newton steps, as in the text of the paper.
     max_steps : int
-        Steps after which the answer is returned as it is.
+        Largest number of steps.
 
     Returns
     -------
     PaperFit
-        Lights, the error after each step, and why it stopped.
+        Lights, the error after each step, and the stop reason.
 
     Raises
     ------
@@ -188,7 +189,7 @@ def fit_paper(
 
     See Also
     --------
-    fit : the same model with radiances that are not negative, and a search for the start.
+    fit : fit with non-negative radiances and a search for the start.
     kernels.probe_residual : the equations, for another solver.
 
     Notes
@@ -221,7 +222,7 @@ def fit_paper(
     ambient = np.full(3, 1.0 if surface.k_a > 0 else 0.0)
     x = madsen.pack_lights(ambient, first, np.ones((lights, 3)))
     x, errors, stop = _gauss_newton(problem, x, damped, max_steps)
-    found, directions, irradiance = (frozen(part) for part in madsen.unpack_lights(x))
+    found, directions, irradiance = (freeze(part) for part in madsen.unpack_lights(x))
     history, (k_a, k_d, _) = tuple(errors), surface
     notes = (*env.notes, *clipping(env))
     return PaperFit(found, directions, irradiance, history, stop, k_a, k_d, notes)
@@ -271,7 +272,7 @@ def _render(env: EnvMap, surface: _Surface) -> _Problem:
 def _gauss_newton(
     problem: _Problem, x: _Reals, damped: bool, max_steps: int
 ) -> tuple[_Reals, list[float], StopReason]:
-    """Step until a step would change nothing, or `max_steps` were taken."""
+    """Take Gauss-Newton steps until one would change nothing, at most `max_steps`."""
     errors = [problem.error(x)]
     for _ in range(max_steps):
         if errors[-1] < _EXACT:
@@ -279,7 +280,7 @@ def _gauss_newton(
         step = _whole_step(problem, x)
         if not np.isfinite(x + step).all():
             return x, errors, StopReason.RAN_AWAY
-        share = _share(problem, x, step, errors[-1]) if damped else 1.0
+        share = _step_fraction(problem, x, step, errors[-1]) if damped else 1.0
         if share == 0.0:
             return x, errors, StopReason.CONVERGED
         ahead = x + share * step
@@ -293,31 +294,31 @@ def _gauss_newton(
 
 
 def _whole_step(problem: _Problem, x: _Reals) -> _Reals:
-    """The shortest change of `x` that minimises the linearised residual.
+    """Shortest change of `x` that minimises the linearised residual.
 
-    A light on a pole, two lights in one place or a black light make the Jacobian rank-deficient:
-    the shortest change leaves alone what has no effect.
+    A light on a pole, two lights in one direction or a black light make the Jacobian
+    rank-deficient; the shortest change leaves unknowns without effect as they are.
     """
-    jacobian, missed = problem.jacobian(x), -problem.residual(x)
+    jacobian, target = problem.jacobian(x), -problem.residual(x)
     try:
         step = interruptible(
-            lambda: np.linalg.lstsq(jacobian, missed, rcond=None)[0], 10 * jacobian.size * len(x)
+            lambda: np.linalg.lstsq(jacobian, target, rcond=None)[0], 10 * jacobian.size * len(x)
         )
     except np.linalg.LinAlgError:
         return np.full_like(x, np.nan)
-    # An unknown without effect, such as ambient light with a k_a of 0, would get a rounding error.
+    # Set unknowns without effect, such as ambient light with a k_a of 0, to 0 instead of rounding.
     return np.where(jacobian.any(axis=0), step, 0.0)
 
 
 def _turns(step: _Reals, x: _Reals) -> _Reals:
-    """Radians that `step` turns each light by, to first order."""
+    """Rotation of each light by `step`, in radians, to first order."""
     by_theta, by_phi = step[3:].reshape(-1, 5)[:, 3:].T
     turns: _Reals = np.hypot(by_theta, by_phi * np.sin(x[3:].reshape(-1, 5)[:, 3]))
     return turns
 
 
-def _share(problem: _Problem, x: _Reals, step: _Reals, error: float) -> float:
-    """The share of `step` that turns no light too far and does not raise the error, or 0."""
+def _step_fraction(problem: _Problem, x: _Reals, step: _Reals, error: float) -> float:
+    """Fraction of `step` that rotates no light too far and does not raise the error, or 0."""
     farthest = float(_turns(step, x).max(initial=_LARGEST_TURN))
     share = _LARGEST_TURN / farthest
     for _ in range(_HALVINGS):
@@ -328,7 +329,7 @@ def _share(problem: _Problem, x: _Reals, step: _Reals, error: float) -> float:
 
 
 def _is_small(step: _Reals, x: _Reals) -> bool:
-    """Whether `step` changes neither directions nor radiances."""
+    """True if `step` changes neither directions nor radiances by much."""
     is_radiance = np.ones(len(x), dtype=bool)
     is_radiance[3:].reshape(-1, 5)[:, 3:] = False
     change, largest = np.abs(step[is_radiance]).max(), np.abs(x[is_radiance]).max()
@@ -337,7 +338,7 @@ def _is_small(step: _Reals, x: _Reals) -> bool:
 
 
 def _spiral(lights: int) -> _Reals:
-    """One direction in each of `lights` bands of equal area, a golden angle apart."""
+    """One direction in each of `lights` bands of equal area, with azimuths a golden angle apart."""
     place = np.arange(lights)
     y = 1 - (2 * place + 1) / max(lights, 1)
     phi = np.pi + place * np.pi * (3 - np.sqrt(5))
@@ -350,7 +351,7 @@ def _sizes(lights: object, max_steps: object) -> tuple[int, int]:
     wanted = count("lights", lights)
     if wanted > most:
         raise EnvLightsError(
-            f"lights must be at most {most}, for {PROBE_FACES} faces give no more equations;"
+            f"lights must be at most {most}, because {PROBE_FACES} faces give no more equations;"
             f" got {wanted}"
         )
     return wanted, count("max_steps", max_steps)
@@ -359,7 +360,7 @@ def _sizes(lights: object, max_steps: object) -> tuple[int, int]:
 def _surface(k_a: object, k_d: object, C: ArrayLike) -> _Surface:  # noqa: N803, the paper's name
     numbers = [amount("k_d", k_d, most=_STRONGEST), *colour("C", C)]
     if min(numbers) == 0:
-        raise EnvLightsError("k_d and C must be above 0; a black probe shows no light")
+        raise EnvLightsError("k_d and C must be above 0; a black probe reflects no light")
     if max(numbers) > _STRONGEST:
         raise EnvLightsError(f"C must be at most {_STRONGEST:g}; got {max(numbers):g}")
     return _Surface(amount("k_a", k_a, most=_STRONGEST), numbers[0], tuple(numbers[1:]))

@@ -1,13 +1,15 @@
-"""Images in, and files out.
+"""Readers of images, and writers of files.
 
 | step                                              | file              |
 |---------------------------------------------------|-------------------|
 | read images; a file's colour space                | `images.py`       |
 | write images                                      | `image_output.py` |
-| several exposures as one image                    | `exposures.py`    |
-| damage to PNG files, found before they are read   | `png.py`          |
+| merge exposures into one image                    | `exposures.py`    |
+| check PNG files before they are read              | `png.py`          |
 | OpenImageIO, loaded when it is first needed       | `openimageio.py`  |
-| write any file whole or not at all                | `files.py`        |
+| write any file safely                             | `files.py`        |
+| read the package's own JSON                       | `own_json.py`     |
+| read tables of lights                             | `csv_table.py`    |
 """
 
 from envlights.io.files import check_writable, write_atomically

@@ -1,4 +1,4 @@
-"""Several exposures of one panorama as one linear image (Madsen et al. 2003, figure 4).
+"""Exposures of a panorama, merged into one linear image (Madsen et al. 2003, figure 4).
 
 The response is known: sRGB. So the radiance of a sample z of an exposure of t seconds is z / t, and
 what is uncertain about it is the step between two codes, dz. The mean over all exposures with the
@@ -23,23 +23,23 @@ from envlights.io.images import read_image
 from envlights.io.openimageio import oiio
 from envlights.kernels.sphere import pixel_solid_angles
 
-#: Samples between these are compared: neither in the noise nor close to white.
+#: Samples between these are compared: above the noise, and below the clip level.
 _LEAST_COMPARED, _MOST_COMPARED = 0.02, 0.9
-#: Exposures contradict each other where they differ by more than this factor.
+#: Ratio above which exposures contradict each other.
 _CONTRADICTION = 1.3
-#: Times are doubted where pictures differ from them by more than this factor.
+#: Ratio of measured to stated times above which a note doubts them.
 _DOUBT = 1.1
-#: Fewer pixels than this that both of two exposures show well tell nothing about their times.
+#: Smallest number of pixels, well exposed in both pictures, that a check of times needs.
 _FEWEST = 16
-#: A smaller share of the sphere that moved is not worth a remark.
+#: Smallest moved fraction of the sphere that a note reports.
 _LEAST_SHARE = 1e-3
 
-#: Rows that are merged together: what is computed of them takes more memory than they do.
+#: Rows of a block; the arrays for a block take more memory than its pixels.
 _ROWS = 64
 
 
 class Exposures:
-    """Exposures of one scene, shortest first, as linear images of which 1 is white."""
+    """Exposures of one scene as linear images that clip at 1, shortest first."""
 
     def __init__(
         self, pictures: Sequence[ArrayLike | str | os.PathLike[str]], times: Sequence[float] | None
@@ -89,35 +89,35 @@ class Exposures:
         return array.astype(np.float32, copy=False)
 
     def merged(self) -> tuple[NDArray[np.float32], float | None]:
-        """Radiance, of which 1 is white in one second; and the largest if that is cut off."""
+        """Radiance for an exposure of 1 s, and its clip level if the shortest exposure is clipped."""
         merged = np.empty_like(self.images[0])
         is_moved = np.zeros(merged.shape[:2], bool)
         is_lost = False
         for top in range(0, len(merged), _ROWS):
             rows = slice(top, top + _ROWS)
             samples = np.stack([image[rows] for image in self.images])
-            merged[rows], is_moved[rows] = _merged(samples, self.times)
+            merged[rows], is_moved[rows] = _merge(samples, self.times)
             is_lost |= bool((samples[0] >= _native.LEAST_WHITE).any())
         self._doubt_times()
         self._note_ghosts(is_moved)
         return merged, float(1 / self.times[0]) if is_lost else None
 
     def _doubt_times(self) -> None:
-        """Compare neighbouring exposures with their times."""
+        """Note neighbouring exposures whose ratio differs from that of their times."""
         pairs = zip(range(len(self.times) - 1), range(1, len(self.times)), strict=True)
         for short, long in pairs:
-            wanted = self.times[long] / self.times[short]
+            stated = self.times[long] / self.times[short]
             one, other = (self.images[place][..., 1] for place in (short, long))
             both = _is_compared(one) & _is_compared(other)
             numbers = f"exposures {self.numbers[short]} and {self.numbers[long]}"
             if both.sum() < _FEWEST:
-                self.notes.append(f"{numbers} show no place well together: times are not checked")
+                self.notes.append(f"{numbers} have too few pixels in common to check their times")
                 continue
-            seen = float(np.median(other[both] / one[both]))
-            if max(seen / wanted, wanted / seen) > _DOUBT:
+            measured = float(np.median(other[both] / one[both]))
+            if max(measured / stated, stated / measured) > _DOUBT:
                 self.notes.append(
-                    f"{numbers} differ by a factor of {seen:.3g}, their times by {wanted:.3g}: is a"
-                    " time wrong, or the response not sRGB?"
+                    f"{numbers} differ by a factor of {measured:.3g}, their times by {stated:.3g}:"
+                    " is a time wrong, or the response not sRGB?"
                 )
 
     def _note_ghosts(self, is_moved: NDArray[np.bool_]) -> None:
@@ -125,23 +125,23 @@ class Exposures:
         share = float(solid_angles[is_moved].sum() / solid_angles.sum())
         if share > _LEAST_SHARE:
             self.notes.append(
-                f"exposures contradict each other on {100 * share:.2g} % of the sphere, as where"
-                " something moved; there the best exposure was taken alone"
+                f"exposures contradict each other on {100 * share:.2g} % of the sphere, where something"
+                " may have moved; only the best exposure was used there"
             )
 
 
-def _merged(
+def _merge(
     samples: NDArray[np.float32], times: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Radiance of some rows of all exposures, and where these contradict each other."""
+    """Merge some rows of all exposures, and mark pixels where they contradict each other."""
     seconds = times[:, None, None, None]
     radiance = samples / seconds
-    # Weigh each sample; where all are at white, the shortest exposure says the most.
+    # Weigh each sample; where all are clipped, use the shortest exposure.
     weight = (seconds / _code_step(samples)) ** 2
     weight[samples >= _native.LEAST_WHITE] = 0
     lost = (weight == 0).all(axis=0)
     weight[0][lost] = 1
-    # Take the best exposure alone where another contradicts it.
+    # Use only the best exposure where another contradicts it.
     best = np.argmax(weight, axis=0)[None]
     alone = np.take_along_axis(radiance, best, axis=0)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -158,7 +158,7 @@ def _is_compared(samples: NDArray[np.float32]) -> NDArray[np.bool_]:
 
 
 def _code_step(linear: NDArray[np.float32]) -> NDArray[np.float64]:
-    """The derivative of the linear value by its sRGB code."""
+    """Derivative of the linear value by its sRGB code."""
     power = np.maximum(linear, 0.0031308).astype(np.float64) ** (1 - 1 / 2.4)
     return np.where(linear <= 0.0031308, 1 / 12.92, 2.4 / 1.055 * power)
 
@@ -171,7 +171,7 @@ def _checked_time(number: int, time: object) -> float:
 
 
 def _exposure_time(picture: object) -> float:
-    """The exposure of a file by its EXIF: its time, for the first aperture and sensitivity."""
+    """Exposure of a file from its EXIF: time, corrected for aperture and sensitivity."""
     if not isinstance(picture, str | os.PathLike):
         raise EnvLightsError("arrays hold no exposure times; give times")
     name = os.fspath(picture)
@@ -185,7 +185,7 @@ def _exposure_time(picture: object) -> float:
     time = spec.get_float_attribute("ExposureTime", 0.0)
     if not time > 0:
         raise EnvLightsError(f"{name} holds no exposure time in its EXIF; give times")
-    # With another aperture or sensitivity the same time is another exposure.
+    # Correct the time for aperture and sensitivity.
     aperture = spec.get_float_attribute("FNumber", 0.0)
     speed = max(
         float(spec.get_int_attribute(tag, 0))

@@ -1,4 +1,4 @@
-"""Files out, written whole or not at all."""
+"""Safe writing of files: a failure leaves the old file, or none."""
 
 from __future__ import annotations
 
@@ -17,36 +17,35 @@ try:
 except ImportError:  # Windows
     fcntl = None  # type: ignore[assignment]
 
-#: Formats of pictures; here, so that the command line can check them without loading Matplotlib.
+#: Formats of pictures, for checks without Matplotlib.
 PICTURES = (".png", ".pdf", ".svg")
 
 
 def as_path(path: object) -> Path:
-    """`path` as a `Path`, or a refusal."""
+    """`path` as a `Path`, or a refusal of what names no file."""
     try:
-        found = Path(path)  # type: ignore[arg-type]
-        is_name = b"\0" not in os.fsencode(found)
+        result = Path(path)  # type: ignore[arg-type]
+        is_name = b"\0" not in os.fsencode(result)
     except TypeError:
         raise EnvLightsError(f"a path must be text; got {type(path).__name__}") from None
-    except UnicodeEncodeError:  # half of a character
+    except UnicodeEncodeError:  # half of a surrogate pair
         is_name = False
     if not is_name:
         raise EnvLightsError(
             "a path must be text that can name a file; it holds a zero byte or half a character"
         )
-    return found
+    return result
 
 
 def check_writable(path: str | os.PathLike[str]) -> Path:
-    """Refuse a place where no file can be written, before the work that would be lost.
+    """Refuse a path where no file can be written, before work for it is lost.
 
-    A file without any write permission is left alone, even if the user may replace it: somebody
-    marked it read-only.
+    A file without any write permission is refused even if its folder would allow a replacement.
 
     Returns
     -------
     Path
-        Where the file will stand: `path` with links followed.
+        `path` with links resolved.
     """
     try:
         target = Path(os.path.realpath(as_path(path)))
@@ -59,7 +58,7 @@ def check_writable(path: str | os.PathLike[str]) -> Path:
 
 
 def _obstacle(target: Path) -> str:
-    """Why no file can be written at `target`; empty where nothing is in the way."""
+    """Reason why no file can be written at `target`; empty if there is none."""
     if not target.parent.is_dir():
         return f"the folder {target.parent} does not exist"
     if target.is_dir():
@@ -78,10 +77,10 @@ def _has_write_mark(path: Path) -> bool:
 
 
 def write_atomically(path: str | os.PathLike[str], write: Callable[[Path], object]) -> None:
-    """Let `write` fill a file beside `path`, then move it into place in one step.
+    """Let `write` fill a temporary file beside `path`, then rename it in one step.
 
-    The temporary name keeps the suffix, from which image libraries take the format. What a process
-    left there that was killed while it wrote `path` is cleared away.
+    The temporary name has the suffix of `path`, from which image libraries take the format.
+    Temporary files of killed processes are removed.
     """
     target = check_writable(path)
     try:
@@ -89,7 +88,7 @@ def write_atomically(path: str | os.PathLike[str], write: Callable[[Path], objec
             write(beside)
             if target.exists():
                 shutil.copymode(target, beside)
-            # All of it must be on the disk before it takes the place of the old file.
+            # Flush to disk before the rename replaces the old file.
             _flush(beside)
             beside.replace(target)
         _flush(target.parent)
@@ -99,8 +98,8 @@ def write_atomically(path: str | os.PathLike[str], write: Callable[[Path], objec
 
 @contextlib.contextmanager
 def _file_beside(target: Path) -> Iterator[Path]:
-    """The name of a new file in the folder of `target`, which is gone in the end."""
-    # A short name: that of `target` may have all letters there can be.
+    """Name of a temporary file in the folder of `target`, removed at the end."""
+    # Use a short name, because that of `target` may have the greatest length.
     mark = f".{zlib.crc32(target.name.encode(errors='surrogateescape')):08x}"
     beside = target.with_name(f"{mark}-{os.urandom(4).hex()[:7]}{target.suffix}")
     for stale in target.parent.glob(f"{mark}-*"):
@@ -115,11 +114,10 @@ def _file_beside(target: Path) -> Iterator[Path]:
 
 @contextlib.contextmanager
 def _locked_file(beside: Path) -> Iterator[None]:
-    """An empty file `beside`, locked as long as this process lives and writes it.
+    """Empty file `beside`, locked while this process writes it.
 
-    Another process that looks for stale files may find it before it is locked, and remove it: then
-    it has no name any more, and is made once more. Windows, which can neither lock so nor rename
-    what is open, does without.
+    Another process may remove it as stale before it is locked; then it is created again. Windows
+    has neither such locks nor renames of open files, so there is no lock.
     """
     if fcntl is None:
         yield
@@ -133,7 +131,7 @@ def _locked_file(beside: Path) -> Iterator[None]:
 
 
 def _clear(stale: Path) -> None:
-    """Remove a file on which nobody holds a lock: the process that wrote it was killed."""
+    """Remove a file without a lock, because its process was killed."""
     if fcntl is None:
         return
     with contextlib.suppress(OSError), stale.open("rb") as file:
@@ -142,7 +140,7 @@ def _clear(stale: Path) -> None:
 
 
 def _flush(path: Path) -> None:
-    """Wait until a file, or the names in a folder, are on the disk, where the system can."""
+    """Wait until a file, or the names in a folder, are on the disk, if the system supports it."""
     if path.is_dir() and os.name == "nt":  # Windows opens no folder
         return
     file = os.open(path, os.O_RDWR if path.is_file() else os.O_RDONLY)

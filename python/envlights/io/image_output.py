@@ -1,4 +1,4 @@
-"""Images out, by OpenImageIO: linear RGB as OpenEXR or Radiance files, whole or not at all."""
+"""Writer of linear RGB as OpenEXR or Radiance files, by OpenImageIO."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from envlights._check import check_choice, flag
 from envlights._native import EnvLightsError
 from envlights.io.files import as_path, write_atomically
-from envlights.io.images import ORIGINAL, ORIGINAL_TYPE, REC709, failure, read_image
+from envlights.io.images import REC709, failure, read_image
 from envlights.io.openimageio import oiio
 
-#: Of OpenEXR; all keep every bit.
+#: Lossless compressions of OpenEXR.
 COMPRESSIONS = ("zip", "piz", "rle", "none")
 #: Width and height of tiles: OpenImageIO writes the attribute `envmap` into tiled files only.
 _TILE = 64
@@ -30,7 +30,6 @@ def write_exr(
     half: bool = False,
     compression: str = COMPRESSIONS[0],
     border_sampled: bool = False,
-    original: tuple[float, ...] | None = None,
 ) -> None:
     """Write linear Rec.709 RGB, (height, width, 3), as an OpenEXR file.
 
@@ -45,8 +44,6 @@ def write_exr(
     border_sampled : bool
         Whether the outer pixels lie on the seam and the poles. Such a map, and no other, has the
         attribute ``envmap``: readers take its outer pixels so.
-    original : tuple, optional
-        Six numbers of the map from which lights were taken to leave this one: `EnvMap.original`.
     """
     check_choice("compression", compression, COMPRESSIONS)
     if flag("half", half) and radiance.max(initial=0) > _LARGEST_HALF:
@@ -57,8 +54,6 @@ def write_exr(
     spec = _spec(radiance, oiio.HALF if half else oiio.FLOAT)
     spec.attribute("compression", compression)
     spec.attribute("chromaticities", oiio.TypeDesc("float[8]"), REC709)
-    if original:
-        spec.attribute(ORIGINAL, oiio.TypeDesc(ORIGINAL_TYPE), original)
     if border_sampled:
         spec.attribute("textureformat", "LatLong Environment")
         spec.attribute("openexr:levelmode", 0)  # one level, no pyramid
@@ -71,12 +66,12 @@ def write_hdr(path: str | os.PathLike[str], radiance: NDArray[np.float32]) -> No
     _write(path, _spec(radiance, oiio.FLOAT), radiance)
 
 
-#: By the suffixes of files.
+#: Formats by suffix.
 MAP_SUFFIXES = (".exr", ".hdr")
 
 
 def map_suffix(path: str | os.PathLike[str]) -> str:
-    """The suffix of a map that can be written, or a refusal."""
+    """Suffix of a map file, or a refusal."""
     suffix = as_path(path).suffix.lower()
     if suffix not in MAP_SUFFIXES:
         raise EnvLightsError(
@@ -88,7 +83,7 @@ def map_suffix(path: str | os.PathLike[str]) -> str:
 def _spec(radiance: NDArray[np.float32], sample: oiio.BASETYPE) -> oiio.ImageSpec:
     height, width, channels = radiance.shape
     spec = oiio.ImageSpec(width, height, channels, sample)
-    # Without the hour of writing, which is not that of the capture: one map has one file.
+    # Leave out the time of writing, so that equal maps give equal files.
     spec.attribute("DateTime", "")
     return spec
 
@@ -110,7 +105,7 @@ def _write(
 
 
 def _fill(file: oiio.ImageOutput, radiance: NDArray[np.float32]) -> bool:
-    """Write the pixels some rows at a time, so that Ctrl-C need not wait for the last; success."""
+    """Write the pixels in blocks of rows, so that Ctrl-C works; True on success."""
     spec = file.spec()
     for top in range(0, spec.height, _ROWS_AT_ONCE):
         rows = radiance[top : top + _ROWS_AT_ONCE]
@@ -124,7 +119,7 @@ def _fill(file: oiio.ImageOutput, radiance: NDArray[np.float32]) -> bool:
 
 
 def _check_whole(path: Path) -> None:
-    """Read the file back: OpenImageIO does not notice a disk that was full for the last bytes."""
+    """Read the file back, because OpenImageIO does not report a full disk for the last bytes."""
     try:
         read_image(path)
     except EnvLightsError:

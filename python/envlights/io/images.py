@@ -1,4 +1,4 @@
-"""Images in, by OpenImageIO: linear radiance, and the assumptions made in reading it."""
+"""Reader of images by OpenImageIO: linear radiance, and notes on assumptions."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._check import LARGEST_COUNT, count
+from envlights._check import count
 from envlights._native import EnvLightsError
 from envlights._srgb import decode_codes
 from envlights.io import png
 from envlights.io.openimageio import oiio
 
-#: Pixels of an image at most, 32768 x 16384, unless a caller takes more: a few damaged bytes of a
-#: header ask for all memory.
+#: Largest number of pixels, 32768 x 16384, unless a caller allows more, because a damaged header
+#: may claim any number.
 MOST_PIXELS = 2**29
 
-#: Rows that are read at once, or more where tiles are taller.
+#: Rows of one read, or more if tiles are taller.
 _ROWS_AT_ONCE = 128
 
-#: The end of every refusal of a file.
+#: End of every refusal of a file.
 _WANTED = "give a Radiance .hdr, OpenEXR, PNG, JPEG or TIFF image"
 
 #: Sample formats: sRGB codes, and linear radiance.
@@ -33,29 +33,22 @@ _LINEAR = {"half", "float", "double"}
 #: Primaries and white of Rec.709, as OpenEXR stores them: x and y of red, green, blue, white.
 REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
 
-#: The attribute of OpenEXR files of what is left of a map, with six numbers of that map.
-ORIGINAL = "envlights:original"
-ORIGINAL_TYPE = "float[6]"
-
 
 @dataclass(frozen=True, eq=False)
 class Image:
-    """The content of a file."""
+    """Content of a file."""
 
     pixels: NDArray[np.float32]
     """Linear RGB, (height, width, 3)."""
 
     border_sampled: bool
-    """Whether the outer pixels lie on the seam and the poles, as the file says."""
+    """True if the metadata puts the outer pixels on the seam and the poles."""
 
     notes: tuple[str, ...]
-    """What was assumed or left out."""
+    """Remarks on assumptions and on ignored content."""
 
     white: float | None = None
-    """The largest value that the samples can hold; None for floating point."""
-
-    original: tuple[float, ...] | None = None
-    """What the file tells of the map before lights were taken out of it."""
+    """Clip level of the samples; None for floating point."""
 
 
 def read_image(path: str | os.PathLike[str], *, max_pixels: int = MOST_PIXELS) -> Image:
@@ -64,14 +57,14 @@ def read_image(path: str | os.PathLike[str], *, max_pixels: int = MOST_PIXELS) -
     Parameters
     ----------
     path : path-like
-        Radiance .hdr, OpenEXR, PNG, JPEG, TIFF, or whatever else OpenImageIO reads.
+        Radiance .hdr, OpenEXR, PNG, JPEG, TIFF, or any other format of OpenImageIO.
     max_pixels : int
-        A file whose header claims more is refused before memory is taken.
+        Files with more pixels are refused before memory is allocated.
 
     Returns
     -------
     Image
-        Linear RGB. Files of 8 or 16 bit integers are taken as sRGB-coded.
+        Linear RGB. Files of 8 or 16 bit integers are decoded from sRGB.
 
     Raises
     ------
@@ -80,7 +73,7 @@ def read_image(path: str | os.PathLike[str], *, max_pixels: int = MOST_PIXELS) -
     """
     count("max_pixels", max_pixels, least=1)
     path, name = _checked_path(path)
-    # PNG alpha is stored beside the colour: left alone, OpenImageIO would multiply it in.
+    # By default OpenImageIO multiplies the colour of PNG files by alpha.
     config = oiio.ImageSpec()
     config.attribute("oiio:UnassociatedAlpha", 1)
     file = oiio.ImageInput.open(path, config)
@@ -101,7 +94,7 @@ def read_image(path: str | os.PathLike[str], *, max_pixels: int = MOST_PIXELS) -
 
 
 def _checked_path(path: str | os.PathLike[str]) -> tuple[str, str]:
-    """`path` and how a sentence writes it, or a refusal where no image can be."""
+    """Path as text, and its printable form, after a check that an image may be there."""
     try:
         text = os.fsdecode(path)
     except TypeError:
@@ -117,7 +110,7 @@ def _checked_path(path: str | os.PathLike[str]) -> tuple[str, str]:
 
 
 def _obstacle(path: str) -> str:
-    """Why no image can be read from `path`; empty where nothing is in the way."""
+    """Reason why no image can be read from `path`; empty if there is none."""
     path.encode()
     if not path or not Path(path).exists():
         return "there is no such file"
@@ -143,30 +136,17 @@ def _read(name: str, file: oiio.ImageInput) -> Image:
         notes.append("only the first of several images in the file was read")
     border_sampled = bool(spec.getattribute("oiio:sampleborder"))
     white = 1.0 if is_coded else None
-    return Image(pixels, border_sampled, tuple(notes), white, _original(spec))
-
-
-def _original(spec: oiio.ImageSpec) -> tuple[float, ...] | None:
-    """What the file tells of the map before lights were taken; None where it is damaged."""
-    numbers = spec.getattribute(ORIGINAL, oiio.TypeDesc(ORIGINAL_TYPE))
-    if not numbers:
-        return None
-    # A map has a threshold, flux and a peak; it need not have been cut off.
-    has_light = all(0 < number < np.inf for number in numbers[:3])
-    may_end = (
-        all(0 <= number < np.inf for number in numbers[3:5]) and 0 <= numbers[5] <= LARGEST_COUNT
-    )
-    return numbers if has_light and may_end else None
+    return Image(pixels, border_sampled, tuple(notes), white)
 
 
 def _pixels(name: str, file: oiio.ImageInput, channels: list[int]) -> NDArray[np.float32]:
-    """The `channels` of the data window as linear light, read a few rows at a time.
+    """Linear `channels` of the data window, read in blocks of rows.
 
-    So a map takes hardly more memory than its own pixels while it is opened.
+    Blocks keep the memory near that of the pixels.
     """
     spec = file.spec()
     pixels = np.empty((spec.height, spec.width, len(channels)), np.float32)
-    # Rows of tiles are read whole.
+    # Read whole rows of tiles.
     rows = -(-_ROWS_AT_ONCE // max(spec.tile_height, 1)) * max(spec.tile_height, 1)
     for top in range(0, spec.height, rows):
         part = pixels[top : top + rows]
@@ -186,7 +166,7 @@ def _pixels(name: str, file: oiio.ImageInput, channels: list[int]) -> NDArray[np
 def _samples(
     file: oiio.ImageInput, top: int, height: int, channels: tuple[int, int]
 ) -> NDArray[Any] | None:
-    """Some rows of the data window, and channels from one to another, or None where it fails."""
+    """Samples of some rows and of a range of channels, or None on failure."""
     spec = file.spec()
     as_type = spec.format if str(spec.format) in _CODED else oiio.FLOAT
     rows = (spec.y + top, spec.y + top + height)
@@ -206,7 +186,7 @@ def _check_spec(name: str, spec: oiio.ImageSpec, max_pixels: int) -> None:
             " damaged, give a higher max_pixels",
         ),
         (
-            # OpenImageIO 3.2.2 gives freed memory for it.
+            # OpenImageIO 3.2.2 returns freed memory for these.
             spec.tile_width > 0 and spec.format == oiio.DOUBLE,
             "it holds tiles of float64, which OpenImageIO misreads; give float32, or no tiles",
         ),
@@ -218,7 +198,7 @@ def _check_spec(name: str, spec: oiio.ImageSpec, max_pixels: int) -> None:
         ),
         (
             spec.get_int_attribute("Orientation", 1) > 4,
-            "it says that it lies on its side; give it upright",
+            "its header says that the image is rotated by 90 degrees; rotate the pixels",
         ),
     ]
     for is_so, reason in refusals:
@@ -227,47 +207,49 @@ def _check_spec(name: str, spec: oiio.ImageSpec, max_pixels: int) -> None:
 
 
 def _colour_channels(name: str, spec: oiio.ImageSpec) -> tuple[list[int], list[str]]:
-    """Numbers of the channels that are red, green and blue, and notes on the others."""
+    """Indices of red, green and blue, and notes on the other channels."""
     names = list(spec.channelnames)
-    wanted = next(
+    rgb_names = next(
         (rgb for rgb in (["R", "G", "B"], ["r", "g", "b"]) if set(rgb) <= set(names)), None
     )
     colours = [c for c in names if c not in {"A", "Z"} and c != "Alpha"]
     notes = []
-    if wanted is None and len(colours) == 1:
-        wanted = colours * 3
+    if rgb_names is None and len(colours) == 1:
+        rgb_names = colours * 3
         notes.append(f"the only channel, {colours[0]}, was taken as grey")
-    elif wanted is None:
+    elif rgb_names is None:
         raise EnvLightsError(
-            f"{name} has the channels {', '.join(names)}; R, G, B or one is needed"
+            f"{name} has the channels {', '.join(names)}; it needs R, G and B, or a single channel"
         )
-    ignored = [channel for channel in names if channel not in wanted]
+    ignored = [channel for channel in names if channel not in rgb_names]
     if "A" in ignored:
         notes.append("alpha was ignored")
     if others := [channel for channel in ignored if channel != "A"]:
         notes.append(f"other channels were ignored: {', '.join(others)}")
-    return [names.index(channel) for channel in wanted], notes
+    return [names.index(channel) for channel in rgb_names], notes
 
 
 def _is_coded(name: str, spec: oiio.ImageSpec, channels: list[int]) -> bool:
-    """The colour space of a file: integer samples are sRGB codes, floating point is linear."""
+    """True if the samples are sRGB codes: integers are codes, floating point is linear."""
     formats = {str(spec.channelformat(channel)) for channel in channels}
     if others := formats - _CODED - _LINEAR:
-        found, wanted = ", ".join(sorted(others)), "floating point, uint8 or uint16"
-        raise EnvLightsError(f"cannot read {name}: its samples are {found}; give {wanted}")
+        kinds = ", ".join(sorted(others))
+        raise EnvLightsError(
+            f"cannot read {name}: its samples are {kinds}; give floating point, uint8 or uint16"
+        )
     return bool(formats & _CODED)
 
 
 def _in_display_window(
     pixels: NDArray[np.float32], spec: oiio.ImageSpec, notes: list[str]
 ) -> NDArray[np.float32]:
-    """Pixels of the display window: the data window in its place, black around it."""
+    """Pixels of the display window, black outside the data window."""
     data = (spec.x, spec.y, spec.width, spec.height)
     display = (spec.full_x, spec.full_y, spec.full_width, spec.full_height)
     if data == display:
         return pixels
     notes.append(
-        f"the data window {data} was set into the display window {display}, black around it"
+        f"the data window {data} was placed in the display window {display}; the border is black"
     )
     whole = np.zeros((spec.full_height, spec.full_width, 3), np.float32)
     left, top = spec.x - spec.full_x, spec.y - spec.full_y
@@ -284,29 +266,29 @@ def _in_display_window(
 def _upright(
     pixels: NDArray[np.float32], spec: oiio.ImageSpec, notes: list[str]
 ) -> NDArray[np.float32]:
-    """The image with row 0 at the top and column 0 at the left, by the header's orientation."""
+    """Image with row 0 at the top and column 0 at the left, from the orientation of the header."""
     orientation = spec.get_int_attribute("Orientation", 1)
     if orientation not in (2, 3, 4):
         return pixels
-    notes.append(f"the image was turned upright from the orientation {orientation} of its header")
+    notes.append(
+        f"the image was rotated or mirrored by the orientation {orientation} of its header"
+    )
     rows = -1 if orientation in (3, 4) else 1
     columns = -1 if orientation in (2, 3) else 1
     return np.ascontiguousarray(pixels[::rows, ::columns])
 
 
 def _note_primaries(spec: oiio.ImageSpec, notes: list[str]) -> None:
-    """Note primaries other than Rec.709; the zeros of Radiance headers do not name any."""
+    """Add a note on primaries other than Rec.709; Radiance headers hold zeros for none."""
     primaries = spec.getattribute("chromaticities")
     if primaries and any(primaries) and not np.allclose(primaries, REC709, atol=1e-3):
-        notes.append(
-            "the file names primaries other than Rec.709; its values were kept as they are"
-        )
+        notes.append("the file has primaries other than Rec.709; its values were not converted")
 
 
-def failure(failed: Any) -> str:
-    """The reason that OpenImageIO, or one of its files, gives for its last failure."""
+def failure(source: Any) -> str:
+    """Reason for the last failure of OpenImageIO or one of its files."""
     try:
-        message = failed.geterror()
+        message = source.geterror()
     except UnicodeDecodeError:  # it repeats the bytes of a damaged header
         return "its header is damaged"
     lines = [_printable(line.strip()) for line in message.splitlines()]
@@ -314,5 +296,5 @@ def failure(failed: Any) -> str:
 
 
 def _printable(text: str) -> str:
-    """`text` on one line: a path may hold a line break, a damaged file anything."""
+    """`text` on one line, with other characters escaped."""
     return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)

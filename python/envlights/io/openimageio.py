@@ -1,4 +1,4 @@
-"""OpenImageIO, which is loaded when a file is first read or written: it takes a while."""
+"""Access to OpenImageIO, loaded when a file is first read or written, because loading is slow."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Damage to a PNG file that libpng would print to stderr: found before it reads the file.
+"""Check of PNG files before libpng reads them and prints their damage to stderr.
 
 Chunks, packing and the filters of rows are those of the PNG specification (ISO/IEC 15948).
 """
@@ -15,9 +15,9 @@ from typing import BinaryIO
 _SIGNATURE = b"\x89PNG\r\n\x1a\n"
 #: Bytes around the content of a chunk: length, kind, checksum.
 _FRAME = 12
-#: Chunks that no reader may skip; others have a small first letter.
+#: Chunks that every reader must know; names of others start with a lower-case letter.
 _CRITICAL = {b"IHDR", b"PLTE", b"IDAT", b"IEND"}
-#: Columns, and rows, that libpng reads at most.
+#: Limit of libpng on columns and on rows.
 _LONGEST = 1_000_000
 #: Bits of a sample, and samples of a pixel, for each colour type.
 _DEPTHS = {0: (1, 2, 4, 8, 16), 2: (8, 16), 3: (1, 2, 4, 8), 4: (8, 16), 6: (8, 16)}
@@ -32,37 +32,37 @@ _ADAM7 = [
     (1, 0, 2, 2),
     (0, 1, 1, 2),
 ]
-#: Kinds of filters, one of which begins each row.
+#: Filter types, the first byte of each row.
 _FILTERS = bytes(range(5))
-#: Bytes that are unpacked at once.
+#: Bytes of one step of decompression.
 _BLOCK = 2**20
-#: Bytes that zlib is given at once: it copies what it leaves.
+#: Bytes of one input to zlib, which copies unused input.
 _PIECE = 2**16
 
 
 def damage(path: str) -> str:
-    """What is wrong with the header and the chunks of a file; empty where nothing is.
+    """Damage of the header and the chunks of a file; empty if there is none.
 
-    Files without the signature of PNG are left to others. Pixels are not unpacked: a header may
-    claim any number of them.
+    Files without the signature of PNG are not checked. Pixels are not unpacked, because a header
+    may claim any number of them.
     """
     return _damage(path, _check)
 
 
 def damage_of_pixels(path: str) -> str:
-    """What is wrong with the pixels of a file without other damage; they are not kept."""
+    """Damage of the pixels of a file without other damage; empty if there is none."""
     return _damage(path, _check_pixels)
 
 
 def _damage(path: str, check: Callable[[Iterator[tuple[bytes, bytes]]], None]) -> str:
-    """What `check` finds wrong with the chunks of a file."""
+    """Damage that `check` finds in the chunks of a file."""
     with Path(path).open("rb") as file:
         if file.read(len(_SIGNATURE)) != _SIGNATURE:
             return ""
         try:
             check(_chunks(file))
         except zlib.error:
-            return "its pixels are not packed as they must be; the file is damaged"
+            return "its pixels cannot be decompressed; the file is damaged"
         except ValueError as error:
             return str(error)
     return ""
@@ -70,22 +70,22 @@ def _damage(path: str, check: Callable[[Iterator[tuple[bytes, bytes]]], None]) -
 
 def _chunks(file: BinaryIO) -> Iterator[tuple[bytes, bytes]]:
     """Kind and content of each chunk."""
-    left = os.fstat(file.fileno()).st_size - len(_SIGNATURE)
-    while left >= _FRAME:
+    remaining = os.fstat(file.fileno()).st_size - len(_SIGNATURE)
+    while remaining >= _FRAME:
         length, kind = struct.unpack(">I4s", file.read(8))
-        left -= length + _FRAME
-        if left < 0:  # before that much memory is asked for
+        remaining -= length + _FRAME
+        if remaining < 0:  # before memory for `length` bytes is allocated
             break
         body, check = file.read(length), file.read(4)
         if zlib.crc32(body, zlib.crc32(kind)).to_bytes(4, "big") != check:
             message = f"a chunk of {length} bytes has a wrong checksum; the file is damaged"
             raise ValueError(message)
         yield kind, body
-    raise ValueError("the file is cut off")
+    raise ValueError("the file is incomplete")
 
 
 def _check(chunks: Iterator[tuple[bytes, bytes]]) -> None:
-    """Look for what a PNG file needs, in its order: header, pixels, end."""
+    """Check for header, pixels and end, in this order."""
     kind, body = next(chunks)
     if kind != b"IHDR" or not _is_header(body):
         raise ValueError("its header is damaged")
@@ -104,7 +104,7 @@ def _check(chunks: Iterator[tuple[bytes, bytes]]) -> None:
 
 
 def _check_pixels(chunks: Iterator[tuple[bytes, bytes]]) -> None:
-    """Unpack the pixels, and look for all rows and the end."""
+    """Unpack the pixels, and check their number and the end."""
     _, header = next(chunks)
     pixels = _Pixels(header)
     for kind, body in chunks:
@@ -117,29 +117,29 @@ def _check_pixels(chunks: Iterator[tuple[bytes, bytes]]) -> None:
 
 
 class _Pixels:
-    """What of the pixels has been unpacked, to see that there are all rows, each with a filter."""
+    """Count of the unpacked pixels, and a check of the filter of each row."""
 
     def __init__(self, header: bytes) -> None:
         self._stream = zlib.decompressobj()
-        #: Bytes of a row and of all rows, for each pass that is left.
+        #: Bytes of a row and of all rows, for each remaining pass.
         self._passes = _passes(header)
-        #: Bytes of the first of them that have been unpacked.
+        #: Unpacked bytes of the current pass.
         self._unpacked = 0
 
     def take(self, body: bytes) -> None:
-        """Unpack the next piece; what comes after the last row is not looked at."""
+        """Unpack the next piece; data after the last row is ignored."""
         while self._passes:
             block = self._stream.decompress(body, _BLOCK)
             self._check_filters(block)
             body = self._stream.unconsumed_tail
             if not body and len(block) < _BLOCK:
                 return
-        # The end of the stream is its checksum; zlib would keep whatever follows.
+        # Read the checksum at the end; zlib would store anything after it.
         if not self._stream.eof:
             self._stream.decompress(body, _BLOCK)
 
     def _check_filters(self, block: bytes) -> None:
-        """Look at the first byte of each row."""
+        """Check the first byte of each row."""
         while block and self._passes:
             row, whole = self._passes[0]
             part, block = block[: whole - self._unpacked], block[whole - self._unpacked :]
@@ -150,9 +150,9 @@ class _Pixels:
                 self._passes, self._unpacked = self._passes[1:], 0
 
     def end(self) -> None:
-        """Refuse rows that are missing, or a stream without its end."""
+        """Refuse missing rows, or a stream without its end."""
         if self._passes or not self._stream.eof:
-            raise ValueError("its pixels do not end as its header says; the file is damaged")
+            raise ValueError("the number of its pixels contradicts its header; the file is damaged")
 
 
 def _passes(header: bytes) -> list[tuple[int, int]]:
@@ -168,7 +168,7 @@ def _passes(header: bytes) -> list[tuple[int, int]]:
 
 
 def _is_header(body: bytes) -> bool:
-    """Whether a header can be one."""
+    """True for a valid header."""
     if len(body) != 13:
         return False
     width, height, depth, colours, packing, filtering, interlace = struct.unpack(">2I5B", body)

@@ -212,7 +212,7 @@ def probe_residual(
     >>> ambient.round(6), directions.round(6), irradiance.round(6)
     (array([0.1, 0.1, 0.1]), array([[0. , 0.6, 0.8]]), array([[3., 2., 1.]]))
     """
-    measured = _measured(normals, probe, weights)
+    measured = _measure(normals, probe, weights)
     return _native.probe_residual(reals("x", x, 1), *measured, *_surface(k_a, k_d, C))
 
 
@@ -249,11 +249,11 @@ def probe_jacobian(
     >>> probe_jacobian(x, [[0, 1, 0]], [[0, 0, 0]], k_a=1)[0] + 0.0
     array([-1.,  0.,  0., -1.,  0.,  0.,  0.,  0.])
     """
-    measured = _measured(normals, probe, weights)
+    measured = _measure(normals, probe, weights)
     return _native.probe_jacobian(reals("x", x, 1), *measured, *_surface(k_a, k_d, C))
 
 
-def _measured(
+def _measure(
     normals: ArrayLike, probe: ArrayLike, weights: ArrayLike | None
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     normals, probe = reals("normals", normals, 2), reals("probe", probe, 2)

@@ -17,7 +17,7 @@ from envlights.kernels import image as images
 from envlights.kernels import loghin, sampling, sphere
 from envlights.plot.figure import Picture
 from envlights.plot.globe import draw_globe, on_page
-from envlights.plot.ground import degrees, draw_ground, exposed, working
+from envlights.plot.ground import degrees, draw_ground, expose, working
 from envlights.plot.markers import RIM, area, draw_discs, draw_numbers
 
 #: Colour of what is kept, and of what a step leaves behind.
@@ -79,7 +79,7 @@ def article_picture(env: AnyMap, **options: Any) -> Picture:
     figure = Picture(figsize=(13, 8))
     globe, bright, survivors, merged = figure.subplots(2, 2).ravel()
     _draw_samples(globe, env, steps)
-    ground = exposed(working(env))
+    ground = expose(working(env))
     for axes in (bright, survivors, merged):
         draw_ground(axes, ground.codes)
         axes.set(xlabel="", ylabel="")

@@ -7,7 +7,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator
 
 from envlights.envmap import AnyMap, as_envmap
 from envlights.plot.figure import Picture, check_are_rigs
-from envlights.plot.ground import EXTENT, draw_small_ground, exposed, working
+from envlights.plot.ground import EXTENT, draw_small_ground, expose, working
 from envlights.plot.markers import draw_lights
 from envlights.plot.probe import draw_probes, shaded_ball, viewpoint
 from envlights.rig import Rig
@@ -44,7 +44,7 @@ def rigs_picture(env: AnyMap, *rigs: Rig) -> Picture:
     env = as_envmap(env)
     figure = Picture(figsize=(13, 2.9 * len(rigs) + 0.3))
     rows = figure.subplots(len(rigs), 4, width_ratios=(2.3, 1, 1, 1.25), squeeze=False)
-    ground, eye = exposed(working(env)), viewpoint(rigs[0])
+    ground, eye = expose(working(env)), viewpoint(rigs[0])
     shaded = {floor: shaded_ball(env, eye, floor) for floor in {rig.floor for rig in rigs}}
     for (on_map, *probes), rig in zip(rows, rigs, strict=True):
         draw_small_ground(on_map, ground.codes)

@@ -29,7 +29,7 @@ class Picture(Figure):
         FigureCanvasAgg(self)
 
     def _repr_png_(self) -> bytes:
-        return _drawn(self, "png")
+        return _draw(self, "png")
 
 
 def check_is(name: str, value: object, kind: type) -> None:
@@ -59,11 +59,11 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
     if suffix not in PICTURES:
         raise EnvLightsError(f"cannot draw {path}; the suffix must be {', '.join(PICTURES)}")
     # Drawn in memory: on a full disk, matplotlib breaks while it closes a PDF.
-    drawn = _drawn(figure, suffix[1:])
+    drawn = _draw(figure, suffix[1:])
     write_atomically(path, lambda beside: beside.write_bytes(drawn))
 
 
-def _drawn(figure: Figure, form: str) -> bytes:
+def _draw(figure: Figure, form: str) -> bytes:
     drawn = io.BytesIO()
     # Compress fast: files are a twentieth larger, in half the time.
     options: dict[str, Any] = {"pil_kwargs": {"compress_level": 4}} if form == "png" else {}

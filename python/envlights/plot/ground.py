@@ -29,7 +29,7 @@ def working(env: EnvMap) -> NDArray[np.float32]:
     """The radiance of a map in at most about 2000 columns."""
     # Of a very large map, leave pixels out before taking means.
     step = max(env.width // (4 * _COLUMNS), 1)
-    return _thumbnails.reduced(env.radiance[::step, ::step], _COLUMNS).astype(np.float32)
+    return _thumbnails.shrink(env.radiance[::step, ::step], _COLUMNS).astype(np.float32)
 
 
 class Ground(NamedTuple):
@@ -45,11 +45,11 @@ class Ground(NamedTuple):
     """The same in words."""
 
 
-def exposed(radiance: NDArray[np.float32]) -> Ground:
+def expose(radiance: NDArray[np.float32]) -> Ground:
     """A map, in the form of `working`, so that its lamps are seen."""
     white, darker = _thumbnails.white_of(radiance)
     told = f"white is a luminance of {white:.3g}; {100 * darker:.3g} % of the sphere is darker"
-    return Ground(_thumbnails.exposed(radiance, white), white, told)
+    return Ground(_thumbnails.expose(radiance, white), white, told)
 
 
 def draw_ground(axes: Axes, codes: NDArray[np.uint8]) -> None:
@@ -66,7 +66,7 @@ def draw_small_ground(axes: Axes, codes: NDArray[np.uint8]) -> None:
 
 def draw_map(axes: Axes, env: EnvMap) -> str:
     """Draw a map, and return its exposure in words."""
-    ground = exposed(working(env))
+    ground = expose(working(env))
     draw_ground(axes, ground.codes)
     return ground.exposure
 

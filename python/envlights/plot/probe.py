@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from envlights._srgb import encode_srgb
 from envlights.envmap import EnvMap
-from envlights.fitting.asked import above_horizon
+from envlights.fitting.request import above_horizon
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import working_irradiance

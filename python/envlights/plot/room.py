@@ -51,7 +51,7 @@ def room_picture(direct: ArrayLike, indirect: ArrayLike) -> Picture:
     """
     charts = room_charts()
     side = int(np.sqrt(len(charts)))
-    exposed = [_exposed("direct", direct, side), _exposed("indirect", indirect, side)]
+    exposed = [_expose("direct", direct, side), _expose("indirect", indirect, side)]
     figure = Picture(figsize=(12.5, 4.5))
     on_direct, on_map, on_room = figure.subplots(1, 3)
     for axes, image, title in (
@@ -70,7 +70,7 @@ def room_picture(direct: ArrayLike, indirect: ArrayLike) -> Picture:
     return figure
 
 
-def _exposed(name: str, image: ArrayLike, side: int) -> NDArray[np.floating]:
+def _expose(name: str, image: ArrayLike, side: int) -> NDArray[np.floating]:
     """An image of the room as colours, or a refusal where it is none."""
     array = np.asarray(image, np.float64)
     if array.ndim != 3 or array.shape[0] != array.shape[1] or array.shape[2] != 3:

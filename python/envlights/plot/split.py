@@ -11,7 +11,7 @@ from envlights.detection.taken import TakenLights
 from envlights.envmap import AnyMap, EnvMap, as_envmap
 from envlights.kernels.image import LUMINANCE
 from envlights.plot.figure import Picture, check_is
-from envlights.plot.ground import degrees, draw_ground, exposed, working
+from envlights.plot.ground import degrees, draw_ground, expose, working
 from envlights.plot.markers import (
     area,
     draw_legend,
@@ -50,11 +50,11 @@ def split_picture(env: AnyMap, parts: Split) -> Picture:
     figure = Picture(figsize=(9, 15))
     on_map, on_rest, on_taken = np.ravel(figure.subplots(3, 1))
     whole, rest = working(env), working(parts.rest)
-    ground = exposed(whole)
+    ground = expose(whole)
     draw_ground(on_map, ground.codes)
-    draw_ground(on_rest, _thumbnails.exposed(rest, ground.white))
+    draw_ground(on_rest, _thumbnails.expose(rest, ground.white))
     # What a channel has gained, where one light has several colours, is no light.
-    draw_ground(on_taken, _thumbnails.exposed(np.maximum(whole - rest, 0), ground.white))
+    draw_ground(on_taken, _thumbnails.expose(np.maximum(whole - rest, 0), ground.white))
     _draw_marks(on_taken, lights)
     brightest, left = _brightest(env), _brightest(parts.rest)
     told = (

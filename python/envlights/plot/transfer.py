@@ -70,7 +70,7 @@ def transfer_picture(model: TransferModel, direct: ArrayLike, indirect: ArrayLik
         raise EnvLightsError(
             f"direct and indirect must hold as many images; got {len(lights)} and {len(reference)}"
         )
-    rows = zip(reference, model.predict(lights), _projected(model, lights, reference), strict=True)
+    rows = zip(reference, model.predict(lights), _project(model, lights, reference), strict=True)
     size = (5 * _WIDTH + 1.2, len(reference) * (_WIDTH * height / width + 0.4) + 0.4)
     figure = Picture(figsize=size)
     grid = figure.subplots(len(reference), 5, squeeze=False)
@@ -86,7 +86,7 @@ def transfer_picture(model: TransferModel, direct: ArrayLike, indirect: ArrayLik
     return figure
 
 
-def _projected(model: TransferModel, lights: NDArray[Any], images: NDArray[Any]) -> NDArray[Any]:
+def _project(model: TransferModel, lights: NDArray[Any], images: NDArray[Any]) -> NDArray[Any]:
     """The projection of each image at the scale of the learnt ones, which a mean image needs."""
     norm = np.linalg.norm(lights.reshape(len(lights), -1), axis=1)
     scale = np.where(norm > 0, norm, 1)[:, None, None, None]

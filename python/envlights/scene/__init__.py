@@ -20,10 +20,10 @@ indirect light add up to the radiance of a diffuse surface.
 
 from envlights.scene.bake import BakedPairs, bake
 from envlights.scene.direct import DirectLight
-from envlights.scene.mitsuba_scene import MitsubaScene, Rendered
+from envlights.scene.mitsuba_scene import MitsubaScene, Rendering
 from envlights.scene.surface import Surface
 
-__all__ = ["BakedPairs", "DirectLight", "MitsubaScene", "Rendered", "Surface", "bake"]
+__all__ = ["BakedPairs", "DirectLight", "MitsubaScene", "Rendering", "Surface", "bake"]
 
 
 def __dir__() -> list[str]:

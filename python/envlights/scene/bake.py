@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from envlights._check import count
 from envlights._native import EnvLightsError
-from envlights._progress import counted
+from envlights._progress import progress_bar
 from envlights.scene.direct import AnyLights, as_rig
 from envlights.scene.mitsuba_scene import MitsubaScene
 from envlights.transfer.database import ImagePairs
@@ -80,15 +80,15 @@ def bake(
     direct, noise = [], []
     # Allocate all lightmaps at once: a copy of them might not fit into memory.
     indirect = np.empty((len(lights), *scene.lightmap.albedo.shape), np.float32)
-    for k, rig in enumerate(counted(lights, "baking", "rig", progress)):
+    for k, rig in enumerate(progress_bar(lights, "baking", "rig", progress)):
         direct.append(scene.direct(rig))
         rendered = scene.indirect(rig, samples, seed + k)
         indirect[k] = rendered.image
         noise.append(rendered.noise)
-    return BakedPairs(np.stack(direct), indirect, np.array(noise), _skipped(scene))
+    return BakedPairs(np.stack(direct), indirect, np.array(noise), _skip_notes(scene))
 
 
-def _skipped(scene: MitsubaScene) -> tuple[str, ...]:
+def _skip_notes(scene: MitsubaScene) -> tuple[str, ...]:
     """A note on the texels of the lightmap that no path starts from."""
     covered = scene.lightmap.covered
     bare = np.count_nonzero(~covered)

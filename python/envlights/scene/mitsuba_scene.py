@@ -26,7 +26,7 @@ _DIRECT, _POINTS = 16, 8
 _RAYS = 64
 
 
-class Rendered(NamedTuple):
+class Rendering(NamedTuple):
     """A path-traced image."""
 
     image: NDArray[np.float32]
@@ -82,10 +82,10 @@ class MitsubaScene:
     ) -> None:
         with mitsuba() as mi:
             # Keep the scene alive, because its meshes refer to it.
-            self._loaded = _loaded(mi, scene)
+            self._loaded = _load(mi, scene)
             self._shapes = _shapes(self._loaded)
             if isinstance(lightmap, Surface):
-                self.lightmap, self.points = lightmap, _thinned(lightmap)
+                self.lightmap, self.points = lightmap, _thin(lightmap)
             else:
                 self.lightmap = charts(mi, self._shapes, count("lightmap", lightmap, least=1))
                 self.points = charts(mi, self._shapes, _DIRECT * _POINTS)
@@ -134,7 +134,7 @@ class MitsubaScene:
         image = self._direct_light.image(rig)
         return self.points.means(image, _DIRECT).astype(np.float32)
 
-    def indirect(self, rig: AnyLights, samples: int = 256, seed: int = 0) -> Rendered:
+    def indirect(self, rig: AnyLights, samples: int = 256, seed: int = 0) -> Rendering:
         """Indirect light with all bounces, path-traced.
 
         Parameters
@@ -148,7 +148,7 @@ class MitsubaScene:
 
         Returns
         -------
-        Rendered
+        Rendering
             The image, (H, W, 3), and its noise.
         """
         side = ceil(sqrt(count("samples", samples, least=1) / 2))
@@ -158,7 +158,7 @@ class MitsubaScene:
         mean = (one + two) / 2
         size = np.linalg.norm(mean)
         noise = float(np.linalg.norm(one - two) / 2 / size) if size else 0.0
-        return Rendered(mean.astype(np.float32), noise)
+        return Rendering(mean.astype(np.float32), noise)
 
     @cached_property
     def _direct_light(self) -> DirectLight:
@@ -184,7 +184,7 @@ class MitsubaScene:
         return mi.load_dict({"type": "scene", **shapes, **lights}, optimize=False)
 
 
-def _thinned(lightmap: Surface) -> Surface:
+def _thin(lightmap: Surface) -> Surface:
     """The texels of a lightmap at which direct light is measured, or a refusal."""
     rows, columns = lightmap.covered.shape
     if rows % _DIRECT or columns % _DIRECT:
@@ -199,7 +199,7 @@ def _step(texels: int) -> int:
     return max((s for s in range(1, texels // _POINTS + 1) if texels % s == 0), default=1)
 
 
-def _loaded(mi: Any, scene: dict[str, Any] | str | os.PathLike[str]) -> Any:
+def _load(mi: Any, scene: dict[str, Any] | str | os.PathLike[str]) -> Any:
     """The scene with its shapes kept apart, or a refusal."""
     if not isinstance(scene, dict | str | os.PathLike):
         raise EnvLightsError(

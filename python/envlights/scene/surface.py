@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._arrays import frozen
+from envlights._arrays import freeze
 from envlights._check import first_not_finite, reals
 from envlights._native import EnvLightsError
 from envlights._result import Result
@@ -47,7 +47,7 @@ class Surface(Result):
     def __post_init__(self) -> None:
         # Check and seal the maps.
         for name in ("position", "normal", "albedo"):
-            object.__setattr__(self, name, frozen(_map(name, getattr(self, name))))
+            object.__setattr__(self, name, freeze(_map(name, getattr(self, name))))
             _check_size(name, getattr(self, name).shape, self.position.shape)
         # Refuse normals that are neither of length 1 nor 0, an empty surface, a negative albedo.
         length = np.linalg.norm(self.normal, axis=-1)

@@ -40,7 +40,7 @@ def white_wall(rng: np.random.Generator, height: int) -> NDArray[np.float64]:
     phi, (broad, high) = rng.uniform(0, 2 * np.pi), rng.uniform([70, 50], [120, 90])
     wall = Rectangle((np.sin(phi), 0, -np.cos(phi)), broad, high, (1, 1, 1)).coverage(height)
     room = rng.uniform(0.1, 0.4)
-    return _coloured(lambda rows: room + (1 - room) * wall[rows], height, tint(rng))
+    return _colour(lambda rows: room + (1 - room) * wall[rows], height, tint(rng))
 
 
 def checker(rng: np.random.Generator, height: int) -> NDArray[np.float64]:
@@ -53,7 +53,7 @@ def checker(rng: np.random.Generator, height: int) -> NDArray[np.float64]:
     def level(rows: slice) -> NDArray[np.float64]:
         return np.where((row[rows, None] + column) % 2, dark, 1.0)
 
-    return _coloured(level, height, tint(rng))
+    return _colour(level, height, tint(rng))
 
 
 def clouds(rng: np.random.Generator, height: int) -> NDArray[np.float64]:
@@ -90,7 +90,7 @@ def lit_walls(rng: np.random.Generator, height: int) -> NDArray[np.float64]:
 
     room = sphere.over_map(height, level)
     largest = room.max()
-    return _coloured(lambda rows: room[rows] / largest, height, tint(rng))
+    return _colour(lambda rows: room[rows] / largest, height, tint(rng))
 
 
 def glare(rng: np.random.Generator, height: int, lamps: Sequence[Lamp]) -> NDArray[np.float64]:
@@ -115,7 +115,7 @@ def glare(rng: np.random.Generator, height: int, lamps: Sequence[Lamp]) -> NDArr
     return sphere.over_map(height, halos)
 
 
-def _coloured(
+def _colour(
     level: Callable[[slice], NDArray[np.float64]], height: int, colour: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """A map of one colour, from its level in some rows."""

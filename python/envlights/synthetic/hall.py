@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._check import count
 from envlights.kernels import sphere
 from envlights.synthetic.scene import MOST_ROWS, SyntheticMap, scene
-from envlights.synthetic.shapes import supersampled, unit
+from envlights.synthetic.shapes import supersample, unit
 
 # A hall like that of Madsen et al. (2003), in metres; the camera is at the origin.
 _HALL = {"left": -7.0, "right": 7.0, "floor": -1.6, "ceiling": 6.0, "windows": 6.0, "wall": -9.0}
@@ -75,7 +75,7 @@ class _Window:
         half = np.hypot(_WINDOW_HALF_WIDTH, 0.5 * (_WINDOW_TOP - _WINDOW_BOTTOM))
         distance = float(np.linalg.norm(middle))
         reach_deg = float(np.rad2deg(np.arcsin(half / distance)))
-        return supersampled(height, unit(middle), reach_deg, self._glass)
+        return supersample(height, unit(middle), reach_deg, self._glass)
 
     def _glass(self, directions: NDArray[np.float64]) -> NDArray[np.bool_]:
         depth = np.maximum(directions[..., 2], 1e-9)

@@ -118,7 +118,7 @@ def _glass_front(
     return Rectangle(direction, rng.uniform(50, 90), rng.uniform(40, 60), radiance)
 
 
-def _barred(
+def _with_bars(
     rng: np.random.Generator, direction: NDArray[np.float64], radiance: NDArray[np.float64]
 ) -> Rectangle:
     width, height = rng.uniform(8, 25, size=2)
@@ -179,7 +179,7 @@ PLAIN: Mapping[str, Kind] = {
 #: Kinds around which a lens draws a round halo.
 ROUND: Mapping[str, Kind] = {
     "disc": _at(_anywhere, _disc),
-    "barred window": _at(_anywhere, _barred),
+    "barred window": _at(_anywhere, _with_bars),
     "window": _at(_anywhere, _window),
     "sun": _at(_anywhere, _sun),
 }
@@ -188,5 +188,5 @@ HARD: Mapping[str, Kind] = {
     **ROUND,
     "tube": _at(_anywhere, _tube),
     "pair": _pair,
-    "barred window at the seam": _at(_on_seam, _barred),
+    "barred window at the seam": _at(_on_seam, _with_bars),
 }

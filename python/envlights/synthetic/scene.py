@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _html, _thumbnails
-from envlights._arrays import converted
+from envlights._arrays import convert
 from envlights._blocks import blocks, in_blocks
 from envlights._check import count, is_vector, reals
 from envlights._native import EnvLightsError
@@ -51,7 +51,7 @@ class SyntheticMap(Result):
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
         """The radiance, so that the map is taken wherever an array is."""
-        return converted(self.radiance, dtype, copy)
+        return convert(self.radiance, dtype, copy)
 
     def in_short(self) -> str:
         """Size, number of lights and description."""
@@ -118,7 +118,7 @@ def scene(
         covered = shape.coverage(height)[..., None]
         shown = [_behind(other, covered) for other in shown] + [covered]
     colours = [_radiance("radiance", shape.radiance, (3,)) for shape in shapes]
-    return _measured(backdrop, [*zip(shown, colours, strict=True)], camera or _keep_all, note)
+    return _measure(backdrop, [*zip(shown, colours, strict=True)], camera or _keep_all, note)
 
 
 def normal_numbers(rng: np.random.Generator, shape: tuple[int, ...]) -> NDArray[np.float64]:
@@ -133,7 +133,7 @@ def _keep_all(radiance: NDArray[np.float64]) -> NDArray[np.float64]:
     return radiance
 
 
-def _measured(
+def _measure(
     backdrop: NDArray[np.float64],
     shown: list[_Shown],
     camera: Camera,
@@ -141,7 +141,7 @@ def _measured(
 ) -> SyntheticMap:
     """The map as stored, and its lights summed over the pixels that show them."""
     # Replace the share of the background that shows a shape.
-    whole = in_blocks(backdrop.shape, lambda rows: _added(backdrop, shown, rows))
+    whole = in_blocks(backdrop.shape, lambda rows: _add(backdrop, shown, rows))
     # Store the map with and without its lights.
     lit = in_blocks(backdrop.shape, lambda rows: backdrop[rows] + whole[rows])
     picture = _Picture(_in_floats(camera(lit)), camera(backdrop), backdrop, whole)
@@ -168,7 +168,7 @@ def _behind(share: NDArray[np.float64], covered: NDArray[np.float64]) -> NDArray
     return in_blocks(share.shape, lambda rows: share[rows] * (1 - covered[rows]))
 
 
-def _added(backdrop: NDArray[np.float64], shown: list[_Shown], rows: slice) -> NDArray[np.float64]:
+def _add(backdrop: NDArray[np.float64], shown: list[_Shown], rows: slice) -> NDArray[np.float64]:
     """What shapes add to some rows of a background."""
     behind = backdrop[rows]
     added = [share[rows] * (colour - behind) for share, colour in shown]

@@ -55,7 +55,7 @@ class Disc:
         """Share of each pixel inside the rim."""
         centre = unit(self.direction)
         rim = np.cos(np.deg2rad(self.angular_radius_deg))
-        return supersampled(
+        return supersample(
             height, centre, self.reach_deg, lambda directions: directions @ centre >= rim
         )
 
@@ -104,7 +104,7 @@ class Rectangle:
     def coverage(self, height: int) -> NDArray[np.float64]:
         """Share of each pixel inside the frame, without the bars."""
         centre = unit(self.direction)
-        return supersampled(height, centre, self.reach_deg, self._glass)
+        return supersample(height, centre, self.reach_deg, self._glass)
 
     def _in_plane(
         self, directions: NDArray[np.float64]
@@ -161,7 +161,7 @@ class PixelSun:
 Lamp = Disc | Rectangle | PixelSun
 
 
-def supersampled(
+def supersample(
     height: int,
     centre: NDArray[np.float64],
     reach_deg: float,

@@ -163,7 +163,7 @@ def _camera(
     size = 2, height, 2 * height, 3
     normal = normal_numbers(rng, size) if noise else np.broadcast_to(0.0, size)
 
-    def stored(radiance: NDArray[np.float64], rows: slice) -> NDArray[np.float64]:
+    def round_trip(radiance: NDArray[np.float64], rows: slice) -> NDArray[np.float64]:
         grain, hum = noise * normal[:, rows]
         values = np.maximum(exposure * ((1 + grain) * radiance[rows] + 0.1 * hum), 0)
         if is_clipped:
@@ -171,7 +171,7 @@ def _camera(
         return _eight_bits(values) if is_clipped and picture == "8 bit" else values
 
     def camera(radiance: NDArray[np.float64]) -> NDArray[np.float64]:
-        return in_blocks(radiance.shape, lambda rows: stored(radiance, rows))
+        return in_blocks(radiance.shape, lambda rows: round_trip(radiance, rows))
 
     words = [picture if is_clipped else "linear", f"x {exposure:.3g}", f"{100 * noise:g} % noise"]
     return camera, ", ".join(words)

@@ -1,4 +1,4 @@
-"""Transfer: indirect light from a small image of the direct light.
+"""Transfer of direct to indirect light: from a small image of the one to an image of the other.
 
 A model is learnt from pairs of images of one scene under many lights. These are the steps of
 `TransferModel.fit`, and what else a model does:

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from envlights._native import EnvLightsError
 from envlights.io.files import as_path, write_atomically
 from envlights.transfer.compact import CompactBasis, places_of
-from envlights.transfer.learnt import Learnt
+from envlights.transfer.pair_summary import PairSummary
 from envlights.transfer.report import TransferReport
 
 #: Errors of numpy and zipfile at damaged bytes, which may ask for a password or a compression.
@@ -57,6 +57,8 @@ _LONGEST_HEAD = 4096
 _MOST_PACKED = 100
 
 _Model = TypeVar("_Model")
+#: Arrays of a `PairSummary`, in the order of its fields.
+_SUMMARY = ("direct", "coefficients", "outside", "energy")
 
 
 def save(path: str | os.PathLike[str], fields: Mapping[str, Any]) -> None:
@@ -171,7 +173,9 @@ def _fields(data: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         "basis": _basis(data),
         **{name: data[name] for name in ("lit", "transfer", "mean")},
         "size": tuple(data["size"].tolist()),
-        "learnt": Learnt(data["direct"], data["coefficients"], data["outside"], data["energy"]),
+        "learnt": PairSummary(
+            *(data[name] for name in ("direct", "coefficients", "outside", "energy"))
+        ),
         "parameters": json.loads(str(data["parameters"])),
         "report": TransferReport.from_dict(json.loads(str(data["report"]))),
     }

@@ -1,4 +1,4 @@
-"""The directions that hold most of the indirect light.
+"""Directions that hold most of the indirect light.
 
 With the eigensystem of G = Y Y^T = V S^2 V^T, the columns of
 
@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
-from envlights._check import amount, count
+from envlights._check import amount, check_choice, count
 from envlights._native import EnvLightsError
 from envlights.transfer.gram import Gram, is_for_kernels, parts, texel_rows
 from envlights.transfer.pairs import Pairs
@@ -25,18 +25,18 @@ from envlights.transfer.products import eigensystem, product
 
 
 @dataclass(frozen=True)
-class Wanted:
-    """Number of directions that a user asked for."""
+class BasisSize:
+    """Limits on the number of directions in a basis."""
 
     rank: int | float
-    """Largest number of directions (int), or the share of the energy that they hold (float)."""
+    """Largest number of directions (int), or fraction of the energy that they hold (float)."""
 
     error: float | None
-    """Relative RMS error of the images in the basis that is good enough."""
+    """Largest accepted relative RMS error of the images in the basis."""
 
     @classmethod
-    def checked(cls, rank: object, error: object) -> Wanted:
-        """Parameters as a user gave them, or a refusal."""
+    def checked(cls, rank: object, error: object) -> BasisSize:
+        """Limits from the arguments of a user, or a refusal."""
         bound = None if error is None else amount("error", error)
         if not isinstance(rank, float | np.floating):
             return cls(count("rank", rank, least=1), bound)
@@ -46,17 +46,17 @@ class Wanted:
         return cls(share, bound)
 
     def missed(self, values: NDArray[np.float64], rank: int) -> tuple[str, ...]:
-        """Notes if there are fewer directions than were asked for, or if the error is larger."""
+        """Notes if there are fewer directions, or a larger error, than requested."""
         notes = []
         if len(values) < self.rank:
             notes.append(f"the images have no more than {len(values)} directions above rounding")
-        left = np.sqrt(max(1 - values[:rank].sum() / values.sum(), 0.0))
-        if self.error is not None and left > self.error:
+        residual = np.sqrt(max(1 - values[:rank].sum() / values.sum(), 0.0))
+        if self.error is not None and residual > self.error:
             notes.append(f"the error {self.error:g} was not reached; allow a higher rank")
         return tuple(notes)
 
     def count(self, values: NDArray[np.float64]) -> int:
-        """The fewest directions that are enough; `values`: energy in each, largest first."""
+        """Smallest sufficient number of directions; `values`: energy in each, largest first."""
         energy = np.cumsum(values)
         most = len(values)
         if isinstance(self.rank, float):
@@ -65,10 +65,19 @@ class Wanted:
             return min(int(np.searchsorted(energy, enough)) + 1, most)
         most = min(most, self.rank)
         if self.error is not None:
-            left = np.sqrt(np.maximum(1 - energy / energy[-1], 0))
-            reached = np.flatnonzero(left[:most] <= self.error)
+            residual = np.sqrt(np.maximum(1 - energy / energy[-1], 0))
+            reached = np.flatnonzero(residual[:most] <= self.error)
             most = int(reached[0]) + 1 if len(reached) else most
         return most
+
+
+def check_parameters(rank: object, ridge: object, error: object) -> BasisSize:
+    """Check the parameters of `TransferModel.fit`."""
+    if isinstance(ridge, str):
+        check_choice("ridge", ridge, ("loo",))
+    else:
+        amount("ridge", ridge)
+    return BasisSize.checked(rank, error)
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +88,7 @@ class Directions:
     """Energy in each direction, (n,)."""
 
     vectors: NDArray[np.float64]
-    """The share of each row in each direction, (3 k, n)."""
+    """Weight of each row in each direction, (3 k, n)."""
 
     @property
     def coefficients(self) -> NDArray[np.float64]:
@@ -95,8 +104,8 @@ def directions(products: NDArray[np.float64], dtype: np.dtype[Any], energy: floa
     """Directions with more energy than the rounding of `dtype` adds to images of this `energy`."""
     values, vectors = eigensystem(products)
     values, vectors = values[::-1], vectors[:, ::-1]
-    kept = values > 8 * np.finfo(dtype).eps * energy
-    return Directions(values[kept], vectors[:, kept])
+    is_real = values > 8 * np.finfo(dtype).eps * energy
+    return Directions(values[is_real], vectors[:, is_real])
 
 
 def outside(
@@ -117,7 +126,7 @@ def basis(
 ) -> tuple[Any, Any]:
     """Orthonormal columns over the lit texels, (lit texels, rank), and the mean of all rows there.
 
-    The values of one texel stand side by side: a frame reads them twice as fast as columns.
+    The values of one texel are adjacent: a frame reads them twice as fast as columns.
     """
     weights = first.vectors / np.sqrt(first.values)
     if centred:

@@ -1,11 +1,11 @@
-"""A basis in bytes or halves: a frame costs what it takes to read the basis.
+"""Basis in int8 or float16, because reading the basis takes most of the time of a frame.
 
-16 texels of a component share a scale, so that dark corners keep their digits. With `D`, what the
-rounding changes, a frame of the coefficients `a` is B a + D a. The columns of B are orthonormal, so
+16 texels of a component share a scale, so that dark corners keep their digits. With the rounding
+error `D`, a frame of the coefficients `a` is B a + D a. The columns of B are orthonormal, so
 
     |D a| / |B a| <= |D|_2,
 
-the largest singular value of D, for each frame there can be. It is found from ``D^T D``.
+the largest singular value of D, for any frame. It is computed from ``D^T D``.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from numpy.typing import DTypeLike, NDArray
 from envlights import _native
 from envlights._result import Result
 
-#: Texels that stand together, and those of them that share a scale: the kernel decides.
+#: Texels of a tile, and texels that share a scale, as the kernel defines them.
 TILE, SHARE = _native.BASIS_TILE, _native.BASIS_SHARE
-#: The largest value at its scale, for each type in which a basis is kept, the most compact first.
+#: Largest value before scaling, for each type in which a basis is stored, the most compact first.
 LARGEST: dict[str, float] = {"int8": 127.0, "float16": 1.0}
 #: Texels that are rounded at a time.
 _BLOCK = 8192
@@ -36,45 +36,66 @@ class CompactBasis(Result):
     """int8 or float16, (tiles, rank, 32)."""
 
     scales: NDArray[np.float32]
-    """What the values of each half of a tile are multiplied with, (tiles, rank, 2)."""
+    """Factor of the values in each half of a tile, (tiles, rank, 2)."""
 
     places: NDArray[np.int64]
-    """For each tile of the image the place of its values, or -1 where it is black."""
+    """Index of the values of each tile of the image, or -1 for a black tile."""
 
     def in_short(self) -> str:
-        """Its type and its size."""
+        """Type and size."""
         return f"{self.values.dtype}, {self.values.nbytes / 1e6:.3g} MB"
 
     @property
     def dtype(self) -> np.dtype[np.float32]:
-        """The type of the images that it expands to."""
+        """Type of the images that it expands to."""
         return self.scales.dtype
 
     def expand(
         self,
         coefficients: NDArray[np.float64],
         shape: tuple[int, int],
-        wanted: NDArray[np.bool_] | None,
+        needed: NDArray[np.bool_] | None,
     ) -> NDArray[np.float32]:
-        """Images of `coefficients` (n, 3, components), at least where `wanted`: (n, H, W, 3)."""
+        """Images of `coefficients` (n, 3, components), at least where `needed`: (n, H, W, 3)."""
         places = self.places
-        if wanted is not None:
-            places = np.where(in_tiles(wanted.ravel()).any(axis=1), places, -1)
+        if needed is not None:
+            places = np.where(in_tiles(needed.ravel()).any(axis=1), places, -1)
         rows = np.ascontiguousarray(coefficients.swapaxes(1, 2), np.float32)
         out = _native.transfer_frames(self.values, self.scales, rows, places)
         return out[:, : shape[0] * shape[1]].reshape(len(out), *shape, 3)
 
     def dense(self, lit: NDArray[np.bool_]) -> NDArray[np.float32]:
-        """The columns over the lit texels, (lit texels, rank)."""
+        """Columns over the lit texels, (lit texels, rank)."""
         tiles = self.values * np.repeat(self.scales, SHARE, axis=2)
         rows: NDArray[np.float32] = tiles.swapaxes(1, 2)[in_tiles(lit.ravel())[self.places >= 0]]
         return rows
 
 
-def rounded(
+def compress(
+    basis: NDArray[Any], lit: NDArray[np.bool_], coefficients: NDArray[np.float64], error: float
+) -> tuple[NDArray[Any] | CompactBasis, str]:
+    """Basis in the most compact type that keeps the `error`, and a note on the choice.
+
+    `coefficients` of the pairs, (k, 3, rank), give their own error for the note.
+    """
+    energy = np.einsum("kcr,kcs->rs", coefficients, coefficients)
+    for dtype in LARGEST:
+        # Round, and bound the change of any frame by its largest singular value.
+        compact, wrong = round_basis(basis, lit, dtype)
+        most = np.sqrt(np.linalg.eigvalsh(wrong)[-1])
+        if most <= error:
+            usual = np.sqrt(np.sum(wrong * energy) / np.trace(energy))
+            return compact, (
+                f"the basis is stored as {dtype}: no frame changes by more than"
+                f" {100 * most:.2g} % of its norm, and the pairs change by {100 * usual:.2g} %"
+            )
+    return basis, f"the basis is not compressed: {' and '.join(LARGEST)} exceed the error {error:g}"
+
+
+def round_basis(
     basis: NDArray[Any], lit: NDArray[np.bool_], dtype: str
 ) -> tuple[CompactBasis, NDArray[np.float64]]:
-    """The basis (lit texels, rank) in `dtype`, and ``D^T D`` of what that changes."""
+    """Basis (lit texels, rank) in `dtype`, and ``D^T D`` of its rounding error."""
     places = places_of(lit)
     rank = basis.shape[1]
     values = np.empty((places.max() + 1, rank, TILE), dtype)
@@ -83,15 +104,15 @@ def rounded(
     end = 0
     for tiles in _tiles(basis, lit):
         begin, end = end, end + len(tiles)
-        values[begin:end], scales[begin:end] = _scaled(tiles, dtype)
+        values[begin:end], scales[begin:end] = _round_tiles(tiles, dtype)
         change = values[begin:end] * np.repeat(scales[begin:end], SHARE, axis=2) - tiles
         rows = change.swapaxes(0, 1).reshape(rank, -1).astype(np.float64)
         wrong += rows @ rows.T
     return CompactBasis(values, scales, places), wrong
 
 
-def _scaled(tiles: NDArray[Any], dtype: DTypeLike) -> tuple[NDArray[Any], NDArray[np.float32]]:
-    """Tiles (n, rank, 32) as values of `dtype`, and the scales."""
+def _round_tiles(tiles: NDArray[Any], dtype: DTypeLike) -> tuple[NDArray[Any], NDArray[np.float32]]:
+    """Values of `dtype` for tiles (n, rank, 32), and their scales."""
     largest = np.abs(tiles).reshape(*tiles.shape[:2], TILE // SHARE, SHARE).max(axis=3)
     scales = (largest / LARGEST[np.dtype(dtype).name]).astype(np.float32)
     inverse = np.divide(1.0, scales, out=np.zeros(scales.shape), where=scales > 0)
@@ -100,7 +121,7 @@ def _scaled(tiles: NDArray[Any], dtype: DTypeLike) -> tuple[NDArray[Any], NDArra
 
 
 def _tiles(basis: NDArray[Any], lit: NDArray[np.bool_]) -> Iterator[NDArray[Any]]:
-    """The tiles that are lit, some at a time, (n, rank, 32); 0 where a texel is black."""
+    """Lit tiles in batches, (n, rank, 32); black texels are 0."""
     flat = lit.ravel()
     end = 0
     for first in range(0, flat.size, _BLOCK):
@@ -113,11 +134,11 @@ def _tiles(basis: NDArray[Any], lit: NDArray[np.bool_]) -> Iterator[NDArray[Any]
 
 
 def places_of(lit: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """For each tile of the image its place among those that are lit, or -1."""
+    """Index of each tile of the image among the lit tiles, or -1."""
     lit_tiles = in_tiles(lit.ravel()).any(axis=1)
     return np.where(lit_tiles, np.cumsum(lit_tiles) - 1, -1)
 
 
 def in_tiles(texels: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """A mask of texels by tile, (tiles, 32); the last is filled up."""
+    """Mask of texels by tile, (tiles, 32); the last tile is padded."""
     return np.pad(texels, (0, -len(texels) % TILE)).reshape(-1, TILE)

@@ -32,7 +32,7 @@ def check_fields(
     basis, lit, size
         As in `TransferModel`.
     arrays : mapping of str to ndarray
-        The other arrays by name: `mean`, `transfer`, and those of `Learnt`.
+        The other arrays by name: `mean`, `transfer`, and those of `PairSummary`.
     """
     # Check the mask and the basis over its texels.
     if np.ndim(lit) != 2:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights.transfer.learnt import Learnt
+from envlights.transfer.pair_summary import PairSummary
 
 #: Relative difference of the numbers of two copies: that of rounding in single precision.
 _SAME = 1e-6
@@ -21,7 +21,7 @@ _SAME = 1e-6
 class Distinct(NamedTuple):
     """Pairs of which no two are copies."""
 
-    learnt: Learnt
+    learnt: PairSummary
     """The first of each group of copies, brighter by the square root of their number."""
 
     group: NDArray[np.intp]
@@ -33,12 +33,12 @@ class Distinct(NamedTuple):
         return len(self.group) - len(self.learnt.energy)
 
 
-def distinct(learnt: Learnt) -> Distinct:
+def distinct(learnt: PairSummary) -> Distinct:
     """The pairs without their copies."""
     first = _first(learnt)
     kept, group, times = np.unique(first, return_inverse=True, return_counts=True)
     root = np.sqrt(times)[:, None, None]
-    together = Learnt(
+    together = PairSummary(
         learnt.direct[kept] * root,
         learnt.coefficients[kept] * root,
         learnt.outside[kept] * root**2,
@@ -47,7 +47,7 @@ def distinct(learnt: Learnt) -> Distinct:
     return Distinct(together, group.ravel())
 
 
-def _first(learnt: Learnt) -> NDArray[np.intp]:
+def _first(learnt: PairSummary) -> NDArray[np.intp]:
     """For each pair the first that it is a copy of, which may be itself, (k,)."""
     count = len(learnt.energy)
     direct = learnt.direct.reshape(count, -1)

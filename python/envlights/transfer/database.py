@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _html, _thumbnails
-from envlights._check import check_progress, first_not_finite, shown
+from envlights._check import check_progress, describe, first_not_finite
 from envlights._native import EnvLightsError
-from envlights._progress import counted
+from envlights._progress import progress_bar
 from envlights._result import Result
 from envlights.io.files import as_path
 from envlights.io.image_output import write_exr
@@ -112,7 +112,7 @@ def read_pairs(
     """
     check_progress(progress)
     is_folder = isinstance(pairs, str | os.PathLike)
-    paths = _in_folder(Path(pairs)) if is_folder else _checked(pairs)  # type: ignore[arg-type]
+    paths = _in_folder(Path(pairs)) if is_folder else _check(pairs)  # type: ignore[arg-type]
     try:
         with tempfile.TemporaryFile() as spool:
             return _read(paths, spool, progress)
@@ -169,14 +169,14 @@ def _file_name(kind: str, name: str) -> str:
     return f"{kind}_{name}.exr"
 
 
-def _checked(pairs: Iterable[Any]) -> list[PathPair]:
+def _check(pairs: Iterable[Any]) -> list[PathPair]:
     # An array without axes can be iterated by its type alone.
     if not isinstance(pairs, Iterable) or getattr(pairs, "ndim", 1) == 0:
-        raise EnvLightsError(f"pairs must be a folder or pairs of paths; got {shown(pairs)}")
+        raise EnvLightsError(f"pairs must be a folder or pairs of paths; got {describe(pairs)}")
     paths = list(pairs)
     for k, pair in enumerate(paths):
         if isinstance(pair, str | os.PathLike) or not hasattr(pair, "__len__") or len(pair) != 2:
-            raise EnvLightsError(f"pairs must hold two paths each; number {k} is {shown(pair)}")
+            raise EnvLightsError(f"pairs must hold two paths each; number {k} is {describe(pair)}")
     if not paths:
         raise EnvLightsError("pairs is empty; give a folder or at least one pair of paths")
     return [(direct, indirect) for direct, indirect in paths]
@@ -187,7 +187,7 @@ def _read(paths: list[PathPair], spool: BinaryIO, progress: bool | None) -> File
     direct: list[NDArray[np.float32]] = []
     sizes: dict[str, tuple[int, ...]] = {}
     notes: dict[str, None] = {}
-    for small, large in counted(paths, "reading", "pair", progress):
+    for small, large in progress_bar(paths, "reading", "pair", progress):
         for kind, path in ((_DIRECT, small), (_INDIRECT, large)):
             image = read_image(path)
             pixels = _checked_pixels(path, image.pixels, sizes.setdefault(kind, image.pixels.shape))

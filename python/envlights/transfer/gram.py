@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from envlights import _native
 from envlights._native import EnvLightsError
-from envlights._progress import counted
+from envlights._progress import progress_bar
 from envlights.transfer.pairs import Pairs, check_finite
 from envlights.transfer.products import product
 
@@ -90,7 +90,7 @@ def parts(pairs: Pairs, progress: bool | None = False) -> Iterator[tuple[slice, 
     """Slices of rows, and all images in these rows: (k, texels, 3), not scaled."""
     images, height, width, _ = pairs.indirect.shape
     step = max(1, (_PART if is_for_kernels(pairs) else _SMALL_PART) // width)
-    for first in counted(range(0, height, step), "learning", "part", progress):
+    for first in progress_bar(range(0, height, step), "learning", "part", progress):
         where = slice(first, min(first + step, height))
         part = pairs.indirect[:, where].astype(pairs.dtype, copy=False)
         yield where, part.reshape(images, -1, 3)

@@ -1,14 +1,14 @@
-"""More pairs, without starting over.
+"""Addition of pairs to a model without a new fit.
 
-The basis `B` and the coefficients `A` stand for the pairs that were learnt. New rows `Z` have the
-coefficients `C = Z B` in it and leave `E = Z - C B^T`, whose inner products are
+The basis `B` and the coefficients `A` represent the earlier pairs. New rows `Z` have the
+coefficients `C = Z B` in it and the residual `E = Z - C B^T`, whose inner products are
 ``Z Z^T - C C^T = U D^2 U^T``: so ``Q = E^T U D^-1`` is orthonormal and at right angles to `B`. All
 rows together are
 
     [A  0  ]
     [C  U D] [B Q]^T
 
-and the directions of the small matrix on the left turn [B Q] into the new basis (sequential
+and the directions of the small matrix on the left rotate [B Q] into the new basis (sequential
 Karhunen-Loeve; Levy and Lindenbaum 2000).
 """
 
@@ -20,40 +20,40 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights.transfer.basis import Directions, Wanted, directions, mixtures
+from envlights.transfer.basis import BasisSize, Directions, directions, mixtures
 from envlights.transfer.gram import gram, parts, texel_rows
-from envlights.transfer.learnt import Learnt
+from envlights.transfer.pair_summary import PairSummary
 from envlights.transfer.pairs import Pairs
 from envlights.transfer.products import eigensystem, product
 
 
-def grown(
-    basis: NDArray[Any], lit: NDArray[np.bool_], learnt: Learnt, pairs: Pairs, wanted: Wanted
-) -> tuple[NDArray[Any], NDArray[np.bool_], Learnt]:
-    """Basis, lit texels and learnt pairs, with the new `pairs`."""
-    seen = gram(pairs, centred=False)
+def extend(
+    basis: NDArray[Any], lit: NDArray[np.bool_], learnt: PairSummary, pairs: Pairs, size: BasisSize
+) -> tuple[NDArray[Any], NDArray[np.bool_], PairSummary]:
+    """Basis, lit texels and summary after the addition of `pairs`."""
+    new = gram(pairs, centred=False)
     inside = _inside(basis, lit, pairs)
-    left = directions(seen.products - product(inside, inside.T), pairs.dtype, seen.energy.sum())
+    residual = directions(new.products - product(inside, inside.T), pairs.dtype, new.energy.sum())
     old = learnt.coefficients.reshape(-1, basis.shape[1])
     rows = np.block(
         [
-            [old, np.zeros((len(old), len(left.values)))],
-            [inside, left.vectors * np.sqrt(left.values)],
+            [old, np.zeros((len(old), len(residual.values)))],
+            [inside, residual.vectors * np.sqrt(residual.values)],
         ]
     )
     values, turn = eigensystem(product(rows.T, rows))
     values, turn = values[::-1], turn[:, ::-1]
-    rank = wanted.count(values[values > values[0] * np.finfo(pairs.dtype).eps])
+    rank = size.count(values[values > values[0] * np.finfo(pairs.dtype).eps])
     coefficients = product(rows, turn[:, :rank]).reshape(-1, 3, rank)
     together = replace(
         learnt,
         direct=np.concatenate([learnt.direct, pairs.direct]),
         coefficients=coefficients,
         outside=_outside(learnt, rows, coefficients),
-        energy=np.concatenate([learnt.energy, seen.energy]),
+        energy=np.concatenate([learnt.energy, new.energy]),
     )
-    union = lit | seen.lit
-    return _turned(basis, lit, union, pairs, (inside, left, turn[:, :rank])), union, together
+    union = lit | new.lit
+    return _rotate(basis, lit, union, pairs, (inside, residual, turn[:, :rank])), union, together
 
 
 def _inside(basis: NDArray[Any], lit: NDArray[np.bool_], pairs: Pairs) -> NDArray[np.float64]:
@@ -69,9 +69,9 @@ def _inside(basis: NDArray[Any], lit: NDArray[np.bool_], pairs: Pairs) -> NDArra
 
 
 def _outside(
-    learnt: Learnt, rows: NDArray[np.float64], coefficients: NDArray[np.float64]
+    learnt: PairSummary, rows: NDArray[np.float64], coefficients: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """What the new basis leaves of each image: what the old one left, and what the turn leaves."""
+    """Residual of each image in the new basis."""
     rows = rows.reshape(len(coefficients), 3, -1)
     outside: NDArray[np.float64] = rows @ rows.swapaxes(1, 2)
     outside -= coefficients @ coefficients.swapaxes(1, 2)
@@ -79,17 +79,17 @@ def _outside(
     return outside
 
 
-def _turned(
+def _rotate(
     basis: NDArray[Any],
     lit: NDArray[np.bool_],
     union: NDArray[np.bool_],
     pairs: Pairs,
-    turned: tuple[NDArray[np.float64], Directions, NDArray[np.float64]],
+    rotation: tuple[NDArray[np.float64], Directions, NDArray[np.float64]],
 ) -> NDArray[Any]:
-    """The new basis over the lit texels of old and new images."""
-    inside, left, turn = turned
+    """New basis over the lit texels of old and new images."""
+    inside, residual, turn = rotation
     rank = basis.shape[1]
-    from_new = left.vectors / np.sqrt(left.values) @ turn[rank:]
+    from_new = residual.vectors / np.sqrt(residual.values) @ turn[rank:]
     from_old = (turn[:rank] - inside.T @ from_new).astype(basis.dtype)
     out = np.empty((np.count_nonzero(union), from_old.shape[1]), basis.dtype)
     end = old_end = 0

@@ -36,7 +36,7 @@ def squares(
     missed : ndarray, shape (k, 3, rank)
         Coefficients less what a regression without their image gives.
     """
-    turned, leaning = _turned(coefficients, outside)
+    turned, leaning = _rotate(coefficients, outside)
     seen = leaning @ missed.swapaxes(1, 2)
     inside = np.einsum("kcr,kcr->k", missed, missed)
     lost = np.einsum("kij,kji->k", turned, np.eye(3) - seen @ seen.swapaxes(1, 2))
@@ -44,7 +44,7 @@ def squares(
     return result
 
 
-def _turned(
+def _rotate(
     coefficients: NDArray[np.float64], outside: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """`Q` and ``A S^-2`` of the head of this file."""

@@ -12,23 +12,22 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _html, _thumbnails
-from envlights._check import amount, check_choice, check_progress, count, flag
+from envlights._check import amount, check_progress, count, flag
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights.transfer import archive, grow
-from envlights.transfer.basis import Wanted
-from envlights.transfer.compact import LARGEST, CompactBasis, rounded
+from envlights.transfer.basis import check_parameters
+from envlights.transfer.compact import CompactBasis, compress
 from envlights.transfer.consistency import check_fields
-from envlights.transfer.expand import check_range, expand, project, region_mask, truncated
-from envlights.transfer.learnt import Learnt
+from envlights.transfer.expand import check_range, expand, project, region_mask, truncate
+from envlights.transfer.pair_summary import PairSummary
 from envlights.transfer.pairs import as_array, image_stack, pairs_of, rgb_rows
 from envlights.transfer.report import TransferReport
-from envlights.transfer.training import solved, trained
+from envlights.transfer.training import solve, train
 
 _PARAMETERS = {"rank", "ridge", "error"}
 #: How the note on texels that are not computed ends.
 _BLACK = "texels are black in every image: they are predicted black, without work"
-_TYPES = " nor ".join(LARGEST)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -72,19 +71,19 @@ class TransferModel(Result):
     parameters: Mapping[str, Any]
     """`rank`, `ridge` and `error` as they were given."""
 
-    learnt: Learnt
+    learnt: PairSummary
     """Summary of the pairs, without their texels."""
 
     report: TransferReport
     """Size, times and errors of the model, among them those on lights outside its pairs."""
 
     def __post_init__(self) -> None:
-        if not isinstance(self.learnt, Learnt) or not isinstance(self.report, TransferReport):
-            raise EnvLightsError("learnt must be a Learnt, and report a TransferReport")
+        if not isinstance(self.learnt, PairSummary) or not isinstance(self.report, TransferReport):
+            raise EnvLightsError("learnt must be a PairSummary, and report a TransferReport")
         if set(self.parameters) != _PARAMETERS:
             names, given = (", ".join(sorted(each)) for each in (_PARAMETERS, self.parameters))
             raise EnvLightsError(f"parameters must be {names}; got {given or 'none'}")
-        _wanted(**self.parameters)
+        check_parameters(**self.parameters)
         arrays = {"transfer": self.transfer, "mean": self.mean, **vars(self.learnt)}
         check_fields(self.basis, self.lit, self.size, arrays)
 
@@ -157,17 +156,17 @@ class TransferModel(Result):
         >>> model.report.rank, model.report.error < 1e-6
         (1, True)
         """
-        wanted, notebook = _wanted(rank, ridge, error), flag("notebook", notebook)
+        limits, notebook = check_parameters(rank, ridge, error), flag("notebook", notebook)
         check_progress(progress)
         # Keep parameters as plain numbers, which a file can hold.
         ridge = ridge if isinstance(ridge, str) else float(ridge)
-        parameters = {"rank": wanted.rank, "ridge": ridge, "error": wanted.error}
+        parameters = {"rank": limits.rank, "ridge": ridge, "error": limits.error}
         start = perf_counter()
         pairs = pairs_of(direct, indirect)
-        columns, lit, mean, learnt, missed = trained(pairs, wanted, notebook, progress)
+        columns, lit, mean, learnt, missed = train(pairs, limits, notebook, progress)
         height, width = np.shape(direct)[1:3]
         notes = (*pairs.notes, *missed)
-        model = _solved(columns, lit, mean, (height, width), parameters, learnt, notes)
+        model = _solve(columns, lit, mean, (height, width), parameters, learnt, notes)
         seconds = {"fit": perf_counter() - start}
         return replace(model, report=replace(model.report, seconds=seconds))
 
@@ -218,7 +217,7 @@ class TransferModel(Result):
         # Leave out the directions that each frame can spare.
         if amount("error", error, most=1.0) > 0:
             self._refuse_mean("leave directions out of a frame")
-            coefficients = truncated(coefficients, error)
+            coefficients = truncate(coefficients, error)
         # Compute the blocks of texels that the region touches, then crop.
         wanted = None if region is None else region_mask(region, self._shape)
         predicted = self._expanded(coefficients, norm, wanted)
@@ -276,19 +275,8 @@ class TransferModel(Result):
         amount("error", error)
         self._refuse_mean("be compressed")
         basis = self._dense("be compressed again")
-        energy = np.einsum("kcr,kcs->rs", self.learnt.coefficients, self.learnt.coefficients)
-        for dtype in LARGEST:
-            # Round, and bound the change of any frame by its largest singular value.
-            kept, wrong = rounded(basis, self.lit, dtype)
-            most = np.sqrt(np.linalg.eigvalsh(wrong)[-1])
-            if most <= error:
-                usual = np.sqrt(np.sum(wrong * energy) / np.trace(energy))
-                note = (
-                    f"the basis is kept in {dtype}: no frame changes by more than"
-                    f" {100 * most:.2g} % of its norm, those learnt by {100 * usual:.2g} %"
-                )
-                return replace(self, basis=kept, report=self._noted(note))
-        return replace(self, report=self._noted(f"neither {_TYPES} keeps the error {error:g}"))
+        compact, note = compress(basis, self.lit, self.learnt.coefficients, error)
+        return replace(self, basis=compact, report=self._noted(note))
 
     def _noted(self, note: str) -> TransferReport:
         """The report with one more note."""
@@ -350,10 +338,10 @@ class TransferModel(Result):
         image_stack("indirect", indirect[:1], self._shape)
         pairs = pairs_of(direct, indirect)
         # Grow the basis, then solve for its matrix.
-        wanted = _wanted(**self.parameters)
-        columns, lit, learnt = grow.grown(basis, self.lit, self.learnt, pairs, wanted)
+        limits = check_parameters(**self.parameters)
+        columns, lit, learnt = grow.extend(basis, self.lit, self.learnt, pairs, limits)
         notes = (*self.report.notes, *pairs.notes)
-        model = _solved(columns, lit, self.mean, self.size, self.parameters, learnt, notes)
+        model = _solve(columns, lit, self.mean, self.size, self.parameters, learnt, notes)
         seconds = {**self.report.seconds, "add": perf_counter() - start}
         return replace(model, report=replace(model.report, seconds=seconds))
 
@@ -409,22 +397,13 @@ class TransferModel(Result):
         return self._expanded(one_each, np.zeros(components), None)[..., 0]
 
 
-def _wanted(rank: object, ridge: object, error: object) -> Wanted:
-    """The parameters of `fit`, or a refusal."""
-    if isinstance(ridge, str):
-        check_choice("ridge", ridge, ("loo",))
-    else:
-        amount("ridge", ridge)
-    return Wanted.checked(rank, error)
-
-
-def _solved(
+def _solve(
     columns: NDArray[Any],
     lit: NDArray[np.bool_],
     mean: NDArray[Any],
     size: tuple[int, int],
     parameters: Mapping[str, Any],
-    learnt: Learnt,
+    learnt: PairSummary,
     notes: tuple[str, ...],
 ) -> TransferModel:
     """The model of a basis: its transfer matrix and its errors."""
@@ -432,5 +411,5 @@ def _solved(
     notes = tuple(note for note in notes if not note.endswith(_BLACK))
     if black := np.count_nonzero(~lit):
         notes = (*notes, f"{black} of {lit.size} {_BLACK}")
-    transfer, report = solved(learnt, parameters["ridge"], channelwise=not len(mean), notes=notes)
+    transfer, report = solve(learnt, parameters["ridge"], channelwise=not len(mean), notes=notes)
     return TransferModel(columns, lit, transfer, mean, size, parameters, learnt, report)

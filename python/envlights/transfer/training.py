@@ -10,17 +10,17 @@ from numpy.typing import NDArray
 
 from envlights._native import EnvLightsError
 from envlights.transfer import cluster, leave_one_out
-from envlights.transfer.basis import Wanted, basis, directions, outside
+from envlights.transfer.basis import BasisSize, basis, directions, outside
 from envlights.transfer.copies import Distinct, distinct
 from envlights.transfer.gram import gram
-from envlights.transfer.learnt import Learnt
+from envlights.transfer.pair_summary import PairSummary
 from envlights.transfer.pairs import Pairs
 from envlights.transfer.report import TransferReport
 from envlights.transfer.ridge import RIDGES, Regression, regression
 
 
-class Trained(NamedTuple):
-    """A basis, and what a model keeps of its pairs."""
+class Training(NamedTuple):
+    """Result of training: a basis, and a summary of the pairs."""
 
     basis: NDArray[Any]
     """Orthonormal columns over the lit texels, (lit texels, rank)."""
@@ -31,15 +31,15 @@ class Trained(NamedTuple):
     mean: NDArray[Any]
     """Mean of all rows in those texels, or empty."""
 
-    learnt: Learnt
-    """The summary of the pairs."""
+    learnt: PairSummary
+    """Summary of the pairs."""
 
     notes: tuple[str, ...]
-    """Where the basis falls short of what was asked for."""
+    """Remarks on requests that the basis does not meet."""
 
 
-def trained(pairs: Pairs, wanted: Wanted, centred: bool, progress: bool | None) -> Trained:
-    """The basis of the `pairs`; `centred`: around the mean of their rows."""
+def train(pairs: Pairs, size: BasisSize, centred: bool, progress: bool | None) -> Training:
+    """Basis of the `pairs`, around the mean of their rows if `centred`."""
     gram_of, basis_of = (
         (cluster.gram, cluster.basis)
         if pairs.is_lazy
@@ -47,24 +47,24 @@ def trained(pairs: Pairs, wanted: Wanted, centred: bool, progress: bool | None) 
     )
     # Find the directions of the images from their inner products.
     measured = gram_of(pairs, centred=centred)
-    found = directions(measured.products, pairs.dtype, measured.energy.sum())
-    if not len(found.values):
+    every = directions(measured.products, pairs.dtype, measured.energy.sum())
+    if not len(every.values):
         what = "the same in every image" if centred else "black in every image"
         raise EnvLightsError(f"indirect is {what}; there is nothing to learn")
     # Keep the first of them, and read the images once more for their columns.
-    rank = wanted.count(found.values)
-    kept = found.first(rank)
-    columns, mean = basis_of(pairs, measured, kept, centred=centred)
-    coefficients = kept.coefficients
-    left = outside(measured.products, coefficients)
-    learnt = Learnt(pairs.direct, coefficients, left, measured.energy)
-    return Trained(columns, measured.lit, mean, learnt, wanted.missed(found.values, rank))
+    rank = size.count(every.values)
+    first = every.first(rank)
+    columns, mean = basis_of(pairs, measured, first, centred=centred)
+    coefficients = first.coefficients
+    residual = outside(measured.products, coefficients)
+    learnt = PairSummary(pairs.direct, coefficients, residual, measured.energy)
+    return Training(columns, measured.lit, mean, learnt, size.missed(every.values, rank))
 
 
-def solved(
-    learnt: Learnt, ridge: float | str, channelwise: bool, notes: tuple[str, ...]
+def solve(
+    learnt: PairSummary, ridge: float | str, channelwise: bool, notes: tuple[str, ...]
 ) -> tuple[NDArray[np.float64], TransferReport]:
-    """The matrix from direct light to coefficients, and its errors; "loo" finds the best ridge."""
+    """Matrix from direct light to coefficients, with its errors; "loo" selects the ridge."""
     apart = distinct(learnt)
     solver = regression(apart.learnt.direct, channelwise)
     chosen = _best_ridge(solver, apart) if isinstance(ridge, str) else ridge
@@ -75,7 +75,7 @@ def solved(
 
 
 def _best_ridge(solver: Regression, apart: Distinct) -> float:
-    """The ridge with the least mean of leave-one-out errors."""
+    """Ridge with the smallest mean leave-one-out error."""
     return float(min(RIDGES, key=lambda each: float(np.mean(_left_out(solver, each, apart)))))
 
 
@@ -85,14 +85,14 @@ def _report(
     learnt = apart.learnt
     # Split the energy of the images into that inside and that outside of the basis.
     inside = np.sum(learnt.coefficients**2)
-    left = np.trace(learnt.outside, axis1=1, axis2=2)
-    # Add what the regression misses inside to what the basis misses outside.
+    residual = np.trace(learnt.outside, axis1=1, axis2=2)
+    # Add the error of the regression inside the basis to the residual outside.
     missed = solver.residual(ridge, learnt.coefficients)
-    squares = np.sum(missed**2, axis=(1, 2)) + left
+    squares = np.sum(missed**2, axis=(1, 2)) + residual
     return TransferReport(
         pairs=len(apart.group),
         rank=learnt.coefficients.shape[2],
-        energy=float(inside / (inside + left.sum())),
+        energy=float(inside / (inside + residual.sum())),
         ridge=ridge,
         unseen_errors=tuple(_left_out(solver, ridge, apart).tolist()),
         training_errors=tuple(_relative(squares, apart).tolist()),

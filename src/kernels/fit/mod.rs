@@ -12,8 +12,7 @@
 //! | best radiances, none negative                   | `radiances.rs`, `nnls.rs`          |
 //! | best directions near given ones                 | `state.rs`, `newton.rs`, `descent.rs` |
 //! | - gradient and hessian in wide vectors          | `curvature.rs`, `dense.rs`         |
-//! | - roughly, from many starts side by side        | `abreast/`                         |
-//! | numbers side by side, and matrices of them      | `lanes.rs`, `wide.rs`              |
+//! | numbers in vectors                              | `lanes.rs`                         |
 //! | what a light in a new place would explain       | `candidates.rs`, `moves.rs`        |
 //! | best set of a number of lights                  | `search.rs`, `multistart.rs`       |
 //! | which number                                    | `light_count.rs`                   |
@@ -21,7 +20,6 @@
 //! | the error of one probe beside another           | `relative_rms.rs`                  |
 //! | how well the probe determines them              | `uncertainty.rs`                   |
 
-mod abreast;
 mod ambient;
 mod azimuthal;
 mod candidates;
@@ -36,6 +34,7 @@ mod multistart;
 mod newton;
 mod nnls;
 mod objective;
+mod options;
 mod problem;
 mod radiances;
 mod relative_rms;
@@ -45,11 +44,11 @@ mod search;
 mod sphere;
 mod state;
 mod uncertainty;
-mod wide;
 
 pub use ambient::Ambient;
 pub use discs::Comparison;
 pub use objective::Objective;
+pub use options::FitOptions;
 pub use problem::Problem;
 pub use relative_rms::relative_rms;
 pub use rig::Rig;
@@ -57,8 +56,6 @@ pub use samples::{Judged, Probe, Samples};
 pub use sphere::Sphere;
 pub use state::StopReason;
 pub use uncertainty::Uncertainty;
-
-use glam::DVec3;
 
 use self::azimuthal::Azimuthal;
 use self::discs::{Sized, Sizes};
@@ -68,27 +65,6 @@ use self::sphere::rendered;
 use self::state::State;
 use super::image::WorkingMap;
 use crate::error::{Error, Result};
-
-/// What a caller asks for.
-#[derive(Clone, Debug)]
-pub struct Asked {
-    /// What the rig may have beside the lights.
-    pub ambient: Ambient,
-    /// Where the first lights start, brightest first.
-    pub start: Vec<DVec3>,
-    /// How many of these keep their directions.
-    pub fixed: usize,
-    /// Lights at most.
-    pub lights: usize,
-    /// Relative RMS error that is good enough.
-    pub error: Option<f64>,
-    /// The same where things stand in the way.
-    pub shadow_error: Option<f64>,
-    /// By which comparison the lights get sizes; none: they are points.
-    pub sizes: Option<Comparison>,
-    /// Steps after which a descent gives up.
-    pub max_steps: usize,
-}
 
 /// The best rig, and how it was found.
 #[derive(Clone, Debug)]
@@ -117,17 +93,6 @@ pub struct Fitted {
     pub uncertainty: Uncertainty,
 }
 
-/// Surfaces that count, and light that reaches them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum World {
-    /// All surfaces, and all light.
-    Open,
-    /// Those that face up, and all light.
-    Upward,
-    /// All surfaces, over a floor that hides what is below the horizon: no light comes or may stand there.
-    Floor,
-}
-
 /// Normals that judge a rig under a map, at least.
 const JUDGING: usize = 5120;
 
@@ -136,15 +101,11 @@ const JUDGING: usize = 5120;
 /// # Errors
 ///
 /// [`Error::TooFewNormals`], [`Error::TooBright`].
-pub fn under_map(map: &WorkingMap, world: World, asked: &Asked, error_floor: f64) -> Result<Fitted> {
-    let has_floor = world == World::Floor;
+pub fn under_map(map: &WorkingMap, has_floor: bool, asked: &FitOptions, error_floor: f64) -> Result<Fitted> {
     let azimuthal = Azimuthal::of(map);
     let rest = azimuthal.without_bright(map);
     let comparison = asked.sizes.unwrap_or(Comparison::Shadows);
     let sizes = || Sizes::new(map, &rest, asked.ambient, has_floor, comparison);
-    if world == World::Upward {
-        return facing_up(map, &rest, sizes(), asked, error_floor);
-    }
     check_unknowns(asked, JUDGING)?;
     let figures = || rayon::join(sizes, || rendered(map, &rest, JUDGING));
     let sphere = || Sphere::of(map, &azimuthal, asked.ambient, has_floor);
@@ -164,21 +125,6 @@ pub fn under_map(map: &WorkingMap, world: World, asked: &Asked, error_floor: f64
     let problem = asked.problem(&sphere);
     let path = path.into_iter().map(|tried| figures.on_the_way(&problem, tried.state)).collect();
     Ok(best(&problem, &figures, path, error_floor))
-}
-
-/// The best rig for surfaces that face up.
-fn facing_up(
-    map: &WorkingMap,
-    rest: &Azimuthal,
-    sizes: Sizes<'_>,
-    asked: &Asked,
-    error_floor: f64,
-) -> Result<Fitted> {
-    let upward = |fewest| rendered(map, rest, fewest).map(Samples::upward);
-    let (judge, fitted) = (upward(2 * JUDGING)?, upward(JUDGING)?);
-    check_unknowns(asked, judge.normals.len())?;
-    let figures = Figures { judge: &judge, sizes: Some(sizes), asked };
-    fit(&asked.problem(&Probe::new(fitted, asked.ambient)), &figures, error_floor)
 }
 
 /// The best place with each number of lights, by the errors that the objective knows.
@@ -204,7 +150,7 @@ pub fn energy(map: &WorkingMap) -> f64 {
 /// # Errors
 ///
 /// [`Error::TooFewNormals`] when there are fewer equations than unknowns.
-pub fn to_samples(samples: Samples, asked: &Asked) -> Result<Fitted> {
+pub fn to_samples(samples: Samples, asked: &FitOptions) -> Result<Fitted> {
     check_unknowns(asked, samples.normals.len())?;
     let probe = Probe::new(samples, asked.ambient);
     let figures = Figures { judge: &probe.samples, sizes: None, asked };
@@ -218,7 +164,7 @@ struct Figures<'a> {
     judge: &'a Samples,
     /// What knows of shadows, under a map.
     sizes: Option<Sizes<'a>>,
-    asked: &'a Asked,
+    asked: &'a FitOptions,
 }
 
 impl Figures<'_> {
@@ -289,15 +235,9 @@ fn best(problem: &Problem<'_>, figures: &Figures<'_>, path: Vec<Tried>, error_fl
     }
 }
 
-impl Asked {
-    /// The errors that are good enough.
+impl FitOptions {
     fn goal(&self) -> Goal {
         Goal { error: self.error, shadow_error: self.shadow_error }
-    }
-
-    /// Whether there are any.
-    fn has_goal(&self) -> bool {
-        self.error.is_some() || self.shadow_error.is_some()
     }
 
     fn problem<'a>(&'a self, objective: &'a dyn Objective) -> Problem<'a> {
@@ -308,7 +248,7 @@ impl Asked {
 
 /// Three equations at each normal; in each channel the coefficients of the ambient term and a radiance for
 /// each light, and its two angles.
-fn check_unknowns(asked: &Asked, seen: usize) -> Result<()> {
+fn check_unknowns(asked: &FitOptions, seen: usize) -> Result<()> {
     let lights = asked.lights;
     let wanted = (3 * asked.ambient.coefficients() + 5 * lights).div_ceil(3).max(1);
     if seen < wanted {
@@ -326,8 +266,8 @@ mod tests {
     use crate::kernels::sphere::direction;
     use ndarray::s;
 
-    fn asked(lights: usize, ambient: Ambient) -> Asked {
-        Asked {
+    fn asked(lights: usize, ambient: Ambient) -> FitOptions {
+        FitOptions {
             ambient,
             start: Vec::new(),
             fixed: 0,

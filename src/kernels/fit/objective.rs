@@ -28,9 +28,7 @@ use glam::{DMat3, DVec3};
 use nalgebra::DMatrix;
 
 use super::ambient::Ambient;
-use super::lanes::LANES;
 use super::rig::Rig;
-use super::wide::Matrix;
 use crate::kernels::sphere::tangents;
 
 /// The error of a rig, and all that a fit needs to know of it.
@@ -49,12 +47,6 @@ pub trait Objective: Debug + Sync {
 
     /// The inner products of the derivatives of the lights of `moments` but the first `fixed`.
     fn derivatives(&self, moments: &Moments, fixed: usize) -> Derivatives;
-
-    /// The moments of several sets of as many lights, and the inner products of the derivatives of all but the first
-    /// `fixed` of each; an empty set is left out. None where lights do not go side by side.
-    fn abreast(&self, _sets: &[Vec<DVec3>; LANES], _fixed: usize) -> Option<MomentsAbreast> {
-        None
-    }
 
     /// Each light and normal where the cost has a kink, or ends, on the way from one place to the other.
     fn kinks(&self, from: &Moments, to: &Moments) -> Vec<(usize, DVec3)>;
@@ -210,21 +202,6 @@ pub struct Derivatives {
     pub gram: DMatrix<f64>,
     /// With the irradiance in each fitted channel.
     pub rhs: DMatrix<f64>,
-}
-
-/// What [`Moments`] and [`Derivatives`] hold, of several sets of as many lights side by side.
-#[derive(Clone, Debug)]
-pub struct MomentsAbreast {
-    /// The tangents of each light, set after set.
-    pub frames: [Vec<[DVec3; 2]>; LANES],
-    /// Of the columns with each other; with the irradiance, a row for each fitted channel.
-    pub gram: Matrix,
-    pub rhs: Matrix,
-    /// Of the derivatives of lights that may turn with the columns, a row for each column; with each other, in and above
-    /// the diagonal, where that is between lights; with the irradiance, a row for each channel.
-    pub model: Matrix,
-    pub both: Matrix,
-    pub slopes: Matrix,
 }
 
 impl Moments {

@@ -13,7 +13,7 @@ from envlights.transfer.model import TransferModel
 @click.command("apply")
 @click.argument("model_path", metavar="MODEL")
 @click.argument("direct_path", metavar="DIRECT")
-@click.option("-o", "--output", required=True, metavar="OUT", help="Where the image goes: .exr.")
+@click.option("-o", "--output", required=True, metavar="OUT", help="File to write (.exr).")
 def command(model_path: str, direct_path: str, output: str) -> None:
     """Predict the indirect light for DIRECT (.exr)."""
     inputs = {"the model": model_path, "the direct light": direct_path}

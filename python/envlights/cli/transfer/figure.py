@@ -15,7 +15,7 @@ from envlights.transfer.model import TransferModel
 @click.argument("direct_path", metavar="DIRECT")
 @click.argument("indirect_path", metavar="INDIRECT")
 @click.option(
-    "-o", "--output", required=True, metavar="PICTURE", help="Where it goes: .png, .pdf or .svg."
+    "-o", "--output", required=True, metavar="PICTURE", help="File to write (.png, .pdf, .svg)."
 )
 def command(model_path: str, direct_path: str, indirect_path: str, output: str) -> None:
     """Draw a predicted frame beside the truth.

@@ -24,22 +24,24 @@ def _rank(text: str) -> int | float:
 
 @click.command("fit")
 @click.argument("folder", metavar="FOLDER")
-@click.option("-o", "--output", required=True, metavar="MODEL", help="Where the model goes: .npz.")
+@click.option("-o", "--output", required=True, metavar="MODEL", help="File to write (.npz).")
 @click.option(
     "--rank",
     type=_rank,
     default=str(default_of(TransferModel.fit, "rank")),
     show_default=True,
     metavar="RANK",
-    help="Directions, at most; or the share of the energy that they hold: 0.99.",
+    help="Largest number of directions, or the fraction of the energy that they hold, such as 0.99.",
 )
 @click.option(
     "--ridge",
     default=str(default_of(TransferModel.fit, "ridge")),
     show_default=True,
-    help="A number, or loo: the best one.",
+    help="Regularisation: a number, or loo for the best one.",
 )
-@click.option("--error", type=float, help="Use the fewest directions with at most this error.")
+@click.option(
+    "--error", type=float, help="Largest error; the fewest directions that reach it are used."
+)
 @click.option("--json", "as_json", is_flag=True, help="Print the report as JSON.")
 def command(
     folder: str, output: str, rank: int | float, ridge: str, error: float | None, as_json: bool

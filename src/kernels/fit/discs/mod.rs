@@ -16,7 +16,6 @@
 //! | radii to start from                                   | `start.rs`      |
 //! | best fluxes, and the cost to second order             | `state.rs`, `newton.rs` |
 //! | downhill                                              | `descent.rs`    |
-//! | out of a wrong valley                                 | `exchange.rs`   |
 //! | the error at normals                                  | `judge.rs`      |
 
 mod abreast;
@@ -25,7 +24,6 @@ mod analysis;
 mod chord;
 mod descent;
 mod disc;
-mod exchange;
 mod far;
 mod harmonics;
 mod jet;
@@ -48,7 +46,6 @@ use rayon::prelude::*;
 
 use self::descent::{Descended, descend};
 use self::disc::Disc;
-use self::exchange::exchanged;
 use self::newton::Quadratic;
 use self::state::{Problem, State};
 use self::target::{Picture, Target};
@@ -144,7 +141,7 @@ impl<'a> Sizes<'a> {
         let best = rough.into_iter().min_by(|a, b| a.state.cost.total_cmp(&b.state.cost));
         let Some(best) = best else { return Sized::points(rig.clone()) };
         let best = if is_only { Descended { steps: 0, ..best } } else { descend(&problem, best.state, FINE) };
-        let Descended { state, steps, stop } = exchanged(&problem, best, [ROUGH, FINE]);
+        let Descended { state, steps, stop } = best;
         let steps = before + steps;
         let state = state.without_black(&problem);
         let growth = (GROWTH * GROWTH - 1.0) * state.cost.max(0.0);

@@ -61,12 +61,6 @@ impl Samples {
         })
     }
 
-    /// Those of surfaces that face up.
-    #[must_use]
-    pub fn upward(self) -> Self {
-        self.only(|normal| normal.y > 0.0).unwrap_or(self)
-    }
-
     /// Weighted sum of squares of what `rig` leaves unexplained.
     pub fn cost(&self, rig: &Rig) -> f64 {
         self.blocks.left(rig).squares.iter().sum()

@@ -161,7 +161,6 @@ fn arcsines_over_sines<N: Number>(squares: N) -> N {
 /// The kernel between lights and others, and its derivatives.
 #[derive(Clone, Copy, Debug)]
 pub struct Mixed<N> {
-    pub value: N,
     /// Along the tangents of the lights.
     pub own: [N; 2],
     /// Along those of the others.
@@ -175,9 +174,8 @@ pub struct Mixed<N> {
 pub fn mixed_derivatives<N: Number>(lights: &[[N; 3]; 3], others: &[[N; 3]; 3]) -> Mixed<N> {
     let angles = Angles::between(&lights[0], &others[0]);
     let (slopes, bends) = (angles.slopes(), angles.bends());
-    let value = angles.rests().add_product(slopes, angles.cosine);
     let zero = [slopes.like(0.0); 2];
-    let mut mixed = Mixed { value, own: zero, other: zero, both: [zero; 2] };
+    let mut mixed = Mixed { own: zero, other: zero, both: [zero; 2] };
     for a in 0..2 {
         let along = product(&others[0], &lights[a + 1]);
         mixed.own[a] = slopes * along;

@@ -13,7 +13,6 @@
 //! |------------------------------------------|----------------------|
 //! | the kernel between two lights            | `kernel.rs`          |
 //! | inner products of lights                 | `lights.rs`          |
-//! | - of several sets of lights side by side | `abreast.rs`         |
 //! | bright sources, kept as points           | `points.rs`          |
 //! | the map in spherical harmonics           | `harmonics.rs`       |
 //! | a smooth even function, quick to look up | `field.rs`           |
@@ -22,7 +21,6 @@
 
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
-mod abreast;
 mod ambient_columns;
 #[cfg(test)]
 mod extended_precision;
@@ -48,9 +46,7 @@ use self::points::{Point, Points};
 use super::ambient::Ambient;
 use super::azimuthal::Azimuthal;
 use super::lanes::LANES;
-use super::objective::{
-    Derivatives, Directions, Given, Moments, MomentsAbreast, Objective, distinct_channels,
-};
+use super::objective::{Derivatives, Directions, Given, Moments, Objective, distinct_channels};
 use super::rig::Rig;
 use crate::kernels::image::WorkingMap;
 
@@ -185,16 +181,6 @@ impl Objective for Sphere {
         let directions = &moments.directions;
         self.widest.dispatch(Turned { directions, ambient, fixed, derivatives: &mut derivatives });
         derivatives
-    }
-
-    fn abreast(&self, sets: &[Vec<DVec3>; LANES], fixed: usize) -> Option<MomentsAbreast> {
-        // Harmonics and floors have conditions of their own.
-        let is_plain = self.given.free() == 0 && !self.columns.has_floor;
-        is_plain.then(|| {
-            let sides_of = |directions| self.widest.dispatch(Sides { sphere: self, directions });
-            let sides = sets.each_ref().map(|set| sides_of(set));
-            self.widest.dispatch(abreast::Asked { given: &self.given, sets, sides, fixed })
-        })
     }
 
     fn kinks(&self, _: &Moments, to: &Moments) -> Vec<(usize, DVec3)> {

@@ -11,7 +11,7 @@ from envlights._result import Result
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Learnt(Result):
+class PairSummary(Result):
     """Summary of the pairs of a model, without their texels, so that more pairs can be added."""
 
     direct: NDArray[np.float64]

@@ -1,0 +1,146 @@
+"""Request of a fit: number of lights, accepted errors, start and fixed directions."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from envlights import _native
+from envlights._blocks import in_blocks
+from envlights._check import amount, check_choice, count, reals
+from envlights._native import EnvLightsError
+from envlights.detection.detect import detect
+from envlights.envmap import EnvMap
+from envlights.kernels import sphere
+from envlights.lights import Lights
+from envlights.rig import Rig
+
+#: Names of starts for a map, and for a measured probe.
+STARTS = ("greedy", "detect", "even")
+STARTS_WITHOUT_MAP = ("greedy", "even")
+
+#: Lights when neither `lights` nor `error` is set, and the limit when only `error` is.
+LIGHTS = 4
+MOST_LIGHTS = 32
+
+#: Limit on the steps of one descent.
+MAX_STEPS = 100
+
+#: Limit on even starts, because the kernel refuses more lights than that under a map.
+MOST_EVEN_STARTS = 10240
+
+_NO_DIRECTIONS = np.zeros((0, 3))
+
+
+class Request(NamedTuple):
+    """Checked arguments of a fit."""
+
+    lights: int
+    """Largest number of lights, including fixed ones."""
+    error: float | None
+    """Largest accepted relative RMS error."""
+    shadow_error: float | None
+    """Largest accepted relative RMS error with shadows."""
+    fixed: NDArray[np.float64]
+    """Directions of lights that do not move, (k, 3)."""
+    start_directions: NDArray[np.float64]
+    """Directions where the first free lights start, brightest first, (n, 3)."""
+    start: str
+    """One of `STARTS`, for free lights without a start direction."""
+
+    @property
+    def has_goal(self) -> bool:
+        """True if an error was requested."""
+        return self.error is not None or self.shadow_error is not None
+
+    def first_directions(self, most: int) -> NDArray[np.float64]:
+        """Start directions of free lights without a map, at most `most`."""
+        free = self.lights - len(self.fixed)
+        if len(self.start_directions):
+            return self.start_directions[:free]
+        # The kernel refuses more than `most` lights, so place no more.
+        return _native.even_sphere(min(free, most)) if self.start == "even" else _NO_DIRECTIONS
+
+    def first_directions_under(self, env: EnvMap, has_floor: bool) -> NDArray[np.float64]:
+        """Start directions of free lights under a map; over a floor, above the horizon."""
+        free = self.lights - len(self.fixed)
+        if self.start == "detect" and free:
+            return detect(above_horizon(env) if has_floor else env, max_lights=free).direction
+        if self.start == "even" and has_floor:
+            # Points are sorted by height, so the first half lies above the horizon.
+            count = min(free, MOST_EVEN_STARTS)
+            return _native.even_sphere(2 * count)[:count]
+        return self.first_directions(MOST_EVEN_STARTS)
+
+    def is_reached(self, error: float, shadow_error: float) -> bool:
+        """True if an error was requested and both errors are low enough."""
+        limits = ((self.error, error), (self.shadow_error, shadow_error))
+        return self.has_goal and all(most is None or value <= most for most, value in limits)
+
+    def check_above_horizon(self) -> None:
+        """Refuse lights that a floor would hide."""
+        for name, towards in (("fixed", self.fixed), ("start", self.start_directions)):
+            below = np.flatnonzero(towards[:, 1] < 0)
+            if len(below):
+                raise EnvLightsError(
+                    f"{name} must have no light below the horizon where there is a floor;"
+                    f" the direction {below[0]} has y = {towards[below[0], 1]:.3g}"
+                )
+
+
+def request_of(
+    lights: int | None,
+    error: float | None,
+    start: str | Rig | Lights,
+    fixed: ArrayLike | Lights | None,
+    starts: tuple[str, ...] = STARTS,
+    shadow_error: float | None = None,
+) -> Request:
+    """Check the arguments of a fit; `starts` are the allowed names for `start`."""
+    fixed_directions, start_directions = _fixed(fixed), _NO_DIRECTIONS
+    if isinstance(start, Rig | Lights):
+        start_directions = (start.lights if isinstance(start, Rig) else start).direction
+        start = "greedy"
+    check_choice("start", start, starts)
+    for name, value in (("error", error), ("shadow_error", shadow_error)):
+        if value is not None:
+            amount(name, value, most=1.0)
+    has_goal = error is not None or shadow_error is not None
+    placed = len(fixed_directions) + len(start_directions)
+    most = _most_lights(lights, has_goal, len(fixed_directions), placed)
+    return Request(most, error, shadow_error, fixed_directions, start_directions, start)
+
+
+def _fixed(fixed: ArrayLike | Lights | None) -> NDArray[np.float64]:
+    """Directions of the lights that do not move."""
+    if fixed is None:
+        return _NO_DIRECTIONS
+    if isinstance(fixed, Lights):
+        return fixed.direction
+    directions = reals("fixed", fixed, 2)
+    sphere.direction_to_uv(directions)  # refuses a vector that is not of length 1
+    return directions
+
+
+def _most_lights(lights: int | None, has_goal: bool, fixed: int, placed: int) -> int:
+    """Limit on the number of lights; `placed` lights have a direction, and `fixed` do not move."""
+    if lights is not None:
+        if count("lights", lights) < fixed:
+            raise EnvLightsError(f"lights must be at least the {fixed} fixed ones; got {lights}")
+        return int(lights)
+    if has_goal:
+        return max(MOST_LIGHTS, fixed)
+    return placed or LIGHTS
+
+
+def above_horizon(env: EnvMap) -> EnvMap:
+    """`env`, black below the horizon."""
+    # All columns have the same heights, so compute one.
+    towards = sphere.pixel_directions(env.height, 2, border_sampled=env.is_border_sampled)[:, :1]
+    radiance = in_blocks(
+        env.radiance.shape,
+        lambda rows: np.where(towards[rows, :, 1:2] < 0, np.float32(0), env.radiance[rows]),
+    )
+    return EnvMap(radiance, registration=env.registration, white=env.white)

@@ -1,0 +1,78 @@
+"""Rig and report from the answer of a kernel."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights._native import FitAnswer
+from envlights.fitting.request import Request
+from envlights.lights import Lights, brightest_first
+from envlights.report import FitReport, StopReason
+from envlights.rig import Rig
+
+
+def rig_of(
+    answer: FitAnswer,
+    request: Request,
+    *,
+    scale: float = 1.0,
+    notes: tuple[str, ...] = (),
+    floor: bool = False,
+    **report_fields: Any,
+) -> Rig:
+    """Build the rig of an `answer` whose irradiance is in units of `scale`.
+
+    `report_fields` are the fields of the report that the answer does not hold.
+    """
+    irradiance = answer.irradiance * scale
+    # Sort in the final units: rounding in other units could exchange nearly equal lights.
+    order = brightest_first(irradiance)
+    ambient = answer.ambient * scale
+    report = FitReport(
+        errors=dict(answer.errors),
+        steps=answer.steps,
+        stop_reason=_stop_reason(answer, request),
+        channel_errors=tuple(answer.channel_errors),
+        max_error=answer.max_error,
+        condition=answer.condition,
+        direction_errors=_reorder(answer.direction_errors, order),
+        irradiance_errors=_reorder_rgb(answer.irradiance_errors, order, scale),
+        direction_tolerances=_reorder(answer.tolerances, order),
+        fixed=tuple(order.argsort()[: len(request.fixed)].tolist()) if len(request.fixed) else (),
+        **report_fields,
+    )
+    radii = np.array(answer.angular_radii)
+    return Rig(
+        ambient if len(ambient) > 1 else ambient.sum(axis=0),
+        Lights.unchecked(answer.directions[order], irradiance[order], radii[order]),
+        answer.error,
+        report,
+        notes,
+        floor,
+    )
+
+
+def _reorder(values: list[float], order: NDArray[np.intp]) -> tuple[float, ...]:
+    """One value for each light, in the `order` of the lights; empty if there are no values."""
+    return tuple(values[light] for light in order) if values else ()
+
+
+def _reorder_rgb(
+    values: list[list[float]], order: NDArray[np.intp], scale: float
+) -> tuple[tuple[float, float, float], ...]:
+    """Three values for each light, in units of `scale`, in the `order` of the lights."""
+    if not values:
+        return ()
+    return tuple((red * scale, g * scale, b * scale) for red, g, b in (values[i] for i in order))
+
+
+def _stop_reason(answer: FitAnswer, request: Request) -> StopReason:
+    """Reason why the fit stopped, with the requested errors taken into account."""
+    if answer.error == 0 and not answer.ambient.any() and not answer.irradiance.any():
+        return StopReason.NOTHING_TO_FIT
+    if request.has_goal and not request.is_reached(answer.error, answer.shadow_error):
+        return StopReason.ERROR_NOT_REACHED
+    return StopReason[answer.stop]

@@ -1,0 +1,72 @@
+"""Sentences of a fit's report and notes."""
+
+from __future__ import annotations
+
+from envlights._native import FitAnswer
+from envlights.envmap import EnvMap
+from envlights.fitting.request import Request
+from envlights.kernels.probe import WORKING_COLUMNS
+
+
+def measured_on(count: int, floor: bool) -> str:
+    """Normals on which the error was measured."""
+    return f"{count} normals over a floor" if floor else f"{count} normals"
+
+
+def working_map(env: EnvMap, points: int, rendering_error: float) -> tuple[str, ...]:
+    """Note on a map that was reduced for the fit."""
+    if env.width <= WORKING_COLUMNS:
+        return ()
+    cells = f"{points} bright cell{'' if points == 1 else 's'} kept exact"
+    return (
+        f"fitted on the map reduced to {WORKING_COLUMNS} columns, {cells}"
+        f" (adds about {_power(rendering_error)} to the error)",
+    )
+
+
+def channels(answer: FitAnswer) -> tuple[str, ...]:
+    """Note on channels that are black or equal to another, so that they need no fit."""
+    skipped = 3 - answer.channels
+    return (f"{skipped} of 3 channels skipped: black or equal to another",) if skipped else ()
+
+
+def fewer_lights(answer: FitAnswer, request: Request, rendering_error: float) -> str:
+    """Reason why there are fewer lights than allowed; empty if there are not."""
+    used, most = answer.lights, request.lights
+    if used >= most:
+        return ""
+    if request.is_reached(answer.error, answer.shadow_error):
+        why = "the requested error is reached"
+    elif answer.error <= rendering_error:
+        why = f"the error is already {_below(rendering_error)}"
+    else:
+        why = "more would not lower the error"
+    return f"{used} of at most {most} lights used: {why}"
+
+
+def clipping(env: EnvMap) -> tuple[str, ...]:
+    """Note on clipped pixels; empty if the map has no clip level or no clipped pixel.
+
+    Maps without a clip level are not examined, because that takes a third of the time of a fit.
+    `EnvMap.clipped_flux_share` examines any map.
+    """
+    share = 0.0 if env.white is None else env.clipped_flux_share
+    if not share:
+        return ()
+    return (
+        f"clipped pixels hold {100 * share:.2g} % of the map's flux,"
+        " so the lights there are a lower bound",
+    )
+
+
+def _below(rendering_error: float) -> str:
+    """Error below which no light is added."""
+    if not rendering_error:
+        return "0"
+    return f"below {_power(rendering_error)}, the accuracy of the fit"
+
+
+def _power(value: float) -> str:
+    """A small number with one digit: 1e-4."""
+    digits, exponent = f"{value:.0e}".split("e")
+    return f"{digits}e{int(exponent)}"

@@ -1,0 +1,104 @@
+//! Options of a fit, and the numbers that its search depends on.
+
+use glam::DVec3;
+
+use super::ambient::Ambient;
+use super::discs::Comparison;
+use super::objective::Objective;
+
+/// Options of one fit.
+#[derive(Clone, Debug)]
+pub struct FitOptions {
+    /// Ambient term beside the lights.
+    pub ambient: Ambient,
+    /// Initial directions of the first lights, brightest first.
+    pub start: Vec<DVec3>,
+    /// Number of these that keep their directions.
+    pub fixed: usize,
+    /// Greatest number of lights.
+    pub lights: usize,
+    /// Relative RMS error that ends the search.
+    pub error: Option<f64>,
+    /// Relative RMS error with shadows that ends the search.
+    pub shadow_error: Option<f64>,
+    /// Comparison that gives the lights their sizes; points if absent.
+    pub sizes: Option<Comparison>,
+    /// Greatest number of steps of one descent.
+    pub max_steps: usize,
+}
+
+impl FitOptions {
+    /// True if the caller named an error that is good enough.
+    pub fn has_goal(&self) -> bool {
+        self.error.is_some() || self.shadow_error.is_some()
+    }
+}
+
+/// Numbers of the search. Larger ones find lower minima more often and take longer.
+#[derive(Clone, Copy, Debug)]
+pub struct SearchSettings {
+    /// Sets of lights that forward selection carries from one number of lights to the next.
+    pub beam: usize,
+    /// Directions tried for a light that is added to a set.
+    pub added: usize,
+    /// Evenly spread starts per light, and the greatest number of starts.
+    pub starts_per_light: usize,
+    pub most_starts: usize,
+    /// Distinct minima that are improved by exchanges of lights.
+    pub minima: usize,
+    /// Exchanges of one light that are tried together.
+    pub exchanges: usize,
+    /// Perturbations of all lights that are tried together around each of the best minima.
+    pub perturbations: usize,
+    /// Relative decrease of the cost in one step that ends a first, rough descent.
+    pub rough: f64,
+    /// Relative difference of two costs below which their minima count as the same.
+    pub same: f64,
+}
+
+impl SearchSettings {
+    /// Points over all normals: eight starts and exchanges among the three best minima.
+    ///
+    /// Against four times as many starts, the error of 38 maps is 1.0001 times as large with 4 lights.
+    const SMOOTH: Self = Self {
+        beam: 1,
+        added: 1,
+        starts_per_light: 4,
+        most_starts: 8,
+        minima: 3,
+        exchanges: 2,
+        perturbations: 0,
+        rough: 4e-2,
+        same: 2e-3,
+    };
+    /// Harmonics beside the lights have more local minima: without the exchanges, 4 lights leave up to 16 % more error.
+    const HARMONICS: Self = Self {
+        beam: 12,
+        added: 6,
+        starts_per_light: 12,
+        most_starts: 96,
+        minima: 20,
+        exchanges: 8,
+        ..Self::SMOOTH
+    };
+    /// Known normals cut each minimum into many small ones: without perturbations, the error is up to 2 % larger.
+    const KINKS: Self = Self {
+        beam: 4,
+        added: 4,
+        starts_per_light: 8,
+        most_starts: 96,
+        minima: 16,
+        exchanges: 8,
+        perturbations: 24,
+        ..Self::SMOOTH
+    };
+
+    /// Settings for an objective.
+    pub fn of(objective: &dyn Objective) -> Self {
+        match objective.given().free() {
+            0 if objective.has_kinks() => Self::KINKS,
+            0 => Self::SMOOTH,
+            _ => Self::HARMONICS,
+        }
+    }
+}

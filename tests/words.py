@@ -1,0 +1,305 @@
+"""Check the words of the project: doc lines, names, phrases, numbers and lengths of files.
+
+Without arguments everything is checked, and `LIMITS` are allowed. With files or folders, all their
+violations are printed, with a count for each folder. `--count` prints sizes of the code.
+"""
+
+import argparse
+import ast
+import io
+import json
+import os
+import re
+import sys
+import tokenize
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+ROOT = Path(__file__).resolve().parents[1]
+
+# Violations that are still allowed, by rule. A rule that is not listed allows none.
+LIMITS = {
+    "digit": 102,
+    "file length": 15,
+    "file twice": 17,
+    "length": 95,
+    "opening": 521,
+    "participle": 272,
+    "phrase": 478,
+    "type twice": 47,
+}
+
+OPENINGS = re.compile(
+    r"\W*(what|whether|how|of|that|those|with|where|none|as|the\s+same)\b", re.IGNORECASE
+)
+LONGEST_SENTENCE = 25
+LONGEST_FILE = 400
+
+# Irregular participles, and words in -ed that are none, or that are terms of the field.
+IRREGULAR = re.compile(
+    "begun|born|borne|bought|broken|brought|built|caught|chosen|done|drawn|driven|eaten|fallen|felt|"
+    "flown|forgotten|fought|found|given|gone|grown|heard|held|hidden|hung|kept|known|laid|left|lost|"
+    "made|meant|met|paid|said|seen|sent|shown|shrunk|sold|sought|spent|stood|stuck|sunk|swept|sworn|"
+    "swung|taken|taught|thought|thrown|t(?:old|orn)|understood|won|worn|written"
+)
+NO_PARTICIPLES = re.compile(
+    "bleed|breed|clipped|embed|exceed|feed|fixed|hundred|need|proceed|seed|shared|shed|shred|signed|"
+    "sized|speed|stretched|succeed|unsigned|weed"
+)
+PHRASES = [
+    line.split("  ")
+    for line in Path(__file__).with_name("phrases.txt").read_text(encoding="utf-8").splitlines()
+    if not line.startswith("#")
+]
+DIALECT = re.compile("|".join(rf"\b(?:{phrase})\b" for phrase, _ in PHRASES), re.IGNORECASE)
+BARE_POINT = re.compile(r"(?<![\w.\])}/\\*%`:])\.\d+(?:e[-+]?\d+)?(?![\w%.])")
+
+
+class Text(NamedTuple):
+    """Prose of a file: a comment, a docstring, a message."""
+
+    line: int
+    text: str
+    is_doc: bool
+
+
+class Name(NamedTuple):
+    """A name that a file defines."""
+
+    line: int
+    name: str
+    kind: str
+
+
+class Violation(NamedTuple):
+    """One broken rule."""
+
+    path: Path
+    line: int
+    rule: str
+    text: str
+
+
+RUST_TOKEN = re.compile(
+    r'(?<!\w)r(?P<h>#*)".*?"(?P=h)|"(?:\\.|[^"\\])*"|\'(?:\\.|[^\'\\])\'|//[^\n]*|/\*.*?\*/',
+    re.DOTALL,
+)
+RUST_NAME = re.compile(
+    r"^\s*(?:pub(?:\([^)]*\))?\s+)?(?:const\s+|async\s+)?"
+    r"(?P<kind>struct|enum|trait|type|fn|mod)\s+(?P<name>\w+)",
+    re.MULTILINE,
+)
+
+
+def blocks(lines: list[tuple[int, str, str]]) -> Iterator[Text]:
+    """Comments of (line, marker, text), with adjacent lines of one marker joined."""
+    start, last, marker, block = 0, -1, "", list[str]()
+    for line, mark, text in [*lines, (-9, "", "")]:
+        if line != last + 1 or mark != marker:
+            if block:
+                yield Text(start, "\n".join(block), marker in ("///", "//!"))
+            start, marker, block = line, mark, []
+        last = line
+        block.append(text)
+
+
+def rust(source: str) -> tuple[list[Text], list[Name]]:
+    """Prose and names of a Rust file."""
+    comments, texts = [], []
+    for token in RUST_TOKEN.finditer(source):
+        line, text = source.count("\n", 0, token.start()) + 1, token.group()
+        if text.startswith("//"):
+            marker = text[:3] if text[2:3] in ("/", "!") else "//"
+            comments.append((line, marker, text[len(marker) :].strip()))
+        elif text.startswith(('"', "r")):
+            texts.append(Text(line, re.sub(r"\{[^{}]*\}|\\\n\s*", " ", text.strip('r#"')), False))
+    code = RUST_TOKEN.sub(lambda token: "\n" * token.group().count("\n"), source)
+    names = [
+        Name(code.count("\n", 0, found.start("name")) + 1, found["name"], found["kind"])
+        for found in RUST_NAME.finditer(code)
+    ]
+    return [*blocks(comments), *texts], names
+
+
+def docstrings(body: list[ast.stmt]) -> Iterator[ast.Constant]:
+    """Strings that are statements: the docstrings of a block and of its attributes."""
+    for statement in body:
+        value = statement.value if isinstance(statement, ast.Expr) else None
+        if isinstance(value, ast.Constant) and isinstance(value.value, str):
+            yield value
+
+
+def python(source: str) -> tuple[list[Text], list[Name]]:
+    """Prose and names of a Python file."""
+    texts, names, ignored = [], [], set()
+    tree = ast.parse(source)
+    for node in ast.walk(tree):
+        is_class = isinstance(node, ast.ClassDef)
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+            for doc in docstrings(node.body):
+                texts.append(Text(doc.lineno, str(doc.value), True))
+                ignored.add(doc)
+        if isinstance(node, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+            names.append(Name(node.lineno, node.name, "class" if is_class else "def"))
+        if isinstance(node, ast.FormattedValue) and node.format_spec:
+            ignored.update(ast.walk(node.format_spec))
+        help_text = node.value if isinstance(node, ast.keyword) and node.arg == "help" else None
+        if isinstance(help_text, ast.Constant):
+            texts.append(Text(help_text.lineno, str(help_text.value), True))
+            ignored.add(help_text)
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and node not in ignored:
+            texts.append(Text(node.lineno, re.sub(r"\{[^{}]*\}", " ", node.value), False))
+    comments = [
+        (token.start[0], "#", token.string.lstrip("#").strip())
+        for token in tokenize.generate_tokens(io.StringIO(source).readline)
+        if token.type == tokenize.COMMENT
+    ]
+    # A copy with a change, `env.rotated(matrix)`, is Python's own convention: `sorted`, `reversed`.
+    methods = {
+        statement.lineno
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ClassDef)
+        for statement in node.body
+        if isinstance(statement, ast.FunctionDef) and statement.name.endswith("ed")
+    }
+    return [*texts, *blocks(comments)], [name for name in names if name.line not in methods]
+
+
+def notebook(source: str) -> tuple[list[Text], list[Name]]:
+    """Prose of the text cells of a notebook; the line is the number of the cell."""
+    cells = json.loads(source)["cells"]
+    return [
+        Text(number, without_code("".join(cell["source"])), False)
+        for number, cell in enumerate(cells, 1)
+        if cell["cell_type"] == "markdown"
+    ], []
+
+
+def markdown(source: str) -> tuple[list[Text], list[Name]]:
+    """Prose of a page, without its code."""
+    return [Text(1, without_code(source), False)], []
+
+
+def without_code(text: str) -> str:
+    """`text` with code in fences, in backticks and in doctests blanked; lines stay lines."""
+    return re.sub(
+        r"^\s*```.*?^\s*```|`[^`\n]*`|^\s*>>>.*?(?=\n\s*\n|\Z)",
+        lambda code: " " + "\n" * code.group().count("\n"),
+        text,
+        flags=re.DOTALL | re.MULTILINE,
+    )
+
+
+READERS = {".rs": rust, ".py": python, ".pyi": python, ".md": markdown, ".ipynb": notebook}
+
+
+def first_sentence(doc: str) -> str:
+    """Everything before the first full stop or empty line."""
+    paragraph = re.split(r"\n\s*\n", doc.strip())[0]
+    return re.split(r"(?<!\be\.g)(?<!\bi\.e)(?<!\bal)(?<!\bcf)(?<!\bvs)[.!?](?=\s|$)", paragraph)[0]
+
+
+def is_participle(name: str) -> bool:
+    """True for one word that is a bare past participle."""
+    word = name.strip("_")
+    if not re.fullmatch(r"[A-Za-z][a-z]{3,}", word):
+        return False
+    word = word.lower()
+    regular = word.endswith("ed") and not NO_PARTICIPLES.fullmatch(word)
+    return regular or IRREGULAR.fullmatch(word) is not None
+
+
+def violations_in(path: Path) -> Iterator[Violation]:
+    """Broken rules of one file, without those about names of two files."""
+    source = path.read_text(encoding="utf-8")
+    texts, names = READERS[path.suffix](source)
+    for line, text, is_doc in texts:
+        sentence = first_sentence(text)
+        if is_doc and (opening := OPENINGS.match(sentence)):
+            yield Violation(
+                path, line, "opening", f"{opening[1]!r} in: {sentence.split(chr(10))[0]}"
+            )
+        if is_doc and (words := len(sentence.split())) > LONGEST_SENTENCE:
+            yield Violation(path, line, "length", f"{words} words: {sentence.split(chr(10))[0]}")
+        prose = without_code(text) if re.search(r"\s", text.strip()) else ""
+        for rule, pattern in (("phrase", DIALECT), ("digit", BARE_POINT)):
+            for hit in pattern.finditer(prose):
+                at = line + (prose.count("\n", 0, hit.start()) if path.suffix != ".ipynb" else 0)
+                around = prose[max(0, hit.start() - 40) : hit.end() + 30]
+                yield Violation(path, at, rule, f"{hit.group()!r} in: {' '.join(around.split())}")
+    is_code = path.suffix in (".rs", ".py", ".pyi")
+    for line, name, kind in [*names, *([Name(1, path.stem, "file")] if is_code else [])]:
+        if is_participle(name):
+            yield Violation(path, line, "participle", f"{kind} {name}")
+    if is_code and (length := source.count("\n")) > LONGEST_FILE:
+        yield Violation(path, 1, "file length", f"{length} lines")
+
+
+def repeated_names(paths: list[Path]) -> Iterator[Violation]:
+    """Types and files in `src/kernels` whose name another one has."""
+    kernels = [path for path in paths if path.suffix == ".rs" and "kernels" in path.parts]
+    seen: dict[tuple[str, str], Path] = {}
+    for path in kernels:
+        keys = [
+            (name.name, "type", name.line)
+            for name in rust(path.read_text(encoding="utf-8"))[1]
+            if name.kind in ("struct", "enum", "trait")
+        ]
+        if path.name not in ("mod.rs", "tests.rs"):
+            keys.append((path.name, "file", 1))
+        for name, kind, line in keys:
+            other = seen.setdefault((name, kind), path)
+            if other is not path:
+                also = f"{name}, also in {os.path.relpath(other)}"
+                yield Violation(path, line, f"{kind} twice", also)
+
+
+def files_in(paths: list[Path]) -> list[Path]:
+    """All files to check under `paths`, sorted."""
+    every = [file for path in paths for file in (path, *path.rglob("*")) if file.is_file()]
+    return sorted(f for f in set(every) if f.suffix in READERS and "node_modules" not in f.parts)
+
+
+def print_sizes() -> None:
+    """Print lines of Rust, and the number of private constants in the kernels."""
+    for folder in ("src", "src/kernels/fit", "src/kernels/detect"):
+        files = (ROOT / folder).rglob("*.rs")
+        print(f"{sum(len(file.read_text().splitlines()) for file in files):6d} lines in {folder}")
+    kernels = "\n".join(file.read_text() for file in (ROOT / "src/kernels").rglob("*.rs"))
+    constants = len(re.findall(r"^\s*(?:const|static) [A-Z]\w+", kernels, re.MULTILINE))
+    print(f"{constants:6d} private constants in src/kernels")
+
+
+def main() -> int:
+    """Print violations; 1 if there are more than allowed."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("paths", nargs="*", type=Path)
+    parser.add_argument("--count", action="store_true", help="Print sizes of the code.")
+    arguments = parser.parse_args()
+    if arguments.count:
+        print_sizes()
+    folders = ("src", "python", "tests", "benchmarks", "docs", "notebooks")
+    everything = [*ROOT.glob("*.md"), *(ROOT / folder for folder in folders)]
+    paths = files_in(arguments.paths or everything)
+    violations = [violation for path in paths for violation in violations_in(path)]
+    violations += repeated_names(paths)
+    rules = Counter(violation.rule for violation in violations)
+    allowed = {} if arguments.paths else LIMITS
+    broken = {rule for rule, number in rules.items() if number > allowed.get(rule, 0)}
+    for path, line, rule, text in violations:
+        if rule in broken:
+            print(f"{os.path.relpath(path)}:{line}: {rule}: {text}")
+    if arguments.paths:
+        places = Counter((os.path.relpath(path.parent), rule) for path, _, rule, _ in violations)
+        for (folder, rule), number in sorted(places.items()):
+            print(f"{number:5d} {rule:12} {folder}")
+    for rule, number in sorted(rules.items()):
+        print(f"{number:5d} {rule} (at most {allowed.get(rule, 0)})")
+    return 1 if broken else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
