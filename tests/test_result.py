@@ -284,7 +284,7 @@ def test_indices_beyond_the_lights_and_other_kinds_are_refused():
         with pytest.raises(IndexError, match=rf"there are 3 lights; got the index {beyond}"):
             lights[beyond]
     for other in ("0", 1.0, None, (0, 1)):
-        with pytest.raises(el.EnvLightsError, match=r"a number, such as .* or a list"):
+        with pytest.raises(el.EnvLightsError, match=r"a number, as in .* or a list"):
             lights[other]
 
 

@@ -101,6 +101,7 @@ def test_the_jacobian_is_that_of_complex_steps(x, surface):
     np.testing.assert_allclose(ours, theirs, atol=1e-10)
 
 
+@pytest.mark.slow
 @settings(max_examples=10)
 @given(unknowns, surfaces)
 def test_the_jacobian_is_that_of_automatic_differentiation(x, surface):
@@ -152,6 +153,7 @@ def blocks(*names):
     return left
 
 
+@pytest.mark.slow
 def test_scipy_and_jaxopt_end_in_the_same_minimum_as_documented():
     pytest.importorskip("jaxopt")
     with jax_in_float64() as jax:
