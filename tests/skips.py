@@ -59,12 +59,12 @@ def _sunny(height):
     return radiance
 
 
-def _cluttered(height):
+def _clutter(height):
     return synthetic.hard(synthetic.JUDGING[0], height).radiance.astype(np.float32)
 
 
 #: Radiance of each scene, made for a number of rows.
-SCENES = {"dark": _dark, "overcast": _gradient, "sunny": _sunny, "cluttered": _cluttered}
+SCENES = {"dark": _dark, "overcast": _gradient, "sunny": _sunny, "cluttered": _clutter}
 
 
 def of_map(name, radiance):

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 import envlights as el
 from envlights import export, kernels
-from tests.calls import CALLS, LEFT_OUT, STRANGE
+from tests.call_values import STRANGE
+from tests.calls import CALLS, LEFT_OUT
 from tests.helpers import cases, limited_memory
 
 pytestmark = pytest.mark.skipif(

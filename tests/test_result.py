@@ -30,7 +30,7 @@ def rig():
 
 
 @cache
-def found():
+def detected_lights():
     return el.detect(hall())
 
 
@@ -60,10 +60,10 @@ def results():
         "Lights, many": many(77),
         "Lights, none": many(0),
         "Lights, black": el.Lights([[0, 1, 0]], [[0, 0, 0]]),
-        "DetectedLights": found(),
-        "DetectedLights, none": found()[:0],
-        "DetectedLight": found()[0],
-        "DetectionReport": found().report,
+        "DetectedLights": detected_lights(),
+        "DetectedLights, none": detected_lights()[:0],
+        "DetectedLight": detected_lights()[0],
+        "DetectionReport": detected_lights().report,
         "Rig, black": el.fit(np.zeros((8, 16, 3))),
         "Rig, harmonics": el.fit(hall(), lights=1, ambient="sh2"),
         "Rig, article": el.fit_paper(hall(), lights=2),
@@ -174,8 +174,8 @@ def test_times_do_not_count_and_arrays_do():
     assert replace(rig(), notes=("a remark",)) != rig()
     assert replace(rig().report, seconds={"fit": 1.0}) == rig().report
     assert replace(rig().report, steps=rig().report.steps + 1) != rig().report
-    turned = el.Lights(found().direction[:, ::-1], found().irradiance)
-    assert turned != el.Lights(found().direction, found().irradiance)
+    turned = el.Lights(detected_lights().direction[:, ::-1], detected_lights().irradiance)
+    assert turned != el.Lights(detected_lights().direction, detected_lights().irradiance)
 
 
 @pytest.mark.parametrize(
@@ -255,7 +255,7 @@ def test_directions_of_a_basis_are_orthonormal():
 
 
 def test_one_light_holds_a_row_of_each_array():
-    for lights in (rig().lights, found()):
+    for lights in (rig().lights, detected_lights()):
         for row, light in enumerate(lights):
             for name in ("direction", "irradiance", "angular_radius", "share"):
                 np.testing.assert_array_equal(getattr(light, name), getattr(lights, name)[row])
@@ -264,10 +264,10 @@ def test_one_light_holds_a_row_of_each_array():
             np.testing.assert_allclose(light.elevation, lights.elevation[row])
             assert light == lights[row]
             assert light in lights
-    assert found()[-1] == found()[len(found()) - 1]
-    assert [each.is_clipped for each in found()] == found().is_clipped.tolist()
-    assert found()[0].peak_luminance == found().peak_luminance[0]
-    assert found().share is found().flux_share
+    assert detected_lights()[-1] == detected_lights()[len(detected_lights()) - 1]
+    assert [each.is_clipped for each in detected_lights()] == detected_lights().is_clipped.tolist()
+    assert detected_lights()[0].peak_luminance == detected_lights().peak_luminance[0]
+    assert detected_lights().share is detected_lights().flux_share
 
 
 def test_azimuth_and_elevation_lead_back_to_the_direction():
@@ -290,12 +290,12 @@ def test_indices_beyond_the_lights_and_other_kinds_are_refused():
 
 def test_a_data_frame_has_a_row_for_each_light():
     pytest.importorskip("pandas")
-    frame = found().to_frame()
-    assert len(frame) == len(found())
-    np.testing.assert_allclose(np.deg2rad(frame["azimuth_deg"]), found().azimuth)
-    np.testing.assert_allclose(frame[["x", "y", "z"]], found().direction)
-    np.testing.assert_allclose(frame[["red", "green", "blue"]], found().irradiance)
-    assert frame["is_clipped"].tolist() == found().is_clipped.tolist()
+    frame = detected_lights().to_frame()
+    assert len(frame) == len(detected_lights())
+    np.testing.assert_allclose(np.deg2rad(frame["azimuth_deg"]), detected_lights().azimuth)
+    np.testing.assert_allclose(frame[["x", "y", "z"]], detected_lights().direction)
+    np.testing.assert_allclose(frame[["red", "green", "blue"]], detected_lights().irradiance)
+    assert frame["is_clipped"].tolist() == detected_lights().is_clipped.tolist()
     assert {"share", "luminance", "radius_deg"} <= set(many(5).to_frame().columns)
     assert re.fullmatch(r"\d+", str(len(many(0).to_frame())))
 
@@ -311,7 +311,7 @@ def test_lights_are_taken_by_numbers_and_by_masks():
     for chosen in ([0, 3], np.array([0, 3]), np.array([True, False, False, True, False])):
         assert lights[chosen] == el.Lights(lights.direction[[0, 3]], lights.irradiance[[0, 3]])
     assert len(lights[[]]) == 0
-    members = found()[[1]].members
-    assert len(members.pixel) + len(members.others) == len(found().members.pixel)
+    members = detected_lights()[[1]].members
+    assert len(members.pixel) + len(members.others) == len(detected_lights().members.pixel)
     with pytest.raises(IndexError):
         lights[[5]]
