@@ -5,7 +5,6 @@
 //! | step                                            | file                               |
 //! |-------------------------------------------------|------------------------------------|
 //! | what is asked, and ambient + lights             | `problem.rs`, `rig.rs`, `ambient.rs` |
-//! | a map in integrals over azimuth                 | `azimuthal.rs`                     |
 //! | what is minimised: two moments of lights        | `objective.rs`                     |
 //! | - at every normal, in closed form               | `sphere/`                          |
 //! | - at given normals                              | `samples/`                         |
@@ -13,7 +12,7 @@
 //! | best directions near given ones                 | `state.rs`, `newton.rs`, `descent.rs` |
 //! | - gradient and hessian in wide vectors          | `curvature.rs`, `dense.rs`         |
 //! | - roughly, from many starts side by side        | `abreast/`                         |
-//! | numbers side by side, and matrices of them      | `lanes.rs`, `wide.rs`              |
+//! | numbers side by side, and matrices of them      | `wide.rs`                          |
 //! | what a light in a new place would explain       | `candidates.rs`, `moves.rs`        |
 //! | best set of a number of lights                  | `search.rs`, `multistart.rs`       |
 //! | which number                                    | `light_count.rs`                   |
@@ -23,13 +22,11 @@
 
 mod abreast;
 mod ambient;
-mod azimuthal;
 mod candidates;
 mod curvature;
 mod dense;
 mod descent;
 mod discs;
-mod lanes;
 mod light_count;
 mod moves;
 mod multistart;
@@ -60,13 +57,14 @@ pub use uncertainty::Uncertainty;
 
 use glam::DVec3;
 
-use self::azimuthal::Azimuthal;
 use self::discs::{Sized, Sizes};
 use self::light_count::{Goal, Tried};
 use self::relative_rms::relative_error;
-use self::sphere::rendered;
+use self::sphere::evaluation_probe;
 use self::state::State;
+use super::expansion::Expansion;
 use super::image::WorkingMap;
+use super::lanes;
 use crate::error::{Error, Result};
 
 /// What a caller asks for.
@@ -138,16 +136,15 @@ const JUDGING: usize = 5120;
 /// [`Error::TooFewNormals`], [`Error::TooBright`].
 pub fn under_map(map: &WorkingMap, world: World, asked: &Asked, error_floor: f64) -> Result<Fitted> {
     let has_floor = world == World::Floor;
-    let azimuthal = Azimuthal::of(map);
-    let rest = azimuthal.without_bright(map);
+    let expansion = Expansion::new(map);
     let comparison = asked.sizes.unwrap_or(Comparison::Shadows);
-    let sizes = || Sizes::new(map, &rest, asked.ambient, has_floor, comparison);
+    let sizes = || Sizes::new(map, &expansion, asked.ambient, has_floor, comparison);
     if world == World::Upward {
-        return facing_up(map, &rest, sizes(), asked, error_floor);
+        return facing_up(map, &expansion, sizes(), asked, error_floor);
     }
     check_unknowns(asked, JUDGING)?;
-    let figures = || rayon::join(sizes, || rendered(map, &rest, JUDGING));
-    let sphere = || Sphere::of(map, &azimuthal, asked.ambient, has_floor);
+    let figures = || rayon::join(sizes, || evaluation_probe(map, &expansion, JUDGING));
+    let sphere = || Sphere::of(map, &expansion, asked.ambient, has_floor);
     if asked.has_goal() {
         let (sphere, (sizes, judge)) = rayon::join(sphere, figures);
         let figures = Figures { judge: &judge?, sizes: Some(sizes), asked };
@@ -169,12 +166,12 @@ pub fn under_map(map: &WorkingMap, world: World, asked: &Asked, error_floor: f64
 /// The best rig for surfaces that face up.
 fn facing_up(
     map: &WorkingMap,
-    rest: &Azimuthal,
+    expansion: &Expansion,
     sizes: Sizes<'_>,
     asked: &Asked,
     error_floor: f64,
 ) -> Result<Fitted> {
-    let upward = |fewest| rendered(map, rest, fewest).map(Samples::upward);
+    let upward = |fewest| evaluation_probe(map, expansion, fewest).map(Samples::upward);
     let (judge, fitted) = (upward(2 * JUDGING)?, upward(JUDGING)?);
     check_unknowns(asked, judge.normals.len())?;
     let figures = Figures { judge: &judge, sizes: Some(sizes), asked };

@@ -78,9 +78,9 @@ static DIRECTIONS: LazyLock<Vec<DVec3>> =
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::kernels::expansion::Expansion;
     use crate::kernels::fit::Sphere;
     use crate::kernels::fit::ambient::Ambient;
-    use crate::kernels::fit::azimuthal::Azimuthal;
     use crate::kernels::fit::discs::target::{Picture, Target};
     use crate::kernels::fit::discs::zonal::Comparison;
     use crate::kernels::fit::objective::Objective;
@@ -103,7 +103,7 @@ mod tests {
         ] {
             let sphere = Sphere::new(&map, ambient, has_floor);
             let target = Target::new(
-                &Picture::new(&map, &Azimuthal::of(&map).without_bright(&map)),
+                &Picture::new(&map, &Expansion::new(&map)),
                 Comparison::Mixed,
                 ambient,
                 has_floor,
