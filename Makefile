@@ -6,10 +6,10 @@ build:
 	python3 -m venv .venv
 	$(PYTHON) -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
 
-.PHONY: test  ## Rust tests without Python, then Python tests and doctests
+.PHONY: test  ## The quick part of the tests: Rust, Python and doctests
 test:
-	cargo test --release
-	$(PYTHON) -m pytest
+	cargo test
+	$(PYTHON) -m pytest -m 'not slow'
 
 .PHONY: fuzz  ## Thousands of damaged files, generated calls and killed saves; about an hour
 fuzz:

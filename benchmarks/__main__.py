@@ -34,8 +34,8 @@ _PARTS = {
 }
 #: Written by `--against`, and not measured.
 _COMPARED = {"second_run": "tables.second_run"}
-#: Processes, and of each rounds and seconds of rounds for each case. Two processes differ by more
-#: than the rounds of one average out, so many of few rounds tell most.
+#: Number of processes, of rounds in each, and seconds of rounds for each case. Two processes differ
+#: by more than two rounds, hence many processes with few rounds each.
 _FULL, _QUICK = (9, 3, 1.0), (1, 3, 1.0)
 
 
@@ -50,7 +50,7 @@ def main():
     parser.add_argument(
         "--out", type=Path, default=Path("benchmark_results"), help="folder to write"
     )
-    parser.add_argument("--threads", type=int, default=1, help="of our kernels and of BLAS")
+    parser.add_argument("--threads", type=int, default=1, help="threads of our kernels and of BLAS")
     parser.add_argument("--against", type=Path, help="folder of another run, to compare with")
     options = parser.parse_args()
     if unknown := set(options.parts) - set(_PARTS):
@@ -70,7 +70,7 @@ def main():
 def measure(names, quick, out, threads):
     """Measure all parts, then all again in further processes; return those that failed.
 
-    What is found is written after each part of each process.
+    The results are written after each part of each process.
     """
     processes, *cost = _QUICK if quick else _FULL
     machine = {
@@ -78,7 +78,7 @@ def measure(names, quick, out, threads):
         "cores": os.cpu_count(),
         "threads": threads,
         "quick": quick,
-        # Of all programs; Windows does not say.
+        # The load of all programs; Windows does not report it.
         "load": round(os.getloadavg()[0]) if hasattr(os, "getloadavg") else None,
         "date": datetime.date.today().isoformat(),
     }
@@ -93,7 +93,7 @@ def measure(names, quick, out, threads):
                 found[name].append(in_a_process(name, cost, quick, number == 0))
                 write_part(name, machine, found[name], folder)
             except Exception:
-                # The other parts take minutes: one that fails must not take them along.
+                # The other parts take minutes: keep them if one fails.
                 traceback.print_exc()
                 failed.append(name)
     write_page(out)
@@ -101,7 +101,7 @@ def measure(names, quick, out, threads):
 
 
 def is_table(name):
-    """Whether a part has rows in place of curves."""
+    """True for a part with rows instead of curves."""
     from curves import page
 
     return page.is_table(importlib.import_module(_PARTS[name]))
@@ -112,19 +112,19 @@ def in_a_process(name, *arguments):
     from curves import one_pass
 
     with ProcessPoolExecutor(1, get_context("spawn")) as pool:
-        return pool.submit(one_pass.measured, _PARTS[name], *arguments).result()
+        return pool.submit(one_pass.measure, _PARTS[name], *arguments).result()
 
 
 def write_part(name, machine, passes, folder):
     """Write the data of a part."""
     from curves import results
 
-    rows = passes[0] if is_table(name) else results.merged(passes)
+    rows = passes[0] if is_table(name) else results.merge(passes)
     results.write(folder / f"{name}.jsonl", machine | {"processes": len(passes)}, rows)
 
 
 def compare(names, out, against):
-    """Compare two runs part by part, and write what was found; return 1 unless they agree."""
+    """Compare two runs part by part and write the result; return 1 unless they agree."""
     from curves import page, results
     from tables import second_run
 
@@ -139,7 +139,7 @@ def compare(names, out, against):
             sys.exit(f"{name}: a run of one process has no intervals; measure it without --quick")
         changes = second_run.changes(part, first, second)
         rows.append(second_run.row(part.TITLE, *changes))
-        wrong += [line for each in changes for line in second_run.said(each)]
+        wrong += [line for each in changes for line in second_run.sentences(each)]
     if not rows:
         sys.exit(f"{out} and {against} have no part in common")
     results.write(out / "benchmarks" / "second_run.jsonl", machine, rows)

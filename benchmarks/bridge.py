@@ -30,7 +30,7 @@ def rigs_of_maps(folder):
     return [el.fit(env, lights=4) for env in maps]
 
 
-def timed(what, work):
+def print_time(what, work):
     start = time.perf_counter()
     result = work()
     print(f"  {what:<52}{time.perf_counter() - start:>9.2f} s", flush=True)
@@ -73,10 +73,10 @@ if __name__ == "__main__":
     folder = sys.argv[1] if sys.argv[1:] else None
     learnt, new = el.synthetic.rigs(PAIRS), el.synthetic.rigs(12, seed=1)
     print(f"courtyard, lightmap {WIDTH}x{WIDTH}, {PAIRS} rigs, {SAMPLES} paths a texel")
-    yard = timed("scene", lambda: el.MitsubaScene(el.synthetic.courtyard(), WIDTH))
+    yard = print_time("scene", lambda: el.MitsubaScene(el.synthetic.courtyard(), WIDTH))
     fine = el.MitsubaScene(el.synthetic.courtyard(), 256)
-    timed("first direct image, with the sky", lambda: yard.direct(new[0]))
-    pairs = timed("pairs", lambda: el.bake(yard, learnt, SAMPLES))
+    print_time("first direct image, with the sky", lambda: yard.direct(new[0]))
+    pairs = print_time("pairs", lambda: el.bake(yard, learnt, SAMPLES))
     model = el.TransferModel.fit(pairs.direct, pairs.indirect, RANK, ridge="loo")
     print(f"noise of the pairs {spread(pairs.noise)}\n{model}")
     for name, rigs in (("rigs of the open air", new), ("rigs of maps", rigs_of_maps(folder))):

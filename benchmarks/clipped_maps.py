@@ -46,7 +46,7 @@ _LAPS = 7
 LEAST_DEG, MOST_DEG = 3.0, 20.0
 
 
-# The tones: from linear radiance to values of which 1 is white.
+# Tone curves: from linear radiance to values that clip at 1.
 
 
 def median_at(level):
@@ -59,7 +59,7 @@ def clipped(share):
     return lambda radiance: radiance / quantile(radiance, 1 - share)
 
 
-def keyed(radiance, key=0.18):
+def expose(radiance, key=0.18):
     """The logarithmic mean of luminance at the middle grey of a photograph."""
     luminance = radiance @ LUMINANCE
     _, solid_angles = sphere(*luminance.shape)
@@ -69,13 +69,13 @@ def keyed(radiance, key=0.18):
 
 def reinhard(radiance):
     """Reinhard et al. (2002), equation 3."""
-    scaled = keyed(radiance)
+    scaled = expose(radiance)
     return scaled / (1 + scaled)
 
 
 def aces(radiance):
     """The fit of Narkowicz (2016) to the film curve of the Academy."""
-    x = keyed(radiance)
+    x = expose(radiance)
     return x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14)
 
 
@@ -97,11 +97,11 @@ def jpeg(linear):
 
 
 TONES = {
-    "median .05": (median_at(0.05), eight_bits),
-    "median .12": (median_at(0.12), eight_bits),
-    "median .12, JPEG": (median_at(0.12), jpeg),
-    "median .25": (median_at(0.25), eight_bits),
-    "median .4": (median_at(0.4), eight_bits),
+    "median 0.05": (median_at(0.05), eight_bits),
+    "median 0.12": (median_at(0.12), eight_bits),
+    "median 0.12, JPEG": (median_at(0.12), jpeg),
+    "median 0.25": (median_at(0.25), eight_bits),
+    "median 0.4": (median_at(0.4), eight_bits),
     "1 % clipped": (clipped(0.01), eight_bits),
     "5 % clipped": (clipped(0.05), eight_bits),
     "5 % clipped, JPEG": (clipped(0.05), jpeg),
@@ -113,7 +113,7 @@ TONES = {
 
 @dataclass(frozen=True)
 class Score:
-    """How the lights of one picture stand to those of its HDR map."""
+    """Agreement of the lights of one picture with those of its HDR map."""
 
     found: bool
     empty: bool
@@ -153,7 +153,7 @@ def tolerance(radius):
     return np.clip(np.rad2deg(radius), LEAST_DEG, MOST_DEG)
 
 
-def reduced(radiance, width):
+def reduce_width(radiance, width):
     """Mean of whole blocks, so that the map has about `width` columns."""
     block = max(radiance.shape[1] // width, 1)
     height, columns = (size // block for size in radiance.shape[:2])
@@ -165,7 +165,7 @@ def reduced(radiance, width):
 def twins(width, most=None):
     """For each map its name, the HDR map and its lights, and its pictures by tone."""
     for path in paths_of_real_maps(*HDR)[:most]:
-        radiance = reduced(el.EnvMap.open(path).radiance, width)
+        radiance = reduce_width(el.EnvMap.open(path).radiance, width)
         truth = el.detect(radiance)
         if len(truth):
             pictures = {tone: store(curve(radiance)) for tone, (curve, store) in TONES.items()}
@@ -246,7 +246,7 @@ def from_file():
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--width", type=int, default=1024, help="columns of the pictures, at most")
-    parser.add_argument("--maps", type=int, help="how many maps; all of them if left out")
+    parser.add_argument("--maps", type=int, help="number of maps; all of them if left out")
     options = parser.parse_args()
     for text in table(el.detect, twins(options.width, options.maps)):
         print(text)

@@ -1,4 +1,4 @@
-"""What white has cut off: the probe under 8-bit twins of real HDR maps, repaired and not.
+"""Probe under 8-bit twins of real HDR maps, with and without a repair of the clipped light.
 
 Usage: ENVLIGHTS_MAPS=maps python benchmarks/clipped_repair.py [--width 1024] [--maps N]
 
@@ -15,7 +15,7 @@ import argparse
 from dataclasses import dataclass
 
 import numpy as np
-from clipped_maps import HDR, TONES, reduced
+from clipped_maps import HDR, TONES, reduce_width
 from tests.helpers import NORMALS, SOLID_ANGLES, flux, paths_of_real_maps
 
 import envlights as el
@@ -43,7 +43,7 @@ class Outcome:
 
     @property
     def is_worse(self):
-        """Whether the repair harms."""
+        """True if the repair increases the error."""
         return self.repaired > self.as_it_is + WORSE
 
 
@@ -57,7 +57,7 @@ def error(probe, truth):
 def outcomes(width, most=None):
     """All pictures of all maps."""
     for path in paths_of_real_maps(*HDR)[:most]:
-        radiance = reduced(el.EnvMap.open(path).radiance, width)
+        radiance = reduce_width(el.EnvMap.open(path).radiance, width)
         for tone, (curve, store) in TONES.items():
             yield outcome(path.stem, tone, radiance, curve(radiance), store)
 
@@ -114,7 +114,7 @@ def line(found):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--width", type=int, default=1024, help="columns of the pictures, at most")
-    parser.add_argument("--maps", type=int, help="how many maps; all of them if left out")
+    parser.add_argument("--maps", type=int, help="number of maps; all of them if left out")
     options = parser.parse_args()
     for text in table(list(outcomes(options.width, options.maps))):
         print(text)

@@ -34,7 +34,7 @@ def main():
     cv2.setNumThreads(threads)
     usual = synthetic.hard(_USUAL).radiance
     print(f"\n{threads} thread{'s' if threads > 1 else ''}")
-    whole_way(enlarged(usual, 4))
+    whole_way(enlarge(usual, 4))
     if threads == 1:
         methods(usual)
         worst_cases(usual)
@@ -89,7 +89,7 @@ def scenes(usual):
         512, background=[0.01] * 3, shapes=[synthetic.PixelSun((1, 1, 0), [1e3] * 3)]
     ).radiance
     maps = {"dark": dark, "usual": usual, "cluttered": canopy()}
-    maps = {name: enlarged(radiance, 4) for name, radiance in maps.items()}
+    maps = {name: enlarge(radiance, 4) for name, radiance in maps.items()}
     compare(
         "scenes, 4096x2048",
         {name: lambda r=radiance: el.detect(r) for name, radiance in maps.items()},
@@ -109,7 +109,7 @@ def canopy():
     return np.repeat(level[..., None], 3, axis=2)
 
 
-def enlarged(radiance, factor):
+def enlarge(radiance, factor):
     return np.ascontiguousarray(radiance.repeat(factor, axis=0).repeat(factor, axis=1))
 
 

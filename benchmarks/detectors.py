@@ -14,7 +14,7 @@ from skimage import feature, filters, measure
 import envlights as el
 from envlights.kernels.image import LUMINANCE
 
-#: Rounds of the median cut, each of which doubles the cells; the best of 3 to 7 on `TUNING`.
+#: Rounds of the median cut; each doubles the cells. The best of 3 to 7 on `TUNING`.
 _CUTS = 5
 
 
@@ -58,12 +58,12 @@ def components(threshold, label=by_scikit_image):
 
     def detector(radiance):
         luminance = radiance @ LUMINANCE
-        return measured(radiance, joined(label(luminance > threshold(luminance))))
+        return lights_of(radiance, join_seam(label(luminance > threshold(luminance))))
 
     return detector
 
 
-def joined(labels):
+def join_seam(labels):
     """Labels made one where they meet at the seam or at a pole."""
     meetings = [*zip(labels[:, 0], labels[:, -1], strict=True)]
     for pole in (labels[0], labels[-1]):
@@ -96,7 +96,7 @@ def blobs(radiance):
         if 0 <= column < width and luminance[row, column] > threshold:
             reach = np.cos(np.sqrt(2) * sigma * np.pi / height)
             labels[directions @ directions[row, column] >= reach] = label
-    return measured(radiance, labels)
+    return lights_of(radiance, labels)
 
 
 def median_cut(radiance):
@@ -112,7 +112,7 @@ def median_cut(radiance):
     for label, (top, bottom, left, right) in enumerate(cells, start=1):
         if luminance[top:bottom, left:right].mean() > threshold:
             labels[top:bottom, left:right] = label
-    return measured(radiance, labels)
+    return lights_of(radiance, labels)
 
 
 def _halves(flux, top, bottom, left, right):
@@ -130,7 +130,7 @@ def _halves(flux, top, bottom, left, right):
     return [(top, bottom, left, left + cut), (top, bottom, left + cut, right)]
 
 
-def measured(radiance, labels):
+def lights_of(radiance, labels):
     """Flux centroid and irradiance of the pixels of each label from 1 up."""
     lit = labels > 0
     _, label = np.unique(labels[lit], return_inverse=True)
@@ -145,7 +145,7 @@ def measured(radiance, labels):
 
 
 def _logarithm(luminance):
-    """Of the luminance, over what is left of black where a tenth of the sphere is."""
+    """Logarithm of the luminance, with black raised to 1e-6 of the maximum."""
     brightest = luminance.max()
     return np.log(np.maximum(luminance, 1e-6 * brightest if brightest else 1.0))
 

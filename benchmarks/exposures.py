@@ -2,8 +2,8 @@
 
 Usage: ENVLIGHTS_MAPS=maps python benchmarks/exposures.py [--maps N] [--stops 2]
 
-Each HDR map becomes 8-bit sRGB pictures, as many stops apart as asked, until the shortest does not
-reach white. All methods know the times and the response, sRGB; the peers get the best scale.
+Each HDR map becomes 8-bit sRGB pictures, `--stops` apart, until the shortest is not
+clipped. All methods know the times and the response, sRGB; the peers get the best scale.
 
 seen: share of all samples that some exposure shows from a quarter of white up to white. error:
 relative errors there, the median and the 99 % quantile, the largest; share of the samples that are
@@ -14,7 +14,7 @@ import argparse
 
 import cv2
 import numpy as np
-from clipped_maps import HDR, reduced
+from clipped_maps import HDR, reduce_width
 from tests.helpers import flux, paths_of_real_maps
 
 import envlights as el
@@ -41,10 +41,10 @@ def ours(pictures, times):
 
 
 def opencv(merge):
-    def merged(pictures, times):
+    def method(pictures, times):
         return merge().process(pictures, np.array(times, np.float32), RESPONSE)
 
-    return merged
+    return method
 
 
 METHODS = {
@@ -70,12 +70,12 @@ def line(found, radiance, times):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--maps", type=int, help="how many maps; all of them if left out")
+    parser.add_argument("--maps", type=int, help="number of maps; all of them if left out")
     parser.add_argument("--stops", type=float, default=2.0, help="between two exposures")
     options = parser.parse_args()
     print(f"{'':<48}   seen   median     99 %   largest    > 1 %      flux")
     for path in paths_of_real_maps(*HDR)[: options.maps]:
-        radiance = reduced(el.EnvMap.open(path).radiance, 512)
+        radiance = reduce_width(el.EnvMap.open(path).radiance, 512)
         pictures, times = series(radiance, options.stops)
         for name, method in METHODS.items():
             label = f"{path.stem[:20]}, {len(times)} exposures, {name}"

@@ -36,7 +36,7 @@ def main():
     parser.add_argument("parts", nargs="*", metavar="part", help=f"of {', '.join(PARTS)}")
     parser.add_argument("--every", type=int, default=3, help="take each n-th map; 1 is all")
     parser.add_argument("--starts", type=int, default=100, help="random starts of fit in `search`")
-    parser.add_argument("--scipy", type=int, default=5, help="those of scipy in `search`")
+    parser.add_argument("--scipy", type=int, default=5, help="random starts of scipy in `search`")
     parser.add_argument("--before", help="a Python that has another build, for `speed`")
     options = parser.parse_args()
     threads = os.environ.get("RAYON_NUM_THREADS", os.cpu_count())

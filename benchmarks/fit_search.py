@@ -1,8 +1,8 @@
-"""Error of `fit` against the lowest that wide searches find, judged at 20480 normals.
+"""Error of `fit` against the lowest that wide searches find, evaluated at 20480 normals.
 
 The wide searches: `fit` from random directions; `fit_probe` on 5120 normals, afresh and from the
-answer of `fit`; scipy's bounded solver from random starts on 1280 normals, from the best of which
-`fit_probe` goes on to the bottom on 5120. The lowest error of all counts.
+answer of `fit`; scipy's bounded solver from random starts on 1280 normals, the best of them
+refined by `fit_probe` on 5120. The lowest error of all counts.
 """
 
 from collections import defaultdict
@@ -84,7 +84,7 @@ class Case:
         return directions(towards)
 
     def error(self, rig):
-        """Relative error at the judging normals."""
+        """Relative error at the evaluation normals."""
         return kernels.relative_rms(rig.probe(JUDGING[0]), self.judging, JUDGING[1])
 
 

@@ -1,9 +1,9 @@
 """Run time of the fit: beside scipy's and jaxopt's descents, and as its input grows.
 
 The search is timed on a map of 256 columns. "All" is the reduction of the map, its field, the
-search, and the 5120 normals that judge the rig. The search alone is that without the time on no
-lights, which is all but the search. The field alone is the energy of a map, which it gives, without
-the reduction. Beside the peers, processor time counts: run them on one thread.
+search, and the evaluation at 5120 normals. "Search" is the difference to a fit of no lights.
+"Field" is the energy of a map without the reduction. For the peers compare processor times on one
+thread.
 """
 
 import functools
@@ -69,7 +69,7 @@ def tables(every, before=None):
     for lights in (4, 8):
         beside_peers(maps, lights)
     by_lights()
-    growth(probes.generated()["hall"])
+    growth(probes.generated_maps()["hall"])
     for size in ((512, 1024), (2048, 4096)):
         beside_one_pass(*size)
     within_one_percent(before)
@@ -216,7 +216,7 @@ def within_one_percent(before):
 
 
 def next_frame():
-    """Two suns and a room, of which one sun moves by a degree."""
+    """Two suns and a room; one sun moves by a degree."""
 
     def frame(angle):
         suns = [(0.6 * np.cos(angle), 0.8, 0.6 * np.sin(angle)), (-0.5, 0.6, 0.6)]

@@ -20,28 +20,29 @@ def table():
         print(f"\nworst cases, {lights} lights; time over that of the usual map")
         print(f"{'':<32}{'lights':>7}{'error':>9}{'time':>9}   scaled: probe, directions, lights")
         work = {
-            name: lambda e=irradiance, m=lights: fitted(e, m) for name, irradiance in cases.items()
+            name: lambda e=irradiance, m=lights: fit_probe(e, m)
+            for name, irradiance in cases.items()
         }
         seconds = stopwatch.least_seconds(work)
         usual = seconds["a usual map"]
         for name, irradiance in cases.items():
-            rig = fitted(irradiance, lights)
+            rig = fit_probe(irradiance, lights)
             assert np.isfinite(rig.lights.direction).all(), name
             assert (rig.lights.irradiance >= 0).all(), name
-            changes = "".join(f"{change:>10.0e}" for change in scaled(irradiance, lights))
+            changes = "".join(f"{change:>10.0e}" for change in scale_changes(irradiance, lights))
             time = f"{seconds[name] / usual:>7.2f} x"
             print(f"{name:<32}{len(rig.lights):>7}{rig.error:>9.0e}{time}  {changes}", flush=True)
 
 
-def fitted(irradiance, lights):
+def fit_probe(irradiance, lights):
     return el.fit_probe(NORMALS, irradiance, lights, weights=SOLID_ANGLES)
 
 
-def scaled(irradiance, lights):
+def scale_changes(irradiance, lights):
     """Largest changes under another scale; infinite where the number of lights changes."""
-    one, changes = fitted(irradiance, lights), []
+    one, changes = fit_probe(irradiance, lights), []
     for scale in SCALES:
-        other = fitted(scale * irradiance, lights)
+        other = fit_probe(scale * irradiance, lights)
         if len(other.lights) != len(one.lights):
             return (np.inf,) * 3
         changes.append(

@@ -1,4 +1,4 @@
-"""Run time and error of several methods on the same maps, judged at 20480 normals.
+"""Run time and error of several methods on the same maps, evaluated at 20480 normals.
 
 `fit` is timed from the map on; all others get the probe at 320 normals. The error is infinite
 where a method returns a negative radiance.
@@ -18,14 +18,14 @@ import envlights as el
 from envlights import kernels
 
 LIGHTS = (4, 8)
-#: Random starts of scipy, of which the best counts.
+#: Random starts of scipy; the best counts.
 STARTS = (1, 10, 100)
 
 
 def table(every):
     maps = dict(list(probes.maps().items())[::every])
     for lights in LIGHTS:
-        cases = [Case(name, env, lights).measured() for name, env in maps.items()]
+        cases = [Case(name, env, lights).measure() for name, env in maps.items()]
         errors = {method: np.array([case[method][0] for case in cases]) for method in cases[0]}
         seconds = {method: np.median([case[method][1] for case in cases]) for method in cases[0]}
         title = f"{lights} lights and ambient, {len(cases)} maps"
@@ -51,7 +51,7 @@ class Case:
         self.problem = peers.Problem(NORMALS, SOLID_ANGLES, probes.probe(env), lights)
         self.rng = np.random.default_rng([crc32(name.encode()), lights])
 
-    def measured(self):
+    def measure(self):
         """Error and seconds of each method."""
         problem = self.problem
         even = problem.unknowns(peers.ours(problem, fixed=peers.even(self.lights)))
@@ -93,7 +93,7 @@ class Case:
         return self.error(self.scale * kernels.probe_model(self.problem.whole(x), JUDGING[0]))
 
     def error(self, irradiance):
-        """Relative error of the irradiance at the judging normals."""
+        """Relative error of the irradiance at the evaluation normals."""
         return kernels.relative_rms(irradiance, self.judging, JUDGING[1])
 
 

@@ -26,7 +26,7 @@ WORK = {
 }
 
 
-def written(path, height):
+def write_map(path, height):
     """Write a map of that many rows: the hard family, its pixels repeated."""
     small = el.synthetic.hard(3, 512).radiance
     times = height // len(small)
@@ -49,7 +49,7 @@ def growth(path, work):
     """By how many bytes a call grows a process at most."""
     with tempfile.TemporaryDirectory() as folder:
         tiny = Path(folder) / path.name
-        written(tiny, 512)
+        write_map(tiny, 512)
         WORK[work](tiny)  # What the first call of all makes is no part of it.
     return peak(partial(WORK[work], path))
 
@@ -65,7 +65,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         for name in FILES:
             path = Path(folder) / name
-            alone(written, path, height)
+            alone(write_map, path, height)
             cells = []
             for work in WORK:
                 cells.append(f"{alone(growth, path, work) / (24 * height**2):.2f}")

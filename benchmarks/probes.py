@@ -11,16 +11,16 @@ GENERATED = 4
 
 def maps():
     """Each third is a fair sample: neighbours are of one kind."""
-    return {**{path.name: el.EnvMap.open(path) for path in paths()}, **generated()}
+    return {**{path.name: el.EnvMap.open(path) for path in paths()}, **generated_maps()}
 
 
 def paths():
-    """Those in the folder that `ENVLIGHTS_MAPS` names; none without it."""
+    """Paths of the maps in the folder `ENVLIGHTS_MAPS`; an empty list without it."""
     # Pattern by pattern, so that neighbours are of one kind.
     return [path for pattern in EQUIRECTANGULAR for path in paths_of_real_maps(pattern)]
 
 
-def generated():
+def generated_maps():
     """The hall of the demo, and some of each family of random maps."""
     worlds = {"hall": synthetic.hall(256)}
     for seed in synthetic.JUDGING[:GENERATED]:

@@ -1,4 +1,4 @@
-"""How soon long calls end after Ctrl-C: a line for each, in a process of its own.
+"""Seconds until long calls end after Ctrl-C, each in a process of its own.
 
     python benchmarks/signals.py [NAME ...]
 
@@ -63,7 +63,7 @@ def env(height, **options):
 
 
 @cache
-def saved(suffix):
+def saved_map(suffix):
     """A file of 16384x8192 pixels."""
     path = Path(tempfile.mkdtemp(), "map").with_suffix(suffix)
     if suffix in (".exr", ".hdr"):
@@ -91,10 +91,10 @@ def _x(count):
 CALLS = {
     "EnvMap(array)": (lambda: large(8192), el.EnvMap),
     "EnvMap(bytes)": (lambda: np.uint8(255 * np.minimum(large(8192), 1)), el.EnvMap),
-    "EnvMap.open .exr": (lambda: saved(".exr"), el.EnvMap.open),
-    "EnvMap.open .hdr": (lambda: saved(".hdr"), el.EnvMap.open),
-    "EnvMap.open .png": (lambda: saved(".png"), el.EnvMap.open),
-    "EnvMap.open .jpg": (lambda: saved(".jpg"), el.EnvMap.open),
+    "EnvMap.open .exr": (lambda: saved_map(".exr"), el.EnvMap.open),
+    "EnvMap.open .hdr": (lambda: saved_map(".hdr"), el.EnvMap.open),
+    "EnvMap.open .png": (lambda: saved_map(".png"), el.EnvMap.open),
+    "EnvMap.open .jpg": (lambda: saved_map(".jpg"), el.EnvMap.open),
     "EnvMap.save .exr": (lambda: env(4096), lambda e: to_file(e, ".exr")),
     "EnvMap.save .hdr": (lambda: env(4096), lambda e: to_file(e, ".hdr")),
     "EnvMap.save tiles": (
@@ -197,7 +197,7 @@ CALLS = {
 SHORT = 0.2
 
 
-def measured(name):
+def measure(name):
     """The name of a call, its seconds, and the slowest ends by the clock and by the processors."""
     # A shell lets programs in the background ignore it.
     signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -208,11 +208,11 @@ def measured(name):
     whole = perf_counter() - start
     if whole < SHORT:
         return name, whole, []
-    ends = [_interrupted(call, given, share * whole) for share in (0.25, 0.5, 0.75)]
+    ends = [_interrupt(call, given, share * whole) for share in (0.25, 0.5, 0.75)]
     return name, whole, [end for end in ends if end]
 
 
-def _interrupted(call, given, seconds):
+def _interrupt(call, given, seconds):
     """Seconds between the signal and KeyboardInterrupt; None if the call was over before."""
     sent, is_over = [], False
 
@@ -231,7 +231,7 @@ def _interrupted(call, given, seconds):
     raise RuntimeError("no signal came")
 
 
-def told(name, whole, ends):
+def row(name, whole, ends):
     if not ends:
         return f"| {name} | {whole:.2f} s | | |"
     clock, processors = map(max, zip(*ends, strict=True))
@@ -239,11 +239,11 @@ def told(name, whole, ends):
 
 
 def main():
-    print("| call | takes | after Ctrl-C, clock | processors |\n|---|---|---|---|")
+    print("| call | run time | after Ctrl-C, clock | processor time |\n|---|---|---|---|")
     spawn = multiprocessing.get_context("spawn")
     with spawn.Pool(1, maxtasksperchild=1) as pool:
-        found = pool.imap(measured, sys.argv[1:] or CALLS, chunksize=1)
-        for line in starmap(told, found):
+        found = pool.imap(measure, sys.argv[1:] or CALLS, chunksize=1)
+        for line in starmap(row, found):
             print(line, flush=True)
 
 

@@ -17,7 +17,7 @@ from tests.helpers import EQUIRECTANGULAR, paths_of_real_maps
 import envlights as el
 from envlights.scene.still_life import Still, still_life
 
-#: Paths of the images from which the error is taken, and of those whose noise is told, over four.
+#: Paths of the images for the error, and of those for the noise, over four.
 _EXACT, _NOISY = 200, 128
 _NORMALS, _SOLID_ANGLES = el.kernels.icosphere(5120)
 #: Rows of the map in which the lights are drawn as discs.

@@ -106,16 +106,16 @@ def frames(answers):
 def least(call, repeats=12):
     """Least milliseconds of a call, after the threads of a BLAS that was used before went idle."""
     time.sleep(0.5)
-    return min(timed(call) for _ in range(repeats))
+    return min(milliseconds(call) for _ in range(repeats))
 
 
-def timed(call):
+def milliseconds(call):
     start = time.perf_counter()
     call()
     return 1e3 * (time.perf_counter() - start)
 
 
-def compressed(threads):
+def compressed_frames(threads):
     found, asked, notes = alone(frames)
     print(f"\nmilliseconds of a frame, threads: {threads}")
     for what in asked:
@@ -149,7 +149,7 @@ if __name__ == "__main__":
     for threads in ("1", "2"):
         os.environ |= {"OPENBLAS_NUM_THREADS": threads, "RAYON_NUM_THREADS": threads}
         speed(threads)
-        compressed(threads)
+        compressed_frames(threads)
     room = el.synthetic.room(512, width=64)
     errors("noise-free room", room.direct, room.indirect, 128, 64)
     folder = sys.argv[1] if sys.argv[1:] else os.environ.get("ENVLIGHTS_TRANSFER_DB")

@@ -1,11 +1,11 @@
-//! Every refusal of every kernel. Each sentence says what was wrong, what was given and what is wanted.
+//! Every refusal of every kernel. Each sentence names the argument, its value and the expected value.
 
 use thiserror::Error;
 
-/// The answer of a kernel, or the reason why there is none.
+/// Result of a kernel, or the reason for its refusal.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// A reason why a kernel gave no answer.
+/// Reason for the refusal of a kernel.
 #[derive(Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum Error {
@@ -43,9 +43,9 @@ pub enum Error {
     /// Two arrays that describe the same things have different lengths.
     #[error("{what} must have as many rows as {other} ({wanted}); got {seen}")]
     LengthMismatch {
-        /// The argument that is off.
+        /// Name of the argument.
         what: &'static str,
-        /// The argument that it is measured by.
+        /// Name of the argument with the expected length.
         other: &'static str,
         /// Rows of `other`.
         wanted: usize,
@@ -60,7 +60,7 @@ pub enum Error {
         seen: usize,
     },
 
-    /// A vector that should be a direction and is not of length 1.
+    /// A direction whose length is not 1.
     #[error("{what} {index} has length {length}; it must be a unit vector")]
     NotUnit {
         /// Name of the argument.
@@ -78,27 +78,27 @@ pub enum Error {
         what: &'static str,
         /// Row of the first offender.
         index: usize,
-        /// What it holds.
+        /// Its value.
         value: f64,
     },
 
-    /// A number that may not be negative is.
+    /// A number below zero in an argument that must not be negative.
     #[error("{what} must not be negative; row {index} holds {value}")]
     Negative {
         /// Name of the argument.
         what: &'static str,
         /// Row of the first offender.
         index: usize,
-        /// What it holds.
+        /// Its value.
         value: f64,
     },
 
     /// An icosphere of this many faces does not exist.
     #[error("an icosphere has 20 * 4^k faces (20, 80, 320, 1280, 5120, ... up to {limit}); got {faces}")]
     NoSuchIcosphere {
-        /// Faces that were asked for.
+        /// Requested number of faces.
         faces: usize,
-        /// The largest that is made.
+        /// Largest supported number.
         limit: usize,
     },
 
@@ -116,11 +116,11 @@ pub enum Error {
         seen: usize,
         /// Normals needed for as many equations as unknowns.
         wanted: usize,
-        /// Lights asked for.
+        /// Requested number of lights.
         lights: usize,
     },
 
-    /// A vector that cannot be the unknowns of ambient light and whole lights.
+    /// A vector whose length is not 3 + 5 M.
     #[error("x must hold 3 + 5 M numbers (ambient RGB, then each light's RGB, theta and phi); got {seen}")]
     NotParameters {
         /// Numbers that were given.
@@ -130,13 +130,13 @@ pub enum Error {
     /// An image of too few pixels to cover the sphere.
     #[error("an image of the sphere needs at least 2 rows and 2 columns; got {height} rows of {width}")]
     TooFewPixels {
-        /// Rows that were asked for.
+        /// Requested rows.
         height: usize,
-        /// Columns that were asked for.
+        /// Requested columns.
         width: usize,
     },
 
-    /// Samples of a map that no light can have.
+    /// Samples of a map that are NaN, infinite or negative.
     #[error(
         "radiance must be finite and not negative; row {row} holds {value}, and of all samples \
          {nan} are NaN, {infinite} infinite and {negative} negative"
@@ -144,7 +144,7 @@ pub enum Error {
     UnusableSamples {
         /// Row of the first offender.
         row: usize,
-        /// What it holds.
+        /// Its value.
         value: f32,
         /// Samples that are not a number.
         nan: usize,
@@ -163,22 +163,22 @@ pub enum Error {
         width: usize,
     },
 
-    /// An image of more pixels than are made.
+    /// An image with more pixels than the limit.
     #[error("an image may have up to {limit} pixels; got {height} rows of {width}")]
     HugeImage {
-        /// Rows that were asked for.
+        /// Requested rows.
         height: usize,
-        /// Columns that were asked for.
+        /// Requested columns.
         width: usize,
-        /// Pixels of the largest.
+        /// Largest number of pixels.
         limit: usize,
     },
 
-    /// A map whose sums are beyond single precision.
+    /// A map whose sums overflow single precision.
     #[error("radiance is too large to be summed in single precision; divide the map by a scale")]
     TooBright,
 
-    /// An array for which there is no memory.
+    /// An array that does not fit in memory.
     #[error("there is no memory for an array of the shape {shape:?}")]
     NoMemory {
         /// Shape of the array.
@@ -190,11 +190,11 @@ pub enum Error {
     OutOfRange {
         /// Name of the argument.
         what: &'static str,
-        /// What was given.
+        /// Its value.
         value: f64,
-        /// The smallest that is accepted.
+        /// Smallest accepted value.
         least: f64,
-        /// The largest.
+        /// Largest accepted value.
         most: f64,
     },
 
@@ -207,25 +207,25 @@ pub enum Error {
         row: usize,
         /// Its column.
         column: usize,
-        /// What it holds.
+        /// Its value.
         value: f32,
     },
 
-    /// A line of more pixels than can be listed.
+    /// A line with more pixels than the limit.
     #[error("a line must be shorter than {limit} pixels; got one from {start:?} to {end:?}")]
     LongLine {
         /// Row and column of its start.
         start: [i64; 2],
         /// Row and column of its end.
         end: [i64; 2],
-        /// Pixels of the first line that is refused.
+        /// Length of the shortest line that is refused.
         limit: u64,
     },
 
-    /// A pixel that the image does not have.
+    /// A pixel outside of the image.
     #[error("pixel {index} is row {row}, column {column}; the image has {height} rows and {width} columns")]
     OutsideImage {
-        /// Place of the first offender.
+        /// Index of the first offender.
         index: usize,
         /// Its row.
         row: i64,

@@ -1,40 +1,40 @@
-//! A caller who wants the answer no more, as by Ctrl-C.
+//! Interruption of a running kernel, for example by Ctrl-C.
 //!
-//! Kernels call [`check`] between pieces of work of some milliseconds at most. Once the caller has asked, it unwinds
-//! from there, through the threads of rayon too, up to whoever runs the kernel. So a kernel needs no second kind of
-//! result for it, and leaves nothing half done, for it owns all that it changes.
+//! Kernels call [`check`] between pieces of work that take a few milliseconds. After a request to stop, it unwinds
+//! through the threads of rayon up to the binding that runs the kernel. A kernel owns everything that it changes, so
+//! it leaves nothing half done and needs no second kind of result.
 
 use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-static ASKED: AtomicBool = AtomicBool::new(false);
+static REQUESTED: AtomicBool = AtomicBool::new(false);
 
-/// What [`check`] unwinds with.
+/// Payload of the panic that [`check`] raises.
 #[derive(Clone, Copy, Debug)]
 pub struct Interrupted;
 
-/// Ask all kernels that run to stop.
-pub fn ask() {
-    ASKED.store(true, Ordering::Relaxed);
+/// Request that all running kernels stop.
+pub fn request() {
+    REQUESTED.store(true, Ordering::Relaxed);
 }
 
-/// Let kernels run again.
+/// Withdraw the request, so that kernels run again.
 pub fn clear() {
-    ASKED.store(false, Ordering::Relaxed);
+    REQUESTED.store(false, Ordering::Relaxed);
 }
 
-/// The fewest items of one task of rayon, for `items` that each call [`check`]: every task unwinds by itself, and takes
-/// some microseconds for it.
+/// Least number of items in one task of rayon, for `items` that each call [`check`]: each task unwinds on its own,
+/// which takes a few microseconds.
 pub fn min_task_len(items: usize) -> usize {
     const MOST_TASKS: usize = 256;
     items.div_ceil(MOST_TASKS).max(1)
 }
 
-/// Unwind with [`Interrupted`] if a caller has asked to stop.
+/// Unwind with [`Interrupted`] if a caller has requested to stop.
 #[inline]
 pub fn check() {
-    if ASKED.load(Ordering::Relaxed) {
-        // Without the message that a panic prints: nothing is wrong.
+    if REQUESTED.load(Ordering::Relaxed) {
+        // Do not print the message of a panic: this is no error.
         resume_unwind(Box::new(Interrupted));
     }
 }

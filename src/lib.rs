@@ -1,8 +1,8 @@
 //! An environment map as a handful of lights: the kernels of the Python package `envlights`.
 //!
 //! [`kernels`] is plain Rust over `ndarray` views; read its page for the method.
-//! `bindings` opens it to Python (behind the feature `python`), [`error`] holds every refusal,
-//! [`interrupt`] stops what nobody waits for any more.
+//! `bindings` exposes it to Python (behind the feature `python`), [`error`] holds every refusal,
+//! [`interrupt`] stops running kernels.
 
 pub mod error;
 pub mod interrupt;

@@ -5,147 +5,48 @@ Arguments that it should take are drawn from those strategies; in every second c
 something strange instead. `test_calls.py` sees to it that no public function is missing.
 """
 
-import contextlib
-
 import numpy as np
 from hypothesis import strategies as st
 
 import envlights as el
 from envlights import export, io, kernels, synthetic
-
-RIG = synthetic.rigs(1)[0]
-ROOM = synthetic.room(8, width=16)
-MODEL = el.TransferModel.fit(ROOM.direct, ROOM.indirect)
-FITTED = el.fit(synthetic.hall(32).radiance, lights=3)
-DETECTED = el.detect(synthetic.hall(64).radiance)
-
-
-def array(*shape):
-    """Random numbers from 0 to 1 of this shape, or as strange but whole: another order or type."""
-    numbers = np.random.default_rng(sum(shape)).random(shape)
-    return st.sampled_from(
-        [
-            numbers,
-            np.float32(numbers),
-            np.asfortranarray(numbers),
-            numbers[::-1],
-            numbers.astype(">f4"),
-            numbers.tolist(),
-            np.zeros(shape),
-            np.round(9 * numbers).astype(int),
-            1e30 * np.float32(numbers),
-            1e-30 * np.float32(numbers),
-        ]
-    )
-
-
-def unit_vectors(n):
-    """Some directions, the axes among them."""
-    vectors = np.random.default_rng(n).normal(size=(n, 3))
-    vectors[: min(n, 3)] = np.eye(3)[: min(n, 3)]
-    vectors /= np.linalg.norm(vectors, axis=1, keepdims=True)
-    return st.sampled_from([vectors, vectors.tolist(), vectors[::-1], -vectors])
-
-
-IMAGE = st.one_of([array(h, w, 3) for h, w in [(2, 4), (4, 8), (16, 32), (9, 17), (32, 64)]])
-GREY = st.one_of([array(h, w) for h, w in [(1, 1), (2, 4), (16, 32), (9, 17)]])
-NORMALS = st.one_of([unit_vectors(n) for n in (1, 5, 40)])
-FEW = unit_vectors(5)
-COLOURS = array(5, 3)
-FLAG = st.booleans()
-SMALL = st.floats(0, 10)
-SHARE = st.floats(0, 1)
-COUNT = st.integers(1, 12)
-SIZE = st.integers(2, 40)
-#: Rows of a generated map; some kinds need 128 or 256.
-HEIGHT = st.sampled_from([40, 128, 256])
-SEED = st.integers(0, 9)
-COLOUR = st.sampled_from([(1, 1, 1), (0.2, 0.5, 1), [1, 0, 0]])
-AMBIENT = st.sampled_from([[0, 0, 0], [1, 2, 3], np.ones((9, 3))])
-ANGLES = st.sampled_from([np.zeros(5), np.full(5, 0.3), np.full(5, np.pi / 2)])
-PIXELS = st.sampled_from([[[0, 0]], [[0, 0], [1, 1]], np.zeros((0, 2), int)])
-AMBIENT_MODEL = st.sampled_from(["constant", "none", "sh2"])
-UNKNOWNS = st.sampled_from([np.full(3 + 5 * n, 0.5) for n in (0, 1, 4)])
-LIGHTS = st.one_of(st.none(), st.integers(0, 5))
-TURN = st.sampled_from([np.eye(3), np.eye(3)[[1, 2, 0]], np.eye(3)[[0, 2, 1]].tolist()])
-AXIS = st.sampled_from(["+x", "-x", "+y", "-y", "+z", "-z"])
-ENGINE = {
-    "environment": st.one_of(st.none(), IMAGE),
-    "right": AXIS,
-    "up": AXIS,
-    "forward": AXIS,
-}
-RIGS = st.sampled_from([RIG, FITTED, RIG.lights, DETECTED])
-PAPER = {"k_a": SMALL, "k_d": SMALL, "C": COLOUR}
-
-#: What no parameter expects, or hardly one.
-STRANGE = st.one_of(
-    st.none(),
-    st.booleans(),
-    st.integers(-2, 2),
-    st.sampled_from([-(2**63), 2**31, 2**32 + 1, 2**63, 10**30, 10**6]),
-    st.floats(),
-    st.sampled_from([1e300, -1e300, 5e-324, np.float32("nan"), np.inf, 2.5, 1 + 2j]),
-    st.sampled_from(["", "text", "constant", b"bytes", "\0", "é" * 300]),
-    st.sampled_from([[], {}, (), [[]], [None], [[1, 2], [3]], {"a": 1}, object()]),
-    st.sampled_from([len, el, slice(3)]),
-    st.sampled_from(
-        [
-            np.zeros(0),
-            np.zeros((0, 3)),
-            np.zeros((3, 0)),
-            np.zeros((0, 0, 3)),
-            np.zeros((1, 1, 3)),
-            np.zeros((4, 8, 4)),
-            np.zeros((2, 2, 2, 2)),
-            np.array(3.0),
-            np.full((4, 8, 3), np.nan),
-            np.full((4, 8, 3), -1.0),
-            np.full((4, 8, 3), np.inf),
-            np.full((5, 3), 1e300),
-            np.full((5, 3), 3e38, np.float32),
-            np.full((5, 3), 1e-320),
-            np.ones((4, 8, 3), bool),
-            np.ones((4, 8, 3), complex),
-            np.array(["a", "b"]),
-            np.array([None, {}], object),
-            np.array(["2000-01-01"], "datetime64[D]"),
-            np.ma.masked_less(np.arange(12.0).reshape(4, 3), 3),
-            np.broadcast_to(1.0, (5, 3)),
-            np.frombuffer(bytes(5 * 24 + 1), np.uint8)[1:].view(float).reshape(5, 3),
-            np.full((5, 2), -(2**62)),
-            np.eye(3, dtype=np.float16),
-            np.eye(3, dtype=np.longdouble),
-        ]
-    ),
+from tests.call_values import (
+    AMBIENT,
+    AMBIENT_MODEL,
+    ANGLES,
+    COLOUR,
+    COLOURS,
+    COUNT,
+    DETECTED,
+    DIRECT,
+    ENGINE,
+    FEW,
+    FITTED,
+    FLAG,
+    GREY,
+    HEIGHT,
+    IMAGE,
+    INDIRECT,
+    LIGHTS,
+    MODEL,
+    NORMALS,
+    PAPER,
+    PIXELS,
+    RIG,
+    RIGS,
+    SEED,
+    SHARE,
+    SIZE,
+    SMALL,
+    TURN,
+    UNKNOWNS,
+    array,
+    detect,
+    exports_of,
+    light_at,
+    method_of,
+    unit_vectors,
 )
-
-
-def _method(of, name):
-    """A method of an object that is there, found when it is called."""
-    return lambda **arguments: getattr(of, name)(**arguments)
-
-
-def _detect(env, method, max_lights):
-    return el.detect(env, method, max_lights=max_lights)
-
-
-def _light(index):
-    """A light, or none where there is none: Python wants IndexError of a sequence."""
-    with contextlib.suppress(IndexError):
-        return RIG.lights[index]
-
-
-def _exports(target):
-    """The functions of a target: its own form, and a file of it."""
-    arguments = {"rig": RIGS}
-    if target.takes_map:
-        arguments["environment"] = st.one_of(st.none(), IMAGE)
-    file = {"path": st.just(f"no-folder/rig{target.suffixes[0]}")}
-    for name, more in ((target.name, {}), (f"save_{target.name}", file)):
-        if name in export.__all__:
-            yield f"export.{name}", (getattr(export, name), arguments | more)
-
 
 CALLS = {
     "EnvMap": (
@@ -167,15 +68,15 @@ CALLS = {
         el.Lights,
         {"direction": FEW, "irradiance": COLOURS, "angular_radius": st.one_of(st.none(), ANGLES)},
     ),
-    "Lights.to_map": (_method(RIG.lights, "to_map"), {"height": SIZE}),
-    "Lights[]": (_light, {"index": st.integers(0, len(RIG.lights) - 1)}),
-    "Rig.probe": (_method(RIG, "probe"), {"normals": NORMALS}),
-    "Rig.to_map": (_method(RIG, "to_map"), {"height": SIZE}),
+    "Lights.to_map": (method_of(RIG.lights, "to_map"), {"height": SIZE}),
+    "Lights[]": (light_at, {"index": st.integers(0, len(RIG.lights) - 1)}),
+    "Rig.probe": (method_of(RIG, "probe"), {"normals": NORMALS}),
+    "Rig.to_map": (method_of(RIG, "to_map"), {"height": SIZE}),
     "Rig.load": (el.Rig.load, {"path": st.just("none.json")}),
-    "Rig.save": (_method(FITTED, "save"), {"path": st.just("no-folder/rig.json")}),
-    "DetectedLights.to_map": (_method(DETECTED, "to_map"), {"height": SIZE}),
+    "Rig.save": (method_of(FITTED, "save"), {"path": st.just("no-folder/rig.json")}),
+    "DetectedLights.to_map": (method_of(DETECTED, "to_map"), {"height": SIZE}),
     "detect": (
-        _detect,
+        detect,
         {"env": IMAGE, "method": st.sampled_from(["tree", "article"]), "max_lights": LIGHTS},
     ),
     "detect_tree": (
@@ -264,8 +165,8 @@ CALLS = {
     "TransferModel.fit": (
         el.TransferModel.fit,
         {
-            "direct": st.one_of(array(6, 2, 3, 3), st.just(ROOM.direct)),
-            "indirect": st.one_of(array(6, 4, 2, 3), st.just(ROOM.indirect)),
+            "direct": st.one_of(array(6, 2, 3, 3), st.just(DIRECT)),
+            "indirect": st.one_of(array(6, 4, 2, 3), st.just(INDIRECT)),
             "rank": st.one_of(st.integers(1, 9), SHARE),
             "ridge": st.one_of(SHARE, st.just("loo")),
             "error": st.one_of(st.none(), SHARE),
@@ -273,17 +174,17 @@ CALLS = {
         },
     ),
     "TransferModel.predict": (
-        _method(MODEL, "predict"),
-        {"direct": st.just(ROOM.direct), "error": SHARE, "region": st.none()},
+        method_of(MODEL, "predict"),
+        {"direct": st.just(DIRECT), "error": SHARE, "region": st.none()},
     ),
-    "TransferModel.project": (_method(MODEL, "project"), {"indirect": st.just(ROOM.indirect)}),
+    "TransferModel.project": (method_of(MODEL, "project"), {"indirect": st.just(INDIRECT)}),
     "TransferModel.add": (
-        _method(MODEL, "add"),
-        {"direct": st.just(ROOM.direct[:1]), "indirect": st.just(ROOM.indirect[:1])},
+        method_of(MODEL, "add"),
+        {"direct": st.just(DIRECT[:1]), "indirect": st.just(INDIRECT[:1])},
     ),
-    "TransferModel.compressed": (_method(MODEL, "compressed"), {"error": SHARE}),
+    "TransferModel.compressed": (method_of(MODEL, "compressed"), {"error": SHARE}),
     "TransferModel.load": (el.TransferModel.load, {"path": st.just("none.npz")}),
-    "TransferModel.save": (_method(MODEL, "save"), {"path": st.just("no-folder/m.npz")}),
+    "TransferModel.save": (method_of(MODEL, "save"), {"path": st.just("no-folder/m.npz")}),
     "read_pairs": (el.read_pairs, {"pairs": st.just("no-folder")}),
     "io.read_image": (io.read_image, {"path": st.just("none.png"), "max_pixels": COUNT}),
     "io.check_writable": (io.check_writable, {"path": st.just("no-folder/file.exr")}),
@@ -307,10 +208,10 @@ CALLS = {
             "compression": st.sampled_from(["zip", "none"]),
         },
     ),
-    "Rig.rotated": (_method(RIG, "rotated"), {"matrix": TURN}),
-    "Lights.rotated": (_method(RIG.lights, "rotated"), {"matrix": TURN}),
-    "Lights.save": (_method(RIG.lights, "save"), {"path": st.just("no-folder/rig.csv")}),
-    "DetectedLights.rotated": (_method(DETECTED, "rotated"), {"matrix": TURN}),
+    "Rig.rotated": (method_of(RIG, "rotated"), {"matrix": TURN}),
+    "Lights.rotated": (method_of(RIG.lights, "rotated"), {"matrix": TURN}),
+    "Lights.save": (method_of(RIG.lights, "save"), {"path": st.just("no-folder/rig.csv")}),
+    "DetectedLights.rotated": (method_of(DETECTED, "rotated"), {"matrix": TURN}),
     "export.save": (
         export.save,
         {"rig": RIGS, "path": st.just("no-folder/rig.csv"), "environment": st.none()},
@@ -322,7 +223,7 @@ CALLS = {
         export.save_engine,
         {"rig": RIGS, "path": st.just("no-folder/rig.json"), **ENGINE},
     ),
-    **dict(call for target in export.TARGETS for call in _exports(target)),
+    **dict(call for target in export.TARGETS for call in exports_of(target)),
     "kernels.blur": (kernels.blur, {"image": GREY, "sigma": SMALL}),
     "kernels.bresenham_line": (
         kernels.bresenham_line,

@@ -2,6 +2,7 @@
 
 import importlib.util
 import os
+from pathlib import Path
 
 # Before NumPy is imported: threads of BLAS fight over the small matrices of the peers.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -10,6 +11,8 @@ import hypothesis
 import pytest
 
 from tests.helpers import paths_of_real_maps
+
+TESTS = Path(__file__).parent
 
 hypothesis.settings.register_profile("project", deadline=None, derandomize=True)
 hypothesis.settings.load_profile("project")
@@ -22,11 +25,35 @@ fills_a_disk = pytest.mark.skipif(
 )
 
 
-def real_maps(*patterns):
-    """Parametrise over the real maps that match, where `ENVLIGHTS_MAPS` names their folder."""
+#: Real maps of the quick part: a sun, a night, a studio, half floats, and a map that is clipped.
+QUICK_MAPS = {
+    "venice_sunset_1k.hdr",
+    "dikhololo_night_1k.hdr",
+    "studio_small_03_1k.hdr",
+    "pmndrs_park_512.exr",
+    "env_color_room.png",
+}
+
+
+def real_maps(*patterns, all_quick=False):
+    """Parametrise over the real maps that match, where `ENVLIGHTS_MAPS` names their folder.
+
+    Maps outside `QUICK_MAPS` are marked as slow, unless the test is quick with every map.
+    """
     if not os.environ.get("ENVLIGHTS_MAPS"):
         reason = "set ENVLIGHTS_MAPS to a folder of maps to try them as well"
         return pytest.mark.parametrize("path", [pytest.param(None, marks=pytest.mark.skip(reason))])
     found = paths_of_real_maps(*patterns)
     assert found, f"the folder ENVLIGHTS_MAPS holds nothing that matches {patterns}"
-    return pytest.mark.parametrize("path", [pytest.param(path, id=path.name) for path in found])
+    slow = [path for path in found if not (all_quick or path.name in QUICK_MAPS)]
+    params = [
+        pytest.param(path, id=path.name, marks=[pytest.mark.slow] if path in slow else [])
+        for path in found
+    ]
+    return pytest.mark.parametrize("path", params)
+
+
+def pytest_ignore_collect(collection_path):
+    """Look for doctests in the package alone: what helps tests is imported by the tests."""
+    is_helper = collection_path.suffix == ".py" and not collection_path.name.startswith("test_")
+    return True if is_helper and collection_path.is_relative_to(TESTS) else None

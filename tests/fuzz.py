@@ -1,4 +1,4 @@
-"""What becomes of damaged files: each is opened in a process of its own, which is watched.
+"""Open damaged files, each in a watched process of its own.
 
 `python -m tests.fuzz images 0 200` opens the files of these seeds and prints how many ended how.
 """
@@ -16,7 +16,7 @@ import numpy as np
 
 import envlights as el
 from tests.helpers import limited_memory
-from tests.mutations import mutated, mutated_json, mutated_npz, mutated_png, mutated_tokens
+from tests.mutations import mutate, mutated_json, mutated_npz, mutated_png, mutated_tokens
 
 #: How a damaged file may end.
 ALLOWED = {"answer", "EnvLightsError", "MemoryError"}
@@ -60,7 +60,7 @@ def images(folder):
     def damage(path, rng):
         if path.suffix == ".png" and rng.integers(2):
             return mutated_png(path.read_bytes(), rng)
-        return mutated(path.read_bytes(), rng)
+        return mutate(path.read_bytes(), rng)
 
     return sorted(folder.iterdir()), damage, lambda path: el.EnvMap.open(path).probe(AXES)
 
@@ -94,7 +94,7 @@ def rigs(folder):
     def damage(path, rng):
         kind = rng.integers(3)
         if kind == 0:
-            return mutated(path.read_bytes(), rng)
+            return mutate(path.read_bytes(), rng)
         change = mutated_json if kind == 1 else mutated_tokens
         return change(path.read_text(), rng).encode()
 
@@ -125,7 +125,7 @@ def open_damaged(kind, first, last):
 
 
 def outcome(use, path, stderr):
-    """How the use of a file ends; words on stderr are an end of their own."""
+    """Outcome of the use of a file; text on stderr is an outcome of its own."""
     faulthandler.dump_traceback_later(SECONDS, exit=True, file=sys.__stdout__)
     with words_to(stderr):
         try:
@@ -142,7 +142,7 @@ def outcome(use, path, stderr):
 
 @contextlib.contextmanager
 def words_to(path):
-    """What this process writes to stderr, by C too, goes into a file."""
+    """Redirect stderr of this process, C code included, into a file."""
     kept = os.dup(2)
     with path.open("wb") as file:
         os.dup2(file.fileno(), 2)
@@ -155,7 +155,7 @@ def words_to(path):
 
 
 def outcomes(kind, first, last):
-    """How many files of these seeds ended how, and the seeds of each end that is not allowed."""
+    """Count of each outcome for these seeds, and the seeds of each forbidden outcome."""
     counted, bad = collections.Counter(), {}
     while first < last:
         command = [

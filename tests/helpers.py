@@ -1,14 +1,16 @@
-"""What tests and benchmarks share; nothing here needs pytest."""
+"""Helpers of tests and benchmarks; none needs pytest."""
 
 import contextlib
 import os
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 
-from envlights import io, kernels
+from envlights import io, kernels, synthetic
+from envlights.synthetic.room import Room
 
 #: Real maps that are equirectangular, by folder.
 EQUIRECTANGULAR = ("hdr/*.hdr", "exr/*.exr", "openexr_envmaps/*LatLong.exr", "ldr/*.png")
@@ -18,7 +20,7 @@ NORMALS, SOLID_ANGLES = kernels.icosphere(320)
 
 
 def cases(*, short, long):
-    """How many generated cases a test tries: `long` where `ENVLIGHTS_FUZZ` is set."""
+    """Number of generated cases of a test: `long` if `ENVLIGHTS_FUZZ` is set."""
     return long if os.environ.get("ENVLIGHTS_FUZZ") else short
 
 
@@ -47,6 +49,20 @@ def relative_errors(images, truth):
     rows = np.reshape(truth, (len(truth), -1)).astype(float)
     difference = np.reshape(images, rows.shape) - rows
     return np.linalg.norm(difference, axis=1) / np.linalg.norm(rows, axis=1)
+
+
+@cache
+def room(width):
+    """80 pairs of the generated room with `width` columns, made once for all tests; read-only."""
+    made = synthetic.room(80, width=width)
+    for images in (made.direct, made.indirect):
+        images.flags.writeable = False
+    return made
+
+
+def pairs_of_room(count, width):
+    """Return the first `count` pairs of `room`."""
+    return Room(room(width).direct[:count], room(width).indirect[:count])
 
 
 def oblong(images=12, dtype=np.float64, seed=0):

@@ -26,7 +26,7 @@ STRANGE = (
 HEADER = 128
 
 
-def mutated(data, rng):
+def mutate(data, rng):
     """`data` with one to three of: another byte or bit, bytes lost or inserted, the end cut off."""
     data = bytearray(data)
     for kind in rng.integers(5, size=rng.integers(1, 4)):
@@ -83,9 +83,9 @@ def mutated_png(data, rng):
     elif change == 1:
         chunks.insert(int(rng.integers(len(chunks))), chunks[one])
     elif change == 2:
-        chunks[one] = (mutated(kind, rng)[:4].ljust(4, b"x"), body)
+        chunks[one] = (mutate(kind, rng)[:4].ljust(4, b"x"), body)
     else:
-        chunks[one] = (kind, mutated(body, rng))
+        chunks[one] = (kind, mutate(body, rng))
     frames = [
         struct.pack(">I4s", len(body), kind) + body + struct.pack(">I", zlib.crc32(kind + body))
         for kind, body in chunks
@@ -97,14 +97,14 @@ def mutated_npz(path, rng):
     """The archive at `path` with damage to its bytes, to a member, to a header or to a document."""
     kind = rng.integers(4)
     if kind == 0:
-        return mutated(path.read_bytes(), rng)
+        return mutate(path.read_bytes(), rng)
     with zipfile.ZipFile(path) as archive:
         members = {name: archive.read(name) for name in archive.namelist()}
     name = rng.choice([*members])
     if kind == 1:
-        members[name] = mutated(members[name], rng)
+        members[name] = mutate(members[name], rng)
     elif kind == 2:
-        members[name] = mutated(members[name][:HEADER], rng) + members[name][HEADER:]
+        members[name] = mutate(members[name][:HEADER], rng) + members[name][HEADER:]
     else:
         name = rng.choice(["report.npy", "parameters.npy"])
         text = str(np.load(io.BytesIO(members[name])))

@@ -47,7 +47,7 @@ SAVES = {
 }
 
 
-def killed(name, times):
+def kill_saves(name, times):
     """Kill a process `times` times while it saves; count which file stood there then."""
     file, save = SAVES[name]
     counted = collections.Counter()
@@ -89,7 +89,7 @@ def contents(path, save):
     return whole
 
 
-def filled(name, times):
+def save_on_full_disk(name, times):
     """Save on a disk that is full after more and more bytes; count which file stood there then."""
     file, save = SAVES[name]
     counted = collections.Counter()
@@ -115,9 +115,9 @@ def filled(name, times):
 def main(times):
     """Print the counts of each kind."""
     for name in SAVES:
-        # Two drawings of one picture differ, so that none can be told to be whole.
-        kills = "" if name in PICTURES else f"killed {dict(killed(name, times))}, "
-        print(f"{name:<12} {kills}full {dict(filled(name, times))}")
+        # Two drawings of one picture differ, so a complete one cannot be recognised.
+        kills = "" if name in PICTURES else f"killed {dict(kill_saves(name, times))}, "
+        print(f"{name:<12} {kills}full {dict(save_on_full_disk(name, times))}")
 
 
 if __name__ == "__main__":

@@ -1,11 +1,11 @@
-"""What each stage skips, and the same work with the skip switched off.
+"""Skips of each stage, and the same work without the skip.
 
 A skip has no option: it is switched off by data that leave nothing to skip and change the result by
-no more than the bound, or by the exact step that it stands for.
+no more than the bound, or by the exact step that it replaces.
 """
 
 from collections.abc import Callable
-from functools import cache, partial
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -23,7 +23,7 @@ class Skip(NamedTuple):
     scene: str
     stage: str
     skipped: str
-    """What is left out, and how much of it on this scene."""
+    """Name and amount of the skipped work on this scene."""
 
     on: Callable[[], object]
     off: Callable[[], object]
@@ -34,7 +34,7 @@ class Skip(NamedTuple):
     reason: str
 
     def error(self):
-        """What the skip costs."""
+        """Error of the skip."""
         return self.differ(self.on(), self.off())
 
 
@@ -59,15 +59,12 @@ def _sunny(height):
     return radiance
 
 
-@cache
-def scenes(height=512):
-    """A dark, an overcast, a sunny and a cluttered map."""
-    return {
-        "dark": _dark(height),
-        "overcast": _gradient(height),
-        "sunny": _sunny(height),
-        "cluttered": synthetic.hard(synthetic.JUDGING[0], height).radiance.astype(np.float32),
-    }
+def _clutter(height):
+    return synthetic.hard(synthetic.JUDGING[0], height).radiance.astype(np.float32)
+
+
+#: Radiance of each scene, made for a number of rows.
+SCENES = {"dark": _dark, "overcast": _gradient, "sunny": _sunny, "cluttered": _clutter}
 
 
 def of_map(name, radiance):
@@ -85,12 +82,18 @@ def of_map(name, radiance):
 
 def skips(height=512, width=128):
     """Yield each skip on each scene, then those of the indirect light of the generated room."""
-    for scene, radiance in scenes(height).items():
-        yield _black_rows(scene, radiance)
-        yield _pixels(scene, radiance)
-        yield _grey_channels(scene, radiance)
-        yield _dark_tiles(scene, radiance)
-    yield from _of_frames(width)
+    for scene in SCENES:
+        yield from of_scene(scene, height)
+    yield from of_frames(width)
+
+
+def of_scene(scene, height):
+    """Yield each skip on one scene."""
+    radiance = SCENES[scene](height)
+    yield _black_rows(scene, radiance)
+    yield _pixels(scene, radiance)
+    yield _grey_channels(scene, radiance)
+    yield _dark_tiles(scene, radiance)
 
 
 def _differ(found, wanted):
@@ -143,7 +146,7 @@ def _dark_tiles(scene, radiance):
 
 
 def _wrongly_shut(radiance, lights, _, tile=16):
-    """How many more tiles hold a bright pixel than the report says were opened, or fewer."""
+    """Difference between the tiles with a bright pixel and the opened tiles of the report."""
     luminance = kernels.reduced_luminance(radiance, 1024)
     rows, columns = np.nonzero(luminance > np.float32(lights.report.threshold))
     opened = len(set(zip(rows // tile, columns // tile, strict=True)))
@@ -164,7 +167,7 @@ def _lights_differ(one, other):
     return lights_apart(other, one.direction, one.irradiance, in_order=True)
 
 
-def _of_frames(width):
+def of_frames(width):
     """Skips of frames of indirect light; half of the texels are black in all images."""
     room = synthetic.room(64, width=width)
     direct, indirect, image = room.direct[:48], room.indirect[:48].copy(), room.direct[50]
@@ -198,7 +201,7 @@ def _images_differ(found, wanted):
 
 
 def _directions(model, image, error):
-    """How many directions of the basis the frame spares."""
+    """Number of directions of the basis that the frame does not use."""
     from envlights.transfer.expand import truncate
 
     rows = image.transpose(2, 0, 1).reshape(1, 3, -1).astype(float)

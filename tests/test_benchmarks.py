@@ -1,4 +1,4 @@
-"""What the benchmarks judge by, and the peers that they compare with."""
+"""Errors that the benchmarks measure, and the peers that they compare."""
 
 import json
 import subprocess
@@ -84,8 +84,9 @@ def test_the_command_names_its_parts():
     assert "unknown part nonsense; there are lights, probe, detection, transfer" in done.stderr
 
 
+@pytest.mark.slow
 def test_each_part_is_measured_alone_and_stays_on_the_page(tmp_path):
-    """What an earlier run left is shown again: a long run can be taken up part by part."""
+    """Parts of an earlier run stay on the page, so a long run can be resumed."""
     parts = tmp_path / "benchmarks"
     parts.mkdir()
     row = {"part": "probe", "case": "a", "method": "exact", "setting": 0.0, "seconds": 0.1}
@@ -100,7 +101,7 @@ def test_each_part_is_measured_alone_and_stays_on_the_page(tmp_path):
     assert " NO " not in page
 
 
-def test_what_is_better_in_both_is_told(curves):
+def test_a_peer_that_is_better_in_both_is_reported(curves):
     """A peer that wins, one that nothing of ours beats, and one that loses."""
     results, page = curves["results"], curves["page"]
     part = SimpleNamespace(
@@ -118,7 +119,7 @@ def test_what_is_better_in_both_is_told(curves):
     ]
     text = page.page([("p", part, MACHINE, points)])
     assert "more accurate than ours, error: wins (1) against ours (1) on 1 of 1." in text
-    assert "matches in less time, error: fast (1) on 1 of 1; wins (1) on 1 of 1." in text
+    assert "matched by ours in less time, error: fast (1) on 1 of 1; wins (1) on 1 of 1." in text
 
 
 def test_mksource_finds_a_sun(curves):
@@ -150,7 +151,7 @@ def test_processes_become_one_point(curves):
         [results.point("t", "room", "ours", 4, errors, call=[call], fit=[fit])]
         for errors, call, fit in zip(({"unseen": 0.1}, {}, {}), calls, fits, strict=True)
     ]
-    (found,) = results.merged(passes)
+    (found,) = results.merge(passes)
     assert found.seconds == 3.0
     assert found.errors == {"unseen": 0.1, "fit": 6.0}
     assert found.rounds == {"call": list(calls), "fit": list(fits)}
@@ -167,7 +168,7 @@ def test_the_interval_holds_the_mean_as_often_as_is_said(curves):
     draws = np.random.default_rng(0).normal(3, 0.1, (4000, 9))
     found = np.array([results.interval(draw) for draw in draws])
     share = np.mean(np.abs(found[:, 0] - 3) <= found[:, 1])
-    # Of 4000 the share is off by .0005 (one standard deviation).
+    # The standard deviation of the fraction of 4000 is 0.0005.
     assert share == pytest.approx(results.CONFIDENCE, abs=0.002)
     assert results.interval([1.0])[1] == np.inf
 
@@ -193,7 +194,7 @@ PROCESSES = (1.0, 1.03, 0.97, 1.02, 0.98, 1.01, 0.99, 1.01, 0.99)
 
 
 def two_runs(tmp_path, times, errors, processes=PROCESSES):
-    """What two runs wrote: ours, of which the processes differ, beside a peer of 2 s."""
+    """Results of two runs: ours, with different processes, and a peer of 2 s."""
     for name, time, error in zip(("first", "second"), times, errors, strict=True):
         ours = [[time * factor] for factor in processes]
         rows = [
@@ -237,7 +238,7 @@ def test_runs_of_one_process_are_not_compared(tmp_path):
 
 @pytest.mark.parametrize(("again", "agrees"), [((25.0, 0.9), True), ((26.0, 0.0), False)])
 def test_memory_agrees_to_a_fiftieth(curves, again, agrees):
-    """Of itself and of 50 MB: pages that the allocator took in advance are no change."""
+    """A fiftieth of itself and of 50 MB, because the allocator reserves pages in advance."""
     results, second_run = curves["results"], curves["second_run"]
     runs = [
         [

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 import envlights as el
 from envlights import export, kernels
-from tests.calls import CALLS, LEFT_OUT, STRANGE
+from tests.call_values import STRANGE
+from tests.calls import CALLS, LEFT_OUT
 from tests.helpers import cases, limited_memory
 
 pytestmark = pytest.mark.skipif(
@@ -48,7 +49,7 @@ def arguments(draw, strategies):
 
 @pytest.fixture(scope="module")
 def outcomes():
-    """How many calls ended how; printed in the end."""
+    """Count of each outcome of the calls, printed at the end."""
     counted = collections.Counter()
     before = {each: signal.signal(each, give_up) for each in (signal.SIGALRM, signal.SIGPROF)}
     with limited_memory(BYTES):

@@ -1,4 +1,4 @@
-"""What refusals show of what they were given."""
+"""Values in the messages of refusals."""
 
 from pathlib import Path
 

@@ -14,6 +14,7 @@ FILES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere memory is not limited so")
 @pytest.mark.parametrize("kind", FILES)
 def test_damaged_files_are_opened_or_refused(kind):

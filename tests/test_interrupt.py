@@ -78,12 +78,13 @@ os.rmdir(folder)
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="Windows sends no signal to one process")
 def test_long_calls_end_soon_after_ctrl_c():
     """Soon is half a second on a machine of one's own.
 
-    Here it is seconds of the processors, of which two work: others may work on them too. Those of
-    the clock only catch what waits.
+    Seconds here are processor time of two processors, which others may use too. Clock time
+    only catches waiting.
     """
     run = [sys.executable, "-c", CODE, *LONG.values()]
     two = os.environ | {"RAYON_NUM_THREADS": "2", "OPENBLAS_NUM_THREADS": "1"}

@@ -29,7 +29,7 @@ def test_the_thread_outlives_no_daemon():
 
 
 def test_other_threads_do_all_themselves():
-    """They are told of no signal."""
+    """Signals reach the main thread only."""
     found = []
     other = threading.Thread(
         target=lambda: found.append(interruptible(threading.current_thread, LONG))
@@ -40,10 +40,10 @@ def test_other_threads_do_all_themselves():
 
 
 def test_without_a_thread_the_work_is_done_here(monkeypatch):
-    def refused(self):
+    def refuse(self):
         raise RuntimeError("can't start new thread")
 
-    monkeypatch.setattr(threading.Thread, "start", refused)
+    monkeypatch.setattr(threading.Thread, "start", refuse)
     assert interruptible(threading.current_thread, LONG) is threading.main_thread()
 
 

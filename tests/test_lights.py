@@ -1,4 +1,4 @@
-"""Directional lights with their sizes, and the one order in which everything about them stands."""
+"""Directional lights with their sizes, all in one order."""
 
 import copy
 from dataclasses import replace
@@ -26,7 +26,7 @@ COLOURS = np.array([[0.5, 0.5, 0.1], [0.1, 0.5, 0.5]]) / LUMINANCE
 def a_probe_that_fits(weights):
     """The probe under both lamps and ambient light, with a residual that changes no fitted number.
 
-    Beside it the factor of each lamp in its standard error, by which the lamps can be told apart.
+    Also the factor of each lamp in its standard error, which identifies the lamps.
     """
     columns = np.column_stack([np.full(len(NORMALS), np.pi), np.maximum(NORMALS @ LAMPS.T, 0)])
     root = np.sqrt(weights)[:, None]
@@ -244,7 +244,7 @@ def test_impossible_heights_are_refused(height):
 @pytest.mark.parametrize("height", [64, 256])
 @pytest.mark.parametrize("pixels", [0, 1, 1.5, 4, 9])
 def test_a_map_of_what_was_detected_in_a_map_of_lights_lights_the_same(height, pixels):
-    """`to_map`, `detect`, `to_map`: a fixed point, wherever a light of any size stands."""
+    """`to_map` and `detect` are a fixed point for a light of any size at any position."""
     for seed in range(20):
         light = anywhere([pixels * np.pi / height], seed)
         drawn = el.Rig(light.irradiance[0] * 1e-3, light, error=0.0).to_map(height)
@@ -281,7 +281,7 @@ def test_lobes_have_the_irradiance_and_the_spread_of_their_lights():
     ):
 
         def moment(weight, least, k=sharpness):
-            """Of the lobe over 1 - cos, in units of its width."""
+            """Moment of the lobe over 1 - cos, in units of its width."""
             upper = min((1 - least) * k, 60)
             return 2 * np.pi / k * quad(lambda x: np.exp(-x) * weight(x / k), 0, upper)[0]
 

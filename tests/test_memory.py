@@ -1,4 +1,4 @@
-"""Where there is no memory: a MemoryError as NumPy gives, not the end of the process."""
+"""Calls without enough memory raise a MemoryError, as NumPy does."""
 
 import os
 import subprocess

@@ -26,7 +26,7 @@ def smooth_sky(theta, phi):
 
 
 def skies(height):
-    """The same sky for us (rows between the poles) and for Mitsuba (rows on the poles)."""
+    """One sky for us (rows between the poles) and for Mitsuba (rows on the poles)."""
     phi = 2 * np.pi * (np.arange(2 * height) + 0.5) / (2 * height)
     ours = np.pi * (np.arange(height)[:, None] + 0.5) / height
     theirs = np.pi * np.arange(height)[:, None] / (height - 1)
@@ -76,6 +76,7 @@ def variant():
     mi.set_variant("scalar_rgb")
 
 
+@pytest.mark.slow
 def test_probe_agrees_with_mitsuba_within_its_noise():
     ours, theirs = skies(256)
     normals, _ = visible_normals()
@@ -94,6 +95,7 @@ def test_a_rig_lights_mitsubas_probe_as_it_says():
     assert difference < max(1.2 * noise, 5e-3), f"difference {difference:.2e}, noise {noise:.2e}"
 
 
+@pytest.mark.slow
 def test_the_error_is_that_between_renders_under_map_and_rig():
     ours, theirs = skies(256)
     rig = el.fit(ours, lights=2, sizes=False)
@@ -113,6 +115,7 @@ def test_the_error_is_that_between_renders_under_map_and_rig():
     assert abs(error - rig.error) < 3 * noise, f"{error:.4f} +- {noise:.4f}, said {rig.error:.4f}"
 
 
+@pytest.mark.slow
 def test_a_rendered_probe_under_sun_and_sky_gives_the_sun_back():
     """`fit_probe` on what another program rendered: a hard sun, and a sky of a few harmonics."""
     ours, theirs = soft_sky(256)
@@ -120,7 +123,7 @@ def test_a_rendered_probe_under_sun_and_sky_gives_the_sun_back():
     irradiance = np.array([5.0, 4.5, 4.0])
     sun = {"type": "directional", "direction": (-towards).tolist(), "irradiance": rgb(irradiance)}
     sky = {"type": "envmap", "bitmap": mi.Bitmap(theirs)}
-    # Each emitter for itself leaves no noise of which one is drawn.
+    # Separate emitters avoid the noise of choosing one.
     (probe, weights), (under_sky, _) = (
         whole_probe({"emitter": each}, samples, seeds=(1,))
         for each, samples in ((sun, 64), (sky, 256))

@@ -56,7 +56,7 @@ def absolute(path: str, module: str, tree: Tree) -> str:
 
 
 def paths_in(module: str, tree: Tree, public: bool = False) -> list[str]:
-    """What a module imports, or, if `public`, what it hands on."""
+    """Imports of a module, or its re-exports if `public`."""
     start = r"\bpub(?:\(crate\))? use " if public else r"\buse "
     lines = re.findall(start + r"([^;]+);", tree[module])
     return [absolute(path, module, tree) for line in lines for path in spelt_out(line)]

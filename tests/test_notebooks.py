@@ -15,7 +15,7 @@ NOTEBOOKS = pytest.mark.parametrize(
 )
 
 
-def printed(cell):
+def printed_text(cell):
     return "".join(output.get("text", "") for output in cell.get("outputs", ()))
 
 
@@ -28,15 +28,16 @@ def test_nothing_that_was_printed_is_kept(path):
             assert (cell.outputs, cell.execution_count) == ([], None), cell.source
 
 
-def executed(name):
+def run_notebook(name):
     """The cells of a notebook, after a run."""
     notebook = nbformat.read(FOLDER / f"{name}.ipynb", as_version=4)
     nbclient.NotebookClient(notebook, timeout=600).execute()
     return notebook.cells
 
 
+@pytest.mark.slow
 def test_a_map_becomes_a_rig_and_every_result_shows_itself():
-    cells = executed("rig")
+    cells = run_notebook("rig")
     shown = [
         output.data for cell in cells for output in cell.get("outputs", ()) if "data" in output
     ]
@@ -45,22 +46,25 @@ def test_a_map_becomes_a_rig_and_every_result_shows_itself():
     assert all("text/plain" in data for data in shown)
 
 
+@pytest.mark.slow
 def test_the_article_and_the_tree_find_the_windows():
-    told = "".join(map(printed, executed("article")))
+    told = "".join(map(printed_text, run_notebook("article")))
     article, tree = (float(off) for off in re.findall(r"is ([\d.]+) degrees off", told))
     assert tree < 1 < article < 10
 
 
+@pytest.mark.slow
 def test_the_error_on_new_lights_falls_with_more_pairs():
-    told = "".join(map(printed, executed("transfer")))
+    told = "".join(map(printed_text, run_notebook("transfer")))
     errors = [float(error) for error in re.findall(r"pairs: ([\d.]+) %", told)]
     assert len(errors) == 3
     assert errors == sorted(errors, reverse=True)
     assert errors[-1] < 12
 
 
+@pytest.mark.slow
 def test_each_choice_is_worth_what_the_notebook_says():
-    told = "".join(map(printed, executed("choice")))
+    told = "".join(map(printed_text, run_notebook("choice")))
     rates = re.findall(r"precision ([\d.]+) %, recall ([\d.]+) %", told)
     tree, article = ([float(rate) for rate in each] for each in rates)
     assert min(tree) > 90 > max(article)
@@ -80,23 +84,25 @@ def test_each_choice_is_worth_what_the_notebook_says():
     assert all(float(whole) <= float(measured) for whole, measured in timed)
 
 
+@pytest.mark.slow
 def test_mitsuba_agrees_with_a_rig_within_its_noise():
     pytest.importorskip("mitsuba")
-    cells = executed("against_mitsuba")
-    told = "".join(map(printed, cells))
+    cells = run_notebook("against_mitsuba")
+    told = "".join(map(printed_text, cells))
     apart, noise, error = (float(each) for each in re.findall(r"([\d.]+)%", told))
     assert apart < max(1.2 * noise, error)
     assert noise < 2
     assert "image/png" in cells[-1].outputs[-1].data
 
 
+@pytest.mark.slow
 def test_the_courtyard_goes_from_a_map_to_a_lightmap_within_the_stated_error():
     pytest.importorskip("mitsuba")
     notebook = nbformat.read(FOLDER / "courtyard.ipynb", as_version=4)
     nbclient.NotebookClient(notebook, timeout=600).execute()
     (said,) = re.findall(
         r"error ([\d.]+)%; stated ([\d.]+)%; noise of the render ([\d.]+)%",
-        "".join(map(printed, notebook.cells)),
+        "".join(map(printed_text, notebook.cells)),
     )
     error, stated, noise = map(float, said)
     assert error < stated + noise

@@ -9,7 +9,7 @@ from envlights._progress import progress_bar
 
 
 class Terminal:
-    """A stream that says whether it is a terminal, and keeps what it is told."""
+    """A stream that may be a terminal, and keeps its text."""
 
     def __init__(self, is_terminal):
         self.isatty = lambda: is_terminal

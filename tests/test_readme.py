@@ -2,7 +2,6 @@
 
 import os
 import re
-from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -24,14 +23,18 @@ def session(tmp_path_factory):
     os.chdir(before)
 
 
-@pytest.mark.parametrize("number", range(len(BLOCKS)))
+@pytest.mark.parametrize(
+    "number",
+    [
+        pytest.param(number, marks=[pytest.mark.slow] if "Mitsuba" in block else [])
+        for number, block in enumerate(BLOCKS)
+    ],
+)
 def test_a_block_runs_as_pasted(number, session):
-    if "Mitsuba" in BLOCKS[number] and find_spec("mitsuba") is None:
-        pytest.skip("needs Mitsuba")
     exec(compile(BLOCKS[number], f"README, block {number}", "exec"), session)
 
 
 def test_the_shortest_path_comes_first():
-    """The first block stands alone, in at most eight lines."""
+    """The first block runs alone, in at most eight lines."""
     assert BLOCKS[0].startswith("import envlights as el\n")
     assert len(BLOCKS[0].splitlines()) <= 8

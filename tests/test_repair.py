@@ -1,4 +1,4 @@
-"""What white has cut off, and the ground as a light meter."""
+"""Repair of clipped light, with the ground as a light meter."""
 
 import inspect
 

@@ -56,7 +56,7 @@ def test_turned_maps_are_those_of_the_reference(shape, turn):
     radiance[0, 1] = [1e5, 10, 0]
     radiance[shape[0] // 2 :, :3] *= 1000
     turned = el.EnvMap(radiance).rotated(turn).radiance
-    np.testing.assert_allclose(turned, rotation.rotated(radiance, turn), rtol=1e-6)
+    np.testing.assert_allclose(turned, rotation.rotate(radiance, turn), rtol=1e-6)
 
 
 def test_the_threads_change_no_bit_of_a_turned_map():

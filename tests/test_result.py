@@ -1,10 +1,11 @@
-"""How results show themselves, and when two are equal."""
+"""Text, tables and equality of results."""
 
 import copy
 import io
 import re
 import zlib
 from dataclasses import replace
+from functools import cache, partial
 from html.parser import HTMLParser
 
 import numpy as np
@@ -13,12 +14,29 @@ import pytest
 import envlights as el
 from envlights import _html, _thumbnails
 from envlights._tables import MOST_ROWS, Table
+from tests.helpers import pairs_of_room
 
-HALL = el.EnvMap(el.synthetic.hall(64).radiance)
-RIG = el.fit(HALL, lights=3)
-FOUND = el.detect(HALL)
-ROOM = el.synthetic.room(12, width=16)
-MODEL = el.TransferModel.fit(ROOM.direct, ROOM.indirect, rank=4)
+room = partial(pairs_of_room, 12, 16)
+
+
+@cache
+def hall():
+    return el.EnvMap(el.synthetic.hall(64).radiance)
+
+
+@cache
+def rig():
+    return el.fit(hall(), lights=3)
+
+
+@cache
+def detected_lights():
+    return el.detect(hall())
+
+
+@cache
+def model():
+    return el.TransferModel.fit(room().direct, room().indirect, rank=4)
 
 
 def many(count):
@@ -28,32 +46,73 @@ def many(count):
     return el.Lights(towards, 0.9 ** np.arange(count)[:, None] * [3.0, 2.0, 1.0])
 
 
-RESULTS = [
-    HALL,
-    RIG,
-    RIG.report,
-    RIG.lights,
-    RIG.lights[0],
-    many(77),
-    many(0),
-    el.Lights([[0, 1, 0]], [[0, 0, 0]]),
-    FOUND,
-    FOUND[:0],
-    FOUND[0],
-    FOUND.report,
-    el.fit(np.zeros((8, 16, 3))),
-    el.fit(HALL, lights=1, ambient="sh2"),
-    el.fit_paper(HALL, lights=2),
-    MODEL,
-    MODEL.compressed(),
-    el.TransferModel.fit(ROOM.direct, ROOM.indirect, rank=4, notebook=True),
-    MODEL.report,
-    MODEL.learnt,
-    ROOM,
-    el.synthetic.plain(0),
-    el.synthetic.judge([(el.synthetic.plain(0), np.zeros((0, 3)), np.zeros((0, 3)))]),
+@cache
+def results():
+    """One result of each kind, by the name of its class and what is special about it."""
+    scene = el.synthetic.plain(0)
+    nothing = np.zeros((0, 3))
+    return {
+        "EnvMap": hall(),
+        "Rig": rig(),
+        "FitReport": rig().report,
+        "Lights": rig().lights,
+        "Light": rig().lights[0],
+        "Lights, many": many(77),
+        "Lights, none": many(0),
+        "Lights, black": el.Lights([[0, 1, 0]], [[0, 0, 0]]),
+        "DetectedLights": detected_lights(),
+        "DetectedLights, none": detected_lights()[:0],
+        "DetectedLight": detected_lights()[0],
+        "DetectionReport": detected_lights().report,
+        "Rig, black": el.fit(np.zeros((8, 16, 3))),
+        "Rig, harmonics": el.fit(hall(), lights=1, ambient="sh2"),
+        "Rig, article": el.fit_paper(hall(), lights=2),
+        "TransferModel": model(),
+        "TransferModel, compressed": model().compressed(),
+        "TransferModel, notebook": el.TransferModel.fit(
+            room().direct, room().indirect, rank=4, notebook=True
+        ),
+        "TransferReport": model().report,
+        "Learnt": model().learnt,
+        "Room": room(),
+        "Scene": scene,
+        "Score": el.synthetic.judge([(scene, nothing, nothing)]),
+    }
+
+
+NAMES = [
+    "EnvMap",
+    "Rig",
+    "FitReport",
+    "Lights",
+    "Light",
+    "Lights, many",
+    "Lights, none",
+    "Lights, black",
+    "DetectedLights",
+    "DetectedLights, none",
+    "DetectedLight",
+    "DetectionReport",
+    "Rig, black",
+    "Rig, harmonics",
+    "Rig, article",
+    "TransferModel",
+    "TransferModel, compressed",
+    "TransferModel, notebook",
+    "TransferReport",
+    "Learnt",
+    "Room",
+    "Scene",
+    "Score",
 ]
-NAMES = [f"{number}-{type(each).__name__}" for number, each in enumerate(RESULTS)]
+
+
+@pytest.fixture
+def result(request):
+    return results()[request.param]
+
+
+EVERY_RESULT = pytest.mark.parametrize("result", NAMES, indirect=True)
 
 
 class Tags(HTMLParser):
@@ -79,7 +138,7 @@ def tags_of(html):
     return parser.seen
 
 
-@pytest.mark.parametrize("result", RESULTS, ids=NAMES)
+@EVERY_RESULT
 def test_a_notebook_shows_every_result_without_scripts_and_in_the_colours_of_its_page(result):
     html = result._repr_html_()
     tags = tags_of(html)
@@ -98,28 +157,30 @@ def test_a_notebook_shows_every_result_without_scripts_and_in_the_colours_of_its
     assert not re.search(r"\bnan\b", html)
 
 
-@pytest.mark.parametrize("result", RESULTS, ids=NAMES)
+@EVERY_RESULT
 def test_a_result_is_equal_to_its_copy_and_to_nothing_of_another_kind(result):
     again = copy.deepcopy(result)
     assert again == result
     assert result != repr(result)
-    for other in RESULTS:
+    for other in results().values():
         assert (other == result) == (other is result)
     with pytest.raises(TypeError, match="unhashable"):
         hash(result)
 
 
 def test_times_do_not_count_and_arrays_do():
-    assert el.fit(HALL, lights=3) == RIG
-    assert replace(RIG, ambient=2 * RIG.ambient) != RIG
-    assert replace(RIG, notes=("a remark",)) != RIG
-    assert replace(RIG.report, seconds={"fit": 1.0}) == RIG.report
-    assert replace(RIG.report, steps=RIG.report.steps + 1) != RIG.report
-    turned = el.Lights(FOUND.direction[:, ::-1], FOUND.irradiance)
-    assert turned != el.Lights(FOUND.direction, FOUND.irradiance)
+    assert el.fit(hall(), lights=3) == rig()
+    assert replace(rig(), ambient=2 * rig().ambient) != rig()
+    assert replace(rig(), notes=("a remark",)) != rig()
+    assert replace(rig().report, seconds={"fit": 1.0}) == rig().report
+    assert replace(rig().report, steps=rig().report.steps + 1) != rig().report
+    turned = el.Lights(detected_lights().direction[:, ::-1], detected_lights().irradiance)
+    assert turned != el.Lights(detected_lights().direction, detected_lights().irradiance)
 
 
-@pytest.mark.parametrize("result", [RIG, FOUND, HALL, MODEL], ids=lambda each: type(each).__name__)
+@pytest.mark.parametrize(
+    "result", ["Rig", "DetectedLights", "EnvMap", "TransferModel"], indirect=True
+)
 def test_alone_it_is_shown_in_full_and_in_a_list_as_a_line(result):
     formatters = pytest.importorskip("IPython.core.formatters")
     shown = formatters.PlainTextFormatter()
@@ -185,16 +246,16 @@ def test_a_sky_is_not_white_where_a_lamp_shines():
 
 
 def test_directions_of_a_basis_are_orthonormal():
-    for model in (MODEL, replace(MODEL)):
-        rows = model.directions(3).reshape(3, -1)
+    for each in (model(), replace(model())):
+        rows = each.directions(3).reshape(3, -1)
         np.testing.assert_allclose(rows @ rows.T, np.eye(3), atol=1e-5)
-    assert len(MODEL.directions(99)) == 4
+    assert len(model().directions(99)) == 4
     with pytest.raises(el.EnvLightsError, match="most must be a whole number"):
-        MODEL.directions(-1)
+        model().directions(-1)
 
 
 def test_one_light_holds_a_row_of_each_array():
-    for lights in (RIG.lights, FOUND):
+    for lights in (rig().lights, detected_lights()):
         for row, light in enumerate(lights):
             for name in ("direction", "irradiance", "angular_radius", "share"):
                 np.testing.assert_array_equal(getattr(light, name), getattr(lights, name)[row])
@@ -203,10 +264,10 @@ def test_one_light_holds_a_row_of_each_array():
             np.testing.assert_allclose(light.elevation, lights.elevation[row])
             assert light == lights[row]
             assert light in lights
-    assert FOUND[-1] == FOUND[len(FOUND) - 1]
-    assert [each.is_clipped for each in FOUND] == FOUND.is_clipped.tolist()
-    assert FOUND[0].peak_luminance == FOUND.peak_luminance[0]
-    assert FOUND.share is FOUND.flux_share
+    assert detected_lights()[-1] == detected_lights()[len(detected_lights()) - 1]
+    assert [each.is_clipped for each in detected_lights()] == detected_lights().is_clipped.tolist()
+    assert detected_lights()[0].peak_luminance == detected_lights().peak_luminance[0]
+    assert detected_lights().share is detected_lights().flux_share
 
 
 def test_azimuth_and_elevation_lead_back_to_the_direction():
@@ -229,12 +290,12 @@ def test_indices_beyond_the_lights_and_other_kinds_are_refused():
 
 def test_a_data_frame_has_a_row_for_each_light():
     pytest.importorskip("pandas")
-    frame = FOUND.to_frame()
-    assert len(frame) == len(FOUND)
-    np.testing.assert_allclose(np.deg2rad(frame["azimuth_deg"]), FOUND.azimuth)
-    np.testing.assert_allclose(frame[["x", "y", "z"]], FOUND.direction)
-    np.testing.assert_allclose(frame[["red", "green", "blue"]], FOUND.irradiance)
-    assert frame["is_clipped"].tolist() == FOUND.is_clipped.tolist()
+    frame = detected_lights().to_frame()
+    assert len(frame) == len(detected_lights())
+    np.testing.assert_allclose(np.deg2rad(frame["azimuth_deg"]), detected_lights().azimuth)
+    np.testing.assert_allclose(frame[["x", "y", "z"]], detected_lights().direction)
+    np.testing.assert_allclose(frame[["red", "green", "blue"]], detected_lights().irradiance)
+    assert frame["is_clipped"].tolist() == detected_lights().is_clipped.tolist()
     assert {"share", "luminance", "radius_deg"} <= set(many(5).to_frame().columns)
     assert re.fullmatch(r"\d+", str(len(many(0).to_frame())))
 
@@ -250,7 +311,7 @@ def test_lights_are_taken_by_numbers_and_by_masks():
     for chosen in ([0, 3], np.array([0, 3]), np.array([True, False, False, True, False])):
         assert lights[chosen] == el.Lights(lights.direction[[0, 3]], lights.irradiance[[0, 3]])
     assert len(lights[[]]) == 0
-    members = FOUND[[1]].members
-    assert len(members.pixel) + len(members.others) == len(FOUND.members.pixel)
+    members = detected_lights()[[1]].members
+    assert len(members.pixel) + len(members.others) == len(detected_lights().members.pixel)
     with pytest.raises(IndexError):
         lights[[5]]

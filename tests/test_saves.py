@@ -10,6 +10,7 @@ from tests.conftest import fills_a_disk
 from tests.helpers import cases
 
 
+@pytest.mark.slow
 @fills_a_disk
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="nobody is killed so on Windows")
 def test_the_old_file_or_the_new_one_stays():

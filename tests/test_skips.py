@@ -1,20 +1,30 @@
-"""What is skipped changes the result by no more than its bound, and somebody says what it was."""
+"""Skipped work changes the result by at most its bound, and is reported."""
 
 import numpy as np
 import pytest
 
 import envlights as el
 from tests.conftest import real_maps
-from tests.skips import of_map, skips
+from tests.skips import SCENES, of_frames, of_map, of_scene
 
-SKIPS = list(skips(256, width=64))
+EVERY_SCENE = pytest.mark.parametrize("scene", SCENES)
 
 
-@pytest.mark.parametrize("skip", SKIPS, ids=lambda skip: f"{skip.scene}: {skip.stage}")
-def test_on_and_off_agree_to_the_bound(skip):
+def assert_holds(skip):
     assert skip.skipped
     error = skip.error()
-    assert error <= skip.bound, f"{error:.2g}, bound {skip.bound:.2g}: {skip.reason}"
+    assert error <= skip.bound, f"{skip.stage}: {error:.2g}, bound {skip.bound:.2g}: {skip.reason}"
+
+
+@EVERY_SCENE
+def test_on_and_off_agree_to_the_bound_on_a_scene(scene):
+    for skip in of_scene(scene, 256):
+        assert_holds(skip)
+
+
+def test_on_and_off_agree_to_the_bound_on_frames():
+    for skip in of_frames(64):
+        assert_holds(skip)
 
 
 @real_maps("hdr/*.hdr", "exr/*.exr", "openexr_envmaps/*LatLong.exr")
@@ -25,12 +35,12 @@ def test_on_and_off_agree_on_a_real_map(path):
         assert error <= skip.bound, f"{skip.stage}: {error:.2g}, bound {skip.bound:.2g}"
 
 
-def test_without_dark_tiles_all_are_opened():
+@EVERY_SCENE
+def test_without_dark_tiles_all_are_opened(scene):
     """The specks of the comparison open every tile."""
-    for skip in SKIPS:
-        if skip.stage == "detection":
-            notes = skip.off().report.skipped
-            assert any(note.startswith("0 of ") for note in notes), notes
+    (tiles,) = (skip for skip in of_scene(scene, 256) if skip.stage == "detection")
+    notes = tiles.off().report.skipped
+    assert any(note.startswith("0 of ") for note in notes), notes
 
 
 def test_black_texels_are_told_once_and_counted_anew():

@@ -18,5 +18,5 @@ def test_the_bound_holds_or_is_listed_as_open(case):
     "case", [case for case in CASES if case.float32], ids=lambda case: case.name
 )
 def test_float32_alone_would_not_hold_the_bounds_of_float64(case):
-    """Where it did, the case would tell nothing."""
+    """Otherwise the case would not test precision."""
     assert case.float32() > case.bound

@@ -1,15 +1,15 @@
-"""Lights found in generated maps whose lights are known: run time against what was missed.
+"""Detection of lights in generated maps with known lights: run time against missed lights.
 
-Settings of `tree` and `article` are working widths. The two families of maps come once as radiance
-and once as 8-bit sRGB pictures in which 1 % of the sphere is white; there the peers get the decoded
-radiance, and the error of flux has what white cut off. Angle and flux are medians over the lights
-that were found. Of each family eight maps, 1024x512, of which two are timed.
+The settings of `tree` and `article` are working widths. Two families of maps are measured as
+radiance and as 8-bit sRGB pictures with 1 % of the sphere clipped. For the pictures the peers read
+the decoded radiance, and the error of flux includes the clipped light. Angle and flux are medians
+over the detected lights. Each family has eight maps of 1024x512 pixels; two are timed.
 """
 
 from functools import partial
 
 import numpy as np
-from curves.results import point, those_installed, timed
+from curves.results import point, run_times, those_installed
 from detectors import DETECTORS, ours, sphere
 
 import envlights as el
@@ -19,7 +19,7 @@ from envlights.kernels.image import LUMINANCE
 
 TITLE = "Detection"
 READ = ": left is faster, down is more accurate"
-ERRORS = {"missed": "1 - F1", "angle": "angle of what was found, radians", "flux": "error of flux"}
+ERRORS = {"missed": "1 - F1", "angle": "angle of detected lights, radians", "flux": "error of flux"}
 COUNTED = None
 OURS = ("tree", "article")
 COLUMNS = (128, 256, 512, 1024)
@@ -45,7 +45,7 @@ METHODS = those_installed(METHODS, {"threshold + OpenCV": "cv2"})
 
 
 def are_comparable(our, their):
-    """Every setting against every other: they are no promise to the user."""
+    """True for every pair of settings, because a setting guarantees nothing."""
     return our.case == their.case
 
 
@@ -61,7 +61,7 @@ def points(_, effort):
 
 
 def _on(case, worlds, images, whites, effort):
-    """Points of one family; `whites` is the radiance that 1 stands for in each image."""
+    """Points of one family; `whites` has the clip level of each image."""
     decoded = [el.EnvMap(image).radiance for image in images]
     methods = {
         (method, setting): (find, images if method in OURS else decoded)
@@ -74,7 +74,7 @@ def _on(case, worlds, images, whites, effort):
         score = synthetic.judge([(w, towards, flux * white) for w, (towards, flux), white in rows])
         errors[key] = _errors(score)
     few = images[:TIMED_MAPS]
-    seconds = timed(
+    seconds = run_times(
         {key: partial(_all, find, seen[:TIMED_MAPS]) for key, (find, seen) in methods.items()},
         effort,
     )
@@ -96,7 +96,7 @@ def _eight_bits(radiance):
 
 
 def _errors(score):
-    """Of what was found; without a hit, all is wrong."""
+    """Errors of the detected lights; 1 if no light was detected."""
     hit = len(score.angles_deg) > 0
     return {
         "missed": max(1 - score.f1, 1e-3),

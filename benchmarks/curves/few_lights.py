@@ -1,10 +1,9 @@
-"""Few lights for a map: run time against two errors, that of a white probe and that of its shadows.
+"""A few lights for a map: run time against the error of a white probe and of its shadows.
 
-Each method begins with the map in memory, float32, and ends with its lights. Settings are numbers
-of lights; of harmonics alone, their order; of Radiance's `mksource`, its threshold over the mean,
-and its time has the files that it needs; it draws anew at each call, and its errors are medians of
-three. A peer counts as better only with no more lights than
-ours; harmonics and `mksource` always count.
+Each method starts with the map in memory, float32, and ends with its lights. The settings are
+numbers of lights, orders of harmonics, and for Radiance's `mksource` its threshold over the mean.
+The time of `mksource` includes its files; it is random, and its errors are medians of three. A peer
+is called better only if it has no more lights than ours; harmonics and `mksource` always count.
 """
 
 from functools import partial
@@ -12,13 +11,13 @@ from functools import partial
 import numpy as np
 from curves import peers_of_lights as peers
 from curves.judge import Judge
-from curves.results import point, those_installed, timed, warm_up
+from curves.results import point, run_times, those_installed, warm_up
 
 import envlights as el
 
 TITLE = "Few lights for a map"
 READ = ": left is faster, down is more accurate"
-ERRORS = {"probe": "error of a white probe", "shadows": "error where things cast shadows"}
+ERRORS = {"probe": "error of a white probe", "shadows": "error of shadows"}
 #: What the settings count, and whose settings count something else.
 COUNTED, UNCOUNTED = "lights", ("harmonics, projected", "mksource")
 #: Calls of a method that draws anew at each, whose errors are medians.
@@ -52,7 +51,7 @@ METHODS = those_installed(METHODS, NEEDS)
 
 
 def are_comparable(our, their):
-    """Whether the peer has no more lights; harmonics have none, of `mksource` nobody can ask."""
+    """True if the peer has no more lights than ours; harmonics and `mksource` always count."""
     return their.method in UNCOUNTED or their.setting <= our.setting
 
 
@@ -66,15 +65,15 @@ def points(maps, effort):
         }
         # The first call also compiles, where a method does.
         if effort.is_judged:
-            errors = judged(env, work, effort.is_quick)
+            errors = errors_of(env, work, effort.is_quick)
         else:
             errors = warm_up(work, env.radiance.shape)
-        seconds = timed(work, effort)
+        seconds = run_times(work, effort)
         for key in work:
             yield point("lights", name, *key, errors[key], call=[seconds[key]])
 
 
-def judged(env, work, is_quick):
+def errors_of(env, work, is_quick):
     """Both errors of each method, the medians of those that draw anew."""
     judge, found = Judge(env), {}
     kinds = {"probe": judge.probe_error, "shadows": judge.shadow_error}

@@ -10,7 +10,7 @@ from curves import page, results
 import envlights as el
 
 
-def measured(module, cost, quick, is_judged):
+def measure(module, cost, quick, is_judged):
     """Points or rows of a part; `cost` is that of a case in one process."""
     part, rows = importlib.import_module(module), []
     effort = results.Effort(*cost, quick, is_judged)

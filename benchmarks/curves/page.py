@@ -1,21 +1,20 @@
 """`docs/benchmarks.md`, from the results alone."""
 
 import numpy as np
-from curves.results import curves, told
+from curves.results import curves, setting_text
 
 _HEAD = """# Run time against error
 
-`python -m benchmarks --out docs` measures everything on this page, and writes it; with the names of
-parts, it measures those anew. Each part says on what machine it was measured. The last table has
-what a second run of the command changed.
+`python -m benchmarks --out docs` measures this page and writes it; with the names of parts, it
+measures those again. Each part names its machine. The last table compares the page with a second
+run.
 
-Within a part all methods take turns in one process, warmed up, round by round; a round repeats what
-takes less than 3 ms. All parts are then measured again in new processes, as many as each part says:
-two processes differ by more than the rounds of one, for their memory lies elsewhere and the machine
-is busy otherwise. Times are medians over the processes of the medians over their rounds, on one
-thread those of the processor; times and errors are geometric means over the cases. The spread is
-half the interval of 99.9 % of the mean over the processes, by Student's t, of the median case.
-Compare ratios: the times are those of one machine.
+In a part all methods alternate in one warm process, round by round; a round repeats calls that take
+less than 3 ms. New processes repeat all parts, because memory and other load differ between
+processes. Times are medians over the processes of the medians over their rounds; on one thread they
+are processor times. Times and errors are geometric means over the cases. The spread is half the
+interval of 99.9 % of the mean over the processes, by Student's t, of the median case. Compare
+ratios, not times: the times are those of one machine.
 """
 
 
@@ -29,19 +28,18 @@ def page(found):
 
 
 def is_table(part):
-    """Whether a part has rows in place of curves."""
+    """True for a part with rows instead of curves."""
     return not hasattr(part, "points")
 
 
 def _measured_on(machine):
     threads, cores = machine["threads"], machine["cores"]
     often = machine["processes"]
-    few = "; a quick run, with few rounds" if machine["quick"] else ""
-    load = f"; load {machine['load']} when it began" if machine.get("load") else ""
+    few = "; a quick run with few rounds" if machine["quick"] else ""
+    load = f"; load {machine['load']} at the start" if machine.get("load") else ""
     return (
-        f"Measured on {machine['date']}: {machine['processor']}, {cores} cores, of which"
-        f" {threads} {'was' if threads == 1 else 'were'} used; {often}"
-        f" process{'es' if often > 1 else ''}{load}{few}."
+        f"Measured on {machine['date']}: {machine['processor']}, {threads} of {cores} cores;"
+        f" {often} process{'es' if often > 1 else ''}{load}{few}."
     )
 
 
@@ -87,12 +85,12 @@ def _table(errors, points):
 def _row(method, setting, seconds, spread, values):
     milliseconds = f"{1e3 * seconds:,.0f}" if seconds >= 1 else f"{1e3 * seconds:.3g}"
     share = "" if spread is None else f"{100 * spread:.0f} %"
-    shown = [method, told(setting), f"{milliseconds} ms", share]
+    shown = [method, setting_text(setting), f"{milliseconds} ms", share]
     return "| " + " | ".join([*shown, *(f"{value:.2g}" for value in values)]) + " |"
 
 
 def _losses(part, errors, points):
-    """Two sentences for each error: which peers beat ours, and which none of ours matches."""
+    """Two sentences for each error: peers that beat ours, and peers that ours never match."""
     cases = len({point.case for point in points})
     text = []
     for error, label in errors.items():
@@ -100,37 +98,35 @@ def _losses(part, errors, points):
         ours = [point for point in points if point.method in part.OURS]
         for their in (point for point in points if point.method not in part.OURS):
             rivals = [our for our in ours if our.case == their.case]
-            name = _named(their)
+            name = _label(their)
             for our in rivals:
                 if part.are_comparable(our, their) and _is_better(their, our, error):
-                    key = f"{name} against {_named(our)}"
+                    key = f"{name} against {_label(our)}"
                     beaten.setdefault(key, set()).add(our.case)
             if not any(_is_matched(our, their, error) for our in rivals):
                 unbeaten.setdefault(name, set()).add(their.case)
-        text.append(f"\nFaster and more accurate than ours, {label}: {_said(beaten, cases)}.")
-        text.append(
-            f"\nPeers that none of ours matches in less time, {label}: {_said(unbeaten, cases)}."
-        )
+        text.append(f"\nFaster and more accurate than ours, {label}: {_listing(beaten, cases)}.")
+        text.append(f"\nNever matched by ours in less time, {label}: {_listing(unbeaten, cases)}.")
     return text
 
 
-def _named(point):
+def _label(point):
     """A method, with its setting if it has one."""
-    return point.method + ("" if point.setting is None else f" ({told(point.setting)})")
+    return point.method + ("" if point.setting is None else f" ({setting_text(point.setting)})")
 
 
-def _said(found, cases):
+def _listing(found, cases):
     rows = [f"{name} on {len(on)} of {cases}" for name, on in sorted(found.items())]
     return "; ".join(rows) or "none"
 
 
 def _is_better(one, other, error):
-    """Whether a point is faster and more accurate than another."""
+    """True if a point is faster and more accurate than another."""
     return one.seconds < other.seconds and one.errors[error] < other.errors[error]
 
 
 def _is_matched(our, their, error):
-    """Whether ours is faster and no less accurate: many find all lights of an easy map."""
+    """True if ours is faster and at least as accurate; ties are common on easy maps."""
     return our.seconds < their.seconds and our.errors[error] <= their.errors[error]
 
 
@@ -141,7 +137,7 @@ def _slopes(part, points):
         found = [point for point in points if point.case == case]
         sizes = sorted({point.setting for point in found})
         text += [f"\nRun time in milliseconds, by the number of {case}:\n"]
-        head = ["method", *(told(size) for size in sizes), "exponent"]
+        head = ["method", *(setting_text(size) for size in sizes), "exponent"]
         is_bound = case == "pixels"
         head += ["of the bandwidth"] if is_bound else []
         text += ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
@@ -169,7 +165,7 @@ def _memory(points):
     if not points:
         return []
     sizes = sorted({point.setting for point in points})
-    head = ["method", *(told(size) for size in sizes), "bytes a pixel"]
+    head = ["method", *(setting_text(size) for size in sizes), "bytes a pixel"]
     text = ["\nPeak memory in megabytes beyond the map, by the number of pixels:\n"]
     text += ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
     for method in dict.fromkeys(point.method for point in points):

@@ -135,7 +135,7 @@ def k_means(radiance, count):
 
 
 def importance_samples(radiance, count):
-    """Pixels drawn by their flux, at evenly spread numbers; each stands for its share."""
+    """Pixels sampled by their flux at evenly spaced numbers, all of equal flux."""
     directions, solid_angles = sphere(len(radiance))
     weights = ((radiance @ LUMINANCE) * solid_angles).astype(float)
     rows, columns = weights.sum(axis=1).cumsum(), weights.cumsum(axis=1)
@@ -183,14 +183,14 @@ def _harmonics(directions, order):
 
 
 def _clamped_cosine(order):
-    """What the clamped cosine does to each degree: pi, 2 pi / 3, pi / 4, 0, -pi / 24."""
+    """Factor of the clamped cosine for each degree: pi, 2 pi / 3, pi / 4, 0, -pi / 24."""
     factors = (np.pi, 2 * np.pi / 3, np.pi / 4, 0.0, -np.pi / 24)
     return np.repeat(factors[: order + 1], 2 * np.arange(order + 1) + 1)
 
 
 def by_scipy(radiance, lights):
     """SciPy's bounded least squares on the paper's equations, from an even start."""
-    return _solved(
+    return _solve(
         radiance,
         lights,
         lambda problem, start: peers.by_scipy(problem, start, has_bounds=True, tolerance=1e-8),
@@ -199,10 +199,10 @@ def by_scipy(radiance, lights):
 
 def by_jaxopt(radiance, lights):
     """The Levenberg-Marquardt of JAXopt from the same start, compiled before it is timed."""
-    return _solved(radiance, lights, lambda problem, start: peers.by_jaxopt(problem, start, 1e-8))
+    return _solve(radiance, lights, lambda problem, start: peers.by_jaxopt(problem, start, 1e-8))
 
 
-def _solved(radiance, lights, solve):
+def _solve(radiance, lights, solve):
     probe = el.EnvMap(radiance).probe(NORMALS)
     scale = probe.max()
     problem = peers.Problem(NORMALS, SOLID_ANGLES, probe / scale, lights)

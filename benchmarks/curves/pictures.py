@@ -4,7 +4,7 @@ from itertools import pairwise, product
 
 import matplotlib as mpl
 import numpy as np
-from curves.results import curves, told
+from curves.results import curves, setting_text
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
@@ -27,8 +27,8 @@ def picture(part, points):
     """A panel for each error over the run time, and over what the settings count, if they do.
 
     An error that is a run time gets panels of its own, as their horizontal axis. Without errors,
-    the run time over the setting, a panel for each case. Above a panel stands what reaches an error
-    first.
+    the run time over the setting, a panel for each case. The title of a panel names the fastest
+    methods for an error.
     """
     panels = _panels(part, points)
     across = 2 if len(panels) == 4 else len(panels)
@@ -54,7 +54,7 @@ def picture(part, points):
 
 
 def _panels(part, points):
-    """Labels of the axes, and by method rows of x, y and what stands beside the point."""
+    """Labels of the axes, and for each method its points (x, y, text)."""
     if not part.ERRORS:
         panels = {}
         for point in points:
@@ -67,7 +67,9 @@ def _panels(part, points):
             continue
         found = curves(points, error)
         over_time = {
-            method: [(1e3 * seconds, value, told(setting)) for setting, seconds, value, _ in rows]
+            method: [
+                (1e3 * seconds, value, setting_text(setting)) for setting, seconds, value, _ in rows
+            ]
             for method, rows in found.items()
             if method not in getattr(part, "UNDRAWN", ())
         }
@@ -76,7 +78,7 @@ def _panels(part, points):
             times = curves(points, other)
             over_other = {
                 method: [
-                    (time[2], value, told(setting))
+                    (time[2], value, setting_text(setting))
                     for (setting, _, value, _), time in zip(rows, times[method], strict=True)
                 ]
                 for method, rows in found.items()
@@ -85,7 +87,9 @@ def _panels(part, points):
         if part.COUNTED:
             over_count = {
                 method: [
-                    (setting, value, told(setting)) for setting, _, value, _ in rows if setting
+                    (setting, value, setting_text(setting))
+                    for setting, _, value, _ in rows
+                    if setting
                 ]
                 for method, rows in found.items()
                 if method not in part.UNCOUNTED
@@ -140,7 +144,7 @@ def _name(axes, lines, colours, ours):
         every = product(lines[method], _SIDES)
         places = [axes.annotate(method, row[:2], **side, **font) for row, side in every]
         boxes = [place.get_window_extent() for place in places]
-        covered = [_covered(box, drawn, taken, inside) for box in boxes]
+        covered = [_overlap(box, drawn, taken, inside) for box in boxes]
         best = int(np.argmin(covered))
         taken.append(boxes[best])
         for place in places[:best] + places[best + 1 :]:
@@ -154,8 +158,8 @@ def _dots(axes, rows):
     return np.concatenate([corners, *between])
 
 
-def _covered(box, drawn, taken, inside):
-    """How much of lines and other names a text would cover; its own frame counts most."""
+def _overlap(box, drawn, taken, inside):
+    """Overlap of a text with lines and other texts; leaving the frame counts most."""
     within = ((drawn > box.p0 - 2) & (drawn < box.p1 + 2)).all(axis=1)
     outside = not all(inside.contains(*corner) for corner in box.corners())
     return within.sum() + 20 * sum(box.overlaps(other) for other in taken) + 100 * outside

@@ -1,8 +1,9 @@
-"""The probe of a map at 320 normals: run time against error.
+"""Irradiance of a map at 320 normals: run time against error.
 
-Settings are columns of a reduced map, of harmonics the order, of Monte Carlo and of Mitsuba samples
-at each normal. Mitsuba has a meter on each normal, its scalar variant, and its scene made before.
-The truth is a sum over all pixels, each in 4x4 parts, at every fourth normal.
+The settings are columns of a reduced map, the order of harmonics, and for Monte Carlo and Mitsuba
+the samples at each normal. Mitsuba uses an irradiance meter on each normal, its scalar variant, and
+a scene that is loaded before. The reference is a sum over all pixels, each in 4x4 parts, at every
+fourth normal.
 """
 
 import os
@@ -11,7 +12,7 @@ from importlib.util import find_spec
 
 import numpy as np
 from curves.peers_of_lights import projected_harmonics, sphere
-from curves.results import point, timed, warm_up
+from curves.results import point, run_times, warm_up
 from tests.helpers import NORMALS, SOLID_ANGLES
 
 from envlights import kernels
@@ -24,8 +25,8 @@ COUNTED = None
 OURS = ("exact", "working map")
 COLUMNS = (32, 64, 128, 256, 512, 1024)
 SAMPLES = (16, 256, 4096)
-#: Normals at which all are judged: the truth takes seconds for each map.
-_JUDGED = slice(None, None, 4)
+#: Normals at which errors are measured: the reference takes seconds for each map.
+_COMPARED = slice(None, None, 4)
 
 
 def exact(radiance, _):
@@ -54,7 +55,7 @@ def harmonics(radiance, order):
     return projected_harmonics(radiance, order).ambient.irradiance(NORMALS)
 
 
-def drawn(radiance, samples):
+def monte_carlo(radiance, samples):
     """Monte Carlo: pixels drawn by their flux, the same for all normals."""
     directions, solid_angles = sphere(len(radiance))
     weights = ((radiance @ LUMINANCE) * solid_angles).ravel().astype(float)
@@ -70,17 +71,17 @@ METHODS = {
     "working map": (COLUMNS, working),
     "all pixels": (COLUMNS[:5], brute_force),
     "harmonics": ((2, 4), harmonics),
-    "Monte Carlo": (SAMPLES, drawn),
+    "Monte Carlo": (SAMPLES, monte_carlo),
 }
 
 
 def are_comparable(our, their):
-    """Every setting against every other: they are no promise to the user."""
+    """True for every pair of settings, because a setting guarantees nothing."""
     return our.case == their.case
 
 
 def points(maps, effort):
-    """Yield a point for each map, method and setting; `exact` is judged by all pixels, halved."""
+    """Yield a point for each map, method and setting; halve the pixels to check `exact`."""
     has_mitsuba = find_spec("mitsuba") is not None
     for name, env in maps.items():
         work = {
@@ -95,19 +96,19 @@ def points(maps, effort):
             render = Probe(env.radiance, NORMALS, int(os.environ["RAYON_NUM_THREADS"])).render
             work |= {("Mitsuba", count): partial(render, count) for count in SAMPLES}
         if effort.is_judged:
-            errors = judged(env, work, parts=2 if effort.is_quick else 4)
+            errors = errors_of(env, work, parts=2 if effort.is_quick else 4)
         else:
             errors = warm_up(work, env.radiance.shape)
-        seconds = timed(work, effort)
+        seconds = run_times(work, effort)
         for key in work:
             yield point("probe", name, *key, errors[key], call=[seconds[key]])
 
 
-def judged(env, work, parts):
+def errors_of(env, work, parts):
     """The error of each method."""
-    wanted, weights = reference(env.radiance, parts), SOLID_ANGLES[_JUDGED]
+    wanted, weights = reference(env.radiance, parts), SOLID_ANGLES[_COMPARED]
     return {
-        key: {"probe": kernels.relative_rms(find()[_JUDGED], wanted, weights)}
+        key: {"probe": kernels.relative_rms(find()[_COMPARED], wanted, weights)}
         for key, find in work.items()
     }
 
@@ -115,7 +116,7 @@ def judged(env, work, parts):
 def reference(radiance, parts):
     """Each pixel in parts x parts pieces, which sums over the pixels of their own tend to."""
     height = parts * len(radiance)
-    normals = NORMALS[_JUDGED]
+    normals = NORMALS[_COMPARED]
     total = np.zeros((len(normals), 3))
     rows = 8 * parts
     width = 2 * height

@@ -25,7 +25,7 @@ class Point(NamedTuple):
     case: str
     method: str
     setting: float | None
-    """None for a method that has none."""
+    """Setting of the method; `None` if it has no setting."""
 
     seconds: float
     """Median over the processes of the medians over their rounds."""
@@ -44,7 +44,7 @@ class Point(NamedTuple):
 
 
 class Effort(NamedTuple):
-    """What a case may cost in one process."""
+    """Upper limits on the rounds of a case in one process."""
 
     rounds: int
     """At most; a piece of work that has had its share of the seconds has fewer, but one."""
@@ -52,13 +52,13 @@ class Effort(NamedTuple):
     seconds: float
 
     is_quick: bool = False
-    """Whether a case may be made smaller."""
+    """True if a case may be made smaller."""
 
     is_judged: bool = True
-    """Whether errors are wanted, which are the same in each process."""
+    """True if errors are measured, which are the same in each process."""
 
 
-def told(setting):
+def setting_text(setting):
     """A setting as text; nothing for a method that has none."""
     return "" if setting is None else f"{setting:,.10g}"
 
@@ -72,7 +72,7 @@ def those_installed(methods, needs):
     }
 
 
-def timed(work, effort):
+def run_times(work, effort):
     """Seconds of each piece of work in each round.
 
     On one thread they are seconds of the processor: what else the machine does counts less.
@@ -93,20 +93,20 @@ def warm_up(work, alike):
 
 def point(part, case, method, setting, errors, **rounds):
     """A point of the seconds in `rounds`, by process; those but of the "call" are errors, too."""
-    rounds = {name: _rounded(seconds) for name, seconds in rounds.items()}
-    timed = {name: typical(seconds) for name, seconds in rounds.items()}
-    seconds = timed.pop("call")
+    rounds = {name: _round_numbers(seconds) for name, seconds in rounds.items()}
+    run_times = {name: typical(seconds) for name, seconds in rounds.items()}
+    seconds = run_times.pop("call")
     _, half = interval(logarithms(rounds["call"]))
     spread = float(np.expm1(half)) if np.isfinite(half) else None
-    return Point(part, case, method, setting, seconds, spread, errors | timed, rounds)
+    return Point(part, case, method, setting, seconds, spread, errors | run_times, rounds)
 
 
-def _rounded(processes):
+def _round_numbers(processes):
     """To four digits, which is more than any of them tells."""
     return [[float(f"{seconds:.4g}") for seconds in process] for process in processes]
 
 
-def merged(passes):
+def merge(passes):
     """The points of several processes, which are the same but for their times, as one."""
     found = []
     for points in zip(*passes, strict=True):

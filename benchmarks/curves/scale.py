@@ -1,9 +1,9 @@
-"""Run time and memory against what grows: pixels, lights, normals, images.
+"""Run time and memory by the number of pixels, lights, normals and images.
 
-All maps are the generated hall, its pixels repeated; lights are fitted to it at 1024x512, which the
-probe of many normals reads, too. Images are pairs of the generated room at rank 16. Beside them one
-pass of NumPy over the same map. Memory is the peak of a process of its own beyond what it had
-before the call, on Linux, from 2048x1024 on.
+All maps repeat the pixels of the generated hall. The fits and the probes of many normals use
+1024x512 pixels. The images are pairs of the generated room at rank 16. One pass of NumPy over the
+same map is measured as well. Memory is the peak of a process beyond its memory before the call, on
+Linux, from 2048x1024 on.
 """
 
 import sys
@@ -11,7 +11,7 @@ from functools import partial
 
 import memory
 import numpy as np
-from curves.results import point, timed
+from curves.results import point, run_times
 
 import envlights as el
 from envlights import kernels
@@ -71,12 +71,12 @@ def points(_, effort):
         peaks = {method: {"memory": peak(method, size)} for method in work if is_told}
         for run in work.values():
             run()
-        for method, seconds in timed(work, half).items():
+        for method, seconds in run_times(work, half).items():
             yield point("scale", case, method, size, peaks.get(method, {}), call=[seconds])
 
 
 def _all(is_quick):
-    """What grows, its size, and the work by methods."""
+    """Cases: the quantity that grows, its size, and the calls of the methods."""
     few = 4 if is_quick else None
     for height in FEW_HEIGHTS if is_quick else HEIGHTS:
         radiance = hall(height)
@@ -108,10 +108,10 @@ def hall(height):
 
 def peak(method, pixels):
     """Megabytes that a call takes at most, beyond those of its process before it."""
-    return memory.alone(_grown, method, pixels) / 2**20
+    return memory.alone(_memory_growth, method, pixels) / 2**20
 
 
-def _grown(method, pixels):
+def _memory_growth(method, pixels):
     radiance = hall(int((pixels / 2) ** 0.5))
     METHODS[method](hall(256))  # What the first call of all makes is no part of it.
     return memory.peak(partial(METHODS[method], radiance))

@@ -1,10 +1,10 @@
 """Indirect light from direct light: run time of a frame against the error on unseen lights.
 
-The error is the median of the relative errors of the unseen images; the second panel has it over
-the time of a fit. Settings are ranks; of `fewer pairs` their number, and of `smaller direct` texels
-along a side of the direct image, both at rank 32. All have the ridge 1e-3 but `ridge="loo"`, and
-the same pairs: the generated room without noise, 64x64, and the database in
-`ENVLIGHTS_TRANSFER_DB`, if any.
+The error is the median of the relative errors of the unseen images. The second panel shows the same
+error against the time of a fit. The settings are ranks. At rank 32, `fewer pairs` has a setting for
+the number of pairs, and `smaller direct` one for the texels along a side of the direct image. The
+ridge is 1e-3, except for `ridge="loo"`. The pairs are those of the generated room without noise,
+64x64, and of the database in `ENVLIGHTS_TRANSFER_DB`, if any.
 """
 
 import os
@@ -12,7 +12,7 @@ from functools import partial
 
 import numpy as np
 from curves.peers_of_transfer import notebook, scikit
-from curves.results import point, those_installed, timed
+from curves.results import point, run_times, those_installed
 from tests.helpers import relative_errors
 
 import envlights as el
@@ -35,7 +35,7 @@ def ours(direct, indirect, rank, **options):
     return el.TransferModel.fit(direct, indirect, rank, **options).predict
 
 
-def compressed(direct, indirect, rank):
+def compressed_model(direct, indirect, rank):
     return el.TransferModel.fit(direct, indirect, rank).compressed().predict
 
 
@@ -44,11 +44,11 @@ def of_fewer_pairs(direct, indirect, pairs):
 
 
 def of_smaller_direct(direct, indirect, side):
-    predict = ours(reduced(direct, side), indirect, RANK)
-    return lambda image: predict(reduced(image[None], side)[0])
+    predict = ours(reduce_images(direct, side), indirect, RANK)
+    return lambda image: predict(reduce_images(image[None], side)[0])
 
 
-def reduced(images, side):
+def reduce_images(images, side):
     """Images of direct light in fewer texels, each the mean of a block."""
     count, height, width, _ = images.shape
     return images.reshape(count, side, height // side, side, width // side, 3).mean(axis=(2, 4))
@@ -57,7 +57,7 @@ def reduced(images, side):
 METHODS = {
     "TransferModel": (RANKS, ours),
     'ridge="loo"': (RANKS, partial(ours, ridge="loo")),
-    "compressed": (RANKS, compressed),
+    "compressed": (RANKS, compressed_model),
     "fewer pairs": ((12, 24, 36), of_fewer_pairs),
     "smaller direct": ((2, 4, 8), of_smaller_direct),
     "notebook": (RANKS, notebook),
@@ -82,9 +82,9 @@ def points(_, effort):
             for setting in settings
         }
         models = {key: fit() for key, fit in fits.items()}
-        fitted = timed(fits, effort)
+        fitted = run_times(fits, effort)
         frames = {key: partial(model, new[0]) for key, model in models.items()}
-        seconds = timed(frames, effort)
+        seconds = run_times(frames, effort)
         for key, model in models.items():
             seen = np.stack([model(image) for image in new])
             errors = {"unseen": float(np.median(relative_errors(seen, truth)))}

@@ -1,26 +1,25 @@
-"""The same command a second time, as `--against` compares it with the first.
+"""A second run of the command, compared with the first by `--against`.
 
-A ratio is a run time of ours over a peer's on the same case, in the same rounds; its interval is
-the one of 99.9 % of the mean over the processes, by Student's t. Both runs agree on it if their
-intervals overlap: of nine processes, by chance alone they would not on one ratio of 400 000, which
-is one in 150 comparisons of all parts. Agreement says no more than the intervals do: where half of
-one is 50 %, a ratio may have doubled and still agree. Half an interval is stated as a mean of both
-runs, as a share or as a factor. An error agrees if it changes by no more than a millionth, those
-of methods that draw anew left out; the peak of memory, if it changes by no more than a fiftieth of
-itself and of 50 MB: pages are counted in batches, and stacks of threads grow at times.
+A ratio is our run time over a peer's on one case, in the same rounds. Its interval covers 99.9 % of
+the mean over the processes, by Student's t. Two runs agree on a ratio if their intervals overlap.
+With nine processes, chance alone separates one of 400 000 ratios, which is one in 150 comparisons
+of all parts. Agreement depends on the width of the intervals: if half of one is 50 %, a doubled
+ratio may still agree. Half an interval is the mean of both runs, as a percentage or as a factor. An
+error agrees if it changes by at most 1e-6 of itself; random methods are left out. The peak of
+memory agrees if it changes by at most 2 % of itself and of 50 MB, because pages are counted in
+batches and stacks grow.
 """
 
 from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-from curves.results import Point, interval, logarithms, told
+from curves.results import Point, interval, logarithms, setting_text
 
 TITLE = "A second run"
 _SAME_ERROR = 1e-6
-#: The second is a megabyte of what no call asked for: Linux counts the pages of each processor in
-#: batches of 128 kB, the allocator takes some in advance, and the stacks of threads grow. Of two
-#: runs of a fit to 8192x4096 pixels one said 4 kB beyond the map, the other 0.6 MB.
+#: The second, a megabyte, covers memory beyond the calls: Linux counts pages in batches of 128 kB,
+#: the allocator reserves some in advance, and the stacks of threads grow.
 _SAME_MEMORY, _FEW_MEGABYTES = 0.02, 50.0
 
 
@@ -33,7 +32,7 @@ class Change(NamedTuple):
 
     @property
     def agrees(self):
-        """Whether both runs say the same."""
+        """True if both runs agree."""
         return self.size <= self.allowed
 
 
@@ -56,7 +55,7 @@ def changes(part, first, second):
 
 
 def row(name, ratios, errors):
-    """What the page says of a part."""
+    """Row of the page for one part."""
     middle, most, largest = np.expm1(np.quantile([each.size for each in ratios], [0.5, 0.95, 1]))
     usual, wide = np.expm1(np.quantile([each.allowed / 2 for each in ratios], [0.5, 0.95]))
     return {
@@ -73,7 +72,7 @@ def row(name, ratios, errors):
     }
 
 
-def said(changes):
+def sentences(changes):
     """A line for each that does not agree, the worst first."""
     wrong = sorted((each for each in changes if not each.agrees), reverse=True)
     return [
@@ -88,7 +87,7 @@ def _key(point):
 
 def _of_ratios(part, one, other, our, their):
     """Changes of the ratios of run times, and of those errors that are run times."""
-    name = f"{_named(our)} over {_named(their)} on {our[0]}"
+    name = f"{_label(our)} over {_label(their)} on {our[0]}"
     for time in ("call", *getattr(part, "TIMED", ())):
         (first, half), (second, other_half) = (
             interval(logarithms(run[our].rounds[time], run[their].rounds[time]))
@@ -104,12 +103,12 @@ def _of_errors(part, point, again):
         is_memory = error in getattr(part, "MEMORY", ())
         least, allowed = (_FEW_MEGABYTES, _SAME_MEMORY) if is_memory else (1e-12, _SAME_ERROR)
         seen, anew = (each.errors[error] + least for each in (point, again))
-        name = f"{error} of {_named(_key(point))} on {point.case}"
+        name = f"{error} of {_label(_key(point))} on {point.case}"
         yield Change(float(abs(np.log(anew / seen))), allowed, name)
 
 
-def _named(key):
-    return f"{key[1]} ({told(key[2])})" if key[2] is not None else key[1]
+def _label(key):
+    return f"{key[1]} ({setting_text(key[2])})" if key[2] is not None else key[1]
 
 
 def _share(share):

@@ -1,16 +1,16 @@
-"""Each skip on each scene, with the time that it saves and the error that it costs.
+"""Skipped work on each scene, with the time that it saves and the error that it adds.
 
-Both ways take turns; "without" is the same work on data that leave nothing to skip, or the exact
-step. The comparisons are those of `tests/skips.py`. Where the saving is negative, the skip costs
-more time than it saves. On the maps of the other parts a speck may join a light: their error of
-detection is the number of tiles that were shut on a bright pixel. `env.probe` and `predict` give
-plain arrays, which carry no report: what they skip is in this table; `fit`, `detect`, `bake` and
-`TransferModel.fit` say it in their reports.
+Both variants alternate in one process. "without" is the same work on data that leave nothing to
+skip, or the exact step. The comparisons are those of `tests/skips.py`. A negative saving means that
+the skip takes more time than it saves. For detection on the maps of the other parts, the error is
+the number of skipped tiles with a bright pixel. `env.probe` and `predict` return plain arrays
+without a report, so this table lists their skips; `fit`, `detect`, `bake` and `TransferModel.fit`
+report theirs.
 """
 
 from itertools import chain
 
-from curves.results import timed, typical
+from curves.results import run_times, typical
 from tests.skips import of_map, skips
 
 TITLE = "What is skipped"
@@ -21,7 +21,7 @@ def rows(maps, effort):
     more = effort._replace(rounds=3 * effort.rounds, seconds=effort.seconds / 4)
     real = (skip for name, env in maps.items() for skip in of_map(name, env.radiance))
     for skip in chain(skips(width=64 if effort.is_quick else 256), real):
-        found = timed({"on": skip.on, "off": skip.off}, more)
+        found = run_times({"on": skip.on, "off": skip.off}, more)
         on, off = (typical([found[name]]) for name in ("on", "off"))
         error = float(skip.error())
         yield {

@@ -1,8 +1,7 @@
-"""Each extreme case: its bound, and the error seen.
+"""Extreme cases, each with its bound and its measured error.
 
-Errors are relative, directions in radians; `float32` is the error of the same formula in float32.
-The cases are those of `tests/stress/`; bounds that have a number are derived in
-[bounds.md](bounds.md).
+Errors are relative, directions in radians. `float32` is the error of the same formula in float32.
+The cases are those of `tests/stress/`. Numbered bounds are derived in [bounds.md](bounds.md).
 """
 
 from tests.stress import CASES

@@ -24,7 +24,7 @@ impl From<Error> for PyErr {
         let message = error.to_string();
         match error {
             Error::UnusableSamples { .. } => UnusableSamplesError::new_err(message),
-            // As NumPy does for its arrays.
+            // Raise the exception that NumPy raises for its arrays.
             Error::NoMemory { .. } => PyMemoryError::new_err(message),
             _ => EnvLightsError::new_err(message),
         }

@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 
 use super::pool::{detached, interruptible};
 use super::sphere::registration;
-use crate::kernels::madsen::{self, Measured, Parameters, Surface};
+use crate::kernels::madsen::{self, Parameters, ProbeValues, Surface};
 
 /// See `envlights.kernels.face_radiance`.
 #[pyfunction]
@@ -81,7 +81,7 @@ pub fn probe_residual<'py>(
         (x.as_array(), normals.as_array(), probe.as_array(), weights.as_array());
     let surface = Surface { k_a, k_d, colour: colour.into() };
     let out = interruptible(py, || {
-        let measured = Measured::new(normals, probe, weights)?;
+        let measured = ProbeValues::new(normals, probe, weights)?;
         madsen::residual(x, &measured, &surface)
     })?;
     Ok(out.into_pyarray(py))
@@ -104,7 +104,7 @@ pub fn probe_jacobian<'py>(
         (x.as_array(), normals.as_array(), probe.as_array(), weights.as_array());
     let surface = Surface { k_a, k_d, colour: colour.into() };
     let out = interruptible(py, || {
-        let measured = Measured::new(normals, probe, weights)?;
+        let measured = ProbeValues::new(normals, probe, weights)?;
         madsen::jacobian(x, &measured, &surface)
     })?;
     Ok(out.into_pyarray(py))

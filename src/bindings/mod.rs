@@ -1,8 +1,8 @@
-//! The stair between Python and the kernels: borrow, detach, call, wrap. No arithmetic lives here.
+//! The border between Python and the kernels: borrow arrays, release the GIL, call one kernel, wrap its result.
 //!
-//! A kernel is called by [`pool::detached`], or by [`pool::by_size`] where many numbers keep it busy for seconds; one
-//! that uses several threads by [`pool::in_pool`], and by [`pool::interruptible`], which looks for Ctrl-C, where it may
-//! take seconds. rayon's own threads do not live on in a forked process. All of them turn a panic into a refusal.
+//! [`pool::detached`] runs a kernel in the calling thread, [`pool::by_size`] does so if there are few numbers,
+//! [`pool::in_pool`] uses several threads, and [`pool::interruptible`] also checks for Ctrl-C, for kernels that may
+//! take seconds. All of them turn a panic into an error.
 
 mod detect;
 mod error;
@@ -70,7 +70,7 @@ mod _native {
     #[pymodule_export]
     use super::transfer::{transfer_columns, transfer_frames, transfer_gram};
 
-    /// The first array looks for `numpy`: better here than in a kernel, where Ctrl-C would end the search.
+    /// Import `numpy` now: the first array would import it inside a kernel, where Ctrl-C could interrupt it.
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.py().import("numpy")?;

@@ -1,9 +1,8 @@
-//! The threads of the kernels, and what they do when all goes wrong.
+//! Threads that run the kernels: signals, panics and forked processes.
 //!
-//! They are not those of rayon itself: a process that was forked after their first use, as by
-//! `multiprocessing` on Linux or a loader of training data, has none of the threads of its parent, and
-//! would wait for them for ever. Here it makes its own. Where the system gives none, the caller's thread does
-//! all work.
+//! They are not rayon's global threads: a process that is forked after their first use (by `multiprocessing` on
+//! Linux or by a data loader) does not inherit them and would wait for ever. Here each process starts its own. If
+//! the system refuses to start threads, the calling thread does all the work.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -18,24 +17,23 @@ use super::error::EnvLightsError;
 use crate::error::Result;
 use crate::interrupt::{self, Interrupted};
 
-/// Run `work` without the GIL, with all threads of this process: for kernels that end within tenths of a second
-/// whatever they are given.
+/// Run `work` without the GIL on all threads of this process, for kernels that end within tenths of a second.
 pub fn in_pool<T: Send>(py: Python<'_>, work: impl Fn() -> Result<T> + Send + Sync) -> PyResult<T> {
-    run(py, &work, |threads| (threads.install(|| caught(&work)), None))
+    run(py, &work, |threads| (threads.install(|| catch(&work)), None))
 }
 
-/// Run `work` without the GIL, with all threads of this process; a signal such as that of Ctrl-C ends it.
+/// Run `work` without the GIL on all threads of this process, and stop it when a signal such as Ctrl-C arrives.
 ///
-/// Watching costs about 15 microseconds a call, as much as a small kernel takes.
+/// Watching for signals costs about 15 microseconds per call.
 pub fn interruptible<T: Send>(py: Python<'_>, work: impl Fn() -> Result<T> + Send + Sync) -> PyResult<T> {
-    run(py, &work, |threads| watched(threads, &work))
+    run(py, &work, |threads| watch(threads, &work))
 }
 
-/// Run `work` by `start` in the pool, again where another thread of Python was interrupted, and all work with it.
+/// Run `work` in the pool by `start`, and repeat it if the interruption of another Python thread stopped it.
 fn run<T: Send>(
     py: Python<'_>,
     work: &(impl Fn() -> Result<T> + Sync),
-    start: impl Fn(&ThreadPool) -> (Done<T>, Option<PyErr>) + Send + Sync,
+    start: impl Fn(&ThreadPool) -> (Outcome<T>, Option<PyErr>) + Send + Sync,
 ) -> PyResult<T> {
     let Some(threads) = py.detach(current) else {
         return detached(py, || in_this_thread(work));
@@ -47,66 +45,65 @@ fn run<T: Send>(
         }
         match done {
             Err(payload) if payload.is::<Interrupted>() => {}
-            done => return answer(done),
+            done => return into_result(done),
         }
     }
 }
 
-/// Run `work` over that many `numbers`, for kernels that use one thread: as [`detached`] where they are few, else as
-/// [`interruptible`].
+/// Run single-threaded `work` over that many `numbers`: [`detached`] if they are few, else [`interruptible`].
 ///
-/// To reach the pool takes some 50 microseconds, more than such a kernel does.
+/// Entering the pool takes about 50 microseconds, more than such a kernel needs for few numbers.
 pub fn by_size<T: Send>(
     py: Python<'_>,
     numbers: usize,
     work: impl Fn() -> Result<T> + Send + Sync,
 ) -> PyResult<T> {
-    /// Numbers that any such kernel reads or writes within some milliseconds.
+    /// Numbers that any such kernel processes within a few milliseconds.
     const FEW: usize = 1 << 16;
     if numbers <= FEW { detached(py, work) } else { interruptible(py, work) }
 }
 
-/// Run `work` without the GIL, in this thread: for kernels that take no time worth an interruption.
+/// Run `work` without the GIL in this thread, for kernels that are too short to be interrupted.
 ///
-/// An interruption that was meant for the kernel of another thread of Python may end it too; it then runs again.
+/// If the interruption of another Python thread stops it, it runs again.
 pub fn detached<T: Send>(py: Python<'_>, work: impl Fn() -> Result<T> + Send + Sync) -> PyResult<T> {
     loop {
-        match py.detach(|| caught(&work)) {
+        match py.detach(|| catch(&work)) {
             Err(payload) if payload.is::<Interrupted>() => {}
-            done => return answer(done),
+            done => return into_result(done),
         }
     }
 }
 
-/// The answer of a kernel, or what it unwound with.
-type Done<T> = std::result::Result<Result<T>, Box<dyn Any + Send>>;
+/// Result of a kernel, or the payload of its panic.
+type Outcome<T> = std::result::Result<Result<T>, Box<dyn Any + Send>>;
 
-/// What a panic leaves half done is not looked at again: kernels own all that they change.
-fn caught<T>(work: impl FnOnce() -> Result<T>) -> Done<T> {
+/// Run `work` and catch its panic. Kernels own everything that they change, so nothing half done is visible.
+fn catch<T>(work: impl FnOnce() -> Result<T>) -> Outcome<T> {
     catch_unwind(AssertUnwindSafe(work))
 }
 
-/// Run `work` in the pool while this thread looks for signals; the one that ended it, if one came.
-fn watched<T: Send>(
+/// Run `work` in the pool while this thread checks for signals; return the signal that stopped it, if any.
+fn watch<T: Send>(
     threads: &ThreadPool,
     work: &(impl Fn() -> Result<T> + Sync),
-) -> (Done<T>, Option<PyErr>) {
-    /// Between two looks: a person does not notice, and it costs nothing.
-    const BETWEEN: Duration = Duration::from_millis(50);
+) -> (Outcome<T>, Option<PyErr>) {
+    /// Interval between two checks for signals: short enough that a person does not notice.
+    const INTERVAL: Duration = Duration::from_millis(50);
     threads.in_place_scope(|scope| {
         let (sender, receiver) = mpsc::channel();
-        scope.spawn(move |_| sender.send(caught(work)).expect("the receiver waits"));
+        scope.spawn(move |_| sender.send(catch(work)).expect("the receiver waits"));
         let mut signal = None;
         let done = loop {
-            if let Ok(done) = receiver.recv_timeout(BETWEEN) {
+            if let Ok(done) = receiver.recv_timeout(INTERVAL) {
                 break done;
             }
             if signal.is_none() {
                 #[expect(clippy::redundant_closure_for_method_calls, reason = "the method has one lifetime")]
-                let caught = Python::attach(|py| py.check_signals());
-                signal = caught.err();
+                let checked = Python::attach(|py| py.check_signals());
+                signal = checked.err();
                 if signal.is_some() {
-                    interrupt::ask();
+                    interrupt::request();
                 }
             }
         };
@@ -117,40 +114,40 @@ fn watched<T: Send>(
     })
 }
 
-/// An answer or a refusal. A panic is a mistake in the kernels, and is told as such.
-fn answer<T>(done: Done<T>) -> PyResult<T> {
-    done.map_err(|panic| EnvLightsError::new_err(told(panic.as_ref())))?.map_err(PyErr::from)
+/// Result for Python: a value, a refusal, or the report of a panic as an internal error.
+fn into_result<T>(done: Outcome<T>) -> PyResult<T> {
+    done.map_err(|panic| EnvLightsError::new_err(internal_error(panic.as_ref())))?.map_err(PyErr::from)
 }
 
-/// The message of a panic, and whose mistake it is.
-fn told(panic: &(dyn Any + Send)) -> String {
+/// Sentence about a panic in a kernel.
+fn internal_error(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no reason");
-    format!("a mistake in envlights, not in its input; please report it with what was given: {text}")
+    format!("internal error in envlights; please report it with the arguments of the call: {text}")
 }
 
-/// Run `work` with rayon's functions confined to this thread.
+/// Run `work` with rayon restricted to this thread.
 fn in_this_thread<T>(work: impl FnOnce() -> T) -> T {
-    // From now on this thread is the only one of a pool, which must live as long; a second one is refused.
+    // Keep the pool for the life of this thread; rayon refuses a second one.
     if let Ok(pool) = ThreadPoolBuilder::new().num_threads(1).use_current_thread().build() {
         std::mem::forget(pool);
     }
     work()
 }
 
-/// How many threads are wanted; 0 leaves it to `RAYON_NUM_THREADS`, or to the number of cores.
-static WANTED: AtomicUsize = AtomicUsize::new(0);
+/// Requested number of threads; 0 means `RAYON_NUM_THREADS` or the number of cores.
+static REQUESTED: AtomicUsize = AtomicUsize::new(0);
 
-/// Let the kernels use `wanted` threads from the next call on, if it is given; how many they use.
+/// Set the number of threads from the next call on, if `wanted` is given; return the number in use.
 #[pyfunction]
 pub fn threads(py: Python<'_>, wanted: Option<usize>) -> usize {
     if let Some(wanted) = wanted {
-        WANTED.store(wanted, Ordering::Relaxed);
+        REQUESTED.store(wanted, Ordering::Relaxed);
     }
     py.detach(|| current().map_or(1, ThreadPool::current_num_threads))
 }
 
-/// The threads of a process, and those of a process that was forked from it, or of another number.
+/// Threads of one process in one number, and a link to those of other processes or numbers.
 struct Pool {
     process: u32,
     wanted: usize,
@@ -158,13 +155,13 @@ struct Pool {
     next: OnceLock<Box<Pool>>,
 }
 
-/// The threads that are wanted in this process; none where the system starts no threads.
+/// Threads of this process in the requested number; none if the system refuses to start threads.
 fn current() -> Option<&'static ThreadPool> {
     static FIRST: OnceLock<Box<Pool>> = OnceLock::new();
-    of_process(std::process::id(), WANTED.load(Ordering::Relaxed), &FIRST)
+    of_process(std::process::id(), REQUESTED.load(Ordering::Relaxed), &FIRST)
 }
 
-/// The first pool from `place` on that is of this process and number; it is made where there is none.
+/// First pool from `place` on that belongs to this process and number, created if there is none.
 fn of_process(
     process: u32,
     wanted: usize,
@@ -172,7 +169,7 @@ fn of_process(
 ) -> Option<&'static ThreadPool> {
     if place.get().is_none() {
         let threads = ThreadPoolBuilder::new().num_threads(wanted).build().ok()?;
-        // Another thread may have been faster; then its pool serves both.
+        // If another thread was faster, use its pool.
         let _ = place.set(Box::new(Pool { process, wanted, threads, next: OnceLock::new() }));
     }
     let pool = place.get()?;

@@ -68,6 +68,6 @@ pub fn disc_map<'py>(
     radii: PyReadonlyArray1<'py, f64>,
 ) -> PyResult<Bound<'py, PyArray3<f64>>> {
     let (directions, irradiance, radii) = (directions.as_array(), irradiance.as_array(), radii.as_array());
-    let out = interruptible(py, || map_of_discs::drawn(&Discs::new(directions, irradiance, radii)?, height))?;
+    let out = interruptible(py, || map_of_discs::draw(&Discs::new(directions, irradiance, radii)?, height))?;
     Ok(out.into_pyarray(py))
 }

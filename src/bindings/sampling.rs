@@ -37,7 +37,7 @@ pub fn uniform_sphere<'py>(
     Ok(out.into_pyarray(py))
 }
 
-/// See `envlights.fit`: where lights start evenly.
+/// See `envlights.fit`: even starting directions.
 #[pyfunction]
 pub fn even_sphere(py: Python<'_>, count: usize) -> PyResult<Bound<'_, PyArray2<f64>>> {
     let out = by_size(py, count, || Ok(sampling::even_sphere(count)))?;

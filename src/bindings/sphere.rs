@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use super::pool::by_size;
 use crate::kernels::sphere::{self, Registration};
 
-/// The kernels' name of a registration.
+/// Registration of a map from the flag of Python.
 pub fn registration(border_sampled: bool) -> Registration {
     if border_sampled { Registration::BorderSampled } else { Registration::CellCentred }
 }
@@ -33,7 +33,7 @@ pub fn direction_to_uv<'py>(
     Ok(out.into_pyarray(py))
 }
 
-/// See `envlights.kernels.pixel_directions`: those of the rows from `top` to before `bottom`.
+/// See `envlights.kernels.pixel_directions`; only rows from `top` to before `bottom`.
 #[pyfunction]
 pub fn pixel_directions(
     py: Python<'_>,

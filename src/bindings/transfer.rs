@@ -9,10 +9,10 @@ use pyo3::prelude::*;
 use super::pool::interruptible;
 use crate::kernels::transfer;
 
-/// Inner products, and which texels are not black.
+/// Inner products and the mask of texels that are not black.
 type Gram<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<bool>>);
 
-/// Values of a basis: bytes or halves.
+/// Stored values of a basis: bytes or halves.
 #[derive(FromPyObject)]
 pub enum Values<'py> {
     Bytes(PyReadonlyArray3<'py, i8>),

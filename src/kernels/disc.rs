@@ -44,9 +44,9 @@ pub fn irradiance_share(cosine: f64, radius: f64) -> f64 {
     (cosine * s.atan2(-q * cos_radius) + along_horizon(s, radius)) / PI
 }
 
-/// The last two terms of the formula: what the edges of the visible part add.
+/// Last two terms of the formula, which the edges of the visible part add.
 ///
-/// With `u = s tan a`, they are `u - (u - atan u) / sin^2 a`, of which a small radius leaves a series.
+/// With `u = s tan a`, they are `u - (u - atan u) / sin^2 a`; a small radius uses a series.
 fn along_horizon(s: f64, radius: f64) -> f64 {
     let (sin_radius, cos_radius) = radius.sin_cos();
     if radius < SMALL {
@@ -160,7 +160,7 @@ mod tests {
             prop_assert!((seen - wanted).abs() < 1e-6, "{seen} {wanted}");
         }
 
-        /// The same where the horizon cuts the disc, which small ones rarely meet by chance.
+        /// Discs cut by the horizon, which random small discs rarely are.
         #[test]
         fn a_disc_on_the_horizon_is_integrated_too(q in -1.2..=1.2_f64, radius in -16.0..=0.4_f64) {
             let radius = radius.exp();

@@ -27,11 +27,10 @@ use crate::interrupt;
 
 /// Parallels in each row at which its pixels are measured.
 const PARALLELS: usize = 16;
-/// Radius, in rows, of the smallest disc that is drawn: wherever its centre, the pixels that it covers lie
-/// around it, so that they can tell its direction.
+/// Radius of the smallest disc, in rows. Its pixels surround its centre, so that they determine its direction.
 const SMALLEST: f64 = 1.0;
-/// A pixel of which a disc covers less stays black: a detector takes so little for noise, and would miss several
-/// per cent of the smallest discs.
+/// Smallest covered fraction of a pixel that is drawn. Below it a detector sees noise, and misses several per cent of
+/// the smallest discs.
 const LEAST_SHARE: f64 = 0.08;
 
 /// Radiance, (height, 2 x height, 3), of `discs` before a black sky; points as the smallest discs that keep
@@ -40,7 +39,7 @@ const LEAST_SHARE: f64 = 0.08;
 /// # Errors
 ///
 /// [`crate::error::Error::TooFewPixels`], [`crate::error::Error::NoMemory`].
-pub fn drawn(discs: &Discs, height: usize) -> Result<Array3<f64>> {
+pub fn draw(discs: &Discs, height: usize) -> Result<Array3<f64>> {
     let map = Map::new(height)?;
     let mut radiance = Array3::zeros((height, 2 * height, 3));
     let places = discs.directions.iter().zip(&discs.radii);
@@ -107,7 +106,7 @@ impl Disc {
     fn radiance(&self, map: &Map) -> Vec<Vec<f64>> {
         let uniform = 1.0 / (PI * self.radius.sin().powi(2));
         let mut rows: Vec<Vec<f64>> =
-            (0..map.bands.len()).into_par_iter().map(|row| self.covered(map, row)).collect();
+            (0..map.bands.len()).into_par_iter().map(|row| self.covered_fractions(map, row)).collect();
         // Sum the covered pixels, and their products with the linear radiance, in the order of rows.
         let moments: Vec<(DVec3, DMat3)> =
             rows.par_iter().enumerate().map(|(row, shares)| moments(map, row, shares)).collect();
@@ -124,8 +123,8 @@ impl Disc {
         rows
     }
 
-    /// Share of each pixel of a row that the disc covers; no pixels where it covers none.
-    fn covered(&self, map: &Map, row: usize) -> Vec<f64> {
+    /// Fraction of each pixel of a row that the disc covers; empty for an untouched row.
+    fn covered_fractions(&self, map: &Map, row: usize) -> Vec<f64> {
         interrupt::check();
         let (theta, phi) = angles(self.direction);
         let (top, bottom) = (map.theta_edges[row], map.theta_edges[row + 1]);
@@ -230,7 +229,7 @@ mod tests {
             let across = (1.0 - y * y).sqrt();
             let direction = DVec3::new(across * azimuth.sin(), y, -across * azimuth.cos());
             let radius = if narrow { radius.powi(6) / 100.0 } else { radius };
-            let radiance = drawn(&one(direction, radius), height).unwrap();
+            let radiance = draw(&one(direction, radius), height).unwrap();
             let (vector, whole) = flux(&radiance);
             prop_assert!(vector.distance(direction) < 1e-10, "{vector}");
             prop_assert!(radiance.iter().all(|&value| value >= 0.0));
@@ -245,7 +244,7 @@ mod tests {
         fn a_disc_is_uniform(y in -1.0..=1.0_f64, azimuth in 0.0..TAU, radius in 0.2..=1.5_f64) {
             let across = (1.0 - y * y).sqrt();
             let direction = DVec3::new(across * azimuth.sin(), y, -across * azimuth.cos());
-            let radiance = drawn(&one(direction, radius), 64).unwrap();
+            let radiance = draw(&one(direction, radius), 64).unwrap();
             let map = Map::new(64).unwrap();
             let wanted = 1.0 / (PI * radius.sin().powi(2));
             for (row, pixels) in radiance.outer_iter().enumerate() {
@@ -270,7 +269,7 @@ mod tests {
         let irradiance = Array2::from_elem((3, 3), 1.0);
         let radii = Array1::from(vec![0.3, 0.2, 0.0]);
         let discs = Discs::new(directions.view(), irradiance.view(), radii.view()).unwrap();
-        let radiance = drawn(&discs, 32).unwrap();
+        let radiance = draw(&discs, 32).unwrap();
         assert!(flux(&radiance).0.distance(DVec3::new(0.0, 0.0, -1.0)) < 1e-12);
         for (row, column) in [(0, 5), (0, 40), (16, 0), (16, 63), (31, 7)] {
             assert!(radiance[[row, column, 0]] > 0.0, "{row} {column}");

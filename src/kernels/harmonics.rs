@@ -65,7 +65,7 @@ pub fn irradiance_of_moments(whole: f64, first: DVec3, second: DMat3) -> [f64; 9
     ]
 }
 
-/// What a clamped cosine scales the harmonic k by.
+/// Factor of the clamped cosine for harmonic `k`.
 pub fn cosine_lobe(k: usize) -> f64 {
     COSINE_LOBE[ORDER[k]]
 }

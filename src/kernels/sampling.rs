@@ -1,4 +1,4 @@
-//! Points that fill the sphere evenly: Hammersley, Halton, icospheres. Nodes and weights of Gauss.
+//! Evenly distributed points: Hammersley, Halton, icospheres. Nodes and weights of Gauss-Legendre quadrature.
 
 use std::f64::consts::{PI, TAU};
 
@@ -9,10 +9,10 @@ use super::sphere::{check_memory, check_rows, direction, from_vectors};
 use crate::error::{Error, Result};
 use crate::interrupt;
 
-/// Faces of the finest icosphere that is made: 8 subdivisions.
+/// Faces of the finest supported icosphere: 8 subdivisions.
 const MOST_FACES: usize = 20 << 16;
 
-/// The digits of `index` in `base`, mirrored behind the point: van der Corput's sequence.
+/// Radical inverse of `index` in `base`: its digits mirrored at the radix point (van der Corput's sequence).
 ///
 /// ```text
 /// index = sum_k a_k base^k   ->   sum_k a_k base^(-k - 1)   in 0 .. 1
@@ -30,7 +30,7 @@ pub fn radical_inverse(index: u64, base: u64) -> Result<f64> {
 
 fn mirrored_digits(mut index: u64, base: u64) -> f64 {
     if base == 2 {
-        // Mirroring bits is one instruction; 53 of them fill the double.
+        // Reverse the bits; 53 of them fill a double.
         return (index.reverse_bits() >> 11) as f64 * 2.0_f64.powi(-53);
     }
     let (mut value, mut weight) = (0.0, 1.0);
@@ -71,7 +71,7 @@ pub fn halton(count: usize, bases: &[u64]) -> Result<Array2<f64>> {
     }))
 }
 
-/// Points of the unit square, (n, 2), laid on the sphere so that equal areas stay equal: (n, 3).
+/// Equal-area mapping of points of the unit square, (n, 2), to the sphere, (n, 3).
 ///
 /// Archimedes: height on the axis is uniform. `u` runs from the top pole to the bottom one
 /// (`y = 1 - 2 u`), `v` around (`phi = 2 pi v`).
@@ -87,8 +87,7 @@ pub fn uniform_sphere(uv: ArrayView2<'_, f64>) -> Result<Array2<f64>> {
     })))
 }
 
-/// `count` directions spread evenly, (count, 3): Hammersley points shifted by half a step, so that none
-/// stands on a pole.
+/// `count` evenly distributed directions, (count, 3): Hammersley points shifted by half a step away from the poles.
 pub fn even_sphere(count: usize) -> Array2<f64> {
     from_vectors((0..count).map(|i| {
         let height = (i as f64 + 0.5) / count as f64;
@@ -109,7 +108,7 @@ pub fn icosphere(faces: usize) -> Result<(Array2<f64>, Array1<f64>)> {
     if faces > MOST_FACES {
         return Err(Error::NoSuchIcosphere { faces, limit: MOST_FACES });
     }
-    // Cut each triangle into quarters until there are enough.
+    // Subdivide each triangle into quarters until there are enough.
     while triangles.len() < faces {
         interrupt::check();
         triangles = triangles.into_iter().flat_map(quarters).collect();
@@ -117,12 +116,12 @@ pub fn icosphere(faces: usize) -> Result<(Array2<f64>, Array1<f64>)> {
     if triangles.len() != faces {
         return Err(Error::NoSuchIcosphere { faces, limit: MOST_FACES });
     }
-    // Measure each.
+    // Compute centroids and solid angles.
     let centroids = from_vectors(triangles.iter().map(|[a, b, c]| (*a + *b + *c).normalize()));
     Ok((centroids, triangles.iter().map(spherical_area).collect()))
 }
 
-/// Finds the face of an icosphere around a direction.
+/// Search for the face of an icosphere that contains a direction.
 #[derive(Clone, Debug)]
 pub struct FaceSearch {
     roots: Vec<[DVec3; 3]>,
@@ -130,7 +129,7 @@ pub struct FaceSearch {
 }
 
 impl FaceSearch {
-    /// Over the faces of [`icosphere`], in its order.
+    /// Search over the faces of [`icosphere`], in its order.
     ///
     /// # Errors
     ///
@@ -142,12 +141,12 @@ impl FaceSearch {
         Ok(Self { roots: icosahedron(), levels })
     }
 
-    /// Number of the face around `direction`.
+    /// Index of the face that contains `direction`.
     pub fn face_of(&self, direction: DVec3) -> usize {
-        // Find the face of the icosahedron: its faces are alike, so its centroid is the nearest.
+        // Find the face of the icosahedron: its faces are congruent, so the nearest centroid decides.
         let nearness = self.roots.iter().map(|[a, b, c]| direction.dot(*a + *b + *c)).enumerate();
         let root = nearness.max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(index, _)| index);
-        // Follow the direction into one quarter of a quarter after the other.
+        // Descend into the quarter that contains the direction, level by level.
         let mut triangle = self.roots[root];
         (0..self.levels).fold(root, |face, _| {
             let parts = quarters(triangle);
@@ -158,8 +157,8 @@ impl FaceSearch {
     }
 }
 
-/// The index of that of the `quarters` of a triangle in which `direction` lies: one at a corner, beyond
-/// the side that it shares with the middle, or else the middle.
+/// Index of the quarter of a triangle that contains `direction`: a corner if the direction lies beyond the side
+/// that the corner shares with the middle, else the middle.
 fn quarter_of(quarters: &[[DVec3; 3]; 4], direction: DVec3) -> usize {
     let [ab, bc, ca] = quarters[3];
     let is_beyond = |from: DVec3, to: DVec3, corner: DVec3| {
@@ -207,7 +206,7 @@ fn spherical_area([a, b, c]: &[DVec3; 3]) -> f64 {
 /// Newton's method on the Legendre polynomial P, with `P' = n (x P_n - P_(n-1)) / (x^2 - 1)`; the weight is
 /// `2 / ((1 - x^2) P'^2)`.
 pub(crate) fn gauss_legendre(count: usize) -> (Vec<f64>, Vec<f64>) {
-    /// From the starting value on, Newton's method doubles the digits: 4 steps are enough.
+    /// Newton steps. Each doubles the number of correct digits, so 4 reach double precision.
     const STEPS: usize = 6;
     let node = |i: usize| {
         let mut x = (PI * (i as f64 + 0.75) / (count as f64 + 0.5)).cos();
@@ -266,7 +265,7 @@ mod tests {
         assert!(icosphere(100).is_err());
     }
 
-    /// Also where the centroid of a face is not the one that is nearest: close to its corners.
+    /// Includes directions near the corners of a face, where the nearest centroid belongs to another face.
     #[test]
     fn a_face_is_found_from_anywhere_inside() {
         for faces in [20, 320, 5120] {

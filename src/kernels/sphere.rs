@@ -1,4 +1,4 @@
-//! The sphere of directions and its equirectangular picture.
+//! Directions on the sphere and their equirectangular image.
 //!
 //! Conventions, for the whole crate (right-handed, y up):
 //!
@@ -22,7 +22,7 @@ use ndarray::{Array2, Array3, ArrayView1, ArrayView2, aview1};
 use crate::error::{Error, Result};
 use crate::interrupt;
 
-/// The way in which pixels lie on the sphere.
+/// Registration of the pixels of an equirectangular map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Registration {
     /// Pixel `x` of `width` stands for the cell between `x` and `x + 1` widths: most files.
@@ -65,7 +65,7 @@ impl Registration {
         (0..=cells).map(angle).collect()
     }
 
-    /// Places of the samples of `cells` pixels in `0 ..= range`.
+    /// Coordinates of the samples of `cells` pixels in `0 ..= range`.
     fn centres(self, cells: usize, range: f64) -> Vec<f64> {
         let centre = |i: usize| match self {
             Self::CellCentred => (i as f64 + 0.5) / cells as f64,
@@ -179,8 +179,8 @@ pub fn row_directions(
 /// omega = (phi_right - phi_left) * (cos theta_top - cos theta_bottom)
 /// ```
 ///
-/// which we use instead of the midpoint rule `sin theta * dtheta * dphi`: the closed form sums
-/// to 4 pi over the image, the midpoint rule does so only in the limit.
+/// The closed form sums to 4 pi over the image; the midpoint rule `sin theta * dtheta * dphi` does so only in
+/// the limit.
 ///
 /// # Errors
 ///
@@ -206,15 +206,15 @@ pub fn band_heights(theta_edges: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Two unit vectors that make a right angle with `axis` and with each other.
+/// Two unit vectors orthogonal to `axis` and to each other (Duff et al. 2017).
 ///
-/// They exist at the poles as anywhere; across the plane z = 0 they jump (Duff et al. 2017).
+/// They are defined for every axis, and discontinuous across the plane z = 0.
 pub fn tangents(axis: DVec3) -> [DVec3; 2] {
     let first = axis.any_orthonormal_vector();
     [first, axis.cross(first)]
 }
 
-/// `axis` moved along the great circle that starts with the tangent vector `step` (radians).
+/// Exponential map: `axis` moved along the great circle with the initial tangent vector `step` (radians).
 pub fn exponential_map(axis: DVec3, step: DVec3) -> DVec3 {
     let angle = step.length();
     if angle < f64::MIN_POSITIVE {
@@ -223,13 +223,13 @@ pub fn exponential_map(axis: DVec3, step: DVec3) -> DVec3 {
     (axis * angle.cos() + step * (angle.sin() / angle)).normalize()
 }
 
-/// `rows` as unit vectors.
+/// Convert `rows` to unit vectors.
 ///
 /// # Errors
 ///
 /// [`Error::WrongColumns`], [`Error::NotFinite`], [`Error::NotUnit`].
 pub fn unit_vectors(what: &'static str, rows: ArrayView2<'_, f64>) -> Result<Vec<DVec3>> {
-    // Vectors that were normalised in f32 pass, vectors that were never normalised do not.
+    // Accept vectors that were normalised in f32; refuse vectors that were never normalised.
     const TOLERANCE: f64 = 1e-5;
     let vectors = vectors(what, rows)?;
     let is_unit = |vector: &DVec3| (vector.length() - 1.0).abs() <= TOLERANCE;
@@ -239,7 +239,7 @@ pub fn unit_vectors(what: &'static str, rows: ArrayView2<'_, f64>) -> Result<Vec
     }
 }
 
-/// `rows` as vectors.
+/// Convert `rows` to vectors.
 ///
 /// # Errors
 ///
@@ -264,7 +264,7 @@ pub(crate) fn check_rows(what: &'static str, rows: ArrayView2<'_, f64>, columns:
     Ok(())
 }
 
-/// Refuse arrays that have not as many rows as `other` has, `wanted`.
+/// Refuse an array whose number of rows differs from that of `other`, `wanted`.
 pub(crate) fn check_lengths<const N: usize>(
     other: &'static str,
     wanted: usize,
@@ -276,7 +276,7 @@ pub(crate) fn check_lengths<const N: usize>(
     }
 }
 
-/// Unit normals with a value and a weight for each, the weights not negative.
+/// Check unit normals, values and non-negative weights of the same length.
 pub(crate) fn check_weighted(
     normals: ArrayView2<'_, f64>,
     (what, values): (&'static str, ArrayView2<'_, f64>),
@@ -287,7 +287,7 @@ pub(crate) fn check_weighted(
     Ok(normals)
 }
 
-/// RGB values and weights, as many as `other` has, the weights not negative.
+/// Check RGB values and non-negative weights, as many as the rows of `other`.
 pub(crate) fn check_values(
     other: &'static str,
     wanted: usize,
@@ -310,14 +310,14 @@ pub(crate) fn check_size(height: usize, width: usize) -> Result<()> {
     Ok(())
 }
 
-/// Refuse an array for which there is no memory: to run out of it ends the process.
+/// Refuse an array that does not fit in memory: running out of memory would end the process.
 pub(crate) fn check_memory(shape: &[usize]) -> Result<()> {
     let numbers = shape.iter().fold(1_usize, |product, &side| product.saturating_mul(side));
     let reserved = Vec::<f64>::new().try_reserve_exact(numbers);
     reserved.map_err(|_| Error::NoMemory { shape: shape.to_vec() })
 }
 
-/// The rows of an array, (n, 3), as vectors.
+/// Rows of an array, (n, 3), as vectors.
 pub(crate) fn to_vectors(rows: ArrayView2<'_, f64>) -> Vec<DVec3> {
     let vector = |row: ArrayView1<'_, f64>| {
         interrupt::check();
@@ -326,7 +326,7 @@ pub(crate) fn to_vectors(rows: ArrayView2<'_, f64>) -> Vec<DVec3> {
     rows.rows().into_iter().map(vector).collect()
 }
 
-/// Vectors as the rows of an array.
+/// Array with the vectors as rows.
 pub(crate) fn from_vectors(vectors: impl Iterator<Item = DVec3>) -> Array2<f64> {
     let row = |vector: DVec3| {
         interrupt::check();

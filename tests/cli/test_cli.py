@@ -87,6 +87,7 @@ def test_json_is_what_save_writes(hall):
         assert data[name] == expected[name]
 
 
+@pytest.mark.slow
 def test_the_demo_of_transfer_leads_from_pairs_to_a_predicted_lightmap(tmp_path):
     result = run("demo", "transfer", "-o", tmp_path)
     assert (result.exit_code, result.stdout.splitlines()[0][:21]) == (0, "rank 64 from 64 pairs")

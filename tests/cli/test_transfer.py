@@ -1,5 +1,7 @@
 """`envlights transfer`: learn, apply, draw; nothing is left where a step is refused."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -8,21 +10,21 @@ import envlights as el
 from envlights import io
 from envlights.cli import main
 from tests.conftest import fills_a_disk
-from tests.helpers import cuts, disk_that_is_full_after, write_pairs
+from tests.helpers import cuts, disk_that_is_full_after, pairs_of_room, write_pairs
 
-ROOM = el.synthetic.room(12, width=32)
+room = partial(pairs_of_room, 12, 32)
 PAIRS = 8
 
 
 @pytest.fixture
 def folder(tmp_path):
     """Eight pairs as files."""
-    return write_pairs(tmp_path / "room", ROOM.direct[:PAIRS], ROOM.indirect[:PAIRS])
+    return write_pairs(tmp_path / "room", room().direct[:PAIRS], room().indirect[:PAIRS])
 
 
 @pytest.fixture(scope="module")
 def model():
-    return el.TransferModel.fit(ROOM.direct[:PAIRS], ROOM.indirect[:PAIRS])
+    return el.TransferModel.fit(room().direct[:PAIRS], room().indirect[:PAIRS])
 
 
 def run(*arguments):
@@ -36,12 +38,12 @@ def test_a_model_is_learnt_and_predicts_what_the_functions_do(folder, tmp_path):
     assert "rank 4 from 8 pairs" in result.stdout
     result = run("apply", model, folder / "direct_0000.exr", "-o", out)
     assert result.exit_code == 0, result.output
-    predicted = el.TransferModel.load(model).predict(ROOM.direct[0])
+    predicted = el.TransferModel.load(model).predict(room().direct[0])
     np.testing.assert_array_equal(io.read_image(out).pixels, predicted)
 
 
 def test_rank_is_a_number_or_a_share_and_ridge_a_number(tmp_path):
-    folder = write_pairs(tmp_path / "room", ROOM.direct, ROOM.indirect)
+    folder = write_pairs(tmp_path / "room", room().direct, room().indirect)
     for rank, wanted in (("3", 3), ("0.9", 0.9)):
         result = run("fit", folder, "-o", tmp_path / "m.npz", "--rank", rank, "--ridge", "0.25")
         assert result.exit_code == 0, result.output
@@ -51,7 +53,7 @@ def test_rank_is_a_number_or_a_share_and_ridge_a_number(tmp_path):
 
 def test_duplicates_black_images_and_a_high_rank_are_learnt_from_and_noted(tmp_path):
     order = [0, 1, 2, 2, 2, 3, 4, 5]
-    direct, indirect = ROOM.direct[order], ROOM.indirect[order]
+    direct, indirect = room().direct[order], room().indirect[order]
     direct[5] = indirect[5] = 0
     indirect[6] = 0
     folder = write_pairs(tmp_path / "room", direct, indirect)
@@ -66,8 +68,8 @@ def test_duplicates_black_images_and_a_high_rank_are_learnt_from_and_noted(tmp_p
 
 def test_a_picture_is_drawn_in_each_format(model, tmp_path):
     direct, indirect, saved = (tmp_path / name for name in ("d.exr", "i.exr", "m.npz"))
-    io.write_exr(direct, ROOM.direct[9])
-    io.write_exr(indirect, ROOM.indirect[9])
+    io.write_exr(direct, room().direct[9])
+    io.write_exr(indirect, room().indirect[9])
     model.save(saved)
     for suffix, head in (("png", b"\x89PNG"), ("pdf", b"%PDF"), ("svg", b"<?xml")):
         picture = tmp_path / f"out.{suffix}"
@@ -127,7 +129,10 @@ def test_a_folder_with_an_exr_that_is_cut_off_is_refused_by_its_name(folder, tmp
 
 
 @fills_a_disk
-@pytest.mark.parametrize("suffix", ["npz", "exr", "png", "pdf", "svg"])
+@pytest.mark.parametrize(
+    "suffix",
+    ["npz", "exr", *(pytest.param(each, marks=pytest.mark.slow) for each in ("png", "pdf", "svg"))],
+)
 def test_a_full_disk_leaves_nothing_half_written(model, folder, tmp_path, suffix):
     saved, target = tmp_path / "saved.npz", tmp_path / "out" / f"o.{suffix}"
     model.save(saved)
@@ -141,7 +146,7 @@ def test_a_full_disk_leaves_nothing_half_written(model, folder, tmp_path, suffix
     # Seconds in a model, dates and random names in a picture make it a little longer or shorter.
     size = target.stat().st_size - (1000 if suffix in ("npz", "pdf", "svg") else 0)
     target.unlink()
-    spool = PAIRS * ROOM.indirect[0].nbytes
+    spool = PAIRS * room().indirect[0].nbytes
     for cut in cuts(size, step=29 if suffix == "exr" else 590):
         refused = f"cannot write {target}: "
         if suffix == "npz" and cut < spool:

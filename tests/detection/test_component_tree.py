@@ -164,7 +164,7 @@ def test_a_disc_is_round_wherever_it_is(direction):
 
 @pytest.mark.parametrize("degrees", [0.4, 0.5, 0.8, 1.5, 3, 10])
 def test_a_radius_is_that_of_the_disc_and_not_of_the_pixels_that_it_cuts(degrees):
-    """Wherever it stands, from 1.1 pixels on."""
+    """At any position, from 1.1 pixels on."""
     rng = np.random.default_rng(1)
     for _ in range(8 if degrees < 0.5 else 3):
         towards = (*rng.uniform(-0.6, 0.6, 2), 1)
@@ -183,7 +183,7 @@ def test_the_radius_of_the_sun_is_right_at_2048_columns(direction):
 
 
 def test_the_radius_of_the_sun_is_right_in_the_mean():
-    """.8 pixels, whose pixels do not tell it everywhere: some are off by up to a tenth."""
+    """The sun has 0.8 pixels; single radii are wrong by up to 10 %."""
     turns = np.linspace(0, 1, 12, endpoint=False) * 2 * np.pi / 1024
     found = []
     for step, turn in enumerate(turns):
@@ -266,6 +266,7 @@ def test_an_opening_holds_all_flux_of_its_panes_and_the_report_says_what_was_joi
     assert "between 6 panes of one opening at azimuth 90" in joined
 
 
+@pytest.mark.slow
 def test_openings_are_one_light_each_and_lamps_of_a_row_stay_apart():
     worlds = [synthetic.openings(seed) for seed in range(24)]
     for kind in ("window", "skylight", "sky behind", "row"):
@@ -334,7 +335,7 @@ def test_minus_zero_is_as_dark_as_zero():
 
 
 def test_pixels_may_be_as_few_as_one():
-    """Of a map whose rows are wider than what is summed at once."""
+    """The rows of the map are wider than a block of the sum."""
     radiance = np.random.default_rng(5).gamma(1.0, size=(150, 300, 3)).astype(np.float32)
     mean = kernels.reduced_luminance(radiance, 1)
     solid_angles = kernels.pixel_solid_angles(150, 300)
@@ -483,7 +484,7 @@ def test_a_sun_of_the_largest_float_is_measured():
 
 
 def test_a_night_of_a_thousand_stars_has_a_thousand_lights():
-    """As many as there are, and none that is not, in more tiles than a row holds."""
+    """Every star is one light, in more tiles than one row has."""
     rng = np.random.default_rng(4)
     radiance = np.full((512, 1024, 3), 1e-3, np.float32)
     cells = rng.choice(50 * 100, 1000, replace=False)

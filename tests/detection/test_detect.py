@@ -148,7 +148,7 @@ def test_separate_lights_are_connected_components():
             assert is_cut or len(touched) == 1
 
 
-@real_maps(*SUNNY)
+@real_maps(*SUNNY, all_quick=True)
 def test_the_sun_is_at_the_centre_of_its_brightest_blob(path):
     measure = pytest.importorskip("skimage.measure")
     env = el.EnvMap.open(path)
@@ -161,7 +161,7 @@ def test_the_sun_is_at_the_centre_of_its_brightest_blob(path):
     assert angle_deg(lights.direction[0], centre / np.linalg.norm(centre)) < 0.15
 
 
-@real_maps(*SUNNY, "exr/pmndrs_park_512.exr")
+@real_maps(*SUNNY, "exr/pmndrs_park_512.exr", all_quick=True)
 def test_the_sun_is_at_the_centre_of_its_half_maximum(path):
     """Between the pixels the luminance is linear: a sun may have no more than two above half."""
     ndimage = pytest.importorskip("scipy.ndimage")
@@ -198,7 +198,7 @@ def test_a_studio_shows_its_lamp_and_its_umbrella_first(path):
     assert 0.4 < v[1] < 0.6
 
 
-@real_maps("hdr/env_color_room_1200.hdr")
+@real_maps("hdr/env_color_room_1200.hdr", all_quick=True)
 def test_a_light_across_the_seam_of_a_real_map_is_one(path):
     lights = el.detect(el.EnvMap.open(path))
     assert len(lights) == 3
@@ -240,10 +240,10 @@ def turned_by(columns, width):
 def test_exposure_changes_nothing_but_radiance(which, factor, registration):
     radiance = some_worlds()[which].radiance.astype(np.float64)
 
-    def found(values):
+    def detect(values):
         return el.detect(el.EnvMap(values.astype(np.float32), registration=registration))
 
-    lights, scaled = found(radiance), found(factor * radiance)
+    lights, scaled = detect(radiance), detect(factor * radiance)
     assert len(scaled) == len(lights)
     assert angle_deg(scaled.direction, lights.direction).max(initial=0) < 1e-3
     np.testing.assert_allclose(scaled.irradiance, factor * lights.irradiance, rtol=1e-5)

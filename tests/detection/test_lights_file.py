@@ -60,7 +60,7 @@ def test_other_formats_hold_the_lights_as_discs(tmp_path):
     np.testing.assert_array_equal(again.irradiance, lights.discs().irradiance)
 
 
-def changed(change):
+def change_file(change):
     def write(path):
         data = FOUND["tree"].to_dict()
         change(data)
@@ -79,21 +79,24 @@ def changed(change):
             lambda path: el.Rig([0, 0, 0], FOUND["tree"].discs(), 0.0).save(path),
             "is not a list of detected lights: it does not say 'format': 'envlights detected",
         ),
-        (changed(lambda d: d.update(version=9)), "of version 9; this package reads 1"),
-        (changed(lambda d: d.pop("elongation")), "the key 'elongation' is missing"),
-        (changed(lambda d: d["elongation"].pop()), "impossible detected lights: elongation must"),
-        (changed(lambda d: d["members"].append([99, 0, 0, 1])), "members must lie in the"),
-        (changed(lambda d: d["members"].append([0, 0, 0, 10**8])), "members must lie in the"),
-        (changed(lambda d: d["members"].append([0, 0, 0, 2**40])), "members must be 536870912"),
-        (changed(lambda d: d["members"].append([0, 0])), "a value has another type or shape"),
-        (changed(lambda d: d["report"].update(notes=3)), "notes must be text; got 3"),
-        (changed(lambda d: d["report"].update(working_size=[4])), "another type or shape"),
+        (change_file(lambda d: d.update(version=9)), "of version 9; this package reads 1"),
+        (change_file(lambda d: d.pop("elongation")), "the key 'elongation' is missing"),
         (
-            changed(lambda d: d.update(is_clipped=["no"] * len(d["is_clipped"]))),
+            change_file(lambda d: d["elongation"].pop()),
+            "impossible detected lights: elongation must",
+        ),
+        (change_file(lambda d: d["members"].append([99, 0, 0, 1])), "members must lie in the"),
+        (change_file(lambda d: d["members"].append([0, 0, 0, 10**8])), "members must lie in the"),
+        (change_file(lambda d: d["members"].append([0, 0, 0, 2**40])), "members must be 536870912"),
+        (change_file(lambda d: d["members"].append([0, 0])), "a value has another type or shape"),
+        (change_file(lambda d: d["report"].update(notes=3)), "notes must be text; got 3"),
+        (change_file(lambda d: d["report"].update(working_size=[4])), "another type or shape"),
+        (
+            change_file(lambda d: d.update(is_clipped=["no"] * len(d["is_clipped"]))),
             "is_clipped must be",
         ),
-        (changed(lambda d: d.update(direction="up")), "another type or shape"),
-        (changed(lambda d: d["irradiance"][0].__setitem__(0, -1)), "irradiance must be finite"),
+        (change_file(lambda d: d.update(direction="up")), "another type or shape"),
+        (change_file(lambda d: d["irradiance"][0].__setitem__(0, -1)), "irradiance must be finite"),
     ],
 )
 def test_broken_and_foreign_files_are_refused_in_one_sentence(write, sentence, tmp_path):

@@ -74,9 +74,9 @@ def test_reduction_and_blur_are_those_of_the_reference_from_end_to_end(blur_px, 
     """Here the reference has its own steps 1 and 2, in float64."""
     radiance = lamps_before_noise()
     found = el.detect(radiance, method="article", working_width=200, blur_px=blur_px, **options)
-    image = loghin.reduced(radiance.astype(float) @ [0.2126, 0.7152, 0.0722], 200)
+    image = loghin.reduce_bilinear(radiance.astype(float) @ [0.2126, 0.7152, 0.0722], 200)
     if blur_px:
-        image = loghin.blurred(image, blur_px)
+        image = loghin.blur(image, blur_px)
     kept, light, directions = loghin.detect(image, **options)
     assert len(found) == len(directions) > 0
     assert found.members.pixel.tolist() == [list(pixel) for pixel in kept]
@@ -253,7 +253,7 @@ def test_weighted_means_are_those_of_numpy(axes):
 @pytest.mark.parametrize("sphere", [False, True])
 @pytest.mark.parametrize("reduction", ["bilinear", "area"])
 def test_a_flat_top_at_the_maximum_is_clipped(reduction, sphere):
-    """As the tree says it, of the map's own pixels."""
+    """Both detectors agree, in the map's own pixels."""
     lamps = [Disc((1, 0.1, 0.1), 8.0, (9, 9, 9)), Disc((-1, 0.1, 0.1), 8.0, (0.9, 0.9, 0.9))]
     radiance = scene(512, background=[0.1] * 3, shapes=lamps).radiance
     options = {"method": "article", "reduction": reduction, "sphere": sphere, "working_width": 256}

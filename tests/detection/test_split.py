@@ -399,7 +399,7 @@ def test_a_large_map_is_split_by_its_own_pixels():
     assert len(lights) == 2
     assert closure(env, lights, rest).max() < 1e-6
     np.testing.assert_allclose(rest.radiance, np.broadcast_to(SKY, rest.radiance.shape), rtol=1e-6)
-    # Each light is known again by the brightest of its own pixels, of which a block holds 64.
+    # Each light is known again by the brightest of its own pixels; a block has 64.
     found = el.detect(env, working_width=256)
     np.testing.assert_array_equal(
         el.split(env, found).lights.irradiance,

@@ -43,7 +43,7 @@ def rays():
 
 
 def _plane():
-    """Where the middle of each pixel is on the camera's right and up."""
+    """Centre of each pixel along the camera's right and up."""
     columns, rows = SIZE
     x = ((np.arange(columns) + 0.5) / columns - 0.5) * WIDTH
     y = (0.5 - (np.arange(rows) + 0.5) / rows) * WIDTH * rows / columns

@@ -17,7 +17,7 @@ def needs(package):
 
 
 def report(script, path):
-    """What a script of this folder says about a file."""
+    """Report of a script of this folder on a file."""
     command = ["node", _HERE / script, path]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr

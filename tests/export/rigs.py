@@ -1,4 +1,4 @@
-"""Rigs that every exporter is tried on, and the normals at which it is judged."""
+"""Rigs that test every exporter, and the normals at which they are compared."""
 
 import numpy as np
 
@@ -43,7 +43,7 @@ def environment():
 
 
 def irradiance_of_points(direction, irradiance, normals=NORMALS):
-    """Of lights in one direction each."""
+    """Irradiance of point lights at each normal."""
     return np.maximum(normals @ np.transpose(direction), 0) @ np.asarray(irradiance)
 
 

@@ -1,4 +1,4 @@
-"""Where our axes lie in each target."""
+"""Our axes in the frame of each target."""
 
 from pathlib import Path
 

@@ -34,7 +34,7 @@ def run(*arguments):
 
 @pytest.fixture(scope="module")
 def irradiances(tmp_path_factory):
-    """What Cycles makes of each script."""
+    """Irradiance that Cycles renders from each script."""
     folder = tmp_path_factory.mktemp("blender")
     np.save(folder / "normals.npy", AXES["blender"].to_target(NORMALS))
     scripts = [folder / f"{name}.py" for name in RIGS]

@@ -1,4 +1,4 @@
-"""glTF: judged by its specification, the Khronos validator and the loader of three.js."""
+"""glTF, checked by its specification, the Khronos validator and the loader of three.js."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""pbrt-v4: judged by the formulas of its book, since no package brings the renderer."""
+"""pbrt-v4, checked by the formulas of its book, because no package has the renderer."""
 
 import numpy as np
 import pytest

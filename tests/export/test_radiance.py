@@ -20,12 +20,12 @@ def irradiance(path, params, repeats=1, normals=NORMALS):
     """Irradiance on surfaces with these normals, (n, 3); pictures are beside the file."""
     there = AXES["radiance"].to_target(normals)
     lines = np.hstack([np.zeros_like(there), there]).repeat(repeats, axis=0)
-    found = traced(path, lines, params, irradiance=True)
+    found = trace(path, lines, params, irradiance=True)
     return found.reshape(len(normals), repeats, 3).mean(axis=1)
 
 
-def traced(path, lines, params, **options):
-    """What `rtrace` makes of rays: origins and directions, (n, 6)."""
+def trace(path, lines, params, **options):
+    """Radiance that `rtrace` computes for rays (origin, direction), shape (n, 6)."""
     octree = path.with_suffix(".oct")
     octree.write_bytes(pyradiance.oconv(str(path)))
     text = "\n".join(" ".join(f"{value:.17g}" for value in line) for line in lines)
@@ -48,6 +48,7 @@ def test_points_alone_are_exact(folder):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", RIGS)
 @pytest.mark.parametrize("lights", [POINTS, DISCS], ids=["points", "discs"])
 def test_the_irradiance_that_radiance_measures_is_that_of_the_rig(name, lights, folder):
@@ -59,6 +60,7 @@ def test_the_irradiance_that_radiance_measures_is_that_of_the_rig(name, lights, 
     assert relative_error(found, rig) < 0.01
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["constant", "harmonics"])
 def test_no_light_takes_the_sky_behind_it_away(name, folder):
     """Dim lamps before a bright sky; it was 5 % too dark where they stand."""
@@ -70,7 +72,7 @@ def test_no_light_takes_the_sky_behind_it_away(name, folder):
 
 @pytest.mark.parametrize("radius", [0.6, 1.2])
 def test_a_wide_light_is_a_part_of_the_sky(radius, folder):
-    """As a source it was off by 2 % and 12 %."""
+    """Written as a source, its error would be 2 % and 12 %."""
     wide = el.Lights(DISCS.direction[:1], DISCS.irradiance[:1], [radius])
     wide.save(folder / "rig.rad")
     found = irradiance(folder / "rig.rad", AMBIENT)
@@ -100,7 +102,7 @@ def test_map_and_lights_meet_on_two_balls(folder):
     with (folder / "balls.rad").open("a") as file:
         file.write(BALLS.format(*(" ".join(map(str, x * right)) for x in (-1.05, 1.05))))
     origin, direction = (AXES["radiance"].to_target(each) for each in rays())
-    image = traced(folder / "balls.rad", np.hstack([origin, direction]), ["-ab", "1", "-ad", "256"])
+    image = trace(folder / "balls.rad", np.hstack([origin, direction]), ["-ab", "1", "-ad", "256"])
     image = image.reshape(128, 256, 3)
     el.io.write_exr(folder / "balls.exr", image.astype(np.float32))
     check_balls(image)

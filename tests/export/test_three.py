@@ -1,4 +1,4 @@
-"""three.js: judged by its own loader, and by the formulas of its shaders."""
+"""three.js, checked by its own loader and by the formulas of its shaders."""
 
 import numpy as np
 import pytest

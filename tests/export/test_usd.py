@@ -87,7 +87,7 @@ def test_lights_on_the_axes_arrive_where_they_should(tmp_path):
 
 
 def problems(path):
-    """What the rules of usdchecker find."""
+    """Problems that usdchecker reports."""
     if UsdValidation is None:
         checker = UsdUtils.ComplianceChecker()
         checker.CheckCompliance(str(path))

@@ -103,7 +103,7 @@ def test_a_constant_map_is_ambient_alone():
     assert rig.error < 1.3e-4
 
 
-def told(rig):
+def numbers_of(rig):
     """All numbers of a fit but its times."""
     return rig.to_dict() | {"report": rig.report.to_dict() | {"seconds": {}}}
 
@@ -117,16 +117,16 @@ def maps_of_several_sizes():
 
 def test_maps_of_other_sizes_in_between_change_nothing():
     maps = maps_of_several_sizes()
-    alone = [[told(el.fit(env, lights=2)) for _ in range(2)][1] for env in maps]
+    alone = [[numbers_of(el.fit(env, lights=2)) for _ in range(2)][1] for env in maps]
     for _ in range(2):
-        assert [told(el.fit(env, lights=2)) for env in maps] == alone
+        assert [numbers_of(el.fit(env, lights=2)) for env in maps] == alone
 
 
 def test_maps_of_several_sizes_at_once_are_fitted_as_one_by_one():
     maps = maps_of_several_sizes()
-    alone = [told(el.fit(env, lights=2)) for env in maps]
+    alone = [numbers_of(el.fit(env, lights=2)) for env in maps]
     with ThreadPoolExecutor(len(maps)) as threads:
-        together = threads.map(lambda env: told(el.fit(env, lights=2)), 4 * maps)
+        together = threads.map(lambda env: numbers_of(el.fit(env, lights=2)), 4 * maps)
     assert list(together) == 4 * alone
 
 
@@ -164,6 +164,7 @@ def test_the_fit_is_as_good_as_many_random_starts_of_scipy_on_the_hall(lights):
     assert fitted_error(irradiance, lights) <= 1.02 * best
 
 
+@pytest.mark.slow
 @real_maps("hdr/*.hdr")
 def test_the_fit_is_as_good_as_many_random_starts_of_scipy_on_real_maps(path):
     env = el.EnvMap.open(path)
@@ -323,7 +324,7 @@ def test_an_earlier_rig_is_followed():
     after = el.fit(frame(turned), lights=2, start=before, sizes=False)
     fresh = el.fit(frame(turned), lights=2, sizes=False)
     assert after.error <= fresh.error * (1 + 1e-6)
-    # Of a search, those of the start that won are told, not those of the others.
+    # A search reports the steps of the best start alone.
     assert after.report.steps < 10
     moved = np.rad2deg(np.arccos((after.lights.direction * before.lights.direction).sum(axis=1)))
     assert sorted(moved.round(1)) == pytest.approx([0.0, np.rad2deg(0.02) * 0.6], abs=0.3)
@@ -400,7 +401,7 @@ def test_harmonics_and_one_light_do_well_and_are_nowhere_negative(path):
 
 @pytest.mark.parametrize("spread", [1e-3, 0.0])
 def test_harmonics_are_never_worse_than_the_constant_that_they_hold(spread):
-    """Of normals that look all the same way: nearly nothing tells harmonics apart."""
+    """All normals are nearly parallel, so the harmonics are nearly indistinguishable."""
     rng = np.random.default_rng(0)
     normals = [0, 1, 0] + spread * rng.normal(size=(40, 3))
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)

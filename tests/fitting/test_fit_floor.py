@@ -10,7 +10,7 @@ from envlights import kernels
 from envlights.fitting.request import request_of
 from tests.conftest import real_maps
 
-NORMALS, SOLID_ANGLES = kernels.icosphere(5120)
+NORMALS, SOLID_ANGLES = kernels.icosphere(1280)
 LAMP_BELOW = el.synthetic.Disc((0.3, -0.8, 0.5), 8, (50, 40, 30))
 
 
@@ -30,7 +30,7 @@ def above_horizon(radiance):
 
 @cache
 def cosines(height):
-    """Of NORMALS with the pixels above the horizon, 0 for those behind."""
+    """Clamped cosines of NORMALS with the pixels above the horizon."""
     towards = kernels.pixel_directions(height, 2 * height)[: height // 2].reshape(-1, 3)
     return np.maximum(NORMALS @ towards.T, 0)
 

@@ -26,25 +26,25 @@ def probe_of(env):
     return irradiance / irradiance.max()
 
 
-def generated(world):
+def probe_of_world(world):
     return probe_of(el.EnvMap(world.radiance))
 
 
-HALL = generated(el.synthetic.hall(128))
+HALL = probe_of_world(el.synthetic.hall(128))
 
 
 @cache
 def some_generated():
     probes = {"hall": HALL}
     for seed in el.synthetic.JUDGING[:3]:
-        probes[f"plain {seed}"] = generated(el.synthetic.plain(seed, 128))
-        probes[f"hard {seed}"] = generated(el.synthetic.hard(seed, 128))
+        probes[f"plain {seed}"] = probe_of_world(el.synthetic.plain(seed, 128))
+        probes[f"hard {seed}"] = probe_of_world(el.synthetic.hard(seed, 128))
     return probes
 
 
 @cache
 def some_probes():
-    """Of generated maps, and of the real ones that are there."""
+    """Probes of generated maps, and of the available real maps."""
     real = paths_of_real_maps("hdr/*.hdr")
     return some_generated() | {path.name: probe_of(el.EnvMap.open(path)) for path in real}
 
@@ -59,12 +59,12 @@ def problems(irradiance, counts):
 
 
 def ratio(ours, theirs):
-    """Of two costs, as shares of what is to be explained; 1 where both are rounding."""
+    """Ratio of two relative costs; 1 if both are rounding."""
     return (ours + ROUNDING) / (theirs + ROUNDING)
 
 
 def lies_in_a_crease(rig):
-    """Whether a light stands at the horizon of a normal: there the cost bends."""
+    """True if a light lies on the horizon of a normal, where the cost has a kink."""
     return bool((np.abs(NORMALS @ rig.lights.direction.T) < 1e-6).any())
 
 
@@ -87,11 +87,13 @@ def test_no_solver_of_scipy_improves_our_answer_on_the_hall():
     assert_no_peer_improves_our_answer(HALL, range(1, 9), SCIPY)
 
 
+@pytest.mark.slow
 def test_jaxopt_does_not_improve_our_answer_on_the_hall():
     pytest.importorskip("jaxopt")
     assert_no_peer_improves_our_answer(HALL, (1, 4), ["jaxopt"])
 
 
+@pytest.mark.slow
 def test_an_answer_in_a_crease_is_at_the_bottom_of_it():
     """There no step across leads down, but one along it may: of a bent cost only half is known."""
     creased = 0
@@ -114,6 +116,7 @@ def a_degree_beside(directions, rng):
     return moved / np.linalg.norm(moved, axis=1, keepdims=True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("peer", ["bounded", "lm"])
 def test_from_a_degree_beside_the_answer_no_peer_ends_lower(peer):
     """Both start with the best radiances for the directions of the start."""
@@ -135,7 +138,7 @@ def test_from_a_degree_beside_the_answer_no_peer_ends_lower(peer):
 
 
 def assert_no_peer_ends_lower_than_the_search(irradiance, peers):
-    """Many small valleys lie around the best: the search must not stop in any of them."""
+    """Many local minima surround the best one; the search must leave all of them."""
     for problem in problems(irradiance, range(1, 9)):
         cost = ours(problem).error ** 2
         start = problem.unknowns(ours(problem, fixed=even(problem.lights)))
@@ -146,16 +149,19 @@ def assert_no_peer_ends_lower_than_the_search(irradiance, peers):
                 assert gain <= 1e-6, f"{name}, {problem.lights} lights, {problem.ambient}: {gain}"
 
 
+@pytest.mark.slow
 def test_from_even_starts_no_solver_of_scipy_ends_lower_than_the_search():
     for irradiance in some_generated().values():
         assert_no_peer_ends_lower_than_the_search(irradiance, SCIPY)
 
 
+@pytest.mark.slow
 @real_maps(*EQUIRECTANGULAR)
 def test_from_even_starts_no_solver_of_scipy_ends_lower_than_the_search_on_real_maps(path):
     assert_no_peer_ends_lower_than_the_search(probe_of(el.EnvMap.open(path)), SCIPY)
 
 
+@pytest.mark.slow
 @real_maps("hdr/*.hdr")
 def test_from_its_own_starts_jaxopt_does_not_end_lower_than_the_search_on_real_maps(path):
     """From even ones and from two that are drawn."""
@@ -173,6 +179,7 @@ def test_from_its_own_starts_jaxopt_does_not_end_lower_than_the_search_on_real_m
                 assert gain <= 1 + 1e-6, f"{problem.lights} lights, {problem.ambient}: {gain}"
 
 
+@pytest.mark.slow
 def test_the_search_never_ends_higher_than_the_even_start_of_the_paper():
     for name, irradiance in some_probes().items():
         for problem in problems(irradiance, range(1, 9)):
@@ -181,6 +188,7 @@ def test_the_search_never_ends_higher_than_the_even_start_of_the_paper():
             assert ratio(searched**2, started**2) <= 1 + 1e-6, case
 
 
+@pytest.mark.slow
 def test_the_search_ends_where_the_best_of_random_starts_does():
     ratios = {}
     for name, irradiance in some_probes().items():
@@ -254,7 +262,7 @@ def test_twenty_thousand_normals_are_as_good_as_all_under_suns(points, lights):
     assert_agrees_with_the_closed_form(random_world(points, seed=points), lights)
 
 
-@pytest.mark.parametrize("lights", [1, 3])
+@pytest.mark.parametrize("lights", [1, pytest.param(3, marks=pytest.mark.slow)])
 def test_twenty_thousand_normals_are_as_good_as_all_in_the_hall(lights):
     assert_agrees_with_the_closed_form(world_of_pixels(el.synthetic.hall(16).radiance), lights)
 

@@ -38,7 +38,7 @@ def assert_same(rig, directions, wanted, atol):
     assert rig.error == pytest.approx(wanted.error, rel=2e-2)
 
 
-def turned(directions, columns, width):
+def rotate_columns(directions, columns, width):
     """Directions after the map has moved to the right by that many columns."""
     angle = 2 * np.pi * columns / width
     sin, cos = np.sin(angle), np.cos(angle)
@@ -55,7 +55,7 @@ def test_turning_the_map_turns_the_lights(height, columns):
     for radiance in maps(height):
         one = el.fit(radiance, 4)
         rig = el.fit(np.roll(radiance, columns, axis=1), 4)
-        assert_same(rig, turned(one.lights.direction, columns, 2 * height), one, atol)
+        assert_same(rig, rotate_columns(one.lights.direction, columns, 2 * height), one, atol)
 
 
 @pytest.mark.parametrize("floor", [False, True])

@@ -1,4 +1,4 @@
-"""How far the lights are determined: tolerances under a map, standard errors of measured values."""
+"""Uncertainty of lights: tolerances under a map, standard errors of measured values."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from tests.fitting import worst_cases
 from tests.helpers import NORMALS, SOLID_ANGLES
 
 
-def moved(direction, angle, turn):
+def tilt(direction, angle, turn):
     """`direction` turned by `angle` towards one of its sides."""
     direction = np.asarray(direction)
     side = np.cross(direction, np.eye(3)[np.argmin(np.abs(direction))])
@@ -19,11 +19,11 @@ def moved(direction, angle, turn):
 
 
 def growths(radiance, rig, light, **options):
-    """How much the error grows when a light is moved by its tolerance, to all sides."""
+    """Growth of the error when a light is moved by its tolerance, to all sides."""
     others = el.Lights(*(np.delete(each, light, 0) for each in arrays(rig.lights)))
     angle = rig.report.direction_tolerances[light]
     for turn in np.arange(12) * np.pi / 6:
-        place = moved(rig.lights.direction[light], angle, turn)
+        place = tilt(rig.lights.direction[light], angle, turn)
         beside = el.fit(radiance, len(rig.lights), fixed=[place], start=others, **options)
         if rig.lights.angular_radius.any():
             yield beside.report.shadow_error / rig.report.shadow_error - 1
@@ -123,7 +123,7 @@ COLOUR = el.Rig(
 @pytest.mark.parametrize("rig", [GREY, COLOUR], ids=["grey", "colour"])
 @pytest.mark.parametrize("shared", [1.0, 0.7])
 def test_standard_errors_are_right_for_noise_that_the_channels_share(rig, shared):
-    """As of one light meter behind three filters: all of the noise is shared, or most of it."""
+    """All or most of the noise is shared, like that of one light meter behind three filters."""
     exact = rig.probe(NORMALS)
     rng = np.random.default_rng(12)
     found = []
@@ -145,7 +145,7 @@ def test_standard_errors_are_right_for_noise_that_the_channels_share(rig, shared
 def test_two_lights_a_hundredth_of_a_degree_apart_are_not_claimed_to_be_known(noise):
     exact = worst_cases.cases()["two lights 0.01 degrees apart"]
     noisy = exact * (1 + noise * np.random.default_rng(3).normal(size=exact.shape))
-    apart = [moved([0, 1, 0], 6e-4, turn) for turn in (0, np.pi)]
+    apart = [tilt([0, 1, 0], 6e-4, turn) for turn in (0, np.pi)]
     rig = el.fit_probe(NORMALS, noisy, start=el.Lights(apart, np.ones((2, 3))))
     assert len(rig.lights) == 2
     assert rig.report.condition == np.inf

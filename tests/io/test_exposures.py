@@ -20,7 +20,7 @@ def series(radiance, times=TIMES, dtype=np.uint8):
     return [np.round(largest * encode_srgb(radiance * time)).astype(dtype) for time in times]
 
 
-def written(path, picture, **attributes):
+def write_image(path, picture, **attributes):
     spec = oiio.ImageSpec(*picture.shape[1::-1], 3, "uint8")
     for name, value in attributes.items():
         spec.attribute("Exif:" * (name == "PhotographicSensitivity") + name, value)
@@ -31,8 +31,8 @@ def written(path, picture, **attributes):
     return path
 
 
-def seen(radiance, times=TIMES):
-    """Where some exposure is from a quarter of white up to white."""
+def is_exposed(radiance, times=TIMES):
+    """Mask of the pixels that some exposure captures between 0.25 and 0.98."""
     exposed = np.multiply.outer(times, radiance)
     return ((exposed > 0.25) & (exposed < 0.98)).any(axis=0)
 
@@ -44,7 +44,7 @@ def seen(radiance, times=TIMES):
 def test_radiance_is_exact_where_an_exposure_saw_it(dtype, tolerance):
     radiance = hall()
     env = el.EnvMap.from_exposures(series(radiance, dtype=dtype), TIMES)
-    where = seen(radiance)
+    where = is_exposed(radiance)
     assert where.mean() > 0.7
     error = np.abs(env.radiance / radiance - 1)[where]
     assert error.max() < tolerance
@@ -114,19 +114,19 @@ def test_exposures_too_far_apart_are_noticed():
 def test_times_come_from_the_files(tmp_path):
     radiance = hall()
     files = [
-        written(tmp_path / f"{number}.jpg", picture, ExposureTime=float(time), FNumber=1.0)
+        write_image(tmp_path / f"{number}.jpg", picture, ExposureTime=float(time), FNumber=1.0)
         for number, (picture, time) in enumerate(zip(series(radiance), TIMES, strict=True))
     ]
     env = el.EnvMap.from_exposures(files)
-    error = np.abs(env.radiance / radiance - 1)[seen(radiance)]
+    error = np.abs(env.radiance / radiance - 1)[is_exposed(radiance)]
     assert np.median(error) < 0.02  # JPEG
 
 
 def test_aperture_and_sensitivity_count(tmp_path):
     radiance = np.full((8, 16, 3), 0.4)
-    one = written(tmp_path / "1.jpg", *series(radiance, (1.0,)), ExposureTime=1.0, FNumber=1.0)
+    one = write_image(tmp_path / "1.jpg", *series(radiance, (1.0,)), ExposureTime=1.0, FNumber=1.0)
     half = {"ExposureTime": 1.0, "FNumber": 2.0, "PhotographicSensitivity": 200}
-    other = written(tmp_path / "2.jpg", *series(radiance, (0.5,)), **half)
+    other = write_image(tmp_path / "2.jpg", *series(radiance, (0.5,)), **half)
     env = el.EnvMap.from_exposures([one, other])
     assert not any("differ" in note for note in env.notes)
     np.testing.assert_allclose(env.radiance, radiance, rtol=0.02)
@@ -157,6 +157,6 @@ def test_what_is_no_series_is_refused(pictures, times, message):
 
 
 def test_a_file_without_a_time_is_refused(tmp_path):
-    file = written(tmp_path / "1.png", np.zeros((2, 4, 3), np.uint8))
+    file = write_image(tmp_path / "1.png", np.zeros((2, 4, 3), np.uint8))
     with pytest.raises(el.EnvLightsError, match="holds no exposure time in its EXIF; give times"):
         el.EnvMap.from_exposures([file, file])

@@ -94,16 +94,16 @@ KINDS = [
 LARGE = np.random.default_rng(1).gamma(0.3, 10, (400, 800, 3)).astype(np.float32)
 
 
-class Interrupted:
+class InterruptedFile:
     """A file of OpenImageIO in whose n-th piece of rows the user presses Ctrl-C."""
 
     def __init__(self, path, piece):
         self.file, self.left = oiio.ImageOutput.create(path), piece
 
     def __getattr__(self, name):
-        return self.written if name.startswith("write_") else getattr(self.file, name)
+        return self.write_piece if name.startswith("write_") else getattr(self.file, name)
 
-    def written(self, *arguments):
+    def write_piece(self, *arguments):
         self.left -= 1
         if not self.left:
             raise KeyboardInterrupt
@@ -121,7 +121,7 @@ def test_ctrl_c_between_pieces_of_rows_leaves_the_old_file(
     before = (tmp_path / name).read_bytes()
     names = ("ImageSpec", "FLOAT", "HALF", "TypeDesc", "geterror")
     doors = {each: getattr(oiio, each) for each in names}
-    create = SimpleNamespace(create=lambda path: Interrupted(path, piece))
+    create = SimpleNamespace(create=lambda path: InterruptedFile(path, piece))
     with monkeypatch.context() as patch:
         fake = SimpleNamespace(**doors, ImageOutput=create)
         patch.setattr("envlights.io.image_output.oiio", fake)

@@ -1,4 +1,4 @@
-"""Damage to a PNG file is told by us, in one sentence, and not by libpng on stderr."""
+"""Damage to a PNG file is reported in one sentence, not by libpng on stderr."""
 
 import struct
 import zlib
@@ -113,7 +113,7 @@ def test_whole_pixels_of_each_kind_are_no_damage(
 
 
 def test_long_streams_are_unpacked_piece_by_piece(tmp_path):
-    """Several blocks, one of which ends with the stream; and a wrong filter far behind."""
+    """Several blocks, the last one ending with the stream, and a wrong filter far behind."""
     height, width = 1024, 1024
     rows = (b"\1" + bytes(3 * width)) * height
     rows += bytes(-len(rows) % 2**20)

@@ -1,4 +1,4 @@
-"""The picture of a map that ends at white."""
+"""The picture of a clipped map."""
 
 import io
 

@@ -22,6 +22,7 @@ def relative(seen, wanted):
     return np.linalg.norm(seen - wanted) / np.linalg.norm(wanted)
 
 
+@pytest.mark.slow
 def test_a_rig_and_its_map_give_the_same_image():
     """Lights one at a time and added, or all at once in a map."""
     under_map = still_life(RIG.to_map(256), 1.0, 32, 0)
@@ -35,11 +36,12 @@ def test_a_rig_and_its_map_give_the_same_image():
 def test_one_bounce_is_the_direct_light_alone():
     sky = el.Rig([1.0] * 3, LIGHTS[:0], error=0.0)
     direct, whole = (still_life(sky, 0.0, 16, 3, bounces).image for bounces in (1, 3))
-    # Surfaces of reflectance .7 send back that much of a sky of 1 at most; more comes from others.
+    # A surface of reflectance 0.7 reflects at most 0.7 of a sky of 1, and more from other surfaces.
     assert 0.4 < direct.mean() < 0.7
     assert whole.mean() > 1.02 * direct.mean()
 
 
+@pytest.mark.slow
 def test_noise_is_not_taken_for_an_error():
     """Few paths and many: the noise falls, the error stays what it is."""
     truth = still_life(RIG, 0.0, 64, 0)
@@ -62,6 +64,7 @@ def test_below_the_floor_no_light_passes():
     assert still.noise == still.error(still) == 0
 
 
+@pytest.mark.slow
 def test_seeds_give_the_same_image_and_titles_tell_its_figures():
     env = el.EnvMap(el.synthetic.hall(32).radiance)
     rig = el.Rig([0.3] * 3, LIGHTS, error=0.0)

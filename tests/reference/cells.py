@@ -34,7 +34,7 @@ def irradiance(radiance, normals, *, border_sampled=False, latitudes=4000):
 
 
 def edges(count, whole, *, outer_halves):
-    """Angles between `count` cells, of which the outer ones may be halves."""
+    """Angles between `count` cells; the outer ones may be halves."""
     if not outer_halves:
         return whole * np.arange(count + 1) / count
     between = (np.arange(count - 1) + 0.5) / (count - 1)

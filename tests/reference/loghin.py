@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 
-def reduced(luminance, width):
+def reduce_bilinear(luminance, width):
     """Step 1: each new pixel is mixed from the four whose centres are around its own."""
     height = round(len(luminance) * width / luminance.shape[1])
     rows, down = _between(height, len(luminance))
@@ -25,7 +25,7 @@ def _between(new, old):
     return before, at - before
 
 
-def blurred(image, sigma):
+def blur(image, sigma):
     """Step 2: a Gaussian out to three standard deviations; columns meet, rows end."""
     reach = math.ceil(3 * sigma)
     offsets = range(-reach, reach + 1)
@@ -170,7 +170,7 @@ def position(luminance, pixels, sphere):
 def detect(luminance, *, unit=1.0, move_to_maximum=False, sphere=False, merge_cap_deg=None):
     """All steps: pixels of the samples that passed, their lights, and the lights' directions.
 
-    `unit` is the luminance that stands for the article's 1.
+    `unit` is the luminance that corresponds to the article's 1.
     """
     height, width = luminance.shape
     reach = int(12 * width / 1024) // 2

@@ -53,7 +53,7 @@ class Problem(madsen.Problem):
         return float(np.sum(self.residual(x) ** 2) / whole)
 
     def is_possible(self, x):
-        """Whether no radiance is negative, but for rounding."""
+        """True if no radiance is negative, up to rounding."""
         low, _ = self.bounds()
         return bool((x >= low - 1e-9 * np.abs(x).max()).all())
 
@@ -82,7 +82,7 @@ def compiled_jaxopt(problem, start, tolerance):
     """Return the solver with its arguments; it compiles when it is first called."""
     import jax
 
-    solve = _compiled(problem.fixed, tolerance)
+    solve = _compile_solver(problem.fixed, tolerance)
     given = jax.device_put((start, problem.normals, problem.root, problem.irradiance))
     return lambda: solve(*given).block_until_ready()
 
@@ -101,7 +101,7 @@ def jax_in_float64():
 
 
 @cache
-def _compiled(fixed, tolerance):
+def _compile_solver(fixed, tolerance):
     """The whole solver as one compiled function, once for each shape of its arguments."""
     import jax
     import jax.numpy as jnp

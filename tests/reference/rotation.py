@@ -15,7 +15,7 @@ _ENOUGH_HITS = 64
 _BLOCK = 2**18
 
 
-def rotated(radiance, matrix):
+def rotate(radiance, matrix):
     """A map of cells after any rotation: what was in the direction d is then in matrix @ d.
 
     Each new cell is the mean over a grid of samples. Bright cells, which small lights are made of,
@@ -26,14 +26,14 @@ def rotated(radiance, matrix):
     most = np.maximum(_BRIGHT_SHARE / areas, _BRIGHT_CONTRAST / (4 * np.pi)) * flux
     is_bright = np.any(radiance > most, axis=2)
     rest = np.where(is_bright[..., None], 0, radiance).astype(np.float64)
-    new = _sampled(rest, matrix)
+    new = _sample_means(rest, matrix)
     seen, wanted = (new * areas).sum(axis=(0, 1)), (rest * areas).sum(axis=(0, 1))
     new *= wanted / np.where(seen > 0, seen, 1)
     _add_bright(new, radiance, is_bright, matrix)
     return new.astype(np.float32)
 
 
-def _sampled(radiance, matrix):
+def _sample_means(radiance, matrix):
     """Means of the turned map over each new cell, from a grid of samples."""
     height, width, _ = radiance.shape
     new = np.empty((height * width, 3))

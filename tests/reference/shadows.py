@@ -15,7 +15,7 @@ def shadow_error(
     irradiance,
     angular_radius,
     *,
-    normals=5120,
+    normals=1280,
     planes=320,
     border=False,
 ):
@@ -76,7 +76,7 @@ def points_of_disc(direction, irradiance, radius, rings=32):
 
 
 def shadow_error_by_kernel(radiance, ambient, direction, irradiance, angular_radius):
-    """The same error as a double sum of the kernel of shadows, for suns that no 320 planes resolve.
+    """Shadow error as a double sum of the kernel, for suns that 320 planes do not resolve.
 
     Each pixel counts as the square that it is: the brightest as small squares, all others in twos.
     Discs are integrated over circles, so that none of it is a series. The ambient term is one

@@ -58,6 +58,7 @@ def test_the_charts_are_the_faces_in_the_order_of_their_names(yard):
     np.testing.assert_allclose(albedo, np.tile([0.5, 0.46, 0.4], (16, 1)), atol=1e-6)
 
 
+@pytest.mark.slow
 def test_threads_do_not_mix_their_images(yard):
     alone = [yard.indirect(rig, samples=16).image for rig in NEW]
     with ThreadPoolExecutor(4) as threads:
@@ -77,6 +78,7 @@ def test_what_blocks_a_ray_is_what_stands_there(yard):
     np.testing.assert_array_equal(yard.blocked(origins, directions), wanted)
 
 
+@pytest.mark.slow
 def test_direct_light_of_unseen_rigs_is_mitsubas(yard):
     """Within 5 %; at the same points, so that the outlines of shadows are sampled alike."""
     constant = el.Rig([0.3, 0.4, 0.6], NEW[0].lights, error=0.0)
@@ -98,6 +100,7 @@ def test_a_light_alone_is_mitsubas_to_rounding(yard):
         assert relative(light.image(rig), seen) < 0.01
 
 
+@pytest.mark.slow
 def test_discs_are_mitsubas_in_every_direction():
     """Irradiance of the emitters at 320 normals: that of the probe in closed form, within noise."""
     normals, _ = kernels.icosphere(320)
@@ -121,8 +124,9 @@ def test_discs_are_mitsubas_in_every_direction():
             assert relative(seen, rig.probe(normals)) < 1e-3, radius
 
 
+@pytest.mark.slow
 def test_direct_light_of_discs_is_mitsubas(yard):
-    """With shadows of soft edges, over points and an ambient term beside the discs."""
+    """Soft shadows of discs, together with points and an ambient term."""
     lights = el.Lights(NEW[4].lights.direction, NEW[4].lights.irradiance, [0.02, 0.3, 0.0])
     rigs = [el.Rig([0.02, 0.03, 0.05], lights, 0.0), el.Rig(NEW[1].ambient, lights, 0.0)]
     for rig, images in zip(rigs, texels_by_mitsuba(yard.points, rigs, depth=2), strict=True):
@@ -132,6 +136,7 @@ def test_direct_light_of_discs_is_mitsubas(yard):
         assert difference < 0.03, f"difference {difference:.3f}, noise {noise:.3f}"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("radius", [0.0, 0.3])
 def test_direct_and_indirect_light_are_what_mitsuba_sees(yard, radius):
     """All light, computed twice: direct and indirect light, or sensors above the texels."""
@@ -150,6 +155,7 @@ def test_direct_and_indirect_light_are_what_mitsuba_sees(yard, radius):
     assert difference < noise, f"difference {difference:.3f}, noise {noise:.3f}"
 
 
+@pytest.mark.slow
 def test_the_noise_of_a_render_is_what_it_says(yard):
     truth = yard.indirect(NEW[0], samples=4096)
     for samples in (32, 128):
@@ -157,6 +163,7 @@ def test_the_noise_of_a_render_is_what_it_says(yard):
         assert relative(rendered.image, truth.image) == pytest.approx(rendered.noise, rel=0.2)
 
 
+@pytest.mark.slow
 def test_an_ambient_term_may_take_light_away(yard):
     """Harmonics that are negative somewhere are no map for a renderer; light is linear."""
     dome, lobe = (each.ambient for each in NEW[:2])
@@ -175,6 +182,7 @@ def test_a_seed_gives_the_same_bits(yard):
     assert not np.array_equal(once.image, yard.indirect(NEW[0], samples=8, seed=4).image)
 
 
+@pytest.mark.slow
 def test_a_rig_becomes_a_lightmap_within_the_error_that_the_model_states(yard, pairs):
     """The whole bridge: rigs, pairs, a model, a new rig, its direct and its indirect light."""
     model = el.TransferModel.fit(pairs.direct, pairs.indirect, rank=32, ridge="loo")
@@ -189,6 +197,7 @@ def test_a_rig_becomes_a_lightmap_within_the_error_that_the_model_states(yard, p
     assert max(errors) < max(model.report.unseen_errors)
 
 
+@pytest.mark.slow
 def test_more_paths_are_not_in_the_direct_light(yard, pairs):
     again = el.bake(yard, LIT[:2], samples=8)
     np.testing.assert_array_equal(again.direct, pairs.direct[:2])
@@ -222,6 +231,7 @@ def test_no_light_gives_a_black_pair(yard):
     assert dark.noise == 0
 
 
+@pytest.mark.slow
 def test_pairs_on_disk_are_those_in_memory(pairs, tmp_path):
     pairs.save(tmp_path)
     read = el.read_pairs(tmp_path)

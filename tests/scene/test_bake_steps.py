@@ -10,7 +10,7 @@ RIGS = el.synthetic.rigs(3)
 
 
 class Scene(el.MitsubaScene):
-    """Notes what it is asked for; the image of the rig k is k + 1 everywhere."""
+    """Records its calls; the image of rig k is k + 1 everywhere."""
 
     lightmap = el.Surface(TEXELS, TEXELS + np.array([0, 1, 0]), TEXELS + 0.5)
 

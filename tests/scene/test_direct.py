@@ -33,13 +33,13 @@ def nothing(origins, directions):
 def wall(height, distance=1.0):
     """An endless wall in front of x = `distance`, so high."""
 
-    def blocked(origins, directions):
+    def is_blocked(origins, directions):
         with np.errstate(divide="ignore", invalid="ignore"):
             t = (distance - origins[:, 0]) / directions[:, 0]
             y = origins[:, 1] + t * directions[:, 1]
         return (t > 0) & (y > 0) & (y < height)
 
-    return blocked
+    return is_blocked
 
 
 def rig(ambient=DARK, *lights):
@@ -206,12 +206,12 @@ def test_a_ray_tracer_may_answer_with_numbers_and_nothing_else():
 def test_only_what_faces_a_light_is_asked_for_shadows():
     asked = []
 
-    def blocked(origins, directions):
+    def is_blocked(origins, directions):
         asked.append(len(origins))
         return nothing(origins, directions)
 
     normals = np.array([UP, -UP, [1, 0, 0]])
-    light = el.DirectLight.of(surface(DARK, normals), blocked, 8)
+    light = el.DirectLight.of(surface(DARK, normals), is_blocked, 8)
     light.image(rig(DARK, (UP, [1, 1, 1])))
     assert asked == [3 * 8, 1]
 

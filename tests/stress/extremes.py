@@ -35,7 +35,7 @@ def _scaled_probe(scale):
 
 
 def _scaled_fit(scale):
-    """Of direction, in radians, and of irradiance."""
+    """Change of directions, in radians, and of irradiance."""
     radiance = el.synthetic.hall(64).radiance.astype(float)
     one, other = (_fitted_points((radiance * s).astype(np.float32)) for s in (1, scale))
     return lights_apart(other, one.direction, scale * one.irradiance, in_order=True)
@@ -88,7 +88,7 @@ def _sun(row, column):
 
 
 def _sun_of_the_probe(row, column):
-    """Where the horizon does not cut the pixel: the flux of the whole pixel, a vector."""
+    """Error of the probe at normals whose horizon does not cut the pixel."""
     radiance, towards, _ = _sun(row, column)
     normals = NORMALS[NORMALS @ towards > 0.1]
     vector = cells.vector_solid_angle(row, column, 64, 128)
@@ -105,7 +105,7 @@ def _fitted_point(radiance):
     return el.fit(radiance, 1, ambient="none", sizes=False).lights
 
 
-def _explained(case, lights):
+def _probe_error(case, lights):
     """The error of a probe that those lights explain, and infinite where the answer is unusable."""
     irradiance = worst_cases.cases()[case]
     rig = el.fit_probe(NORMALS, irradiance, lights, weights=SOLID_ANGLES)
@@ -114,7 +114,7 @@ def _explained(case, lights):
 
 
 def _detected_apart(degrees):
-    """Flux of two suns on neighbouring pixels or opposite each other, however many are told."""
+    """Flux of two suns on adjacent pixels or opposite each other, for any number of lights."""
     radiance = np.zeros((512, 1024, 3), np.float32)
     radiance[200, 300] = 1e5
     beside = (200, 301) if degrees < 1 else (311, 812)
@@ -167,7 +167,7 @@ CASES = [
         "fit, 22 stops between lights",
         1e-8,
         "the error is a root of a rounded square",
-        partial(_explained, "22 stops between the lights", 4),
+        partial(_probe_error, "22 stops between the lights", 4),
     ),
     *cases_of(
         "place",
@@ -198,18 +198,18 @@ CASES = [
         "fit, two lights 0.01 degrees apart",
         1e-8,
         "one light explains both to 1e-8",
-        partial(_explained, "two lights 0.01 degrees apart", 4),
+        partial(_probe_error, "two lights 0.01 degrees apart", 4),
     ),
     Case(
         "close",
         "fit, opposite lights",
         1e-8,
         "rounding of the squared error",
-        partial(_explained, "opposite lights", 4),
+        partial(_probe_error, "opposite lights", 4),
     ),
     Case(
         "close",
-        "detection, suns on two pixels side by side",
+        "detection, suns on two adjacent pixels",
         _ROUNDED,
         "flux is kept",
         partial(_detected_apart, 0.35),

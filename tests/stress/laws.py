@@ -29,7 +29,7 @@ def _lamps(seed):
 
 
 def _turn(vectors):
-    """As a map's roll by a quarter turns directions."""
+    """Rotate vectors as a quarter roll of the map does."""
     return vectors @ np.array([[0.0, 0, 1], [0, 1, 0], [-1, 0, 0]])
 
 
@@ -41,7 +41,7 @@ def _same(vectors):
     return vectors
 
 
-def _permuted(irradiance):
+def _permute(irradiance):
     return irradiance[..., _CHANNELS]
 
 
@@ -50,7 +50,7 @@ LAWS = {
     "a quarter turn": (lambda map: np.roll(map, _QUARTER, axis=1), _turn, _same),
     "a mirror": (lambda map: map[:, ::-1], _mirror, _same),
     "2^20 times": (lambda map: map * np.float32(2**20), _same, lambda e: 2.0**20 * e),
-    "channels exchanged": (lambda map: map[..., _CHANNELS], _same, _permuted),
+    "channels exchanged": (lambda map: map[..., _CHANNELS], _same, _permute),
 }
 
 
@@ -66,9 +66,9 @@ def _lights(find, changed, directions, irradiance):
     return lights_apart(other, directions(one.direction), irradiance(one.irradiance))
 
 
-def _mirrored(radiance):
+def _mirror_error(radiance):
     """The fit to a map in which pixels of one row are alike, and to its mirror image."""
-    one, other = _fitted(radiance), _fitted(np.ascontiguousarray(radiance[:, ::-1]))
+    one, other = _fit_three(radiance), _fit_three(np.ascontiguousarray(radiance[:, ::-1]))
     return lights_apart(other, _mirror(one.direction), one.irradiance)
 
 
@@ -79,7 +79,7 @@ def _tube():
     return radiance
 
 
-def _fitted(radiance):
+def _fit_three(radiance):
     return el.fit(radiance, 3, sizes=False).lights
 
 
@@ -137,7 +137,7 @@ def _added_transfer():
 _TRANSFER = {
     "texels mirrored": (lambda each: each[:, :, ::-1],) * 2,
     "2^20 times": (lambda each: each * np.float32(2**20),) * 2,
-    "channels exchanged": (_permuted,) * 2,
+    "channels exchanged": (_permute,) * 2,
     "images turned": (_same, lambda each: np.rot90(each, axes=(1, 2))),
 }
 
@@ -156,13 +156,15 @@ CASES = [
         partial(_lights, el.detect),
         _OF_DETECTION,
     ),
-    *cases_of("law", "fit, ", 1e-7, "descent to 1e-9 of a step", partial(_lights, _fitted), LAWS),
+    *cases_of(
+        "law", "fit, ", 1e-7, "descent to 1e-9 of a step", partial(_lights, _fit_three), LAWS
+    ),
     *cases_of(
         "law",
         "fit, a mirror, pixels alike, ",
         1e-7,
         "pixels alike are kept as points or left together",
-        lambda make: _mirrored(make()),
+        lambda make: _mirror_error(make()),
         {"three lamps": (partial(_lamps, 0),), "a tube": (_tube,)},
     ),
     *cases_of("law", "transfer, ", 1e-5, "a basis in float32", _transfer, _TRANSFER),

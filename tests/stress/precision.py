@@ -46,7 +46,7 @@ def _solid_angle_error(found):
     return float(np.max(np.abs(found / wanted - 1)))
 
 
-def _summed(dtype):
+def _sum_sources(dtype):
     """Equations 1 to 3 of the paper over all pixels."""
     directions = kernels.pixel_directions(_HEIGHT, 2 * _HEIGHT).reshape(-1, 3)
     areas = kernels.pixel_solid_angles(_HEIGHT, 2 * _HEIGHT).reshape(-1, 1).astype(dtype)
@@ -166,7 +166,7 @@ CASES = [
         "probe, sum over pixels",
         (_PIXELS + 8) * U64,
         "bound 2: a sum of terms of one sign",
-        **_from(_ours_summed, _summed),
+        **_from(_ours_summed, _sum_sources),
     ),
     Case(
         "precision",

@@ -15,7 +15,7 @@ HEIGHT = 128
 
 
 def contrast(world):
-    """Of each light, over what is behind it."""
+    """Contrast of each light to its background."""
     whole = world.irradiance_with_background @ LUMINANCE
     return whole / (whole - world.lights.irradiance @ LUMINANCE)
 

@@ -2,36 +2,40 @@
 
 import json
 import tracemalloc
+from functools import partial
 
 import numpy as np
 import pytest
 
 import envlights as el
 from tests.conftest import fills_a_disk
-from tests.helpers import cuts, disk_that_is_full_after
+from tests.helpers import cuts, disk_that_is_full_after, pairs_of_room
 
-ROOM = el.synthetic.room(64, width=32)
-SCENE = ROOM.direct, ROOM.indirect
+room = partial(pairs_of_room, 64, 32)
+
+
+def scene():
+    return room().direct, room().indirect
 
 
 @pytest.fixture(scope="module")
 def model():
-    return el.TransferModel.fit(*SCENE, rank=32)
+    return el.TransferModel.fit(*scene(), rank=32)
 
 
 def test_parameters_may_be_numpys_own(tmp_path):
-    model = el.TransferModel.fit(*SCENE, rank=np.int64(8), ridge=np.float32(0.01))
+    model = el.TransferModel.fit(*scene(), rank=np.int64(8), ridge=np.float32(0.01))
     model.save(tmp_path / "model.npz")
     assert el.TransferModel.load(tmp_path / "model.npz").parameters["rank"] == 8
-    assert el.TransferModel.fit(*SCENE, rank=np.float32(0.9)).report.energy >= 0.9
+    assert el.TransferModel.fit(*scene(), rank=np.float32(0.9)).report.energy >= 0.9
 
 
 @pytest.mark.parametrize("notebook", [False, True])
 def test_saved_models_come_back_to_the_bit(tmp_path, notebook):
-    model = el.TransferModel.fit(*SCENE, ridge="loo", notebook=notebook)
+    model = el.TransferModel.fit(*scene(), ridge="loo", notebook=notebook)
     model.save(tmp_path / "model.npz")
     again = el.TransferModel.load(tmp_path / "model.npz")
-    np.testing.assert_array_equal(again.predict(SCENE[0]), model.predict(SCENE[0]))
+    np.testing.assert_array_equal(again.predict(scene()[0]), model.predict(scene()[0]))
     assert again.report == model.report
     assert again.parameters == model.parameters
     assert [path.name for path in tmp_path.iterdir()] == ["model.npz"]
@@ -85,7 +89,7 @@ def test_other_files_are_refused(model, tmp_path):
 @fills_a_disk
 @pytest.mark.parametrize("notebook", [False, True])
 def test_a_model_that_does_not_fit_on_the_disk_is_not_saved(tmp_path, notebook):
-    model = el.TransferModel.fit(ROOM.direct[:8], ROOM.indirect[:8], notebook=notebook)
+    model = el.TransferModel.fit(room().direct[:8], room().indirect[:8], notebook=notebook)
     target = tmp_path / "model.npz"
     model.save(target)
     whole = target.read_bytes()
@@ -144,7 +148,7 @@ def test_only_what_a_model_has_is_unpacked(model, tmp_path):
         assert tracemalloc.get_traced_memory()[1] < zeros.nbytes / 4
     finally:
         tracemalloc.stop()
-    np.testing.assert_array_equal(again.predict(SCENE[0]), model.predict(SCENE[0]))
+    np.testing.assert_array_equal(again.predict(scene()[0]), model.predict(scene()[0]))
     np.savez_compressed(tmp_path / "within.npz", **{**arrays, "mean": zeros})
     with pytest.raises(el.EnvLightsError, match=r"would unpack to 6.* which a model never needs"):
         el.TransferModel.load(tmp_path / "within.npz")

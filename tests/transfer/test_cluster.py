@@ -1,14 +1,16 @@
 """Indirect images as an array of Dask: the same models, block by block."""
 
+from functools import partial
+
 import dask
 import dask.array as da
 import numpy as np
 import pytest
 
 import envlights as el
-from tests.helpers import oblong, relative_errors
+from tests.helpers import oblong, pairs_of_room, relative_errors
 
-ROOM = el.synthetic.room(40, width=32)
+room = partial(pairs_of_room, 40, 32)
 NEW = slice(32, None)
 
 
@@ -22,11 +24,11 @@ def small_blocks():
 @pytest.mark.parametrize("chunks", [(1, 32, 32, 3), (32, 5, 32, 3), (7, 6, 9, 2)])
 @pytest.mark.parametrize("options", [{}, {"ridge": "loo"}, {"notebook": True}])
 def test_the_model_is_that_of_numpy(chunks, options):
-    direct, indirect = ROOM.direct[:32], ROOM.indirect[:32]
+    direct, indirect = room().direct[:32], room().indirect[:32]
     lazy = da.from_array(indirect, chunks=chunks)
     model = el.TransferModel.fit(direct, lazy, rank=24, **options)
     local = el.TransferModel.fit(direct, indirect, rank=24, **options)
-    new = ROOM.direct[NEW]
+    new = room().direct[NEW]
     np.testing.assert_array_less(relative_errors(model.predict(new), local.predict(new)), 1e-6)
     np.testing.assert_allclose(model.report.unseen_errors, local.report.unseen_errors, rtol=1e-4)
     np.testing.assert_array_equal(model.lit, local.lit)
@@ -37,12 +39,12 @@ def test_blocks_are_many_and_each_holds_all_images(monkeypatch):
     shapes = []
     gram = el.transfer.cluster.local_gram.gram
 
-    def noted(pairs, centred):
+    def record(pairs, centred):
         shapes.append(pairs.indirect.shape)
         return gram(pairs, centred)
 
-    monkeypatch.setattr(el.transfer.cluster.local_gram, "gram", noted)
-    el.TransferModel.fit(ROOM.direct, da.from_array(ROOM.indirect, chunks=(3, 32, 32, 3)))
+    monkeypatch.setattr(el.transfer.cluster.local_gram, "gram", record)
+    el.TransferModel.fit(room().direct, da.from_array(room().indirect, chunks=(3, 32, 32, 3)))
     assert len(shapes) > 5
     assert sum(shape[1] for shape in shapes) == 32
     assert {(shape[0], *shape[2:]) for shape in shapes} == {(40, 32, 3)}
@@ -76,17 +78,17 @@ def test_pairs_are_added_and_images_projected_as_well():
 
 def test_images_are_read_from_files_by_the_workers(tmp_path):
     paths = [tmp_path / f"{k}.exr" for k in range(40)]
-    for path, image in zip(paths, ROOM.indirect, strict=True):
+    for path, image in zip(paths, room().indirect, strict=True):
         el.io.write_exr(path, image)
     read = dask.delayed(lambda path: el.io.read_image(path).pixels)
     lazy = da.stack([da.from_delayed(read(path), (32, 32, 3), np.float32) for path in paths])
-    model = el.TransferModel.fit(ROOM.direct, lazy)
-    local = el.TransferModel.fit(ROOM.direct, ROOM.indirect)
-    errors = relative_errors(model.predict(ROOM.direct), local.predict(ROOM.direct))
+    model = el.TransferModel.fit(room().direct, lazy)
+    local = el.TransferModel.fit(room().direct, room().indirect)
+    errors = relative_errors(model.predict(room().direct), local.predict(room().direct))
     np.testing.assert_array_less(errors, 1e-6)
     paths[30].write_bytes(paths[30].read_bytes()[:900])
     with pytest.raises(el.EnvLightsError, match=r"30\.exr"):
-        el.TransferModel.fit(ROOM.direct, lazy)
+        el.TransferModel.fit(room().direct, lazy)
 
 
 def nan_at_row_17(indirect):
@@ -108,15 +110,15 @@ def nan_at_row_17(indirect):
 )
 def test_what_cannot_be_learnt_is_refused(lazy, message):
     with pytest.raises(el.EnvLightsError, match=message):
-        el.TransferModel.fit(ROOM.direct, lazy(ROOM.indirect))
+        el.TransferModel.fit(room().direct, lazy(room().indirect))
 
 
 def test_tasks_and_refusals_travel_between_processes():
-    lazy = da.from_array(ROOM.indirect, chunks=(7, 16, 32, 3))
+    lazy = da.from_array(room().indirect, chunks=(7, 16, 32, 3))
     with dask.config.set({"scheduler": "processes", "num_workers": 1}):
-        model = el.TransferModel.fit(ROOM.direct, lazy)
+        model = el.TransferModel.fit(room().direct, lazy)
         with pytest.raises(el.EnvLightsError, match="image 3 holds nan at row 17"):
-            el.TransferModel.fit(ROOM.direct, nan_at_row_17(ROOM.indirect))
-    local = el.TransferModel.fit(ROOM.direct, ROOM.indirect)
-    errors = relative_errors(model.predict(ROOM.direct), local.predict(ROOM.direct))
+            el.TransferModel.fit(room().direct, nan_at_row_17(room().indirect))
+    local = el.TransferModel.fit(room().direct, room().indirect)
+    errors = relative_errors(model.predict(room().direct), local.predict(room().direct))
     np.testing.assert_array_less(errors, 1e-6)

@@ -1,6 +1,7 @@
 """Faster frames: kernels against NumPy, rounded bases, frames that stop early, parts of frames."""
 
 from dataclasses import replace
+from functools import cache, partial
 
 import numpy as np
 import pytest
@@ -10,19 +11,27 @@ from hypothesis.extra import numpy as hnp
 
 import envlights as el
 from envlights.transfer import compact
-from tests.helpers import printed_by_threads, relative_errors
+from tests.helpers import pairs_of_room, printed_by_threads, relative_errors
 
-ROOM = el.synthetic.room(48, width=64)
-NEW = ROOM.direct[40:]
-#: With a border and a pillar that are black, and no whole number of tiles.
-INDIRECT = ROOM.indirect[:40, :, :61].copy()
-INDIRECT[:, :7] = 0
-INDIRECT[:, 30:40, 20:55] = 0
+room = partial(pairs_of_room, 48, 64)
+
+
+def new():
+    return room().direct[40:]
+
+
+@cache
+def indirect_light():
+    """Images with a border and a pillar that are black, and no whole number of tiles."""
+    images = room().indirect[:40, :, :61].copy()
+    images[:, :7] = 0
+    images[:, 30:40, 20:55] = 0
+    return images
 
 
 @pytest.fixture(scope="module")
 def model():
-    return el.TransferModel.fit(ROOM.direct[:40], INDIRECT, rank=24)
+    return el.TransferModel.fit(room().direct[:40], indirect_light(), rank=24)
 
 
 @pytest.fixture(scope="module")
@@ -91,7 +100,7 @@ def test_values_are_rounded_by_half_a_step_at_most(basis, dtype):
 
 
 def test_large_bases_are_rounded_as_small_ones():
-    """Of several blocks, the last in part, and with holes."""
+    """Several blocks, the last one partial, with holes."""
     rng = np.random.default_rng(0)
     lit = rng.random((150, 131)) < 0.9
     lit[40:45] = False
@@ -129,7 +138,7 @@ def test_what_needs_no_rounding_comes_back(dtype):
 
 def test_black_texels_stay_black(model, both):
     for kept in both:
-        assert not kept.predict(NEW)[:, ~model.lit].any()
+        assert not kept.predict(new())[:, ~model.lit].any()
         assert kept.basis.values.shape[0] < model.lit.size / compact.TILE - 10
         assert kept.basis.dense(model.lit).shape == model.basis.shape
 
@@ -160,7 +169,9 @@ def test_the_most_compact_type_that_keeps_the_bound_is_taken(model):
         as_it_is.report.notes[-1]
         == "the basis is not compressed: int8 and float16 exceed the error 1e-06"
     )
-    assert model.compressed(0.02).report.notes[-1].startswith("the basis is stored as int8: no frame")
+    assert (
+        model.compressed(0.02).report.notes[-1].startswith("the basis is stored as int8: no frame")
+    )
 
 
 @pytest.mark.parametrize("dtype", list(compact.LARGEST))
@@ -178,11 +189,11 @@ def test_the_bound_holds_and_is_reached(model, dtype):
 
 def test_compressed_frames_stay_in_the_bound_and_learnt_ones_in_the_usual_error(model, both):
     for kept, bound in zip(both, (0.02, 0.001), strict=True):
-        assert relative_errors(kept.predict(NEW), model.predict(NEW)).max() <= bound
-        whole, rounded = (each.project(INDIRECT) for each in (model, kept))
+        assert relative_errors(kept.predict(new()), model.predict(new())).max() <= bound
+        whole, rounded = (each.project(indirect_light()) for each in (model, kept))
         note = kept.report.notes[-1]
         usual = float(note.rsplit("by ", 1)[1].split()[0]) / 100
-        scale = 1 / np.linalg.norm(ROOM.direct[:40].reshape(40, -1), axis=1)[:, None, None, None]
+        scale = 1 / np.linalg.norm(room().direct[:40].reshape(40, -1), axis=1)[:, None, None, None]
         changed = np.linalg.norm((rounded - whole) * scale) / np.linalg.norm(whole * scale)
         assert changed == pytest.approx(usual, rel=0.1)
 
@@ -190,8 +201,8 @@ def test_compressed_frames_stay_in_the_bound_and_learnt_ones_in_the_usual_error(
 def test_a_batch_is_its_frames_to_the_bit(both):
     for kept in both:
         for error in (0.0, 0.05):
-            frames = [kept.predict(frame, error=error) for frame in NEW]
-            np.testing.assert_array_equal(kept.predict(NEW, error=error), frames)
+            frames = [kept.predict(frame, error=error) for frame in new()]
+            np.testing.assert_array_equal(kept.predict(new(), error=error), frames)
 
 
 REGIONS = [
@@ -207,15 +218,15 @@ REGIONS = [
 def test_a_region_is_the_crop_of_the_frame_to_the_bit(model, both, region):
     for each in (model, *both):
         for error in (0.0, 0.05):
-            whole = each.predict(NEW, error=error)
-            part = each.predict(NEW, error=error, region=region)
+            whole = each.predict(new(), error=error)
+            part = each.predict(new(), error=error, region=region)
             np.testing.assert_array_equal(part, whole[(slice(None), *region)])
-        one = each.predict(NEW[0], region=region)
-        np.testing.assert_array_equal(one, each.predict(NEW[0])[region])
+        one = each.predict(new()[0], region=region)
+        np.testing.assert_array_equal(one, each.predict(new()[0])[region])
 
 
 def test_large_regions_are_the_crop_too():
-    """Of several blocks of texels, of which some are not needed."""
+    """Several blocks of texels; the region needs some of them."""
     rng = np.random.default_rng(0)
     direct, indirect = rng.random((4, 2, 2, 3)), rng.random((4, 150, 100, 3), np.float32)
     indirect[:, 60:62] = 0
@@ -230,7 +241,7 @@ def test_large_regions_are_the_crop_too():
 @pytest.mark.parametrize("error", [0.3, 0.05, 0.01])
 def test_a_frame_that_stops_early_stays_in_its_error(model, both, error):
     for each in (model, *both):
-        early = relative_errors(each.predict(NEW, error=error), each.predict(NEW))
+        early = relative_errors(each.predict(new(), error=error), each.predict(new()))
         # As much as the columns of the basis miss right angles, and rounding turns them.
         assert (early <= error * 1.01).all()
         assert early.max() > 0, "something was left out"
@@ -261,8 +272,10 @@ def test_compressed_models_are_saved_whole(both, tmp_path):
     for kept in both:
         kept.save(tmp_path / "model.npz")
         again = el.TransferModel.load(tmp_path / "model.npz")
-        np.testing.assert_array_equal(again.predict(NEW), kept.predict(NEW))
-        np.testing.assert_array_equal(again.project(INDIRECT), kept.project(INDIRECT))
+        np.testing.assert_array_equal(again.predict(new()), kept.predict(new()))
+        np.testing.assert_array_equal(
+            again.project(indirect_light()), kept.project(indirect_light())
+        )
         assert again.report == kept.report
 
 
@@ -309,25 +322,27 @@ def test_a_compact_basis_of_other_tiles_is_refused(both):
 
 
 def test_what_cannot_be_is_refused_in_a_sentence(model, both):
-    around_a_mean = el.TransferModel.fit(ROOM.direct[:40], INDIRECT, rank=4, notebook=True)
+    around_a_mean = el.TransferModel.fit(
+        room().direct[:40], indirect_light(), rank=4, notebook=True
+    )
     for call, message in [
         (
-            lambda: model.predict(NEW, error=-1),
+            lambda: model.predict(new(), error=-1),
             "error must be a finite .*, from 0 to 1 \\(1 is 100 %\\); got -1",
         ),
-        (lambda: model.predict(NEW, error=np.nan), "error must be a finite number"),
-        (lambda: model.predict(NEW, region=(3, 4)), r"region must be two slices.*; got \(3, 4\)"),
-        (lambda: model.predict(NEW, region=slice(3)), "region must be two slices"),
-        (lambda: model.predict(NEW, region=(slice(3),)), "region must be two slices"),
-        (lambda: model.predict(NEW, region=(slice(0.5), slice(3))), "region must be two slices"),
-        (lambda: model.predict(NEW, region=(slice(0, 3, 0), slice(3))), "region must be two"),
+        (lambda: model.predict(new(), error=np.nan), "error must be a finite number"),
+        (lambda: model.predict(new(), region=(3, 4)), r"region must be two slices.*; got \(3, 4\)"),
+        (lambda: model.predict(new(), region=slice(3)), "region must be two slices"),
+        (lambda: model.predict(new(), region=(slice(3),)), "region must be two slices"),
+        (lambda: model.predict(new(), region=(slice(0.5), slice(3))), "region must be two slices"),
+        (lambda: model.predict(new(), region=(slice(0, 3, 0), slice(3))), "region must be two"),
         (lambda: model.compressed(-0.1), "error must be a finite number, 0 or more; got -0.1"),
         (lambda: both[0].compressed(), "a compressed model cannot be compressed again; take"),
-        (lambda: both[0].add(NEW, INDIRECT[:8]), "a compressed model cannot take more pairs"),
-        (lambda: both[0].predict(NEW * np.nan), "direct must be finite; image 0 holds nan"),
-        (lambda: both[0].predict(NEW[:, :4]), "direct must be 16x16 pixels"),
+        (lambda: both[0].add(new(), new()), "a compressed model cannot take more pairs"),
+        (lambda: both[0].predict(new() * np.nan), "direct must be finite; image 0 holds nan"),
+        (lambda: both[0].predict(new()[:, :4]), "direct must be 16x16 pixels"),
         (lambda: around_a_mean.compressed(), "notebook=True cannot be compressed; fit without it"),
-        (lambda: around_a_mean.predict(NEW, error=0.1), "notebook=True cannot leave directions"),
+        (lambda: around_a_mean.predict(new(), error=0.1), "notebook=True cannot leave directions"),
     ]:
         with pytest.raises(el.EnvLightsError, match=message) as refusal:
             call()

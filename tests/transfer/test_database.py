@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from functools import partial
 
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813, its own name for itself
@@ -10,36 +11,36 @@ import pytest
 import envlights as el
 from envlights import io
 from tests.conftest import fills_a_disk
-from tests.helpers import disk_that_is_full_after, write_pairs
+from tests.helpers import disk_that_is_full_after, pairs_of_room, write_pairs
 
-ROOM = el.synthetic.room(8, width=32)
+room = partial(pairs_of_room, 8, 32)
 
 
 @pytest.fixture
 def folder(tmp_path):
     """Eight pairs as files."""
-    return write_pairs(tmp_path / "room", ROOM.direct, ROOM.indirect)
+    return write_pairs(tmp_path / "room", room().direct, room().indirect)
 
 
 @pytest.fixture
-def lettered(tmp_path):
+def pair_folder(tmp_path):
     """Six pairs as files; the names are not in the order of the numbers."""
-    for name, direct, indirect in zip("fbcade", ROOM.direct, ROOM.indirect, strict=False):
+    for name, direct, indirect in zip("fbcade", room().direct, room().indirect, strict=False):
         io.write_exr(tmp_path / f"direct_{name}.exr", direct)
         io.write_exr(tmp_path / f"lightmap_{name}.exr", indirect)
     (tmp_path / "albedo.exr").write_bytes((tmp_path / "direct_a.exr").read_bytes())
     return tmp_path
 
 
-def test_a_folder_gives_the_model_of_its_arrays(lettered):
-    pairs = el.read_pairs(lettered)
+def test_a_folder_gives_the_model_of_its_arrays(pair_folder):
+    pairs = el.read_pairs(pair_folder)
     order = np.argsort(list("fbcade"))
-    np.testing.assert_array_equal(pairs.direct, ROOM.direct[order])
-    np.testing.assert_array_equal(pairs.indirect, ROOM.indirect[order])
+    np.testing.assert_array_equal(pairs.direct, room().direct[order])
+    np.testing.assert_array_equal(pairs.indirect, room().indirect[order])
     assert isinstance(pairs.indirect, np.memmap)
     model = el.TransferModel.fit(pairs.direct, pairs.indirect)
-    other = el.TransferModel.fit(ROOM.direct[order], ROOM.indirect[order])
-    np.testing.assert_array_equal(model.predict(ROOM.direct), other.predict(ROOM.direct))
+    other = el.TransferModel.fit(room().direct[order], room().indirect[order])
+    np.testing.assert_array_equal(model.predict(room().direct), other.predict(room().direct))
 
 
 def test_pairs_that_were_read_are_saved_again(folder, tmp_path):
@@ -47,32 +48,34 @@ def test_pairs_that_were_read_are_saved_again(folder, tmp_path):
     pairs.save(tmp_path / "copy")
     copy = el.read_pairs(tmp_path / "copy")
     assert copy == pairs
-    np.testing.assert_array_equal(copy.indirect, ROOM.indirect)
+    np.testing.assert_array_equal(copy.indirect, room().indirect)
 
 
-def test_paths_are_taken_in_their_order_and_notes_once(lettered, capsys):
+def test_paths_are_taken_in_their_order_and_notes_once(pair_folder, capsys):
     opaque = np.ones((32, 32, 4), np.float32)
-    io.write_exr(lettered / "lightmap_a.exr", opaque)
-    io.write_exr(lettered / "lightmap_b.exr", opaque)
-    paths = [(lettered / f"direct_{name}.exr", lettered / f"lightmap_{name}.exr") for name in "ab"]
+    io.write_exr(pair_folder / "lightmap_a.exr", opaque)
+    io.write_exr(pair_folder / "lightmap_b.exr", opaque)
+    paths = [
+        (pair_folder / f"direct_{name}.exr", pair_folder / f"lightmap_{name}.exr") for name in "ab"
+    ]
     pairs = el.read_pairs(paths, progress=True)
-    np.testing.assert_array_equal(pairs.direct, ROOM.direct[[3, 1]])
+    np.testing.assert_array_equal(pairs.direct, room().direct[[3, 1]])
     assert pairs.notes == ("alpha was ignored in the lightmap images",)
     assert "2/2" in capsys.readouterr().err
 
 
-def test_images_that_do_not_fit_together_are_refused_by_the_name_of_the_file(lettered):
-    nan = ROOM.indirect[0].copy()
+def test_images_that_do_not_fit_together_are_refused_by_the_name_of_the_file(pair_folder):
+    nan = room().indirect[0].copy()
     nan[5, 7, 0] = np.nan
     for name, change, message in [
         ("lightmap_c.exr", lambda path: io.write_exr(path, nan), "holds nan at row 5, column 7"),
         ("lightmap_c.exr", lambda path: io.write_exr(path, nan[:8]), "32x8 pixels, .* 32x32"),
         ("direct_c.exr", lambda path: io.write_exr(path, nan), "32x32 pixels, .* 16x16"),
     ]:
-        change(lettered / name)
+        change(pair_folder / name)
         with pytest.raises(el.EnvLightsError, match=message) as refusal:
-            el.read_pairs(lettered)
-        assert str(lettered / name) in str(refusal.value)
+            el.read_pairs(pair_folder)
+        assert str(pair_folder / name) in str(refusal.value)
         assert "\n" not in str(refusal.value)
 
 
@@ -94,7 +97,7 @@ def test_images_that_do_not_fit_on_the_disk_are_refused(folder, tmp_path, monkey
     spool.mkdir()
     monkeypatch.setattr("tempfile.tempdir", str(spool))
     for images in (0, 0.5, 3, 7.99):
-        size = int(images * ROOM.indirect[0].nbytes)
+        size = int(images * room().indirect[0].nbytes)
         with (
             disk_that_is_full_after(size),
             pytest.raises(el.EnvLightsError, match="File too large; set TMPDIR to a folder with"),
@@ -109,7 +112,7 @@ def test_a_computer_without_a_place_for_temporary_files_is_told_so(folder, tmp_p
         el.read_pairs(folder)
 
 
-def recoded(path, image, compression, tile):
+def recode(path, image, compression, tile):
     """`image` as a file that is compressed in its own way, in rows or in tiles."""
     spec = oiio.ImageSpec(*image.shape[1::-1], 3, oiio.HALF if "b44" in compression else oiio.FLOAT)
     spec.attribute("compression", compression)
@@ -127,7 +130,7 @@ def recoded(path, image, compression, tile):
 )
 def test_an_exr_that_is_cut_off_is_refused_by_name_wherever_it_is_cut(folder, compression, tile):
     path = folder / "lightmap_0004.exr"
-    whole = recoded(path, ROOM.indirect[4], compression, tile)
+    whole = recode(path, room().indirect[4], compression, tile)
     assert io.read_image(path).pixels.shape == (32, 32, 3)
     for size in {*range(0, len(whole), 1 + len(whole) // 80), *range(len(whole) - 12, len(whole))}:
         path.write_bytes(whole[:size])
@@ -189,8 +192,8 @@ except MemoryError:
 @pytest.mark.skipif(sys.platform != "linux", reason="Linux limits memory by itself")
 def test_a_database_is_learnt_in_a_quarter_of_its_size(tmp_path):
     """RLIMIT_DATA counts what is allocated; pages of a mapped file are dropped where need be."""
-    tall = np.tile(ROOM.indirect, (8, 6, 6, 1))
-    folder = write_pairs(tmp_path / "room", np.tile(ROOM.direct, (8, 1, 1, 1)), tall)
+    tall = np.tile(room().indirect, (8, 6, 6, 1))
+    folder = write_pairs(tmp_path / "room", np.tile(room().direct, (8, 1, 1, 1)), tall)
     done = subprocess.run(
         [sys.executable, "-c", LITTLE_MEMORY, str(folder)],
         capture_output=True,

@@ -9,7 +9,7 @@ use crate::kernels::image::{check_rgb, check_samples};
 use crate::kernels::sampling::{self, FaceSearch};
 use crate::kernels::sphere::{Registration, band_heights, direction};
 
-/// Rows are summed in runs of their own, whatever the number of threads: the same bits everywhere.
+/// Rows in one partial sum. The runs do not depend on the number of threads, so the result has the same bits.
 const MOST_RUNS: usize = 16;
 
 /// Mean radiance, (faces, 3), of the map in each face of [`sampling::icosphere`].
@@ -18,9 +18,9 @@ const MOST_RUNS: usize = 16;
 ///   L_face = sum of L_p omega_p over the pixels p whose samples lie in the face  /  omega_face
 /// ```
 ///
-/// over the face's own solid angle, so that faces and pixels hold the same flux, however few the
-/// pixels. The paper does not say how it brings its map to the faces. One sample at each centroid
-/// would miss lamps, or take their bars for them: on the demo's hall the probe is then 20 % off.
+/// Dividing by the solid angle of the face keeps the flux of the map. The paper does not say how it
+/// resamples its map. One sample at each centroid would miss small lamps: the probe of the demo's hall
+/// is then off by 20 %.
 ///
 /// # Errors
 ///
@@ -35,8 +35,8 @@ pub fn face_radiance(
     let (_, areas) = sampling::icosphere(faces)?;
     let search = FaceSearch::new(faces)?;
     let (height, width, _) = radiance.dim();
-    let pixels = Pixels::new(height, width, registration);
-    // Give the flux of each pixel to its face, in runs of rows.
+    let pixels = PixelAxes::new(height, width, registration);
+    // Add the flux of each pixel to its face, in runs of rows.
     let runs = height.min(MOST_RUNS);
     let sums: Vec<Array2<f64>> = (0..runs)
         .into_par_iter()
@@ -49,11 +49,11 @@ pub fn face_radiance(
             flux
         })
         .collect();
-    // Name the sample that spoilt a sum, if there is one.
+    // Report the sample that made a sum non-finite.
     if !sums.iter().flatten().all(|flux| flux.is_finite()) {
         check_samples(radiance)?;
     }
-    // Add up the runs in their order, and divide by the solid angle.
+    // Add the runs in order and divide by the solid angle.
     let mut mean = sums.into_iter().fold(Array2::zeros((faces, 3)), |sum, flux| sum + flux);
     for (mut face, area) in mean.rows_mut().into_iter().zip(&areas) {
         face /= *area;
@@ -61,15 +61,15 @@ pub fn face_radiance(
     Ok(mean)
 }
 
-/// Places of the samples and sizes of their pixels, along each axis of the image.
-struct Pixels {
+/// Angles of the samples and sizes of their pixels, along each axis of the image.
+struct PixelAxes {
     thetas: Vec<f64>,
     phis: Vec<f64>,
     bands: Vec<f64>,
     widths: Vec<f64>,
 }
 
-impl Pixels {
+impl PixelAxes {
     fn new(height: usize, width: usize, registration: Registration) -> Self {
         let phi_edges = registration.phi_edges(width);
         Self {
@@ -80,7 +80,7 @@ impl Pixels {
         }
     }
 
-    /// Give the flux of each pixel of a row to the face that its sample lies in.
+    /// Add the flux of each pixel of a row to the face that contains its sample.
     fn add_row(&self, row: usize, samples: ArrayView2<'_, f32>, search: &FaceSearch, flux: &mut Array2<f64>) {
         for (column, sample) in samples.rows().into_iter().enumerate() {
             let face = search.face_of(direction(self.thetas[row], self.phis[column]));

@@ -1,38 +1,37 @@
-//! The Jacobian of equations 7 to 9: "tedious but straight forward", says the paper of it.
+//! The Jacobian of equations 7 to 9.
 //!
-//! With `l_j` at the angles `theta_j`, `phi_j`, and only where the light is in front (`n.l_j > 0`),
-//! the derivatives of the residual of one normal n and one channel are
+//! For a light in direction `l_j(theta_j, phi_j)` in front of the surface (`n.l_j > 0`), the derivatives of the
+//! residual of one normal n and one channel are
 //!
 //! ```text
 //!   dr/dL_a     = -k_a C                              dr/dtheta_j = -k_d C L_j (n . dl_j/dtheta)
 //!   dr/dL_j     = -k_d C (n.l_j)                      dr/dphi_j   = -k_d C L_j (n . dl_j/dphi)
 //! ```
 //!
-//! all times the root of the normal's weight. A channel does not depend on the
-//! irradiances of the others. On the terminator, `n.l_j = 0`, the model has a kink and no derivative; 0 is
-//! given there.
+//! each times the square root of the normal's weight. A channel does not depend on the irradiance in other
+//! channels. On the terminator, `n.l_j = 0`, the model has a kink; the derivative there is set to 0.
 
 use glam::DVec3;
 use ndarray::{Array2, ArrayView1, ArrayViewMut2, Axis};
 use rayon::prelude::*;
 
-use super::parameters::{Light, OF_AMBIENT, OF_LIGHT, Parameters};
-use super::residual::Measured;
+use super::parameters::{OF_AMBIENT, OF_LIGHT, PackedLight, Parameters};
+use super::residual::ProbeValues;
 use super::surface::Surface;
 use crate::error::Result;
 use crate::interrupt;
 use crate::kernels::sphere::{angle_derivatives, check_memory, direction};
 
-/// A light's irradiance and direction, and the derivatives of the direction by its angles.
-struct Moving {
+/// Irradiance and direction of a light, with the derivatives of the direction by its angles.
+struct LightDerivatives {
     irradiance: DVec3,
     direction: DVec3,
     by_angles: [DVec3; 2],
 }
 
-impl Moving {
-    fn of(light: &Light) -> Self {
-        let Light { irradiance, theta, phi } = *light;
+impl LightDerivatives {
+    fn of(light: &PackedLight) -> Self {
+        let PackedLight { irradiance, theta, phi } = *light;
         Self { irradiance, direction: direction(theta, phi), by_angles: angle_derivatives(theta, phi) }
     }
 }
@@ -43,8 +42,13 @@ impl Moving {
 ///
 /// [`crate::error::Error::NotParameters`], [`crate::error::Error::NotFinite`],
 /// [`crate::error::Error::NoMemory`].
-pub fn jacobian(x: ArrayView1<'_, f64>, measured: &Measured<'_>, surface: &Surface) -> Result<Array2<f64>> {
-    let lights: Vec<Moving> = Parameters::unpack(x)?.lights.iter().map(Moving::of).collect();
+pub fn jacobian(
+    x: ArrayView1<'_, f64>,
+    measured: &ProbeValues<'_>,
+    surface: &Surface,
+) -> Result<Array2<f64>> {
+    let lights: Vec<LightDerivatives> =
+        Parameters::unpack(x)?.lights.iter().map(LightDerivatives::of).collect();
     check_memory(&[3 * measured.normals.len(), x.len()])?;
     let mut out = Array2::zeros((3 * measured.normals.len(), x.len()));
     out.axis_chunks_iter_mut(Axis(0), 3)
@@ -58,8 +62,14 @@ pub fn jacobian(x: ArrayView1<'_, f64>, measured: &Measured<'_>, surface: &Surfa
     Ok(out)
 }
 
-/// The three rows of one normal, of which only entries that are not zero are written.
-fn fill(mut rows: ArrayViewMut2<'_, f64>, normal: DVec3, root: f64, lights: &[Moving], surface: &Surface) {
+/// Write the non-zero entries of the three rows of one normal.
+fn fill(
+    mut rows: ArrayViewMut2<'_, f64>,
+    normal: DVec3,
+    root: f64,
+    lights: &[LightDerivatives],
+    surface: &Surface,
+) {
     let ambient = -root * surface.k_a * surface.colour;
     let diffuse = -root * surface.k_d * surface.colour;
     // Write the derivatives by the ambient light.
@@ -97,8 +107,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(32))]
 
-        /// The derivative that is written is the slope that is measured, but for rows whose
-        /// terminator the measurement steps over.
+        /// The Jacobian matches central differences, except in rows whose terminator the difference crosses.
         #[test]
         fn rows_match_central_differences(
             light in [-2.0..2.0, -2.0..2.0, 0.1..2.0, 0.0..PI, 0.0..TAU],
@@ -109,7 +118,7 @@ mod tests {
             let surface = Surface { k_a: surface[0], k_d: surface[1], colour: DVec3::new(1.0, surface[2], 0.5) };
             let (normals, _) = sampling::icosphere(80).unwrap();
             let (probe, weights) = (Array2::ones((80, 3)), Array1::from_elem(80, weight));
-            let measured = Measured::new(normals.view(), probe.view(), weights.view()).unwrap();
+            let measured = ProbeValues::new(normals.view(), probe.view(), weights.view()).unwrap();
             let written = jacobian(x.view(), &measured, &surface).unwrap();
             let axis = direction(light[3], light[4]);
             for unknown in 0..x.len() {

@@ -1,7 +1,7 @@
-//! The fit of Madsen, Sørensen and Vittrup (2003) as the paper writes it, for anybody's optimiser.
+//! The equations of Madsen, Sørensen and Vittrup (2003) as the paper writes them, for any optimiser.
 //!
-//! [`super::fit`] solves the same problem by another method. Here are the paper's own equations, one file
-//! each, over all of its 3 + 5M unknowns at once:
+//! [`super::fit`] solves the same problem by another method. Each file holds one equation of the paper, over all
+//! 3 + 5M unknowns:
 //!
 //! | step                                     | equations | file            |
 //! |------------------------------------------|-----------|-----------------|
@@ -13,8 +13,8 @@
 //! | the residual of a measured probe         | 7 to 9    | `residual.rs`   |
 //! | its derivative by every unknown          |           | `jacobian.rs`   |
 //!
-//! The paper's sums run over `n.l` as it is written; here, as in every renderer, a light behind
-//! the surface gives nothing: `max(0, n.l)`.
+//! The paper sums `n.l`; here, as in every renderer, a light behind the surface contributes nothing:
+//! `max(0, n.l)`.
 
 mod faces;
 mod jacobian;
@@ -27,5 +27,5 @@ pub use faces::face_radiance;
 pub use jacobian::jacobian;
 pub use model::model;
 pub use parameters::{Parameters, pack};
-pub use residual::{Measured, residual};
+pub use residual::{ProbeValues, residual};
 pub use surface::Surface;

@@ -21,7 +21,7 @@ use crate::kernels::probe::sum_over_sources;
 /// [`crate::error::Error::NotFinite`], [`crate::error::Error::NotUnit`].
 pub fn model(x: ArrayView1<'_, f64>, normals: ArrayView2<'_, f64>, surface: &Surface) -> Result<Array2<f64>> {
     let parameters = Parameters::unpack(x)?;
-    // Add up the lights as sources of the solid angle 1, which their irradiance holds already.
+    // Sum the lights as sources of solid angle 1: their irradiance already includes the solid angle.
     let (directions, irradiance) = (parameters.directions(), parameters.irradiance());
     let solid_angles = Array1::ones(irradiance.nrows());
     let (k_d, colour) = (surface.k_d, surface.colour.to_array());

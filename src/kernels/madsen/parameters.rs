@@ -1,12 +1,12 @@
-//! The unknowns of the fit, as the one vector that optimisers walk in, and as lights.
+//! The unknowns of the fit: packed into the vector that an optimiser changes, and unpacked into lights.
 //!
 //! ```text
 //!   x = (L_a R, G, B,   L_1 R, G, B, theta_1, phi_1,   L_2 R, G, B, theta_2, phi_2,   ...)
 //! ```
 //!
-//! The angles are those of [`crate::kernels::sphere`]. They are the paper's polar angles too: its
-//! pole is z and its azimuth runs from x to y, so that its axes (x, y, z) are (-z, x, y) here. On
-//! the poles a turn by phi moves nothing, so the Jacobian loses a rank there.
+//! The angles are those of [`crate::kernels::sphere`] and equal the paper's polar angles: its pole is z and its
+//! azimuth runs from x to y, so its axes (x, y, z) are (-z, x, y) here. At the poles phi has no effect, and the
+//! Jacobian loses a rank.
 
 use glam::DVec3;
 use ndarray::{Array1, Array2, ArrayView1, ArrayView2, Axis};
@@ -19,25 +19,25 @@ pub(super) const OF_AMBIENT: usize = 3;
 /// Unknowns of a light: its irradiance, then theta and phi.
 pub(super) const OF_LIGHT: usize = 5;
 
-/// One directional light.
+/// One directional light of the paper's model.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Light {
-    /// `L_j` of the paper, times the solid angle that it stands for: at normal incidence.
+pub(super) struct PackedLight {
+    /// Irradiance at normal incidence: `L_j` of the paper times the solid angle of the light.
     pub irradiance: DVec3,
     pub theta: f64,
     pub phi: f64,
 }
 
-/// The unknowns, apart.
+/// The unknowns by name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameters {
     /// Radiance `L_a` of the ambient light, RGB.
     pub ambient: DVec3,
-    pub(super) lights: Vec<Light>,
+    pub(super) lights: Vec<PackedLight>,
 }
 
 impl Parameters {
-    /// Take `x`, (3 + 5M,), apart.
+    /// Unpack `x`, (3 + 5M,).
     ///
     /// # Errors
     ///
@@ -48,7 +48,7 @@ impl Parameters {
             return Err(Error::NotParameters { seen });
         }
         check_rows("x", x.insert_axis(Axis(1)), 1)?;
-        let lights = (OF_AMBIENT..seen).step_by(OF_LIGHT).map(|at| Light {
+        let lights = (OF_AMBIENT..seen).step_by(OF_LIGHT).map(|at| PackedLight {
             irradiance: DVec3::new(x[at], x[at + 1], x[at + 2]),
             theta: x[at + 3],
             phi: x[at + 4],

@@ -1,4 +1,4 @@
-//! Equations 7 to 9: the part of the probe that the lights leave unexplained.
+//! Equations 7 to 9: the difference between a measured probe and the model.
 
 use glam::DVec3;
 use ndarray::{Array1, ArrayView1, ArrayView2};
@@ -9,18 +9,18 @@ use crate::error::Result;
 use crate::interrupt;
 use crate::kernels::sphere::check_weighted;
 
-/// Probe values that the lights should reproduce, and how much each counts.
+/// ProbeValues probe values and their weights.
 #[derive(Clone, Debug)]
-pub struct Measured<'a> {
+pub struct ProbeValues<'a> {
     rows: ArrayView2<'a, f64>,
     pub(super) normals: Vec<DVec3>,
     probe: ArrayView2<'a, f64>,
-    /// Square roots of the weights: a least-squares solver squares its rows.
+    /// Square roots of the weights, because a least-squares solver squares its rows.
     pub(super) roots: Vec<f64>,
 }
 
-impl<'a> Measured<'a> {
-    /// Check and pair up what was measured.
+impl<'a> ProbeValues<'a> {
+    /// Check normals, values and weights and pair them up.
     ///
     /// # Inputs
     ///
@@ -52,7 +52,11 @@ impl<'a> Measured<'a> {
 /// # Errors
 ///
 /// [`crate::error::Error::NotParameters`], [`crate::error::Error::NotFinite`].
-pub fn residual(x: ArrayView1<'_, f64>, measured: &Measured<'_>, surface: &Surface) -> Result<Array1<f64>> {
+pub fn residual(
+    x: ArrayView1<'_, f64>,
+    measured: &ProbeValues<'_>,
+    surface: &Surface,
+) -> Result<Array1<f64>> {
     let mut residual = &measured.probe - &model(x, measured.rows, surface)?;
     for (mut row, root) in residual.rows_mut().into_iter().zip(&measured.roots) {
         interrupt::check();
@@ -72,7 +76,7 @@ mod tests {
         let surface = Surface { k_a: 1.0, k_d: 1.0, colour: DVec3::ONE };
         let normals = array![[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]];
         let probe = array![[2.0, 3.0, 4.0], [5.0, 6.0, 7.0]];
-        let measured = Measured::new(normals.view(), probe.view(), array![1.0, 4.0].view()).unwrap();
+        let measured = ProbeValues::new(normals.view(), probe.view(), array![1.0, 4.0].view()).unwrap();
         let found = residual(array![1.0, 1.0, 1.0].view(), &measured, &surface).unwrap();
         assert_eq!(found, array![1.0, 2.0, 3.0, 8.0, 10.0, 12.0]);
     }

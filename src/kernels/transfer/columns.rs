@@ -1,4 +1,4 @@
-//! The basis: mixtures of the images, over a part of their texels.
+//! The basis: linear combinations of the images, over a subset of their texels.
 
 use ndarray::linalg::general_mat_mul;
 use ndarray::{Array2, ArrayView2, ArrayView3, Axis, s};
@@ -8,10 +8,10 @@ use super::rows;
 use crate::error::{Error, Result};
 use crate::interrupt;
 
-/// Texels of a task: their rows stay in the second-level cache for some hundred images.
+/// Texels in one task: for a few hundred images their rows fit in the second-level cache.
 const SPAN: usize = 512;
 
-/// Mixtures of the rows of `images` in the texels that are `non_black`:
+/// Linear combinations of the rows of `images` in the texels that are `non_black`:
 ///
 /// ```text
 ///   B[t, r] = sum over i and c of  scale[i] images[i, t, c] weights[3 i + c, r]
@@ -41,7 +41,7 @@ pub fn columns(
     let (width, rank) = weights.dim();
     check_length("non_black", non_black.len(), "images have texels", images.dim().1)?;
     check_length("weights", width, "images have channels in all", 3 * scale.len())?;
-    // Give each task the rows of the basis that its texels fill.
+    // Assign to each task the rows of the basis that its texels fill.
     let counts =
         non_black.chunks(SPAN).map(|non_black| non_black.iter().filter(|&&non_black| non_black).count());
     let mut out = Array2::zeros((counts.clone().sum(), rank));
@@ -52,7 +52,7 @@ pub fn columns(
         parts.push(part);
         rest = others;
     }
-    // Mix the texels of each task that are not black.
+    // Combine the texels of each task that are not black.
     parts.into_par_iter().zip(non_black.par_chunks(SPAN)).enumerate().for_each_init(
         || Array2::zeros((SPAN, width)),
         |block, (span, (mut out, non_black))| {

@@ -1,16 +1,15 @@
 //! Frames from a basis of one or two bytes a value.
 //!
-//! The time of a frame is that of reading the basis, so a basis of a quarter of the bytes is worth its
-//! rounding. Its values stand in tiles of 32 texels, (tiles, rank, 32). Each half of a tile has a scale of
-//! its own for each component:
+//! Predicting a frame takes the time of reading the basis, so a basis with a quarter of the bytes is four
+//! times as fast. Its values are stored in tiles of 32 texels, (tiles, rank, 32). Each half of a tile has its
+//! own scale for each component:
 //!
 //! ```text
 //!   image[t, c] = sum over r of  coefficients[r, c] scales[tile, r, lane / 16] values[tile, r, lane],
 //!   t = 32 tile + lane
 //! ```
 //!
-//! so the sums of a tile stay in registers side by side, and a frame that needs the first components
-//! alone reads no other.
+//! The sums of a tile stay in registers. A frame that uses only the first components reads no others.
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
 use half::f16;
@@ -24,48 +23,47 @@ use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::kernels::sphere::check_memory;
 
-/// Texels of a tile: with more the sums leave the registers.
+/// Texels of a tile. With more, the sums no longer fit in registers and a frame takes longer.
 pub const TILE: usize = 32;
-/// Texels that share a scale: with fewer the scales weigh more, with more they fit less well.
+/// Texels that share a scale. Fewer cost more memory, more cost accuracy.
 pub const SHARE: usize = 16;
-/// The scales of a component of a tile.
+/// Scales of one component of a tile.
 type Scales = [f32; TILE / SHARE];
-/// Tiles of a task.
+/// Tiles in one task of rayon.
 const SPAN: usize = 128;
-/// Vectors of a tile whose sums run side by side: with three channels, of eight floats, they fill the
-/// registers.
+/// Vectors whose sums are kept in registers together: three channels of them fill the registers of AVX2.
 const GROUP: usize = 4;
 
-/// A value of the basis as it is kept.
-pub trait Kept: Copy + Sync {
-    /// Write values as they are used, before their scale, into `wide` of the same length.
-    fn widen(kept: &[Self], wide: &mut [f32]);
+/// Stored type of a value of the basis: a byte or a half.
+pub trait BasisValue: Copy + Sync {
+    /// Convert values to f32 in `wide`, which has the same length; scales are applied later.
+    fn widen(stored: &[Self], wide: &mut [f32]);
 }
 
-impl Kept for i8 {
+impl BasisValue for i8 {
     #[inline(always)]
-    fn widen(kept: &[Self], wide: &mut [f32]) {
-        for (wide, &kept) in wide.iter_mut().zip(kept) {
-            *wide = f32::from(kept);
+    fn widen(stored: &[Self], wide: &mut [f32]) {
+        for (wide, &value) in wide.iter_mut().zip(stored) {
+            *wide = f32::from(value);
         }
     }
 }
 
-impl Kept for f16 {
+impl BasisValue for f16 {
     #[inline(always)]
-    fn widen(kept: &[Self], wide: &mut [f32]) {
-        kept.convert_to_f32_slice(wide);
+    fn widen(stored: &[Self], wide: &mut [f32]) {
+        stored.convert_to_f32_slice(wide);
     }
 }
 
-/// Images of `coefficients`, in tiles.
+/// Images with the given `coefficients`, in tiles.
 ///
 /// # Inputs
 ///
 /// - `values`: (tiles, rank, 32), bytes or halves.
 /// - `scales`: (tiles, rank, 2).
-/// - `coefficients`: (n, rank, 3), of the first components; the others are not read.
-/// - `places`: for each tile of an image where it is in `values`; below 0 it is black.
+/// - `coefficients`: (n, components, 3) for the first components; the others are not read.
+/// - `places`: index in `values` of each tile of an image; a negative index marks a black tile.
 ///
 /// # Returns
 ///
@@ -75,14 +73,14 @@ impl Kept for f16 {
 ///
 /// [`Error::WrongShape`] for tiles of another size or coefficients that are no RGB, [`Error::OutOfRange`] for
 /// more components than the basis has, or a place that is not in `values`; [`Error::NoMemory`].
-pub fn frames<T: Kept>(
+pub fn frames<T: BasisValue>(
     values: ArrayView3<'_, T>,
     scales: ArrayView3<'_, f32>,
     coefficients: ArrayView3<'_, f32>,
     places: &[i64],
 ) -> Result<Array3<f32>> {
     let (values, scales) = (values.as_standard_layout(), scales.as_standard_layout());
-    let basis = Basis::new(values.view(), scales.view())?;
+    let basis = TiledBasis::new(values.view(), scales.view())?;
     basis.check(coefficients, places)?;
     check_memory(&[3 * coefficients.dim().0, TILE * places.len().div_ceil(2)])?; // 4 bytes each
     // Copy the coefficients of each image in rows of RGB.
@@ -106,15 +104,15 @@ pub fn frames<T: Kept>(
     Ok(out)
 }
 
-/// A basis as it is kept.
-struct Basis<'a, T> {
+/// Stored tiles of the basis with their scales.
+struct TiledBasis<'a, T> {
     values: &'a [[T; TILE]],
     scales: &'a [Scales],
     rank: usize,
 }
 
-impl<'a, T: Kept> Basis<'a, T> {
-    /// A basis from arrays in the standard layout.
+impl<'a, T: BasisValue> TiledBasis<'a, T> {
+    /// View of arrays in the standard layout.
     fn new(values: ArrayView3<'a, T>, scales: ArrayView3<'a, f32>) -> Result<Self> {
         let (tiles, rank, lanes) = values.dim();
         if lanes != TILE {
@@ -156,30 +154,30 @@ impl<'a, T: Kept> Basis<'a, T> {
     }
 }
 
-/// Some tiles of all images, for the widest vectors there are.
+/// Several tiles of all images, computed with the widest vectors of the processor.
 struct Span<'a, T> {
-    basis: &'a Basis<'a, T>,
+    basis: &'a TiledBasis<'a, T>,
     out: &'a mut [&'a mut [[f32; 3]]],
     images: &'a [Vec<[f32; 3]>],
     places: &'a [i64],
 }
 
-impl<T: Kept> WithSimd for Span<'_, T> {
+impl<T: BasisValue> WithSimd for Span<'_, T> {
     type Output = ();
 
-    /// A tile is widened once for all images.
+    /// Convert each tile to f32 once and mix it for every image.
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let components = self.images.first().map_or(0, Vec::len);
         let mut wide = vec![[0.0; TILE]; components];
         for (tile, &place) in self.places.iter().enumerate() {
-            // Find what is kept of the tile, unless it is black.
+            // Skip black tiles.
             let Ok(place) = usize::try_from(place) else { continue };
             let first = self.basis.rank * place;
-            let kept = &self.basis.values[first..first + components];
+            let stored = &self.basis.values[first..first + components];
             let scales = &self.basis.scales[first..first + components];
-            // Widen the tile, in one long loop: the compiler makes vectors of it, and none of many short ones.
-            T::widen(kept.as_flattened(), wide.as_flattened_mut());
+            // Convert the tile in one long loop, which the compiler vectorises.
+            T::widen(stored.as_flattened(), wide.as_flattened_mut());
             // Scale each half of the tile.
             for (wide, scales) in wide.iter_mut().zip(scales) {
                 for (wide, &scale) in wide.as_chunks_mut::<SHARE>().0.iter_mut().zip(scales) {

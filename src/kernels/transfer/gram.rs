@@ -1,4 +1,4 @@
-//! Inner products of the images, over a part of their texels.
+//! Inner products of the images, over a subset of their texels.
 
 use ndarray::linalg::general_mat_mul;
 use ndarray::parallel::prelude::*;
@@ -9,14 +9,14 @@ use super::rows;
 use crate::error::Result;
 use crate::interrupt;
 
-/// Texels whose products are summed in f32, before they are added to the others in f64: over so few
-/// the sum is wrong by 2e-8 of the largest eigenvalue.
+/// Texels whose products are summed in f32 before they are added to the total in f64. The sum is then
+/// accurate to 2e-8 of the largest eigenvalue.
 const BLOCK: usize = 1024;
-/// Rows of the products that are found together. Only what is left of the diagonal is found: the more
-/// rows, the more beyond it. Of 24, 32, 48, 64, 96 and 128, 32 is fastest for 384 rows.
+/// Rows of products that are computed together. More rows compute more entries beyond the diagonal, which
+/// are not needed: 32 was the fastest of 24 to 128 for 384 rows.
 const PANEL: usize = 32;
 
-/// Inner products of the rows of `images`, and which texels are not black in every image.
+/// Inner products of the rows of `images`, and a mask of the texels that are not black in every image.
 ///
 /// The rows of an image are its channels, times its `scale`:
 ///
@@ -65,7 +65,7 @@ pub fn gram(images: ArrayView3<'_, f32>, scale: &[f32]) -> Result<(Array2<f64>, 
 /// Add the inner products of the columns of `block` (texels, width).
 fn add_products(products: &mut Array2<f64>, block: ArrayView2<'_, f32>) {
     let width = products.ncols();
-    // The longest panels first: else the last one keeps a single thread busy.
+    // Start with the longest panels, so that no single thread works alone at the end.
     let panels: Vec<_> = products.axis_chunks_iter_mut(Axis(0), PANEL).enumerate().collect();
     panels.into_par_iter().rev().with_max_len(1).for_each_init(
         || Array2::zeros((PANEL, width)),
@@ -89,7 +89,7 @@ mod tests {
 
     use super::*;
 
-    /// Both over some blocks and panels, the last of each in part; the second image is scaled to black.
+    /// Gram matrix and mask over several blocks and panels, the last ones partial; the second image has scale 0.
     #[test]
     fn products_are_the_sums_over_all_texels() {
         let scale: Vec<f32> = (0..13).map(|k| if k == 1 { 0.0 } else { 1.0 / (k + 1) as f32 }).collect();
@@ -105,7 +105,7 @@ mod tests {
                 .map(|t| f64::from(images[[one.0, t, one.1]]) * f64::from(images[[two.0, t, two.1]]))
                 .sum();
             let wanted = sum * f64::from(scale[one.0]) * f64::from(scale[two.0]);
-            // As much as f32 rounds over a block.
+            // Rounding of f32 over one block.
             approx::assert_relative_eq!(products[[a, b]], wanted, max_relative = 1e-5);
         }
         let black: Vec<usize> = (0..non_black.len()).filter(|&t| !non_black[t]).collect();

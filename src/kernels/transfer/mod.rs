@@ -1,16 +1,16 @@
-//! Indirect light from direct light: what reads every texel of every image, or every texel of a frame.
+//! Indirect light from direct light: the steps that read every texel of all images or of one frame.
 //!
 //! | step                                                  | file         |
 //! |-------------------------------------------------------|--------------|
-//! | the values of all images in a texel, one beside other | `rows.rs`    |
+//! | values of all images in one texel, interleaved        | `rows.rs`    |
 //! | inner products of the images                          | `gram.rs`    |
-//! | the basis: mixtures of the images                     | `columns.rs` |
-//! | frames from a basis of one or two bytes a value       | `frames.rs`  |
+//! | the basis: linear combinations of the images          | `columns.rs` |
+//! | frames from a basis with one or two bytes per value   | `frames.rs`  |
 //!
-//! Images are read as they lie, in RGB: a BLAS would want a copy without colours in between. Products of
-//! 384 rows run at 105 billion operations a second on one thread of an AMD EPYC of 2022 (a BLAS: 83 to
-//! 93), mixtures of them at 115 (a BLAS: 100), on as many threads as there are and with the same bits.
-//! Frames of a basis in f32, and all in f64, are left to the BLAS.
+//! Images are read in their own layout, interleaved RGB: a BLAS would need a copy of each channel. Products of
+//! 384 rows run at 105 billion operations per second on one thread of an AMD EPYC of 2022 (a BLAS: 83 to 93),
+//! linear combinations at 115 (a BLAS: 100), with the same bits for any number of threads. NumPy's BLAS
+//! computes frames of a basis in f32 and everything in f64.
 
 mod columns;
 mod frames;
@@ -18,5 +18,5 @@ mod gram;
 mod rows;
 
 pub use columns::columns;
-pub use frames::{Kept, SHARE, TILE, frames};
+pub use frames::{BasisValue, SHARE, TILE, frames};
 pub use gram::gram;

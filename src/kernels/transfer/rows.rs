@@ -1,5 +1,4 @@
-//! The values of all images in a texel, one beside the other: red, green and blue of the first image,
-//! then of the next. Nothing is sorted by channel.
+//! Values of all images in one texel, interleaved: red, green and blue of the first image, then of the next.
 
 use std::array::from_fn;
 
@@ -7,10 +6,10 @@ use ndarray::{ArrayView3, s};
 
 use crate::error::{Error, Result};
 
-/// Images whose values move together, twelve floats at a time. Of 1, 2, 4 and 8, 4 is fastest.
+/// Images that are copied together, twelve floats at a time: the fastest of 1, 2, 4 and 8.
 const IMAGES: usize = 4;
 
-/// Refuse images of another shape than (k, texels, 3), or another number of scales than of images.
+/// Refuse images whose shape is not (k, texels, 3), or whose number differs from the number of scales.
 pub fn check(images: ArrayView3<'_, f32>, scale: &[f32]) -> Result<()> {
     let (wanted, _, channels) = images.dim();
     if channels != 3 {
@@ -23,7 +22,7 @@ pub fn check(images: ArrayView3<'_, f32>, scale: &[f32]) -> Result<()> {
     Ok(())
 }
 
-/// Fill `rows` (texels, 3 k), scaled, from the texels of `images` (k, texels, 3) that begin at `first`.
+/// Fill `rows`, (texels, 3 k), with scaled values of `images`, (k, texels, 3), starting at texel `first`.
 pub fn fill(rows: &mut [f32], images: ArrayView3<'_, f32>, scale: &[f32], first: usize) {
     let (fours, others) = scale.as_chunks::<IMAGES>();
     for (i, &scale) in fours.iter().enumerate() {
@@ -34,7 +33,7 @@ pub fn fill(rows: &mut [f32], images: ArrayView3<'_, f32>, scale: &[f32], first:
     }
 }
 
-/// Fill what comes from `N` images, `image` and those behind it.
+/// Fill the values of `N` consecutive images, starting with number `image`.
 fn fill_from<const N: usize>(
     rows: &mut [f32],
     images: ArrayView3<'_, f32>,
@@ -45,10 +44,10 @@ fn fill_from<const N: usize>(
     let width = 3 * images.dim().0;
     let texels = first..first + rows.len() / width;
     let parts: [_; N] = from_fn(|i| images.slice_move(s![image + i, texels.clone(), ..]));
-    // Copy what does not lie in RGB, as where alpha was dropped.
+    // Copy images whose layout is not interleaved RGB, such as views without alpha.
     let parts: [_; N] = from_fn(|i| parts[i].as_standard_layout());
     let parts: [&[[f32; 3]]; N] = from_fn(|i| parts[i].as_slice().unwrap_or_default().as_chunks().0);
-    // Write the values of all images of a texel side by side.
+    // Write the values of the images in each texel.
     for (t, row) in rows.chunks_exact_mut(width).enumerate() {
         let values: [[f32; 3]; N] = from_fn(|i| parts[i][t].map(|value| value * scale[i]));
         row[3 * image..3 * (image + N)].copy_from_slice(values.as_flattened());
