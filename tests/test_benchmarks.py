@@ -84,6 +84,7 @@ def test_the_command_names_its_parts():
     assert "unknown part nonsense; there are lights, probe, detection, transfer" in done.stderr
 
 
+@pytest.mark.slow
 def test_each_part_is_measured_alone_and_stays_on_the_page(tmp_path):
     """Parts of an earlier run stay on the page, so a long run can be resumed."""
     parts = tmp_path / "benchmarks"

@@ -49,10 +49,10 @@ def test_the_first_sample_that_is_not_finite_is_found_by_rows():
             lambda: kernels.neighbour_maximum(MAP[..., 0], [[0, 0]], 1, sphere=1),
             "sphere must be True",
         ),
-        (lambda: kernels.halton(3, 2), "bases must be whole numbers, one after another; got 2"),
+        (lambda: kernels.halton(3, 2), "bases must be a sequence of whole numbers; got 2"),
         (
             lambda: kernels.halton(3, "23"),
-            "bases must be whole numbers, one after another; got '23'",
+            "bases must be a sequence of whole numbers; got '23'",
         ),
         (lambda: kernels.halton(3, [2.5]), "bases must be a whole number"),
         (lambda: el.EnvMap(MAP, notes=5), "notes must be text; got 5"),

@@ -78,6 +78,7 @@ os.rmdir(folder)
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="Windows sends no signal to one process")
 def test_long_calls_end_soon_after_ctrl_c():
     """Soon is half a second on a machine of one's own.

@@ -301,5 +301,5 @@ def test_lobes_have_the_irradiance_and_the_spread_of_their_lights():
 
 def test_rows_of_several_lengths_take_no_lights():
     lights = el.Lights(np.eye(3), np.eye(3))
-    with pytest.raises(el.EnvLightsError, match="lights are taken by a number"):
+    with pytest.raises(el.EnvLightsError, match="an index of lights must be a number"):
         lights[[[0, 1], [2]]]

@@ -23,7 +23,13 @@ def session(tmp_path_factory):
     os.chdir(before)
 
 
-@pytest.mark.parametrize("number", range(len(BLOCKS)))
+@pytest.mark.parametrize(
+    "number",
+    [
+        pytest.param(number, marks=[pytest.mark.slow] if "Mitsuba" in block else [])
+        for number, block in enumerate(BLOCKS)
+    ],
+)
 def test_a_block_runs_as_pasted(number, session):
     exec(compile(BLOCKS[number], f"README, block {number}", "exec"), session)
 

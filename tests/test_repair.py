@@ -56,10 +56,10 @@ def test_nor_than_four_hundred_times_white():
 @pytest.mark.parametrize(
     ("radiance", "reason"),
     [
-        (picture(ground=0.01, sky=0.3), "no brighter"),
-        (picture(ground=0.3, sky=0.3), "an albedo of 0.99, as a white floor has"),
+        (picture(ground=0.01, sky=0.3), "explains the brightness"),
+        (picture(ground=0.3, sky=0.3), "an albedo of 0.99, like a white floor"),
         (picture(ground=1.0, sky=0.3), "the ground itself is clipped"),
-        (picture(sun_deg=0.0), "nothing is clipped"),
+        (picture(sun_deg=0.0), "no pixel is clipped"),
     ],
 )
 def test_where_the_ground_tells_nothing_nothing_is_added_and_the_note_says_why(radiance, reason):
@@ -105,8 +105,8 @@ def test_the_scale_of_a_map_does_not_matter():
     ("options", "message"),
     [
         ({"irradiance": 1.0, "ratio": 2.0}, "irradiance or ratio, not both"),
-        ({"irradiance": 0.1}, "irradiance must be at least that of the map as it is, 0.32"),
-        ({"ratio": 0.5}, "ratio must be at least that of the map as it is, 1.0"),
+        ({"irradiance": 0.1}, "irradiance must be at least that of the map, 0.32"),
+        ({"ratio": 0.5}, "ratio must be at least that of the map, 1.0"),
         ({"irradiance": -1.0}, "irradiance must be a finite number, 0 or more; got -1.0"),
         ({"ratio": "two"}, "ratio must be a finite number, 0 or more; got 'two'"),
     ],

@@ -152,7 +152,7 @@ def test_over_a_floor_only_turns_about_the_pole_are_possible():
     rig = el.Rig([0.1, 0.1, 0.1], RIGS["discs"].lights, 0.0, floor=True)
     turn = about_the_pole(0.3)
     np.testing.assert_allclose(rig.rotated(turn).probe(NORMALS @ turn.T), rig.probe(NORMALS))
-    with pytest.raises(el.EnvLightsError, match="can only be turned about the pole"):
+    with pytest.raises(el.EnvLightsError, match="can only be rotated about the pole"):
         rig.rotated(TURNS[0])
 
 
@@ -160,9 +160,9 @@ def test_over_a_floor_only_turns_about_the_pole_are_possible():
     ("matrix", "sentence"),
     [
         (np.eye(4), r"the shape \(3, 3\); got \(4, 4\)"),
-        (2 * np.eye(3), "must be a rotation; the lengths or angles of its rows are not"),
-        (np.diag([-1, 1, 1]), "must be a rotation; it mirrors"),
-        (np.full((3, 3), np.nan), "must be a rotation; the lengths"),
+        (2 * np.eye(3), "must be a rotation; its rows must be orthonormal"),
+        (np.diag([-1, 1, 1]), "must be a rotation; it is a reflection"),
+        (np.full((3, 3), np.nan), "must be a rotation; its rows"),
         ("turn", "must hold real numbers"),
     ],
 )

@@ -202,10 +202,10 @@ def test_long_tables_show_a_dozen_rows_and_say_what_the_rest_hold():
     *rows, rest = str(lights).splitlines()
     assert len(rows) == 1 + MOST_ROWS == 13
     left = 100 * lights.luminance[12:].sum() / lights.luminance.sum()
-    assert rest == f"65 more hold {left:.2g} %"
+    assert rest == f"65 more lights, {left:.2g} % together"
     assert lights._repr_html_().count("<tr>") == 13
     assert rest in lights._repr_html_()
-    assert str(many(13)).splitlines()[-1].startswith("1 more holds ")
+    assert str(many(13)).splitlines()[-1].startswith("1 more light, ")
     assert "more" not in str(many(12))
 
 
@@ -284,7 +284,7 @@ def test_indices_beyond_the_lights_and_other_kinds_are_refused():
         with pytest.raises(IndexError, match=rf"there are 3 lights; got the index {beyond}"):
             lights[beyond]
     for other in ("0", 1.0, None, (0, 1)):
-        with pytest.raises(el.EnvLightsError, match=r"a number, such as .* or a list"):
+        with pytest.raises(el.EnvLightsError, match=r"a number, as in .* or a list"):
             lights[other]
 
 

@@ -50,12 +50,12 @@ def test_black_texels_are_told_once_and_counted_anew():
     model = el.TransferModel.fit(room.direct[:8], indirect[:8])
     black = np.count_nonzero(~indirect[:8].any(axis=(0, 3)))
     assert [note for note in model.report.notes if "black" in note] == [
-        f"{black} of 256 texels are black in every image: they are predicted black, without work"
+        f"{black} of 256 texels are black in every image, so they are predicted black"
     ]
     grown = model.add(room.direct[8:], room.indirect[8:])
     is_seen = indirect[:8].any(axis=(0, 3)) | room.indirect[8:].any(axis=(0, 3))
     black = np.count_nonzero(~is_seen)
     assert black > 0
     assert [note for note in grown.report.notes if "black" in note] == [
-        f"{black} of 256 texels are black in every image: they are predicted black, without work"
+        f"{black} of 256 texels are black in every image, so they are predicted black"
     ]

@@ -32,6 +32,7 @@ def test_without_threads_to_be_had_the_thread_of_the_caller_does_the_work():
             capture_output=True,
             text=True,
             check=True,
+            env={**os.environ, "RAYON_NUM_THREADS": "2"},
         )
         for limited in (True, False)
     )

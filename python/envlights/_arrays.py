@@ -1,4 +1,4 @@
-"""Arrays that cannot be written to, and what NumPy makes of what holds one."""
+"""Read-only arrays, and conversion for ``__array__``."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from numpy.typing import NDArray
 
 
 def freeze(array: NDArray[Any]) -> NDArray[Any]:
-    """A copy of `array` that cannot be written to."""
+    """Read-only copy of `array`."""
     return seal(array.copy())
 
 
 def seal(array: NDArray[Any]) -> NDArray[Any]:
-    """`array` itself, closed to writing; for one that nobody else holds."""
+    """Make `array` read-only and return it; for arrays without other owners."""
     array.flags.writeable = False
     return array
 
 
 def convert(array: NDArray[Any], dtype: Any, copy: bool | None) -> NDArray[Any]:
-    """What ``__array__`` returns of the `array` that an object holds."""
+    """Result of ``__array__`` for an object that holds `array`."""
     if copy:
         return np.array(array, dtype)
     if copy is False and dtype is not None and np.dtype(dtype) != array.dtype:

@@ -1,7 +1,7 @@
-"""Large arrays some rows at a time.
+"""Work on large arrays in blocks of rows.
 
-Python looks for Ctrl-C between two operations of NumPy, and an operation on a large map takes
-seconds. In blocks, what is computed on the way also takes little memory.
+Python handles Ctrl-C between NumPy operations, and one operation on a large map takes seconds.
+Blocks also keep temporary arrays small.
 """
 
 from __future__ import annotations
@@ -13,19 +13,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-#: Numbers of a block: a few operations on them take milliseconds.
+#: Numbers in a block; an operation on them takes milliseconds.
 _NUMBERS = 2**18
 
 
 def blocks(shape: tuple[int, ...]) -> Iterator[slice]:
-    """Slices of the rows of an array of this shape, a block in each."""
+    """Slices of rows that divide an array of this shape into blocks."""
     rows = max(_NUMBERS // max(math.prod(shape[1:]), 1), 1)
     for first in range(0, shape[0], rows):
         yield slice(first, min(first + rows, shape[0]))
 
 
 def in_blocks(shape: tuple[int, ...], value: Callable[[slice], NDArray[Any]]) -> NDArray[Any]:
-    """One array of the results of `value` for each slice of the rows of an array of this shape."""
+    """Array of this shape whose blocks are the results of `value` for slices of rows."""
     out: NDArray[Any] | None = None
     for rows in blocks(shape):
         part = value(rows)

@@ -15,19 +15,19 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._blocks import in_blocks
 from envlights._native import EnvLightsError
 
-#: The largest count that is accepted; an array of that many parts does not fit into memory.
+#: Largest accepted count; an array with that many elements does not fit into memory.
 LARGEST_COUNT = 2**32 - 1
 
 
-#: How far the products of the rows of a rotation may be from 0 and 1.
+#: Tolerance for the products of the rows of a rotation.
 _ROTATION_TOLERANCE = 1e-6
 
-#: Parts of a tuple or list that a refusal shows; of a longer one it shows the type.
+#: Longest tuple or list that a refusal shows; of a longer one it shows the type.
 _FEW = 4
 
 
 def describe(value: object) -> str:
-    """`value` as a refusal shows it: numbers, text in quotes, a few of them, or only its type."""
+    """Text for `value` in a refusal: numbers, text in quotes, short lists, or only the type."""
     if isinstance(value, str | os.PathLike):
         return f"'{value}'"
     if value is None or isinstance(value, numbers.Number):
@@ -41,10 +41,7 @@ def describe(value: object) -> str:
 
 
 def for_kernels(array: ArrayLike, dtype: type[Any]) -> NDArray[Any]:
-    """`array` as kernels read it: row after row, each number at a multiple of its size.
-
-    NumPy takes numbers at any address, as in a view of bytes; compiled code must not.
-    """
+    """`array` in C order with aligned numbers, as compiled code needs it."""
     given = np.asanyarray(array)
     is_ready = given.dtype == dtype and given.flags.c_contiguous and given.flags.aligned
     if is_ready or given.ndim == 0:
@@ -70,7 +67,7 @@ def reals(name: str, values: ArrayLike, ndim: int) -> NDArray[np.float64]:
 
 
 def is_vector(values: ArrayLike) -> bool:
-    """Whether `values` have one axis; rows of several lengths, which `reals` refuses, have not."""
+    """True if `values` have one axis; False for rows of several lengths, which `reals` refuses."""
     with contextlib.suppress(ValueError):
         return np.ndim(values) == 1
     return False
@@ -98,9 +95,7 @@ def count(name: str, value: object, least: int = 0, most: int = LARGEST_COUNT) -
 def counts(name: str, values: object) -> list[int]:
     """`values` as a list of ints of at least 0, or a refusal that names them."""
     if isinstance(values, str | bytes) or not isinstance(values, Iterable):
-        raise EnvLightsError(
-            f"{name} must be whole numbers, one after another; got {describe(values)}"
-        )
+        raise EnvLightsError(f"{name} must be a sequence of whole numbers; got {describe(values)}")
     return [count(name, value) for value in values]
 
 
@@ -201,7 +196,7 @@ def whole_numbers(name: str, values: ArrayLike) -> NDArray[np.int64]:
 
 
 def rotation(matrix: ArrayLike) -> NDArray[np.float64]:
-    """`matrix` as a rotation, (3, 3), or a refusal of what is none."""
+    """`matrix` as a rotation, (3, 3), or a refusal."""
     if isinstance(matrix, numbers.Real) or is_vector(matrix):
         raise EnvLightsError(
             f"matrix must be a rotation of the shape (3, 3), not angles; got {describe(matrix)}"
@@ -210,7 +205,7 @@ def rotation(matrix: ArrayLike) -> NDArray[np.float64]:
     if turn.shape != (3, 3):
         raise EnvLightsError(f"matrix must have the shape (3, 3); got {turn.shape}")
     if not np.allclose(turn @ turn.T, np.eye(3), rtol=0, atol=_ROTATION_TOLERANCE):
-        raise EnvLightsError("matrix must be a rotation; the lengths or angles of its rows are not")
+        raise EnvLightsError("matrix must be a rotation; its rows must be orthonormal")
     if np.linalg.det(turn) < 0:
-        raise EnvLightsError("matrix must be a rotation; it mirrors")
+        raise EnvLightsError("matrix must be a rotation; it is a reflection")
     return turn

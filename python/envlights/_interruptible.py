@@ -1,9 +1,8 @@
-"""Long single operations of NumPy, which Ctrl-C need not wait for.
+"""Single NumPy operations in a thread, so that Ctrl-C need not wait for them.
 
-Python looks for signals between two operations, and a factorisation of a large matrix is one that
-takes seconds. In a thread of its own it runs to its end whatever happens, and its result is
-dropped. The thread is no daemon: Python ends daemons in the midst of their work, and with them at
-times the whole process. So a process that ends right after Ctrl-C waits for it.
+Python handles signals between operations, and factorising a large matrix takes seconds. After
+Ctrl-C the thread finishes, and its result is dropped. It is no daemon, because Python may crash
+when it ends a daemon thread during its work. A process that ends after Ctrl-C waits for it.
 """
 
 from __future__ import annotations
@@ -17,29 +16,29 @@ from typing import TypeVar
 
 _T = TypeVar("_T")
 
-#: Multiplications that take some hundredths of a second; below, a thread is not worth its start.
+#: Multiplications in some hundredths of a second; shorter work needs no thread.
 _MANY = 3e8
-#: Seconds between two looks for signals; on Windows a wait without end sees none.
+#: Seconds between checks for signals; on Windows an endless wait receives none.
 _BETWEEN = 0.05
 
 
 def interruptible(work: Callable[[], _T], multiplications: float) -> _T:
-    """What `work` returns or raises; KeyboardInterrupt ends the wait for it.
+    """Return or raise the result of `work`; KeyboardInterrupt ends the wait.
 
     Parameters
     ----------
     work : callable
-        Operations of NumPy on arrays that nobody changes.
+        NumPy operations on arrays that do not change.
     multiplications : float
-        How long it takes, roughly.
+        Rough cost.
     """
-    # Python tells its main thread of signals, and no other.
+    # Only the main thread of Python receives signals.
     if multiplications < _MANY or current_thread() is not main_thread():
         return work()
     future: Future[_T] = Future()
     try:
         Thread(target=copy_context().run, args=(_settle, future, work)).start()
-    except RuntimeError:  # The system starts no more threads.
+    except RuntimeError:  # The system allows no more threads.
         return work()
     while not future.done():
         with contextlib.suppress(TimeoutError):

@@ -11,7 +11,7 @@ from envlights._arrays import seal
 
 #: Angular radius of the sun, in radians: 0.267 degrees at its mean distance.
 SUN_RADIUS = 0.00465
-#: Steps that find the sharpness of a lobe; from the start taken, 4 suffice for any disc.
+#: Newton steps for the sharpness of a lobe; 4 suffice for any disc.
 _NEWTON_STEPS = 6
 
 
@@ -22,7 +22,7 @@ class SphericalGaussians(NamedTuple):
     """Unit vectors, (n, 3)."""
 
     sharpness: NDArray[np.float64]
-    """Greater for a narrower lobe, (n,)."""
+    """Sharpness, larger for narrower lobes, (n,)."""
 
     amplitude: NDArray[np.float64]
     """Radiance along the axis, linear RGB, (n, 3)."""

@@ -1,7 +1,6 @@
-"""The transfer function of sRGB (IEC 61966-2-1), both ways.
+"""Transfer function of sRGB (IEC 61966-2-1), and its inverse.
 
-In NumPy and not compiled: the powers of the two differ by a unit in the last place, which moves
-the codes of pictures.
+NumPy computes it, because compiled powers differ in the last place, which would change pictures.
 """
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ from envlights import _native
 
 
 def encode_srgb(linear: NDArray[np.floating]) -> NDArray[np.floating]:
-    """SRGB codes in 0 .. 1 of linear values, which are clipped to 0 .. 1 first."""
+    """Codes from 0 to 1 of linear values, which are clipped to 0 .. 1 first."""
     linear = np.clip(linear, 0, 1)
     coded = 1.055 * linear ** (1 / 2.4) - 0.055
     clipped: NDArray[np.floating] = np.where(linear <= 0.0031308, 12.92 * linear, coded).clip(0, 1)
@@ -31,7 +30,7 @@ def decode_srgb(coded: NDArray[np.floating]) -> NDArray[np.float32]:
 
 
 def decode_codes(codes: NDArray[Any]) -> NDArray[np.float32]:
-    """Linear value of each sRGB code of 8 or 16 bits, of which the largest is white, (h, w, 3)."""
+    """Linear values of sRGB codes of 8 or 16 bits, (h, w, 3); the largest code is 1."""
     if codes.dtype.itemsize == 1:
         return _native.decoded_8(np.ascontiguousarray(codes, dtype=np.uint8), _values(8))
     return _native.decoded_16(np.ascontiguousarray(codes, dtype=np.uint16), _values(16))
@@ -39,6 +38,6 @@ def decode_codes(codes: NDArray[Any]) -> NDArray[np.float32]:
 
 @cache
 def _values(bits: int) -> NDArray[np.float32]:
-    """The linear value of each code."""
+    """Linear value of each code."""
     codes = np.arange(1 << bits)
     return decode_srgb(codes / codes[-1])

@@ -6,27 +6,27 @@ from collections.abc import Sequence
 from html import escape
 from typing import NamedTuple
 
-#: Rows that are shown of a long table.
+#: Largest number of visible rows.
 MOST_ROWS = 12
 
 
 class Table(NamedTuple):
-    """Cells as text, and a line for what they leave out."""
+    """Cells as text, and a line on hidden rows."""
 
     columns: Sequence[str]
-    """Names. A column without one holds remarks, and stands at the left."""
+    """Names of the columns; a column without a name holds remarks and is left-aligned."""
 
     rows: Sequence[Sequence[str]]
     """The cells of each row."""
 
     rest: str = ""
-    """What is known of the rows that are not shown."""
+    """Summary of the hidden rows."""
 
     colours: Sequence[str] = ()
     """Colour of each row as ``#rrggbb``, shown in HTML."""
 
     def __str__(self) -> str:
-        """Lines whose columns are aligned."""
+        """Text with aligned columns."""
         lines = [self.columns, *self.rows]
         widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
         aligns = [">" if name else "<" for name in self.columns]
@@ -40,7 +40,7 @@ class Table(NamedTuple):
         return "\n".join(filter(None, [*(text.rstrip() for text in texts), self.rest]))
 
     def html(self) -> str:
-        """A table in the colours of its page, whether they are light or dark."""
+        """HTML table in the colours of its page."""
         names = [*([""] if self.colours else []), *self.columns]
         head = "".join(f"<th>{escape(name)}</th>" for name in names)
         swatches = [_swatch(colour) for colour in self.colours] or [""] * len(self.rows)

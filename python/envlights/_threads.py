@@ -1,4 +1,4 @@
-"""How many threads the kernels use."""
+"""Number of threads of the kernels."""
 
 from __future__ import annotations
 
@@ -6,27 +6,26 @@ from envlights import _native
 from envlights._check import count
 from envlights._native import EnvLightsError
 
-#: Threads, at most: more would cost memory and help nobody.
+#: Largest number of threads; more would only cost memory.
 _MOST = 1024
 
 
 def threads(number: int | None = None) -> int:
-    """Set or get how many threads the kernels use; results are the same bits for any number.
+    """Set or get the number of threads of the kernels; results have the same bits for any number.
 
-    At first they use as many as there are cores, or as the environment variable
-    ``RAYON_NUM_THREADS`` says when they are first called. NumPy's own threads, which multiply the
-    matrices of `TransferModel`, follow ``OPENBLAS_NUM_THREADS`` or ``OMP_NUM_THREADS``.
+    The default is the number of cores, or the environment variable ``RAYON_NUM_THREADS`` at the
+    first call. NumPy multiplies the matrices of `TransferModel` with its own threads, which follow
+    ``OPENBLAS_NUM_THREADS`` or ``OMP_NUM_THREADS``.
 
     Parameters
     ----------
     number : int, optional
-        From the next call on, in this process, for all of its Python threads. Left out: nothing
-        changes.
+        Number for all following calls in this process. When left out, nothing changes.
 
     Returns
     -------
     int
-        The threads that are in use now; 1 where the system gives none.
+        Current number of threads; 1 if the system allows none.
 
     Raises
     ------

@@ -12,25 +12,25 @@ from envlights.kernels.image import LUMINANCE
 
 #: Columns of a thumbnail.
 _COLUMNS = 240
-#: Rows that are looked at for the luminance of white, at least.
+#: Smallest number of sampled rows for the luminance of white.
 _ROWS = 256
-#: Share of the sphere that is darker than white in a picture of a map: lamps are not.
+#: Fraction of the sphere below white in a picture of a map.
 _DARKER_THAN_WHITE = 0.98
-#: White over the median of the sphere, at least.
+#: Smallest ratio of white to the median of the sphere.
 _OVER_MEDIAN = 2.5
-#: Codes of the ground on which lights are drawn, and of its horizon.
+#: Codes of the background of lights, and of its horizon.
 _GROUND, _HORIZON = 40, 84
-#: Pixels along a side of one image of several, their number, and the gap between them.
+#: Size, number and gap of the images in a strip, in pixels.
 _SIDE, _IMAGES, _GAP = 96, 4, 4
-#: Lights that are drawn, at most.
+#: Largest number of lights in a picture.
 _MOST_LIGHTS = 64
 
 
 def white_of(radiance: NDArray[np.floating]) -> tuple[float, float]:
-    """The luminance that becomes white in a picture of a map, and the share that is darker.
+    """Luminance drawn as white in a picture of a map, and the fraction of the sphere below it.
 
-    Only lamps exceed it. It is some times the median at least: an even sky is no lamp. In large
-    maps only every n-th row and column is looked at.
+    Only lamps exceed it; an even sky does not, because white is a multiple of the median. Of large
+    maps every n-th row and column is sampled.
     """
     step = max(radiance.shape[0] // _ROWS, 1)
     radiance = radiance[::step, ::step]
@@ -46,7 +46,7 @@ def white_of(radiance: NDArray[np.floating]) -> tuple[float, float]:
         return float(values[min(int(np.searchsorted(darker, share)), len(values) - 1)])
 
     white = max(quantile(_DARKER_THAN_WHITE), _OVER_MEDIAN * quantile(0.5))
-    # A map of a lamp before a black sky has no other light to be exposed for.
+    # Use the maximum for a lamp in a black sky.
     white = white or float(values[-1]) or 1.0
     below = int(np.searchsorted(values, white))
     return white, float(darker[below - 1]) if below else 0.0
@@ -61,7 +61,7 @@ def shrink(radiance: NDArray[np.floating], columns: int) -> NDArray[np.float64]:
 
 
 def expose(radiance: NDArray[np.floating], white: float) -> NDArray[np.uint8]:
-    """Codes of radiance, with the luminance that becomes white."""
+    """Codes of radiance for the luminance drawn as white."""
     return _codes(encode_srgb(radiance / white))
 
 
@@ -78,7 +78,7 @@ def of_lights(
 ) -> NDArray[np.uint8]:
     """Codes of a picture of lights, brightest first: discs in their colour and of their size.
 
-    No disc is smaller than can be seen; its area then tells its share of the brightest light.
+    Small discs get a visible area that grows with their brightness.
     """
     towards = sphere.pixel_directions(_COLUMNS // 2, _COLUMNS)
     picture = np.full(towards.shape, _GROUND, np.uint8)
@@ -99,7 +99,7 @@ def of_pairs(direct: NDArray[np.floating], indirect: NDArray[np.floating]) -> ND
 
 
 def of_signed(images: NDArray[np.floating]) -> NDArray[np.uint8]:
-    """Codes of a few images (n, height, width), each around its zero, which is grey."""
+    """Codes of a few images (n, height, width), with grey for zero."""
     limits = np.abs(images).max(axis=(1, 2), keepdims=True)
     grey = 0.5 + 0.5 * images / np.where(limits > 0, limits, 1)
     return _strip(
@@ -114,7 +114,7 @@ def _expose_image(image: NDArray[np.floating]) -> NDArray[np.uint8]:
 
 
 def _nearest_texels(image: NDArray[np.floating]) -> NDArray[np.floating]:
-    """The nearest texels of an image, as many as fit a thumbnail."""
+    """Nearest texels of an image at the size of a thumbnail."""
     height, width = image.shape[:2]
     longest = max(height, width)
     sides = [max(round(_SIDE * side / longest), 1) for side in (height, width)]
@@ -126,7 +126,7 @@ def _nearest_texels(image: NDArray[np.floating]) -> NDArray[np.floating]:
 
 
 def _strip(images: list[NDArray[np.uint8]]) -> NDArray[np.uint8]:
-    """Images side by side, with gaps between them and below."""
+    """Images in a row, with gaps between them and below."""
     framed = [
         np.pad(image, ((0, _GAP), (0, _GAP), (0, 0)), constant_values=128) for image in images
     ]
@@ -134,7 +134,7 @@ def _strip(images: list[NDArray[np.uint8]]) -> NDArray[np.uint8]:
 
 
 def colours_of(irradiance: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Encoded colours of lights, (n, 3), each as bright as it can be; a black light is black."""
+    """Encoded colours of lights at full brightness, (n, 3); a black light is black."""
     largest = irradiance.max(axis=1, keepdims=True, initial=0.0)
     return np.asarray(
         encode_srgb(np.maximum(irradiance, 0) / np.where(largest > 0, largest, 1)), np.float64
@@ -142,7 +142,7 @@ def colours_of(irradiance: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def hex_of(irradiance: NDArray[np.float64]) -> list[str]:
-    """The same as ``#rrggbb``."""
+    """Colours of lights as ``#rrggbb``."""
     return ["#" + bytes(code).hex() for code in _codes(colours_of(irradiance))]
 
 

@@ -1,4 +1,4 @@
-"""The ambient term: a radiance from everywhere, or nine spherical harmonics of it."""
+"""Ambient term: a constant radiance, or nine spherical harmonics of the radiance."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights.kernels import harmonics, sampling, sphere
 
-#: Directions on which harmonics are told apart: more than nine, evenly spread.
+#: Evenly spread directions at which rotated harmonics are fitted: more than nine.
 _DIRECTIONS = 80
 
 
 def ambient_rows(
     ambient: NDArray[np.float64], height: int, floor: bool
 ) -> Callable[[slice], NDArray[np.float32]]:
-    """Rows of the radiance of an ambient term, (n, 2 * height, 3), nowhere negative."""
+    """Function that gives rows of the radiance of an ambient term, (n, 2 * height, 3)."""
     if ambient.ndim == 2:
 
         def radiance(rows: slice) -> NDArray[np.float32]:
@@ -27,7 +27,7 @@ def ambient_rows(
         return radiance
     share = np.ones((height, 1, 1))
     if floor:
-        # Of an odd number of rows, half of the middle one is above the horizon.
+        # Half of the middle row of an odd number is above the horizon.
         share[height // 2 : (height + 1) // 2] = 0.5
         share[(height + 1) // 2 :] = 0
     sky = (share * ambient).astype(np.float32)
@@ -35,10 +35,10 @@ def ambient_rows(
 
 
 def turned_ambient(ambient: NDArray[np.float64], matrix: ArrayLike) -> NDArray[np.float64]:
-    """An ambient term after a rotation or a reflection.
+    """Ambient term after a rotation or a reflection.
 
-    Harmonics of one order stay among themselves, so nine new ones hold what was in the old ones:
-    with rows of values B at directions d, B(matrix @ d) new = B(d) old.
+    Harmonics up to one order are closed under rotation: with rows of values B at directions d, the
+    new coefficients solve B(matrix @ d) new = B(d) old.
     """
     if ambient.ndim == 1:
         return ambient

@@ -1,4 +1,4 @@
-"""First tries: a map that is fitted, and a room whose indirect light is learnt."""
+"""Demonstrations: a fit to a map, and a transfer model of a room."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def demo(folder: str | os.PathLike[str] = ".") -> Rig:
     Parameters
     ----------
     folder : path-like
-        Where ``hall.exr``, ``hall.json`` and the picture ``hall.png`` are written.
+        Folder for ``hall.exr``, ``hall.json`` and the picture ``hall.png``.
 
     Returns
     -------
@@ -51,12 +51,12 @@ def demo_transfer(
     Parameters
     ----------
     folder : path-like
-        Where the pairs ``room/direct_0000.exr``, ``room/lightmap_0000.exr`` and so on are written,
-        the model ``room.npz``, the direct light ``room_direct.exr`` of a frame that it has not seen
-        and the lightmap ``room_lightmap.exr`` that it predicts, and two pictures: ``room.png`` with
-        the prediction beside the truth, ``room_parts.png`` with the lightmap in the room.
+        Folder for the pairs (``room/direct_0000.exr``, ``room/lightmap_0000.exr``, ...), the model
+        ``room.npz``, the direct light ``room_direct.exr`` of a new frame, the predicted lightmap
+        ``room_lightmap.exr``, and two pictures: ``room.png`` with the prediction beside the truth,
+        ``room_parts.png`` with the lightmap in the room.
     progress : bool, optional
-        As for `read_pairs`.
+        Progress bars; see `read_pairs`.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""One light: a row of `Lights`."""
+"""Single light: a row of `Lights`."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from envlights.kernels.image import LUMINANCE
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Light(Result):
-    """One light, as ``lights[0]`` and ``for light in lights`` give it.
+    """Single light, the type of ``lights[0]``.
 
     Examples
     --------
@@ -33,28 +33,28 @@ class Light(Result):
     """Linear RGB at normal incidence, (3,)."""
 
     angular_radius: float
-    """In radians; 0 is a point."""
+    """Angular radius in radians; 0 is a point."""
 
     share: float
-    """Its part of what `Lights.share` is a share of."""
+    """Fraction of the light; see `Lights.share`."""
 
     @property
     def azimuth(self) -> float:
-        """In radians, as `Lights.azimuth`."""
+        """Azimuth in radians; see `Lights.azimuth`."""
         return float(azimuths(self.direction[None])[0])
 
     @property
     def elevation(self) -> float:
-        """In radians, as `Lights.elevation`."""
+        """Elevation in radians; see `Lights.elevation`."""
         return float(elevations(self.direction[None])[0])
 
     @property
     def luminance(self) -> float:
-        """Luminance of its irradiance."""
+        """Luminance of the irradiance."""
         return float(self.irradiance @ LUMINANCE)
 
     def in_short(self) -> str:
-        """Where it is, and how much of the light it is."""
+        """Azimuth, elevation and share."""
         place = (
             f"azimuth {np.rad2deg(self.azimuth):.1f}°, elevation {np.rad2deg(self.elevation):+.1f}°"
         )
@@ -70,7 +70,7 @@ class Light(Result):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DetectedLight(Light):
-    """One light of a map, with the measurements that `DetectedLights` holds of each."""
+    """Single detected light, with its measurements; see `DetectedLights`."""
 
     peak_direction: NDArray[np.float64]
     solid_angle: float
@@ -91,7 +91,7 @@ def place_of(direction: NDArray[np.float64]) -> str:
 
 
 def azimuths(direction: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Radians from -z over +x, as columns of a map run, from 0 to 2 pi, (n,)."""
+    """Radians from -z over +x, in the order of map columns, from 0 to 2 pi, (n,)."""
     radians: NDArray[np.float64] = 2 * np.pi * sphere.direction_to_uv(direction)[:, 0]
     return radians
 

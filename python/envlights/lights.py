@@ -1,4 +1,4 @@
-"""Directional lights with their sizes, and the order in which they stand."""
+"""Directional lights with their sizes, sorted by brightness."""
 
 from __future__ import annotations
 
@@ -32,21 +32,20 @@ if TYPE_CHECKING:
 
 
 def brightest_first(irradiance: NDArray[np.float64]) -> NDArray[np.intp]:
-    """Rows of `irradiance`, shape (n, 3), from the highest luminance down; equals keep their order.
+    """Order of the rows of `irradiance`, (n, 3), by decreasing luminance; equals keep their order.
 
-    Everything that is told light by light is put in this order, all at once: directions, standard
-    errors, which lights are fixed. Sorted rows stay as they are when they are sorted again. That is
-    why luminance is not a matrix product here, which may round a row by the place it has.
+    All arrays with one value for each light use this order. Sorting again changes nothing, because
+    luminance is not a matrix product here, whose rounding may depend on the row.
     """
     red, green, blue = LUMINANCE[:, None] * irradiance.T
     luminance = red + green + blue
-    # Luminances that differ by rounding alone are equal.
+    # Treat luminances that differ only by rounding as equal.
     unit = max(luminance.max(initial=0.0), sys.float_info.min)
     order: NDArray[np.intp] = (-(luminance / unit).round(9)).argsort(kind="stable")
     return order
 
 
-#: What takes several lights out of all: a slice, numbers, or a mask.
+#: Index of several lights: a slice, numbers, or a mask.
 Rows = slice | list[int] | NDArray[Any]
 
 
@@ -62,8 +61,8 @@ class Lights(Result):
         Linear RGB at normal incidence, in W m\ :sup:`-2` for radiance in W m\ :sup:`-2`
         sr\ :sup:`-1`; not negative.
     angular_radius : array_like, shape (n,), optional
-        In radians, from 0 to pi / 2: the light is a disc of one radiance, which is its irradiance
-        over :math:`\pi \sin^2 a`. 0 is a point. All are points when left out.
+        Radians from 0 to pi / 2. The light is a disc of uniform radiance: its irradiance divided by
+        :math:`\pi \sin^2 a`. 0 is a point. Default: all are points.
 
     Examples
     --------
@@ -78,7 +77,7 @@ class Lights(Result):
 
     direction: NDArray[np.float64]
     irradiance: NDArray[np.float64]
-    # Once it is made, every light has a radius.
+    # The constructor replaces None.
     angular_radius: NDArray[np.float64] = None  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
@@ -96,7 +95,7 @@ class Lights(Result):
         irradiance: NDArray[np.float64],
         angular_radius: NDArray[np.float64],
     ) -> Lights:
-        """Lights that a kernel has found, brightest first, in arrays that nobody else holds."""
+        """Lights from the arrays of a kernel, brightest first, without checks."""
         lights = cls.__new__(cls)
         object.__setattr__(lights, "direction", seal(direction))
         object.__setattr__(lights, "irradiance", seal(irradiance))
@@ -113,7 +112,7 @@ class Lights(Result):
     def __getitem__(self, which: Rows) -> Lights: ...
 
     def __getitem__(self, which: int | Rows) -> Light | Lights:
-        """One light, or those of a slice, of a list of numbers or of a mask."""
+        """Single light, or lights of a slice, of a list of numbers or of a mask."""
         rows = rows_of(which, len(self))
         if rows is None:
             return self._light(row_of(which, len(self)))
@@ -128,7 +127,7 @@ class Lights(Result):
 
     @property
     def azimuth(self) -> NDArray[np.float64]:
-        """Radians from -z over +x, as columns of a map run, from 0 to 2 pi, (n,)."""
+        """Radians from -z over +x, in the order of map columns, from 0 to 2 pi, (n,)."""
         return azimuths(self.direction)
 
     @property
@@ -144,12 +143,12 @@ class Lights(Result):
 
     @property
     def share(self) -> NDArray[np.float64]:
-        """Share of each light in the luminance of all, (n,); 0 where all are black."""
+        """Fraction of each light in the luminance of all, (n,); 0 if all are black."""
         shares: NDArray[np.float64] = self.luminance / (self.luminance.sum() or 1.0)
         return shares
 
     def in_short(self) -> str:
-        """How many there are."""
+        """Number of lights."""
         return f"{len(self)} light{'' if len(self) == 1 else 's'}"
 
     def __str__(self) -> str:
@@ -160,20 +159,21 @@ class Lights(Result):
             return ()
         arrays = self.direction, self.irradiance, self.angular_radius
         return (
-            _html.picture(_thumbnails.of_lights(*arrays), "where the lights are"),
+            _html.picture(_thumbnails.of_lights(*arrays), "directions of the lights"),
             self.table().html(),
         )
 
     def table(self) -> Table:
-        """The first dozen as a table, and what the rest hold."""
+        """Table of the first dozen lights, and a summary of the others."""
         columns, rows = self._cells()
-        left = self.share[MOST_ROWS:]
-        verb = "holds" if len(left) == 1 else "hold"
-        rest = f"{len(left)} more {verb} {100 * left.sum():.2g} %" if len(left) else ""
+        hidden = self.share[MOST_ROWS:]
+        lights = "light" if len(hidden) == 1 else "lights"
+        summary = f"{len(hidden)} more {lights}, {100 * hidden.sum():.2g} % together"
+        rest = summary if len(hidden) else ""
         return Table(columns, rows, rest, _thumbnails.hex_of(self.irradiance[:MOST_ROWS]))
 
     def _cells(self) -> tuple[list[str], list[list[str]]]:
-        """Names of the columns, and the cells of the first dozen."""
+        """Column names, and cells of the first dozen lights."""
         has_sizes = self.angular_radius.any()
         sizes = ["radius"] if has_sizes else []
         columns = ["light", "azimuth", "elevation", "share", *sizes, "irradiance (R, G, B)"]
@@ -188,13 +188,13 @@ class Lights(Result):
         return columns, rows
 
     def to_frame(self) -> pd.DataFrame:
-        """A data frame with a row for each light; needs pandas, which the extra `frame` brings.
+        """Data frame with a row for each light; needs pandas, from the extra `frame`.
 
         Returns
         -------
         pandas.DataFrame
-            Angles in degrees where a name ends in ``_deg``. Vectors and colours take a column for
-            each component.
+            Columns that end in ``_deg`` are angles in degrees. Each component of a vector or colour
+            has a column.
         """
         try:
             import pandas as pd
@@ -205,7 +205,7 @@ class Lights(Result):
         return pd.DataFrame(self._columns())
 
     def _columns(self) -> dict[str, NDArray[Any]]:
-        """The columns of the data frame."""
+        """Columns of the data frame."""
         angles = {
             "azimuth_deg": np.rad2deg(self.azimuth),
             "elevation_deg": np.rad2deg(self.elevation),
@@ -216,7 +216,7 @@ class Lights(Result):
         return {**angles, "share": self.share, "luminance": self.luminance, **colours, **vectors}
 
     def to_dict(self) -> dict[str, Any]:
-        """Lists of numbers, for JSON and the like."""
+        """Lists of numbers, for example for JSON."""
         return {
             "direction": self.direction.tolist(),
             "irradiance": self.irradiance.tolist(),
@@ -226,14 +226,14 @@ class Lights(Result):
     def save(
         self, path: str | os.PathLike[str], environment: EnvMap | ArrayLike | None = None
     ) -> None:
-        """Write the lights in the format that the suffix names, whole or not at all.
+        """Write the lights in the format of the suffix; a failure leaves no file.
 
         Parameters
         ----------
         path : path-like
-            `el.export.TARGETS` lists the suffixes, and what each format keeps and loses.
+            `el.export.TARGETS` lists the suffixes, with the parts that each format keeps and loses.
         environment : EnvMap or array_like, optional
-            A map around the lights, such as the rest of a split map, for targets that take one.
+            Map around the lights, such as the rest of a split map, for formats that accept one.
         """
         _targets.save(self, path, environment)
 
@@ -244,7 +244,7 @@ class Lights(Result):
         Raises
         ------
         EnvLightsError
-            If the file is missing, of another kind or version, or holds impossible lights.
+            If the file is missing, has another kind or version, or holds impossible lights.
         """
         if as_path(path).suffix.lower() == ".csv":
             table = read_csv(path)
@@ -252,16 +252,16 @@ class Lights(Result):
         return read_json(path, "lights", (1,), lights_of)
 
     def discs(self) -> Lights:
-        """The lights as discs of one radiance: they are."""
+        """Lights as discs of uniform radiance: these lights themselves."""
         return self
 
     def rotated(self, matrix: ArrayLike) -> Lights:
-        """The lights after a rotation: one from the direction d then comes from ``matrix @ d``.
+        """Rotate the lights: one from the direction d then comes from ``matrix @ d``.
 
         Parameters
         ----------
         matrix : array_like, shape (3, 3)
-            A rotation in our frame.
+            A rotation in the frame of `EnvMap`.
 
         Examples
         --------
@@ -274,12 +274,12 @@ class Lights(Result):
         return replace(self, direction=rotate(self.direction, rotation(matrix)))
 
     def to_map(self, height: int) -> EnvMap:
-        """The lights as discs before a black sky: labels to learn from, and a way to any renderer.
+        """Map of the lights as discs in a black sky, for training labels or for any renderer.
 
-        Pixels on the rim of a disc are as bright as the share of them that it covers. Surfaces that
-        have all of a disc before them receive exactly its irradiance, up to single precision.
-        A point becomes a disc with a radius of one pixel, the smallest that keeps its irradiance
-        and its direction wherever it stands, and in which `detect` finds them again.
+        Pixels on the rim of a disc are as bright as their covered fraction. A surface that faces
+        all of a disc receives exactly its irradiance, up to single precision. A point becomes a
+        disc with a radius of one pixel, the smallest from which `detect` recovers irradiance and
+        direction.
 
         Parameters
         ----------
@@ -301,13 +301,13 @@ class Lights(Result):
         return EnvMap(disc_map(height, *arrays))
 
     def spherical_gaussians(self) -> SphericalGaussians:
-        r"""The lights as lobes for engines that take those.
+        r"""Convert the lights to spherical Gaussians, for engines that use them.
 
         Returns
         -------
         SphericalGaussians
-            With the irradiance of each light at normal incidence. The spread of a lobe, its mean of
-            1 - cos, is that of the disc; points become as narrow as the disc of the sun.
+            Lobes with the irradiance of each light at normal incidence. The spread of a lobe, its
+            mean of 1 - cos, is that of the disc; points become as narrow as the sun.
 
         Notes
         -----
@@ -330,7 +330,7 @@ class Lights(Result):
         return lobes(discs.direction, discs.irradiance, discs.angular_radius)
 
 
-# Without its methods `count` and `index`, which nobody looks for here.
+# Not a full sequence: `count` and `index` are missing.
 Sequence.register(Lights)
 
 
@@ -346,13 +346,13 @@ def place_cells(lights: Lights, row: int) -> list[str]:
 
 
 def rgb_cell(irradiance: NDArray[np.float64]) -> str:
-    """Red, green and blue in columns of their own."""
+    """Red, green and blue in separate columns."""
     return "  ".join(f"{value:>9.4g}" for value in irradiance)
 
 
 def lights_of(data: dict[str, Any]) -> Lights:
-    """The lights that `Lights.to_dict` wrote."""
-    # A list without entries has lost its second axis.
+    """Lights that `Lights.to_dict` wrote."""
+    # An empty list has no second axis.
     direction = np.reshape(data["direction"], (-1, 3))
     irradiance = np.reshape(data["irradiance"], (-1, 3))
     radius: Any = data.get("angular_radius")

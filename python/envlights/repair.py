@@ -1,14 +1,14 @@
-"""What white has cut off: an estimate of its flux, and a map that holds it.
+"""Repair of a clipped map: an estimate of the clipped flux, and its distribution.
 
-The ground is the light meter of the scene. Under all light, that which was cut off too, a ground of
-albedo a shines with a radiance of a / pi times the irradiance on it. So with the mean luminance
-L_ground of the ground and the irradiance E_up of an upward surface under the map as it is,
+The ground is the light meter of the scene. Under all light, with the clipped light, a ground of
+albedo a has the radiance a / pi times its irradiance. So with the mean luminance L_ground of the
+ground and the irradiance E_up of an upward surface under the clipped map,
 
     missing = min( 3 max(0, pi L_ground / 0.2 - E_up),  3 F_unclipped,  400 / sr x W_clipped )
 
-is an estimate of the flux that was cut off: 0.2 is the albedo of usual ground, 3 the flux of
-light from 20 degrees above the horizon over its irradiance. F and W are flux and solid angle.
-The numbers are chosen on pictures of HDR maps; `benchmarks/clipped_repair.py` measures the result.
+is an estimate of the clipped flux. 0.2 is the albedo of usual ground, and 3 the ratio of flux to
+irradiance for light from 20 degrees above the horizon. F and W are flux and solid angle. The
+numbers were chosen on pictures of HDR maps; `benchmarks/clipped_repair.py` measures the result.
 """
 
 from __future__ import annotations
@@ -28,25 +28,25 @@ from envlights.kernels.sphere import pixel_solid_angles
 
 #: Albedo of the ground.
 _ALBEDO = 0.2
-#: Missing flux over the irradiance that is missing on an upward surface.
+#: Ratio of the missing flux to the missing irradiance of an upward surface.
 _FLUX_PER_IRRADIANCE = 3.0
-#: Missing flux over that of all that is not clipped, at most.
+#: Largest ratio of the missing flux to the unclipped flux.
 _MOST_OF_UNCLIPPED = 3.0
-#: Luminance of the missing light in units of white, at most.
+#: Largest luminance of the missing light, in units of the clip level.
 _MOST_LUMINANCE = 400.0
 
-#: Sine of the elevation below which there is ground.
+#: Sine of the elevation below which pixels count as ground.
 _GROUND = -math.sin(math.radians(3.0))
-#: Share of the ground that must not be clipped.
+#: Smallest unclipped fraction of the ground for an estimate.
 _LEAST_GROUND = 0.1
-#: Albedos of the ground under the light in the map that a white floor explains as well.
+#: Range of albedos, under the light in the map, that a white floor would explain too.
 _WHITE_FLOOR = 0.7, 1.1
 
-#: Parts of a plateau are told apart in an image of that many columns, and not where a gap of less
-#: than that many radians divides them: what `detect_tree` does with such maps by default.
+#: Columns of the image in which clipped regions are separated, and the largest gap in radians that
+#: joins them; the defaults of `detect_tree` for clipped maps.
 PLATEAU_COLUMNS, PLATEAU_GAP = 512, math.radians(0.8)
 
-#: Rows that are looked at together: what is computed of them takes more memory than they do.
+#: Rows of a block; the arrays for a block take more memory than its pixels.
 _ROWS = 128
 
 
@@ -91,42 +91,42 @@ def repair(
 
 @dataclass(frozen=True)
 class _Light:
-    """The light in a map that is clipped. Flux and irradiance are of luminance."""
+    """Flux and irradiance of a clipped map, in luminance."""
 
     flux: float
     unclipped_flux: float
     upward: float
     """Irradiance of an upward surface."""
     upward_unclipped: float
-    """The same without the clipped pixels."""
+    """Irradiance of an upward surface without the clipped pixels."""
     upward_share: float
-    """Irradiance of an upward surface under a flux of 1 that is shared over the clipped pixels."""
+    """Irradiance of an upward surface for a flux of 1 in the clipped pixels."""
     clipped: float
-    """Solid angle that is clipped."""
+    """Clipped solid angle."""
     ground: float
-    """Mean luminance of the ground where it is not clipped."""
+    """Mean luminance of the unclipped ground."""
     unclipped_ground: float
-    """Share of the ground that is not clipped."""
+    """Unclipped fraction of the ground."""
 
     def estimate(self, white: float) -> tuple[float, str]:
-        """The flux that is missing by the light meter, and where the number comes from."""
+        """Estimate of the missing flux from the ground, with its source in words."""
         if self.unclipped_ground < _LEAST_GROUND:
             return (
                 0.0,
-                "the ground itself is clipped, so it tells nothing; give irradiance or ratio",
+                "the ground itself is clipped, so there is no estimate; give irradiance or ratio",
             )
         albedo = math.pi * self.ground / self.upward if self.upward > 0 else math.inf
         least, most = _WHITE_FLOOR
         if least <= albedo <= most:
             return 0.0, (
-                f"under the light in the map the ground has an albedo of {albedo:.2g}, as a white"
-                " floor has, so it tells nothing; give irradiance or ratio"
+                f"under the light in the map the ground has an albedo of {albedo:.2g}, like a white"
+                " floor, so there is no estimate; give irradiance or ratio"
             )
         irradiance = math.pi * self.ground / _ALBEDO
         if irradiance <= self.upward:
             return 0.0, (
-                "the ground is no brighter than the light in the map explains; if it is dark ground"
-                " or night, give irradiance or ratio"
+                "the light in the map explains the brightness of the ground; for dark ground or"
+                " night, give irradiance or ratio"
             )
         missing = min(
             _FLUX_PER_IRRADIANCE * (irradiance - self.upward),
@@ -140,25 +140,25 @@ class _Light:
         )
 
     def up_to(self, irradiance: float | None, ratio: float | None) -> tuple[float, str]:
-        """The flux that gives an upward surface what was asked for, and where that comes from."""
-        name, wanted, seen = "irradiance", irradiance or 0.0, self.upward
+        """Missing flux for a measured irradiance or ratio, with its source in words."""
+        name, target, least = "irradiance", irradiance or 0.0, self.upward
         if ratio is not None:
-            name, wanted, seen = "ratio", ratio, self.upward / (self.upward_unclipped or math.nan)
-        if not wanted >= seen:
+            name, target, least = "ratio", ratio, self.upward / (self.upward_unclipped or math.nan)
+        if not target >= least:
             raise EnvLightsError(
-                f"{name} must be at least that of the map as it is, {seen:.4g}; got {wanted:g}"
+                f"{name} must be at least that of the map, {least:.4g}; got {target:g}"
             )
         if self.upward_share == 0:
             raise EnvLightsError(
-                "what is clipped lies below the horizon and cannot light an upward surface; leave"
+                "all clipped pixels lie below the horizon and cannot light an upward surface; leave"
                 f" {name} out"
             )
         unit = self.upward_unclipped if ratio is not None else 1.0
-        return (wanted - seen) * unit / self.upward_share, f"by the {name} of {wanted:.4g}"
+        return (target - least) * unit / self.upward_share, f"by the {name} of {target:.4g}"
 
 
 def _true_factors(factor: float) -> tuple[float, float]:
-    """Between these lies the true factor of two in three maps, where `factor` was estimated."""
+    """Interval that holds the true factor of two in three maps, for an estimated `factor`."""
     low, high = _TWO_THIRDS
     return max(1.0, low * factor), max(1.0, high * factor)
 
@@ -170,10 +170,10 @@ _TWO_THIRDS = 0.8, 2.3
 def _measure(
     radiance: NDArray[np.float32], share: NDArray[np.float32], white: float, border_sampled: bool
 ) -> _Light:
-    """Measure flux, irradiance and solid angle of what is clipped and what is not."""
+    """Measure flux, irradiance and solid angle of clipped and of unclipped pixels."""
     height, width, _ = radiance.shape
     solid_angles = pixel_solid_angles(height, width, border_sampled=border_sampled)
-    # Cosines between the rows; the mean cosine above the horizon, and the mean one, of each.
+    # Cosines at the edges of rows, and the mean cosine of each row above the horizon.
     edges = 1 - np.concatenate([[0.0], np.cumsum(solid_angles.sum(axis=1))]) / (2 * np.pi)
     above = np.maximum(edges, 0) ** 2
     cosine = (above[:-1] - above[1:]) / (2 * (edges[:-1] - edges[1:]))
@@ -215,7 +215,7 @@ def _measure(
 def _raise_clipped(
     radiance: NDArray[np.float32], share: NDArray[np.float32], missing: float
 ) -> NDArray[np.float32]:
-    """`radiance` with the flux `missing` in the clipped pixels, each of its own colour."""
+    """Add the flux `missing` to the clipped pixels, each in its own colour."""
     raised = radiance.copy()
     for top in range(0, len(radiance), _ROWS):
         rows = raised[top : top + _ROWS]

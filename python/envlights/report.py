@@ -196,8 +196,9 @@ class FitReport(Result):
 
     def _short(self) -> list[str]:
         """Lines for users, below the error of each number of lights."""
-        is_problem = self.stop_reason not in (StopReason.CONVERGED, StopReason.EXACT)
-        return [*self._choice(), self.fewer_lights, self.stop_reason.value if is_problem else ""]
+        # A rig shows the stop reason of its fit itself.
+        unfitted = "" if self.errors else self.stop_reason.value
+        return [*self._choice(), self.fewer_lights, unfitted]
 
     def _details(self) -> list[str]:
         """Lines for authors."""
@@ -207,7 +208,7 @@ class FitReport(Result):
             self.with_shadows(),
             *self._accuracy(),
             f"{self.steps} steps" if self.steps else "",
-            "" if self.stop_reason is StopReason.NOT_FITTED else self.stop_reason.value,
+            self.stop_reason.value if self.errors else "",
             *self.skipped,
         ]
 

@@ -1,6 +1,6 @@
-"""Maps on other pixels: turned by whole columns, or with cells in place of samples on the border.
+"""Resampling of maps: rotation, and cells in place of samples on the border.
 
-A map is piecewise constant here: a pixel stands for its cell, as in the exact probe. Flux is kept.
+A map is constant in each pixel, as in the exact probe. Flux is preserved.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from envlights import _native
 from envlights._blocks import in_blocks
 from envlights.kernels import sphere
 
-#: How far a turn may be from whole columns.
+#: Tolerance of a rotation by whole columns.
 _TOLERANCE = 1e-6
 
 
@@ -30,10 +30,10 @@ def rotate(
 def turned_by_columns(
     radiance: NDArray[np.float32], matrix: NDArray[np.float64], *, border_sampled: bool
 ) -> NDArray[np.float32] | None:
-    """The map after a turn about the pole by whole columns, without loss; None for other turns."""
+    """Map after a rotation about the pole by whole columns, without loss; None for others."""
     if abs(matrix[1, 1] - 1) > _TOLERANCE**2:
         return None
-    # Columns of border-sampled maps lie on the seam twice.
+    # The first and last column of a border-sampled map are the same.
     own = radiance[:, :-1] if border_sampled else radiance
     ((u, _),) = sphere.direction_to_uv([matrix @ [0, 0, -1]])
     columns = round(u * own.shape[1])
@@ -44,7 +44,7 @@ def turned_by_columns(
 
 
 def cells_of_borders(radiance: NDArray[np.float32]) -> NDArray[np.float32]:
-    """A border-sampled map as that many cells; each new cell is the mean of what it covers.
+    """Convert a border-sampled map to cells; each is the mean over its area.
 
     Rows and columns are averaged one after the other, over the cosine and over the azimuth.
     """
@@ -63,7 +63,7 @@ def cells_of_borders(radiance: NDArray[np.float32]) -> NDArray[np.float32]:
 def _average(
     values: NDArray[np.floating], shares: NDArray[np.float64], at: NDArray[np.intp]
 ) -> NDArray[np.float64]:
-    """Means of the values before, at and after these places along the first axis."""
+    """Weighted means of three neighbours along the first axis."""
     mean = np.zeros((len(at), *values.shape[1:]))
     for step in (-1, 0, 1):
         near = values[np.clip(at + step, 0, len(values) - 1)]
@@ -72,7 +72,7 @@ def _average(
 
 
 def _border_edges(samples: int) -> NDArray[np.float64]:
-    """Edges of the cells of samples at 0 to 1, the first and the last of which are halves."""
+    """Edges of the cells of samples from 0 to 1; the first and the last cell are halves."""
     between = (np.arange(samples - 1) + 0.5) / (samples - 1)
     return np.concatenate([[0.0], between, [1.0]])
 
@@ -82,11 +82,11 @@ def _cell_edges(cells: int) -> NDArray[np.float64]:
 
 
 def _shares(old: NDArray[np.float64], new: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Share of each new interval that the old one before it, at it and after it covers, (n, 3).
+    """Fraction of each new interval in the old interval before, at and after it, (n, 3).
 
-    Edges of cells lie between those of samples on the border, so that it meets no other.
+    No new interval overlaps other old ones.
     """
-    ends = np.pad(old, 1, mode="edge")  # nothing is before the first and after the last
+    ends = np.pad(old, 1, mode="edge")  # no interval before the first and after the last
     low, high = np.minimum(ends[:-1], ends[1:]), np.maximum(ends[:-1], ends[1:])
     start, end = np.minimum(new[:-1], new[1:])[:, None], np.maximum(new[:-1], new[1:])[:, None]
     near = np.arange(len(new) - 1)[:, None] + np.arange(3)

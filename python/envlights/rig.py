@@ -244,8 +244,9 @@ def parts_line(rig: Rig) -> str:
 
 def error_line(rig: Rig) -> str:
     """Error without and with shadows."""
+    floor = " over a floor" if rig.floor else ""
     shadows = rig.report.with_shadows()
-    return f"relative RMS error {100 * rig.error:.3g} %{', ' if shadows else ''}{shadows}"
+    return f"relative RMS error {100 * rig.error:.3g} %{floor}{', ' if shadows else ''}{shadows}"
 
 
 def _ambient(values: ArrayLike) -> NDArray[np.float64]:

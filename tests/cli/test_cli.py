@@ -59,8 +59,11 @@ def test_fit_takes_a_floor_and_chooses_the_ambient_term(hall):
     assert "over a floor" in report["measured_on"]
     assert set(report["ambients"]) == {"none", "constant"}
     text = run("fit", hall, "-n", 2, "--ambient", "auto").stdout
-    assert "ambient chosen: sh2, of  none: 2 lights, " in text
-    assert "before the error grows by a tenth: " in text
+    assert "ambient term 'sh2' selected from  none: 2 lights, " in text
+    assert "direction tolerance" not in text
+    verbose = run("fit", hall, "-n", 2, "--ambient", "auto", "--verbose").stdout
+    assert "direction tolerance (10 % more error): " in verbose
+    assert verbose.startswith(text.rstrip())
     refused = run("fit", hall, "--floor", "--ambient", "sh2")
     assert refused.exit_code == 2
     assert "where there is a floor" in refused.stderr

@@ -65,7 +65,7 @@ def test_a_map_in_place_of_the_ambient_term(folder, tmp_path):
     assert (tmp_path / "a.ambient.exr").exists()
     refused = run("export", folder / "rig.json", tmp_path / "a.csv", *options)
     assert refused.exit_code == 2
-    assert "takes no map as environment" in refused.stderr
+    assert "accepts no environment map" in refused.stderr
 
 
 def test_the_help_lists_what_each_target_keeps_and_loses():

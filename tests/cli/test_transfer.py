@@ -129,7 +129,10 @@ def test_a_folder_with_an_exr_that_is_cut_off_is_refused_by_its_name(folder, tmp
 
 
 @fills_a_disk
-@pytest.mark.parametrize("suffix", ["npz", "exr", "png", "pdf", "svg"])
+@pytest.mark.parametrize(
+    "suffix",
+    ["npz", "exr", *(pytest.param(each, marks=pytest.mark.slow) for each in ("png", "pdf", "svg"))],
+)
 def test_a_full_disk_leaves_nothing_half_written(model, folder, tmp_path, suffix):
     saved, target = tmp_path / "saved.npz", tmp_path / "out" / f"o.{suffix}"
     model.save(saved)

@@ -115,7 +115,9 @@ def test_lights_alone_and_rigs_come_back_too(tmp_path):
         rig.save(tmp_path / f"rig.{suffix}")
         again = el.Rig.load(tmp_path / f"rig.{suffix}")
         assert (again.error, again.floor, again.lights.to_dict()) == (0.01, True, lights.to_dict())
-    with pytest.raises(el.EnvLightsError, match=r"holds lights alone; `Lights\.load` reads them"):
+    with pytest.raises(
+        el.EnvLightsError, match=r"holds lights without an ambient term; use `Lights\.load`"
+    ):
         el.Rig.load(tmp_path / "lights.csv")
     with pytest.raises(el.EnvLightsError, match="is not a list of lights"):
         el.Lights.load(tmp_path / "rig.json")

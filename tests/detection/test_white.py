@@ -6,7 +6,7 @@ import pytest
 import envlights as el
 from envlights import kernels
 from envlights._srgb import encode_srgb
-from envlights.fitting import notes
+from envlights.fitting import wording
 from envlights.synthetic import Disc, Rectangle, judge, scene, suite
 from tests.helpers import angle_deg, printed_by_threads
 
@@ -297,17 +297,17 @@ def test_the_map_knows_its_clipped_share():
         np.testing.assert_allclose(env.clipped_share, share, rtol=1e-6)
         wanted = share / (share + env.radiance[40, 0, 0] * (1 - share))
         np.testing.assert_allclose(env.clipped_flux_share, wanted, rtol=1e-6)
-        assert f"{100 * share:.2g} % of the sphere at white" in repr(env)
+        assert f"{100 * share:.2g} % of the sphere is clipped" in repr(env)
     assert "%" not in repr(el.EnvMap(radiance))
 
 
 def test_what_a_rig_rests_on_is_a_sentence():
     radiance = np.full((64, 128, 3), 0.25)
-    assert notes.clipping(el.EnvMap(radiance)) == ()
+    assert wording.clipping(el.EnvMap(radiance)) == ()
     radiance[:32] = 1
-    (note,) = notes.clipping(el.EnvMap(radiance, white=1.0))
+    (note,) = wording.clipping(el.EnvMap(radiance, white=1.0))
     assert note == (
-        "80 % of the map's flux lies in clipped pixels: the lights there are a lower bound"
+        "clipped pixels hold 80 % of the map's flux, so the lights there are a lower bound"
     )
 
 

@@ -48,6 +48,7 @@ def test_points_alone_are_exact(folder):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", RIGS)
 @pytest.mark.parametrize("lights", [POINTS, DISCS], ids=["points", "discs"])
 def test_the_irradiance_that_radiance_measures_is_that_of_the_rig(name, lights, folder):
@@ -59,6 +60,7 @@ def test_the_irradiance_that_radiance_measures_is_that_of_the_rig(name, lights, 
     assert relative_error(found, rig) < 0.01
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["constant", "harmonics"])
 def test_no_light_takes_the_sky_behind_it_away(name, folder):
     """Dim lamps before a bright sky; it was 5 % too dark where they stand."""

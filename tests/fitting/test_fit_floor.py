@@ -10,7 +10,7 @@ from envlights import kernels
 from envlights.fitting.request import request_of
 from tests.conftest import real_maps
 
-NORMALS, SOLID_ANGLES = kernels.icosphere(5120)
+NORMALS, SOLID_ANGLES = kernels.icosphere(1280)
 LAMP_BELOW = el.synthetic.Disc((0.3, -0.8, 0.5), 8, (50, 40, 30))
 
 

@@ -29,6 +29,7 @@ def blocks(*names):
     return left
 
 
+@pytest.mark.slow
 def test_scipy_and_jaxopt_end_in_the_same_minimum_as_documented():
     pytest.importorskip("jaxopt")
     with jax_in_float64() as jax:

@@ -179,6 +179,7 @@ def test_from_its_own_starts_jaxopt_does_not_end_lower_than_the_search_on_real_m
                 assert gain <= 1 + 1e-6, f"{problem.lights} lights, {problem.ambient}: {gain}"
 
 
+@pytest.mark.slow
 def test_the_search_never_ends_higher_than_the_even_start_of_the_paper():
     for name, irradiance in some_probes().items():
         for problem in problems(irradiance, range(1, 9)):
@@ -261,8 +262,7 @@ def test_twenty_thousand_normals_are_as_good_as_all_under_suns(points, lights):
     assert_agrees_with_the_closed_form(random_world(points, seed=points), lights)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("lights", [1, 3])
+@pytest.mark.parametrize("lights", [1, pytest.param(3, marks=pytest.mark.slow)])
 def test_twenty_thousand_normals_are_as_good_as_all_in_the_hall(lights):
     assert_agrees_with_the_closed_form(world_of_pixels(el.synthetic.hall(16).radiance), lights)
 

@@ -150,7 +150,7 @@ def test_errors_by_number_of_lights_are_all_of_one_kind():
     # With sizes, those of the points that led there, and the one with sizes beside.
     assert discs.report.errors == pytest.approx(points.report.errors, rel=1e-3)
     assert discs.report.sized_error == discs.error < 0.9 * discs.report.errors[3]
-    assert "error by number of lights without sizes: 0:" in str(discs.report)
+    assert "error by number of lights, as points: 0:" in str(discs.report)
     assert f"; with sizes: {100 * discs.error:.3g} %" in str(discs.report)
     # With an error target, each number of lights has sizes.
     asked = el.fit(radiance, 3, error=discs.error)

@@ -88,7 +88,7 @@ def test_a_map_has_no_standard_errors_and_a_probe_no_tolerances():
     assert measured.direction_tolerances == ()
     assert len(measured.direction_errors) == len(measured.irradiance_errors) == 2
     assert measured.condition > 1
-    assert "before the error grows by a tenth: " in str(under_map)
+    assert "direction tolerance (10 % more error): " in under_map.verbose()
     assert "standard error" not in str(under_map)
     assert "condition" not in str(under_map)
     assert "standard error of the directions: " in str(measured)

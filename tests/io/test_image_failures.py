@@ -156,7 +156,7 @@ def test_the_length_of_a_chunk_is_not_trusted(tmp_path):
     path.write_bytes(png_of(4, 2, b"x", length=2**32 - 1))
     tracemalloc.start()
     try:
-        with pytest.raises(el.EnvLightsError, match="the file is cut off"):
+        with pytest.raises(el.EnvLightsError, match="the file is incomplete"):
             io.read_image(path)
         assert tracemalloc.get_traced_memory()[1] < 2**20
     finally:

@@ -133,7 +133,7 @@ def test_a_small_data_window_is_set_into_black(tmp_path):
     expected = np.zeros_like(RADIANCE)
     expected[2:10, 4:20] = RADIANCE[2:10, 4:20]
     np.testing.assert_array_equal(env.radiance, expected)
-    assert "(4, 2, 16, 8) was set into the display window (0, 0, 32, 16)" in env.notes[0]
+    assert "(4, 2, 16, 8) was placed in the display window (0, 0, 32, 16)" in env.notes[0]
 
 
 def radiance_bytes(codes, resolution, *variables):
@@ -158,7 +158,9 @@ def test_maps_stored_upside_down_or_mirrored_are_turned_upright(
     (tmp_path / "map.hdr").write_bytes(radiance_bytes(codes[::rows, ::columns], resolution))
     env = el.EnvMap.open(tmp_path / "map.hdr")
     np.testing.assert_array_equal(env.radiance, codes / np.float32(256))
-    assert any("turned upright" in note for note in env.notes) == (rows + columns < 2)
+    assert any("rotated or mirrored by the orientation" in note for note in env.notes) == (
+        rows + columns < 2
+    )
 
 
 @pytest.mark.parametrize("variables", [("PRIMARIES=0 0 0 0 0 0 0 0", "GAMMA=1"), ("GAMMA=2.2",)])
@@ -232,14 +234,14 @@ def broken_files(folder):
         "header.exr": "its header is damaged",
         "truncated.exr": "cannot read all pixels",
         "square.exr": "twice as wide as high; got 16x16",
-        "two.exr": "R, G, B or one is needed",
+        "two.exr": "it needs R, G and B, or a single channel",
         "cube.exr": "cube map",
-        "luminance.exr": "channels Y, BY, RY; R, G, B or one is needed",
+        "luminance.exr": "channels Y, BY, RY; it needs R, G and B, or a single channel",
         "counts.tif": "its samples are uint; give floating point, uint8 or uint16",
-        "side.jpg": "lies on its side",
+        "side.jpg": "rotated by 90 degrees",
         "deep.exr": "it is a deep image",
         "vast.exr": "100000x50000 pixels, more than",
-        "truncated.png": "the file is cut off",
+        "truncated.png": "the file is incomplete",
         "flipped.png": "wrong checksum",
     }
 
@@ -299,7 +301,7 @@ def test_real_maps_open_clean(path):
     all_quick=True,
 )
 def test_damaged_and_other_files_are_refused(path):
-    with pytest.raises(el.EnvLightsError, match=r"cannot read|R, G, B or one") as refusal:
+    with pytest.raises(el.EnvLightsError, match=r"cannot read|it needs R, G and B") as refusal:
         el.EnvMap.open(path)
     assert "\n" not in str(refusal.value)
 

@@ -40,11 +40,14 @@ DAMAGED = {
     "a reserved chunk": (header() + chunk(b"abcd") + PIXELS + END, "a chunk of an unknown kind"),
     "no name": (header() + chunk(b"a1Cd") + PIXELS + END, "a chunk of an unknown kind"),
     "no pixels": (header() + END, "it has no pixels"),
-    "no end": (header() + PIXELS, "the file is cut off"),
-    "nothing": (b"", "the file is cut off"),
+    "no end": (header() + PIXELS, "the file is incomplete"),
+    "nothing": (b"", "the file is incomplete"),
 }
 #: Pixels under a right checksum, wherever libpng finds them wrong.
-NOT_PACKED, NO_END = "its pixels are not packed", "its pixels do not end as its header says"
+NOT_PACKED, NO_END = (
+    "its pixels cannot be decompressed",
+    "the number of its pixels contradicts its header",
+)
 WRONG_PIXELS = {
     "no stream": (bytes(20), NOT_PACKED),
     "a wrong checksum": (ROWS[:-1] + b"x", NOT_PACKED),

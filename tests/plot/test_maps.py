@@ -35,12 +35,9 @@ def test_a_picture_of_an_array_is_that_of_its_map(draw, lights):
 
 def test_the_title_says_which_normals_the_error_is_of():
     title = plot.picture(HALL, el.fit(HALL, lights=1, floor=True)).get_suptitle()
-    assert "on 5120 normals over a floor" in title
+    assert " % over a floor" in title
     rig = el.Rig([1, 1, 1], el.Lights([[0, 1, 0]], [[1, 1, 1]]), error=0.5)
-    assert (
-        "ambient + 1 light: relative RMS error 50 %, as given"
-        in plot.picture(HALL, rig).get_suptitle()
-    )
+    assert "ambient + 1 light: relative RMS error 50 %" in plot.picture(HALL, rig).get_suptitle()
 
 
 def test_no_light_and_no_number_hides_the_eye():
@@ -59,7 +56,7 @@ def test_the_title_names_harmonics():
 def test_the_title_has_the_error_with_shadows_where_it_was_measured():
     rig = el.fit(HALL, lights=1)
     told = replace(rig, report=replace(rig.report, shadow_error=0.0312))
-    assert "normals, with shadows 3.12 %" in plot.picture(HALL, told).get_suptitle()
+    assert " %, with shadows 3.12 %" in plot.picture(HALL, told).get_suptitle()
 
 
 def test_over_a_floor_the_probe_is_compared_with_the_map_that_the_floor_cuts():

@@ -37,13 +37,13 @@ def test_the_picture_shows_the_clipped_share_the_depth_and_the_lights():
 def test_no_light_and_many_are_drawn_too(count):
     env = lamps(count)
     figure = plot.plateau_picture(env, el.detect(env))
-    assert figure.get_suptitle().startswith(f"{count} lights behind white")
+    assert figure.get_suptitle().startswith(f"{count} lights in clipped regions")
     assert bool(figure.axes[0].texts) == bool(count)
 
 
 def test_maps_and_lights_without_a_white_are_refused():
     env = lamps(1)
-    with pytest.raises(el.EnvLightsError, match="the map has no white"):
+    with pytest.raises(el.EnvLightsError, match="the map has no clip level"):
         plot.plateau_picture(env.radiance, el.detect(env))
-    with pytest.raises(el.EnvLightsError, match="found without a white"):
+    with pytest.raises(el.EnvLightsError, match="detected without a clip level"):
         plot.plateau_picture(env, el.detect(env.radiance))

@@ -91,7 +91,7 @@ def test_frames_that_do_not_fit_are_refused(model):
     for pair, message in [
         ((direct, indirect[:8]), "indirect must be 32x32 pixels"),
         ((direct[:8], indirect), "direct must be 16x16 pixels"),
-        ((room().direct[:2], room().indirect[:3]), "as many images; got 2 and 3"),
+        ((room().direct[:2], room().indirect[:3]), "the same number of images; got 2 and 3"),
         ((direct, np.nan * indirect), "indirect must be finite"),
     ]:
         with pytest.raises(el.EnvLightsError, match=message):

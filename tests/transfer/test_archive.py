@@ -150,5 +150,5 @@ def test_only_what_a_model_has_is_unpacked(model, tmp_path):
         tracemalloc.stop()
     np.testing.assert_array_equal(again.predict(scene()[0]), model.predict(scene()[0]))
     np.savez_compressed(tmp_path / "within.npz", **{**arrays, "mean": zeros})
-    with pytest.raises(el.EnvLightsError, match=r"would unpack to 6.* numbers of a model do not"):
+    with pytest.raises(el.EnvLightsError, match=r"would unpack to 6.* which a model never needs"):
         el.TransferModel.load(tmp_path / "within.npz")

@@ -165,8 +165,13 @@ def test_the_most_compact_type_that_keeps_the_bound_is_taken(model):
     assert f"more than {100 * most:.2g} % of" in model.compressed(0.02).report.notes[-1]
     as_it_is = model.compressed(1e-6)
     assert as_it_is.basis is model.basis
-    assert as_it_is.report.notes[-1] == "neither int8 nor float16 keeps the error 1e-06"
-    assert model.compressed(0.02).report.notes[-1].startswith("the basis is kept in int8: no frame")
+    assert (
+        as_it_is.report.notes[-1]
+        == "the basis is not compressed: int8 and float16 exceed the error 1e-06"
+    )
+    assert (
+        model.compressed(0.02).report.notes[-1].startswith("the basis is stored as int8: no frame")
+    )
 
 
 @pytest.mark.parametrize("dtype", list(compact.LARGEST))

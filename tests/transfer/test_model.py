@@ -15,7 +15,7 @@ room = partial(pairs_of_room, 80, 32)
 NEW = slice(64, None)
 FACTOR = st.floats(1e-3, 1e3)
 #: The note of every model of this room.
-BLACK = "10 of 1024 texels are black in every image: they are predicted black, without work"
+BLACK = "10 of 1024 texels are black in every image, so they are predicted black"
 
 
 def scene():

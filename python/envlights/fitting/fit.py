@@ -341,7 +341,7 @@ def _answer(
 
 
 def _choose(answers: Mapping[str, FitAnswer], request: Request) -> str:
-    """Select the ambient term that reaches the request with the fewest lights, or has the least error.
+    """Select the ambient term with the fewest lights that reach the request, or the least error.
 
     `answers` hold the simplest first, which wins if several are equal.
     """

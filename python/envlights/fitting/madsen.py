@@ -127,8 +127,8 @@ class PaperFit(Result):
         least = min(self.ambient.min(), self.irradiance.min(initial=0.0))
         if least < 0:
             raise EnvLightsError(
-                f"a rig must not hold negative light; the smallest value is {least:.3g}. `fit` finds"
-                " the best lights without negative ones"
+                f"a rig must not hold negative light; the smallest value is {least:.3g}. Use `fit`"
+                " for the best lights without negative ones"
             )
         measured_on = f"the {PROBE_FACES} fitted normals"
         report = FitReport(steps=self.steps, stop_reason=self.stop_reason, measured_on=measured_on)

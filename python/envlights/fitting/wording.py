@@ -41,7 +41,8 @@ def fewer_lights(answer: FitAnswer, request: Request, rendering_error: float) ->
         why = f"the error is already {_below(rendering_error)}"
     else:
         why = "more would not lower the error"
-    return f"{used} of at most {most} lights used: {why}"
+    lights = "light" if most == 1 else "lights"
+    return f"{used} of at most {most} {lights} used: {why}"
 
 
 def clipping(env: EnvMap) -> tuple[str, ...]:

@@ -89,7 +89,7 @@ class Exposures:
         return array.astype(np.float32, copy=False)
 
     def merged(self) -> tuple[NDArray[np.float32], float | None]:
-        """Radiance for an exposure of 1 s, and its clip level if the shortest exposure is clipped."""
+        """Radiance for an exposure of 1 s, and its clip level if the shortest one is clipped."""
         merged = np.empty_like(self.images[0])
         is_moved = np.zeros(merged.shape[:2], bool)
         is_lost = False
@@ -125,8 +125,8 @@ class Exposures:
         share = float(solid_angles[is_moved].sum() / solid_angles.sum())
         if share > _LEAST_SHARE:
             self.notes.append(
-                f"exposures contradict each other on {100 * share:.2g} % of the sphere, where something"
-                " may have moved; only the best exposure was used there"
+                f"exposures contradict each other on {100 * share:.2g} % of the sphere, where"
+                " something may have moved; only the best exposure was used there"
             )
 
 

@@ -39,15 +39,15 @@ def luminance(radiance: ArrayLike) -> NDArray[np.float32]:
 
 
 def resize_bilinear(image: ArrayLike, height: int, width: int) -> NDArray[np.float32]:
-    """An image in another size, linear between the pixels' centres; Loghin (2021), step 1.
+    """Resize an image by bilinear interpolation; Loghin (2021), step 1.
 
-    A reduction by more than 2 leaves pixels out: small lights may vanish. The area average of
-    `envlights.detect` does not.
+    A reduction by more than 2 skips pixels, so small lights may vanish, unlike in
+    `reduced_luminance`.
 
     Parameters
     ----------
     image : array_like, shape (rows, columns)
-        Columns meet at the seam, as those of an equirectangular map.
+        Columns wrap around at the seam, as in an equirectangular map.
     height, width : int
         The new size.
 
@@ -81,9 +81,9 @@ def reduced_luminance(
     radiance : array_like, shape (height, width, 3)
         Finite and not negative. A float32 array is read in place.
     columns : int
-        The most columns; blocks have whole pixels, so there may be fewer.
+        Largest number of columns; blocks have whole pixels, so there may be fewer.
     border_sampled : bool
-        Whether the outer pixels lie on the seam and the poles.
+        True: the outer pixels lie on the seam and the poles.
 
     Returns
     -------
@@ -106,12 +106,12 @@ def reduced_luminance(
 
 
 def blur(image: ArrayLike, sigma: float) -> NDArray[np.float32]:
-    """A Gaussian blur; Loghin (2021), step 2, where it is optional.
+    """Gaussian blur; Loghin (2021), optional in step 2.
 
     Parameters
     ----------
     image : array_like, shape (height, width)
-        Columns meet at the seam; rows end.
+        Columns wrap around at the seam; rows do not.
     sigma : float
         Standard deviation in pixels: 1 to 2 at a width of 1024. The time grows with it; resize
         before a blur over hundreds of pixels.
@@ -134,7 +134,7 @@ def blur(image: ArrayLike, sigma: float) -> NDArray[np.float32]:
 
 
 def uv_to_pixel(uv: ArrayLike, height: int, width: int) -> NDArray[np.int64]:
-    """The pixels in which image coordinates lie; Loghin (2021), step 4.
+    """Pixels that contain image coordinates; Loghin (2021), step 4.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
 """The steps of Loghin (2021), for maps and for plane images.
 
-`envlights.detect_article` puts them together for a map. For a plane image the samples come from
+`envlights.detect_article` combines them for a map. For a plane image the samples come from
 `halton` instead of the sphere:
 
 >>> import numpy as np
@@ -44,17 +44,17 @@ def neighbour_maximum(
         Row and column of each sample.
     reach : int
         Pixels from the sample to the border of its window, which is ``2 reach + 1`` wide: 6 in the
-        article at a width of 1024. Each window is searched pixel by pixel, so that the time grows
-        with ``len(pixels) * reach**2``.
+        article at a width of 1024. The time is proportional
+        to ``len(pixels) * reach**2``.
     sphere : bool
-        Whether windows cross the seam and widen towards the poles, so that they span the same
-        angle everywhere.
+        True: windows cross the seam and widen towards the poles, so that they span the same angle
+        everywhere.
 
     Returns
     -------
     luminance : ndarray of float32, shape (n,)
     pixels : ndarray of int, shape (n, 2)
-        Where it is; the first of equals, row by row.
+        Row and column of the brightest pixel; the first of equals, row by row.
 
     Raises
     ------
@@ -75,9 +75,9 @@ def neighbour_maximum(
 
 
 def suppress(points: ArrayLike, distance: float) -> NDArray[np.int64]:
-    """Which of some points survive beside brighter ones; Loghin (2021), step 7.
+    """Suppress points near brighter ones; Loghin (2021), step 7.
 
-    Only survivors suppress. The work grows with the number of points, not with its square.
+    Only survivors suppress others. The time is proportional to the number of points.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def suppress(points: ArrayLike, distance: float) -> NDArray[np.int64]:
 
 
 def bresenham_line(start: Sequence[int], end: Sequence[int]) -> NDArray[np.int64]:
-    """The pixels of Bresenham's line, both ends included; Loghin (2021), step 8.
+    """Pixels of Bresenham's line, both ends included; Loghin (2021), step 8.
 
     Parameters
     ----------
@@ -145,8 +145,8 @@ def merge_along_lines(
 ) -> NDArray[np.int64]:
     """Merge samples that a line of similar luminance joins; Loghin (2021), step 8.
 
-    From each sample that is not merged yet, brightest first, a line goes to each later one. It
-    holds while the mean of its pixels, each cut at `ceiling`, differs from the start's luminance by
+    Lines go from each unmerged sample, brightest first, to each later one. They merge two samples
+    if the mean of the pixels, each limited to `ceiling`, differs from the luminance of the start by
     at most `tolerance` or is at least `bright`. The defaults are the article's.
 
     Parameters
@@ -157,16 +157,16 @@ def merge_along_lines(
     tolerance, ceiling, bright : float
         In units of luminance.
     points : array_like, shape (n, 2) or (n, 3), optional
-        Where the samples are, for `farthest`; their pixels when left out.
+        Positions of the samples, for `farthest`. Default: their pixels.
     farthest : float
         Samples farther apart are not merged. The article has no such limit.
     sphere : bool
-        Whether lines take the shorter way around, across the seam.
+        True: lines take the shorter way around, across the seam.
 
     Returns
     -------
     ndarray of int, shape (n,)
-        For each sample the one that it became part of; itself for a light.
+        Index of the sample that each was merged into; its own for a light.
 
     Raises
     ------
@@ -196,9 +196,9 @@ def weighted_means(points: ArrayLike, weights: ArrayLike, light: ArrayLike) -> N
     points : array_like, shape (n, d)
         Pixels, or unit vectors (whose mean is shorter than 1).
     weights : array_like, shape (n,)
-        Luminance. Where all weights of a light are 0, its points count alike.
+        Luminance. If all weights of a light are 0, its points have equal weights.
     light : array_like of int, shape (n,)
-        Which light each point belongs to, as from `merge_along_lines`.
+        Light of each point, as from `merge_along_lines`.
 
     Returns
     -------

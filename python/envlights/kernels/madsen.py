@@ -28,7 +28,7 @@ def face_radiance(
     faces : int
         ``20 * 4**k``; 5120 in the paper.
     border_sampled : bool
-        Whether the outer pixels lie on the seam and the poles.
+        True: the outer pixels lie on the seam and the poles.
 
     Returns
     -------
@@ -50,7 +50,7 @@ def face_radiance(
 def pack_lights(
     ambient: ArrayLike, directions: ArrayLike, irradiance: ArrayLike
 ) -> NDArray[np.float64]:
-    """Ambient light and M lights as the vector of unknowns that solvers walk in.
+    """Pack ambient light and M lights into a vector of unknowns.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def pack_lights(
     directions : array_like, shape (M, 3)
         Unit vectors towards the lights.
     irradiance : array_like, shape (M, 3)
-        Of each light at normal incidence: its radiance times its solid angle.
+        Irradiance of each light at normal incidence: radiance times solid angle.
 
     Returns
     -------
@@ -91,7 +91,7 @@ def unpack_lights(
     Parameters
     ----------
     x : array_like, shape (3 + 5 * M,)
-        As `pack_lights` makes it; theta and phi may have run any number of turns.
+        Unknowns from `pack_lights`; theta and phi may be any angles.
 
     Returns
     -------
@@ -160,10 +160,10 @@ def probe_residual(
     k_d: float = 1.0,
     C: Sequence[float] = _WHITE,  # noqa: N803, the paper's name
 ) -> NDArray[np.float64]:
-    r"""Left sides of equations 7 to 9: what M lights leave unexplained of a probe.
+    r"""Residual of a probe under M lights: the left sides of equations 7 to 9.
 
-    Takes its arguments as `scipy.optimize.least_squares` and `jaxopt.LevenbergMarquardt` give them,
-    so that it can be tried with another solver than that of `fit`.
+    The arguments suit `scipy.optimize.least_squares` and `jaxopt.LevenbergMarquardt`, for other
+    solvers than that of `fit`.
 
     Parameters
     ----------
@@ -172,12 +172,11 @@ def probe_residual(
     normals : array_like, shape (n, 3)
         Unit vectors.
     probe : array_like, shape (n, 3)
-        Values to be explained: irradiance, for the default coefficients.
+        Measured values: irradiance, for the default coefficients.
     weights : array_like, shape (n,), optional
-        How much each normal counts; its solid angle, for the sum that `fit` minimises. All alike
-        in the paper, and when left out.
+        Weight of each normal, such as its solid angle. Default: equal weights, as in the paper.
     k_a, k_d, C
-        As for `probe_model`.
+        Coefficients; see `probe_model`.
 
     Returns
     -------
@@ -241,7 +240,7 @@ def probe_jacobian(
     -------
     ndarray, shape (3 * n, 3 + 5 * M)
         Where a light is at theta = 0 or pi, its column of phi is 0: solvers that factor the
-        Jacobian must stand a missing rank there.
+        Jacobian must handle the missing rank there.
 
     Examples
     --------
@@ -266,5 +265,5 @@ def _surface(
     k_d: object,
     C: ArrayLike,  # noqa: N803, the paper's name
 ) -> tuple[float, float, list[float]]:
-    """The surface of the probe, or a refusal."""
+    """Check the surface of the probe."""
     return amount("k_a", k_a), amount("k_d", k_d), colour("C", C)

@@ -1,4 +1,4 @@
-"""A white Lambertian probe under a map, under sources and under a rig."""
+"""Irradiance of a white Lambertian probe under a map, under sources and under a rig."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from envlights import _native
 from envlights._check import amount, colour, count, flag, float_image, reals
 from envlights._native import EnvLightsError
 
-#: Width of the map that `working_irradiance` makes when it is not told another.
+#: Default width of the map that `working_irradiance` makes.
 WORKING_COLUMNS = 256
 
 
@@ -20,10 +20,9 @@ def irradiance(
 ) -> NDArray[np.float64]:
     r"""Exact irradiance of an equirectangular map at `normals`.
 
-    `EnvMap.probe` checks and cleans a map and then calls this. Every pixel is a cell of one
-    radiance; the integral over the cells is exact to 1e-4 on maps of 2 rows, and to 1e-6 from 256
-    rows on. What lies behind the horizon of a normal adds rounding alone, at most 1e-15 of its
-    flux: on the dark side of a sun of 1e9 times the room, the room is right to 1e-6.
+    `EnvMap.probe` checks and cleans a map and then calls this function. Every pixel has a constant
+    radiance; the integral is exact to 1e-4 on maps of 2 rows, and to 1e-6 from 256 rows on. Light
+    behind the horizon of a normal adds a rounding error of at most 1e-15 of its flux.
 
     Parameters
     ----------
@@ -32,7 +31,7 @@ def irradiance(
     normals : array_like, shape (n, 3)
         Unit vectors.
     border_sampled : bool
-        Whether the outer pixels lie on the seam and the poles.
+        True: the outer pixels lie on the seam and the poles.
 
     Returns
     -------
@@ -67,17 +66,17 @@ def working_irradiance(
     Parameters
     ----------
     radiance, normals, border_sampled
-        As for `irradiance`.
+        Arguments of `irradiance`.
     columns : int
         Width of the working map.
     source_share : float
-        Share of the flux of any channel from which a cell is a source.
+        Fraction of the flux of any channel above which a cell becomes a point source.
 
     Returns
     -------
     irradiance : ndarray, shape (n, 3)
     sources : int
-        How many cells were taken as sources.
+        Number of cells that became point sources.
 
     Examples
     --------
@@ -111,9 +110,9 @@ def sum_over_sources(
     directions : array_like, shape (K, 3)
         Unit vectors towards the sources.
     radiance : array_like, shape (K, 3)
-        Of the sources.
+        Radiance of the sources.
     solid_angles : array_like, shape (K,)
-        Of the sources; the paper's even sphere has ``4 pi / K``.
+        Solid angles of the sources; ``4 pi / K`` on the paper's even sphere.
     k_d : float
         Diffuse coefficient of the probe: 1 gives irradiance, ``1 / pi`` the radiance of white.
     C : sequence of 3 floats
@@ -145,8 +144,8 @@ def rig_irradiance(
 ) -> NDArray[np.float64]:
     r"""Irradiance under ambient and directional lights: equations 4 to 6 of Madsen et al. (2003).
 
-    Lights with a size are discs of one radiance. Where the horizon of a normal cuts a disc, the
-    part in front is summed in closed form (Snyder 1996, "Area light sources for real-time
+    Lights with a size are discs of uniform radiance. A disc that the horizon of a normal cuts is
+    integrated in closed form (Snyder 1996, "Area light sources for real-time
     graphics"; Lagarde and de Rousiers 2014, "Moving Frostbite to physically based rendering",
     listing 7).
 
@@ -161,18 +160,18 @@ def rig_irradiance(
     directions : array_like, shape (m, 3)
         Unit vectors towards the lights.
     irradiance : array_like, shape (m, 3)
-        Of each light at normal incidence.
+        Irradiance of each light at normal incidence.
     angular_radius : array_like, shape (m,), optional
-        Of each light, in radians from 0 to pi / 2. All are points when left out.
+        Radians from 0 to pi / 2. Default: all lights are points.
     floor : bool
-        Whether a floor hides the lower half of a constant environment.
+        True: a floor hides the lower half of a constant environment.
 
     Returns
     -------
     ndarray, shape (n, 3)
-        :math:`\pi L_a + \sum_j E_j \max(0, n \cdot l_j)`; harmonics of order 0, 1, 2 count
-        :math:`\pi`, :math:`2 \pi / 3`, :math:`\pi / 4` times. Over a floor, the ambient light
-        counts :math:`(1 + n_y) / 2` times.
+        :math:`\pi L_a + \sum_j E_j \max(0, n \cdot l_j)`; harmonics of order 0, 1, 2 are
+        multiplied by :math:`\pi`, :math:`2 \pi / 3`, :math:`\pi / 4`, and ambient light over a
+        floor by :math:`(1 + n_y) / 2`.
 
     Examples
     --------
@@ -196,7 +195,7 @@ def rig_irradiance(
 def disc_map(
     height: int, directions: ArrayLike, irradiance: ArrayLike, angular_radius: ArrayLike
 ) -> NDArray[np.float64]:
-    r"""Discs of one radiance each, drawn into an equirectangular map.
+    r"""Draw discs of uniform radiance into an equirectangular map.
 
     Parameters
     ----------
@@ -205,16 +204,15 @@ def disc_map(
     directions : array_like, shape (m, 3)
         Unit vectors towards the discs.
     irradiance : array_like, shape (m, 3)
-        Of each disc at normal incidence: its radiance is this over :math:`\pi \sin^2 a`.
+        Irradiance of each disc at normal incidence: its radiance times :math:`\pi \sin^2 a`.
     angular_radius : array_like, shape (m,)
-        In radians from 0 to pi / 2. No disc is drawn with a radius below that of a pixel.
+        In radians from 0 to pi / 2. The drawn radius is at least that of a pixel.
 
     Returns
     -------
     ndarray, shape (height, 2 * height, 3)
-        Radiance. Pixels on a rim are as bright as the share of them that is covered, black below
-        0.08. A radiance that is linear in the direction, small beside that of the disc, keeps
-        :math:`\int L(\omega)\, \omega\, d\omega`.
+        Radiance. Pixels on a rim are as bright as their covered fraction, and black below 0.08. A
+        small linear term in the direction preserves :math:`\int L(\omega)\, \omega\, d\omega`.
 
     Examples
     --------
@@ -228,7 +226,7 @@ def disc_map(
 
 
 def coefficients(ambient: ArrayLike) -> NDArray[np.float64]:
-    """Coefficients of an ambient term as rows of RGB, or a refusal."""
+    """Check the coefficients of an ambient term, and return them as rows of RGB."""
     try:
         array = np.asarray(ambient)
     except ValueError as error:

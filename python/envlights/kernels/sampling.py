@@ -12,7 +12,7 @@ from envlights._check import count, counts, reals
 
 
 def radical_inverse(index: int, base: int = 2) -> float:
-    """Digits of `index` in `base`, mirrored behind the point: van der Corput's sequence.
+    """Radical inverse of `index` in `base` (van der Corput's sequence).
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ def hammersley(n: int) -> NDArray[np.float64]:
     Parameters
     ----------
     n : int
-        How many.
+        Number of points.
 
     Returns
     -------
@@ -63,7 +63,7 @@ def halton(n: int, bases: Sequence[int] = (2, 3)) -> NDArray[np.float64]:
     Parameters
     ----------
     n : int
-        How many.
+        Number of points.
     bases : sequence of int
         One base for each axis, 2 or more, without common factors.
 
@@ -82,7 +82,7 @@ def halton(n: int, bases: Sequence[int] = (2, 3)) -> NDArray[np.float64]:
 
 
 def uniform_sphere(uv: ArrayLike) -> NDArray[np.float64]:
-    """Points of the unit square on the sphere, equal areas staying equal.
+    """Map points of the unit square to the sphere, with equal areas.
 
     Parameters
     ----------

@@ -12,7 +12,7 @@ from envlights import _native
 from envlights._blocks import in_blocks
 from envlights._check import count, flag, reals
 
-#: The frame of all directions, as files name it.
+#: Name of the frame in files.
 FRAME = "right-handed, +y up; image centre +z, left quarter +x; towards the light"
 
 
@@ -78,7 +78,7 @@ def pixel_directions(
     height, width : int
         Size of the image, 2 or more.
     border_sampled : bool
-        Whether the outer pixels lie on the seam and the poles (OpenEXR's `envmap` files).
+        True: the outer pixels lie on the seam and the poles (OpenEXR's `envmap` files).
 
     Returns
     -------
@@ -96,9 +96,9 @@ def pixel_directions(
 def over_map(
     height: int, value: Callable[[NDArray[np.float64]], NDArray[Any]], *, finer: int = 1
 ) -> NDArray[Any]:
-    """What `value` makes of the directions of a map's pixels, (n, 2 * height, 3) for rows of it.
+    """Array of the results of `value` for the pixel directions of a map, in blocks of rows.
 
-    With `finer`, each of its rows is made of that many rows of a map that much higher.
+    `finer` multiplies the resolution at which `value` is called.
     """
     high, wide = finer * height, 2 * finer * height
 
@@ -123,7 +123,7 @@ def pixel_solid_angles(
     height, width : int
         Size of the image, 2 or more.
     border_sampled : bool
-        Whether the outer pixels lie on the seam and the poles (and are cut by them).
+        True: the outer pixels lie on the seam and the poles, which cut them.
 
     Returns
     -------

@@ -3,15 +3,15 @@
 | picture                                                        | file          |
 |----------------------------------------------------------------|---------------|
 | a map alone, with a rig, or with detected lights               | `maps.py`     |
-| a map, its lights, and what is left without them               | `split.py`    |
+| a map, its lights, and the map without them                    | `split.py`    |
 | several rigs of a map; the error against the number of lights  | `compare.py`  |
-| what is clipped in a map that ends at white, and its lights    | `plateau.py`  |
+| clipped regions of a map, and the lights in them               | `plateau.py`  |
 | lights on the sphere                                           | `globe.py`    |
 | the steps of Loghin (2021)                                     | `article.py`  |
 | a scene under a map and under rigs, with Mitsuba               | `scene.py`    |
 | a predicted frame beside the truth                             | `transfer.py` |
-| a lightmap of the synthetic room, and where its parts lie      | `room.py`     |
-| where our axes lie in other programs                           | `axes.py`     |
+| a lightmap of the synthetic room, and the position of its parts| `room.py`     |
+| our axes in other programs                                     | `axes.py`     |
 | the basis of a transfer model and its spectrum                 | `basis.py`    |
 
 They share `figure.py`, `ground.py` (the exposed map), `markers.py` (lights on it), `outlines.py`,

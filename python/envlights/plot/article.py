@@ -20,11 +20,11 @@ from envlights.plot.globe import draw_globe, on_page
 from envlights.plot.ground import degrees, draw_ground, expose, working
 from envlights.plot.markers import RIM, area, draw_discs, draw_numbers
 
-#: Colour of what is kept, and of what a step leaves behind.
+#: Colour of selected and of rejected samples.
 _KEPT, _LEFT = "gold", "deepskyblue"
-#: Points of the page that a degree of a map takes, at least.
+#: Smallest number of points on the page for a degree of a map.
 _POINTS = 1.1
-#: Where the sphere is seen from.
+#: View direction of the sphere.
 _EYE = np.array([0.48, 0.36, 0.8])
 
 
@@ -38,13 +38,13 @@ class _Steps(NamedTuple):
     """Samples near a bright pixel, brightest first, (k, 3)."""
 
     maxima: NDArray[np.float64]
-    """The brightest pixel in the window of each of those, (k, 3)."""
+    """Brightest pixel in the window of each bright sample, (k, 3)."""
 
     survivor: NDArray[np.int64]
-    """Which of those each is suppressed by, or itself, (k,)."""
+    """Index of the sample that suppresses each, or its own, (k,)."""
 
     light: NDArray[np.int64]
-    """The light to which each belongs, (k,)."""
+    """Light of each bright sample, (k,)."""
 
 
 def article_picture(env: AnyMap, **options: Any) -> Picture:
@@ -59,7 +59,7 @@ def article_picture(env: AnyMap, **options: Any) -> Picture:
     env : EnvMap, path-like or array_like, shape (height, 2 * height, 3)
         The map.
     **options
-        Those of `detect_article`.
+        Options of `detect_article`.
 
     Returns
     -------
@@ -96,7 +96,7 @@ def _parameters() -> dict[str, inspect.Parameter]:
 
 
 def _steps(env: EnvMap, lights: DetectedLights, options: dict[str, Any]) -> _Steps:
-    """What `detect_article` does not keep, from the same kernels."""
+    """Recompute the intermediate directions of `detect_article`."""
     height, width = lights.report.working_size
     taken = int(options["samples_per_pixel"] * width * height)
     samples = sampling.uniform_sphere(sampling.hammersley(taken))
@@ -126,7 +126,7 @@ def _draw_samples(axes: Axes, env: EnvMap, steps: _Steps) -> None:
     draw_globe(axes, env, eye)
     at, is_near = on_page(steps.samples, eye)
     axes.plot(*at[is_near].T, ".", ms=2, color=_LEFT)
-    axes.set_title(f"1. samples: {len(steps.samples)}, each for as much of the sphere")
+    axes.set_title(f"1. samples: {len(steps.samples)}, of equal solid angle")
 
 
 def _draw_bright(axes: Axes, steps: _Steps) -> None:
@@ -143,7 +143,7 @@ def _draw_survivors(axes: Axes, steps: _Steps) -> None:
     _draw_links(axes, at, at[steps.survivor], _LEFT)
     axes.plot(*at.T, ".", ms=3, color=_LEFT)
     axes.plot(*at[kept].T, "o", ms=5, mec="black", mew=0.5, color=_KEPT)
-    axes.set_title(f"3. survivors: {len(kept)}, and what they suppress")
+    axes.set_title(f"3. survivors: {len(kept)}, and the samples they suppress")
 
 
 def _draw_lights(axes: Axes, lights: DetectedLights, steps: _Steps) -> None:
@@ -158,7 +158,7 @@ def _draw_lights(axes: Axes, lights: DetectedLights, steps: _Steps) -> None:
 def _draw_links(
     axes: Axes, start: NDArray[np.float64], end: NDArray[np.float64], colour: str
 ) -> None:
-    """Draw lines between places, but none right across the seam."""
+    """Draw lines between directions, except across the seam."""
     is_near = np.abs(start[:, 0] - end[:, 0]) < 180
     links = np.stack([start, end], axis=1)[is_near]
     axes.add_collection(LineCollection(list(links), colors=colour, lw=0.7))

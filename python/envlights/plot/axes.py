@@ -1,4 +1,4 @@
-"""Where our axes lie in other programs."""
+"""Our axes in other programs."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from envlights.export.targets import TARGETS
 from envlights.plot.figure import Picture
 
 _COLOURS = ("#c0392b", "#1e8449", "#2456a6")
-#: Our axes on paper, as seen from (1, 1, 1): all three point towards the eye.
+#: Our axes on paper, seen from (1, 1, 1); all three point towards the viewer.
 _DRAWN = np.array([[0.85, -0.45], [0.0, 1.0], [-0.85, -0.45]])
 _COLUMNS = 5
 
 
 def axes_picture() -> Picture:
-    """Draw our axes, and write at each arrow what it is called in the target.
+    """Draw our axes, with the name of each in the target.
 
-    Arrows are our +x (red), +y (green) and +z (blue, where the centre of the map looks). A dashed
-    arrow shows where the target looks at the centre of a map that is not turned, if that is
-    elsewhere.
+    Arrows are our +x (red), +y (green) and +z (blue, the centre of the map). A dashed
+    arrow shows the direction in which the target puts the centre of an unrotated map, if that
+    differs.
 
     Returns
     -------
@@ -64,7 +64,7 @@ def _draw(panel: Panel, axes: Axes) -> None:
 
 
 def axis_name(direction: ArrayLike) -> str:
-    """The name of a direction along an axis, such as "+x"."""
+    """Name of a direction along an axis, such as "+x"."""
     values = np.asarray(direction)
     axis = int(np.argmax(np.abs(values)))
     return ("+" if values[axis] > 0 else "−") + "xyz"[axis]

@@ -1,4 +1,4 @@
-"""A ball as a camera sees it from afar: normals, and a smooth rim."""
+"""Orthographic image of a ball: normals, and a smooth rim."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _SIZE = 192
 
 
 class Ball(NamedTuple):
-    """The pixels of a ball that is seen from one direction."""
+    """Pixels of a ball seen from one direction."""
 
     normals: NDArray[np.float64]
     """Unit normal of each pixel of `inside`, (n, 3)."""
@@ -21,7 +21,7 @@ class Ball(NamedTuple):
     """Pixels that the ball covers, even in part, (size, size)."""
 
     cover: NDArray[np.float64]
-    """Share of each of those that it covers, (n,)."""
+    """Covered fraction of each of these pixels, (n,)."""
 
     def image(self, colours: NDArray[np.floating]) -> NDArray[np.float64]:
         """RGBA image of the colours of its pixels, (n, 3), clear around the ball."""

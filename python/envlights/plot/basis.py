@@ -1,4 +1,4 @@
-"""The basis of a transfer model, and how much of the light its directions hold."""
+"""Basis of a transfer model, and the energy of its directions."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from envlights.transfer import TransferModel
 
 #: Images in a row.
 _COLUMNS = 8
-#: Shares of the energy whose counts are told.
+#: Fractions of the energy for which the number of directions is marked.
 SHARES = (0.9, 0.95, 0.99)
 
 
@@ -21,14 +21,14 @@ def basis_picture(model: TransferModel, directions: int = 16) -> Picture:
     """Draw the first directions of the basis as images, each around zero.
 
     The first is like a mean image; later ones move light between parts of the scene, red where they
-    add and blue where they take away.
+    add light and blue where they remove it.
 
     Parameters
     ----------
     model : TransferModel
         The model.
     directions : int
-        How many, at most.
+        Largest number of directions.
 
     Returns
     -------
@@ -59,7 +59,7 @@ def basis_picture(model: TransferModel, directions: int = 16) -> Picture:
 
 
 def spectrum_picture(model: TransferModel) -> Picture:
-    """Draw the energy that the basis leaves out, against the number of its directions.
+    """Draw the energy outside the basis against the number of its directions.
 
     Lines mark how many directions hold 90, 95 and 99 % of the energy of the images.
 
@@ -104,7 +104,7 @@ def spectrum_picture(model: TransferModel) -> Picture:
 
 
 def energy_shares(model: TransferModel) -> NDArray[np.float64]:
-    """Share of the energy of the learnt images in each direction, (rank,)."""
+    """Fraction of the energy of the pairs in each direction, (rank,)."""
     learnt = model.learnt
     inside = np.sum(learnt.coefficients**2, axis=(0, 1))
     left = np.trace(learnt.outside, axis1=1, axis2=2).sum()

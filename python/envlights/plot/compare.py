@@ -1,4 +1,4 @@
-"""Rigs side by side, and the error against the number of lights."""
+"""Comparison of rigs, and the error against the number of lights."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from envlights.plot.markers import draw_lights
 from envlights.plot.probe import draw_probes, shaded_ball, viewpoint
 from envlights.rig import Rig
 
-#: Points of the page that a degree of a map takes, at least, in a row of a picture.
+#: Smallest number of points on the page for a degree of a map, in a row of a picture.
 _POINTS = 0.95
 
 
@@ -57,9 +57,9 @@ def rigs_picture(env: AnyMap, *rigs: Rig) -> Picture:
 
 
 def error_picture(*rigs: Rig) -> Picture:
-    """Draw the error against the number of lights, as the reports of rigs have it.
+    """Draw the error against the number of lights, from the reports of rigs.
 
-    Points are the numbers of lights that a fit tried; a ring is a rig itself, with its sizes.
+    Points are numbers of lights in the search; a ring is the rig itself, with sizes.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def error_picture(*rigs: Rig) -> Picture:
 
 
 def _draw_curve(axes: Axes, rig: Rig, colour: str) -> None:
-    """Errors of the numbers that were tried, and the rig."""
+    """Errors of all numbers of lights in the search, and of the rig."""
     ambient = rig.report.ambient or "given"
     tried = {lights: 100 * error for lights, error in rig.report.errors.items() if error > 0}
     points = "points" if rig.report.sized_error is not None else "lights"
@@ -101,5 +101,5 @@ def _draw_curve(axes: Axes, rig: Rig, colour: str) -> None:
     axes.plot(list(tried), list(tried.values()), ".-", color=colour, label=told)
     sizes = " with sizes" if rig.lights.angular_radius.any() else ""
     label = f"the rig: {rig.lights.in_short()}{sizes}, {100 * rig.error:.3g} %"
-    error = 100 * rig.error or float("nan")  # a logarithm has no place for 0
+    error = 100 * rig.error or float("nan")  # a logarithmic axis has no 0
     axes.plot([len(rig.lights)], [error], "o", ms=9, mfc="none", mec=colour, label=label)

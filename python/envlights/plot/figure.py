@@ -14,14 +14,14 @@ from envlights._native import EnvLightsError
 from envlights.io.files import PICTURES, as_path, write_atomically
 from envlights.rig import Rig
 
-#: Colour of the ground.
+#: Colour of the background.
 GROUND = "#e4e4e2"
 
 
 class Picture(Figure):
-    """A figure that any notebook shows, with or without the Matplotlib of `%matplotlib inline`.
+    """Figure that any notebook shows, with or without `%matplotlib inline`.
 
-    Its ground is a light grey, which suits light and dark pages, and on which white shows.
+    Its background is light grey, which suits light and dark pages, and on which white is visible.
     """
 
     def __init__(self, **options: Any) -> None:
@@ -39,7 +39,7 @@ def check_is(name: str, value: object, kind: type) -> None:
 
 
 def check_are_rigs(values: tuple[object, ...]) -> None:
-    """Refuse what is not one rig or more."""
+    """Refuse anything but one or more rigs."""
     others = [type(value).__name__ for value in values if not isinstance(value, Rig)]
     if others or not values:
         seen = others[0] if others else "none"
@@ -47,25 +47,25 @@ def check_are_rigs(values: tuple[object, ...]) -> None:
 
 
 def hide_frame(axes: Axes) -> None:
-    """Leave frame and ticks out; ticks that are only not drawn take their time all the same."""
+    """Remove frame and ticks; invisible ticks would still take time."""
     axes.set(xticks=[], yticks=[])
     axes.axis("off")
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:
-    """Write a picture as PNG, PDF or SVG, whole or not at all."""
+    """Write a picture as PNG, PDF or SVG; a failure leaves no file."""
     check_is("figure", figure, Figure)
     suffix = as_path(path).suffix.lower()
     if suffix not in PICTURES:
         raise EnvLightsError(f"cannot draw {path}; the suffix must be {', '.join(PICTURES)}")
-    # Drawn in memory: on a full disk, matplotlib breaks while it closes a PDF.
+    # Draw in memory, because Matplotlib cannot close a PDF on a full disk.
     drawn = _draw(figure, suffix[1:])
     write_atomically(path, lambda beside: beside.write_bytes(drawn))
 
 
 def _draw(figure: Figure, form: str) -> bytes:
     drawn = io.BytesIO()
-    # Compress fast: files are a twentieth larger, in half the time.
+    # Compress fast: files are 5 % larger, in half the time.
     options: dict[str, Any] = {"pil_kwargs": {"compress_level": 4}} if form == "png" else {}
     figure.savefig(drawn, format=form, dpi=100, bbox_inches="tight", **options)
     return drawn.getvalue()

@@ -16,22 +16,22 @@ from envlights.plot.figure import Picture, check_is, hide_frame
 from envlights.plot.ground import working
 from envlights.plot.markers import area, draw_discs
 
-#: How far the eye stands above the horizon, in degrees.
+#: Elevation of the viewer, in degrees.
 _ELEVATION = 25
 
 
 def sphere_picture(env: AnyMap, lights: Lights) -> Picture:
     """Draw lights on the sphere of directions, with the map on it, from both sides.
 
-    The sphere is seen from outside, so the map is mirrored. The left eye stands on the side of the
-    brightest light, the right one opposite. Discs are those of `picture`.
+    The sphere is seen from outside, so the map is mirrored. The left view is from the side of the
+    brightest light, the right one from the opposite side. Discs are those of `picture`.
 
     Parameters
     ----------
     env : EnvMap, path-like or array_like, shape (height, 2 * height, 3)
         The map.
     lights : Lights or DetectedLights
-        Those of a rig, or those that were detected.
+        Lights of a rig, or detected lights.
 
     Returns
     -------
@@ -79,7 +79,7 @@ def draw_globe(axes: Axes, env: EnvMap, eye: NDArray[np.float64]) -> None:
 def on_page(
     directions: NDArray[np.float64], eye: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Where directions are drawn, (n, 2), and which of them are on the near side."""
+    """Positions of directions on the axes, (n, 2), and a mask of those on the near side."""
     right, up = axes_of(eye)
     return np.stack([directions @ right, directions @ up], axis=1), directions @ eye > 0
 

@@ -1,4 +1,4 @@
-"""A map as the ground of a picture, exposed so that its lamps are seen."""
+"""Map as the background of a picture, exposed so that its lamps are visible."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from envlights.kernels.image import LUMINANCE
 
 #: Columns of the picture of a map.
 _COLUMNS = 1024
-#: Where a map lies on its axes, in degrees.
+#: Extent of a map on its axes, in degrees.
 EXTENT = (0.0, 360.0, -90.0, 90.0)
 #: Stops of the scale of luminance, below white and above it.
 _BELOW, _ABOVE = 8, 6
@@ -26,34 +26,34 @@ _STEP = 2
 
 
 def working(env: EnvMap) -> NDArray[np.float32]:
-    """The radiance of a map in at most about 2000 columns."""
-    # Of a very large map, leave pixels out before taking means.
+    """Radiance of a map in at most about 2000 columns."""
+    # Skip pixels of a very large map before averaging.
     step = max(env.width // (4 * _COLUMNS), 1)
     return _thumbnails.shrink(env.radiance[::step, ::step], _COLUMNS).astype(np.float32)
 
 
 class Ground(NamedTuple):
-    """A map as it is drawn."""
+    """Colours and exposure of a drawn map."""
 
     codes: NDArray[np.uint8]
     """Colours, (height, width, 3)."""
 
     white: float
-    """The luminance that becomes white."""
+    """Luminance drawn as white."""
 
     exposure: str
-    """The same in words."""
+    """Exposure in words."""
 
 
 def expose(radiance: NDArray[np.float32]) -> Ground:
-    """A map, in the form of `working`, so that its lamps are seen."""
+    """Expose a map, in the form of `working`, so that its lamps are visible."""
     white, darker = _thumbnails.white_of(radiance)
     told = f"white is a luminance of {white:.3g}; {100 * darker:.3g} % of the sphere is darker"
     return Ground(_thumbnails.expose(radiance, white), white, told)
 
 
 def draw_ground(axes: Axes, codes: NDArray[np.uint8]) -> None:
-    """Draw the colours of a map, as often as a figure needs it."""
+    """Draw the colours of a map."""
     axes.imshow(codes, extent=EXTENT, interpolation="antialiased")
     _draw_frame(axes)
 
@@ -75,7 +75,7 @@ def draw_luminance(axes: Axes, env: EnvMap) -> str:
     """Draw luminance in stops above and below the white of `draw_map`; return that in words."""
     radiance = working(env)
     white, _ = _thumbnails.white_of(radiance)
-    # What is black lies below every stop.
+    # Black lies below every stop.
     ratio = np.maximum(radiance @ LUMINANCE / white, np.finfo(float).tiny)
     image = axes.imshow(
         np.log2(ratio),

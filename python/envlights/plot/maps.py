@@ -1,4 +1,4 @@
-"""A map alone, or with its lights: those of a rig, with the probe, or those that were detected."""
+"""Picture of a map: alone, with a rig and the probe, or with detected lights."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from envlights.plot.outlines import outlines
 from envlights.plot.probe import draw_probes, shaded_ball, viewpoint
 from envlights.rig import Rig, error_line, parts_line
 
-#: Links that are drawn, at most.
+#: Largest number of links in a picture.
 _MOST_LINKS = 20_000
 #: Letters in a line of a title.
 _LETTERS = 110
@@ -44,7 +44,7 @@ def map_picture(env: AnyMap, *, stops: bool = False) -> Picture:
     stops : bool
         False: the map, exposed so that its lamps stand out; the title has the exposure. True: its
         luminance in false colours, in stops (powers of two) above and below that white, which shows
-        what any exposure cuts off.
+        all values at once.
 
     Returns
     -------
@@ -72,7 +72,7 @@ def picture(env: AnyMap, rig: Rig) -> Picture:
     """Draw the map with the lights on it, the probe under map and rig, and their difference.
 
     The probe is viewed from beside the brightest light, so that its lit and its dark side show; the
-    map has a mark at that place. Both probes have the same exposure; the difference is of
+    map has a mark at that position. Both probes have the same exposure; the difference is of
     luminance, in percent of the mean.
 
     Parameters
@@ -80,12 +80,12 @@ def picture(env: AnyMap, rig: Rig) -> Picture:
     env : EnvMap, path-like or array_like, shape (height, 2 * height, 3)
         The map.
     rig : Rig
-        Its lights.
+        Rig to draw.
 
     Returns
     -------
     matplotlib.figure.Figure
-        Shown by Jupyter as it is; `save` and `savefig` write it.
+        Jupyter shows it; `save` and `savefig` write it.
 
     Examples
     --------
@@ -112,9 +112,9 @@ def picture(env: AnyMap, rig: Rig) -> Picture:
 
 
 def detection_picture(env: AnyMap, lights: DetectedLights) -> Picture:
-    """Draw the map with the lights that were detected in it, as in Loghin (2021).
+    """Draw the map with its detected lights, as in Loghin (2021).
 
-    Discs stand at the directions of the lights, in their colours and sized by their shares of the
+    Discs mark the directions of the lights, in their colours, with areas proportional to the
     flux. Lines are the outlines of their pixels, or their samples with a link to each. Crosses are
     their peaks.
 
@@ -143,7 +143,7 @@ def detection_picture(env: AnyMap, lights: DetectedLights) -> Picture:
     axes = figure.add_subplot()
     exposure = draw_map(axes, env)
     _draw_members(axes, lights)
-    # Discs are half as large as those of a rig: lamps may stand close together.
+    # Discs are half as large as those of a rig, because lamps may be close together.
     at, areas = degrees(lights.direction), area(lights.share) / 2
     draw_discs(axes, at, areas, lights.irradiance)
     peaks = degrees(lights.peak_direction)
@@ -164,9 +164,9 @@ def detection_picture(env: AnyMap, lights: DetectedLights) -> Picture:
 
 
 def _draw_eye(axes: Axes, eye: NDArray[np.float64]) -> Line2D:
-    """Mark the direction from which the probe is seen."""
+    """Mark the view direction of the probe."""
     ((azimuth, elevation),) = degrees(eye[None])
-    # It lies above the numbers, which would hide it among many lights.
+    # Draw it above the numbers, which could hide it.
     axes.scatter(
         [azimuth], [elevation], s=81, marker="^", c="deepskyblue", edgecolors="black", zorder=6
     )

@@ -1,4 +1,4 @@
-"""Lights on a map: discs sized by their share and filled with their colour, rims, numbers."""
+"""Markers of lights on a map: discs in their colour with an area for their share, rims, numbers."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from envlights.lights import Lights
 from envlights.plot.ground import EXTENT, degrees
 from envlights.scene.surface import tangent_frames
 
-#: Area of the disc of a light that holds all, and the least area, in square points.
+#: Area of the disc of a light with a share of 1, and the least area, in square points.
 _LARGEST, _SMALLEST = 900.0, 14.0
-#: Shares that the legend shows.
+#: Shares in the legend.
 _SHARES = (0.5, 0.1, 0.01)
 #: Colour of rims and outlines: rare in photographs.
 RIM = "#ff2bd6"
 #: Size of numbers, and width of a letter and height of a line of them, in points.
 _FONT, _LETTER, _LINE = 9, 5.8, 10.2
-#: Points of the page that a degree of the map takes, at least, where a map fills the page.
+#: Smallest number of points on the page for a degree of a map that fills the page.
 _POINTS = 1.6
-#: Numbers on one map, at most.
+#: Largest number of numbers on one map.
 _MOST_NUMBERS = 40
 
 
@@ -38,7 +38,7 @@ def area(share: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def draw_lights(axes: Axes, lights: Lights, points: float = _POINTS) -> None:
-    """Draw the rim of each light that has a size, a disc in its colour, and numbers with room.
+    """Draw the rim of each light with a size, a disc in its colour, and numbers that fit.
 
     A degree of the map takes at least `points` of the page; discs shrink with it.
     """
@@ -61,7 +61,7 @@ def draw_discs(
     areas: NDArray[np.float64],
     irradiance: NDArray[np.float64],
 ) -> None:
-    """Draw discs in the colours of lights, with a ring that shows on dark and on bright."""
+    """Draw discs in the colours of lights, with a ring that is visible on dark and bright maps."""
     colours = colours_of(irradiance)
     x, y = at.T
     axes.scatter(x, y, s=_ring(areas), c="black", linewidths=0, clip_on=False, zorder=3)
@@ -71,7 +71,7 @@ def draw_discs(
 
 
 def draw_rings(axes: Axes, at: NDArray[np.float64], areas: NDArray[np.float64]) -> None:
-    """Draw a ring in place of each disc, which covers nothing of the map."""
+    """Draw a ring for each light, which leaves the map visible."""
     x, y = at.T
     ring: dict[str, Any] = {"facecolors": "none", "clip_on": False}
     axes.scatter(x, y, s=_ring(areas), edgecolors="black", linewidths=2.8, zorder=3, **ring)
@@ -98,7 +98,7 @@ def _rim(direction: NDArray[np.float64], radius: float) -> NDArray[np.float64]:
 def draw_numbers(
     axes: Axes, at: NDArray[np.float64], areas: NDArray[np.float64], points: float = _POINTS
 ) -> None:
-    """Number lights beside their discs, the brightest first, where there is room.
+    """Number lights beside their discs if there is room, the brightest first.
 
     A number neither covers another, nor any disc, nor leaves the map.
     """
@@ -132,7 +132,7 @@ def _free_box(
     radius: float,
     taken: NDArray[np.float64],
 ) -> NDArray[np.float64] | None:
-    """Left, bottom, right and top of a place for `text` beside a disc, or None.
+    """Left, bottom, right and top of free space for `text` beside a disc, or None.
 
     `size` is that of a letter in degrees.
     """
@@ -148,7 +148,7 @@ def _free_box(
 
 
 def legend_entries(lights: Lights) -> list[Line2D]:
-    """What discs and rims stand for."""
+    """Legend entries of discs and rims."""
     entries = [
         _entry("o", f"{100 * share:g} %", 2 * np.sqrt(float(area(np.array(share))) / np.pi))
         for share in _SHARES
@@ -164,7 +164,7 @@ def _entry(marker: str, label: str, size: float) -> Line2D:
 
 
 def draw_legend(axes: Axes, entries: Sequence[Artist]) -> None:
-    """Explain the marks below the map, where they cover nothing."""
+    """Add a legend of the markers below the map."""
     axes.legend(
         handles=entries,
         loc="upper center",

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 def outlines(number: NDArray[np.int64]) -> NDArray[np.float64]:
     """Line segments between pixels of different numbers, (n, 2, 2): ends as column and row.
 
-    Pixels beyond the image, and those left of the first column, are as those of number 0. Edges in
+    Pixels outside the image count as number 0. Edges in
     one line are one segment.
     """
     padded = np.pad(number, 1)

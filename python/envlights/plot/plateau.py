@@ -1,4 +1,4 @@
-"""A map that ends at white: its plateau, how deep that is, and the lights that were told apart."""
+"""Picture of a clipped map: clipped regions, their depth, and the lights in them."""
 
 from __future__ import annotations
 
@@ -18,24 +18,24 @@ from envlights.plot.ground import EXTENT, degrees, draw_map
 from envlights.plot.markers import RIM, area, draw_discs, draw_legend, draw_numbers, draw_rims
 from envlights.repair import PLATEAU_COLUMNS, PLATEAU_GAP
 
-#: Colour of what is clipped, and how much of it covers the map: red, green, blue, alpha.
+#: Colour of clipped pixels: red, green, blue, alpha.
 _CLIPPED = (0.0, 0.75, 1.0, 0.5)
-#: Points of the page that a degree of the map takes, at least: the scale takes a part of the width.
+#: Smallest number of points on the page for a degree of the map, beside the colour scale.
 _POINTS = 1.45
 
 
 def plateau_picture(env: AnyMap, lights: DetectedLights) -> Picture:
-    """Draw a map that ends at white, what is clipped in it, and the lights behind that.
+    """Draw a clipped map, its clipped regions, and the lights in them.
 
-    Above: the map, with what is clipped in blue. Below: the depth of the plateau, the angle to its
-    rim, by which lights are told apart. Discs stand at the directions of the lights, sized by
-    their shares of all weight: a guess. Around each is a circle within which its direction is
-    uncertain.
+    Above: the map, with clipped pixels in blue. Below: the depth of the clipped regions, which is
+    the angle to their rim and separates the lights. Discs mark the directions of the lights, with
+    areas for their estimated shares. A circle around each shows the uncertainty of its
+    direction.
 
     Parameters
     ----------
     env : EnvMap, path-like or array_like, shape (height, 2 * height, 3)
-        A map with a white: one of 8 or 16 bits, or with `white` given.
+        Map with a clip level: of 8 or 16 bits, or made with `white`.
     lights : DetectedLights
         The result of `detect_tree` on it.
 
@@ -46,7 +46,7 @@ def plateau_picture(env: AnyMap, lights: DetectedLights) -> Picture:
     Raises
     ------
     EnvLightsError
-        If the map has no white, or the lights were found without one.
+        If the map has no clip level, or the lights were detected without one.
 
     Examples
     --------
@@ -61,10 +61,10 @@ def plateau_picture(env: AnyMap, lights: DetectedLights) -> Picture:
     env = as_envmap(env)
     if env.white is None:
         raise EnvLightsError(
-            "the map has no white; give one of 8 or 16 bits, or `EnvMap(..., white=...)`"
+            "the map has no clip level; give one of 8 or 16 bits, or `EnvMap(..., white=...)`"
         )
     if lights.weight is None or lights.direction_uncertainty is None:
-        raise EnvLightsError("the lights were found without a white; give those of `detect_tree`")
+        raise EnvLightsError("the lights were detected without a clip level; use `detect_tree`")
     figure = Picture(figsize=(10, 10.8))
     above, below = figure.subplots(2, 1)
     exposure = draw_map(above, env)
@@ -75,7 +75,7 @@ def plateau_picture(env: AnyMap, lights: DetectedLights) -> Picture:
     share = lights.weight / (lights.weight.sum() or 1.0)
     for axes in (above, below):
         draw_rims(axes, lights.direction, lights.direction_uncertainty)
-        # Discs are half as large as those of a rig: lamps may stand close together.
+        # Discs are half as large as those of a rig, because lamps may be close together.
         at, areas = degrees(lights.direction), area(share) / 2
         draw_discs(axes, at, areas, lights.irradiance)
         draw_numbers(axes, at, areas, _POINTS)
@@ -84,14 +84,14 @@ def plateau_picture(env: AnyMap, lights: DetectedLights) -> Picture:
     draw_legend(below, [clipped, circle])
     sphere, flux = 100 * env.clipped_share, 100 * env.clipped_flux_share
     figure.suptitle(
-        f"{lights.in_short()} behind white\n"
-        f"{sphere:.2g} % of the sphere is clipped, with {flux:.2g} % of its flux"
+        f"{lights.in_short()} in clipped regions\n"
+        f"{sphere:.2g} % of the sphere is clipped and holds {flux:.2g} % of the flux"
     )
     return figure
 
 
 def _tint(env: EnvMap, white: float) -> NDArray[np.uint8]:
-    """The colour of what is clipped where the map is, as RGBA in bytes, an eighth of the memory."""
+    """Overlay of the clipped pixels, as RGBA bytes."""
     rows, columns = max(env.height // 512, 1), max(env.width // 1024, 1)
     largest: NDArray[np.float32] = env.radiance[::rows, ::columns].max(axis=2, keepdims=True)
     colour = np.round(255 * np.array(_CLIPPED)).astype(np.uint8)
@@ -99,7 +99,7 @@ def _tint(env: EnvMap, white: float) -> NDArray[np.uint8]:
 
 
 def _draw_depth(axes: Axes, env: EnvMap, white: float) -> AxesImage:
-    """Draw the depth of the plateau in degrees."""
+    """Draw the depth of the clipped regions in degrees."""
     is_border = env.registration == "border-sampled"
     depth = np.rad2deg(
         _native.plateau_depth(env.radiance, is_border, white, PLATEAU_COLUMNS, PLATEAU_GAP)

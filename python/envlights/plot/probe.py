@@ -22,15 +22,15 @@ from envlights.rig import Rig
 
 
 class ShadedBall(NamedTuple):
-    """A ball as the eye sees it, and its irradiance under a map."""
+    """Pixels of a ball, and its irradiance under a map."""
 
     ball: Ball
     irradiance: NDArray[np.float64]
-    """At each pixel that shows the probe, (n, 3)."""
+    """Irradiance at each pixel of the probe, (n, 3)."""
 
 
 def shaded_ball(env: EnvMap, eye: NDArray[np.float64], floor: bool) -> ShadedBall:
-    """The probe under a map, from the direction `eye`; over a floor if the rigs are."""
+    """Probe under a map, seen from the direction `eye`; over a floor if the rigs are."""
     seen = ball(eye)
     return ShadedBall(seen, under(above_horizon(env) if floor else env, seen.normals))
 
@@ -62,13 +62,13 @@ def _draw_difference(
 
 
 def under(env: EnvMap, normals: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Irradiance under a map, as exact as a picture needs: `EnvMap.probe` takes seconds for it."""
+    """Irradiance under a map, accurate enough for a picture; `EnvMap.probe` would take seconds."""
     border_sampled = env.registration == "border-sampled"
     return working_irradiance(env.radiance, normals, border_sampled=border_sampled)[0]
 
 
 def viewpoint(rig: Rig) -> NDArray[np.float64]:
-    """Direction from the probe to the eye: level with it, 60 degrees aside of the main light."""
+    """Direction from the probe to the viewer: horizontal, 60 degrees beside the main light."""
     if not len(rig.lights):
         return np.array([0.0, 0.0, -1.0])
     ((u, _),) = sphere.direction_to_uv(rig.lights.direction[:1])

@@ -1,4 +1,4 @@
-"""A lightmap of the synthetic room, and where its parts lie in the room."""
+"""Lightmap of the synthetic room, and its parts in the room."""
 
 from __future__ import annotations
 
@@ -13,22 +13,21 @@ from envlights.plot.ball import axes_of
 from envlights.plot.figure import Picture, hide_frame
 from envlights.synthetic.room import Chart, room_charts
 
-#: Where the eye stands: faces that look away from it are left out, such as the walls before it.
+#: Position of the viewer; faces that look away from it are not drawn.
 _EYE = np.array([0.62, 0.5, 0.6])
 #: Parts of the room itself, before those of its boxes.
 _WALLS = 6
-#: Where the letter of a wall stands, along both of its sides.
+#: Position of the letter of a wall, along both of its sides.
 _BEFORE_BOXES = 0.88
-#: Share of the texels that are not brighter than white.
+#: Fraction of the texels that are not brighter than white.
 _WHITE = 99.0
 
 
 def room_picture(direct: ArrayLike, indirect: ArrayLike) -> Picture:
-    """Draw a pair of images of the synthetic room, and the lightmap on the walls it belongs to.
+    """Draw a pair of images of the synthetic room, and the lightmap on its walls.
 
     Letters name the 16 parts of the lightmap: A to F are the walls, floor and ceiling of the room,
-    G to P the sides of its two boxes. The room is seen from above; what is between the eye and its
-    inside is left out.
+    G to P the sides of its two boxes. The room is seen from above, without the walls in front.
 
     Parameters
     ----------
@@ -71,7 +70,7 @@ def room_picture(direct: ArrayLike, indirect: ArrayLike) -> Picture:
 
 
 def _expose(name: str, image: ArrayLike, side: int) -> NDArray[np.floating]:
-    """An image of the room as colours, or a refusal where it is none."""
+    """Colours of an image of the room, or a refusal."""
     array = np.asarray(image, np.float64)
     if array.ndim != 3 or array.shape[0] != array.shape[1] or array.shape[2] != 3:
         raise EnvLightsError(f"{name} must have the shape (n, n, 3); got {array.shape}")
@@ -82,7 +81,7 @@ def _expose(name: str, image: ArrayLike, side: int) -> NDArray[np.floating]:
 
 
 def _draw_room(axes: Axes, image: NDArray[np.floating], charts: list[Chart]) -> None:
-    """Draw the faces that look to the eye, the farthest first."""
+    """Draw the faces that look to the viewer, the farthest first."""
     eye = _EYE / np.linalg.norm(_EYE)
     right, up = axes_of(eye)
     side = int(np.sqrt(len(charts)))
@@ -90,7 +89,7 @@ def _draw_room(axes: Axes, image: NDArray[np.floating], charts: list[Chart]) -> 
     steps = np.linspace(0, 1, texels + 1)
     shown = [number for number, chart in enumerate(charts) if chart.normal @ eye > 0]
     middles = [chart.origin + (chart.rows + chart.columns) / 2 for chart in charts]
-    # The boxes stand before the walls.
+    # The boxes are in front of the walls.
     shown.sort(key=lambda number: (number >= _WALLS, middles[number] @ eye))
     for number in shown:
         chart = charts[number]

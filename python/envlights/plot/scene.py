@@ -15,7 +15,7 @@ from envlights.plot.probe import viewpoint
 from envlights.rig import Rig, parts_line
 from envlights.scene.still_life import Still, still_life
 
-#: Share of the pixels that are not brighter than white.
+#: Fraction of the pixels that are not brighter than white.
 _WHITE = 0.99
 
 
@@ -23,9 +23,9 @@ def scene(env: AnyMap, *rigs: Rig, samples: int = 128, seed: int = 0) -> Picture
     """Draw a ball and a box on a floor under the map and under rigs, and their differences.
 
     All images have the same exposure; a difference is of luminance, in percent of the mean. The
-    stated errors are relative RMS differences of the images, from which the noise is taken out; the
-    stated noise is that of the images as drawn. They include what a probe leaves out: shadows, and
-    light from one surface to another. The eye is beside the brightest light of the first rig. Needs
+    titles hold relative RMS differences of the images, corrected for noise, and the noise of the
+    images. Unlike the error of a probe they include shadows and light between surfaces. The view
+    is from beside the brightest light of the first rig. Needs
     Mitsuba.
 
     Parameters
@@ -60,7 +60,7 @@ def scene(env: AnyMap, *rigs: Rig, samples: int = 128, seed: int = 0) -> Picture
     env = as_envmap(env)
     check_are_rigs(rigs)
     samples, seed = count("samples", samples, least=1), count("seed", seed)
-    # Render all from the same place, each with paths of its own.
+    # Render all from the same position, each with its own paths.
     ((u, _),) = sphere.direction_to_uv([viewpoint(rigs[0])])
     azimuth = 2 * np.pi * u
     truth = still_life(env, azimuth, samples, seed)

@@ -1,4 +1,4 @@
-"""A map, what is left of it without its lights, and what was taken."""
+"""Picture of a split map: the map, the remainder, and the removed light."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from envlights.plot.markers import (
 
 
 def split_picture(env: AnyMap, parts: Split) -> Picture:
-    """Draw a map, what is left of it, and what was taken, all in the exposure of the map.
+    """Draw a map, the remainder, and the removed light, all with the exposure of the map.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def split_picture(env: AnyMap, parts: Split) -> Picture:
     ground = expose(whole)
     draw_ground(on_map, ground.codes)
     draw_ground(on_rest, _thumbnails.expose(rest, ground.white))
-    # What a channel has gained, where one light has several colours, is no light.
+    # A channel can gain where one light has several colours; ignore that.
     draw_ground(on_taken, _thumbnails.expose(np.maximum(whole - rest, 0), ground.white))
     _draw_marks(on_taken, lights)
     brightest, left = _brightest(env), _brightest(parts.rest)
@@ -61,15 +61,15 @@ def split_picture(env: AnyMap, parts: Split) -> Picture:
         f"the map: white is a luminance of {ground.white:.3g}, the brightest pixel has {brightest}"
     )
     on_map.set_title(told, fontsize="small")
-    on_rest.set_title(f"what is left: the brightest pixel has {left}", fontsize="small")
-    on_taken.set_title("what was taken, and its lights", fontsize="small")
+    on_rest.set_title(f"remainder: largest luminance {left}", fontsize="small")
+    on_taken.set_title("removed light, and its lights", fontsize="small")
     share = 100 * lights.flux_share.sum()
-    figure.suptitle(f"{lights.in_short()} with {share:.3g} % of the flux, taken out of a map")
+    figure.suptitle(f"{lights.in_short()} with {share:.3g} % of the flux, removed from the map")
     return figure
 
 
 def _draw_marks(axes: Axes, lights: TakenLights) -> None:
-    """Draw rings around lights, which leave to be seen what was taken, and their numbers."""
+    """Draw rings around lights, and their numbers."""
     draw_rims(axes, lights.direction, lights.discs().angular_radius)
     at, areas = degrees(lights.direction), area(lights.share)
     draw_rings(axes, at, areas)
@@ -78,6 +78,6 @@ def _draw_marks(axes: Axes, lights: TakenLights) -> None:
 
 
 def _brightest(env: EnvMap) -> str:
-    """The largest luminance of a map."""
+    """Largest luminance of a map."""
     largest = float((env.radiance @ LUMINANCE.astype(np.float32)).max())
     return np.format_float_positional(largest, 3, fractional=False, trim="-")

@@ -1,4 +1,4 @@
-"""The figure of a transfer model: a predicted frame beside the truth."""
+"""Picture of a transfer model: a predicted frame beside the truth."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from envlights.transfer.pairs import image_stack
 
 #: Inches across one image.
 _WIDTH = 2.9
-#: Share of the texels that the exposure and the colours of the difference are made for; the few
-#: brightest would leave the others black.
+#: Fraction of the texels within the exposure and the colours of the difference; the few brightest
+#: would make the others black.
 _SHARE = 99.0
 
 
 def transfer_picture(model: TransferModel, direct: ArrayLike, indirect: ArrayLike) -> Picture:
-    """Draw a frame: direct light, then indirect light as it is, as predicted, and as far as it can.
+    """Draw a frame: direct light, then true, predicted and projected indirect light.
 
-    The five images are the direct light that the model is given, the true indirect light, the
-    transfer, the projection and the difference. The projection is the best that the basis of the
+    The five images are the direct light (the input), the true indirect light, the transfer (the
+    prediction), the projection and the difference. The projection is the best that the basis of the
     model can do; any further error of the transfer comes from the regression. The titles hold
     relative errors: the norm of the difference to the reference over the norm of the reference. The
     three images of indirect light have the same exposure; the difference is of luminance, in
@@ -39,14 +39,14 @@ def transfer_picture(model: TransferModel, direct: ArrayLike, indirect: ArrayLik
     model : TransferModel
         The model.
     direct : array_like, shape (h, w, 3 or 4) or (n, h, w, 3 or 4)
-        Direct light of one frame or of several, which stand one below the other.
+        Direct light of one frame or of several, drawn one below the other.
     indirect : array_like, shape (H, W, 3 or 4) or (n, H, W, 3 or 4)
         The true indirect light.
 
     Returns
     -------
     matplotlib.figure.Figure
-        Shown by Jupyter as it is; `envlights.plot.save` writes it.
+        Jupyter shows it; `envlights.plot.save` writes it.
 
     Raises
     ------
@@ -68,7 +68,8 @@ def transfer_picture(model: TransferModel, direct: ArrayLike, indirect: ArrayLik
     lights, _ = image_stack("direct", direct, model.size)
     if len(lights) != len(reference):
         raise EnvLightsError(
-            f"direct and indirect must hold as many images; got {len(lights)} and {len(reference)}"
+            "direct and indirect must hold the same number of images;"
+            f" got {len(lights)} and {len(reference)}"
         )
     rows = zip(reference, model.predict(lights), _project(model, lights, reference), strict=True)
     size = (5 * _WIDTH + 1.2, len(reference) * (_WIDTH * height / width + 0.4) + 0.4)
@@ -87,7 +88,7 @@ def transfer_picture(model: TransferModel, direct: ArrayLike, indirect: ArrayLik
 
 
 def _project(model: TransferModel, lights: NDArray[Any], images: NDArray[Any]) -> NDArray[Any]:
-    """The projection of each image at the scale of the learnt ones, which a mean image needs."""
+    """Projection of each image at the scale of the pairs, which a mean image needs."""
     norm = np.linalg.norm(lights.reshape(len(lights), -1), axis=1)
     scale = np.where(norm > 0, norm, 1)[:, None, None, None]
     projected: NDArray[Any] = model.project(images / scale) * scale
@@ -95,7 +96,7 @@ def _project(model: TransferModel, lights: NDArray[Any], images: NDArray[Any]) -
 
 
 def _draw_direct(axes: Axes, light: NDArray[Any]) -> None:
-    """The input, texel by texel, at an exposure of its own."""
+    """Draw the input, texel by texel, at its own exposure."""
     white = max(float(np.percentile(light, _SHARE)), np.finfo(float).tiny)
     axes.imshow(encode_srgb(light / white), interpolation="nearest")
     axes.set_title(f"direct: {light.shape[1]}x{light.shape[0]} texels")
@@ -139,7 +140,7 @@ def _draw_difference(
 
 
 def _error(image: NDArray[Any], truth: NDArray[Any]) -> str:
-    """Relative error in percent, or words where the reference is black."""
+    """Relative error in percent, or words for a black reference."""
     length = float(np.linalg.norm(truth.astype(np.float64)))
     if length == 0:
         return "of black"

@@ -1,4 +1,4 @@
-"""A scene under a rig: from lights to direct light to indirect light.
+"""Direct and indirect light of a scene under rigs.
 
 | step                                              | file               |
 |---------------------------------------------------|--------------------|
@@ -8,7 +8,7 @@
 | direct light of any rig, with shadows             | `direct.py`        |
 | pairs to learn from                               | `bake.py`          |
 | with Mitsuba: a scene under the light of rigs     | `mitsuba_scene.py` |
-| its shapes side by side in a lightmap             | `charts.py`        |
+| its shapes as charts in a lightmap                | `charts.py`        |
 | a rig as its emitters                             | `emitters.py`      |
 | a sensor on each texel                            | `meters.py`        |
 | a ball and a box on a floor, as an image          | `still_life.py`    |

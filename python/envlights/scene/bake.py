@@ -28,7 +28,7 @@ class BakedPairs(ImagePairs):
     """Noise of each image of indirect light, relative to it, (k,)."""
 
     skipped: tuple[str, ...] = ()
-    """What was not rendered, in words."""
+    """Remarks on texels that were not rendered."""
 
 
 def bake(
@@ -53,7 +53,7 @@ def bake(
     seed : int
         Seed of the paths, which differ from rig to rig.
     progress : bool, optional
-        Whether a progress bar is shown. Left out: in a terminal or a notebook, after a second.
+        True: show a progress bar. Default: after a second, in a terminal or a notebook.
 
     Returns
     -------
@@ -89,7 +89,7 @@ def bake(
 
 
 def _skip_notes(scene: MitsubaScene) -> tuple[str, ...]:
-    """A note on the texels of the lightmap that no path starts from."""
+    """Note on the texels of the lightmap without a surface."""
     covered = scene.lightmap.covered
     bare = np.count_nonzero(~covered)
     return (f"{bare} of {covered.size} texels of the lightmap: no surface",) if bare else ()

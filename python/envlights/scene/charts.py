@@ -15,7 +15,7 @@ from envlights.scene.surface import Surface
 
 
 def charts(mi: Any, shapes: Sequence[Any], width: int) -> Surface:
-    """Charts side by side in rows, each the unit square of its shape's own UV coordinates.
+    """Rows of charts, each the unit square of the UV coordinates of its shape.
 
     Texels without a surface, and those to the right of or below the last charts, stay empty. Where
     the UV coordinates of a shape overlap, the chart shows one of its layers.

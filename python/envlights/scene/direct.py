@@ -17,7 +17,7 @@ from envlights.scene.disc import visible_share
 from envlights.scene.sky import Blocked, sky_transfer
 from envlights.scene.surface import Surface
 
-#: A rig, or lights that stand for one without an ambient term.
+#: A rig, or lights without an ambient term.
 AnyLights = Rig | Lights | DetectedLights
 
 #: No ambient light.
@@ -92,7 +92,7 @@ class DirectLight:
             :math:`\frac{albedo}{\pi} (E_a + \sum_j V_j E_j \max(0, n \cdot l_j))` with the
             visibility :math:`V_j` of each light, and the irradiance :math:`E_a` of the visible part
             of the ambient term. Of a disc, the irradiance without shadows is known in closed form,
-            and :math:`V_j` is the share of it that the rays find visible.
+            and :math:`V_j` is the fraction of the rays that reach it.
         """
         rig = as_rig(rig)
         irradiance = self.sky @ _harmonic(rig.ambient)

@@ -1,4 +1,4 @@
-"""The part of a light that reaches a surface, with shadows."""
+"""Visible part of a light at a surface, with shadows."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def visible_share(
     radius: float,
     rays: int,
 ) -> NDArray[np.float64]:
-    """Share of the irradiance of a light that reaches each surface point past all obstacles.
+    """Visible fraction of the irradiance of a light at each surface point.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def visible_share(
     Returns
     -------
     ndarray, shape (n,)
-        1 where nothing is in the way, and 0 where all rays are blocked: neither has noise.
+        1 without obstacles, and 0 if all rays are blocked; neither has noise.
 
     Notes
     -----

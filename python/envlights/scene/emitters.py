@@ -1,4 +1,4 @@
-"""A rig as sets of emitters of Mitsuba, whose sum it is."""
+"""Sets of Mitsuba emitters whose weighted sum is a rig."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from envlights.rig import Rig
 
 #: Rows of the map for an ambient term of harmonics, which change slowly over the sphere.
 _ROWS = 64
-#: Rounding makes a black part of a sky negative by less than this share of the brightest part.
+#: Bound on negative rounding errors of a black sky, relative to its brightest part.
 _ROUNDING = 1e-6
 
 

@@ -14,10 +14,10 @@ class Meters(NamedTuple):
     """Sensors on the covered texels of a surface."""
 
     sensor: Any
-    """All meters side by side in one film of one row."""
+    """Sensor of all meters, with a film of one row."""
 
     squares: list[Any]
-    """The shapes of the meters, which a sensor does not keep alive. No scene contains them."""
+    """Shapes of the meters, kept alive here because a sensor does not. No scene contains them."""
 
 
 def meters(mi: Any, surface: Surface) -> Meters:

@@ -74,8 +74,10 @@ class MitsubaScene:
     """Surface behind each texel of the images of indirect light."""
 
     points: Surface
-    """Points at which direct light is measured: 8 by 8 for each texel of its image, or the nearest
-    number that a lightmap of your own allows."""
+    """Points at which direct light is measured.
+
+    There are 8 by 8 for each texel of its image, or the nearest number that your lightmap
+    allows."""
 
     def __init__(
         self, scene: dict[str, Any] | str | os.PathLike[str], lightmap: int | Surface = 128
@@ -225,6 +227,6 @@ def _shapes(loaded: Any) -> list[Any]:
     for shape in shapes:
         if shape.is_emitter():
             raise EnvLightsError(
-                f"the shape '{shape.id()}' is an area light; remove it, for the rig is the light"
+                f"the shape '{shape.id()}' is an area light; remove it, the rig lights the scene"
             )
     return sorted(shapes, key=lambda shape: str(shape.id()))

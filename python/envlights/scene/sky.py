@@ -1,4 +1,4 @@
-"""The part of an ambient term that reaches a surface, with shadows."""
+"""Visible part of an ambient term at a surface, with shadows."""
 
 from __future__ import annotations
 

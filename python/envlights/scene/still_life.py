@@ -29,13 +29,12 @@ class Still(NamedTuple):
     """Radiance, (height, width, 3)."""
 
     two: NDArray[np.float64]
-    """The same from other paths."""
+    """Radiance from independent paths, (height, width, 3)."""
 
     def error(self, truth: Still) -> float:
         """Relative RMS difference from `truth`, without the noise of either.
 
-        In the product of two differences from independent paths, what is true stays, and the noise
-        cancels on the mean.
+        Noise cancels on average in the product of two differences from independent paths.
         """
         difference = float(((self.one - truth.one) * (self.two - truth.two)).sum())
         size = float((truth.one * truth.two).sum())

@@ -2,17 +2,17 @@
 
 Frame and units are those of `EnvMap`; pixels are cell-centred.
 
-| what is there                                   | file           |
+| content                                         | file           |
 |-------------------------------------------------|----------------|
 | outlines of lights on the sphere                | `shapes.py`    |
-| shapes before a background, measured as stored  | `scene.py`     |
+| shapes on a background, measured as stored      | `scene.py`     |
 | the hall of the demo                            | `hall.py`      |
-| surroundings that are no lights                 | `backdrops.py` |
-| lights of random kind, size and place           | `lamps.py`     |
-| two families of random maps, to judge detectors | `suite.py`     |
+| surroundings without lights                     | `backdrops.py` |
+| lights of random kind, size and direction       | `lamps.py`     |
+| two families of random maps for detectors       | `suite.py`     |
 | openings behind bars and leaves, rows of lamps  | `openings.py`  |
-| large lights of low contrast to what is around  | `faint.py`     |
-| what a detector found against what is there     | `score.py`     |
+| large lights of low contrast                    | `faint.py`     |
+| comparison of detected and true lights          | `score.py`     |
 | a closed room under many lamps, in pairs        | `room.py`      |
 | an open courtyard for Mitsuba, and rigs for it  | `courtyard.py` |
 """

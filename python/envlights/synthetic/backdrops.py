@@ -46,7 +46,7 @@ def white_wall(rng: np.random.Generator, height: int) -> NDArray[np.float64]:
 def checker(rng: np.random.Generator, height: int) -> NDArray[np.float64]:
     """Tiles of two greys."""
     squares, dark = int(rng.integers(8, 20)), rng.uniform(0.1, 0.6)
-    # Let tiles end where pixels end, and let an even number of them close the circle.
+    # Align tiles with pixels, with an even number around the horizon.
     row = np.arange(height) * squares // height
     column = np.arange(2 * height) * 2 * squares // (2 * height)
 
@@ -74,7 +74,7 @@ def clouds(rng: np.random.Generator, height: int) -> NDArray[np.float64]:
 
 
 def lit_walls(rng: np.random.Generator, height: int) -> NDArray[np.float64]:
-    """Soft pools of light on the walls of a dim room, from lamps that are out of sight."""
+    """Soft pools of light on the walls of a dim room, from hidden lamps."""
     dim = rng.uniform(0.12, 0.4)
     pools = [
         (centre, np.deg2rad(rng.uniform(12, 35)), rng.uniform(0.3, 1))

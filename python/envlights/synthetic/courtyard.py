@@ -13,7 +13,7 @@ from envlights.lights import Lights
 from envlights.rig import Rig
 from envlights.scene.renderer import mitsuba
 
-#: Rigs at most: their pairs would take days to bake.
+#: Largest number of rigs, whose pairs take days to bake.
 _MOST_RIGS = 20_000
 #: Metres: half of the yard's width, the height of its walls, and that of the canopy.
 _HALF, _WALL, _CANOPY = 4.0, 3.0, 2.2

@@ -28,9 +28,9 @@ _WINDOW_RADIANCE = np.array([[52.0, 58.0, 66.0], [66.0, 70.0, 74.0], [48.0, 53.0
 
 
 def hall(height: int = 512) -> SyntheticMap:
-    """A hall with three bright windows, a white wall opposite and a reddish floor.
+    """Hall with three bright windows, a white wall opposite and a reddish floor.
 
-    Stands in for the hall of Madsen, Sørensen and Vittrup (2003), figure 4.
+    It resembles the hall of Madsen, Sørensen and Vittrup (2003), figure 4.
 
     Parameters
     ----------
@@ -50,13 +50,13 @@ def hall(height: int = 512) -> SyntheticMap:
     height = count("height", height, least=2, most=MOST_ROWS)
     # Render the room at twice the size, and reduce it to smooth its edges.
 
-    def reduced(directions: NDArray[np.float64]) -> NDArray[np.float64]:
+    def mean_radiance(directions: NDArray[np.float64]) -> NDArray[np.float64]:
         means: NDArray[np.float64] = (
             _room(directions).reshape(-1, 2, 2 * height, 2, 3).mean(axis=(1, 3))
         )
         return means
 
-    room = sphere.over_map(height, reduced, finer=2)
+    room = sphere.over_map(height, mean_radiance, finer=2)
     windows = [
         _Window(x, radiance) for x, radiance in zip(_WINDOW_CENTRES, _WINDOW_RADIANCE, strict=True)
     ]

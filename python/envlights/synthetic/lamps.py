@@ -17,7 +17,7 @@ Kind = Callable[[np.random.Generator, NDArray[np.float64]], list[Lamp]]
 _Place = Callable[[np.random.Generator], NDArray[np.float64]]
 _Outline = Callable[[np.random.Generator, NDArray[np.float64], NDArray[np.float64]], Lamp]
 
-#: Places that are tried before a light is left out.
+#: Directions that are tried before a light is left out.
 _TRIES = 50
 #: Luminance of a sun, relative to the brightest surroundings.
 _SUN = 1e5
@@ -64,13 +64,13 @@ def draw(
 
 
 def rim_gap_deg(lamp: Lamp, other: Lamp) -> float:
-    """Angle between the rims of two lights, at least, in degrees."""
+    """Smallest angle between the rims of two lights, in degrees."""
     cosine = np.clip(unit(lamp.direction) @ unit(other.direction), -1, 1)
     return float(np.rad2deg(np.arccos(cosine))) - lamp.reach_deg - other.reach_deg
 
 
 def _between(rng: np.random.Generator, low: float, high: float) -> float:
-    """A number between `low` and `high` whose logarithm is uniform."""
+    """Random number between `low` and `high` with a uniform logarithm."""
     return float(np.exp(rng.uniform(np.log(low), np.log(high))))
 
 
@@ -143,7 +143,7 @@ def _sun(
 
 
 def _pair(rng: np.random.Generator, radiance: NDArray[np.float64]) -> list[Lamp]:
-    """Two discs side by side with 2 to 4 degrees between the rims."""
+    """Two discs with a gap of 2 to 4 degrees between the rims."""
     radii = rng.uniform(0.5, 3, size=2)
     centre = _anywhere(rng)
     aside = unit(np.cross(centre, _anywhere(rng)))

@@ -258,7 +258,7 @@ def _form_factors(at: _Texels, patches: _Texels) -> NDArray[np.float64]:
 
 
 def _open(start: NDArray[np.float64], end: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """True where no box stands between two points; the faces of the points do not count."""
+    """True if no box is between two points; the faces of the points do not count."""
     clear = np.ones(np.broadcast_shapes(start.shape, end.shape)[:-1], np.bool_)
     with np.errstate(divide="ignore", invalid="ignore"):
         inverse = 1.0 / (end - start)

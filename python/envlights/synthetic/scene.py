@@ -24,7 +24,7 @@ from envlights.kernels import sphere
 from envlights.lights import Lights, brightest_first
 from envlights.synthetic.shapes import Shape
 
-#: Rows at most: NumPy cannot count the numbers of much larger maps.
+#: Largest number of rows; NumPy cannot index much larger maps.
 MOST_ROWS = 2**20
 #: Linear radiance to stored radiance, (height, width, 3) -> (height, width, 3).
 Camera = Callable[[NDArray[np.float64]], NDArray[np.float64]]
@@ -44,13 +44,13 @@ class SyntheticMap(Result):
     """Solid angle of each light in steradians, in the order of `lights`."""
 
     irradiance_with_background: NDArray[np.float64]
-    """RGB integral of the map over each light's solid angle, which is what detectors measure."""
+    """RGB integral of the map over the solid angle of each light, as detectors measure it."""
 
     note: str = ""
     """Description of the map."""
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
-        """The radiance, so that the map is taken wherever an array is."""
+        """Radiance as an array, for NumPy."""
         return convert(self.radiance, dtype, copy)
 
     def in_short(self) -> str:
@@ -79,7 +79,7 @@ def scene(
     camera: Camera | None = None,
     note: str = "",
 ) -> SyntheticMap:
-    """Render shapes before a background.
+    """Render shapes on a background.
 
     Parameters
     ----------
@@ -164,12 +164,12 @@ _Shown = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
 def _behind(share: NDArray[np.float64], covered: NDArray[np.float64]) -> NDArray[np.float64]:
-    """What is left of a share behind what has `covered` it."""
+    """Visible fraction of a shape behind others that have `covered` it."""
     return in_blocks(share.shape, lambda rows: share[rows] * (1 - covered[rows]))
 
 
 def _add(backdrop: NDArray[np.float64], shown: list[_Shown], rows: slice) -> NDArray[np.float64]:
-    """What shapes add to some rows of a background."""
+    """Radiance that shapes add to some rows of a background."""
     behind = backdrop[rows]
     added = [share[rows] * (colour - behind) for share, colour in shown]
     whole: NDArray[np.float64] = np.sum(added, axis=0) if added else np.zeros_like(behind)

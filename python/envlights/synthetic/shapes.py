@@ -19,7 +19,7 @@ _SUPERSAMPLING = 4
 
 
 class Shape(Protocol):
-    """A light with an outline on the sphere and one radiance."""
+    """Light with an outline on the sphere and uniform radiance."""
 
     @property
     def radiance(self) -> ArrayLike:

@@ -1,10 +1,10 @@
-"""Two families of random maps with known lights, to judge detectors by.
+"""Two families of random maps with known lights, for the evaluation of detectors.
 
-The same seed always gives the same map. To choose a threshold, use the seeds `TUNING`. The seeds
-`JUDGING` are for the final numbers only, so that no threshold is fitted to them.
+The same seed always gives the same map. Use the seeds `TUNING` to choose a threshold, and the seeds
+`JUDGING` only for final numbers.
 
-Lights do not overlap and stand apart by some degrees. They are at least 8 times as bright as the
-brightest surroundings; in pictures clipped to 1, at least 2.5 times.
+Gaps of some degrees separate the lights. They are at least 8 times as bright as the brightest
+surroundings, and at least 2.5 times in pictures clipped to 1.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from envlights.synthetic.shapes import Lamp, PixelSun
 
 #: Seeds for choosing thresholds.
 TUNING = range(0, 60)
-#: Seeds for the numbers that are published. No threshold may be chosen by them.
+#: Seeds for published numbers, never for the choice of a threshold.
 JUDGING = range(1000, 1060)
 
 #: Rows of the smallest map whose samples are close enough to show a disc of 0.25 degrees.
@@ -47,7 +47,7 @@ _CLUTTER = ("clouds", "lit walls")
 
 
 def plain(seed: int, height: int = 512) -> SyntheticMap:
-    """A map that every detector should master.
+    """Map without distractors.
 
     Discs of 0.25 to 15 degrees in radius, windows, glass fronts, tubes, close pairs and one-pixel
     suns, some across the seam or on a pole. The background is even, a clear sky, noise of 2 %, a
@@ -72,7 +72,7 @@ def plain(seed: int, height: int = 512) -> SyntheticMap:
     """
     height = count("height", height, least=_LEAST_HEIGHT, most=MOST_ROWS)
     rng = np.random.default_rng([count("seed", seed), 1])
-    # Take backgrounds in turn, which keeps every range of seeds balanced.
+    # Cycle through the backgrounds, which keeps every range of seeds balanced.
     name = _nth(_PLAIN_BACKDROPS, seed + seed // 10)
     background = _PLAIN_BACKDROPS[name](rng, height)
     # Draw the lights.
@@ -88,11 +88,10 @@ def plain(seed: int, height: int = 512) -> SyntheticMap:
 
 
 def hard(seed: int, height: int = 512) -> SyntheticMap:
-    """A map with things that are easily mistaken for lights.
+    """Map with distractors that look like lights.
 
-    There are glare around lights, bright walls and bright clouds, which are not lights. There are
-    windows with bars, each of which is one light. Some maps have noise of 2 %. All this comes in
-    many combinations. Every eighth map has clouds or bright walls and no light.
+    Glare around lights, bright walls and bright clouds are not lights. A window with bars is one
+    light. Some maps have noise of 2 %. Every eighth map has clouds or bright walls and no light.
 
     Parameters
     ----------

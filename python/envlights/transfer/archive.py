@@ -44,16 +44,15 @@ _DAMAGE = (
 _FORMAT = "envlights transfer model"
 _VERSION = 1
 
-#: What a model consists of beside its format and version; `scales` where its basis is compact.
+#: Arrays of a model file beside format and version; `scales` for a compact basis.
 _NAMES = (
     *("basis", "scales", "lit", "transfer", "mean", "size"),
     *("direct", "coefficients", "outside", "energy"),
     *("parameters", "report"),
 )
-#: Bytes of a member that says format or version, at most.
+#: Largest size of the members for format and version, in bytes.
 _LONGEST_HEAD = 4096
-#: Times that a file may grow when it is unpacked: of numbers in floating point even black ones are
-#: few, and 1000 is what the packing reaches at most.
+#: Largest ratio of unpacked to packed size; the packing reaches 1000 at most, for zeros.
 _MOST_PACKED = 100
 
 _Model = TypeVar("_Model")
@@ -142,7 +141,7 @@ def _check_size(path: object, archive: zipfile.ZipFile, names: list[str]) -> Non
     if unpacked > _MOST_PACKED * packed:
         raise EnvLightsError(
             f"{path} does not hold a model: {packed} bytes would unpack to {unpacked}, more than"
-            f" {_MOST_PACKED} times as many; numbers of a model do not pack so well"
+            f" {_MOST_PACKED} times as many, which a model never needs"
         )
 
 

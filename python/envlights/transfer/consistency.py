@@ -1,7 +1,7 @@
-"""Refusals of fields that do not fit together in one model.
+"""Checks that the fields of a model fit together.
 
-Types, shapes and the mask of texels are checked, which takes no time for any size. Whether the
-numbers are finite is checked where they come in: the images of `fit`, and the arrays of a file.
+Types, shapes and the mask of texels are checked here. Numbers are checked for NaN and infinity
+where they enter: in the images of `fit`, and in the arrays of a file.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ def check_fields(
     size: tuple[int, int],
     arrays: Mapping[str, Any],
 ) -> None:
-    """Refuse fields of which one does not fit the others.
+    """Refuse fields that do not fit together.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
-"""Pairs that were given more than once: an error on unseen lights leaves all copies out together.
+"""Copies of pairs, which leave-one-out errors leave out together.
 
-A copy that stays tells the fit what the pair that is left out would show. With `m` copies of a pair
+A remaining copy would show the fit the pair that is left out. With `m` copies of a pair
 the sums of squares of basis and regression are those of one pair, `sqrt(m)` times as bright: so
 the copies are one pair in the closed forms, and its relative error is that of each.
 """
@@ -19,7 +19,7 @@ _SAME = 1e-6
 
 
 class Distinct(NamedTuple):
-    """Pairs of which no two are copies."""
+    """Distinct pairs, and the copies of each."""
 
     learnt: PairSummary
     """The first of each group of copies, brighter by the square root of their number."""
@@ -29,7 +29,7 @@ class Distinct(NamedTuple):
 
     @property
     def copies(self) -> int:
-        """How many pairs are left over."""
+        """Number of copies."""
         return len(self.group) - len(self.learnt.energy)
 
 

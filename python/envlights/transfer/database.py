@@ -32,7 +32,7 @@ PathPair = tuple[str | os.PathLike[str], str | os.PathLike[str]]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ImagePairs(Result):
-    """Images of direct and indirect light under the same lights, linear RGB, wherever from."""
+    """Images of direct and indirect light under the same lights, linear RGB."""
 
     direct: NDArray[np.float32]
     """Direct light, (k, h, w, 3)."""
@@ -54,7 +54,7 @@ class ImagePairs(Result):
         Parameters
         ----------
         folder : path-like
-            Where they go; it is made if it does not exist.
+            Folder of the files, created if it does not exist.
         """
         write_pairs(folder, self.direct, self.indirect)
 
@@ -69,7 +69,7 @@ class FilePairs(ImagePairs):
     """
 
     notes: tuple[str, ...]
-    """Channels of the files that were left out."""
+    """Remarks on ignored channels of the files."""
 
 
 def read_pairs(
@@ -83,7 +83,7 @@ def read_pairs(
         A folder with files ``direct_NAME.exr`` and ``lightmap_NAME.exr``, which are read in the
         order of their names; or the paths of each pair, direct light first.
     progress : bool, optional
-        Whether a progress bar is shown. Left out: in a terminal or a notebook, after a second.
+        True: show a progress bar. Default: after a second, in a terminal or a notebook.
 
     Returns
     -------
@@ -154,7 +154,7 @@ def write_pairs(
 ) -> None:
     """Write images, (k, h, w, 3) and (k, H, W, 3), as the files that `read_pairs` reads.
 
-    A folder that does not exist is made.
+    The folder is created if it does not exist.
     """
     try:
         as_path(folder).mkdir(exist_ok=True)

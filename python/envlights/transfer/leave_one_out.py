@@ -1,15 +1,15 @@
-"""Errors on lights that were not seen: each image left out once, in closed form.
+"""Leave-one-out errors in closed form, for lights outside the pairs.
 
-A basis bends towards every image that it was made of. Without the image `i`, whose rows are
+A basis adapts to every image that it was made of. Without the image `i`, whose rows are
 A_i (3, rank) inside the basis and R_i = (3, 3) in products outside of it, one step of orthogonal
-iteration turns the basis back. With
+iteration rotates the basis back. With
 
     H = A_i S^-2 A_i^T    the leverage of the image,
     N = A_i S^-4 A_i^T,
     R' = (I - H)^-1 R_i (I - H)^-1,
 
-the turned basis misses the energy  tr Q,  Q = R' (I + N R')^-1,  of the image. Coefficients that
-are wrong by e_i add |e_i|^2, less what lies in the directions that were turned away:
+the rotated basis misses the energy  tr Q,  Q = R' (I + N R')^-1,  of the image. Coefficients that
+are wrong by e_i add |e_i|^2, less the part in the directions that were rotated away:
 
     error_i^2 = |e_i|^2 + tr Q (I - Z Z^T),    Z = A_i S^-2 e_i^T .
 """
@@ -32,7 +32,7 @@ def squares(
     coefficients : ndarray, shape (k, 3, rank)
         Of the images in the basis.
     outside : ndarray, shape (k, 3, 3)
-        Inner products of what the basis leaves of the three rows of each image.
+        Inner products of the residuals of the three rows of each image.
     missed : ndarray, shape (k, 3, rank)
         Coefficients less what a regression without their image gives.
     """
@@ -50,8 +50,8 @@ def _rotate(
     """`Q` and ``A S^-2`` of the head of this file."""
     energy = np.einsum("kcr,kcr->r", coefficients, coefficients)
     leaning = coefficients / energy
-    # A direction that only one image has, leverage 1, is turned away altogether: the least part
-    # of the image outside shows where to.
+    # A direction that only one image has, leverage 1, is rotated away completely, towards the
+    # smallest part of the image outside the basis.
     whole = np.einsum("kcr,kcr->k", coefficients, coefficients)[:, None, None]
     least = 1e-9 * np.eye(3)
     free = np.linalg.inv((1 + 1e-9) * np.eye(3) - leaning @ coefficients.swapaxes(1, 2))

@@ -1,4 +1,4 @@
-"""The model: from direct light to indirect light."""
+"""The transfer model: indirect light from direct light."""
 
 from __future__ import annotations
 
@@ -26,17 +26,15 @@ from envlights.transfer.report import TransferReport
 from envlights.transfer.training import solve, train
 
 _PARAMETERS = {"rank", "ridge", "error"}
-#: How the note on texels that are not computed ends.
-_BLACK = "texels are black in every image: they are predicted black, without work"
+#: End of the note on black texels.
+_BLACK = "texels are black in every image, so they are predicted black"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TransferModel(Result):
     """A linear map from small images of direct light to images of indirect light.
 
-    Light is linear: twice the light gives twice the image, and the image of two lights is the sum
-    of their images. The model is linear too, for any brightness; it clips nothing and applies no
-    gamma.
+    Light is linear, and so is the model, for any brightness; it neither clips nor applies gamma.
 
     Examples
     --------
@@ -69,7 +67,7 @@ class TransferModel(Result):
     """Height and width of the direct images."""
 
     parameters: Mapping[str, Any]
-    """`rank`, `ridge` and `error` as they were given."""
+    """Arguments `rank`, `ridge` and `error` of `fit`."""
 
     learnt: PairSummary
     """Summary of the pairs, without their texels."""
@@ -104,28 +102,25 @@ class TransferModel(Result):
         Parameters
         ----------
         direct : array_like, shape (k, h, w, 3 or 4)
-            Linear RGB of the direct light at a few places of the scene, as irradiance or as
-            reflected radiance. Alpha is dropped, and a note says so.
+            Linear RGB of the direct light at a few points of the scene, as irradiance or as
+            reflected radiance. Alpha is dropped.
         indirect : array_like, shape (k, H, W, 3 or 4)
-            Linear RGB of the indirect light. It is read in blocks, so it may be a mapped file, or
-            an array of Dask, whose workers then read the blocks. Of float64 images the basis is
-            float64, which ranks beyond about 200 need; of others it is float32.
+            Linear RGB of the indirect light: an array, a mapped file, or an array of Dask. The
+            basis of float64 images is float64, which ranks above about 200 need.
         rank : int or float
-            An int: directions of the basis, at most. A float up to 1.0: share of the energy of the
+            An int: largest number of directions. A float up to 1.0: fraction of the energy of the
             images that the basis holds.
         ridge : float or "loo"
             Ridge of the regression, for direct images of norm 1. "loo": the ridge with the least
             leave-one-out errors, which is smaller for clean images than for noisy ones.
         error : float, optional
-            Relative RMS error of the images in the basis that is good enough. The basis gets the
-            fewest directions that reach it, and at most `rank`.
+            Largest accepted relative RMS error of the images in the basis, which gets the fewest
+            directions that reach it, and at most `rank`.
         notebook : bool
-            Fit the model of the notebook of Belcour, Deliot, Barbier and Soler instead, for
-            comparison: around the mean image, each channel from all channels, from direct images of
-            norm 1.
+            Fit the model of the notebook of Belcour, Deliot, Barbier and Soler, for comparison:
+            around the mean image, each channel from all channels, with direct images of norm 1.
         progress : bool, optional
-            As for `read_pairs`, for each of the two passes over the images. The workers of Dask
-            have bars of their own.
+            Progress bars for the two passes over the images; see `read_pairs`.
 
         Returns
         -------
@@ -249,10 +244,9 @@ class TransferModel(Result):
     def compressed(self, error: float = 0.005) -> TransferModel:
         """A model whose frames are faster: its basis takes a third or half of the bytes.
 
-        The basis is stored in the most compact type that keeps the bound: int8, float16, or as it
-        is. In the first two, 16 texels of a direction share a scale. The notes of the report name
-        the type and its error. Single frames and frames with an `error` gain most. Batches of 32 or
-        more gain least, because all their frames share one pass over the basis.
+        The basis is stored in the most compact type that keeps the bound: int8, float16, or
+        unchanged. The notes of the report name the type and its error. Single frames gain most,
+        batches of 32 or more least, because their frames share one pass over the basis.
 
         Parameters
         ----------
@@ -279,11 +273,11 @@ class TransferModel(Result):
         return replace(self, basis=compact, report=self._noted(note))
 
     def _noted(self, note: str) -> TransferReport:
-        """The report with one more note."""
+        """Report with one more note."""
         return replace(self.report, notes=(*self.report.notes, note))
 
     def _dense(self, what: str) -> NDArray[Any]:
-        """The basis in full, or a refusal."""
+        """Uncompressed basis, or a refusal."""
         if isinstance(self.basis, CompactBasis):
             raise EnvLightsError(
                 f"a compressed model cannot {what}; take the one that it was made from"
@@ -312,9 +306,8 @@ class TransferModel(Result):
     def add(self, direct: ArrayLike, indirect: ArrayLike) -> TransferModel:
         """Add pairs to those of the model; only the new ones are read.
 
-        Of its earlier pairs the model keeps what its basis holds; of the rest only the size is
-        known. So the new basis is slightly worse than that of a fit to all pairs at once, and the
-        reported errors of the earlier pairs are estimates.
+        The model holds only the part of its earlier pairs inside the basis. So the new basis is
+        slightly worse than that of a fit to all pairs, and errors of earlier pairs are estimates.
 
         Parameters
         ----------
@@ -348,26 +341,17 @@ class TransferModel(Result):
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the model as one .npz file with a version; a failure leaves no file behind.
 
-        Parameters
-        ----------
-        path : path-like
-            A file with the suffix ``.npz``; ``numpy.load(path, allow_pickle=False)`` opens it.
+        The suffix of `path` is ``.npz``; ``numpy.load(path, allow_pickle=False)`` opens it.
         """
         archive.save(path, vars(self))
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> TransferModel:
-        """Read a model that `save` wrote.
-
-        Raises
-        ------
-        EnvLightsError
-            If the file is missing, damaged, or of another kind or version.
-        """
+        """Read a model that `save` wrote, or refuse a file of another kind or version."""
         return archive.load(path, cls)
 
     def in_short(self) -> str:
-        """The rank of the model, and the sizes of the images."""
+        """Rank of the model, and sizes of the images."""
         (rows, columns), (height, width) = self.size, self.lit.shape
         rank = self.transfer.shape[2]
         return f"rank {rank}, {columns}x{rows} to {width}x{height} pixels"
@@ -376,16 +360,16 @@ class TransferModel(Result):
         return str(self.report)
 
     def _html_parts(self) -> tuple[str, ...]:
-        picture = _html.picture(_thumbnails.of_signed(self.directions(4)), "its first directions")
+        picture = _html.picture(_thumbnails.of_signed(self.directions(4)), "first directions")
         return (picture, *self.report._html_parts())
 
     def directions(self, most: int) -> NDArray[Any]:
-        """The first columns of the basis as images, black where no image is lit.
+        """First columns of the basis as images, black where all images are.
 
         Parameters
         ----------
         most : int
-            How many, at most.
+            Largest number of images.
 
         Returns
         -------
@@ -406,8 +390,8 @@ def _solve(
     learnt: PairSummary,
     notes: tuple[str, ...],
 ) -> TransferModel:
-    """The model of a basis: its transfer matrix and its errors."""
-    # A model that grew has the count of before in its notes.
+    """Model of a basis, with its transfer matrix and its errors."""
+    # Remove the count of an earlier model from its notes.
     notes = tuple(note for note in notes if not note.endswith(_BLACK))
     if black := np.count_nonzero(~lit):
         notes = (*notes, f"{black} of {lit.size} {_BLACK}")

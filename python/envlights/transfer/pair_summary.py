@@ -27,5 +27,5 @@ class PairSummary(Result):
     """Sum of squares of each indirect image, (k,)."""
 
     def in_short(self) -> str:
-        """How many pairs, and at which rank."""
+        """Number of pairs, and rank."""
         return f"{len(self.energy)} pairs at rank {self.coefficients.shape[2]}"

@@ -29,20 +29,19 @@ class TransferReport(Result):
     """Directions of the basis."""
 
     energy: float
-    """Share of the energy of the images that the basis holds."""
+    """Fraction of the energy of the images that the basis holds."""
 
     ridge: float
-    """The ridge, for direct images of norm 1."""
+    """Ridge for direct images of norm 1."""
 
     unseen_errors: tuple[float, ...]
-    """Leave-one-out error of each pair: what to expect of new lights of the same kind."""
+    """Leave-one-out error of each pair, which new lights of the same kind will have."""
 
     training_errors: tuple[float, ...]
     """Error of each pair in the model that was trained on it; says little about new lights."""
 
     notes: tuple[str, ...] = ()
-    """Channels that were dropped, images that were left out, bounds that were not reached, and
-    texels that are not computed."""
+    """Remarks on dropped channels, omitted images, unreached bounds, and black texels."""
 
     seconds: Mapping[str, float] = field(default_factory=dict, compare=False)
     """Wall time of each stage."""
@@ -58,7 +57,7 @@ class TransferReport(Result):
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> TransferReport:
-        """The report that `to_dict` wrote."""
+        """Report that `to_dict` wrote."""
         return cls(
             pairs=count("pairs", data["pairs"]),
             rank=count("rank", data["rank"]),
@@ -73,11 +72,11 @@ class TransferReport(Result):
     def in_short(self) -> str:
         """Size, energy and ridge."""
         size = f"rank {self.rank} from {self.pairs} pairs"
-        return f"{size}, {100 * self.energy:.4g} % of the energy; ridge {self.ridge:.3g}"
+        return f"{size}, {100 * self.energy:.4g} % of the energy, ridge {self.ridge:.3g}"
 
     def _html_parts(self) -> tuple[str, ...]:
         kinds = {
-            "unseen lights, leave-one-out": self.unseen_errors,
+            "new lights (leave-one-out)": self.unseen_errors,
             "training images": self.training_errors,
         }
         rows = [[name, *_percentiles(errors)] for name, errors in kinds.items() if errors]
@@ -87,8 +86,8 @@ class TransferReport(Result):
     def __str__(self) -> str:
         lines = [
             self.in_short(),
-            f"unseen lights, leave-one-out: {_spread(self.unseen_errors)}",
-            f"training images:              {_spread(self.training_errors)}",
+            f"error for new lights (leave-one-out): {_spread(self.unseen_errors)}",
+            f"error for the training images:        {_spread(self.training_errors)}",
             *(f"note: {note}" for note in self.notes),
         ]
         return "\n".join(lines)
@@ -96,7 +95,7 @@ class TransferReport(Result):
 
 def _spread(errors: tuple[float, ...]) -> str:
     if not errors:
-        return "no image that is not black"
+        return "all images are black"
     median, high, worst = _percentiles(errors)
     return f"median {median}, 90th percentile {high}, worst {worst}"
 

@@ -37,7 +37,7 @@ class Regression:
     """Their eigenvectors, (3 or 1, k, k)."""
 
     def transfer(self, ridge: float, coefficients: NDArray[np.float64]) -> NDArray[np.float64]:
-        """What takes direct light to coefficients, (3, features, rank)."""
+        """Matrix from direct light to coefficients, (3, features, rank)."""
         turned = product(self.features.swapaxes(1, 2), self.vectors)
         return product(turned, self._weighted(ridge, coefficients))
 
@@ -49,31 +49,31 @@ class Regression:
 
     def left_out(self, ridge: float, coefficients: NDArray[np.float64]) -> NDArray[np.float64]:
         """Coefficients less what a fit without their image gives, (k, 3, rank)."""
-        own = np.einsum("cik,ck->ci", self.vectors**2, 1 / self._held(ridge))
+        own = np.einsum("cik,ck->ci", self.vectors**2, 1 / self._regularised_eigenvalues(ridge))
         missed = product(self.vectors, self._weighted(ridge, coefficients))
         missed /= own[..., None]
         return missed.swapaxes(0, 1)
 
     def _weighted(self, ridge: float, coefficients: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The coefficients in the eigenvectors, over the eigenvalues; no inverse is made.
+        """Coefficients in the eigenvectors, divided by the eigenvalues.
 
-        Where images are alike its entries would be so large that nothing else was left of them.
+        The inverse matrix would lose all digits for nearly equal images.
         """
         turned = product(self.vectors.swapaxes(1, 2), coefficients.swapaxes(0, 1))
-        weighted: NDArray[np.float64] = turned / self._held(ridge)[..., None]
+        weighted: NDArray[np.float64] = turned / self._regularised_eigenvalues(ridge)[..., None]
         return weighted
 
-    def _held(self, ridge: float) -> NDArray[np.float64]:
-        """Eigenvalues of ``X X^T + ridge I``, with at least the ridge that rounding makes."""
+    def _regularised_eigenvalues(self, ridge: float) -> NDArray[np.float64]:
+        """Eigenvalues of ``X X^T + ridge I``, with a ridge of at least the rounding error."""
         k = self.values.shape[1]
         least = k * np.finfo(np.float64).eps * self.values.max(axis=1, keepdims=True)
         least += np.finfo(np.float64).tiny
-        held: NDArray[np.float64] = np.maximum(self.values, 0) + np.maximum(ridge, least)
-        return held
+        values: NDArray[np.float64] = np.maximum(self.values, 0) + np.maximum(ridge, least)
+        return values
 
 
 def regression(direct: NDArray[np.float64], channelwise: bool) -> Regression:
-    """Of direct images (k, 3, texels)."""
+    """Regression on direct images (k, 3, texels)."""
     features = direct.swapaxes(0, 1) if channelwise else direct.reshape(1, len(direct), -1)
     values, vectors = eigensystem(product(features, features.swapaxes(1, 2)))
     return Regression(features, values, vectors)

@@ -5,14 +5,12 @@
 //! | step                                            | file                               |
 //! |-------------------------------------------------|------------------------------------|
 //! | what is asked, and ambient + lights             | `problem.rs`, `rig.rs`, `ambient.rs` |
-//! | a map in integrals over azimuth                 | `azimuthal.rs`                     |
 //! | what is minimised: two moments of lights        | `objective.rs`                     |
 //! | - at every normal, in closed form               | `sphere/`                          |
 //! | - at given normals                              | `samples/`                         |
 //! | best radiances, none negative                   | `radiances.rs`, `nnls.rs`          |
 //! | best directions near given ones                 | `state.rs`, `newton.rs`, `descent.rs` |
 //! | - gradient and hessian in wide vectors          | `curvature.rs`, `dense.rs`         |
-//! | numbers in vectors                              | `lanes.rs`                         |
 //! | what a light in a new place would explain       | `candidates.rs`, `moves.rs`        |
 //! | best set of a number of lights                  | `search.rs`, `multistart.rs`       |
 //! | which number                                    | `light_count.rs`                   |
@@ -21,13 +19,11 @@
 //! | how well the probe determines them              | `uncertainty.rs`                   |
 
 mod ambient;
-mod azimuthal;
 mod candidates;
 mod curvature;
 mod dense;
 mod descent;
 mod discs;
-mod lanes;
 mod light_count;
 mod moves;
 mod multistart;
@@ -57,13 +53,14 @@ pub use sphere::Sphere;
 pub use state::StopReason;
 pub use uncertainty::Uncertainty;
 
-use self::azimuthal::Azimuthal;
 use self::discs::{Sized, Sizes};
 use self::light_count::{Goal, Tried};
 use self::relative_rms::relative_error;
-use self::sphere::rendered;
+use self::sphere::evaluation_probe;
 use self::state::State;
+use super::expansion::Expansion;
 use super::image::WorkingMap;
+use super::lanes;
 use crate::error::{Error, Result};
 
 /// The best rig, and how it was found.
@@ -102,13 +99,12 @@ const JUDGING: usize = 5120;
 ///
 /// [`Error::TooFewNormals`], [`Error::TooBright`].
 pub fn under_map(map: &WorkingMap, has_floor: bool, asked: &FitOptions, error_floor: f64) -> Result<Fitted> {
-    let azimuthal = Azimuthal::of(map);
-    let rest = azimuthal.without_bright(map);
+    let expansion = Expansion::new(map);
     let comparison = asked.sizes.unwrap_or(Comparison::Shadows);
-    let sizes = || Sizes::new(map, &rest, asked.ambient, has_floor, comparison);
+    let sizes = || Sizes::new(map, &expansion, asked.ambient, has_floor, comparison);
     check_unknowns(asked, JUDGING)?;
-    let figures = || rayon::join(sizes, || rendered(map, &rest, JUDGING));
-    let sphere = || Sphere::of(map, &azimuthal, asked.ambient, has_floor);
+    let figures = || rayon::join(sizes, || evaluation_probe(map, &expansion, JUDGING));
+    let sphere = || Sphere::of(map, &expansion, asked.ambient, has_floor);
     if asked.has_goal() {
         let (sphere, (sizes, judge)) = rayon::join(sphere, figures);
         let figures = Figures { judge: &judge?, sizes: Some(sizes), asked };
@@ -264,6 +260,7 @@ mod tests {
     use super::*;
     use crate::kernels::sampling;
     use crate::kernels::sphere::direction;
+    use glam::DVec3;
     use ndarray::s;
 
     fn asked(lights: usize, ambient: Ambient) -> FitOptions {

@@ -31,7 +31,7 @@ def _rank(text: str) -> int | float:
     default=str(default_of(TransferModel.fit, "rank")),
     show_default=True,
     metavar="RANK",
-    help="Largest number of directions, or the fraction of the energy that they hold, such as 0.99.",
+    help="Largest number of directions, or the fraction of the energy in them, such as 0.99.",
 )
 @click.option(
     "--ridge",

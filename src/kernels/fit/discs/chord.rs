@@ -35,8 +35,9 @@ use nalgebra::DMatrix;
 
 use super::far::{are_far, far, far_orders};
 use super::jet::Jet;
-use super::zonal::{chord_factor, disc_factors, legendre_values};
-use crate::kernels::fit::lanes::{LANES, Number};
+use super::zonal::chord_factor;
+use crate::kernels::expansion::{disc_series, legendre_values};
+use crate::kernels::lanes::{LANES, Number};
 
 /// Nodes along w, r and p.
 const NODES: [usize; 3] = [17, 9, 16];
@@ -224,7 +225,7 @@ fn rho_at_nodes(r: f64, p: f64) -> Vec<f64> {
     const TERMS: usize = 480;
     let half = (1.0 - r).sqrt();
     let shares = [0.5 * p * (1.0 + half), 0.5 * p * (1.0 - half)];
-    let [ones, others] = shares.map(|share| disc_factors(share, TERMS));
+    let [ones, others] = shares.map(|share| disc_series(share, TERMS));
     let terms: Vec<f64> = (0..TERMS)
         .map(|k| {
             let fade = (5.0 * (1.0 - k as f64 / TERMS as f64)).min(1.0);
@@ -274,7 +275,7 @@ fn turned(values: &[f64], count: usize) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernels::fit::lanes::Lanes;
+    use crate::kernels::lanes::Lanes;
     use crate::kernels::sphere::direction;
     use glam::DVec3;
     use proptest::prelude::*;

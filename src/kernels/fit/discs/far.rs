@@ -16,7 +16,7 @@
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
 use super::jet::Jet;
-use crate::kernels::fit::lanes::Number;
+use crate::kernels::lanes::Number;
 
 /// Whether [`far`] is right to 5e-8 of the distance.
 #[inline(always)]
@@ -61,9 +61,10 @@ mod tests {
     use std::f64::consts::PI;
 
     use super::are_far;
+    use crate::kernels::expansion::{disc_series, legendre_values};
     use crate::kernels::fit::discs::chord::mean_distance;
     use crate::kernels::fit::discs::jet::Jet;
-    use crate::kernels::fit::discs::zonal::{chord_factor, disc_factors, legendre_values};
+    use crate::kernels::fit::discs::zonal::chord_factor;
 
     /// Against the series itself, that of the whole chord.
     #[test]
@@ -79,7 +80,7 @@ mod tests {
         ] {
             let p = a + b;
             assert!(are_far([p * (1.0 + c) / (1.0 - c + 2.0 * p), 0.0, p]));
-            let [ones, others] = [a, b].map(|share| disc_factors(share, TERMS));
+            let [ones, others] = [a, b].map(|share| disc_series(share, TERMS));
             let values = legendre_values(c, TERMS);
             let term = |k: usize| {
                 let fade = (5.0 * (1.0 - k as f64 / TERMS as f64)).min(1.0);

@@ -7,7 +7,7 @@
 
 use std::ops::{Add, Mul, Sub};
 
-use crate::kernels::fit::lanes::Number;
+use crate::kernels::lanes::Number;
 
 /// A value, and its derivatives; second ones are symmetric.
 #[derive(Clone, Copy, Debug)]
@@ -25,11 +25,13 @@ impl<const N: usize, T: Number> Jet<N, T> {
         Self { value, first: [zero; N], second: [[zero; N]; N] }
     }
 
-    /// The variable `i` itself.
+    /// The variable `i`; a constant if i is N or more.
     #[inline(always)]
     pub fn variable(value: T, i: usize) -> Self {
         let mut out = Self::constant(value);
-        out.first[i] = value.like(1.0);
+        if i < N {
+            out.first[i] = value.like(1.0);
+        }
         out
     }
 

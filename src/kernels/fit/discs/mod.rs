@@ -9,8 +9,6 @@
 //! | numbers with derivatives                              | `jet.rs`        |
 //! | the cone of the kernel, between two discs             | `chord.rs`      |
 //! | - where they are far apart                            | `far.rs`        |
-//! | the map in harmonics, and their values at a place     | `harmonics.rs`, `analysis.rs`, `place.rs`, `synthesis.rs` |
-//! | discs in harmonics, several side by side              | `addition.rs`, `abreast.rs` |
 //! | a light; bright cells of the map and their cones      | `disc.rs`, `patches.rs` |
 //! | inner products of discs, the map and the ambient term | `target.rs`     |
 //! | radii to start from                                   | `start.rs`      |
@@ -18,22 +16,16 @@
 //! | downhill                                              | `descent.rs`    |
 //! | the error at normals                                  | `judge.rs`      |
 
-mod abreast;
-mod addition;
-mod analysis;
 mod chord;
 mod descent;
 mod disc;
 mod far;
-mod harmonics;
 mod jet;
 mod judge;
 mod newton;
 mod patches;
-mod place;
 mod start;
 mod state;
-mod synthesis;
 mod target;
 mod zonal;
 
@@ -50,12 +42,12 @@ use self::newton::Quadratic;
 use self::state::{Problem, State};
 use self::target::{Picture, Target};
 use super::ambient::Ambient;
-use super::azimuthal::Azimuthal;
 use super::objective::Given;
 use super::relative_rms::relative_error;
 use super::rig::Rig;
 use super::state::StopReason;
 use super::uncertainty::GROWTH;
+use crate::kernels::expansion::Expansion;
 use crate::kernels::image::WorkingMap;
 
 /// Relative fall of the cost in one step at which a start has shown what it is worth, and at which an answer is final:
@@ -92,16 +84,15 @@ pub struct Sizes<'a> {
 }
 
 impl<'a> Sizes<'a> {
-    /// For a `map`, over a floor or not, and for fits by one comparison: `rest` holds the integrals over the rows of all
-    /// that is not bright.
+    /// For a `map` and its harmonics, over a floor or not, and for fits by one comparison.
     pub fn new(
         map: &'a WorkingMap,
-        rest: &Azimuthal,
+        expansion: &Expansion,
         ambient: Ambient,
         has_floor: bool,
         comparison: Comparison,
     ) -> Self {
-        let picture = Picture::new(map, rest);
+        let picture = Picture::new(map, expansion);
         let target = |comparison| Target::new(&picture, comparison, ambient, has_floor);
         let other = (comparison != Comparison::Shadows).then(|| target(comparison));
         Self { map, shadows: target(Comparison::Shadows), other }

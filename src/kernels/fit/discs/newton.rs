@@ -281,9 +281,9 @@ impl Pair {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::kernels::expansion::Expansion;
     use crate::kernels::fit::Sphere;
     use crate::kernels::fit::ambient::Ambient;
-    use crate::kernels::fit::azimuthal::Azimuthal;
     use crate::kernels::fit::discs::target::{Picture, Target};
     use crate::kernels::fit::discs::zonal::Comparison;
     use crate::kernels::fit::objective::Objective;
@@ -311,7 +311,7 @@ mod tests {
             let map = image::reduce(map.view(), Registration::CellCentred, 256, 2e-3, false).unwrap();
             let sphere = Sphere::new(&map, Ambient::Constant, false);
             let target = Target::new(
-                &Picture::new(&map, &Azimuthal::of(&map).without_bright(&map)),
+                &Picture::new(&map, &Expansion::new(&map)),
                 Comparison::Mixed,
                 Ambient::Constant,
                 false,
@@ -348,12 +348,8 @@ mod tests {
         ] {
             for comparison in [Comparison::Probe, Comparison::Shadows, Comparison::Mixed] {
                 let sphere = Sphere::new(&map, ambient, has_floor);
-                let target = Target::new(
-                    &Picture::new(&map, &Azimuthal::of(&map).without_bright(&map)),
-                    comparison,
-                    ambient,
-                    has_floor,
-                );
+                let target =
+                    Target::new(&Picture::new(&map, &Expansion::new(&map)), comparison, ambient, has_floor);
                 let problem = Problem { target: &target, given: sphere.given(), fixed: 0, max_steps: 10 };
                 let discs = [(1.0, 1.8, 0.05), (0.8, 4.4, 0.3), (1.1, 2.5, 0.4)];
                 let discs = discs.map(|(theta, phi, radius)| problem.disc(direction(theta, phi), radius));

@@ -12,11 +12,10 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::chord::mean_distance;
 use super::disc::{Disc, on_tangents};
-use super::harmonics::Harmonics;
 use super::jet::Jet;
-use super::synthesis::Sum;
-use crate::kernels::fit::lanes::{LANES, Lanes, Number};
+use crate::kernels::expansion::{DiscSum, Harmonics};
 use crate::kernels::image::{Part, WorkingMap};
+use crate::kernels::lanes::{LANES, Lanes, Number};
 
 /// A part of a bright cell of the map, as a disc of the same spread.
 #[derive(Clone, Copy, Debug)]
@@ -78,14 +77,10 @@ impl Patches {
         }
     }
 
-    /// The mean distance between the points of a disc and of patches, times the fluxes of these, by channel.
-    pub fn distances_to(&self, direction: DVec3, share: f64) -> [f64; 3] {
-        Arch::new().dispatch(To { direction, share, patches: self })
-    }
-
-    /// The derivatives of the same, second ones of the channels with these `shares`.
-    pub fn distances_around(&self, disc: &Disc, shares: [f64; 3]) -> Sum {
-        Arch::new().dispatch(Around { disc, patches: self, shares })
+    /// The mean distance between the points of a disc and of patches, times the fluxes of these; if N is 2, with derivatives,
+    /// second ones of the channels with these `shares`.
+    pub fn distances_to<const N: usize>(&self, disc: &Disc, shares: [f64; 3]) -> DiscSum {
+        Arch::new().dispatch(PatchDistances::<N> { disc, patches: self, shares })
     }
 
     /// Direction, A and flux of patch after patch.
@@ -106,14 +101,15 @@ fn triples<S: Simd>(simd: S, numbers: &[Vec<f64>; 3]) -> impl Iterator<Item = [L
 
 /// The mean distance between the points of patches, times their fluxes, over all pairs and by channel.
 ///
-/// It is the same both ways: pairs of two blocks are summed one way, and count twice.
+/// The distance is symmetric: pairs of two blocks are summed once, and count twice.
 pub fn distances(patches: &[Patch]) -> [f64; 3] {
     let mut out = [0.0; 3];
     for (block, own) in patches.chunks(LANES).enumerate() {
         let later = Patches::new(&patches[block * LANES + own.len()..]);
         let within = Patches::new(own);
         for one in own {
-            let [own, others] = [&within, &later].map(|all| all.distances_to(one.direction, one.share));
+            let disc = Disc::new(one.direction, 2.0 * one.share.sqrt().asin());
+            let [own, others] = [&within, &later].map(|all| all.distances_to::<0>(&disc, [0.0; 3]).value);
             (0..3).for_each(|c| out[c] += one.flux[c] * (own[c] + 2.0 * others[c]));
         }
     }
@@ -127,61 +123,40 @@ fn dot<S: Simd>(one: DVec3, other: [Lanes<S>; 3]) -> Lanes<S> {
 }
 
 /// See [`Patches::distances_to`].
-struct To<'a> {
-    direction: DVec3,
-    share: f64,
-    patches: &'a Patches,
-}
-
-impl WithSimd for To<'_> {
-    type Output = [f64; 3];
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> [f64; 3] {
-        let own = Lanes::splat(simd, self.share);
-        let mut out = [Lanes::splat(simd, 0.0); 3];
-        for (towards, share, flux) in self.patches.lanes(simd) {
-            let [c, a, b] = [dot(self.direction, towards), own, share].map(Jet::<0, _>::constant);
-            let distance = mean_distance(c, a, b).value;
-            for c in 0..3 {
-                out[c] = out[c] + distance * flux[c];
-            }
-        }
-        out.map(Lanes::sum)
-    }
-}
-
-/// See [`Patches::distances_around`].
-struct Around<'a> {
+struct PatchDistances<'a, const N: usize> {
     disc: &'a Disc,
     patches: &'a Patches,
     shares: [f64; 3],
 }
 
-impl WithSimd for Around<'_> {
-    type Output = Sum;
+impl<const N: usize> WithSimd for PatchDistances<'_, N> {
+    type Output = DiscSum;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Sum {
+    fn with_simd<S: Simd>(self, simd: S) -> DiscSum {
         let Self { disc, patches, shares } = self;
         let [s, t] = disc.frame();
         let shares = shares.map(|share| Lanes::splat(simd, share));
         let own = Lanes::splat(simd, disc.share);
-        let zero = own.like(0.0);
-        let (mut first, mut second) = ([[zero; 3]; 3], [[zero; 3]; 3]);
+        let mut sum = DiscSum::zero(own);
         for (towards, share, flux) in patches.lanes(simd) {
             let cosine = dot(disc.direction, towards);
-            let [c, a] = [Jet::<2, _>::variable(cosine, 0), Jet::variable(own, 1)];
+            let [c, a] = [Jet::<N, _>::variable(cosine, 0), Jet::variable(own, 1)];
             let distance = mean_distance(c, a, Jet::constant(share));
-            let distance = on_tangents(&distance, cosine, [dot(s, towards), dot(t, towards)]);
-            let weight = shares[0] * flux[0] + shares[1] * flux[1] + shares[2] * flux[2];
-            for i in 0..3 {
-                for k in 0..3 {
-                    first[i][k] = first[i][k] + distance.first[i] * flux[k];
-                    second[i][k] = second[i][k] + distance.second[i][k] * weight;
+            for k in 0..3 {
+                sum.value[k] = sum.value[k].add_product(distance.value, flux[k]);
+            }
+            if N == 2 {
+                let distance = on_tangents(&distance, cosine, [dot(s, towards), dot(t, towards)]);
+                let weight = shares[0] * flux[0] + shares[1] * flux[1] + shares[2] * flux[2];
+                for i in 0..3 {
+                    for k in 0..3 {
+                        sum.first[i][k] = sum.first[i][k] + distance.first[i] * flux[k];
+                        sum.second[i][k] = sum.second[i][k] + distance.second[i][k] * weight;
+                    }
                 }
             }
         }
-        Sum { first: first.map(|row| row.map(Lanes::sum)), second: second.map(|row| row.map(Lanes::sum)) }
+        sum.map(Lanes::sum)
     }
 }

@@ -11,7 +11,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 
 use super::kernel::{Block, mixed_derivatives, second_derivative};
-use crate::kernels::fit::lanes::LANES;
+use crate::kernels::lanes::LANES;
 use pulp::Scalar;
 
 /// The first f64 has the number's leading digits.

@@ -16,8 +16,13 @@ use std::sync::LazyLock;
 use glam::{DMat3, DVec3};
 use pulp::{Arch, Simd, WithSimd};
 
-use super::harmonics::{Coefficients, DEGREE, KINDS, Legendre, orders, turned};
+use crate::kernels::expansion::{AssociatedLegendre, DEGREES, Harmonics};
 use crate::kernels::sphere::angles;
+
+/// Kinds of harmonics of even degree by the axes along which they change sign when that axis is mirrored: cosines of even
+/// and odd order, then sines of even and odd order.
+const KINDS: [[bool; 3]; 4] =
+    [[false, false, false], [false, true, true], [true, false, true], [true, true, false]];
 
 /// Cells from the middle of a face to its edge. Twice as many lower the error sixteen times: at ten it is a
 /// tenth of that of the working map's cells.
@@ -38,14 +43,14 @@ pub struct Field {
 }
 
 impl Field {
-    /// Of a function in harmonics, on a cube that is turned towards an `azimuth`. With one that turns with the
-    /// function the table does too, and its error.
-    pub fn new(harmonics: Coefficients, azimuth: f64) -> Self {
-        let harmonics = turned(harmonics, azimuth);
+    /// Tabulate the even degrees of a function in harmonics, on a cube that is turned towards an `azimuth`. If the azimuth
+    /// turns with the function, so does the error of the table.
+    pub fn new(harmonics: &Harmonics, azimuth: f64) -> Self {
+        let harmonics = coefficients_by_kind(&harmonics.turned(azimuth));
         let mut faces = vec![[0.0; 4]; 3 * SIDE * SIDE];
         for (kind, (matrix, harmonics)) in SPLINES.iter().zip(&harmonics).enumerate() {
             let mut quarter = [(); 3].map(|()| vec![0.0; 3 * KNOTS * KNOTS]);
-            Arch::new().dispatch(Product { matrix, harmonics, out: &mut quarter });
+            Arch::new().dispatch(SplineProduct { matrix, harmonics, out: &mut quarter });
             let [red, green, blue] = &quarter;
             for (i, value) in red.iter().zip(green).zip(blue).map(|((r, g), b)| [*r, *g, *b]).enumerate() {
                 let (face, u, v) = (i / (KNOTS * KNOTS), i / KNOTS % KNOTS, i % KNOTS);
@@ -78,7 +83,7 @@ impl Field {
     /// Gradients at the unit vector `l`, by channel; the value is `l.gradient`, for the degree is 1.
     #[inline(always)]
     pub fn gradient(&self, l: DVec3) -> [DVec3; 3] {
-        let place = Place::of(self.inward(l));
+        let place = FacePosition::of(self.inward(l));
         let (bu, bv) = (weights(place.u), weights(place.v));
         let (du, dv) = (slopes(place.u), slopes(place.v));
         let (mut value, mut by_u, mut by_v) = ([0.0; 4], [0.0; 4], [0.0; 4]);
@@ -107,7 +112,7 @@ impl Field {
     /// The second derivative at the unit vector `l` of the sum of the channels with these `shares`.
     #[inline(always)]
     pub fn second_derivative(&self, l: DVec3, shares: [f64; 3]) -> DMat3 {
-        let place = Place::of(self.inward(l));
+        let place = FacePosition::of(self.inward(l));
         let (bu, bv) = (weights(place.u), weights(place.v));
         let (du, dv) = (slopes(place.u), slopes(place.v));
         let (cu, cv) = (bends(place.u), bends(place.v));
@@ -131,10 +136,30 @@ impl Field {
     }
 
     #[inline(always)]
-    fn row(&self, place: &Place, i: usize) -> &[[f64; 4]; 4] {
+    fn row(&self, place: &FacePosition, i: usize) -> &[[f64; 4]; 4] {
         let start = (place.face * SIDE + place.first[0] + i) * SIDE + place.first[1];
         self.faces[start..].first_chunk().expect("a spline reaches one knot beyond the last cell")
     }
+}
+
+/// Even degrees of an order, with the kinds of its cosine and of its sine.
+fn even_degrees(order: usize) -> impl Iterator<Item = (usize, usize)> {
+    (order + order % 2..DEGREES).step_by(2).flat_map(move |l| {
+        let kinds = if order > 0 { 0..2 } else { 0..1 };
+        kinds.map(move |side| (l, 2 * side + order % 2))
+    })
+}
+
+/// Coefficients of even degree for each kind, order by order, degree by degree.
+fn coefficients_by_kind(harmonics: &Harmonics) -> [Vec<[f64; 3]>; 4] {
+    let mut out: [Vec<[f64; 3]>; 4] = Default::default();
+    for order in 0..DEGREES {
+        for (degree, kind) in even_degrees(order) {
+            let (value, side) = (harmonics.at(degree, order), 4 * (kind / 2));
+            out[kind].push([value[side], value[side + 1], value[side + 2]]);
+        }
+    }
+    out
 }
 
 /// The knots of one sign and of the other, and the sign that a function has there.
@@ -144,7 +169,7 @@ fn both_sides(knot: usize, flips: bool) -> impl Iterator<Item = (usize, f64)> {
 }
 
 /// Where a direction lies on the faces.
-struct Place {
+struct FacePosition {
     face: usize,
     /// |x|, and its sign
     height: f64,
@@ -157,7 +182,7 @@ struct Place {
     v: f64,
 }
 
-impl Place {
+impl FacePosition {
     #[inline(always)]
     fn of(l: DVec3) -> Self {
         let size = l.abs();
@@ -234,13 +259,13 @@ fn bends(t: f64) -> [f64; 4] {
 }
 
 /// `matrix harmonics` for each channel, in wide vectors.
-struct Product<'a> {
+struct SplineProduct<'a> {
     matrix: &'a [Vec<f64>],
     harmonics: &'a [[f64; 3]],
     out: &'a mut [Vec<f64>; 3],
 }
 
-impl WithSimd for Product<'_> {
+impl WithSimd for SplineProduct<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -259,42 +284,51 @@ impl WithSimd for Product<'_> {
     }
 }
 
-/// For each kind, for each of its harmonics, the coefficients of the quarters of the faces: those of the spline
-/// that has its values at the knots.
+/// Coefficients of the quarters of the faces for each kind and harmonic: those of the spline that has its values at the
+/// knots.
 static SPLINES: LazyLock<[Vec<Vec<f64>>; 4]> = LazyLock::new(|| {
     /// Knots beyond the edge at which the function is sampled too: each lowers the error of the end by 3.7.
     const MARGIN: usize = 8;
     const SAMPLED: usize = KNOTS + MARGIN;
-    let knots = (0..3 * SAMPLED * SAMPLED).map(|i| {
+    let knot = |i: usize| {
         let (face, u, v) = (i / (SAMPLED * SAMPLED), i / SAMPLED % SAMPLED, i % SAMPLED);
-        let mut place = DVec3::ZERO;
-        place[face] = 1.0;
-        place[OTHERS[face][0]] = u as f64 / HALF as f64;
-        place[OTHERS[face][1]] = v as f64 / HALF as f64;
-        place
-    });
-    let knots: Vec<DVec3> = knots.collect();
-    let mut legendre = Legendre::new(knots.iter().map(|place| place.y / place.length()).collect());
-    let azimuths: Vec<f64> = knots.iter().map(|&place| angles(place).1).collect();
-    let mut splines: [Vec<Vec<f64>>; 4] = Default::default();
-    for order in 0..=DEGREE {
-        for row in legendre.rows() {
-            for kind in (0..4).filter(|&kind| orders(kind).any(|own| own == order)) {
-                let turn = |phi: f64| {
-                    let (sin, cos) = (order as f64 * phi).sin_cos();
-                    if kind < 2 { cos } else { sin }
-                };
-                let values = row.iter().zip(&azimuths).zip(&knots);
-                // Of degree 1: at the knots, which lie outside of the unit sphere, as long as they are.
-                let values: Vec<f64> =
-                    values.map(|((p, &phi), place)| p * turn(phi) * place.length()).collect();
-                splines[kind].push(quarters(&values, kind, SAMPLED));
+        let mut knot = DVec3::ZERO;
+        knot[face] = 1.0;
+        knot[OTHERS[face][0]] = u as f64 / HALF as f64;
+        knot[OTHERS[face][1]] = v as f64 / HALF as f64;
+        knot
+    };
+    let mut values: [Vec<Vec<f64>>; 4] = Default::default();
+    for i in 0..3 * SAMPLED * SAMPLED {
+        let mut next = [0; 4];
+        for (kind, value) in even_harmonics(knot(i)) {
+            if i == 0 {
+                values[kind].push(Vec::with_capacity(3 * SAMPLED * SAMPLED));
             }
+            values[kind][next[kind]].push(value);
+            next[kind] += 1;
         }
-        legendre.raise();
     }
-    splines
+    let splines = |kind: usize| values[kind].iter().map(|values| quarters(values, kind, SAMPLED)).collect();
+    [0, 1, 2, 3].map(splines)
 });
+
+/// Every harmonic of even degree as a function of degree 1, at a place outside of the unit sphere, with its kind.
+fn even_harmonics(place: DVec3) -> Vec<(usize, f64)> {
+    let (length, phi) = (place.length(), angles(place).1);
+    let height = place.y / length;
+    let mut legendre = AssociatedLegendre::new(height, ((1.0 - height) * (1.0 + height)).max(0.0).sqrt());
+    let mut out = Vec::new();
+    for order in 0..DEGREES {
+        let (sin, cos) = (order as f64 * phi).sin_cos();
+        let column = legendre.column(order);
+        out.extend(
+            even_degrees(order)
+                .map(|(degree, kind)| (kind, column[degree] * if kind < 2 { cos } else { sin } * length)),
+        );
+    }
+    out
+}
 
 /// The coefficients of the splines through `values` at the knots of the quarters of three faces.
 fn quarters(values: &[f64], kind: usize, sampled: usize) -> Vec<f64> {

@@ -3,22 +3,15 @@
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
 use glam::{DMat3, DVec3};
-use ndarray::{ArrayView2, Axis};
 use pulp::Simd;
 
 use super::kernel::{Angles, Block, second_derivative, splat};
-use crate::kernels::fit::lanes::{LANES, Lanes, Number};
+use crate::kernels::expansion::{PointLight, sources_of};
 use crate::kernels::image::WorkingMap;
+use crate::kernels::lanes::{LANES, Lanes, Number};
 
 /// Points that are kept at most, the brightest: beyond, harmonics are as good.
 const MOST_POINTS: usize = 24;
-
-/// A light of the map that is kept as a point: its direction, and its irradiance at normal incidence.
-#[derive(Clone, Copy, Debug)]
-pub struct Point {
-    pub direction: DVec3,
-    pub irradiance: [f64; 3],
-}
 
 /// Points side by side: the last lanes are filled up with black ones.
 #[derive(Clone, Debug)]
@@ -29,16 +22,16 @@ pub struct Points {
 impl Points {
     /// The brightest sources of the map, then the others, then the vector irradiance that is left of the first: their
     /// channels may have their middles aside of each other, which counts in the first degree alone.
-    pub fn chosen(map: &WorkingMap) -> (Vec<Point>, Vec<Point>, [DVec3; 3]) {
+    pub fn chosen(map: &WorkingMap) -> (Vec<PointLight>, Vec<PointLight>, [DVec3; 3]) {
         let mut sources = sources_of(map);
         let power = |source: &[DVec3; 3]| source.iter().map(|e| e.length()).sum::<f64>();
         sources.sort_by(|a, b| power(b).total_cmp(&power(a)));
         let mut aside = [DVec3::ZERO; 3];
         let point = |source: &[DVec3; 3]| {
             let direction = source.iter().sum::<DVec3>().normalize_or(DVec3::Y);
-            Point { direction, irradiance: source.map(|e| e.dot(direction)) }
+            PointLight { direction, irradiance: source.map(|e| e.dot(direction)) }
         };
-        let mut points: Vec<Point> = sources.iter().map(point).collect();
+        let mut points: Vec<PointLight> = sources.iter().map(point).collect();
         for (source, point) in sources.iter().zip(&points) {
             (0..3).for_each(|c| aside[c] += source[c] - point.irradiance[c] * point.direction);
         }
@@ -48,8 +41,8 @@ impl Points {
     }
 
     /// Of one list.
-    pub fn new(points: &[Point]) -> Self {
-        let block = |points: &[Point]| {
+    pub fn new(points: &[PointLight]) -> Self {
+        let block = |points: &[PointLight]| {
             let mut irradiance = [[0.0; LANES]; 3];
             for (i, point) in points.iter().enumerate() {
                 (0..3).for_each(|channel| irradiance[channel][i] = point.irradiance[channel]);
@@ -111,14 +104,6 @@ fn brightest(powers: &[f64]) -> usize {
         return powers.len();
     }
     (0..=MOST_POINTS).rev().find(is_gap).unwrap_or(0)
-}
-
-/// The vector irradiance of each source of a map, by channel.
-pub fn sources_of(map: &WorkingMap) -> Vec<[DVec3; 3]> {
-    let by_channel = |source: ArrayView2<'_, f64>| {
-        [0, 1, 2].map(|channel| DVec3::new(source[[0, channel]], source[[1, channel]], source[[2, channel]]))
-    };
-    map.sources.axis_iter(Axis(0)).map(by_channel).collect()
 }
 
 #[cfg(test)]

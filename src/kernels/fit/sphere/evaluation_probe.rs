@@ -1,4 +1,4 @@
-//! The probe under a map at normals that judge a rig: from the harmonics of its cells, and its bright places one by one.
+//! The probe under a map at the normals that evaluate a rig: from the harmonics of its cells, and its bright parts one by one.
 //!
 //! The clamped cosine `max(0, n.w)` is half of `n.w` and half of `|n.w|`, which is even. With the factors A of its even
 //! degrees (`kernel.rs`), F the integral of `L w dw` over the whole map, and the vector irradiance f of each source and
@@ -13,7 +13,7 @@
 //! of a rig of 1 to 32 lights is as near to the exact one as with all cells looked up one by one, 1e-5 to 5e-5 in the mean.
 //!
 //! The normals stand on rings. These lie at the nodes of a Gauss-Legendre rule, the normals of a ring at even azimuths:
-//! judged at 5120 of them the error of a rig is as near to that at all normals as at 5120 Hammersley points, where even
+//! evaluated at 5120 of them the error of a rig is as near to that at all normals as at 5120 Hammersley points, where even
 //! heights double its scatter. From ring to ring the normals are turned by the golden section of a step, which spreads
 //! them evenly.
 
@@ -27,16 +27,16 @@ use glam::DVec3;
 use nalgebra::DMatrix;
 use pulp::{Arch, Simd, WithSimd};
 
-use super::harmonics::{DEGREE, Legendre, ORDERS, Spectrum};
 use super::kernel::clamped_cosine;
-use super::points::{Point, sources_of};
 use crate::error::{Error, Result};
-use crate::kernels::fit::azimuthal::Azimuthal;
+use crate::kernels::cache::Cache;
+use crate::kernels::expansion::{
+    AssociatedLegendre, DEGREES, Expansion, Harmonics, PointLight, bright_cells, sources_of,
+};
 use crate::kernels::fit::samples::Samples;
 use crate::kernels::image::WorkingMap;
-use crate::kernels::kept::Kept;
 use crate::kernels::sampling::gauss_legendre;
-use crate::kernels::sphere::{band_heights, direction};
+use crate::kernels::sphere::direction;
 
 /// Normals of a ring: enough that the steps around are as fine as those between rings of 5120 normals.
 const AZIMUTHS: usize = 128;
@@ -45,29 +45,27 @@ const GOLDEN_SECTION: f64 = 0.618_033_988_749_894_9;
 
 /// Cosine and sine of `m phi` of each order m, at the azimuths of a ring from its first normal on.
 static TURNS: LazyLock<DMatrix<f64>> = LazyLock::new(|| {
-    DMatrix::from_fn(AZIMUTHS, 2 * ORDERS, |i, column| {
+    DMatrix::from_fn(AZIMUTHS, 2 * DEGREES, |i, column| {
         let (sin, cos) = (TAU * (i * (column / 2) % AZIMUTHS) as f64 / AZIMUTHS as f64).sin_cos();
         if column % 2 == 0 { cos } else { sin }
     })
 });
 
-/// Irradiance at `fewest` normals, or some more, under a map: `rest` holds the integrals over the rows of all that is not
-/// bright. The second half of the normals is opposite the first, which face up.
+/// Irradiance under a map at `fewest` normals or a few more. The second half of the normals is opposite the first, which face up.
 ///
 /// # Errors
 ///
 /// [`Error::TooBright`].
-pub fn rendered(map: &WorkingMap, rest: &Azimuthal, fewest: usize) -> Result<Samples> {
-    static RINGS: Kept<usize, Rings> = Kept::new();
+pub fn evaluation_probe(map: &WorkingMap, expansion: &Expansion, fewest: usize) -> Result<Samples> {
+    static RINGS: Cache<usize, Rings> = Cache::new();
     let count = fewest.div_ceil(2 * AZIMUTHS);
-    let rings = RINGS.of(&count, || Rings::new(count));
-    let cells = Spectrum::new(rest, &map.grid);
-    let bright: Vec<Point> = sources(map).into_iter().chain(bright_cells(map)).collect();
+    let rings = RINGS.get(&count, || Rings::new(count));
+    let bright: Vec<PointLight> = sources(map).into_iter().chain(bright_cells(map)).collect();
     // Add up what is the same at opposite normals.
-    let mut even = &*TURNS * rings.along_orders(&cells);
+    let mut even = &*TURNS * rings.along_orders(&expansion.rest);
     Arch::new().dispatch(Halves { normals: &rings.halves, bright: &bright, even: even.as_mut_slice() });
     // Add what has the other sign there.
-    let mut whole = cells.first;
+    let mut whole = [0, 1, 2].map(|channel| expansion.rest.moments(channel).1);
     for (c, whole) in whole.iter_mut().enumerate() {
         *whole += bright.iter().map(|point| point.direction * point.irradiance[c]).sum::<DVec3>();
     }
@@ -88,25 +86,13 @@ pub fn rendered(map: &WorkingMap, rest: &Azimuthal, fewest: usize) -> Result<Sam
 }
 
 /// The sources of a map, a point for each channel: the middles of these may differ.
-fn sources(map: &WorkingMap) -> Vec<Point> {
+fn sources(map: &WorkingMap) -> Vec<PointLight> {
     let point = |(channel, flux): (usize, DVec3)| {
         let mut irradiance = [0.0; 3];
         irradiance[channel] = flux.length();
-        Point { direction: flux.normalize_or(DVec3::Y), irradiance }
+        PointLight { direction: flux.normalize_or(DVec3::Y), irradiance }
     };
     sources_of(map).into_iter().flat_map(|source| source.into_iter().enumerate().map(point)).collect()
-}
-
-/// Bright cells that are no sources, as points.
-fn bright_cells(map: &WorkingMap) -> Vec<Point> {
-    let (theta, phi) = (&map.grid.theta_edges, &map.grid.phi_edges);
-    let point = |&(row, column): &(usize, usize)| {
-        let solid_angle = band_heights(&theta[row..row + 2])[0] * (phi[column + 1] - phi[column]);
-        let middle = |edges: &[f64], i: usize| 0.5 * (edges[i] + edges[i + 1]);
-        let irradiance = [0, 1, 2].map(|c| solid_angle * f64::from(map.radiance[[row, column, c]]));
-        Point { direction: direction(middle(theta, row), middle(phi, column)), irradiance }
-    };
-    map.bright.iter().map(point).collect()
 }
 
 /// Rings of normals.
@@ -119,8 +105,8 @@ struct Rings {
     weights: Vec<f64>,
     /// Azimuth of the first normal of each.
     starts: Vec<f64>,
-    /// `P_lm` at their heights, order by order, even degree by even degree.
-    legendre: Vec<Vec<Vec<f64>>>,
+    /// Their heights.
+    heights: Vec<f64>,
 }
 
 impl Rings {
@@ -140,13 +126,7 @@ impl Rings {
         let normals = upper.iter().copied().chain(upper.iter().map(|&normal| -normal)).collect();
         let solid_angles = weights.iter().chain(weights).map(|weight| weight * step);
         let weights = solid_angles.flat_map(|one| std::iter::repeat_n(one, AZIMUTHS)).collect();
-        let mut legendre = Legendre::new(heights);
-        let of_order = |_| {
-            let rows = legendre.rows();
-            legendre.raise();
-            rows
-        };
-        Self { normals, halves, weights, starts, legendre: (0..ORDERS).map(of_order).collect() }
+        Self { normals, halves, weights, starts, heights }
     }
 
     fn upper(&self) -> &[DVec3] {
@@ -155,36 +135,26 @@ impl Rings {
 
     /// The even part of the irradiance on each ring, by `cos m phi` and `sin m phi` from its first normal on: a column for
     /// each ring and channel.
-    fn along_orders(&self, cells: &Spectrum) -> DMatrix<f64> {
-        let scaled = cells.scaled(&clamped_cosine(DEGREE / 2 + 1));
-        let mut kinds = scaled.iter().map(|kind| kind.iter()).collect::<Vec<_>>();
-        let mut out = DMatrix::zeros(2 * ORDERS, 3 * self.starts.len());
-        for (order, rows) in self.legendre.iter().enumerate() {
-            for row in rows {
-                let cosine = kinds[order % 2].next().copied().unwrap_or_default();
-                let sine = if order == 0 { None } else { kinds[2 + order % 2].next() };
-                let pair = [cosine, sine.copied().unwrap_or_default()];
-                for (i, p) in row.iter().enumerate() {
-                    for c in 0..3 {
-                        (0..2).for_each(|side| out[(2 * order + side, 3 * i + c)] += p * pair[side][c]);
-                    }
+    fn along_orders(&self, cells: &Harmonics) -> DMatrix<f64> {
+        let lobe = clamped_cosine(DEGREES.div_ceil(2));
+        let mut out = DMatrix::zeros(2 * DEGREES, 3 * self.starts.len());
+        for (ring, (height, start)) in self.heights.iter().zip(&self.starts).enumerate() {
+            let mut legendre = AssociatedLegendre::new(*height, (1.0 - height * height).sqrt());
+            for (order, values) in cells.orders().enumerate() {
+                let column = legendre.column(order);
+                let mut sum = [0.0; 8];
+                for degree in (order + order % 2..DEGREES).step_by(2) {
+                    let weight = lobe[degree / 2] * column[degree];
+                    (0..8).for_each(|i| sum[i] += weight * values[degree - order][i]);
+                }
+                let (sin, cos) = (order as f64 * start).sin_cos();
+                for c in 0..3 {
+                    out[(2 * order, 3 * ring + c)] = sum[c] * cos + sum[4 + c] * sin;
+                    out[(2 * order + 1, 3 * ring + c)] = sum[4 + c] * cos - sum[c] * sin;
                 }
             }
-            self.turn(order, &mut out);
         }
         out
-    }
-
-    /// Count the azimuths of an order from the first normal of each ring.
-    fn turn(&self, order: usize, out: &mut DMatrix<f64>) {
-        for (i, start) in self.starts.iter().enumerate() {
-            let (sin, cos) = (order as f64 * start).sin_cos();
-            for column in 3 * i..3 * i + 3 {
-                let (a, b) = (out[(2 * order, column)], out[(2 * order + 1, column)]);
-                out[(2 * order, column)] = a * cos + b * sin;
-                out[(2 * order + 1, column)] = b * cos - a * sin;
-            }
-        }
     }
 }
 
@@ -192,7 +162,7 @@ impl Rings {
 struct Halves<'a> {
     /// Half of each normal, axis by axis.
     normals: &'a [Vec<f64>; 3],
-    bright: &'a [Point],
+    bright: &'a [PointLight],
     even: &'a mut [f64],
 }
 
@@ -221,9 +191,9 @@ impl WithSimd for Halves<'_> {
 
 /// The sum of `|n.f| / 2` over all bright places, by channel, at as many normals as a vector holds.
 #[inline(always)]
-fn sum<S: Simd>(simd: S, [x, y, z]: [S::f64s; 3], bright: &[Point]) -> [S::f64s; 3] {
+fn sum<S: Simd>(simd: S, [x, y, z]: [S::f64s; 3], bright: &[PointLight]) -> [S::f64s; 3] {
     let mut sums = [simd.splat_f64s(0.0); 3];
-    for Point { direction, irradiance } in bright {
+    for PointLight { direction, irradiance } in bright {
         let [to_x, to_y, to_z] = direction.to_array().map(|value| simd.splat_f64s(value));
         let cosine = simd.mul_add_e_f64s(x, to_x, simd.mul_add_e_f64s(y, to_y, simd.mul_f64s(z, to_z)));
         let cosine = simd.abs_f64s(cosine);
@@ -270,7 +240,7 @@ mod tests {
     }
 
     fn judge(map: &WorkingMap) -> Samples {
-        rendered(map, &Azimuthal::of(map).without_bright(map), 5120).unwrap()
+        evaluation_probe(map, &Expansion::new(map), 5120).unwrap()
     }
 
     /// Relative RMS error beside `exact` look-ups of all cells, one by one.
