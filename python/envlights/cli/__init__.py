@@ -14,7 +14,7 @@ from envlights._native import EnvLightsError
 #: nobody waits for the others.
 _COMMANDS = {
     "demo": "Make something to try, and draw the result.",
-    "detect": "Find the bright places of a map.",
+    "detect": "Find the lights of a map.",
     "export": "Write a rig or lights for other programs.",
     "fit": "Fit an ambient term and a few lights to a map.",
     "repair": "Estimate the light that white cut off in a picture.",

@@ -22,28 +22,35 @@ from envlights.io.files import PICTURES
     "-n",
     "--max-lights",
     type=int,
-    help="Lights, at most: tree merges neighbours, article leaves out the dimmest.",
+    help="Most lights: tree merges neighbours, article drops the dimmest.",
 )
 @click.option(
     "--method",
     type=click.Choice(list(METHODS)),
     default=default_of(detect, "method"),
     show_default=True,
-    help="How bright places are found.",
+    help="Detector: the component tree, or the steps of Loghin (2021).",
 )
 @output_option(OUTPUTS)
 @click.option("--json", "as_json", is_flag=True, help="Print the lights as JSON.")
+@click.option("--verbose", is_flag=True, help="Print details for authors of detectors too.")
 def command(
-    map_path: str, max_lights: int | None, method: str, outputs: Sequence[str], as_json: bool
+    map_path: str,
+    max_lights: int | None,
+    method: str,
+    outputs: Sequence[str],
+    as_json: bool,
+    verbose: bool,
 ) -> None:
-    """Find the bright places of MAP (.hdr, .exr, .png, .jpg, .tif)."""
+    """Find the lights of MAP (.hdr, .exr, .png, .jpg, .tif)."""
     for output in outputs:
         check_output(output, (*SUFFIXES, *PICTURES), {"the map": map_path})
     env = EnvMap.open(map_path)
     lights = detect(env, method, max_lights=max_lights)
     for output in outputs:
         _write(env, lights, output)
-    click.echo(json.dumps(lights.to_dict(), indent=2) if as_json else str(lights))
+    text = lights.described(verbose=verbose)
+    click.echo(json.dumps(lights.to_dict(), indent=2) if as_json else text)
     say_written(outputs)
 
 

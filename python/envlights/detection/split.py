@@ -16,7 +16,7 @@ from envlights.detection.component_tree import searched
 from envlights.detection.detect import detect
 from envlights.detection.lights import DetectedLights, DetectionReport
 from envlights.detection.taken import TakenLights
-from envlights.envmap import AnyMap, EnvMap, Original, as_envmap
+from envlights.envmap import AnyMap, EnvMap, as_envmap
 from envlights.kernels.image import LUMINANCE, reduced_luminance
 
 #: Options of the component tree that find what would be a light once the others are gone: then the
@@ -161,7 +161,6 @@ def split(
         registration=env.registration,
         notes=notes,
         white=env.white,
-        original=env.original or _original(found),
     )
     return Split(taken, rest)
 
@@ -278,7 +277,13 @@ def _members(env: EnvMap, lights: DetectedLights) -> _Found:
     """Lights as the kernel takes them."""
     block = -(-env.width // lights.report.working_size[1])
     report = lights.report
-    return *_pixels(env, lights, block), lights.direction, block, report.threshold, report.end
+    return (
+        *_pixels(env, lights, block),
+        lights.direction,
+        block,
+        report.threshold,
+        report.clip_level,
+    )
 
 
 def _taken(chosen: DetectedLights, parts: _native.MapSplit, report: DetectionReport) -> TakenLights:
@@ -296,28 +301,10 @@ def _taken(chosen: DetectedLights, parts: _native.MapSplit, report: DetectionRep
     return TakenLights(**(kept | measured))
 
 
-def _original(found: DetectedLights) -> Original | None:
-    """The map of the lights, or None where it has none or where they were found in another way.
-
-    The threshold of the article is its own.
-    """
-    report = found.report
-    if not len(found) or report.method != "tree":
-        return None
-    return Original(
-        report.threshold,
-        _map_flux(found),
-        peak=float(found.peak_luminance.max()),
-        end=report.end,
-        least_weight=report.least_weight,
-        columns=0 if report.end is None else report.working_size[1],
-    )
-
-
 def _map_flux(lights: DetectedLights) -> float:
     """Luminance flux of the map in which lights were found; 1 where none were."""
     share = float(lights.flux_share.sum())
-    return float((lights.irradiance @ LUMINANCE).sum()) / share if share else 1.0
+    return float((lights.flux @ LUMINANCE).sum()) / share if share else 1.0
 
 
 def _report(chosen: DetectedLights, found: int, seconds: float) -> DetectionReport:
