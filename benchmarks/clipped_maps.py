@@ -128,7 +128,7 @@ class Score:
 
 def score(truth, lights, time):
     """Compare the lights of a picture with those of the HDR map, brightest first."""
-    flux, seen = truth.irradiance @ LUMINANCE, lights.irradiance @ LUMINANCE
+    flux, seen = truth.flux @ LUMINANCE, lights.flux @ LUMINANCE
     if not len(lights):
         return Score(False, True, 0.0, 180.0, 0, 0, 0.0, 0.0, time)
     chords = np.linalg.norm(truth.direction[:, None] - lights.direction[None], axis=2)
@@ -219,7 +219,7 @@ def families():
         worlds = [world for world in worlds if "clipped" in world.note or "8 bit" in world.note]
         found = [el.detect(eight_bits(world.radiance)) for world in worlds]
         results = zip(worlds, found, strict=True)
-        judged = synthetic.judge([(world, e.direction, e.irradiance) for world, e in results])
+        judged = synthetic.judge([(world, e.direction, e.flux) for world, e in results])
         yield (
             f"{name}: {len(worlds)} maps, precision {judged.precision:.2f}, recall"
             f" {judged.recall:.2f}, {judged.false_on_lightless} false on maps without lights"

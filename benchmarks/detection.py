@@ -20,7 +20,6 @@ FAMILIES = {
     "plain": synthetic.plain,
     "hard": synthetic.hard,
     "openings": synthetic.openings,
-    "faint": synthetic.faint,
 }
 
 

@@ -21,7 +21,7 @@ _CUTS = 5
 def ours(**options):
     def detector(radiance):
         lights = el.detect(radiance, **options)
-        return lights.direction, lights.irradiance
+        return lights.direction, lights.flux
 
     return detector
 

@@ -140,7 +140,6 @@ CALLS = {
     "synthetic.hall": (lambda: 4096, synthetic.hall),
     "synthetic.plain": (lambda: 4096, lambda height: synthetic.plain(2, height)),
     "synthetic.hard": (lambda: 4096, lambda height: synthetic.hard(1, height)),
-    "synthetic.faint": (lambda: 4096, lambda height: synthetic.faint(2, height)),
     "synthetic.openings": (lambda: 4096, lambda height: synthetic.openings(3, height)),
     "synthetic.room": (lambda: 512, lambda width: synthetic.room(64, width)),
     "kernels.blur": (lambda: large(4096)[..., 0].copy(), lambda g: kernels.blur(g, 50)),

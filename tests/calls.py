@@ -187,7 +187,6 @@ CALLS = {
     "read_pairs": (el.read_pairs, {"pairs": st.just("no-folder")}),
     "io.read_image": (io.read_image, {"path": st.just("none.png"), "max_pixels": COUNT}),
     "io.check_writable": (io.check_writable, {"path": st.just("no-folder/file.exr")}),
-    "synthetic.faint": (synthetic.faint, {"seed": SEED, "height": HEIGHT}),
     "synthetic.hall": (synthetic.hall, {"height": SIZE}),
     "synthetic.hard": (synthetic.hard, {"seed": SEED, "height": HEIGHT}),
     "synthetic.openings": (synthetic.openings, {"seed": SEED, "height": HEIGHT}),

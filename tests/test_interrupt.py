@@ -30,7 +30,6 @@ LONG = {
     "hall": "el.synthetic.hall(4096)",
     "plain": "el.synthetic.plain(2, 4096)",
     "hard": "el.synthetic.hard(8, 4096)",
-    "faint": "el.synthetic.faint(2, 4096)",
     "openings": "el.synthetic.openings(3, 4096)",
     "eigensystem": "eigensystem(square)",
     "save_exr": "el.EnvMap(large).save(folder + '/map.exr')",

@@ -5,17 +5,20 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights.detection.component_tree import TreeOptions
+from envlights.kernels.loghin import LineRule
+
 __all__ = [
     "BASIS_SHARE",
     "BASIS_TILE",
     "LEAST_WHITE",
     "LUMINANCE",
+    "ClippedDetection",
     "EnvLightsError",
     "FitAnswer",
     "MapSplit",
     "TreeDetection",
     "UnusableSamplesError",
-    "WhiteDetection",
     "are_clipped",
     "blur",
     "bresenham_line",
@@ -24,7 +27,6 @@ __all__ = [
     "decoded_8",
     "decoded_16",
     "detect_tree",
-    "detect_white",
     "direction_to_uv",
     "disc_map",
     "even_sphere",
@@ -74,7 +76,6 @@ __all__ = [
 _Reals = NDArray[np.float64]
 _Image = NDArray[np.float32]
 _Indices = NDArray[np.int64]
-_Original = tuple[float, float, float, float | None, float, int]
 
 LEAST_WHITE: float
 LUMINANCE: list[float]
@@ -85,40 +86,38 @@ class EnvLightsError(ValueError): ...
 class UnusableSamplesError(EnvLightsError): ...
 
 @final
+class ClippedDetection:
+    direction_uncertainty: _Reals
+    weight: _Reals
+    clip_level: float
+    is_below_white: bool
+    clipped_share: float
+
+@final
 class TreeDetection:
     direction: _Reals
     irradiance: _Reals
+    flux: _Reals
     peak_direction: _Reals
     orientation: _Reals
     solid_angle: _Reals
     elongation: _Reals
     peak_luminance: _Reals
-    flux: _Reals
+    flux_share: _Reals
     is_clipped: NDArray[np.bool_]
     pixel: _Indices
     light_of_pixel: _Indices
     luminance: NDArray[np.float32]
     panes: list[int]
-    is_faint: list[bool]
     widest_bar: tuple[float, float]
     threshold: float
     threshold_rule: tuple[float, float, float | None] | None
-    map_flux: float
     working_size: tuple[int, int]
     tiles: int
     opened_tiles: int
     dropped: int
     merged: int
-
-@final
-class WhiteDetection:
-    tree: TreeDetection
-    direction_uncertainty: _Reals
-    plateau_radius: _Reals
-    weight: _Reals
-    ending: tuple[str, float]
-    clipped_share: float
-    least_weight: float
+    clipped: ClippedDetection | None
 
 @final
 class FitAnswer:
@@ -167,33 +166,7 @@ def clipped_share(
 ) -> tuple[float, float]: ...
 def decoded_16(codes: NDArray[np.uint16], table: NDArray[np.float32]) -> _Image: ...
 def decoded_8(codes: NDArray[np.uint8], table: NDArray[np.float32]) -> _Image: ...
-def detect_tree(
-    radiance: _Image,
-    border_sampled: bool,
-    working_columns: int,
-    rise: float,
-    prominence: float,
-    extent: float,
-    gap: float,
-    min_flux_share: float,
-    min_worth: float,
-    max_lights: int,
-    original: _Original | None,
-) -> TreeDetection: ...
-def detect_white(
-    radiance: _Image,
-    border_sampled: bool,
-    white: float,
-    working_columns: int,
-    rise: float,
-    prominence: float,
-    extent: float,
-    gap: float,
-    min_flux_share: float,
-    min_worth: float,
-    max_lights: int,
-    original: _Original | None,
-) -> WhiteDetection: ...
+def detect_tree(radiance: _Image, border_sampled: bool, options: TreeOptions) -> TreeDetection: ...
 def direction_to_uv(direction: _Reals) -> _Reals: ...
 def disc_map(height: int, directions: _Reals, irradiance: _Reals, radii: _Reals) -> _Reals: ...
 def even_sphere(count: int) -> _Reals: ...
@@ -235,14 +208,7 @@ def map_energy(
     radiance: _Image, border_sampled: bool, columns: int, point_share: float
 ) -> float: ...
 def merge_along_lines(
-    luminance: _Image,
-    pixels: _Indices,
-    points: _Reals,
-    farthest: float,
-    tolerance: float,
-    ceiling: float,
-    bright: float,
-    sphere: bool,
+    luminance: _Image, pixels: _Indices, points: _Reals, rule: LineRule
 ) -> _Indices: ...
 def neighbour_maximum(
     luminance: _Image, pixels: _Indices, reach: int, sphere: bool

@@ -78,6 +78,7 @@ class DetectedLight(Light):
     orientation: NDArray[np.float64]
     peak_luminance: float
     flux_share: float
+    flux: NDArray[np.float64]
     is_clipped: bool
     is_broad: bool
     weight: float | None = None

@@ -7,8 +7,8 @@ use pyo3::prelude::*;
 use super::pool::{by_size, detached, interruptible};
 use crate::kernels::detect::loghin::bresenham::{self, LineRule};
 use crate::kernels::detect::loghin::{
-    blur as smoothing, clipping, luminance as light, means, merge, neighbours, pixels as places, resize,
-    suppress as suppression,
+    blur as smoothing, map_luminance, means, merge_samples, neighbours, resize, suppress as suppression,
+    uv_pixels, window_clipping,
 };
 
 /// See `envlights.kernels.luminance`.
@@ -18,7 +18,7 @@ pub fn luminance<'py>(
     radiance: PyReadonlyArray3<'py, f32>,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let radiance = radiance.as_array();
-    let out = interruptible(py, || light::luminance(radiance))?;
+    let out = interruptible(py, || map_luminance::luminance(radiance))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -56,7 +56,7 @@ pub fn uv_to_pixel<'py>(
     width: usize,
 ) -> PyResult<Bound<'py, PyArray2<i64>>> {
     let uv = uv.as_array();
-    let out = by_size(py, uv.len(), || places::uv_to_pixel(uv, height, width))?;
+    let out = by_size(py, uv.len(), || uv_pixels::uv_to_pixel(uv, height, width))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -90,7 +90,7 @@ pub fn are_clipped<'py>(
     white: Option<f32>,
 ) -> PyResult<Bound<'py, PyArray1<bool>>> {
     let (radiance, pixels) = (radiance.as_array(), pixels.as_array());
-    let out = interruptible(py, || clipping::are_clipped(radiance, pixels, reach, sphere, white))?;
+    let out = interruptible(py, || window_clipping::are_clipped(radiance, pixels, reach, sphere, white))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -113,23 +113,29 @@ pub fn bresenham_line(py: Python<'_>, start: [i64; 2], end: [i64; 2]) -> PyResul
     Ok(Array2::from(pixels).into_pyarray(py))
 }
 
-/// See `envlights.kernels.merge_along_lines`.
-#[pyfunction]
-#[expect(clippy::too_many_arguments, reason = "every option is named once more, on the Python side")]
-pub fn merge_along_lines<'py>(
-    py: Python<'py>,
-    luminance: PyReadonlyArray2<'py, f32>,
-    pixels: PyReadonlyArray2<'py, i64>,
-    points: PyReadonlyArray2<'py, f64>,
+/// Options of `merge_along_lines`.
+#[derive(FromPyObject)]
+pub struct LineOptions {
     farthest: f64,
     tolerance: f32,
     ceiling: f32,
     bright: f32,
     sphere: bool,
+}
+
+/// See `envlights.kernels.merge_along_lines`.
+#[pyfunction]
+pub fn merge_along_lines<'py>(
+    py: Python<'py>,
+    luminance: PyReadonlyArray2<'py, f32>,
+    pixels: PyReadonlyArray2<'py, i64>,
+    points: PyReadonlyArray2<'py, f64>,
+    rule: LineOptions,
 ) -> PyResult<Bound<'py, PyArray1<i64>>> {
     let (luminance, pixels, points) = (luminance.as_array(), pixels.as_array(), points.as_array());
-    let rule = LineRule { tolerance, ceiling, bright };
-    let out = interruptible(py, || merge::merge(luminance, pixels, points, farthest, &rule, sphere))?;
+    let LineOptions { farthest, tolerance, ceiling, bright, sphere } = rule;
+    let rule = LineRule { farthest, tolerance, ceiling, bright, sphere };
+    let out = interruptible(py, || merge_samples::merge(luminance, pixels, points, &rule))?;
     Ok(indices(py, &out))
 }
 

@@ -37,8 +37,8 @@ mod _native {
 
     #[pymodule_export]
     use super::detect::{
-        TreeDetection, WhiteDetection, clipped_light_shares, clipped_share, detect_tree, detect_white,
-        plateau_depth, reduced_luminance,
+        ClippedDetection, TreeDetection, clipped_light_shares, clipped_share, detect_tree, plateau_depth,
+        reduced_luminance,
     };
     #[pymodule_export]
     use super::error::{EnvLightsError, UnusableSamplesError};

@@ -125,7 +125,7 @@ def test_a_light_is_the_sum_over_its_pixels(rows, columns, block, registration):
     lights = el.detect(env, working_width=-(-256 // block), extent=0)
     assert len(lights) == 1
     luminance = colours @ LUMINANCE
-    np.testing.assert_allclose(lights.irradiance[0], solid_angles @ colours, rtol=1e-6)
+    np.testing.assert_allclose(lights.flux[0], solid_angles @ colours, rtol=1e-6)
     flux = luminance * solid_angles
     np.testing.assert_allclose(lights.flux_share, 1, rtol=1e-6)
     np.testing.assert_allclose(lights.solid_angle, flux.sum() ** 2 / (luminance @ flux), rtol=1e-6)
@@ -159,27 +159,28 @@ def test_a_disc_is_round_wherever_it_is(direction):
     assert lights.elongation[0] < 1.02
     # Around a pole the rim is one row, all of whose pixels are cut alike.
     np.testing.assert_allclose(lights.solid_angle, world.solid_angle, rtol=0.07)
-    np.testing.assert_allclose(lights.irradiance, world.irradiance_with_background, rtol=5e-3)
+    np.testing.assert_allclose(lights.flux, world.irradiance_with_background, rtol=5e-3)
 
 
 @pytest.mark.parametrize("degrees", [0.4, 0.5, 0.8, 1.5, 3, 10])
 def test_a_radius_is_that_of_the_disc_and_not_of_the_pixels_that_it_cuts(degrees):
-    """At any position, from 1.1 pixels on."""
+    """From 1.1 pixels on; below 1.4 pixels the coverage of single pixels adds up to 6 %."""
     rng = np.random.default_rng(1)
     for _ in range(8 if degrees < 0.5 else 3):
         towards = (*rng.uniform(-0.6, 0.6, 2), 1)
         world = scene(512, background=[0.01] * 3, shapes=[Disc(towards, degrees, (90, 90, 90))])
         lights = el.detect(world.radiance)
-        np.testing.assert_allclose(np.rad2deg(lights.angular_radius), degrees, rtol=0.05)
+        rtol = 0.06 if degrees < 0.5 else 0.05
+        np.testing.assert_allclose(np.rad2deg(lights.angular_radius), degrees, rtol=rtol)
 
 
 @pytest.mark.parametrize("direction", [(0, 0.1, -1), (1, -0.4, 0.3), (0.4, 1, 0.2), (-1, -1, -1)])
 def test_the_radius_of_the_sun_is_right_at_2048_columns(direction):
-    """1.5 pixels, on the seam too."""
+    """1.5 pixels, on the seam too; moments know the coverage of single pixels to 3 %."""
     x, y, z = direction
     suns = [Disc(towards, 0.27, (9e3, 9e3, 9e3)) for towards in (direction, (-x, -y, -z - 1e-3))]
     lights = el.detect(scene(1024, background=[0.01] * 3, shapes=suns).radiance)
-    np.testing.assert_allclose(np.rad2deg(lights.angular_radius), 0.27, rtol=0.02)
+    np.testing.assert_allclose(np.rad2deg(lights.angular_radius), 0.27, rtol=0.03)
 
 
 def test_the_radius_of_the_sun_is_right_in_the_mean():
@@ -228,7 +229,7 @@ def test_any_slice_brings_its_own_members():
 
 def test_members_follow_their_lights_into_the_order_of_flux():
     lights = el.detect(one_pixel_suns(3, 0))
-    turned = dataclasses.replace(lights, irradiance=lights.irradiance[[1, 2, 0]])
+    turned = dataclasses.replace(lights, flux=lights.flux[[1, 2, 0]])
     homes = members(lights)
     assert members(turned) == [homes[2], homes[0], homes[1]]
 
@@ -261,9 +262,10 @@ def test_an_opening_holds_all_flux_of_its_panes_and_the_report_says_what_was_joi
     radiance = scene(512, background=[0.1] * 3, shapes=[window]).radiance
     panes, opening = el.detect(radiance, gap_deg=0), el.detect(radiance)
     assert (len(panes), len(opening)) == (6, 1)
-    np.testing.assert_allclose(opening.irradiance[0], panes.irradiance.sum(axis=0), rtol=1e-12)
-    (joined,) = (note for note in opening.report.skipped if "panes" in note)
-    assert "between 6 panes of one opening at azimuth 90" in joined
+    np.testing.assert_allclose(opening.flux[0], panes.flux.sum(axis=0), rtol=1e-12)
+    (note,) = opening.report.notes
+    assert note.startswith("the light at azimuth 90")
+    assert note.endswith("is a window joined from 6 panes")
 
 
 @pytest.mark.slow
@@ -273,7 +275,7 @@ def test_openings_are_one_light_each_and_lamps_of_a_row_stay_apart():
         some = [world for world in worlds if kind in world.note]
         found = [el.detect(world.radiance) for world in some]
         results = zip(some, found, strict=True)
-        score = synthetic.judge([(world, e.direction, e.irradiance) for world, e in results])
+        score = synthetic.judge([(world, e.direction, e.flux) for world, e in results])
         assert score.known >= 6
         assert score.f1 >= 0.95, (kind, score)
 
@@ -304,7 +306,7 @@ def test_what_gives_little_and_stands_out_little_is_listed_only_when_all_are_wan
     ]
     radiance = scene(512, background=[1.0] * 3, shapes=shapes).radiance
     assert [len(el.detect(radiance, min_worth=least)) for least in (0, 0.0005)] == [3, 2]
-    assert "1 light below min_flux_share or min_worth" in str(el.detect(radiance).report)
+    assert "1 light that is too weak" in str(el.detect(radiance).report)
 
 
 @pytest.mark.parametrize("tilt_deg", [0, 90])
@@ -376,7 +378,7 @@ def test_merging_is_wards_with_the_flux_as_weight(seed):
     points = el.detect(radiance)
     assert len(points) == 30
     pixels = np.array([next(iter(each)) for each in members(points)])
-    flux = points.irradiance @ LUMINANCE
+    flux = points.flux @ LUMINANCE
     for most in (20, 10, 5, 2):
         lights = el.detect(radiance, max_lights=most)
         wanted = ward.clusters(flux, points.direction, most)
@@ -394,14 +396,14 @@ def test_the_report_counts_what_was_dropped_and_what_was_merged():
     assert len(lights) == 4
     np.testing.assert_allclose(lights.flux_share.sum(), share[:9].sum(), rtol=1e-9)
     report = str(lights.report)
-    assert "3 lights below min_flux_share" in report
+    assert "3 lights that are too weak" in report
     assert "between 5 lights and their neighbours" in report
 
 
 def test_where_all_lights_are_too_dim_the_report_says_no_other_reason():
     lights = el.detect(one_pixel_suns(3, 1), min_flux_share=1.0)
     assert len(lights) == 0
-    assert "3 lights below min_flux_share" in str(lights.report)
+    assert "3 lights that are too weak" in str(lights.report)
     assert "nothing rises" not in str(lights.report)
 
 
@@ -416,7 +418,7 @@ def test_a_smaller_working_image_shows_the_same_lights(working_width):
     assert len(lights) == 2
     # The lights are measured in the map's own pixels: only whole pixels at the rim may be missed.
     assert angle_deg(lights.direction, world.lights.direction).max() < 0.05
-    np.testing.assert_allclose(lights.irradiance, world.irradiance_with_background, rtol=0.01)
+    np.testing.assert_allclose(lights.flux, world.irradiance_with_background, rtol=0.01)
 
 
 def test_layout_and_dtype_of_the_array_do_not_matter():
@@ -445,8 +447,8 @@ def test_exposure_and_mirrors_change_no_light_of_a_real_map(path):
         np.testing.assert_allclose(other.flux_share, lights.flux_share, rtol=1e-3, atol=1e-6)
         for direction in (lights.direction * turn)[lights.flux_share > 0.001]:
             assert angle_deg(other.direction, direction).min() < 1e-2
-        total = factor * lights.irradiance.sum(axis=0)
-        np.testing.assert_allclose(other.irradiance.sum(axis=0), total, rtol=1e-4)
+        total = factor * lights.flux.sum(axis=0)
+        np.testing.assert_allclose(other.flux.sum(axis=0), total, rtol=1e-4)
 
 
 # Worst cases
@@ -462,7 +464,7 @@ def test_a_pixel_lit_in_any_row_is_one_light(row, column, registration):
     assert len(lights) == 1
     is_border = registration == "border-sampled"
     solid_angle = kernels.pixel_solid_angles(8, 16, border_sampled=is_border)[row, column]
-    np.testing.assert_allclose(lights.irradiance, np.full((1, 3), 1e4 * solid_angle), rtol=1e-5)
+    np.testing.assert_allclose(lights.flux, np.full((1, 3), 1e4 * solid_angle), rtol=1e-5)
     assert lights.members.pixel.tolist() == [[row, column]]
 
 
@@ -471,7 +473,7 @@ def test_pixels_at_the_limit_of_half_floats_are_summed_whole():
     lights = el.detect(world.radiance)
     assert len(lights) == 1
     assert lights.is_clipped.tolist() == [True]
-    np.testing.assert_allclose(lights.irradiance, world.irradiance_with_background, rtol=1e-3)
+    np.testing.assert_allclose(lights.flux, world.irradiance_with_background, rtol=1e-3)
 
 
 def test_a_sun_of_the_largest_float_is_measured():
@@ -479,7 +481,7 @@ def test_a_sun_of_the_largest_float_is_measured():
     radiance[30, 40] = np.finfo(np.float32).max
     lights = el.detect(radiance, working_width=32)
     assert len(lights) == 1
-    assert np.isfinite(lights.irradiance).all()
+    assert np.isfinite(lights.flux).all()
     assert np.isfinite(lights.solid_angle).all()
 
 

@@ -33,9 +33,7 @@ def family(name):
 @pytest.mark.parametrize(("name", "least"), [("plain", 0.98), ("hard", 0.97)])
 def test_known_lights_are_found_and_measured(name, least):
     found = [(world, el.detect(world.radiance)) for world in family(name)]
-    score = el.synthetic.judge(
-        [(world, lights.direction, lights.irradiance) for world, lights in found]
-    )
+    score = el.synthetic.judge([(world, lights.direction, lights.flux) for world, lights in found])
     assert score.f1 >= least
     assert score.false_on_lightless == 0
     assert np.median(score.angles_deg) < 0.01
@@ -49,7 +47,7 @@ def test_a_disc_is_what_it_is():
     assert len(lights) == 1
     assert angle_deg(lights.direction, known.direction) < 1e-3
     # The edge is cut by pixels; the truth counts their share of the background.
-    np.testing.assert_allclose(lights.irradiance, world.irradiance_with_background, rtol=2e-3)
+    np.testing.assert_allclose(lights.flux, world.irradiance_with_background, rtol=2e-3)
     # The solid angle of even radiance, F^2 / sum L^2: the edge weighs it by up to a few percent.
     np.testing.assert_allclose(lights.solid_angle, world.solid_angle, rtol=0.05)
     np.testing.assert_allclose(np.rad2deg(lights.angular_radius), 4.0, rtol=0.03)
@@ -83,7 +81,7 @@ def test_a_sun_of_one_pixel_is_at_its_centre(row):
     assert len(lights) == 1
     assert angle_deg(lights.direction, direction[None]) < 1e-9
     wanted = sun.radiance[row, 511] * kernels.pixel_solid_angles(256, 512)[row, 511]
-    np.testing.assert_allclose(lights.irradiance, wanted[None], rtol=1e-6)
+    np.testing.assert_allclose(lights.flux, wanted[None], rtol=1e-6)
 
 
 def add_disc(radiance, direction, radius_deg, value):
@@ -119,7 +117,7 @@ def test_forty_small_suns_survive_the_reduction():
     for place, flux in zip(places, fluxes, strict=True):
         angles = angle_deg(lights.direction, place)
         assert angles.min() < 0.03
-        np.testing.assert_allclose(lights.irradiance[angles.argmin()], flux, rtol=0.03)
+        np.testing.assert_allclose(lights.flux[angles.argmin()], flux, rtol=0.03)
 
 
 @pytest.mark.parametrize("width", [1440, 3000])
@@ -129,7 +127,7 @@ def test_widths_that_are_no_multiple_of_the_working_width_do_as_well(width):
     lights = el.detect(world.radiance)
     assert len(lights) == 2
     assert angle_deg(lights.direction, world.lights.direction).max() < 0.01
-    np.testing.assert_allclose(lights.irradiance, world.irradiance_with_background, rtol=5e-3)
+    np.testing.assert_allclose(lights.flux, world.irradiance_with_background, rtol=5e-3)
 
 
 # Independent methods
@@ -202,7 +200,7 @@ def test_a_studio_shows_its_lamp_and_its_umbrella_first(path):
 def test_a_light_across_the_seam_of_a_real_map_is_one(path):
     lights = el.detect(el.EnvMap.open(path))
     assert len(lights) == 3
-    is_blue = lights.irradiance[:, 2] > 1000 * lights.irradiance[:, 0]
+    is_blue = lights.flux[:, 2] > 1000 * lights.flux[:, 0]
     assert is_blue.sum() == 1
     assert angle_deg(lights.direction[is_blue], [[0, 0, -1]]) < 1
 
@@ -217,10 +215,10 @@ def some_worlds():
 def assert_same_lights(lights, others, turn=lambda d: d):
     assert len(lights) == len(others)
     wanted = turn(others.direction)
-    for direction, irradiance in zip(lights.direction, lights.irradiance, strict=True):
+    for direction, irradiance in zip(lights.direction, lights.flux, strict=True):
         angles = angle_deg(wanted, direction)
         assert angles.min() < 1e-3
-        flux = others.irradiance[angles.argmin()]
+        flux = others.flux[angles.argmin()]
         # Sums in f32 of turned pixels differ in the last places.
         np.testing.assert_allclose(irradiance, flux, rtol=1e-4)
 
@@ -246,7 +244,7 @@ def test_exposure_changes_nothing_but_radiance(which, factor, registration):
     lights, scaled = detect(radiance), detect(factor * radiance)
     assert len(scaled) == len(lights)
     assert angle_deg(scaled.direction, lights.direction).max(initial=0) < 1e-3
-    np.testing.assert_allclose(scaled.irradiance, factor * lights.irradiance, rtol=1e-5)
+    np.testing.assert_allclose(scaled.flux, factor * lights.flux, rtol=1e-5)
     assert scaled.report.threshold == pytest.approx(factor * lights.report.threshold, rel=1e-4)
 
 
@@ -289,7 +287,7 @@ def test_a_light_on_the_seam_or_a_pole_is_one_light_of_the_flux_it_has_elsewhere
     env = el.EnvMap(np.where(inside[..., None], 9.0, [0.1] * 3), registration=registration)
     lights = el.detect(env)
     solid_angle = kernels.pixel_solid_angles(512, 1024, border_sampled=is_border)[inside].sum()
-    np.testing.assert_allclose(lights.irradiance, np.full((1, 3), 9 * solid_angle), rtol=1e-5)
+    np.testing.assert_allclose(lights.flux, np.full((1, 3), 9 * solid_angle), rtol=1e-5)
     np.testing.assert_allclose(lights.solid_angle, [solid_angle], rtol=1e-5)
 
 
@@ -333,7 +331,7 @@ def test_merging_keeps_the_flux_and_the_members():
     for most in range(1, len(whole) + 1):
         merged = el.detect(radiance, max_lights=most)
         assert len(merged) == most
-        np.testing.assert_allclose(merged.irradiance.sum(0), whole.irradiance.sum(0), rtol=1e-12)
+        np.testing.assert_allclose(merged.flux.sum(0), whole.flux.sum(0), rtol=1e-12)
         assert len(merged.members.light) == len(whole.members.light)
         assert set(merged.members.light) == set(range(most))
 
@@ -358,7 +356,7 @@ def test_a_slice_keeps_members_and_order():
     assert len(first) == 2
     np.testing.assert_array_equal(first.flux_share, lights.flux_share[:2])
     assert set(first.members.light) == {0, 1}
-    flux = lights.irradiance @ LUMINANCE
+    flux = lights.flux @ LUMINANCE
     assert (np.diff(flux) <= 0).all()
     assert lights.flux_share.sum() <= 1 + 1e-6
     assert set(lights.to_dict()) >= {"direction", "irradiance", "solid_angle", "is_clipped"}
@@ -371,18 +369,55 @@ def test_the_report_says_the_threshold_and_what_was_skipped():
         scene(256, background=[0.2] * 3, shapes=[Disc((1, 0, 0), 5, (9,) * 3)]).radiance
     )
     assert report.report.threshold == pytest.approx(0.4, rel=0.05)  # the width of a bin
-    assert report.report.reason == "2 times the luminance that 90 % of the sphere does not exceed"
-    assert "of 512 tiles" in str(report.report)
+    assert report.report.reason == "2 x the 90 % quantile"
+    assert str(report.report) == f"threshold {report.report.threshold:.3g} (2 x the 90 % quantile)"
+    assert "of 512 tiles" not in str(report)
+    assert "of 512 tiles" in report.verbose()
+
+
+def test_a_threshold_of_the_caller_is_used_as_it_is():
+    lamps = [Disc((1, 0, 0), 5, (9,) * 3), Disc((0, 0, 1), 5, (0.7,) * 3)]
+    radiance = scene(256, background=[0.2] * 3, shapes=lamps).radiance
+    chosen, fixed = el.detect(radiance, rise=1), el.detect(radiance, rise=1, threshold=0.8)
+    assert (len(chosen), len(fixed)) == (2, 1)
+    assert (fixed.report.threshold, fixed.report.reason) == (0.8, "set by the caller")
+    # That of the map itself changes nothing.
+    same = el.detect(radiance, rise=1, threshold=chosen.report.threshold)
+    assert same.direction.tolist() == chosen.direction.tolist()
+    picture = np.minimum(radiance, 1).astype(np.float32)
+    clipped = el.detect(picture, white=1.0)
+    again = el.detect(picture, white=1.0, threshold=clipped.report.threshold)
+    np.testing.assert_allclose(again.report.threshold, clipped.report.threshold, rtol=1e-5)
+    assert len(again) == len(clipped)
+    with pytest.raises(el.EnvLightsError, match="threshold must be"):
+        el.detect(radiance, threshold=-1)
+
+
+@pytest.mark.parametrize("radius_deg", [3.0, 40.0, 70.0])
+@pytest.mark.parametrize("background", [[0.0] * 3, [0.3, 0.2, 0.1]])
+def test_the_irradiance_of_a_disc_is_that_of_a_surface_facing_it(radius_deg, background):
+    """In closed form ``pi sin(a)^2 (L - B)``, with the ambient as background."""
+    radiance = np.array([9.0, 6.0, 3.0])
+    lamp = Disc((1, 0.3, 0.2), radius_deg, radiance)
+    env = el.EnvMap(scene(512, background=background, shapes=[lamp]).radiance)
+    (light,) = el.detect(env)
+    wanted = np.pi * np.sin(np.deg2rad(radius_deg)) ** 2 * (radiance - background)
+    np.testing.assert_allclose(light.irradiance, wanted, rtol=5e-3)
+    solid_angle = 2 * np.pi * (1 - np.cos(np.deg2rad(radius_deg)))
+    np.testing.assert_allclose(light.flux, solid_angle * radiance, rtol=5e-3)
+    if radius_deg < 60:
+        rig = el.Rig(background, el.detect(env), error=0.0)
+        normals = np.array([light.direction])
+        np.testing.assert_allclose(rig.probe(normals), env.probe(normals), rtol=5e-3)
 
 
 def test_the_report_says_where_a_bright_sky_is_itself_light():
     """The cut divides light from background, and the report gives the numbers of that rule."""
     radiance = np.where(np.arange(64)[:, None, None] < 20, 100.0, 1.0) * np.ones((64, 128, 3))
-    reason = el.detect(radiance).report.reason
-    assert reason.startswith(
-        "2 times the 95 % quantile of what lies below the flux-weighted Otsu cut"
-    )
-    assert reason.endswith("the brightest 10 % of the sphere is itself light")
+    report = el.detect(radiance).report
+    assert report.reason == "2 x the 95 % quantile of all but the brightest parts"
+    (detail, _) = report.details
+    assert detail.startswith("the brightest 10 % of the sphere is itself light")
 
 
 # Worst cases
@@ -433,7 +468,7 @@ def test_unusable_samples_are_cleaned_and_a_map_of_nothing_else_is_refused():
 def test_white_noise_is_answered():
     noise = np.random.default_rng(0).exponential(size=(256, 512, 3)) ** 3
     lights = el.detect(noise)
-    assert np.isfinite(lights.irradiance).all()
+    assert np.isfinite(lights.flux).all()
     assert len(el.detect(noise, max_lights=5)) == 5
 
 
@@ -456,8 +491,8 @@ def test_bad_options_are_refused_by_name(options, message):
 
 
 def test_options_of_the_other_method_are_refused():
-    with pytest.raises(TypeError, match="threshold"):
-        el.detect(np.ones((8, 16, 3)), threshold=0.8)
+    with pytest.raises(TypeError, match="blur_px"):
+        el.detect(np.ones((8, 16, 3)), blur_px=0.8)
 
 
 # Detected lights as the start of a fit
@@ -475,9 +510,12 @@ def test_a_fit_that_starts_at_the_lamps_stays_with_them():
 def test_the_signature_names_the_options_of_both_methods_with_their_defaults():
     shown = inspect.signature(el.detect).parameters
     assert list(shown)[:2] == ["env", "method"]
-    for method in (el.detect_tree, el.detect_article):
-        for name, option in inspect.signature(method).parameters.items():
-            assert shown[name].default == option.default
+    tree, article = (
+        inspect.signature(each).parameters for each in (el.detect_tree, el.detect_article)
+    )
+    # The default of `threshold` is that of the tree, which is the default method.
+    for name, option in {**article, **tree}.items():
+        assert shown[name].default == option.default
     assert not any(each.kind is each.VAR_KEYWORD for each in shown.values())
     assert set(re.findall(r"\w+", inspect.getdoc(el.detect))) >= set(shown)
 

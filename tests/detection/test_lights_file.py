@@ -12,7 +12,7 @@ HALL = el.synthetic.hall(128).radiance
 FOUND = {
     "tree": el.detect(HALL),
     "article": el.detect(HALL, method="article"),
-    "white": el.detect((255 * np.clip(HALL / HALL.mean() / 4, 0, 1)).astype(np.uint8)),
+    "clipped": el.detect((255 * np.clip(HALL / HALL.mean() / 4, 0, 1)).astype(np.uint8)),
     "none": el.detect(np.ones((32, 64, 3))),
 }
 
@@ -28,18 +28,25 @@ def test_all_but_the_times_comes_back(name, tmp_path):
         seen, wanted = (getattr(each.members, attribute) for each in (again, lights))
         np.testing.assert_array_equal(seen, wanted)
         assert seen.dtype == wanted.dtype
-    for attribute in ("direction", "irradiance", "angular_radius", "is_clipped", "orientation"):
+    for attribute in (
+        "direction",
+        "irradiance",
+        "flux",
+        "angular_radius",
+        "is_clipped",
+        "orientation",
+    ):
         seen, wanted = getattr(again, attribute), getattr(lights, attribute)
         np.testing.assert_array_equal(seen, wanted)
         assert seen.dtype == wanted.dtype
-    assert (again.weight is None) == (lights.weight is None) == (name != "white")
+    assert (again.weight is None) == (lights.weight is None) == (name != "clipped")
     assert str(again) == str(lights)
 
 
 def test_the_file_says_what_it_is(tmp_path):
     FOUND["tree"].save(tmp_path / "lights.json")
     data = json.loads((tmp_path / "lights.json").read_text())
-    assert (data["format"], data["version"]) == ("envlights detected lights", 1)
+    assert (data["format"], data["version"]) == ("envlights detected lights", 2)
     assert "+y up" in data["frame"]
     assert "flux" in data["units"]
 
@@ -79,7 +86,7 @@ def change_file(change):
             lambda path: el.Rig([0, 0, 0], FOUND["tree"].discs(), 0.0).save(path),
             "is not a list of detected lights: it does not say 'format': 'envlights detected",
         ),
-        (change_file(lambda d: d.update(version=9)), "of version 9; this package reads 1"),
+        (change_file(lambda d: d.update(version=9)), "of version 9; this package reads 2"),
         (change_file(lambda d: d.pop("elongation")), "the key 'elongation' is missing"),
         (
             change_file(lambda d: d["elongation"].pop()),

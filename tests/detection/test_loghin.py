@@ -292,7 +292,7 @@ def test_the_irradiance_of_a_lamp_is_the_sum_over_its_samples(radius, options):
     one = scene(512, background=[0.05] * 3, shapes=[Disc((1, 0.2, 0.1), radius, (5, 4, 3))])
     found = el.detect(one.radiance, method="article", **options)
     wanted = one.lights
-    np.testing.assert_allclose(found.irradiance.sum(axis=0), wanted.irradiance[0], rtol=0.12)
+    np.testing.assert_allclose(found.flux.sum(axis=0), wanted.irradiance[0], rtol=0.12)
     # Samples beside it that see it may be lights of their own: the lamp itself comes first.
     cap = 2 * np.pi * (1 - np.cos(np.deg2rad(radius)))
     np.testing.assert_allclose(found.solid_angle[0], cap, rtol=0.12)
@@ -307,7 +307,7 @@ def test_relative_levels_follow_the_exposure(exponent):
     scaled = el.detect(np.float32(2.0**exponent) * radiance, **options)
     assert len(plain) > 0
     np.testing.assert_array_equal(scaled.direction, plain.direction)
-    np.testing.assert_array_equal(scaled.irradiance, 2.0**exponent * plain.irradiance)
+    np.testing.assert_array_equal(scaled.flux, 2.0**exponent * plain.flux)
 
 
 @pytest.mark.parametrize("pixel", [(0, 0), (0, 90), (255, 300), (128, 0), (128, 511), (40, 0)])
@@ -358,7 +358,7 @@ def test_worst_cases_are_answered(radiance, count, options):
     found = el.detect(radiance, method="article", **options)
     assert len(found) == count
     assert np.isfinite(found.direction).all()
-    assert np.isfinite(found.irradiance).all()
+    assert np.isfinite(found.flux).all()
 
 
 @pytest.mark.parametrize(

@@ -1,10 +1,11 @@
-"""Bright places of a map, as lights.
+"""Lights of a map.
 
 | step                                                   | file                |
 |--------------------------------------------------------|---------------------|
 | lights with their measurements, and the report         | `lights.py`         |
 | detection by the component tree                        | `component_tree.py` |
 | detection by the steps of Loghin (2021)                | `loghin.py`         |
+| sentences of the reports                               | `wording.py`        |
 | `detect`: one of them by name                          | `detect.py`         |
 | lights that were taken out of a map                    | `taken.py`          |
 | `split`: those, and the map without them               | `split.py`          |

@@ -1,4 +1,4 @@
-"""`detect`: the bright places of a map."""
+"""`detect`: the lights of a map."""
 
 from __future__ import annotations
 
@@ -28,6 +28,7 @@ def detect(
     max_lights: int | None = ...,
     min_flux_share: float = ...,
     min_worth: float = ...,
+    threshold: float | None = ...,
     rise: float = ...,
     prominence: float = ...,
     gap_deg: float = ...,
@@ -64,7 +65,7 @@ def detect(env: AnyMap, method: str, **options: Any) -> DetectedLights: ...
 
 
 def detect(env: AnyMap, method: str = "tree", **options: Any) -> DetectedLights:
-    """Bright places of a map, as lights.
+    """Lights of a map.
 
     Parameters
     ----------
@@ -75,14 +76,18 @@ def detect(env: AnyMap, method: str = "tree", **options: Any) -> DetectedLights:
         sphere; see `detect_tree`. "article": the method of Loghin (2021), on samples; see
         `detect_article`.
     max_lights : int, optional
-        Lights, at most. The tree merges neighbours; the article leaves out the dimmest.
+        Most lights. The tree merges neighbours; the article drops the dimmest.
     working_width : int
-        Columns of the image that is searched, at most.
+        Most columns of the reduced map in which lights are searched.
     min_flux_share, min_worth, rise, prominence, gap_deg, extent, white
-        Of the tree: which lights count, where they end and what divides them; see `detect_tree`.
-    reduction, blur_px, samples_per_pixel, window_px, threshold, suppression_deg, tolerance, \
+        Options of the tree: which lights count, where they end and what divides them; see
+        `detect_tree`.
+    threshold : float, optional
+        Luminance above which a pixel is bright. The tree chooses it from the map by default; for
+        the article it is 0.8.
+    reduction, blur_px, samples_per_pixel, window_px, suppression_deg, tolerance, \
 ceiling, merge_cap_deg, relative, move_to_maximum, sphere
-        Of the article: its samples, its thresholds and its merging; see `detect_article`.
+        Options of the article: its samples, its levels and its merging; see `detect_article`.
 
     Returns
     -------
@@ -114,9 +119,11 @@ def _options(method: str) -> dict[str, inspect.Parameter]:
 
 
 def _signature() -> inspect.Signature:
-    """The signature that `help` and completion show: all options, each with its default."""
+    """Signature for `help` and completion: all options, each with the default of its first method."""
     *fixed, _ = inspect.signature(detect).parameters.values()
-    options = {name: each for method in METHODS for name, each in _options(method).items()}
+    options: dict[str, inspect.Parameter] = {}
+    for method in METHODS:
+        options = {**options, **_options(method), **options}
     return inspect.signature(detect).replace(parameters=[*fixed, *options.values()])
 
 

@@ -26,16 +26,16 @@ from envlights.lights import Lights, Rows, brightest_first, place_cells, rgb_cel
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-_KIND, _VERSION = "detected lights", 1
+_KIND, _VERSION = "detected lights", 2
 _UNITS = (
-    "irradiance: flux, the integral of radiance over the light, linear Rec.709 RGB; solid_angle:"
-    " steradians; other angles: radians; peak_luminance: radiance; members: light, row, first"
+    "irradiance: at normal incidence, above the local background; flux: integral of radiance over"
+    " the light; both linear Rec.709 RGB; solid_angle: steradians; other angles: radians; peak_luminance: radiance; members: light, row, first"
     " column and length of runs of pixels"
 )
-#: Arrays of the file: of vectors, of numbers, and of numbers of maps with a white alone.
-_VECTORS = ("direction", "irradiance", "peak_direction", "orientation")
+#: Arrays of the file: vectors, numbers, and numbers that clipped maps alone have.
+_VECTORS = ("direction", "irradiance", "flux", "peak_direction", "orientation")
 _NUMBERS = ("solid_angle", "elongation", "peak_luminance", "flux_share")
-_OF_WHITE = ("weight", "direction_uncertainty")
+_OF_CLIPPED = ("weight", "direction_uncertainty")
 
 #: Solid angle, in steradians, above which a light is broad.
 _BROAD = 0.5
@@ -57,17 +57,17 @@ class DetectionReport(Result):
     working_size: tuple[int, int]
     """Height and width of the image that was searched for lights."""
 
-    end: float | None = None
-    """Luminance at which the map was cut off; None where it was not, and for the article."""
-
-    least_weight: float = 0.0
-    """Weight that a light needs behind that end."""
+    clip_level: float | None = None
+    """Luminance at which a clipped map was cut off; None for other maps and for the article."""
 
     skipped: tuple[str, ...] = ()
-    """Tiles that were not searched and lights that were dropped or merged, with numbers."""
+    """Lights that were dropped or merged, with numbers."""
 
     notes: tuple[str, ...] = ()
-    """What was cleaned or assumed in the map."""
+    """Remarks on the map and on single lights."""
+
+    details: tuple[str, ...] = ()
+    """Numbers for authors of detectors, which ``envlights detect --verbose`` prints."""
 
     seconds: Mapping[str, float] = field(default_factory=dict, compare=False)
     """Wall time of each stage."""
@@ -79,26 +79,27 @@ class DetectionReport(Result):
             "threshold": self.threshold,
             "reason": self.reason,
             "working_size": list(self.working_size),
-            "end": self.end,
-            "least_weight": self.least_weight,
+            "clip_level": self.clip_level,
             "skipped": list(self.skipped),
             "notes": list(self.notes),
+            "details": list(self.details),
         }
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> DetectionReport:
         """The report that `to_dict` wrote."""
         height, width = counts("working_size", data["working_size"])
+        level = data["clip_level"]
         (method,), (reason,) = texts("method", data["method"]), texts("reason", data["reason"])
         return cls(
             method=method,
             threshold=amount("threshold", data["threshold"]),
             reason=reason,
             working_size=(height, width),
-            end=None if data.get("end") is None else amount("end", data["end"]),
-            least_weight=amount("least_weight", data.get("least_weight", 0.0)),
+            clip_level=None if level is None else amount("clip_level", level),
             skipped=tuple(texts("skipped", data["skipped"])),
             notes=tuple(texts("notes", data["notes"])),
+            details=tuple(texts("details", data["details"])),
         )
 
     def in_short(self) -> str:
@@ -106,12 +107,22 @@ class DetectionReport(Result):
         return f"{self.method}, threshold {self.threshold:.4g}"
 
     def __str__(self) -> str:
+        clipped = "; clipped map: lights are separated by the depth of their clipped regions"
+        lines = [
+            f"threshold {self.threshold:.3g} ({self.reason}){clipped if self.clip_level else ''}",
+            *(f"not listed: {line}" for line in self.skipped),
+            *(f"note: {note}" for note in self.notes),
+        ]
+        return "\n".join(lines)
+
+    def verbose(self) -> str:
+        """The report with the lines for authors of detectors."""
         height, width = self.working_size
         lines = [
-            f"method {self.method} on {width}x{height} pixels",
-            f"threshold: luminance {self.threshold:.4g}, {self.reason}",
-            *(f"skipped: {note}" for note in self.skipped),
-            *(f"note: {note}" for note in self.notes),
+            str(self),
+            f"method: {self.method}, on the map reduced to {width}x{height} pixels",
+            *self.details,
+            *(f"{stage}: {1e3 * seconds:.1f} ms" for stage, seconds in self.seconds.items()),
         ]
         return "\n".join(lines)
 
@@ -157,9 +168,15 @@ class DetectedLights(Lights):
     """Share of the luminance flux of the whole map, shape (n,)."""
 
     is_clipped: NDArray[np.bool_]
-    """Whether the light was cut off: at the map's white, or as a flat top at its largest sample.
+    """True for a light that was cut off: at the map's largest possible value, or as a flat top.
 
     Its irradiance is then a lower bound."""
+
+    flux: NDArray[np.float64]
+    r"""Integral of the radiance over each light, :math:`\int L\, d\omega`, shape (n, 3).
+
+    The background that the light covers is not subtracted; of pixels on its rim, the part that the
+    light covers counts."""
 
     members: Members
     """The pixels or samples that make up the lights."""
@@ -168,20 +185,20 @@ class DetectedLights(Lights):
     """How the lights were found."""
 
     weight: NDArray[np.float64] | None = None
-    """Weights that order the lights of a map with a white, shape (n,); see `detect_tree`.
+    """Weights that order the lights of a clipped map, shape (n,); see `detect_tree`.
 
-    None where flux does: the map has no white."""
+    None for other maps, whose lights are ordered by flux."""
 
     direction_uncertainty: NDArray[np.float64] | None = None
     """Angles in radians that two thirds of such lights are off at most, shape (n,).
 
-    None for maps without a white: the direction is the flux centroid of what is in the map."""
+    None for maps that are not clipped: the direction is the flux centroid."""
 
     def __post_init__(self) -> None:
         arrays = {name: np.asarray(getattr(self, name)) for name in self._given()}
         direction, irradiance = light_arrays(self.direction, self.irradiance)
         arrays |= {"direction": direction, "irradiance": irradiance}
-        order = self._order(irradiance)
+        order = self._order(np.asarray(self.flux))
         for name, array in arrays.items():
             if len(array) != len(order):
                 raise EnvLightsError(
@@ -194,10 +211,10 @@ class DetectedLights(Lights):
         members = replace(self.members, light=seal(rank[self.members.light]))
         object.__setattr__(self, "members", members)
 
-    def _order(self, irradiance: NDArray[np.float64]) -> NDArray[np.intp]:
-        """The brightest first; behind white, the likeliest to be."""
+    def _order(self, flux: NDArray[np.float64]) -> NDArray[np.intp]:
+        """Rows by flux, the largest first; those of a clipped map by weight."""
         if self.weight is None:
-            return brightest_first(irradiance)
+            return brightest_first(flux)
         return np.argsort(-np.asarray(self.weight), kind="stable")
 
     @overload
@@ -239,22 +256,16 @@ class DetectedLights(Lights):
         )
 
     def discs(self) -> Lights:
-        r"""The lights as discs of the same flux and solid angle.
+        """The lights as discs of the same irradiance and solid angle.
 
-        Returns
-        -------
-        Lights
-            A detected irradiance is the flux, :math:`\int L \, d\omega`. A disc gives
-            :math:`(1 + \cos a) / 2` of it at normal incidence. For a light of more than half the
-            sphere, a disc of half the sphere stands.
+        A light of more than half the sphere becomes a disc of half the sphere.
         """
         radius = np.minimum(self.angular_radius, np.pi / 2)
-        at_normal = self.irradiance * np.cos(radius[:, None] / 2) ** 2
-        return Lights(self.direction, at_normal, radius)
+        return Lights(self.direction, self.irradiance, radius)
 
     @property
     def is_broad(self) -> NDArray[np.bool_]:
-        """Whether each light is a bright part of the sphere rather than a lamp: above 0.5 sr."""
+        """True for a bright part of the sphere rather than a lamp: above 0.5 sr."""
         broad: NDArray[np.bool_] = self.solid_angle > _BROAD
         return broad
 
@@ -283,19 +294,21 @@ class DetectedLights(Lights):
         return read_json(path, _KIND, (_VERSION,), _from_dict)
 
     def __str__(self) -> str:
-        table = self.table() if len(self) else "no light"
-        return f"{table}\n\n{self._together()}\n{self.report}"
+        return f"{self._heading()}\n{self.report}"
 
     def verbose(self) -> str:
         """Text with all details of the report."""
+        return f"{self._heading()}\n{self.report.verbose()}"
+
+    def _heading(self) -> str:
         table = self.table() if len(self) else "no light"
-        return f"{table}\n\n{self._together()}\n{self.report.verbose()}"
+        return f"{table}\n\n{self._together()}"
 
     def _html_parts(self) -> tuple[str, ...]:
         return (*super()._html_parts(), _html.lines(f"{self._together()}\n{self.report}"))
 
     def _together(self) -> str:
-        return f"the lights hold {100 * self.flux_share.sum():.3g} % of the flux"
+        return f"together: {100 * self.flux_share.sum():.3g} % of all light in the map"
 
     def _cells(self) -> tuple[list[str], list[list[str]]]:
         columns = ["light", "azimuth", "elevation", "share", "radius", "peak"]
@@ -312,11 +325,11 @@ class DetectedLights(Lights):
         return [*columns, "irradiance (R, G, B)", ""], rows
 
     def _remarks(self, row: int) -> str:
-        """What is to be known of a light."""
+        """Remarks in the table's last column."""
         remarks = ["clipped"] if self.is_clipped[row] else []
-        remarks += ["broad"] if self.is_broad[row] else []
+        remarks += ["wide"] if self.is_broad[row] else []
         if self.direction_uncertainty is not None:
-            remarks.append(f"within {np.rad2deg(self.direction_uncertainty[row]):.2f}°")
+            remarks.append(f"direction ± {np.rad2deg(self.direction_uncertainty[row]):.2f}°")
         return "  ".join(remarks)
 
     def _columns(self) -> dict[str, NDArray[Any]]:
@@ -328,7 +341,7 @@ class DetectedLights(Lights):
         return {**super()._columns(), **scalars}
 
     def _given(self) -> tuple[str, ...]:
-        """Names of the arrays that were given, with a row for each light."""
+        """Names of the arrays with a row for each light, as the constructor takes them."""
         names = (each.name for each in fields(self) if each.init)
         arrays = (name for name in names if name not in ("members", "report"))
         return tuple(name for name in arrays if getattr(self, name) is not None)
@@ -337,7 +350,7 @@ class DetectedLights(Lights):
 def _from_dict(data: dict[str, Any]) -> DetectedLights:
     report = DetectionReport.from_dict(data["report"])
     arrays = {name: reals(name, np.reshape(data[name], (-1, 3)), 2) for name in _VECTORS}
-    given = [*_NUMBERS, *(name for name in _OF_WHITE if name in data)]
+    given = [*_NUMBERS, *(name for name in _OF_CLIPPED if name in data)]
     arrays |= {name: reals(name, np.asarray(data[name], np.float64), 1) for name in given}
     clipped = [flag("is_clipped", each) for each in data["is_clipped"]]
     lights = len(arrays["direction"])

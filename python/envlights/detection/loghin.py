@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from envlights import _native
 from envlights._check import amount, check_choice, count, flag
 from envlights._srgb import encode_srgb
+from envlights.detection import wording
 from envlights.detection.component_tree import detect_tree
 from envlights.detection.lights import DetectedLights, DetectionReport
 from envlights.detection.members import Members
@@ -19,6 +20,9 @@ from envlights.envmap import AnyMap, EnvMap, as_envmap
 from envlights.kernels import image as images
 from envlights.kernels import loghin, sampling
 from envlights.kernels.sphere import direction_to_uv, pixel_solid_angles, uv_to_direction
+
+#: Flux of a light without any, to divide by.
+_TINY = np.finfo(float).tiny
 
 
 @dataclass(frozen=True)
@@ -52,7 +56,7 @@ def detect_article(
     move_to_maximum: bool = False,
     sphere: bool = False,
 ) -> DetectedLights:
-    """Bright places of a map, by the steps of Loghin (2021): the compatibility mode.
+    """Lights of a map by the steps of Loghin (2021): the compatibility mode.
 
     The sphere is sampled with Hammersley points. Samples near a bright pixel are kept, samples near
     a brighter one are suppressed, and samples that a bright line joins are merged. The defaults are
@@ -98,10 +102,11 @@ def detect_article(
     Returns
     -------
     DetectedLights
-        Brightest first. Each sample stands for ``4 pi / n`` steradians where it was taken. The
-        irradiance of a light is the sum over its samples: right on average, rough for a light that
-        is smaller than the distance between samples (3.6 degrees at 1024 columns). Its solid angle
-        is that of its samples above the threshold, of one at least.
+        Brightest first. Each sample has ``4 pi / n`` steradians at the position where it was taken.
+        The flux of a light is the sum over its samples: right on average, rough for a light that is
+        smaller than the distance between samples (3.6 degrees at 1024 columns). Its irradiance is
+        that of the same samples; the article knows no background, so none is subtracted. Its solid
+        angle is that of its samples above the threshold, at least one.
 
     Raises
     ------
@@ -156,7 +161,7 @@ def detect_article(
         threshold=level,
         reason=_reason(env, level, relative),
         working_size=(height, width),
-        skipped=(f"{samples.taken - len(samples.pixel)} of {samples.taken} samples that are dark",),
+        details=(f"{samples.taken - len(samples.pixel)} of {samples.taken} samples are dark",),
         notes=(*env.notes, *_registration_notes(env)),
         seconds={"detect": time.perf_counter() - start},
     )
@@ -188,15 +193,10 @@ def _working_image(env: EnvMap, width: int, reduction: str, blur_px: float) -> N
 
 
 def _reason(env: EnvMap, level: float, relative: bool) -> str:
-    """Where the threshold comes from, and where it lies among the codes of a file."""
-    reason = "that of the tree" if relative else "the article's, which is absolute"
-    if env.white is None:
-        return reason
-    share = level / env.white
-    if share >= 1:
-        return f"{reason}; it lies above white"
+    """Source of the threshold, in words."""
+    share = 0.0 if env.white is None else min(level / env.white, 1.0)
     code = 255 * float(encode_srgb(np.array(share)))
-    return f"{reason}; {100 * share:.3g} % of white, the code {code:.0f} of 255 in sRGB"
+    return wording.reason_of_article(relative, level, env.white, code)
 
 
 def _registration_notes(env: EnvMap) -> tuple[str, ...]:
@@ -268,7 +268,9 @@ def _lights(
     taken_at = _points(samples.own_pixel, image.shape, sphere=True)
     place = images.uv_to_pixel(direction_to_uv(taken_at), env.height, env.width)
     radiance = env.radiance[place[:, 0], place[:, 1]].astype(np.float64)
-    irradiance = each * _sums(radiance, found.light, lights)
+    flux = each * _sums(radiance, found.light, lights)
+    vectors = _sums((radiance @ images.LUMINANCE)[:, None] * taken_at, found.light, lights)
+    towards = each * np.linalg.norm(vectors, axis=1) / np.maximum(flux @ images.LUMINANCE, _TINY)
     is_bright = image[samples.own_pixel[:, 0], samples.own_pixel[:, 1]] > report.threshold
     bright = np.bincount(found.light, is_bright, minlength=lights)
     elongation, orientation = _shapes(taken_at, found)
@@ -276,13 +278,14 @@ def _lights(
     total = float(image.sum(axis=1) @ bands) or 1.0
     return DetectedLights(
         found.direction,
-        irradiance,
+        flux * towards[:, None],
+        flux=flux,
         peak_direction=_points(found.peak, image.shape, sphere=True),
         solid_angle=each * np.maximum(bright, 1.0),
         elongation=elongation,
         orientation=orientation,
         peak_luminance=image[found.peak[:, 0], found.peak[:, 1]].astype(np.float64),
-        flux_share=irradiance @ images.LUMINANCE / total,
+        flux_share=flux @ images.LUMINANCE / total,
         is_clipped=_are_clipped(env, image.shape, found, reach, sphere),
         members=Members(samples.pixel, found.light),
         report=report,
@@ -328,5 +331,5 @@ def _shapes(
 
 def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
     lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
-    unit: NDArray[np.float64] = vectors / np.maximum(lengths, np.finfo(float).tiny)
+    unit: NDArray[np.float64] = vectors / np.maximum(lengths, _TINY)
     return unit

@@ -276,7 +276,13 @@ def _members(env: EnvMap, lights: DetectedLights) -> _Found:
     """Lights as the kernel takes them."""
     block = -(-env.width // lights.report.working_size[1])
     report = lights.report
-    return *_pixels(env, lights, block), lights.direction, block, report.threshold, report.end
+    return (
+        *_pixels(env, lights, block),
+        lights.direction,
+        block,
+        report.threshold,
+        report.clip_level,
+    )
 
 
 def _taken(chosen: DetectedLights, parts: _native.MapSplit, report: DetectionReport) -> TakenLights:
@@ -297,7 +303,7 @@ def _taken(chosen: DetectedLights, parts: _native.MapSplit, report: DetectionRep
 def _map_flux(lights: DetectedLights) -> float:
     """Luminance flux of the map in which lights were found; 1 where none were."""
     share = float(lights.flux_share.sum())
-    return float((lights.irradiance @ LUMINANCE).sum()) / share if share else 1.0
+    return float((lights.flux @ LUMINANCE).sum()) / share if share else 1.0
 
 
 def _report(chosen: DetectedLights, found: int, seconds: float) -> DetectionReport:

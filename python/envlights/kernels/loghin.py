@@ -24,12 +24,23 @@ from __future__ import annotations
 
 import numbers
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
 from envlights._check import amount, count, flag, float_image, reals, whole_numbers, whole_pixels
+
+
+class LineRule(NamedTuple):
+    """Options of the kernel that merges samples along lines."""
+
+    farthest: float
+    tolerance: float
+    ceiling: float
+    bright: float
+    sphere: bool
 
 
 def neighbour_maximum(
@@ -184,8 +195,14 @@ def merge_along_lines(
     where = reals("points", pixels if points is None else points, 2)
     is_limited = not (isinstance(farthest, numbers.Real) and farthest == np.inf)
     limit = amount("farthest", farthest) if is_limited else np.inf
-    levels = amount("tolerance", tolerance), amount("ceiling", ceiling), amount("bright", bright)
-    return _native.merge_along_lines(image, pixels, where, limit, *levels, flag("sphere", sphere))
+    rule = LineRule(
+        limit,
+        amount("tolerance", tolerance),
+        amount("ceiling", ceiling),
+        amount("bright", bright),
+        flag("sphere", sphere),
+    )
+    return _native.merge_along_lines(image, pixels, where, rule)
 
 
 def weighted_means(points: ArrayLike, weights: ArrayLike, light: ArrayLike) -> NDArray[np.float64]:

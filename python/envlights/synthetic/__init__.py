@@ -11,14 +11,12 @@ Frame and units are those of `EnvMap`; pixels are cell-centred.
 | lights of random kind, size and direction       | `lamps.py`     |
 | two families of random maps for detectors       | `suite.py`     |
 | openings behind bars and leaves, rows of lamps  | `openings.py`  |
-| large lights of low contrast                    | `faint.py`     |
 | comparison of detected and true lights          | `score.py`     |
 | a closed room under many lamps, in pairs        | `room.py`      |
 | an open courtyard for Mitsuba, and rigs for it  | `courtyard.py` |
 """
 
 from envlights.synthetic.courtyard import courtyard, rigs
-from envlights.synthetic.faint import faint
 from envlights.synthetic.hall import hall
 from envlights.synthetic.openings import openings
 from envlights.synthetic.room import Room, room, room_charts
@@ -38,7 +36,6 @@ __all__ = [
     "Shape",
     "SyntheticMap",
     "courtyard",
-    "faint",
     "hall",
     "hard",
     "judge",

@@ -1,15 +1,215 @@
-//! Bright places of a map, found by one of two methods, the tree in two ways.
+//! Lights of a map. [`detect`] finds them with the component tree of Salembier et al. (1998); `loghin/` holds the
+//! steps of Loghin (2021), which Python puts together.
 //!
-//! | method        | what it does                                                                  |
-//! |---------------|-------------------------------------------------------------------------------|
-//! | `tree/`       | finds connected bright pixels, along any path, and measures them: [`tree::detect`] |
-//! | `loghin/`     | the steps of Loghin (2021), sample by sample; Python puts them together       |
-//! | `white/`      | the tree on maps whose values end at a known white: [`white::detect`]         |
-//! | `clipping.rs` | the rule for a light that a camera has clipped, for all of them               |
-//! | `clipped_share.rs` | how much of a map is clipped                                             |
+//! One pipeline serves maps that show all radiance and maps that were cut off at a clip level, such as 8-bit
+//! pictures. Two front ends supply the image in which bright pixels are connected, and its threshold:
+//!
+//! | step of [`detect`]                                  | unclipped map               | clipped map                   |
+//! |-----------------------------------------------------|-----------------------------|-------------------------------|
+//! | reduce the map                                      | `segment/working_image.rs`  | `clipped/expanded_map.rs`     |
+//! | image that is searched                              | luminance                   | expanded luminance            |
+//! | choose the threshold                                | `segment/threshold.rs`      | same, on expanded luminance   |
+//! | connect bright pixels to segments                   | `segment/components.rs`     | same                          |
+//! | join segments across narrow gaps                    | `segment/bridging.rs`       | same                          |
+//! | divide segments where the clipped region is narrow  |                             | `clipped/necks.rs`            |
+//! | direction, uncertainty and weight of each light     |                             | `clipped/position.rs`, `clipped/order.rs` |
+//! | trim segments, find their outlines                  | `segment/outline.rs`        | same                          |
+//! | local background of each segment                    | `segment/background.rs`     | same                          |
+//! | measure lights in the map's own pixels              | `segment/measure.rs`        | same                          |
+//! | join the panes of one window                        | `segment/bars.rs`           | same                          |
+//! | drop the weakest lights, merge neighbours           | `segment/merge.rs`          | same                          |
 
+pub mod clipped;
 pub mod clipped_share;
 pub mod clipping;
 pub mod loghin;
-pub mod tree;
-pub mod white;
+pub mod options;
+pub mod segment;
+
+use ndarray::ArrayView3;
+
+use clipped::{ClippedLights, ClippedMap};
+use clipping::Ceiling;
+pub use options::DetectionOptions;
+use segment::adjacency::Adjacency;
+use segment::components::{self, Segments};
+use segment::light_moments::LightMoments;
+use segment::merge::Selection;
+use segment::threshold::{self, Threshold};
+use segment::working_image::WorkingImage;
+use segment::{background, bars, bridging, measure, outline};
+
+use crate::error::Result;
+use crate::kernels::sphere::Registration;
+
+/// Lights, their pixels and the numbers of the report.
+#[derive(Clone, Debug)]
+pub struct Detection {
+    /// Most flux first.
+    pub lights: Vec<LightMoments>,
+    /// Flat indices into the working image, of the pixels within the edge of a light.
+    pub pixels: Vec<u32>,
+    /// Light of each of `pixels`.
+    pub light_of_pixel: Vec<u32>,
+    /// Number of window panes that each light was joined from; 0 for all others.
+    pub panes: Vec<usize>,
+    /// Numbers of the report.
+    pub report: DetectionNumbers,
+    /// Luminance of the working image.
+    pub luminance: Vec<f32>,
+    /// Properties of the lights of a clipped map.
+    pub clipped: Option<ClippedLights>,
+}
+
+/// Threshold, sizes and counts of one detection.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DetectionNumbers {
+    /// Luminance above which a pixel is bright.
+    pub threshold: Threshold,
+    /// Integral of the map's luminance.
+    pub flux: f64,
+    /// Height and width of the working image.
+    pub working_size: (usize, usize),
+    /// Tiles of the working image.
+    pub tiles: usize,
+    /// Tiles that hold a bright pixel.
+    pub opened_tiles: usize,
+    /// Lights dropped for their flux or their worth.
+    pub dropped: usize,
+    /// Lights that became part of another for `max_lights`.
+    pub merged: usize,
+}
+
+/// Lights of an equirectangular map of radiance, (height, width, 3), finite and not negative.
+///
+/// # Errors
+///
+/// [`crate::error::Error::NotAMap`], [`crate::error::Error::UnusableSamples`], [`crate::error::Error::TooBright`].
+pub fn detect(
+    radiance: ArrayView3<'_, f32>,
+    registration: Registration,
+    options: &DetectionOptions,
+) -> Result<Detection> {
+    // Run all of it inside the thread pool: from outside, each parallel loop would wake the pool anew.
+    rayon::scope(|_| Scene::of(radiance, registration, options)?.lights(radiance, registration, options))
+}
+
+/// Reduced map, and the image in which bright pixels are connected.
+struct Scene {
+    /// Reduced luminance.
+    working: WorkingImage,
+    /// Threshold of the searched image.
+    threshold: Threshold,
+    /// Searched image of a clipped map; that of others is `working`.
+    clipped: Option<ClippedMap>,
+}
+
+impl Scene {
+    /// The front end for this map.
+    fn of(
+        radiance: ArrayView3<'_, f32>,
+        registration: Registration,
+        options: &DetectionOptions,
+    ) -> Result<Self> {
+        let (columns, threshold) = (options.working_columns, options.threshold);
+        if let Some(white) = options.white
+            && let Some((working, map, threshold)) =
+                ClippedMap::of(radiance, registration, columns, white, threshold)?
+        {
+            return Ok(Self { working, threshold, clipped: Some(map) });
+        }
+        let working = WorkingImage::of(radiance, registration, columns)?;
+        let threshold = threshold.map_or_else(|| threshold::from_histogram(&working), Threshold::fixed);
+        Ok(Self { working, threshold, clipped: None })
+    }
+
+    /// Image in which bright pixels are connected.
+    fn searched(&self) -> &WorkingImage {
+        self.clipped.as_ref().map_or(&self.working, |map| &map.expanded)
+    }
+
+    /// Lights of the map.
+    fn lights(
+        self,
+        radiance: ArrayView3<'_, f32>,
+        registration: Registration,
+        options: &DetectionOptions,
+    ) -> Result<Detection> {
+        let (working, searched, adjacency) = (&self.working, self.searched(), Adjacency::of(&self.working));
+        // Find the segments of lights.
+        let bright = components::bright_pixels(searched, self.threshold.luminance);
+        let rule = options.tree_rule();
+        let segments = components::segments(searched, &adjacency, &bright, &self.threshold, &rule);
+        let segments = bridging::bridge(searched, &adjacency, segments, options.prominence, options.gap);
+        let (segments, positions) = match &self.clipped {
+            Some(map) => {
+                let (segments, positions) =
+                    map.divided(working, &adjacency, &bright.indices, segments, options.gap);
+                (segments, Some(positions))
+            }
+            None => (segments, None),
+        };
+        // Measure them in the map's own pixels.
+        let segments = outline::trim(&adjacency, segments);
+        let outline = outline::outline(&adjacency, &segments);
+        let backgrounds = background::local_backgrounds(radiance, working, &adjacency, &segments, &outline);
+        let mut lights = measure::measure(radiance, registration, working, &segments, &backgrounds);
+        if let Some(positions) = &positions {
+            positions.turn(&mut lights);
+        }
+        // Join panes, and select the lights that count.
+        let backgrounds = backgrounds.iter().map(|background| background.luminance).collect();
+        let windows = bars::join(working, &adjacency, &segments, &outline, options.gap, lights, backgrounds);
+        let is_listed = |light: &LightMoments, background| {
+            light.flux >= options.min_flux_share * working.flux
+                && (positions.is_some() || options.is_worth_a_line(light, background, working.flux))
+        };
+        let (selection, panes) = windows.select(is_listed, options.max_lights);
+        let clipped = positions.map(|positions| positions.joined(&selection));
+        let mut numbers = self.numbers(bright.opened_tiles, &selection);
+        if let Some(map) = &self.clipped {
+            numbers.threshold = map.compressed(numbers.threshold);
+        }
+        Ok(Detection::new(&segments, selection, panes, numbers, self.working.luminance, clipped))
+    }
+
+    fn numbers(&self, opened_tiles: usize, selection: &Selection) -> DetectionNumbers {
+        let Self { working, threshold, .. } = self;
+        DetectionNumbers {
+            threshold: *threshold,
+            flux: working.flux,
+            working_size: working.size,
+            tiles: working.tile_maxima.len(),
+            opened_tiles,
+            dropped: selection.dropped,
+            merged: selection.merged,
+        }
+    }
+}
+
+impl Detection {
+    /// For each light, true if a camera or a file cut it off: at `white` if that is known, else at the map's largest
+    /// sample.
+    pub fn are_clipped(&self, white: Option<f64>) -> impl Iterator<Item = bool> {
+        let maximum = self.lights.iter().map(|light| light.largest.sample).fold(0.0, f32::max);
+        let ceiling = white.map_or(Ceiling::Maximum(maximum), |white| Ceiling::White(white as f32));
+        self.lights.iter().map(move |light| light.is_clipped(ceiling))
+    }
+
+    fn new(
+        segments: &Segments,
+        selection: Selection,
+        panes: Vec<usize>,
+        report: DetectionNumbers,
+        luminance: Vec<f32>,
+        clipped: Option<ClippedLights>,
+    ) -> Self {
+        let (mut pixels, mut light_of_pixel) = (Vec::new(), Vec::new());
+        for (segment, light) in segments.pixels.iter().zip(&selection.part_of) {
+            let Some(light) = light else { continue };
+            pixels.extend(segment.iter().filter(|&&index| segments.label[index as usize] != 0));
+            light_of_pixel.resize(pixels.len(), *light as u32);
+        }
+        Self { lights: selection.lights, pixels, light_of_pixel, panes, report, luminance, clipped }
+    }
+}

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use crate::kernels::detect::tree::Run;
+use crate::kernels::detect::segment::run::Run;
 use crate::kernels::image::Grid;
 use crate::kernels::sphere::band_heights;
 

@@ -10,7 +10,7 @@ use super::moments::{First, Luminances, Second};
 use super::pixels::{Bands, Map, Slab};
 use super::planes::Planes;
 use super::stretched::Stretched;
-use crate::kernels::detect::tree::Run;
+use crate::kernels::detect::segment::run::Run;
 
 /// Leave of each pixel of a light in the `rest` the membrane where that is darker; what each light loses. In channels
 /// that are `dark`, what is darker than the membrane stays.

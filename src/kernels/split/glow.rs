@@ -24,9 +24,10 @@ use glam::DVec3;
 
 use super::working::{Place, Working};
 use crate::interrupt;
-use crate::kernels::detect::tree::LARGEST_PLACE;
-use crate::kernels::detect::white::{compressed, expand};
+use crate::kernels::detect::clipped::{compressed, expand};
 
+/// Largest solid angle of a glow with a sharp rim: a little more than that of a window of 40 degrees.
+const LARGEST_PLACE: f64 = 0.5;
 /// No light: they are counted from 1, so that memory which was never written holds none.
 pub const NONE: u32 = 0;
 /// Angle from the rings of a light to the end of its glow, at most, in radians: 45 degrees. The sky above a city may

@@ -16,7 +16,7 @@ use glam::{DMat3, DVec3};
 
 use super::cells::{Columns, Row};
 use super::planes::Planes;
-use crate::kernels::detect::tree::dot;
+use crate::kernels::detect::segment::dot_product::dot;
 
 /// Sums down the rows, for `V`.
 #[derive(Default)]

@@ -11,7 +11,7 @@ use super::glow::Bright;
 use super::level::Level;
 use super::loss::Loss;
 use crate::interrupt;
-use crate::kernels::detect::tree::Run;
+use crate::kernels::detect::segment::run::Run;
 
 /// Rows of the working image in a band: few, so that every thread has work. Another number would add in another order.
 const ROWS_OF_A_BAND: usize = 8;
@@ -150,7 +150,7 @@ mod tests {
     use rayon::iter::repeat_n;
 
     use super::*;
-    use crate::kernels::detect::tree::runs;
+    use crate::kernels::detect::segment::run::runs;
 
     /// Two lights side by side in several bands, the second of which begins where the first ends.
     #[test]

@@ -12,7 +12,7 @@ use super::loss::Loss;
 use super::pixels::{Bands, Map};
 use super::region::Regions;
 use super::tilt::{tilt, tilts};
-use crate::kernels::detect::tree::{Run, runs};
+use crate::kernels::detect::segment::run::{Run, runs};
 
 /// A light that was taken out of a map.
 #[derive(Clone, Debug)]

@@ -28,7 +28,7 @@ use super::moments::Luminances;
 use super::pixels::{Bands, Map, Slab};
 use super::planes::Planes;
 use super::stretched::Stretched;
-use crate::kernels::detect::tree::Run;
+use crate::kernels::detect::segment::run::Run;
 use crate::kernels::sphere::tangents;
 
 /// The largest tilt, as a share of the radiance, at the middle of a pixel of the working image. Of 20 maps, the suns

@@ -10,12 +10,16 @@ const LONGEST: u64 = 1 << 24;
 /// When a line is bright enough to join its ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineRule {
+    /// Samples farther apart are not joined.
+    pub farthest: f64,
     /// The mean luminance so far may differ from the luminance of the start by this much.
     pub tolerance: f32,
     /// A brighter pixel counts as this bright.
     pub ceiling: f32,
     /// A mean of this or more is bright whatever the start.
     pub bright: f32,
+    /// Lines take the shorter way around the sphere.
+    pub sphere: bool,
 }
 
 /// The pixels of Bresenham's line after its start, up to its end: one for each step along the
@@ -23,7 +27,7 @@ pub struct LineRule {
 ///
 /// The error grows by the shorter side at each step. At a tie the line moves to the next row or column
 /// only if it runs in the positive direction, so that a line and its reverse are the same pixels.
-struct Steps {
+struct LineSteps {
     at: [i64; 2],
     along: [i64; 2],
     aside: [i64; 2],
@@ -33,7 +37,7 @@ struct Steps {
     left: i64,
 }
 
-impl Steps {
+impl LineSteps {
     fn new(start: [i64; 2], end: [i64; 2]) -> Self {
         // Step along the longer side.
         let [rows, columns] = [end[0] - start[0], end[1] - start[1]];
@@ -49,7 +53,7 @@ impl Steps {
     }
 }
 
-impl Iterator for Steps {
+impl Iterator for LineSteps {
     type Item = [i64; 2];
 
     #[inline]
@@ -82,24 +86,24 @@ pub fn line(start: [i64; 2], end: [i64; 2]) -> Result<Vec<[i64; 2]>> {
     }
     // The pixels, as they grow, and as an array for the caller.
     check_memory(&[length as usize, 8])?;
-    Ok(std::iter::once(start).chain(Steps::new(start, end)).collect())
+    Ok(std::iter::once(start).chain(LineSteps::new(start, end)).collect())
 }
 
 /// Whether the line between two pixels stays as bright as its start, after each of its pixels.
 ///
 /// The mean is over the pixels after the start, each cut at the rule's ceiling. On a `sphere` the line
 /// takes the shorter way around.
-pub(super) fn is_bright(image: &Image<'_>, start: Pixel, end: Pixel, rule: &LineRule, sphere: bool) -> bool {
+pub(super) fn is_bright(image: &Image<'_>, start: Pixel, end: Pixel, rule: &LineRule) -> bool {
     // Unwrap the end so that the line takes the shorter way around.
     let width = image.width as i64;
     let signed = |[row, column]: Pixel| [row as i64, column as i64];
     let (from, mut to) = (signed(start), signed(end));
-    if sphere && (to[1] - from[1]).abs() > width / 2 {
+    if rule.sphere && (to[1] - from[1]).abs() > width / 2 {
         to[1] -= (to[1] - from[1]).signum() * width;
     }
     // Walk along the line while its mean is bright enough.
     let (first, mut sum, mut count) = (image.at(start), 0.0_f32, 0.0_f32);
-    Steps::new(from, to).all(|[row, column]| {
+    LineSteps::new(from, to).all(|[row, column]| {
         // Wrap the column: it is at most one width beyond the seam.
         let column = if column < 0 { column + width } else { column };
         let column = if column < width { column } else { column - width };

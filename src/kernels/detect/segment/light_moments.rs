@@ -4,7 +4,7 @@
 //!
 //! ```text
 //!   flux         F = sum Y dw             direction    v / |v|,   v = sum Y d dw
-//!   irradiance       sum L dw  (RGB)      solid angle  F^2 / Q,   Q = sum Y^2 dw
+//!   RGB flux         sum L dw             solid angle  F^2 / Q,   Q = sum Y^2 dw
 //!   second moments   S = sum Y d d^T dw   elongation   from the eigenvalues of S across the direction
 //! ```
 //!
@@ -12,7 +12,7 @@
 //! pixel is round.
 //!
 //! The solid angle is that of a light of constant radiance with the same `F` and `Q`, so it needs no outline. But
-//! pixels that its edge cuts make it too large: see [`Light::solid_angle`]. Moments add up, so lights can be merged
+//! pixels that its edge cuts make it too large: see [`LightMoments::solid_angle`]. Moments add up, so lights can be merged
 //! without the map.
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
@@ -21,7 +21,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::coverage::{Columns, CoveredPixels};
+use super::coverage::{ColumnAngles, CoveredPixels};
 use super::dot_product::dot;
 use crate::kernels::detect::clipping::{Ceiling, Top};
 use crate::kernels::sphere::tangents;
@@ -31,11 +31,15 @@ const TOP: f64 = 0.99;
 
 /// The moments of one light.
 #[derive(Clone, Debug, Default)]
-pub struct Light {
+pub struct LightMoments {
     /// Integral of the luminance.
     pub flux: f64,
-    /// Integral of the radiance: RGB irradiance at normal incidence.
-    pub irradiance: [f64; 3],
+    /// Integral of the radiance, RGB.
+    pub flux_rgb: [f64; 3],
+    /// Integral of the radiance above the local background, RGB.
+    above_background: [f64; 3],
+    /// Integral of the coverage.
+    covered: f64,
     /// Largest luminance of a pixel.
     pub peak: f64,
     /// Its largest sample, and how many pixels hold that.
@@ -49,11 +53,9 @@ pub struct Light {
     luminance_squared: f64,
     luminance_cubed: f64,
     top: DVec3,
-    /// Solid angle of the disc that its pixels show, where they are few: `small_discs.rs`.
-    pub disc: Option<f64>,
 }
 
-impl Light {
+impl LightMoments {
     /// A light of this peak, with no pixel added yet.
     pub fn of_peak(luminance: f32) -> Self {
         Self { peak: f64::from(luminance), ..Self::default() }
@@ -75,10 +77,23 @@ impl Light {
         self.flux_vector.normalize_or(self.top.normalize_or(DVec3::Y))
     }
 
-    /// The same light with the flux centroid in another `direction`, a unit vector.
-    #[must_use]
-    pub fn turned_to(self, direction: DVec3) -> Self {
-        Self { flux_vector: direction * self.flux_vector.length(), ..self }
+    /// Move the flux centroid to another `direction`, a unit vector.
+    pub fn turn_to(&mut self, direction: DVec3) {
+        self.flux_vector = direction * self.flux_vector.length();
+    }
+
+    /// Subtract the radiance of the local background from what the light adds to a surface.
+    pub fn subtract(&mut self, background: [f64; 3]) {
+        self.above_background = [0, 1, 2].map(|c| (self.flux_rgb[c] - background[c] * self.covered).max(0.0));
+    }
+
+    /// RGB irradiance at normal incidence, above the local background: `|int (L - B) w dw|`.
+    ///
+    /// A wide light gives less than the integral of its radiance, because parts of it are seen at an angle. That factor
+    /// is taken from the luminance, `|v| / F`, so it is exact for a light of one colour.
+    pub fn irradiance(&self) -> [f64; 3] {
+        let factor = self.flux_vector.length() / self.flux;
+        self.above_background.map(|value| if self.flux > 0.0 { factor * value } else { 0.0 })
     }
 
     /// Unit vector towards the centroid of the pixels at the peak.
@@ -100,15 +115,11 @@ impl Light {
     /// ```
     ///
     /// of which the smaller Y is the light's. Where it is not near the peak, the luminance varies, and W is F^2 / Q, as
-    /// it is where no pixel is cut. In any case W is no less than the edge of a disc explains. A disc that was fitted to
-    /// the pixels counts for more than all of this.
+    /// it is where no pixel is cut. In any case W is no less than the edge of a disc explains.
     pub fn solid_angle(&self) -> f64 {
         /// Share of the peak. It is .93 and more for discs of 1.4 pixels on, .87 and more for those of .8, wherever
         /// they stand; .86 and less for evenly distributed noise of a fourth of the mean.
         const NEAR: f64 = 0.87;
-        if let Some(disc) = self.disc {
-            return disc;
-        }
         let (flux, square, cube) = (self.flux, self.luminance_squared, self.luminance_cubed);
         let plain = flux * flux / square;
         let root = (9.0 * square * square - 8.0 * flux * cube).max(0.0).sqrt();
@@ -152,7 +163,7 @@ impl Light {
     /// Two lights as one.
     #[must_use]
     pub fn and(&self, other: &Self) -> Self {
-        let sum = |i: usize| self.irradiance[i] + other.irradiance[i];
+        let sum = |one: [f64; 3], other: [f64; 3]| [0, 1, 2].map(|c| one[c] + other[c]);
         // Keep the top of the brighter light, and that of the dimmer one if it is as bright.
         let (brighter, dimmer) = if self.peak >= other.peak { (self, other) } else { (other, self) };
         let shares_top = dimmer.peak >= TOP * brighter.peak;
@@ -160,7 +171,9 @@ impl Light {
         // Add all other sums.
         Self {
             flux: self.flux + other.flux,
-            irradiance: [sum(0), sum(1), sum(2)],
+            flux_rgb: sum(self.flux_rgb, other.flux_rgb),
+            above_background: sum(self.above_background, other.above_background),
+            covered: self.covered + other.covered,
             peak: brighter.peak,
             largest: self.largest.and(other.largest),
             flux_vector: self.flux_vector + other.flux_vector,
@@ -169,7 +182,6 @@ impl Light {
             luminance_squared: self.luminance_squared + other.luminance_squared,
             luminance_cubed: self.luminance_cubed + other.luminance_cubed,
             top: brighter.top + top,
-            disc: None,
         }
     }
 
@@ -178,16 +190,17 @@ impl Light {
     /// With `d = (sin phi sin theta, cos theta, -cos phi sin theta)` each sum is one over the azimuths,
     /// times a factor that the row has in common.
     #[inline(always)]
-    pub fn add(&mut self, row: &mut CoveredPixels, columns: &Columns<&[f64]>, [sin, cos]: [f64; 2]) {
+    pub fn add(&mut self, row: &mut CoveredPixels, columns: &ColumnAngles<&[f64]>, [sin, cos]: [f64; 2]) {
         // Sum over the azimuths.
         let flux = dot(&row.luminance, &row.solid_angle);
         let [flux_sin, flux_cos] = [columns.sin, columns.cos].map(|of| sin * dot(of, &row.flux));
         let [sin_sin, sin_cos] = [columns.sin_sin, columns.sin_cos].map(|of| sin * sin * dot(of, &row.flux));
         // Add to the moments of order 0, 1 and 2.
         self.flux += flux;
-        for (sum, values) in self.irradiance.iter_mut().zip(&row.rgb) {
+        for (sum, values) in self.flux_rgb.iter_mut().zip(&row.rgb) {
             *sum += dot(values, &row.solid_angle);
         }
+        self.covered += row.covered.iter().sum::<f64>();
         self.flux_vector += DVec3::new(flux_sin, flux * cos, -flux_cos);
         self.second[0] += DVec3::new(sin_sin, flux * cos * cos, flux * sin * sin - sin_sin);
         self.second[1] += DVec3::new(flux_sin * cos, -flux_cos * cos, -sin_cos);
@@ -199,7 +212,7 @@ impl Light {
 
     /// Add the pixels of a row that are at the peak.
     #[inline(always)]
-    fn add_top(&mut self, row: &mut CoveredPixels, columns: &Columns<&[f64]>, [sin, cos]: [f64; 2]) {
+    fn add_top(&mut self, row: &mut CoveredPixels, columns: &ColumnAngles<&[f64]>, [sin, cos]: [f64; 2]) {
         if row.find_top(TOP * self.peak) {
             let (flags, top) = &row.top;
             let [top_sin, top_cos] = [columns.sin, columns.cos].map(|of| sin * dot(of, top));
@@ -224,16 +237,16 @@ mod tests {
     use proptest::prelude::*;
 
     /// The light of a row of pixels: with dot products, and pixel after pixel by the formulas above.
-    fn both_ways(pixels: &[[f32; 3]], theta: f64) -> [Light; 2] {
+    fn both_ways(pixels: &[[f32; 3]], theta: f64) -> [LightMoments; 2] {
         const BAND: f64 = 0.02;
         let (peak, background) = (10.0_f32, 1.0_f32);
         let edges: Vec<f64> = (0..=pixels.len()).map(|i| 0.03 * i as f64 + 2.0).collect();
-        let mut columns = Columns::default();
+        let mut columns = ColumnAngles::default();
         edges.windows(2).for_each(|edge| columns.push(edge, true));
-        let (mut row, mut light) = (CoveredPixels::default(), Light::of_peak(peak));
+        let (mut row, mut light) = (CoveredPixels::default(), LightMoments::of_peak(peak));
         row.refill(pixels, &columns.width, BAND, peak, background);
         light.add(&mut row, &columns.at(0..pixels.len()), theta.sin_cos().into());
-        let mut plain = Light::of_peak(peak);
+        let mut plain = LightMoments::of_peak(peak);
         for (pixel, edge) in pixels.iter().zip(edges.windows(2)) {
             let y = crate::kernels::image::luminance(pixel.map(f64::from));
             let coverage = ((y - 1.0) / 9.0).min(1.0);
@@ -241,16 +254,17 @@ mod tests {
                 let solid_angle = BAND * 0.03 * (y - (1.0 - coverage)) / y;
                 let towards = crate::kernels::sphere::direction(theta, 0.5 * (edge[0] + edge[1]));
                 plain.add_pixel(pixel.map(f64::from), y, towards, solid_angle);
+                plain.covered += BAND * 0.03 * coverage;
             }
         }
         [light, plain]
     }
 
-    impl Light {
+    impl LightMoments {
         fn add_pixel(&mut self, rgb: [f64; 3], y: f64, d: DVec3, solid_angle: f64) {
             let flux = y * solid_angle;
             self.flux += flux;
-            self.irradiance.iter_mut().zip(rgb).for_each(|(sum, value)| *sum += value * solid_angle);
+            self.flux_rgb.iter_mut().zip(rgb).for_each(|(sum, value)| *sum += value * solid_angle);
             self.flux_vector += flux * d;
             self.second[0] += flux * d * d;
             self.second[1] += flux * DVec3::new(d.x * d.y, d.y * d.z, d.z * d.x);
@@ -273,9 +287,10 @@ mod tests {
             let [light, plain] = both_ways(&pixels, theta);
             let whole = plain.flux + plain.luminance_squared + plain.luminance_cubed;
             let near = |one: f64, other: f64| (one - other).abs() <= 1e-6 * whole + 1e-12;
-            let numbers = |light: &Light| {
+            let numbers = |light: &LightMoments| {
                 let mut all = vec![light.flux, light.width_squared, light.luminance_squared, light.luminance_cubed];
-                all.extend(light.irradiance);
+                all.extend(light.flux_rgb);
+                all.push(light.covered);
                 let vectors = [light.flux_vector, light.second[0], light.second[1], light.top];
                 all.extend(vectors.iter().flat_map(DVec3::to_array));
                 all

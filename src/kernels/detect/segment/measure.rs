@@ -7,9 +7,10 @@ use ndarray::ArrayView3;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
+use super::background::LocalBackground;
 use super::components::Segments;
-use super::coverage::{Columns, CoveredPixels};
-use super::moments::Light;
+use super::coverage::{ColumnAngles, CoveredPixels};
+use super::light_moments::LightMoments;
 use super::run::{Run, runs};
 use super::working_image::WorkingImage;
 use crate::kernels::detect::clipping::Top;
@@ -25,29 +26,29 @@ pub fn measure(
     registration: Registration,
     working: &WorkingImage,
     segments: &Segments,
-    backgrounds: &[f64],
-) -> Vec<Light> {
+    backgrounds: &[LocalBackground],
+) -> Vec<LightMoments> {
     let radiance = radiance.as_standard_layout();
     let pixels = radiance.as_slice().map_or(&[][..], |samples| samples.as_chunks::<3>().0);
     let runs: Vec<Vec<Run>> = segments.pixels.iter().map(|segment| runs(segment, working.size.1)).collect();
-    let map = Map::new(pixels, radiance.dim(), registration, working.block, &runs);
+    let map = SourceMap::new(pixels, radiance.dim(), registration, working.block, &runs);
     let lights = runs.par_iter().zip(backgrounds);
-    lights.map(|(runs, &background)| map.measure(runs, background)).collect()
+    lights.map(|(runs, background)| map.measure(runs, background)).collect()
 }
 
 /// The map's pixels behind the working image's.
-struct Map<'a> {
+struct SourceMap<'a> {
     pixels: &'a [[f32; 3]],
     width: usize,
     block: usize,
     /// Sine and cosine of the polar angle, and `cos theta_top - cos theta_bottom`, of each row.
     rows: Vec<[f64; 3]>,
-    columns: Columns<Vec<f64>>,
+    columns: ColumnAngles<Vec<f64>>,
     /// The widest vectors of this processor.
     widest: Arch,
 }
 
-impl<'a> Map<'a> {
+impl<'a> SourceMap<'a> {
     /// Sines and cosines are computed only where `runs` lie, for most of a map is dark.
     fn new(
         pixels: &'a [[f32; 3]],
@@ -72,7 +73,7 @@ impl<'a> Map<'a> {
             }
         };
         let rows = registration.theta_edges(height).windows(2).zip(&is_row_covered).map(row).collect();
-        let mut columns = Columns::default();
+        let mut columns = ColumnAngles::default();
         for (edges, is_covered) in registration.phi_edges(width).windows(2).zip(is_column_covered) {
             columns.push(edges, is_covered);
         }
@@ -81,21 +82,22 @@ impl<'a> Map<'a> {
 
     /// Measure a light part by part: a large one keeps all threads busy, and any number of threads adds in
     /// the same order.
-    fn measure(&self, runs: &[Run], background: f64) -> Light {
+    fn measure(&self, runs: &[Run], local: &LocalBackground) -> LightMoments {
         let parts = runs.par_chunks(RUNS_OF_A_PART);
         let peak = parts.clone().map(|part| self.peak(part)).reduce(|| 0.0, f32::max);
         let largest = parts.clone().map(|part| self.top(part)).reduce(Top::default, Top::and);
-        let background = background as f32;
-        let sum = |part| self.widest.dispatch(Sum { map: self, part, peak, background });
-        let lights: Vec<Light> = parts.map(sum).collect();
-        let mut light = lights.iter().fold(Light::of_peak(peak), |sum, part| sum.and(part));
+        let background = local.luminance as f32;
+        let sum = |part| self.widest.dispatch(SumOfLight { map: self, part, peak, background });
+        let lights: Vec<LightMoments> = parts.map(sum).collect();
+        let mut light = lights.iter().fold(LightMoments::of_peak(peak), |sum, part| sum.and(part));
         light.largest = largest;
+        light.subtract(local.radiance);
         light
     }
 
     /// Luminance of the brightest pixel.
     fn peak(&self, part: &[Run]) -> f32 {
-        self.widest.dispatch(Peak { map: self, part })
+        self.widest.dispatch(PeakOfLight { map: self, part })
     }
 
     /// The largest sample.
@@ -117,12 +119,12 @@ impl<'a> Map<'a> {
 }
 
 /// Luminance of the brightest pixel of `part`.
-struct Peak<'a> {
-    map: &'a Map<'a>,
+struct PeakOfLight<'a> {
+    map: &'a SourceMap<'a>,
     part: &'a [Run],
 }
 
-impl WithSimd for Peak<'_> {
+impl WithSimd for PeakOfLight<'_> {
     type Output = f32;
 
     #[inline(always)]
@@ -146,20 +148,20 @@ impl WithSimd for Peak<'_> {
 }
 
 /// The sums over `part` of a light.
-struct Sum<'a> {
-    map: &'a Map<'a>,
+struct SumOfLight<'a> {
+    map: &'a SourceMap<'a>,
     part: &'a [Run],
     peak: f32,
     background: f32,
 }
 
-impl WithSimd for Sum<'_> {
-    type Output = Light;
+impl WithSimd for SumOfLight<'_> {
+    type Output = LightMoments;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Light {
+    fn with_simd<S: Simd>(self, _: S) -> LightMoments {
         let Self { map, part, peak, background } = self;
-        let mut light = Light::of_peak(peak);
+        let mut light = LightMoments::of_peak(peak);
         let mut covered = CoveredPixels::default();
         for (row, columns, pixels) in part.iter().flat_map(|run| map.rows_of(run)) {
             let [sin, cos, band] = map.rows[row];

@@ -3,8 +3,8 @@
 use std::f64::consts::{PI, TAU};
 
 use super::super::clipping::LEAST_WHITE;
-use super::super::tree::run::{Run, runs};
-use super::super::tree::working_image::WorkingImage;
+use super::super::segment::run::{Run, runs};
+use super::super::segment::working_image::WorkingImage;
 use super::expansion::expand;
 
 /// The plateau of an `expanded` image, as runs in ascending order. `bright` are the pixels that may lie on it.
@@ -96,7 +96,7 @@ fn close_columns(working: &WorkingImage, rows: Vec<Run>, reach: f64) -> Vec<Run>
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::tree::test_maps::drawn;
+    use super::super::super::segment::test_maps::drawn;
     use super::*;
 
     /// The plateau of a drawing, of which 9 is expanded luminance above white; `gap` in pixel heights.

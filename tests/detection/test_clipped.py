@@ -100,9 +100,9 @@ def test_panes_behind_wide_bars_are_one_light_and_clouds_before_a_pale_sky_are_n
     picture = eight_bits(scene(512, background=[between] * 3, shapes=[window]).radiance)
     lights, panes = el.detect(picture), el.detect(picture, gap_deg=0)
     assert (len(lights), len(panes)) == (count, 6)
-    np.testing.assert_allclose(lights.irradiance.sum(axis=0), panes.irradiance.sum(axis=0))
+    np.testing.assert_allclose(lights.flux.sum(axis=0), panes.flux.sum(axis=0))
     assert lights.weight.sum() == pytest.approx(panes.weight.sum(), rel=1e-3)
-    assert ("6 panes of one opening" in str(lights.report)) == (count == 1)
+    assert ("joined from 6 panes" in str(lights.report)) == (count == 1)
     if count == 1:
         off = angle_deg(lights.direction[0], unit(window.direction))
         assert off < 0.3 < np.rad2deg(lights.direction_uncertainty[0])
@@ -120,7 +120,7 @@ def test_known_lights_are_found_in_pictures_of_eight_bits(name):
     worlds = [getattr(suite, name)(seed, 256) for seed in suite.JUDGING[::2]]
     worlds = [world for world in worlds if "clipped" in world.note or "8 bit" in world.note]
     found = [(world, el.detect(eight_bits(world.radiance))) for world in worlds]
-    score = judge([(world, lights.direction, lights.irradiance) for world, lights in found])
+    score = judge([(world, lights.direction, lights.flux) for world, lights in found])
     assert score.recall >= 0.85
     assert score.precision >= 0.7
     assert score.false_on_lightless == 0
@@ -147,7 +147,7 @@ def test_of_two_plateaus_the_higher_and_smaller_one_comes_first():
     lights = el.detect(eight_bits(scene(256, background=[0.1] * 3, shapes=shapes).radiance))
     assert len(lights) == 2
     assert angle_deg(lights.direction[0], unit(shapes[0].direction)) < 1
-    assert lights.irradiance[0].sum() < lights.irradiance[1].sum(), "not the order of flux"
+    assert lights.flux[0].sum() < lights.flux[1].sum(), "not the order of flux"
     assert (np.diff(lights.weight) <= 0).all()
     assert lights[1:].weight.tolist() == lights.weight[1:].tolist()
 
@@ -187,7 +187,7 @@ def test_a_white_that_is_given_counts_as_that_of_integers():
     assert len(given) == 1
     assert given.to_dict() == held.to_dict()
     np.testing.assert_allclose(scaled.direction, given.direction, atol=1e-6)
-    np.testing.assert_allclose(scaled.irradiance, 7 * given.irradiance, rtol=1e-5)
+    np.testing.assert_allclose(scaled.flux, 7 * given.flux, rtol=1e-5)
     np.testing.assert_allclose(scaled.report.threshold, 7 * given.report.threshold, rtol=1e-5)
     sixteen = np.round(65535 * encode_srgb(radiance)).astype(np.uint16)
     assert angle_deg(el.detect(sixteen).direction, given.direction).max() < 0.01
@@ -199,22 +199,24 @@ def test_without_a_white_nothing_changes():
     assert lights.weight is None
     assert lights.direction_uncertainty is None
     assert "weight" not in lights.to_dict()
-    assert "expanded" not in lights.report.reason
+    assert lights.report.clip_level is None
 
 
 @pytest.mark.parametrize(
     ("largest", "words"),
     [
-        (9.0, "ends at white, which"),
-        (0.9, "ends in a peak of 0.9 below white"),
-        (0.4, "ends at 0.4, below white, and has lost nothing"),
+        (9.0, "the map is clipped at 1;"),
+        (0.9, "the map is clipped at 0.9, a small peak below the largest possible value;"),
+        (0.4, None),
     ],
 )
-def test_the_report_says_where_the_picture_ends(largest, words):
+def test_the_report_says_at_which_level_the_map_is_clipped(largest, words):
     radiance = glow(128, np.array([0, 0.6, 0.8]), 1.0)
     radiance *= largest / radiance.max()
     report = el.detect(np.minimum(radiance, 1), white=1.0).report
-    assert words in report.reason
+    assert (report.clip_level is None) == (words is None)
+    assert ("clipped map: lights are separated by" in str(report)) == (words is not None)
+    assert words is None or any(detail.startswith(words) for detail in report.details)
     assert report.threshold < 1
 
 
@@ -223,7 +225,7 @@ def test_lights_are_merged_to_a_budget():
     picture = eight_bits(scene(256, background=[0.1] * 3, shapes=shapes).radiance)
     both, one = el.detect(picture), el.detect(picture, max_lights=1)
     assert len(one) == 1
-    np.testing.assert_allclose(one.irradiance[0], both.irradiance.sum(axis=0), rtol=1e-6)
+    np.testing.assert_allclose(one.flux[0], both.flux.sum(axis=0), rtol=1e-6)
     np.testing.assert_allclose(one.weight.sum(), both.weight.sum())
     apart = angle_deg(both.direction, one.direction[0])
     assert np.rad2deg(one.direction_uncertainty[0]) >= apart.max() - 1e-6
@@ -255,7 +257,7 @@ import hashlib, numpy as np, envlights as el
 from envlights._srgb import encode_srgb
 world = el.synthetic.hard(8, 256)
 lights = el.detect(np.round(255 * encode_srgb(world.radiance)).astype(np.uint8))
-arrays = lights.direction, lights.irradiance, lights.weight, lights.direction_uncertainty
+arrays = lights.direction, lights.flux, lights.weight, lights.direction_uncertainty
 print(len(lights), hashlib.sha256(b"".join(each.tobytes() for each in arrays)).hexdigest())
 """
     assert len(printed_by_threads(code)) == 1
@@ -314,5 +316,5 @@ def test_what_a_rig_rests_on_is_a_sentence():
 def test_the_article_says_where_its_threshold_lies_in_a_file():
     picture = eight_bits(glow(64, np.array([0, 0.6, 0.8]), 5.0))
     report = el.detect(picture, "article").report
-    assert "80 % of white, the code 231 of 255" in report.reason
+    assert "80 % of the clip level, code 231 of 255" in report.reason
     assert "code" not in el.detect(picture.astype(np.float32), "article").report.reason

@@ -7,7 +7,7 @@
 //!   weight = W^(1/2) exp(1.5 sin e)
 //! ```
 //!
-//! and hands it to its pixels by the square of their depth, as [`super::placement`] does: a sun is in the middle of
+//! and hands it to its pixels by the square of their depth, as [`super::position`] does: a sun is in the middle of
 //! its glow. The power of W is chosen on pictures of HDR maps, by the irradiance of a probe.
 
 use std::f64::consts::TAU;
@@ -17,9 +17,9 @@ use ndarray::{Array2, ArrayView3, Axis};
 use rayon::prelude::*;
 
 use super::super::clipping::LEAST_WHITE;
-use super::super::tree::run::Run;
-use super::super::tree::working_image::WorkingImage;
-use super::depth::{self, Sphere};
+use super::super::segment::run::Run;
+use super::super::segment::working_image::WorkingImage;
+use super::depth::{self, PixelDirections};
 use super::expansion::expand;
 use super::{necks, order, plateau};
 use crate::error::Result;
@@ -142,7 +142,7 @@ fn per_squared_depth(
     bands: &[f64],
 ) -> Vec<f64> {
     // Sum solid angle, squared depth and direction over each part.
-    let sphere = Sphere::new(working);
+    let sphere = PixelDirections::new(working);
     let count = parts.iter().copied().max().unwrap_or(0) as usize + 1;
     let (mut solid_angle, mut squares) = (vec![0.0; count], vec![0.0; count]);
     let mut towards = vec![DVec3::ZERO; count];

@@ -8,14 +8,14 @@ use ndarray::ArrayView3;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
-use super::super::tree::working_image::WorkingImage;
+use super::super::segment::working_image::WorkingImage;
 use super::expansion::expand;
 use crate::error::{Error, Result};
 use crate::kernels::image::{Grid, check_samples, luminance_f32, samples_of};
 use crate::kernels::sphere::{Registration, band_heights};
 
 /// A map in fewer pixels.
-pub struct Reduced {
+pub struct ExpandedMap {
     /// Their luminance.
     pub working: WorkingImage,
     /// Their expanded luminance; the end becomes 50.
@@ -24,7 +24,7 @@ pub struct Reduced {
     pub maximum: f64,
 }
 
-impl Reduced {
+impl ExpandedMap {
     /// `radiance` that ends at the luminance `end`, in at most `columns` columns.
     ///
     /// # Errors
@@ -39,7 +39,7 @@ impl Reduced {
         // Cut the map into blocks, one for each working pixel.
         let (pixels, grid, block) = Grid::of_map(radiance, registration, columns)?;
         let (height, width, _) = radiance.dim();
-        let weights = Weights::new(&pixels, block);
+        let weights = BlockWeights::new(&pixels, block);
         // Average each block.
         let columns = grid.phi_edges.len() - 1;
         let count = columns * (grid.theta_edges.len() - 1);
@@ -47,7 +47,7 @@ impl Reduced {
         let rows = luminance.par_chunks_mut(columns).zip(expanded.par_chunks_mut(columns)).enumerate();
         let reduce = |(row, (luminance, expanded)): (usize, (&mut [f32], &mut [f32]))| {
             let rows = row * block..((row + 1) * block).min(height);
-            let mut sums = Sums::new(width, (1.0 / end) as f32);
+            let mut sums = ExpandedSums::new(width, (1.0 / end) as f32);
             for row in rows.clone() {
                 sums.add(samples_of(radiance, row..row + 1).as_chunks::<3>().0, weights.rows[row]);
             }
@@ -67,38 +67,15 @@ impl Reduced {
         let expanded = working.with_luminance(expanded);
         Ok(Self { working, expanded, maximum: f64::from(f32::from_bits(seen.0)) })
     }
-
-    /// The same in pixels with sides `factor` times as long.
-    pub fn coarser(&self, factor: usize) -> Self {
-        let grid = self.working.grid.in_blocks(factor);
-        let weights = Weights::new(&self.working.grid, factor);
-        let means = |fine: &[f32]| -> Vec<f32> {
-            let (width, columns) = (self.working.size.1, grid.phi_edges.len() - 1);
-            let mut means = vec![0.0; columns * (grid.theta_edges.len() - 1)];
-            let blocks = fine.chunks(factor * width).zip(weights.rows.chunks(factor));
-            for ((rows, shares), out) in blocks.zip(means.chunks_mut(columns)) {
-                let mut sums = vec![0.0; width];
-                for (row, share) in rows.chunks(width).zip(shares) {
-                    sums.iter_mut().zip(row).for_each(|(sum, value)| *sum += share * value);
-                }
-                across(&mut sums, &weights.columns, factor, out);
-            }
-            means
-        };
-        let expanded = means(&self.expanded.luminance);
-        let luminance = means(&self.working.luminance);
-        let working = WorkingImage::of_luminance(grid.clone(), factor * self.working.block, luminance);
-        Self { expanded: working.with_luminance(expanded), working, maximum: self.maximum }
-    }
 }
 
 /// The share of each row and column of pixels in that of its block.
-struct Weights {
+struct BlockWeights {
     rows: Vec<f32>,
     columns: Vec<f32>,
 }
 
-impl Weights {
+impl BlockWeights {
     fn new(pixels: &Grid, block: usize) -> Self {
         let shares = |sizes: &[f64]| -> Vec<f32> {
             let share = |of: &[f64]| {
@@ -130,7 +107,7 @@ fn sum_blocks<const BLOCK: usize>(columns: &[f32], out: &mut [f32]) {
 }
 
 /// Weighted sums of rows of pixels.
-struct Sums {
+struct ExpandedSums {
     luminance: Vec<f32>,
     expanded: Vec<f32>,
     /// One over the end of the picture.
@@ -141,7 +118,7 @@ struct Sums {
     bits: u32,
 }
 
-impl Sums {
+impl ExpandedSums {
     fn new(width: usize, per_end: f32) -> Self {
         Self { luminance: vec![0.0; width], expanded: vec![0.0; width], per_end, largest: 0, bits: 0 }
     }
@@ -153,7 +130,7 @@ impl Sums {
 }
 
 struct AddRow<'a> {
-    sums: &'a mut Sums,
+    sums: &'a mut ExpandedSums,
     pixels: &'a [[f32; 3]],
     weight: f32,
 }
@@ -189,7 +166,7 @@ mod tests {
     fn a_lamp_in_a_quarter_of_a_block_keeps_a_quarter_of_white() {
         let mut map = Array3::zeros((8, 16, 3));
         map.slice_mut(ndarray::s![4, 6, ..]).fill(2.0);
-        let reduced = Reduced::of(map.view(), Registration::CellCentred, 8, 2.0).unwrap();
+        let reduced = ExpandedMap::of(map.view(), Registration::CellCentred, 8, 2.0).unwrap();
         // Rows 4 and 5 are not of the same height.
         let bands = band_heights(&Registration::CellCentred.theta_edges(8));
         let share = bands[4] / (bands[4] + bands[5]) / 2.0;
@@ -206,7 +183,7 @@ mod tests {
                 let map =
                     Array3::from_shape_fn((height, width, 3), |(y, x, c)| ((y * 7 + x * 3 + c) % 11) as f32);
                 let wanted = WorkingImage::of(map.view(), registration, columns).unwrap();
-                let found = Reduced::of(map.view(), registration, columns, 11.0).unwrap();
+                let found = ExpandedMap::of(map.view(), registration, columns, 11.0).unwrap();
                 assert_eq!((found.working.size, found.working.block), (wanted.size, wanted.block));
                 assert_relative_eq!(found.working.flux, wanted.flux, max_relative = 1e-6);
                 for (found, wanted) in found.working.luminance.iter().zip(&wanted.luminance) {
@@ -224,32 +201,11 @@ mod tests {
     }
 
     #[test]
-    fn coarser_pixels_are_those_of_larger_blocks() {
-        for registration in [Registration::CellCentred, Registration::BorderSampled] {
-            for (height, width) in [(30, 60), (37, 74)] {
-                let map =
-                    Array3::from_shape_fn((height, width, 3), |(y, x, c)| ((y * 7 + x * 3 + c) % 11) as f32);
-                let of = |block| Reduced::of(map.view(), registration, width.div_ceil(block), 11.0).unwrap();
-                let (wanted, found) = (of(6), of(2).coarser(3));
-                assert_eq!((found.working.size, found.working.block), (wanted.working.size, 6));
-                for (found, wanted) in
-                    [(&found.working, &wanted.working), (&found.expanded, &wanted.expanded)]
-                {
-                    assert_relative_eq!(found.flux, wanted.flux, max_relative = 1e-6);
-                    for (found, wanted) in found.luminance.iter().zip(&wanted.luminance) {
-                        assert_relative_eq!(found, wanted, max_relative = 1e-5);
-                    }
-                }
-            }
-        }
-    }
-
-    #[test]
     fn a_sample_that_is_not_radiance_is_refused() {
         for (value, columns) in [(f32::NAN, 16), (-1.0, 16), (f32::INFINITY, 2), (-1.0, 2)] {
             let mut map = Array3::from_elem((8, 16, 3), 0.5_f32);
             map[[3, 5, 1]] = value;
-            let refused = Reduced::of(map.view(), Registration::CellCentred, columns, 1.0);
+            let refused = ExpandedMap::of(map.view(), Registration::CellCentred, columns, 1.0);
             assert!(matches!(refused, Err(Error::UnusableSamples { row: 3, .. })), "{value} {columns}");
         }
     }

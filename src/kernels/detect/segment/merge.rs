@@ -8,7 +8,7 @@
 //!
 //! which is what the merger adds to the flux-weighted sum of squared distances.
 
-use super::moments::Light;
+use super::light_moments::LightMoments;
 
 /// Lights beyond this many are merged into the nearest brighter one, for the pairs of lights grow with the
 /// square of their number.
@@ -17,7 +17,7 @@ const MOST_IN_PAIRS: usize = 2048;
 /// The lights that are left, and what became of those that were measured.
 pub struct Selection {
     /// Most flux first.
-    pub lights: Vec<Light>,
+    pub lights: Vec<LightMoments>,
     /// For each light that was measured, the one that it is part of, if any.
     pub part_of: Vec<Option<usize>>,
     /// Lights that were dropped.
@@ -26,24 +26,13 @@ pub struct Selection {
     pub merged: usize,
 }
 
-impl Selection {
-    /// Whether each light holds one of those that were measured, from the number `first` on.
-    pub fn holding(&self, first: usize) -> Vec<bool> {
-        let mut holds = vec![false; self.lights.len()];
-        for light in self.part_of[first..].iter().flatten() {
-            holds[*light] = true;
-        }
-        holds
-    }
-}
-
 /// Select at most `most` lights from those of `measured` that are `listed`.
-pub fn select(measured: Vec<Light>, listed: &[bool], most: usize) -> Selection {
+pub fn select(measured: Vec<LightMoments>, listed: &[bool], most: usize) -> Selection {
     // Drop the others and rank these.
     let mut ranked: Vec<usize> = (0..measured.len()).filter(|&i| listed[i]).collect();
-    ranked.sort_by(|&i, &j| Light::most_flux_first(&measured[i], &measured[j]));
+    ranked.sort_by(|&i, &j| LightMoments::most_flux_first(&measured[i], &measured[j]));
     // Merge neighbours.
-    let kept: Vec<Light> = ranked.iter().map(|&i| measured[i].clone()).collect();
+    let kept: Vec<LightMoments> = ranked.iter().map(|&i| measured[i].clone()).collect();
     let (lights, merged_into) = merge(kept, most);
     // Note for each measured light the one that it became part of.
     let mut part_of = vec![None; measured.len()];
@@ -56,7 +45,7 @@ pub fn select(measured: Vec<Light>, listed: &[bool], most: usize) -> Selection {
 
 /// Merge `lights`, most flux first, until at most `most` are left. For each of them the one that it became
 /// part of.
-fn merge(lights: Vec<Light>, most: usize) -> (Vec<Light>, Vec<usize>) {
+fn merge(lights: Vec<LightMoments>, most: usize) -> (Vec<LightMoments>, Vec<usize>) {
     let mut linkage = Linkage::new(lights);
     if linkage.alive > most {
         linkage.merge_from(MOST_IN_PAIRS.max(most));
@@ -70,7 +59,7 @@ fn merge(lights: Vec<Light>, most: usize) -> (Vec<Light>, Vec<usize>) {
 
 struct Linkage {
     /// `None` once it is part of another.
-    lights: Vec<Option<Light>>,
+    lights: Vec<Option<LightMoments>>,
     alive: usize,
     part_of: Vec<usize>,
     /// For each light the cost of the cheapest merger with a later one, and which.
@@ -78,9 +67,9 @@ struct Linkage {
 }
 
 impl Linkage {
-    fn new(lights: Vec<Light>) -> Self {
+    fn new(lights: Vec<LightMoments>) -> Self {
         let alive = lights.len();
-        let lights: Vec<Option<Light>> = lights.into_iter().map(Some).collect();
+        let lights: Vec<Option<LightMoments>> = lights.into_iter().map(Some).collect();
         Self { lights, alive, part_of: (0..alive).collect(), nearest: vec![(f64::INFINITY, 0); alive] }
     }
 
@@ -149,11 +138,11 @@ impl Linkage {
     }
 
     /// The lights that are left, most flux first; and for each light that there was, its place among them.
-    fn finish(self) -> (Vec<Light>, Vec<usize>) {
+    fn finish(self) -> (Vec<LightMoments>, Vec<usize>) {
         // Rank the lights that are left.
-        let mut left: Vec<(usize, Light)> =
+        let mut left: Vec<(usize, LightMoments)> =
             self.lights.into_iter().enumerate().filter_map(|(i, light)| Some((i, light?))).collect();
-        left.sort_by(|(_, one), (_, other)| Light::most_flux_first(one, other));
+        left.sort_by(|(_, one), (_, other)| LightMoments::most_flux_first(one, other));
         let mut place = vec![0; self.part_of.len()];
         for (rank, (i, _)) in left.iter().enumerate() {
             place[*i] = rank;
@@ -176,13 +165,13 @@ mod tests {
     use crate::kernels::sphere::direction;
 
     /// Further along a quarter of a circle for each of its fluxes.
-    fn light(flux: f64) -> Light {
-        Light::towards(direction(1.0 + 0.1 * flux.sqrt(), 2.0), flux)
+    fn light(flux: f64) -> LightMoments {
+        LightMoments::towards(direction(1.0 + 0.1 * flux.sqrt(), 2.0), flux)
     }
 
     #[test]
     fn of_two_pairs_of_neighbours_the_dimmer_is_merged_first() {
-        let at = |phi, flux| Light::towards(direction(1.0, phi), flux);
+        let at = |phi, flux| LightMoments::towards(direction(1.0, phi), flux);
         let far_and_near = vec![at(0.0, 3.0), at(3.0, 5.0), at(3.1, 2.0), at(0.1, 1.0)];
         let three = select(far_and_near.clone(), &[true; 4], 3);
         assert_eq!(three.part_of, [Some(1), Some(0), Some(2), Some(1)]);
@@ -193,7 +182,7 @@ mod tests {
 
     #[test]
     fn nothing_is_merged_where_few_enough_are_given() {
-        let selection = select(vec![Light::default(); 3], &[true; 3], 3);
+        let selection = select(vec![LightMoments::default(); 3], &[true; 3], 3);
         assert_eq!(selection.lights.len(), 3);
         assert_eq!(selection.part_of, [Some(0), Some(1), Some(2)]);
         assert_eq!((selection.dropped, selection.merged), (0, 0));
@@ -212,7 +201,7 @@ mod tests {
 
     #[test]
     fn too_many_lights_to_compare_all_pairs_are_merged_too() {
-        let lights: Vec<Light> = (1..=MOST_IN_PAIRS + 500).map(|i| light(i as f64)).collect();
+        let lights: Vec<LightMoments> = (1..=MOST_IN_PAIRS + 500).map(|i| light(i as f64)).collect();
         let listed = vec![true; lights.len()];
         let selection = select(lights, &listed, 7);
         assert_eq!(selection.lights.len(), 7);

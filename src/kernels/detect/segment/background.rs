@@ -1,70 +1,109 @@
-//! The local background of a light: the luminance just outside of it, glare included.
+//! The local background of a light: the radiance just outside of it, glare included.
 //!
-//! It is the median of the pixels three rows or columns straight out from the outline: the nearest ones
-//! are often cut by the light's edge. A median ignores what stands on one side of the light alone.
+//! Its luminance is the median of the pixels three rows or columns straight out from the outline: the nearest ones
+//! are often cut by the light's edge. A median ignores what stands on one side of the light alone. Its colour is that
+//! of the middle half of these pixels.
+
+use ndarray::ArrayView3;
 
 use super::adjacency::Adjacency;
 use super::components::Segments;
 use super::working_image::WorkingImage;
+use crate::kernels::image::luminance;
 
 /// Heights of a row from the outline to the pixels of the background.
 const DISTANCE: usize = 3;
 /// The background is at most this share of the light's peak.
 const MOST_OF_THE_PEAK: f64 = 0.5;
 
-/// The luminance of the local background of each segment.
+/// The radiance around a light.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LocalBackground {
+    /// Median luminance.
+    pub luminance: f64,
+    /// Radiance of that luminance, RGB.
+    pub radiance: [f64; 3],
+}
+
+/// The local background of each segment.
 pub fn local_backgrounds(
+    radiance: ArrayView3<'_, f32>,
     working: &WorkingImage,
     adjacency: &Adjacency,
     segments: &Segments,
     outline: &[u32],
-) -> Vec<f64> {
-    let luminance = &working.luminance;
+) -> Vec<LocalBackground> {
     let width = working.size.1;
     // Find how many columns of each row are as wide as `DISTANCE` rows are high.
     let columns: Vec<usize> = (0..working.size.0).map(|row| working.columns_across(row, DISTANCE)).collect();
     // Collect the pixels straight out from each outline, where they are outside the segment.
-    let mut outside: Vec<Vec<f32>> = vec![Vec::new(); segments.pixels.len()];
+    let mut outside: Vec<Vec<u32>> = vec![Vec::new(); segments.pixels.len()];
     for index in outline.iter().map(|&index| index as usize) {
         let label = segments.label[index];
         let beyond = adjacency.beyond(index, DISTANCE, columns[index / width]);
         for (side, beyond) in adjacency.sides(index).into_iter().zip(beyond) {
             if segments.label[side] != label && segments.label[beyond] != label {
-                outside[label as usize - 1].push(luminance[beyond]);
+                outside[label as usize - 1].push(beyond as u32);
             }
         }
     }
     // Take the median of each segment, at most half of its peak.
     let most = segments.peaks.iter().map(|&peak| MOST_OF_THE_PEAK * f64::from(peak));
-    outside.iter_mut().zip(most).map(|(outside, most)| median(outside).min(most)).collect()
+    outside.into_iter().zip(most).map(|(outside, most)| of_pixels(radiance, working, outside, most)).collect()
 }
 
-/// The middle one of some values, in another order then; 0 without any.
-pub fn median(values: &mut [f32]) -> f64 {
-    let middle = values.len() / 2;
-    if values.is_empty() { 0.0 } else { f64::from(*values.select_nth_unstable_by(middle, f32::total_cmp).1) }
+/// The background of some pixels of the working image, of the luminance `most` at most.
+fn of_pixels(
+    radiance: ArrayView3<'_, f32>,
+    working: &WorkingImage,
+    mut pixels: Vec<u32>,
+    most: f64,
+) -> LocalBackground {
+    if pixels.is_empty() {
+        return LocalBackground::default();
+    }
+    // Find the median luminance.
+    let level = |&pixel: &u32| working.luminance[pixel as usize];
+    pixels.sort_unstable_by(|one, other| level(one).total_cmp(&level(other)));
+    let median = f64::from(level(&pixels[pixels.len() / 2])).min(most);
+    // Sum the colours in the middle of the pixels of the middle half.
+    let (height, width, _) = radiance.dim();
+    let middle = |place: usize, size: usize| (place * working.block + working.block / 2).min(size - 1);
+    let mut sum = [0.0; 3];
+    for &pixel in &pixels[pixels.len() / 4..pixels.len() - pixels.len() / 4] {
+        let (row, column) = (pixel as usize / working.size.1, pixel as usize % working.size.1);
+        let (row, column) = (middle(row, height), middle(column, width));
+        (0..3).for_each(|c| sum[c] += f64::from(radiance[[row, column, c]]));
+    }
+    // Scale them to the median.
+    let scale = median / luminance(sum);
+    let radiance = if scale.is_finite() { sum.map(|value| scale * value) } else { [median; 3] };
+    LocalBackground { luminance: median, radiance }
 }
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::super::outline::outline;
-    use super::super::test_maps::{drawn, segments};
+    use super::super::test_maps::{drawn, map_of, segments};
     use super::*;
     use approx::assert_relative_eq;
 
-    /// Local background of a lamp of 9, 5 x 5 pixels, where column x around it is `pixel(x)`.
+    /// Luminance of the local background of a lamp of 9, 5 x 5 pixels, where column x around it is `pixel(x)`.
     fn background_of(row: usize, column: usize, pixel: impl Fn(usize) -> char) -> f64 {
         let is_lamp = |y: usize, x: usize| y.abs_diff(row) <= 2 && (x + 32 - column + 2) % 32 <= 4;
         let rows: Vec<String> =
             (0..16).map(|y| (0..32).map(|x| if is_lamp(y, x) { '9' } else { pixel(x) }).collect()).collect();
         let rows: Vec<&str> = rows.iter().map(String::as_str).collect();
-        let working = drawn(&rows);
+        let (map, working) = (map_of(&rows), drawn(&rows));
         let (adjacency, mut segments) = (Adjacency::of(&working), segments(&working, 0.7));
         assert_eq!(segments.pixels.len(), 1);
         segments.pixels[0].retain(|&pixel| segments.label[pixel as usize] != 0);
         assert_eq!(segments.pixels[0].len(), 25);
-        local_backgrounds(&working, &adjacency, &segments, &outline(&adjacency, &segments))[0]
+        let outline = outline(&adjacency, &segments);
+        let background = local_backgrounds(map.view(), &working, &adjacency, &segments, &outline)[0];
+        assert_relative_eq!(luminance(background.radiance), background.luminance, max_relative = 1e-9);
+        background.luminance
     }
 
     #[test]

@@ -6,18 +6,17 @@
 
 use glam::DVec3;
 
-use super::super::tree::components::Segments;
-use super::super::tree::moments::Light;
-use super::super::tree::run::{Run, runs};
-use super::super::tree::working_image::WorkingImage;
-use super::depth::Sphere;
+use super::super::segment::components::Segments;
+use super::super::segment::run::{Run, runs};
+use super::super::segment::working_image::WorkingImage;
+use super::depth::PixelDirections;
 
-/// Places of less than this share of the largest depth are not the light's: spurs, and a white horizon.
+/// LightPositions of less than this share of the largest depth are not the light's: spurs, and a white horizon.
 const SHALLOW: f32 = 0.5;
 
 /// Where a light is.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Place {
+pub struct LightPosition {
     /// Unit vector.
     pub direction: DVec3,
     /// Angle from the deepest place of its plateau to the rim, in radians; 0 without a plateau.
@@ -26,12 +25,7 @@ pub struct Place {
     pub uncertainty: f64,
 }
 
-impl Place {
-    /// The place of a light that is not behind white: all of it is in the picture.
-    pub fn measured(light: &Light) -> Self {
-        Self { direction: light.direction(), plateau_radius: 0.0, uncertainty: 0.0 }
-    }
-
+impl LightPosition {
     fn new(direction: DVec3, plateau_radius: f64, radius: f64) -> Self {
         Self { direction, plateau_radius, uncertainty: uncertainty(plateau_radius, radius) }
     }
@@ -60,13 +54,13 @@ fn uncertainty(plateau_radius: f64, radius: f64) -> f64 {
 }
 
 /// The place of each segment. `depth` is that of the plateau, as an image.
-pub fn places(
+pub fn positions(
     working: &WorkingImage,
     expanded: &WorkingImage,
     segments: &Segments,
     depth: &[f32],
-) -> Vec<Place> {
-    let sphere = Sphere::new(working);
+) -> Vec<LightPosition> {
+    let sphere = PixelDirections::new(working);
     let width = working.size.1;
     let place = |pixels: &Vec<u32>| {
         let runs = runs(pixels, width);
@@ -88,7 +82,7 @@ pub fn places(
         // The rim lies between the last pixel of the plateau and the first outside of it.
         let rim = 0.5 * working.row_height();
         let radius = (1.0 - solid_angle / width as f64).max(-1.0).acos();
-        Place::new(sum.normalize_or(DVec3::Y), (f64::from(deepest) - rim).max(0.0), radius)
+        LightPosition::new(sum.normalize_or(DVec3::Y), (f64::from(deepest) - rim).max(0.0), radius)
     };
     segments.pixels.iter().map(place).collect()
 }

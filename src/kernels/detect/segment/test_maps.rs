@@ -3,14 +3,14 @@
 use ndarray::Array3;
 
 use super::adjacency::Adjacency;
-use super::components::{self, Segments};
+use super::components::{self, Segments, TreeRule};
 use super::threshold::{Rule, Threshold};
 use super::working_image::WorkingImage;
 use crate::kernels::sphere::Registration;
 
 /// Pixels of a test map are bright above 0.5, and a light reaches 1.25.
 pub const THRESHOLD: Threshold =
-    Threshold { luminance: 0.5, rule: Rule::Background { factor: 2.0, share: 0.9 }, uncut: 0.0 };
+    Threshold { luminance: 0.5, rule: Rule::Background { factor: 2.0, share: 0.9 } };
 
 /// A map from its drawing: a digit is its luminance, a dot 0.1.
 pub fn map_of(rows: &[&str]) -> Array3<f32> {
@@ -36,7 +36,8 @@ pub fn drawn_from(top: usize, rows: &[&str]) -> WorkingImage {
 /// The segments of a test map, before gaps are bridged.
 pub fn segments(working: &WorkingImage, extent: f64) -> Segments {
     let bright = components::bright_pixels(working, THRESHOLD.luminance);
-    components::segments(working, &Adjacency::of(working), &bright, &THRESHOLD, 2.5, 4.0, extent)
+    let rule = TreeRule { rise: 2.5, prominence: 4.0, extent };
+    components::segments(working, &Adjacency::of(working), &bright, &THRESHOLD, &rule)
 }
 
 /// How many pixels each light has, the smallest first.

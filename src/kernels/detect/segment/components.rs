@@ -11,17 +11,15 @@
 //! else the brighter absorbs it. The line check of Loghin (2021) tries one straight path instead.
 //!
 //! The tree needs no pixel in order of luminance. Each pixel flows uphill, to its brightest neighbour,
-//! to one peak: its basin. Islands meet only between basins, so only those pairs of pixels are sorted. The pixels
-//! of a top are one basin, however many peaks it has: see [`super::top`].
+//! to one peak: its basin. Islands meet only between basins, so only those pairs of pixels are sorted.
 
 use ndarray::ArrayView1;
 use rayon::prelude::*;
 
 use super::adjacency::Adjacency;
 use super::forest::{apart, root};
-use super::run::runs;
+use super::run::{Run, runs};
 use super::threshold::Threshold;
-use super::top::{Stretch, Tops, height};
 use super::working_image::{TILE, WorkingImage};
 use crate::kernels::detect::clipping::largest;
 
@@ -79,31 +77,36 @@ pub struct Segments {
     pub label: Vec<u32>,
 }
 
+/// When a peak is a light of its own, and where it ends.
+#[derive(Clone, Copy, Debug)]
+pub struct TreeRule {
+    /// Least ratio of a peak to the threshold.
+    pub rise: f64,
+    /// Least ratio of a peak to its saddle.
+    pub prominence: f64,
+    /// A light ends where its luminance has fallen to this fraction of its peak.
+    pub extent: f64,
+}
+
 /// Divide the bright pixels into the segments of lights.
 pub fn segments(
     working: &WorkingImage,
     adjacency: &Adjacency,
     bright: &BrightPixels,
     threshold: &Threshold,
-    rise: f64,
-    prominence: f64,
-    extent: f64,
+    rule: &TreeRule,
 ) -> Segments {
+    let &TreeRule { rise, prominence, extent } = rule;
     // Divide the bright pixels into basins, one for each peak.
     let luminance = &working.luminance;
     let level: Vec<f32> = bright.indices.iter().map(|&index| luminance[index as usize]).collect();
     let runs = runs(&bright.indices, working.size.1);
-    let tops = Tops::of(adjacency, luminance, &level, runs, prominence as f32);
-    let (basin, image) = basins(adjacency, luminance, bright, &tops);
+    let (basin, image) = basins(adjacency, luminance, bright, &runs);
     // Join basins over their saddles, and number the lights.
-    let border = border(adjacency, luminance, &tops.slopes, &image);
-    let mut peaks = level.clone();
-    for (_, peak, most) in &tops.tops {
-        peaks[*peak as usize] = *most;
-    }
-    let light = absorb(adjacency, luminance, &border, &image, &peaks, prominence as f32);
+    let border = border(adjacency, luminance, &runs, &image);
+    let light = absorb(adjacency, luminance, &border, &image, &level, prominence as f32);
     let lowest_peak = lowest_peak(&level, threshold, rise as f32);
-    let (label_of_basin, peaks) = labels(light, &peaks, &basin, lowest_peak);
+    let (label_of_basin, peaks) = labels(light, &level, &basin, lowest_peak);
     // Collect the pixels of each light, and label those within its edge.
     let edges: Vec<f32> = peaks.iter().map(|&peak| threshold.edge(f64::from(peak), extent) as f32).collect();
     let mut segments = Segments { pixels: vec![Vec::new(); peaks.len()], peaks, label: image };
@@ -143,70 +146,55 @@ fn labels(mut light: Vec<u32>, level: &[f32], basin: &[u32], lowest_peak: f32) -
 ///
 /// At the ceiling of a clipped picture the true luminance is unknown, so a light need not rise as far.
 fn lowest_peak(level: &[f32], threshold: &Threshold, rise: f32) -> f32 {
-    let ceiling = CEILING * largest(level).max(threshold.uncut as f32);
+    let ceiling = CEILING * largest(level);
     let threshold = threshold.luminance as f32;
     let is_clipped = level.iter().filter(|&&level| level >= ceiling).count() >= CEILING_PIXELS;
     let enough = rise * threshold;
     if is_clipped { enough.min(ceiling.max(CLIPPED_HYSTERESIS * threshold)) } else { enough }
 }
 
-/// The peak that each bright pixel flows to, as a place among the bright pixels; and the same plus 1 as
-/// an image, 0 where it is dark.
+/// The peak that each bright pixel flows to, as an index into the bright pixels; and that index plus 1 as an image, 0
+/// where it is dark.
 fn basins(
     adjacency: &Adjacency,
     luminance: &[f32],
     bright: &BrightPixels,
-    Tops { tops, slopes }: &Tops,
+    runs: &[Run],
 ) -> (Vec<u32>, Vec<u32>) {
-    // Write the place of each bright pixel into an image; on a top, that of its peak.
-    let (mut basin, mut image) = (apart(bright.indices.len()), vec![0; luminance.len()]);
-    for slope in slopes {
-        image[adjacency.pixels(&slope.run)].copy_from_slice(&basin[slope.places()]);
+    // Write the index of each bright pixel into an image.
+    let mut image = vec![0; luminance.len()];
+    for (number, &pixel) in (0..).zip(&bright.indices) {
+        image[pixel as usize] = number;
     }
-    for (top, peak, _) in tops {
-        image[adjacency.pixels(&top.run)].fill(*peak);
-    }
-    // Point each pixel of a slope to the highest pixel around it, itself included.
-    let uphill = |slopes: &[Stretch]| {
+    // Point each pixel to the highest pixel around it, itself included.
+    let uphill = |runs: &[Run]| {
         let (mut uphill, mut columns) = (Vec::new(), Vec::new());
-        for slope in slopes {
+        for run in runs {
             let highest =
-                adjacency.around_each(&slope.run, &mut columns, |index| height(luminance, index), u64::max);
+                adjacency.around_each(run, &mut columns, |index| height(luminance, index), u64::max);
             uphill.extend(highest.map(|highest| image[!(highest as u32) as usize]));
         }
         uphill
     };
-    let uphill = slopes.par_chunks(RUNS_AT_ONCE).map(uphill).collect::<Vec<_>>().concat();
-    let mut uphill = uphill.as_slice();
-    for slope in slopes {
-        let (own, others) = uphill.split_at(slope.run.columns.len());
-        basin[slope.places()].copy_from_slice(own);
-        uphill = others;
-    }
+    let mut basin: Vec<u32> = runs.par_chunks(RUNS_AT_ONCE).map(uphill).collect::<Vec<_>>().concat();
     // Follow the pointers up to the peaks.
-    for (top, peak, _) in tops {
-        basin[top.places()].fill(*peak);
-        image[adjacency.pixels(&top.run)].fill(peak + 1);
-    }
-    for slope in slopes {
-        for (place, pixel) in slope.places().zip(adjacency.pixels(&slope.run)) {
-            basin[place] = root(&mut basin, place as u32);
-            image[pixel] = basin[place] + 1;
-        }
+    for (number, &pixel) in (0..).zip(&bright.indices) {
+        basin[number as usize] = root(&mut basin, number);
+        image[pixel as usize] = basin[number as usize] + 1;
     }
     (basin, image)
 }
 
-/// Heights of the pixels of `slopes` that touch another basin than their own, highest first.
-fn border(adjacency: &Adjacency, luminance: &[f32], slopes: &[Stretch], basin: &[u32]) -> Vec<u64> {
+/// Heights of the bright pixels that touch another basin than their own, highest first.
+fn border(adjacency: &Adjacency, luminance: &[f32], runs: &[Run], basin: &[u32]) -> Vec<u64> {
     // Take the first and the last of the basins around a pixel. For a dark pixel, 0, the last is below all
     // others and the first wraps around to above them.
     let ends = |index: usize| (basin[index].wrapping_sub(1), basin[index]);
     let wider = |a: (u32, u32), b: (u32, u32)| (a.0.min(b.0), a.1.max(b.1));
     // Keep the pixels that have more than one basin around them.
-    let on_border = |slopes: &[Stretch]| {
+    let on_border = |runs: &[Run]| {
         let (mut border, mut columns) = (Vec::new(), Vec::new());
-        for Stretch { run, .. } in slopes {
+        for run in runs {
             let around = adjacency.around_each(run, &mut columns, ends, wider);
             let touching = adjacency.pixels(run).zip(around).filter(|(_, (first, last))| first + 1 != *last);
             border.extend(touching.map(|(index, _)| !height(luminance, index)));
@@ -214,9 +202,15 @@ fn border(adjacency: &Adjacency, luminance: &[f32], slopes: &[Stretch], basin: &
         border
     };
     // Sort them, highest first: their heights are inverted.
-    let mut border = slopes.par_chunks(RUNS_AT_ONCE).map(on_border).collect::<Vec<_>>().concat();
+    let mut border = runs.par_chunks(RUNS_AT_ONCE).map(on_border).collect::<Vec<_>>().concat();
     border.par_sort_unstable();
     border
+}
+
+/// Luminance and index as one number, in the order of luminance: the bits of floats that are not
+/// negative are in the order of the floats. Of two equal pixels the earlier one is higher.
+fn height(luminance: &[f32], index: usize) -> u64 {
+    (u64::from(luminance[index].to_bits()) << 32) | u64::from(!(index as u32))
 }
 
 /// Let brighter peaks absorb dimmer ones: for each peak the one whose light it is part of, as a forest.
@@ -261,7 +255,6 @@ mod tests {
     use proptest::prelude::*;
 
     use super::super::test_maps::{drawn, drawn_from, segments, sizes};
-    use super::super::threshold::Original;
     use super::*;
 
     /// Pixels of each light in one row between dark ones, the smallest light first.
@@ -332,13 +325,6 @@ mod tests {
     }
 
     #[test]
-    fn below_the_peak_of_the_map_before_its_lights_were_taken_nothing_is_clipped() {
-        let original = |peak| Threshold::of(&Original { threshold: 0.5, flux: 1.0, peak, white: None });
-        let lowest = |peak| lowest_peak(&[1.0; 9], &original(peak), 2.5);
-        assert_eq!((lowest(9.0), lowest(0.9)), (1.25, CEILING));
-    }
-
-    #[test]
     fn labelled_pixels_are_within_the_edge() {
         let working = drawn_from(4, &["....1295......1."]);
         let segments = segments(&working, 0.5);
@@ -385,7 +371,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn tops_and_basins_are_the_tree_of_all_pixels(
+        fn basins_are_the_tree_of_all_pixels(
             levels in prop::collection::vec(prop_oneof![Just(0.1_f32), Just(1.0), Just(8.0), 0.6..9.0_f32], 8 * 16),
             prominence in 1.5..5.0,
         ) {
@@ -393,7 +379,7 @@ mod tests {
             let bright = bright_pixels(&working, 0.5);
             let none = Threshold { luminance: 0.0, ..super::super::test_maps::THRESHOLD };
             let adjacency = Adjacency::of(&working);
-            let found = super::segments(&working, &adjacency, &bright, &none, 1.0, prominence, 0.0);
+            let found = super::segments(&working, &adjacency, &bright, &none, &TreeRule { rise: 1.0, prominence, extent: 0.0 });
             let mut first = vec![0; 8 * 16];
             for pixels in &found.pixels {
                 for &pixel in pixels {

@@ -62,8 +62,8 @@ pub enum Rule {
         /// The share of the sphere that the other rule takes for light.
         light_share: f64,
     },
-    /// That of the map before lights were taken out of it.
-    Original,
+    /// Threshold that the caller has set.
+    Fixed,
 }
 
 /// The luminance above which a pixel is bright, and why.
@@ -73,43 +73,12 @@ pub struct Threshold {
     pub luminance: f64,
     /// The rule that set it.
     pub rule: Rule,
-    /// A camera has cut off nothing below this luminance.
-    pub uncut: f64,
-}
-
-/// A map before lights were taken out of it. Without them less would do to be bright, to give
-/// much of the light, or to be the brightest of all.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Original {
-    /// Luminance above which a pixel is bright.
-    pub threshold: f64,
-    /// Integral of the luminance.
-    pub flux: f64,
-    /// Largest luminance.
-    pub peak: f64,
-    /// What counts behind white, if it was cut off.
-    pub white: Option<OriginalWhite>,
-}
-
-/// What counts behind the white of a map before lights were taken out of it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OriginalWhite {
-    /// Luminance at which the map was cut off.
-    pub end: f64,
-    /// Weight that a light needs.
-    pub least_weight: f64,
 }
 
 impl Threshold {
-    /// The threshold of the map before lights were taken out of it.
-    pub fn of(original: &Original) -> Self {
-        Self { luminance: original.threshold, rule: Rule::Original, uncut: original.peak }
-    }
-
-    /// The same of luminance on another scale.
-    #[must_use]
-    pub fn map(self, scale: impl Fn(f64) -> f64) -> Self {
-        Self { luminance: scale(self.luminance), uncut: scale(self.uncut), ..self }
+    /// A threshold that the caller has set.
+    pub fn fixed(luminance: f64) -> Self {
+        Self { luminance, rule: Rule::Fixed }
     }
 
     /// The luminance at which a light of the peak `P` ends: at least its share `extent`.
@@ -137,14 +106,14 @@ pub fn from_histogram(working: &WorkingImage) -> Threshold {
     let (median, background) = (histogram.quantile(0.5), histogram.quantile(BACKGROUND));
     if background <= MOST_OVER_MEDIAN * median {
         let rule = Rule::Background { factor: FACTOR, share: BACKGROUND };
-        return Threshold { luminance: FACTOR * background * mean, rule, uncut: 0.0 };
+        return Threshold { luminance: FACTOR * background * mean, rule };
     }
     // Else divide light from background and take twice the background below the cut.
     let cut = histogram.clamped(MOST_OVER_BACKGROUND * background).flux_weighted_cut();
     let below = histogram.up_to(cut).quantile(BACKGROUND_BELOW_CUT);
     let light_share = 1.0 - BACKGROUND;
     let rule = Rule::BelowCut { factor: FACTOR, share: BACKGROUND_BELOW_CUT, light_share };
-    Threshold { luminance: FACTOR * below * mean, rule, uncut: 0.0 }
+    Threshold { luminance: FACTOR * below * mean, rule }
 }
 
 /// Solid angle by luminance over mean luminance.

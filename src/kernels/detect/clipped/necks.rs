@@ -10,11 +10,11 @@
 
 use std::collections::VecDeque;
 
-use super::super::tree::adjacency::Adjacency;
-use super::super::tree::components::{self, BrightPixels, Segments};
-use super::super::tree::run::{Run, runs};
-use super::super::tree::threshold::{Rule, Threshold};
-use super::super::tree::working_image::WorkingImage;
+use super::super::segment::adjacency::Adjacency;
+use super::super::segment::components::{self, BrightPixels, Segments, TreeRule};
+use super::super::segment::run::{Run, runs};
+use super::super::segment::threshold::Threshold;
+use super::super::segment::working_image::WorkingImage;
 
 /// Depth over neck, at least; both one degree deeper than they are.
 const PROMINENCE: f64 = 2.0;
@@ -34,9 +34,9 @@ pub fn parts(working: &WorkingImage, plateau: &[Run], depth: &[f32]) -> Vec<u32>
     let level = working.with_luminance(level);
     let pixels = BrightPixels { indices, opened_tiles: 0 };
     // Each part counts, however shallow.
-    let rule = Rule::Background { factor: 0.0, share: 0.0 };
-    let none = Threshold { luminance: 0.0, rule, uncut: 0.0 };
-    components::segments(&level, &Adjacency::of(&level), &pixels, &none, 1.0, PROMINENCE, 0.0).label
+    let none = Threshold::fixed(0.0);
+    let rule = TreeRule { rise: 1.0, prominence: PROMINENCE, extent: 0.0 };
+    components::segments(&level, &Adjacency::of(&level), &pixels, &none, &rule).label
 }
 
 /// Divide each segment among the parts of the plateau that it holds. A pixel outside of them joins the part that
@@ -132,7 +132,7 @@ impl Segments {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::tree::test_maps::{drawn, segments};
+    use super::super::super::segment::test_maps::{drawn, segments};
     use super::*;
 
     /// Sizes of the parts into which the one segment of `row` falls, where the digits are parts of the plateau.

@@ -10,8 +10,7 @@ use crate::interrupt;
 /// For each of `pixels`, (n, 2), brightest first, the one that it is merged into: itself, or the
 /// brightest one that a bright line joins to it.
 ///
-/// Only samples whose `points`, (n, 2) or (n, 3), are at most `farthest` apart are merged. On a `sphere`
-/// a line takes the shorter way around.
+/// Only samples whose `points`, (n, 2) or (n, 3), are at most `rule.farthest` apart are merged.
 ///
 /// Every light tries every sample that is still open, so the work grows with the square of their number.
 /// But a line ends at its first dark step, and survivors of the suppression are so far apart that few fit
@@ -25,9 +24,7 @@ pub fn merge(
     luminance: ArrayView2<'_, f32>,
     pixels: ArrayView2<'_, i64>,
     points: ArrayView2<'_, f64>,
-    farthest: f64,
     rule: &LineRule,
-    sphere: bool,
 ) -> Result<Vec<usize>> {
     let samples = luminance.as_standard_layout();
     let image = Image::new("luminance", samples.view())?;
@@ -43,9 +40,8 @@ pub fn merge(
     while let Some(&start) = open.first() {
         open.retain(|&end| {
             interrupt::check();
-            let is_near = points[start].distance_squared(points[end]) <= farthest * farthest;
-            let joined =
-                end == start || (is_near && is_bright(&image, pixels[start], pixels[end], rule, sphere));
+            let is_near = points[start].distance_squared(points[end]) <= rule.farthest * rule.farthest;
+            let joined = end == start || (is_near && is_bright(&image, pixels[start], pixels[end], rule));
             if joined {
                 light[end] = start;
             }

@@ -25,8 +25,8 @@ use std::f64::consts::{PI, TAU};
 use super::adjacency::Adjacency;
 use super::components::Segments;
 use super::forest::{self, root};
-use super::linkage::{self, Selection};
-use super::moments::Light;
+use super::light_moments::LightMoments;
+use super::merge::{self, Selection};
 use super::working_image::WorkingImage;
 use crate::interrupt;
 
@@ -48,8 +48,9 @@ const MOST_LUMINANCE: f64 = 0.8;
 const PIXELS_AT_ONCE: usize = 4096;
 
 /// Lights after panes were joined.
-pub struct Openings {
-    pub lights: Vec<Light>,
+pub struct Windows {
+    /// Lights, each of one window or on its own.
+    pub lights: Vec<LightMoments>,
     /// For each light the luminance of its local background: the least of its panes'.
     pub backgrounds: Vec<f64>,
     /// For each measured light, the one that it is part of.
@@ -102,9 +103,9 @@ pub fn join(
     segments: &Segments,
     outline: &[u32],
     gap: f64,
-    lights: Vec<Light>,
+    lights: Vec<LightMoments>,
     backgrounds: Vec<f64>,
-) -> Openings {
+) -> Windows {
     let mut parent = forest::apart(lights.len());
     if lights.len() > 1 && gap > 0.0 {
         for ((one, other), facing) in facing(working, adjacency, segments, outline, &lights) {
@@ -113,18 +114,18 @@ pub fn join(
             }
         }
     }
-    Openings::of(lights, backgrounds, &mut parent)
+    Windows::of(lights, backgrounds, &mut parent)
 }
 
 /// Whether what lies between two lights is a bar.
-fn are_panes(one: &Light, other: &Light, facing: &Facing) -> bool {
+fn are_panes(one: &LightMoments, other: &LightMoments, facing: &Facing) -> bool {
     if facing.touch {
         return false;
     }
     let (width, length) = (facing.width(), facing.length());
     let side = one.solid_angle().min(other.solid_angle()).sqrt();
-    let depth = |light: &Light| (light.solid_angle() / length).min(light.solid_angle().sqrt());
-    let mean = |light: &Light| light.flux / light.solid_angle();
+    let depth = |light: &LightMoments| (light.solid_angle() / length).min(light.solid_angle().sqrt());
+    let mean = |light: &LightMoments| light.flux / light.solid_angle();
     let (dimmer, brighter) = (mean(one).min(mean(other)), mean(one).max(mean(other)));
     width <= WIDEST_BAR * (depth(one) * depth(other)).sqrt()
         && width <= WIDEST_ANGLE
@@ -140,7 +141,7 @@ fn facing(
     adjacency: &Adjacency,
     segments: &Segments,
     outline: &[u32],
-    lights: &[Light],
+    lights: &[LightMoments],
 ) -> BTreeMap<(u32, u32), Facing> {
     let (height, width) = working.size;
     let (reaches, high) = (reaches(lights), working.row_height());
@@ -205,17 +206,21 @@ impl Gap {
 }
 
 /// How far from each light a bar may end: no other light is deeper than the largest.
-fn reaches(lights: &[Light]) -> Vec<f64> {
+fn reaches(lights: &[LightMoments]) -> Vec<f64> {
     let sides: Vec<f64> = lights.iter().map(|light| light.solid_angle().sqrt()).collect();
     let largest = sides.iter().copied().fold(0.0, f64::max);
     // The mean over a curved gap may be less than one ray of it: twice the widest bar.
     sides.iter().map(|side| 2.0 * (WIDEST_BAR * (side * largest).sqrt()).min(WIDEST_ANGLE)).collect()
 }
 
-impl Openings {
+impl Windows {
     /// Select at most `most` of the lights that are listed, with the number of their panes; each segment is part of its
     /// opening's light.
-    pub fn select(self, is_listed: impl Fn(&Light, f64) -> bool, most: usize) -> (Selection, Vec<usize>) {
+    pub fn select(
+        self,
+        is_listed: impl Fn(&LightMoments, f64) -> bool,
+        most: usize,
+    ) -> (Selection, Vec<usize>) {
         let listed: Vec<bool> = self
             .lights
             .iter()
@@ -223,14 +228,14 @@ impl Openings {
             .map(|(light, &behind)| is_listed(light, behind))
             .collect();
         let Self { lights, part_of, .. } = self;
-        let selection = linkage::select(lights, &listed, most);
+        let selection = merge::select(lights, &listed, most);
         let panes = panes(&part_of, &selection);
         let part_of = part_of.iter().map(|&opening| selection.part_of[opening]).collect();
         (Selection { part_of, ..selection }, panes)
     }
 
     /// Join the lights of each tree of `parent`.
-    fn of(lights: Vec<Light>, backgrounds: Vec<f64>, parent: &mut [u32]) -> Self {
+    fn of(lights: Vec<LightMoments>, backgrounds: Vec<f64>, parent: &mut [u32]) -> Self {
         let mut openings = Self { lights: Vec::new(), backgrounds: Vec::new(), part_of: Vec::new() };
         for ((i, light), background) in (0..).zip(lights).zip(backgrounds) {
             let first = root(parent, i);
@@ -280,7 +285,7 @@ mod tests {
 
     /// The lights of a drawing of 128 x 256 pixels of 1.4 degrees, with these `rows` in the middle; before they are
     /// joined and after. A light ends at the share `extent` of its peak.
-    fn before_and_after(rows: &[&str], extent: f64) -> (Vec<Light>, Openings) {
+    fn before_and_after(rows: &[&str], extent: f64) -> (Vec<LightMoments>, Windows) {
         let dark = ".".repeat(256);
         let mut all = vec![dark; 128];
         for (row, drawn) in all[60..].iter_mut().zip(rows) {
@@ -292,8 +297,9 @@ mod tests {
         let adjacency = Adjacency::of(&working);
         let segments = outline::trim(&adjacency, segments(&working, extent));
         let outline = outline::outline(&adjacency, &segments);
-        let backgrounds = local_backgrounds(&working, &adjacency, &segments, &outline);
+        let backgrounds = local_backgrounds(map.view(), &working, &adjacency, &segments, &outline);
         let lights = measure(map.view(), Registration::CellCentred, &working, &segments, &backgrounds);
+        let backgrounds = backgrounds.iter().map(|background| background.luminance).collect();
         (lights.clone(), join(&working, &adjacency, &segments, &outline, 0.01, lights, backgrounds))
     }
 

@@ -18,7 +18,7 @@ const LEAST_COVERAGE: f32 = 0.05;
 /// For columns side by side, each width, and of each azimuth the sine, the cosine, the sine's square and
 /// the product of both.
 #[derive(Default)]
-pub struct Columns<Values> {
+pub struct ColumnAngles<Values> {
     pub width: Values,
     pub sin: Values,
     pub cos: Values,
@@ -26,7 +26,7 @@ pub struct Columns<Values> {
     pub sin_cos: Values,
 }
 
-impl Columns<Vec<f64>> {
+impl ColumnAngles<Vec<f64>> {
     /// Add the column between these azimuths. Sine and cosine are left 0 where no light covers it.
     pub fn push(&mut self, edges: &[f64], is_covered: bool) {
         let (sin, cos) = if is_covered { (0.5 * (edges[0] + edges[1])).sin_cos() } else { (0.0, 0.0) };
@@ -37,11 +37,11 @@ impl Columns<Vec<f64>> {
         self.sin_cos.push(sin * cos);
     }
 
-    pub fn at(&self, range: Range<usize>) -> Columns<&[f64]> {
+    pub fn at(&self, range: Range<usize>) -> ColumnAngles<&[f64]> {
         let Self { width, sin, cos, sin_sin, sin_cos } = self;
         let [width, sin, cos, sin_sin, sin_cos] =
             [width, sin, cos, sin_sin, sin_cos].map(|of| &of[range.clone()]);
-        Columns { width, sin, cos, sin_sin, sin_cos }
+        ColumnAngles { width, sin, cos, sin_sin, sin_cos }
     }
 }
 
@@ -52,6 +52,8 @@ pub struct CoveredPixels {
     pub luminance: Vec<f32>,
     /// The light's share of each pixel, in steradians.
     pub solid_angle: Vec<f64>,
+    /// Covered solid angle of each pixel, in steradians.
+    pub covered: Vec<f64>,
     /// Luminance times solid angle.
     pub flux: Vec<f64>,
     /// Luminance times flux.
@@ -68,6 +70,9 @@ impl CoveredPixels {
             refill(values, pixels.iter().map(|pixel| pixel[channel]));
         }
         refill(&mut self.luminance, pixels.iter().copied().map(luminance_f32));
+        let coverage = coverage(peak, background);
+        let levels = self.luminance.iter().zip(widths);
+        refill(&mut self.covered, levels.map(|(&y, width)| f64::from(coverage(y)) * width * band));
         let share = share(peak, background);
         let levels = self.luminance.iter().zip(widths);
         refill(&mut self.solid_angle, levels.map(|(&y, width)| f64::from(share(y)) * width * band));
@@ -91,7 +96,16 @@ impl CoveredPixels {
     }
 }
 
-/// The light's share of a pixel, from the pixel's luminance.
+/// The part of a pixel that the light covers, from the pixel's luminance.
+#[inline(always)]
+fn coverage(peak: f32, background: f32) -> impl Fn(f32) -> f32 {
+    move |y| {
+        let coverage = ((y - background) / (peak - background)).min(1.0);
+        if coverage >= LEAST_COVERAGE { coverage } else { 0.0 }
+    }
+}
+
+/// The light's share of a pixel's radiance, from the pixel's luminance.
 #[inline(always)]
 fn share(peak: f32, background: f32) -> impl Fn(f32) -> f32 {
     move |y| {

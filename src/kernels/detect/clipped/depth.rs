@@ -14,14 +14,14 @@
 
 use std::ops::Range;
 
-use super::super::tree::run::Run;
-use super::super::tree::working_image::WorkingImage;
+use super::super::segment::run::Run;
+use super::super::segment::working_image::WorkingImage;
 use crate::interrupt;
 
 /// The depth of each pixel of a `plateau`, in ascending order, in radians, as an image; 0 outside.
 pub fn depths(working: &WorkingImage, plateau: &[Run]) -> Vec<f32> {
     let (height, width) = working.size;
-    let sphere = Sphere::new(working);
+    let sphere = PixelDirections::new(working);
     // Find the nearest outer pixel of each row, and turn rows into columns.
     let mut outer = vec![0.0; height * width];
     let (mut is_covered, mut turns) = (vec![false; width], Vec::new());
@@ -82,7 +82,7 @@ struct Hull {
 
 impl Hull {
     /// The hull of the outer pixels of some rows of a column; `outer` are the turns to them.
-    fn refill(&mut self, sphere: &Sphere, outer: &[f32], rows: Range<usize>) {
+    fn refill(&mut self, sphere: &PixelDirections, outer: &[f32], rows: Range<usize>) {
         self.corners.clear();
         for row in rows.filter(|&row| outer[row] < NO_OUTER) {
             let (sin, cos) = sphere.rows[row];
@@ -118,7 +118,7 @@ fn turns_left(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> bool {
 const NO_OUTER: f32 = f32::INFINITY;
 
 /// The directions of pixels, by row and column.
-pub struct Sphere {
+pub struct PixelDirections {
     width: usize,
     /// Sine and cosine of the polar angle of each row.
     rows: Vec<(f64, f64)>,
@@ -126,7 +126,7 @@ pub struct Sphere {
     columns: Vec<(f64, f64)>,
 }
 
-impl Sphere {
+impl PixelDirections {
     /// The centres of the pixels of an image.
     pub fn new(working: &WorkingImage) -> Self {
         let centres =
@@ -166,7 +166,7 @@ mod tests {
     use glam::DVec3;
     use ndarray::Array3;
 
-    use super::super::super::tree::run::runs;
+    use super::super::super::segment::run::runs;
     use super::*;
     use crate::kernels::sphere::Registration;
 
@@ -183,7 +183,7 @@ mod tests {
     }
 
     /// Pixels within `radius` of `centre`.
-    fn cap(sphere: &Sphere, centre: DVec3, radius: f64) -> Vec<u32> {
+    fn cap(sphere: &PixelDirections, centre: DVec3, radius: f64) -> Vec<u32> {
         let all = 0..(2 * HEIGHT * HEIGHT) as u32;
         all.filter(|&pixel| sphere.direction(pixel).angle_between(centre) < radius).collect()
     }
@@ -192,7 +192,7 @@ mod tests {
     #[test]
     fn depths_are_the_angles_to_the_nearest_outer_pixel_across_seam_and_pole_too() {
         let working = image();
-        let sphere = Sphere::new(&working);
+        let sphere = PixelDirections::new(&working);
         for centre in [DVec3::new(0.3, 0.4, 1.0), DVec3::new(0.05, 0.3, -1.0), DVec3::new(0.1, -1.0, 0.1)] {
             let mut plateau = cap(&sphere, centre.normalize(), 0.35);
             plateau.retain(|pixel| pixel % 41 != 0); // some holes
@@ -212,7 +212,7 @@ mod tests {
     #[test]
     fn the_centre_of_a_cap_is_as_deep_as_its_radius() {
         let working = image();
-        let plateau = cap(&Sphere::new(&working), DVec3::Y, 0.5);
+        let plateau = cap(&PixelDirections::new(&working), DVec3::Y, 0.5);
         let deepest = depths_of(&working, &plateau).into_iter().fold(0.0, f32::max);
         assert_relative_eq!(f64::from(deepest), 0.5, epsilon = working.row_height());
     }

@@ -17,6 +17,7 @@ pub struct Adjacency {
 }
 
 impl Adjacency {
+    /// Neighbours in this image.
     pub fn of(working: &WorkingImage) -> Self {
         let (height, width) = working.size;
         let luminance = &working.luminance;
@@ -104,17 +105,12 @@ impl Adjacency {
         [at(row, column + self.width - columns), at(row, column + columns), at(up, column), at(down, column)]
     }
 
-    /// The hub of a row, if a pole is in it.
-    pub fn hub_of_row(&self, row: usize) -> Option<usize> {
-        match row {
-            0 => Some(self.hubs[0]),
-            row if row + 1 == self.height => Some(self.hubs[1]),
-            _ => None,
-        }
-    }
-
     fn hub(&self, index: usize, row: usize) -> usize {
-        self.hub_of_row(row).unwrap_or(index)
+        match row {
+            0 => self.hubs[0],
+            row if row + 1 == self.height => self.hubs[1],
+            _ => index,
+        }
     }
 
     fn columns(&self, column: usize) -> [usize; 3] {

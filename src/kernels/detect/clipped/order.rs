@@ -13,11 +13,11 @@
 
 use std::f64::consts::TAU;
 
-use super::super::tree::components::Segments;
-use super::super::tree::moments::Light;
-use super::super::tree::run::runs;
-use super::super::tree::working_image::WorkingImage;
-use super::placement::Place;
+use super::super::segment::components::Segments;
+use super::super::segment::light_moments::LightMoments;
+use super::super::segment::run::runs;
+use super::super::segment::working_image::WorkingImage;
+use super::position::LightPosition;
 
 /// The power of the solid angle.
 const SMALLNESS: f64 = 0.75;
@@ -32,9 +32,9 @@ const FLOOR_BELOW: f64 = -0.3;
 
 /// The weight of each segment: of two, the one with more is the stronger light, most likely. That of a floor
 /// is 0.
-pub fn weights(expanded: &WorkingImage, segments: &Segments, places: &[Place]) -> Vec<f64> {
+pub fn weights(expanded: &WorkingImage, segments: &Segments, places: &[LightPosition]) -> Vec<f64> {
     let width = expanded.size.1;
-    let weight = |(pixels, place): (&Vec<u32>, &Place)| {
+    let weight = |(pixels, place): (&Vec<u32>, &LightPosition)| {
         // Sum solid angle and expanded flux.
         let (mut solid_angle, mut flux) = (0.0, 0.0);
         for run in runs(pixels, width) {
@@ -57,18 +57,18 @@ pub fn from_above(solid_angle: f64, sine: f64) -> f64 {
 }
 
 /// The weight that a light needs: of many equal ones all have it.
-pub fn least_weight(weights: &[f64]) -> f64 {
+fn least_weight(weights: &[f64]) -> f64 {
     let largest = weights.iter().copied().fold(0.0, f64::max);
     (LEAST_SHARE * weights.iter().sum::<f64>()).min(largest)
 }
 
-/// Segments, places and weights without those that weigh less than `least`.
+/// Segments, positions and weights without those of little weight.
 pub fn without_the_least(
     segments: Segments,
-    places: Vec<Place>,
+    places: Vec<LightPosition>,
     weights: Vec<f64>,
-    least: f64,
-) -> (Segments, Vec<Place>, Vec<f64>) {
+) -> (Segments, Vec<LightPosition>, Vec<f64>) {
+    let least = least_weight(&weights);
     let mut kept = Segments { pixels: Vec::new(), peaks: Vec::new(), label: segments.label };
     let (mut kept_places, mut kept_weights) = (Vec::new(), Vec::new());
     let segments = segments.pixels.into_iter().zip(segments.peaks);
@@ -91,12 +91,12 @@ pub fn without_the_least(
 
 /// Join the places and the weights of the `lights` that were joined or merged, of which those are a `part_of`.
 pub fn joined(
-    lights: &[Light],
+    lights: &[LightMoments],
     part_of: &[Option<usize>],
-    places: &[Place],
+    places: &[LightPosition],
     weights: &[f64],
-) -> (Vec<Place>, Vec<f64>) {
-    let mut joined: Vec<Option<Place>> = vec![None; lights.len()];
+) -> (Vec<LightPosition>, Vec<f64>) {
+    let mut joined: Vec<Option<LightPosition>> = vec![None; lights.len()];
     let mut sums = vec![0.0; lights.len()];
     for ((place, weight), light) in places.iter().zip(weights).zip(part_of) {
         let Some(light) = *light else { continue };

@@ -1,0 +1,91 @@
+"""Sentences of detection reports."""
+
+from __future__ import annotations
+
+import math
+
+from envlights import _native
+from envlights.light import place_of
+
+
+def reason_of_tree(detection: _native.TreeDetection) -> str:
+    """Rule that set the threshold, with its numbers."""
+    if detection.threshold_rule is None:
+        return "set by the caller"
+    factor, share, light_share = detection.threshold_rule
+    quantile = f"{factor:g} x the {100 * share:.3g} % quantile"
+    if light_share is None:
+        return quantile
+    return f"{quantile} of all but the brightest parts"
+
+
+def dropped_by_tree(detection: _native.TreeDetection) -> tuple[str, ...]:
+    """Lights that are not listed."""
+    lines = []
+    if not len(detection.flux_share) and not detection.dropped:
+        lines.append("everything: nothing is much brighter than the threshold")
+    if detection.dropped:
+        lights = "light that is" if detection.dropped == 1 else "lights that are"
+        lines.append(f"{detection.dropped} {lights} too weak (options min_flux_share, min_worth)")
+    if detection.merged:
+        lights = "light was" if detection.merged == 1 else "lights were"
+        lines.append(f"{detection.merged} {lights} merged into neighbours (option max_lights)")
+    return tuple(lines)
+
+
+def joined_panes(detection: _native.TreeDetection) -> list[str]:
+    """Windows that were joined from panes."""
+    return [
+        f"the light at {place_of(direction)} is a window joined from {panes} panes"
+        for panes, direction in zip(detection.panes, detection.direction, strict=True)
+        if panes
+    ]
+
+
+def details_of_tree(detection: _native.TreeDetection) -> tuple[str, ...]:
+    """Numbers for authors of detectors."""
+    return (*_rules(detection), *_clipping(detection), *_tiles(detection))
+
+
+def _rules(detection: _native.TreeDetection) -> list[str]:
+    lines = []
+    if detection.threshold_rule is not None and detection.threshold_rule[2] is not None:
+        share = 100 * detection.threshold_rule[2]
+        lines.append(
+            f"the brightest {share:.3g} % of the sphere is itself light, so the quantile is that"
+            " of luminance below the flux-weighted Otsu cut"
+        )
+    if any(detection.panes):
+        ratio, widest = detection.widest_bar
+        lines.append(
+            f"window bars are at most {ratio:g} of a pane and {math.degrees(widest):g}° wide,"
+            " and darker than both panes"
+        )
+    return lines
+
+
+def _clipping(detection: _native.TreeDetection) -> list[str]:
+    clipped = detection.clipped
+    if clipped is None:
+        return []
+    level = f"the map is clipped at {clipped.clip_level:.3g}"
+    if clipped.is_below_white:
+        level += ", a small peak below the largest possible value"
+    share = f"{100 * clipped.clipped_share:.2g} % of the sphere is clipped"
+    return [f"{level}; {share}", "the threshold was chosen from expanded luminance"]
+
+
+def _tiles(detection: _native.TreeDetection) -> list[str]:
+    tiles, dark = detection.tiles, detection.tiles - detection.opened_tiles
+    return [f"{dark} of {tiles} tiles ({100 * dark / tiles:.3g} %) are dark and were not searched"]
+
+
+def reason_of_article(is_relative: bool, level: float, white: float | None, code: float) -> str:
+    """Source of the article's threshold, and its position among the codes of a file."""
+    reason = "that of the tree" if is_relative else "the article's, which is absolute"
+    if white is None:
+        return reason
+    if level >= white:
+        return f"{reason}; it lies above the clip level"
+    share = f"{100 * level / white:.3g} % of the clip level"
+    return f"{reason}; {share}, code {code:.0f} of 255 in sRGB"
