@@ -127,7 +127,7 @@ pub fn clipped_share(
     Ok((share.sphere, share.flux))
 }
 
-/// The share of each pixel in the light that was cut off at `white`; see `envlights.repair`.
+/// Share of each pixel in the light that was cut off; see `envlights.repair`.
 #[pyfunction]
 pub fn clipped_light_shares<'py>(
     py: Python<'py>,
@@ -143,9 +143,9 @@ pub fn clipped_light_shares<'py>(
     Ok(shares.into_pyarray(py))
 }
 
-/// The depth of the plateau in radians, as a working image; see `envlights.plot.plateau_picture`.
+/// Depth of the clipped regions in radians, as a working image; see `envlights.plot.plateau_picture`.
 #[pyfunction]
-pub fn plateau_depth<'py>(
+pub fn clipped_depth<'py>(
     py: Python<'py>,
     radiance: PyReadonlyArray3<'py, f32>,
     border_sampled: bool,
@@ -156,7 +156,7 @@ pub fn plateau_depth<'py>(
     let radiance = radiance.as_array();
     let registration = registration(border_sampled);
     let depth =
-        interruptible(py, || clipped::plateau_depth(radiance, registration, white, working_columns, gap))?;
+        interruptible(py, || clipped::clipped_depth(radiance, registration, white, working_columns, gap))?;
     Ok(depth.into_pyarray(py))
 }
 

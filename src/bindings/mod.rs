@@ -37,7 +37,7 @@ mod _native {
 
     #[pymodule_export]
     use super::detect::{
-        ClippedDetection, TreeDetection, clipped_light_shares, clipped_share, detect_tree, plateau_depth,
+        ClippedDetection, TreeDetection, clipped_depth, clipped_light_shares, clipped_share, detect_tree,
         reduced_luminance,
     };
     #[pymodule_export]

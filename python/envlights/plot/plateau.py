@@ -102,7 +102,7 @@ def _draw_depth(axes: Axes, env: EnvMap, white: float) -> AxesImage:
     """Draw the depth of the plateau in degrees."""
     is_border = env.registration == "border-sampled"
     depth = np.rad2deg(
-        _native.plateau_depth(env.radiance, is_border, white, PLATEAU_COLUMNS, PLATEAU_GAP)
+        _native.clipped_depth(env.radiance, is_border, white, PLATEAU_COLUMNS, PLATEAU_GAP)
     )
     image = axes.imshow(np.where(depth > 0, depth, np.nan), cmap="viridis", vmin=0, extent=EXTENT)
     axes.set(facecolor="0.15", xlabel="azimuth (degrees)", ylabel="elevation (degrees)")

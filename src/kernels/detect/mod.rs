@@ -37,7 +37,7 @@ use segment::light_moments::LightMoments;
 use segment::merge::Selection;
 use segment::threshold::{self, Threshold};
 use segment::working_image::WorkingImage;
-use segment::{background, bars, bridging, measure, outline};
+use segment::{background, bars, bridging, bright_pixels, measure, outline};
 
 use crate::error::Result;
 use crate::kernels::sphere::Registration;
@@ -137,7 +137,7 @@ impl Scene {
     ) -> Result<Detection> {
         let (working, searched, adjacency) = (&self.working, self.searched(), Adjacency::of(&self.working));
         // Find the segments of lights.
-        let bright = components::bright_pixels(searched, self.threshold.luminance);
+        let bright = bright_pixels::bright_pixels(searched, self.threshold.luminance);
         let rule = options.tree_rule();
         let segments = components::segments(searched, &adjacency, &bright, &self.threshold, &rule);
         let segments = bridging::bridge(searched, &adjacency, segments, options.prominence, options.gap);

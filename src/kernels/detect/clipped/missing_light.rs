@@ -1,4 +1,4 @@
-//! How the light that white has cut off is shared among the clipped pixels.
+//! Distribution of the light that was cut off over the clipped pixels.
 //!
 //! A picture tells where light is missing, not how much of it is missing where. With the solid angle W of a part
 //! of the plateau and the elevation e of its centre, a part gets
@@ -70,8 +70,8 @@ pub fn shares(
 ///
 /// # Errors
 ///
-/// As [`shares`].
-pub fn plateau_depth(
+/// Errors of [`shares`].
+pub fn clipped_depth(
     radiance: ArrayView3<'_, f32>,
     registration: Registration,
     white: f64,
@@ -89,7 +89,7 @@ pub fn plateau_depth(
 struct Clipped<'a> {
     radiance: ArrayView3<'a, f32>,
     block: usize,
-    /// The least sample that is at white.
+    /// The least clipped sample.
     least: f32,
 }
 
@@ -231,7 +231,7 @@ mod tests {
     #[test]
     fn the_plateau_of_a_cap_is_as_deep_as_its_radius() {
         let map = caps(128, &[(DVec3::new(0.3, 0.4, 1.0), 0.3)]);
-        let depth = plateau_depth(map.view(), Registration::CellCentred, 1.0, 256, 0.0).unwrap();
+        let depth = clipped_depth(map.view(), Registration::CellCentred, 1.0, 256, 0.0).unwrap();
         assert_eq!(depth.dim(), (128, 256));
         let deepest = depth.iter().copied().fold(0.0, f32::max);
         assert_relative_eq!(f64::from(deepest), 0.3, epsilon = 0.025);

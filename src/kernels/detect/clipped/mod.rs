@@ -31,7 +31,7 @@ use ndarray::ArrayView3;
 pub use clip_level::ClipLevel;
 use expanded_map::ExpandedMap;
 pub use expansion::{compressed, expand};
-pub use missing_light::{plateau_depth, shares};
+pub use missing_light::{clipped_depth, shares};
 pub use position::LightPosition;
 
 use super::clipping::LEAST_WHITE;
@@ -80,7 +80,7 @@ impl ClippedMap {
     ///
     /// # Errors
     ///
-    /// As [`WorkingImage::of`].
+    /// Errors of [`WorkingImage::of`].
     pub fn of(
         radiance: ArrayView3<'_, f32>,
         registration: Registration,
