@@ -11,6 +11,7 @@
 //! | unusable samples, reduction to a working size  | `image/`       |
 //! | exact irradiance of a white probe              | `probe/`       |
 //! | bright places of a map                         | `detect/`      |
+//! | clipped part of a map, and its missing light   | `repair/`      |
 //! | lights taken out of a map                      | `split/`       |
 //! | ambient + directional lights from the probe    | `fit/`         |
 //! | the same, in the paper's own equations         | `madsen/`      |
@@ -25,6 +26,7 @@ pub mod image;
 mod kept;
 pub mod madsen;
 pub mod probe;
+pub mod repair;
 pub mod sampling;
 pub mod sphere;
 pub mod split;

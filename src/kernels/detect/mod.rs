@@ -20,7 +20,6 @@
 //! | drop the weakest lights, merge neighbours           | `segment/merge.rs`          | same                          |
 
 pub mod clipped;
-pub mod clipped_share;
 pub mod clipping;
 pub mod loghin;
 pub mod options;

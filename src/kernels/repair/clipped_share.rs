@@ -3,8 +3,8 @@
 use ndarray::ArrayView3;
 use rayon::prelude::*;
 
-use super::clipping::{Ceiling, LEAST_WHITE, Top};
 use crate::error::Result;
+use crate::kernels::detect::clipping::{Ceiling, LEAST_WHITE, Top};
 use crate::kernels::image::{check_rgb, luminance_f32, samples_of};
 use crate::kernels::sphere::{Registration, band_heights};
 

@@ -16,14 +16,13 @@ use glam::DVec3;
 use ndarray::{Array2, ArrayView3, Axis};
 use rayon::prelude::*;
 
-use super::super::clipping::LEAST_WHITE;
-use super::super::segment::run::Run;
-use super::super::segment::working_image::WorkingImage;
-use super::depth::{self, PixelDirections};
-use super::expansion::expand;
-use super::{necks, order, plateau};
 use crate::error::Result;
 use crate::interrupt;
+use crate::kernels::detect::clipped::depth::{self, PixelDirections};
+use crate::kernels::detect::clipped::{expand, necks, order, plateau};
+use crate::kernels::detect::clipping::LEAST_WHITE;
+use crate::kernels::detect::segment::run::Run;
+use crate::kernels::detect::segment::working_image::WorkingImage;
 use crate::kernels::image::samples_of;
 use crate::kernels::sphere::{Registration, band_heights};
 
