@@ -46,7 +46,7 @@ def plateau_picture(env: AnyMap, lights: DetectedLights) -> Picture:
     Raises
     ------
     EnvLightsError
-        If the map has no white, or the lights were found without one.
+        If the map has no white, or the lights are those of a map that is not clipped.
 
     Examples
     --------
@@ -63,8 +63,13 @@ def plateau_picture(env: AnyMap, lights: DetectedLights) -> Picture:
         raise EnvLightsError(
             "the map has no white; give one of 8 or 16 bits, or `EnvMap(..., white=...)`"
         )
-    if lights.weight is None or lights.direction_uncertainty is None:
-        raise EnvLightsError("the lights were found without a white; give those of `detect_tree`")
+    weight, uncertainty = lights.weight, lights.direction_uncertainty
+    if weight is None or uncertainty is None:
+        if len(lights):
+            raise EnvLightsError(
+                "the lights are those of a map that is not clipped; give those of a clipped map"
+            )
+        weight = uncertainty = np.zeros(0)
     figure = Picture(figsize=(10, 10.8))
     above, below = figure.subplots(2, 1)
     exposure = draw_map(above, env)
@@ -72,9 +77,9 @@ def plateau_picture(env: AnyMap, lights: DetectedLights) -> Picture:
     above.set_title(exposure, fontsize="small")
     depth = _draw_depth(below, env, env.white)
     figure.colorbar(depth, ax=(above, below), label="depth of the plateau (degrees)", shrink=0.6)
-    share = lights.weight / (lights.weight.sum() or 1.0)
+    share = weight / (weight.sum() or 1.0)
     for axes in (above, below):
-        draw_rims(axes, lights.direction, lights.direction_uncertainty)
+        draw_rims(axes, lights.direction, uncertainty)
         # Discs are half as large as those of a rig: lamps may stand close together.
         at, areas = degrees(lights.direction), area(share) / 2
         draw_discs(axes, at, areas, lights.irradiance)
