@@ -90,7 +90,10 @@ pub fn detect(
     options: &DetectionOptions,
 ) -> Result<Detection> {
     // Run all of it inside the thread pool: from outside, each parallel loop would wake the pool anew.
-    rayon::scope(|_| Scene::of(radiance, registration, options)?.lights(radiance, registration, options))
+    rayon::scope(|_| {
+        let scene = Scene::of(radiance, registration, options)?;
+        Ok(scene.lights(radiance, registration, options))
+    })
 }
 
 /// Reduced map, and the image in which bright pixels are connected.
@@ -133,7 +136,7 @@ impl Scene {
         radiance: ArrayView3<'_, f32>,
         registration: Registration,
         options: &DetectionOptions,
-    ) -> Result<Detection> {
+    ) -> Detection {
         let (working, searched, adjacency) = (&self.working, self.searched(), Adjacency::of(&self.working));
         // Find the segments of lights.
         let bright = bright_pixels::bright_pixels(searched, self.threshold.luminance);
@@ -169,7 +172,7 @@ impl Scene {
         if let Some(map) = &self.clipped {
             numbers.threshold = map.compressed(numbers.threshold);
         }
-        Ok(Detection::new(&segments, selection, panes, numbers, self.working.luminance, clipped))
+        Detection::new(&segments, selection, panes, numbers, self.working.luminance, clipped)
     }
 
     fn numbers(&self, opened_tiles: usize, selection: &Selection) -> DetectionNumbers {

@@ -99,18 +99,18 @@ impl PixelDirections {
     fn nearest(&self, outer: &[f32], row: usize, column: usize) -> f64 {
         let (sin, cos) = self.rows[row];
         let mut largest = -1.0;
-        let above = (0..=row).rev();
-        let below = row + 1..self.rows.len();
-        for rows in [&mut above.into_iter() as &mut dyn Iterator<Item = usize>, &mut below.into_iter()] {
-            for other in rows {
-                let (other_sin, other_cos) = self.rows[other];
-                if cos * other_cos + sin * other_sin <= largest {
-                    break;
-                }
+        // Try rows until they are farther than the nearest outer pixel so far.
+        let mut is_within = |other: usize| {
+            let (other_sin, other_cos) = self.rows[other];
+            let is_within = cos * other_cos + sin * other_sin > largest;
+            if is_within {
                 let turn = f64::from(outer[other * self.width + column]);
                 largest = f64::max(largest, cos * other_cos + sin * other_sin * (1.0 - turn));
             }
-        }
+            is_within
+        };
+        (0..=row).rev().all(&mut is_within);
+        (row + 1..self.rows.len()).all(&mut is_within);
         largest
     }
 

@@ -142,6 +142,7 @@ impl ClippedLights {
     }
 
     /// Positions and weights of the selected lights.
+    #[must_use]
     pub fn joined(self, selection: &Selection) -> Self {
         let (positions, weights) =
             order::joined(&selection.lights, &selection.part_of, &self.positions, &self.weights);

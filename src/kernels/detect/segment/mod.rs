@@ -31,6 +31,6 @@ pub mod merge;
 pub mod outline;
 pub mod run;
 #[cfg(test)]
-pub mod test_maps;
+pub(super) mod test_maps;
 pub mod threshold;
 pub mod working_image;
