@@ -22,6 +22,7 @@ __all__ = [
     "are_clipped",
     "blur",
     "bresenham_line",
+    "clipped_depth",
     "clipped_light_shares",
     "clipped_share",
     "decoded_8",
@@ -47,7 +48,6 @@ __all__ = [
     "peaks_of_lights",
     "pixel_directions",
     "pixel_solid_angles",
-    "plateau_depth",
     "probe_jacobian",
     "probe_model",
     "probe_residual",
@@ -158,6 +158,9 @@ def are_clipped(
 ) -> NDArray[np.bool_]: ...
 def blur(image: _Image, sigma: float) -> _Image: ...
 def bresenham_line(start: list[int], end: list[int]) -> _Indices: ...
+def clipped_depth(
+    radiance: _Image, border_sampled: bool, white: float, working_columns: int, gap: float
+) -> _Image: ...
 def clipped_light_shares(
     radiance: _Image, border_sampled: bool, white: float, working_columns: int, gap: float
 ) -> _Image: ...
@@ -227,9 +230,6 @@ def pixel_directions(
     height: int, width: int, border_sampled: bool, top: int, bottom: int
 ) -> _Reals: ...
 def pixel_solid_angles(height: int, width: int, border_sampled: bool) -> _Reals: ...
-def plateau_depth(
-    radiance: _Image, border_sampled: bool, white: float, working_columns: int, gap: float
-) -> _Image: ...
 def probe_jacobian(
     x: _Reals,
     normals: _Reals,

@@ -6,8 +6,7 @@ use pyo3::prelude::*;
 
 use super::pool::{in_pool, interruptible};
 use super::sphere::registration;
-use crate::kernels::detect::clipped::{self, ClipLevel, ClippedLights};
-use crate::kernels::detect::clipped_share as share_of_map;
+use crate::kernels::detect::clipped::{ClipLevel, ClippedLights};
 use crate::kernels::detect::segment::bars::{WIDEST_ANGLE, WIDEST_BAR};
 use crate::kernels::detect::segment::light_moments::LightMoments;
 use crate::kernels::detect::segment::run::{Run, runs};
@@ -112,52 +111,6 @@ pub fn detect_tree(
     let (registration, options) = (registration(border_sampled), DetectionOptions::from(options));
     let detection = interruptible(py, || detect::detect(radiance, registration, &options))?;
     TreeDetection::new(py, detection, options.white)
-}
-
-/// See `envlights.EnvMap.clipped_share`: of the sphere, and of the flux.
-#[pyfunction]
-pub fn clipped_share(
-    py: Python<'_>,
-    radiance: PyReadonlyArray3<'_, f32>,
-    border_sampled: bool,
-    white: Option<f32>,
-) -> PyResult<(f64, f64)> {
-    let radiance = radiance.as_array();
-    let share = in_pool(py, || share_of_map::clipped_share(radiance, registration(border_sampled), white))?;
-    Ok((share.sphere, share.flux))
-}
-
-/// The share of each pixel in the light that was cut off at `white`; see `envlights.repair`.
-#[pyfunction]
-pub fn clipped_light_shares<'py>(
-    py: Python<'py>,
-    radiance: PyReadonlyArray3<'py, f32>,
-    border_sampled: bool,
-    white: f64,
-    working_columns: usize,
-    gap: f64,
-) -> PyResult<Bound<'py, PyArray2<f32>>> {
-    let radiance = radiance.as_array();
-    let registration = registration(border_sampled);
-    let shares = interruptible(py, || clipped::shares(radiance, registration, white, working_columns, gap))?;
-    Ok(shares.into_pyarray(py))
-}
-
-/// The depth of the plateau in radians, as a working image; see `envlights.plot.plateau_picture`.
-#[pyfunction]
-pub fn plateau_depth<'py>(
-    py: Python<'py>,
-    radiance: PyReadonlyArray3<'py, f32>,
-    border_sampled: bool,
-    white: f64,
-    working_columns: usize,
-    gap: f64,
-) -> PyResult<Bound<'py, PyArray2<f32>>> {
-    let radiance = radiance.as_array();
-    let registration = registration(border_sampled);
-    let depth =
-        interruptible(py, || clipped::plateau_depth(radiance, registration, white, working_columns, gap))?;
-    Ok(depth.into_pyarray(py))
 }
 
 /// Factor and share of the rule that set a threshold, and for the rule below the cut the share of the sphere that is

@@ -13,6 +13,7 @@ mod loghin;
 mod madsen;
 mod pool;
 mod probe;
+mod repair;
 mod sampling;
 mod sphere;
 mod split;
@@ -36,10 +37,7 @@ mod _native {
     const BASIS_TILE: usize = crate::kernels::transfer::TILE;
 
     #[pymodule_export]
-    use super::detect::{
-        ClippedDetection, TreeDetection, clipped_light_shares, clipped_share, detect_tree, plateau_depth,
-        reduced_luminance,
-    };
+    use super::detect::{ClippedDetection, TreeDetection, detect_tree, reduced_luminance};
     #[pymodule_export]
     use super::error::{EnvLightsError, UnusableSamplesError};
     #[pymodule_export]
@@ -61,6 +59,8 @@ mod _native {
     use super::pool::threads;
     #[pymodule_export]
     use super::probe::{disc_map, irradiance, sum_over_sources, working_irradiance};
+    #[pymodule_export]
+    use super::repair::{clipped_depth, clipped_light_shares, clipped_share};
     #[pymodule_export]
     use super::sampling::{even_sphere, halton, hammersley, icosphere, radical_inverse, uniform_sphere};
     #[pymodule_export]

@@ -13,6 +13,7 @@
 //! | exact irradiance of a white probe              | `probe/`       |
 //! | a map in spherical harmonics                   | `expansion/`   |
 //! | bright places of a map                         | `detect/`      |
+//! | clipped part of a map, and its missing light   | `repair/`      |
 //! | lights taken out of a map                      | `split/`       |
 //! | ambient + directional lights from the probe    | `fit/`         |
 //! | the same, in the paper's own equations         | `madsen/`      |
@@ -29,6 +30,7 @@ pub mod image;
 mod lanes;
 pub mod madsen;
 pub mod probe;
+pub mod repair;
 pub mod sampling;
 pub mod sphere;
 pub mod split;

@@ -397,7 +397,7 @@ def test_the_report_counts_what_was_dropped_and_what_was_merged():
     np.testing.assert_allclose(lights.flux_share.sum(), share[:9].sum(), rtol=1e-9)
     report = str(lights.report)
     assert "3 lights that are too weak" in report
-    assert "between 5 lights and their neighbours" in report
+    assert "5 lights were merged into neighbours" in report
 
 
 def test_where_all_lights_are_too_dim_the_report_says_no_other_reason():

@@ -45,5 +45,5 @@ def test_maps_and_lights_without_a_white_are_refused():
     env = lamps(1)
     with pytest.raises(el.EnvLightsError, match="the map has no clip level"):
         plot.plateau_picture(env.radiance, el.detect(env))
-    with pytest.raises(el.EnvLightsError, match="detected without a clip level"):
+    with pytest.raises(el.EnvLightsError, match="a map that is not clipped"):
         plot.plateau_picture(env, el.detect(env.radiance))

@@ -119,7 +119,7 @@ def _options(method: str) -> dict[str, inspect.Parameter]:
 
 
 def _signature() -> inspect.Signature:
-    """Signature for `help` and completion: all options, each with the default of its first method."""
+    """Signature for `help` and completion: all options, with the defaults of the first method."""
     *fixed, _ = inspect.signature(detect).parameters.values()
     options: dict[str, inspect.Parameter] = {}
     for method in METHODS:

@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 _KIND, _VERSION = "detected lights", 2
 _UNITS = (
     "irradiance: at normal incidence, above the local background; flux: integral of radiance over"
-    " the light; both linear Rec.709 RGB; solid_angle: steradians; other angles: radians; peak_luminance: radiance; members: light, row, first"
-    " column and length of runs of pixels"
+    " the light; both linear Rec.709 RGB; solid_angle: steradians; other angles: radians;"
+    " peak_luminance: radiance; members: light, row, first column and length of runs of pixels"
 )
 #: Arrays of the file: vectors, numbers, and numbers that clipped maps alone have.
 _VECTORS = ("direction", "irradiance", "flux", "peak_direction", "orientation")
@@ -129,7 +129,11 @@ class DetectionReport(Result):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DetectedLights(Lights):
-    """Lights of a map, brightest first, and the measurements of each.
+    r"""Lights of a map, brightest first, and the measurements of each.
+
+    `irradiance` is that of a surface facing the light, above the local background :math:`B`:
+    :math:`|\int (L - B)\, \omega\, d\omega|`, as in all `Lights`. With the background as ambient, a
+    rig of these lights gives what the map gives.
 
     Every array holds one row for each light. `lights[:4]` keeps the first four and their members;
     `report` still describes all that were found.

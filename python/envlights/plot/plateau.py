@@ -46,7 +46,7 @@ def plateau_picture(env: AnyMap, lights: DetectedLights) -> Picture:
     Raises
     ------
     EnvLightsError
-        If the map has no clip level, or the lights were detected without one.
+        If the map has no clip level, or the lights are those of a map that is not clipped.
 
     Examples
     --------
@@ -63,18 +63,23 @@ def plateau_picture(env: AnyMap, lights: DetectedLights) -> Picture:
         raise EnvLightsError(
             "the map has no clip level; give one of 8 or 16 bits, or `EnvMap(..., white=...)`"
         )
-    if lights.weight is None or lights.direction_uncertainty is None:
-        raise EnvLightsError("the lights were detected without a clip level; use `detect_tree`")
+    weight, uncertainty = lights.weight, lights.direction_uncertainty
+    if weight is None or uncertainty is None:
+        if len(lights):
+            raise EnvLightsError(
+                "the lights are those of a map that is not clipped; give those of a clipped map"
+            )
+        weight = uncertainty = np.zeros(0)
     figure = Picture(figsize=(10, 10.8))
     above, below = figure.subplots(2, 1)
     exposure = draw_map(above, env)
     above.imshow(_tint(env, env.white), extent=EXTENT)
     above.set_title(exposure, fontsize="small")
     depth = _draw_depth(below, env, env.white)
-    figure.colorbar(depth, ax=(above, below), label="depth of the plateau (degrees)", shrink=0.6)
-    share = lights.weight / (lights.weight.sum() or 1.0)
+    figure.colorbar(depth, ax=(above, below), label="depth of the clipped region (degrees)", shrink=0.6)
+    share = weight / (weight.sum() or 1.0)
     for axes in (above, below):
-        draw_rims(axes, lights.direction, lights.direction_uncertainty)
+        draw_rims(axes, lights.direction, uncertainty)
         # Discs are half as large as those of a rig, because lamps may be close together.
         at, areas = degrees(lights.direction), area(share) / 2
         draw_discs(axes, at, areas, lights.irradiance)
@@ -102,7 +107,7 @@ def _draw_depth(axes: Axes, env: EnvMap, white: float) -> AxesImage:
     """Draw the depth of the clipped regions in degrees."""
     is_border = env.registration == "border-sampled"
     depth = np.rad2deg(
-        _native.plateau_depth(env.radiance, is_border, white, PLATEAU_COLUMNS, PLATEAU_GAP)
+        _native.clipped_depth(env.radiance, is_border, white, PLATEAU_COLUMNS, PLATEAU_GAP)
     )
     image = axes.imshow(np.where(depth > 0, depth, np.nan), cmap="viridis", vmin=0, extent=EXTENT)
     axes.set(facecolor="0.15", xlabel="azimuth (degrees)", ylabel="elevation (degrees)")

@@ -1,29 +1,29 @@
-//! Lights that a camera has clipped.
+//! Clipped lights: lights that a camera or a file format has cut off.
 //!
-//! Where the white of a map is known, a light is clipped if one of its samples is at white. Else a light is
-//! clipped if several of its pixels hold the map's largest sample: a flat top, as a camera or a file format
-//! leaves it. Of an evenly lit window one pixel is the brightest.
+//! If the largest value that a map can hold is known, a light is clipped if one of its samples reaches it. Otherwise a
+//! light is clipped if several of its pixels hold the map's largest sample, a flat top. In an evenly lit window, only one
+//! pixel is the brightest.
 
-/// White starts at this share of it: code 254 of 255. JPEG lets white ring below it.
+/// Samples of this fraction of the largest value are clipped: code 254 of 255, because JPEG lets values ring.
 pub const LEAST_WHITE: f64 = 0.985;
 /// A top of this many pixels or more is flat.
 const FLAT_TOP_PIXELS: usize = 4;
 
-/// Where the samples of a map end.
+/// Largest sample that a map holds or can hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Ceiling {
-    /// At a white that is known.
+    /// Known largest value that the map can hold.
     White(f32),
-    /// At the map's largest sample.
+    /// Largest sample of the map.
     Maximum(f32),
 }
 
-/// The largest sample of some pixels, and how many of them hold it.
+/// The largest sample of some pixels, and the number of pixels that hold it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Top {
     /// The largest of red, green and blue.
     pub sample: f32,
-    /// Up to a flat top's.
+    /// Number of pixels that hold it, up to that of a flat top.
     pixels: usize,
 }
 
@@ -52,7 +52,7 @@ impl Top {
         Self { sample: higher.sample, pixels: higher.pixels + more }
     }
 
-    /// Whether the samples are cut off at this ceiling.
+    /// True if the samples are cut off at this ceiling.
     pub fn is_clipped(self, ceiling: Ceiling) -> bool {
         match ceiling {
             Ceiling::White(white) => f64::from(self.sample) >= LEAST_WHITE * f64::from(white),

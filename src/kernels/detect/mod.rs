@@ -20,7 +20,6 @@
 //! | drop the weakest lights, merge neighbours           | `segment/merge.rs`          | same                          |
 
 pub mod clipped;
-pub mod clipped_share;
 pub mod clipping;
 pub mod loghin;
 pub mod options;
@@ -37,7 +36,7 @@ use segment::light_moments::LightMoments;
 use segment::merge::Selection;
 use segment::threshold::{self, Threshold};
 use segment::working_image::WorkingImage;
-use segment::{background, bars, bridging, measure, outline};
+use segment::{background, bars, bridging, bright_pixels, measure, outline};
 
 use crate::error::Result;
 use crate::kernels::sphere::Registration;
@@ -91,7 +90,10 @@ pub fn detect(
     options: &DetectionOptions,
 ) -> Result<Detection> {
     // Run all of it inside the thread pool: from outside, each parallel loop would wake the pool anew.
-    rayon::scope(|_| Scene::of(radiance, registration, options)?.lights(radiance, registration, options))
+    rayon::scope(|_| {
+        let scene = Scene::of(radiance, registration, options)?;
+        Ok(scene.lights(radiance, registration, options))
+    })
 }
 
 /// Reduced map, and the image in which bright pixels are connected.
@@ -134,10 +136,10 @@ impl Scene {
         radiance: ArrayView3<'_, f32>,
         registration: Registration,
         options: &DetectionOptions,
-    ) -> Result<Detection> {
+    ) -> Detection {
         let (working, searched, adjacency) = (&self.working, self.searched(), Adjacency::of(&self.working));
         // Find the segments of lights.
-        let bright = components::bright_pixels(searched, self.threshold.luminance);
+        let bright = bright_pixels::bright_pixels(searched, self.threshold.luminance);
         let rule = options.tree_rule();
         let segments = components::segments(searched, &adjacency, &bright, &self.threshold, &rule);
         let segments = bridging::bridge(searched, &adjacency, segments, options.prominence, options.gap);
@@ -170,7 +172,7 @@ impl Scene {
         if let Some(map) = &self.clipped {
             numbers.threshold = map.compressed(numbers.threshold);
         }
-        Ok(Detection::new(&segments, selection, panes, numbers, self.working.luminance, clipped))
+        Detection::new(&segments, selection, panes, numbers, self.working.luminance, clipped)
     }
 
     fn numbers(&self, opened_tiles: usize, selection: &Selection) -> DetectionNumbers {

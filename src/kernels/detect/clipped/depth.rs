@@ -1,18 +1,18 @@
-//! The depth of a pixel of the plateau: the angle to the nearest pixel outside of it.
+//! The depth of a pixel of a clipped region: the angle to the nearest pixel outside of it.
 //!
-//! Along a row, the nearest outer pixel is one of the two at the ends of the pixel's run. Down a column, each row
-//! hands on its nearest one, at the difference D of azimuths:
+//! The nearest outer pixel of the pixel's own row is one of the two at the ends of its run. In another row, it is the
+//! one at the smallest difference D of azimuths:
 //!
 //! ```text
-//!   cos depth = max over rows r of  (cos t, sin t) . (cos t_r, sin t_r cos D_r)
+//!   cos depth = max over rows r of  cos t cos t_r + sin t sin t_r cos D_r
 //! ```
 //!
-//! for a pixel at the polar angle t. Only rows of the pixel's own run down the column, and the two outer pixels at its
-//! ends, can hold the nearest: what lies beyond an end is farther than the end. The points on the right form a convex
-//! hull, and the pixels of a run, whose vectors on the left turn, meet its corners in order: a few operations for each
-//! pixel, however deep it lies. Distances are those between directions, so they hold at the seam and the poles.
+//! for a pixel at the polar angle t. Rows are tried from the pixel's own one outwards, up to those that are farther away
+//! than the nearest outer pixel so far. Distances are those between directions, so they hold at the seam and the poles.
 
 use std::ops::Range;
+
+use rayon::prelude::*;
 
 use super::super::segment::run::Run;
 use super::super::segment::working_image::WorkingImage;
@@ -22,36 +22,24 @@ use crate::interrupt;
 pub fn depths(working: &WorkingImage, plateau: &[Run]) -> Vec<f32> {
     let (height, width) = working.size;
     let sphere = PixelDirections::new(working);
-    // Find the nearest outer pixel of each row, and turn rows into columns.
-    let mut outer = vec![0.0; height * width];
-    let (mut is_covered, mut turns) = (vec![false; width], Vec::new());
+    // Find the nearest outer pixel of each row.
+    let (mut outer, mut turns) = (vec![0.0; height * width], Vec::new());
     for row in plateau.chunk_by(|one, other| one.row == other.row) {
-        interrupt::check();
         for (run, ends) in row.iter().zip(ends(row, width)) {
-            is_covered[run.columns.clone()].fill(true);
             sphere.fill_turns(run.columns.clone(), ends, &mut turns);
-            for (column, &turn) in run.columns.clone().zip(&turns) {
-                outer[column * height + run.row] = turn;
-            }
+            outer[run.pixels(width)].copy_from_slice(&turns);
         }
     }
-    // Find that of all rows, column by column.
+    // Find that of all rows.
     let mut depth = vec![0.0; height * width];
-    let mut hull = Hull::default();
-    for (column, outer) in outer.chunks_exact(height).enumerate().filter(|(column, _)| is_covered[*column]) {
+    depth.par_chunks_mut(width).enumerate().for_each(|(row, out)| {
         interrupt::check();
-        let mut top = 0;
-        for run in outer.chunk_by(|one, other| (*one > 0.0) == (*other > 0.0)) {
-            let bottom = top + run.len();
-            if run[0] > 0.0 {
-                hull.refill(&sphere, outer, top.saturating_sub(1)..(bottom + 1).min(height));
-                for (row, cosine) in (top..bottom).zip(hull.cosines(&sphere.rows[top..bottom])) {
-                    depth[row * width + column] = angle(cosine);
-                }
-            }
-            top = bottom;
+        for (column, depth) in
+            out.iter_mut().enumerate().filter(|(column, _)| outer[row * width + column] > 0.0)
+        {
+            *depth = angle(sphere.nearest(&outer, row, column));
         }
-    }
+    });
     depth
 }
 
@@ -72,46 +60,6 @@ fn ends(row: &[Run], width: usize) -> impl Iterator<Item = Option<[usize; 2]>> {
 /// The angle of a cosine, to the precision of a depth.
 fn angle(cosine: f64) -> f32 {
     2.0 * ((0.5 * (1.0 - cosine)).max(0.0).sqrt() as f32).min(1.0).asin()
-}
-
-/// The upper convex hull of the points that stand for outer pixels.
-#[derive(Default)]
-struct Hull {
-    corners: Vec<[f64; 2]>,
-}
-
-impl Hull {
-    /// The hull of the outer pixels of some rows of a column; `outer` are the turns to them.
-    fn refill(&mut self, sphere: &PixelDirections, outer: &[f32], rows: Range<usize>) {
-        self.corners.clear();
-        for row in rows.filter(|&row| outer[row] < NO_OUTER) {
-            let (sin, cos) = sphere.rows[row];
-            let point = [cos, sin * (1.0 - f64::from(outer[row]))];
-            while let [.., one, other] = self.corners[..]
-                && !turns_left(one, other, point)
-            {
-                self.corners.pop();
-            }
-            self.corners.push(point);
-        }
-    }
-
-    /// The largest cosine between each of some rows, downwards, and a point; -1 where there is none.
-    fn cosines(&self, rows: &[(f64, f64)]) -> impl Iterator<Item = f64> {
-        let mut corner = 0;
-        rows.iter().map(move |&(sin, cos)| {
-            let cosine = |corner: usize| self.corners.get(corner).map(|[x, y]| cos * x + sin * y);
-            while cosine(corner + 1) > cosine(corner) {
-                corner += 1;
-            }
-            cosine(corner).unwrap_or(-1.0)
-        })
-    }
-}
-
-/// Whether the way over three points turns to the left at the second.
-fn turns_left(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> bool {
-    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 0.0
 }
 
 /// In place of the turn to an outer pixel: the row has none.
@@ -145,6 +93,25 @@ impl PixelDirections {
     pub fn at(&self, row: usize, column: usize) -> glam::DVec3 {
         let ((sin, cos), (sin_phi, cos_phi)) = (self.rows[row], self.columns[column]);
         glam::DVec3::new(sin * sin_phi, cos, -sin * cos_phi)
+    }
+
+    /// Cosine of the angle to the nearest outer pixel; -1 without any. `outer` holds the turns to those of each row.
+    fn nearest(&self, outer: &[f32], row: usize, column: usize) -> f64 {
+        let (sin, cos) = self.rows[row];
+        let mut largest = -1.0;
+        // Try rows until they are farther than the nearest outer pixel so far.
+        let mut is_within = |other: usize| {
+            let (other_sin, other_cos) = self.rows[other];
+            let is_within = cos * other_cos + sin * other_sin > largest;
+            if is_within {
+                let turn = f64::from(outer[other * self.width + column]);
+                largest = f64::max(largest, cos * other_cos + sin * other_sin * (1.0 - turn));
+            }
+            is_within
+        };
+        (0..=row).rev().all(&mut is_within);
+        (row + 1..self.rows.len()).all(&mut is_within);
+        largest
     }
 
     /// For each of some columns, 1 - cos of the azimuth between it and the nearer one of its run's `ends`.

@@ -18,18 +18,18 @@ use crate::kernels::sphere::{Registration, band_heights};
 pub struct ExpandedMap {
     /// Their luminance.
     pub working: WorkingImage,
-    /// Their expanded luminance; the end becomes 50.
+    /// Their expanded luminance; the clip level becomes 50.
     pub expanded: WorkingImage,
     /// The largest luminance of a pixel of the map itself.
     pub maximum: f64,
 }
 
 impl ExpandedMap {
-    /// `radiance` that ends at the luminance `end`, in at most `columns` columns.
+    /// Reduce `radiance` with the clip level `end` to at most `columns` columns.
     ///
     /// # Errors
     ///
-    /// As [`WorkingImage::of`].
+    /// Errors of [`WorkingImage::of`].
     pub fn of(
         radiance: ArrayView3<'_, f32>,
         registration: Registration,
@@ -110,11 +110,11 @@ fn sum_blocks<const BLOCK: usize>(columns: &[f32], out: &mut [f32]) {
 struct ExpandedSums {
     luminance: Vec<f32>,
     expanded: Vec<f32>,
-    /// One over the end of the picture.
+    /// One over the clip level.
     per_end: f32,
     /// Bits of the largest luminance: those of floats that are not negative are in the order of the floats.
     largest: u32,
-    /// All bits that a sample has.
+    /// Union of the bits of all samples.
     bits: u32,
 }
 

@@ -1,28 +1,28 @@
-//! Expanded luminance: what is close to white stands for much more.
+//! Expanded luminance: values close to the clip level become much larger.
 //!
-//! The curve of Schlick (1994), backwards, with y the share of the end of the picture:
+//! The curve of Schlick (1994), backwards, with y in units of the clip level:
 //!
 //! ```text
-//!   y' = y / (1 + e - y)        e = 0.02:  y' = 50 at white, y in the dark
+//!   y' = y / (1 + e - y)        e = 0.02:  y' = 50 at the clip level, y in the dark
 //!   y  = (1 + e) y' / (1 + y')
 //! ```
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
-/// White becomes one over this.
+/// The clip level becomes one over this. Larger values merge lamps with the white walls around them.
 const DISTANCE: f32 = 0.02;
-/// The threshold is at most the expansion of this share of the end.
+/// The threshold is at most the expansion of this fraction of the clip level.
 const HIGHEST_THRESHOLD: f32 = 0.97;
-/// A sphere with more than this share at white has no light that stands out.
+/// On a sphere with more than this fraction clipped, no light stands out.
 const MOSTLY_WHITE: f64 = 0.5;
 
-/// The expansion of a share of the end.
+/// Expand a fraction of the clip level.
 #[inline(always)]
 pub fn expand(share: f32) -> f32 {
     let share = if share < 1.0 { share } else { 1.0 };
     share / (1.0 + DISTANCE - share)
 }
 
-/// The threshold, but below white where most of the sphere is: a light at white must be able to exceed it.
+/// Limit the threshold so that a clipped light exceeds it, unless most of the sphere is clipped.
 pub fn below_white(threshold: f64, share_at_white: f64) -> f64 {
     let highest = f64::from(expand(HIGHEST_THRESHOLD));
     if share_at_white < MOSTLY_WHITE { threshold.min(highest) } else { threshold }

@@ -14,16 +14,14 @@
 //! | division of segments at the necks of the clipped region  | `necks.rs`        |
 //! | direction of each light and its uncertainty              | `position.rs`     |
 //! | weights, and the lights that are dropped                 | `order.rs`        |
-//! | distribution of the light that was cut off               | `missing_light.rs` |
 
 mod clip_level;
-mod depth;
+pub mod depth;
 mod expanded_map;
 mod expansion;
-mod missing_light;
-mod necks;
-mod order;
-mod plateau;
+pub mod necks;
+pub mod order;
+pub mod plateau;
 mod position;
 
 use ndarray::ArrayView3;
@@ -31,7 +29,6 @@ use ndarray::ArrayView3;
 pub use clip_level::ClipLevel;
 use expanded_map::ExpandedMap;
 pub use expansion::{compressed, expand};
-pub use missing_light::{plateau_depth, shares};
 pub use position::LightPosition;
 
 use super::clipping::LEAST_WHITE;
@@ -80,7 +77,7 @@ impl ClippedMap {
     ///
     /// # Errors
     ///
-    /// As [`WorkingImage::of`].
+    /// Errors of [`WorkingImage::of`].
     pub fn of(
         radiance: ArrayView3<'_, f32>,
         registration: Registration,
@@ -145,6 +142,7 @@ impl ClippedLights {
     }
 
     /// Positions and weights of the selected lights.
+    #[must_use]
     pub fn joined(self, selection: &Selection) -> Self {
         let (positions, weights) =
             order::joined(&selection.lights, &selection.part_of, &self.positions, &self.weights);

@@ -1,6 +1,6 @@
-//! Necks: where a plateau is narrow, it divides lights that have run into one another.
+//! Necks: narrow parts of a clipped region, which divide lights that have run into one another.
 //!
-//! The glow of a sun runs into a white horizon, a window into a white wall. The component tree of depth finds
+//! The glow of a sun runs into a clipped horizon, a window into a clipped wall. The component tree of depth finds
 //! the deepest places and the narrowest neck on the widest way between two of them. They are parts of their
 //! own if, with the depths of the shallower one and of the neck,
 //!
@@ -11,14 +11,15 @@
 use std::collections::VecDeque;
 
 use super::super::segment::adjacency::Adjacency;
-use super::super::segment::components::{self, BrightPixels, Segments, TreeRule};
+use super::super::segment::bright_pixels::BrightPixels;
+use super::super::segment::components::{self, Segments, TreeRule};
 use super::super::segment::run::{Run, runs};
 use super::super::segment::threshold::Threshold;
 use super::super::segment::working_image::WorkingImage;
 
 /// Depth over neck, at least; both one degree deeper than they are.
 const PROMINENCE: f64 = 2.0;
-/// What is added to depths, in radians: a plateau of a few pixels has no necks.
+/// Angle added to depths, in radians: a plateau of a few pixels has no necks.
 const MORE_DEPTH: f32 = std::f32::consts::PI / 180.0;
 
 /// For each pixel its part of the `plateau` plus 1, 0 outside.
@@ -33,7 +34,6 @@ pub fn parts(working: &WorkingImage, plateau: &[Run], depth: &[f32]) -> Vec<u32>
     }
     let level = working.with_luminance(level);
     let pixels = BrightPixels { indices, opened_tiles: 0 };
-    // Each part counts, however shallow.
     let none = Threshold::fixed(0.0);
     let rule = TreeRule { rise: 1.0, prominence: PROMINENCE, extent: 0.0 };
     components::segments(&level, &Adjacency::of(&level), &pixels, &none, &rule).label

@@ -1,7 +1,7 @@
-//! Which lights are kept, and their order.
+//! Order of the lights of a clipped map, and the lights that are dropped.
 //!
-//! White makes all lights equal, so their flux says little about which one is the strongest. A small light at
-//! white is more often a lamp, a large one a wall; and light comes from above. With the expanded flux F', the
+//! Clipping makes all lights equal, so their flux says little about which one is the strongest. A small clipped light is
+//! more often a lamp, a large one a wall; and light comes from above. With the expanded flux F', the
 //! solid angle W and the elevation e,
 //!
 //! ```text
@@ -21,17 +21,16 @@ use super::position::LightPosition;
 
 /// The power of the solid angle.
 const SMALLNESS: f64 = 0.75;
-/// How much more a light at the zenith counts than one on the horizon, as a power of e.
+/// Logarithm of the weight of a light at the zenith over that of one on the horizon.
 const UPWARDS: f64 = 1.5;
 /// Lights with a smaller share of the sum of all weights are left out.
 const LEAST_SHARE: f64 = 0.01;
-/// A place of more than this, in steradians, so far below the horizon is a white floor.
+/// A clipped region of more steradians, below the horizon, is a floor.
 const FLOOR: f64 = 0.5;
 /// Sine of the elevation below which a floor may lie.
 const FLOOR_BELOW: f64 = -0.3;
 
-/// The weight of each segment: of two, the one with more is the stronger light, most likely. That of a floor
-/// is 0.
+/// The weight of each segment; 0 for a floor. The segment of larger weight is more likely the stronger light.
 pub fn weights(expanded: &WorkingImage, segments: &Segments, places: &[LightPosition]) -> Vec<f64> {
     let width = expanded.size.1;
     let weight = |(pixels, place): (&Vec<u32>, &LightPosition)| {
@@ -50,13 +49,13 @@ pub fn weights(expanded: &WorkingImage, segments: &Segments, places: &[LightPosi
     segments.pixels.iter().zip(places).map(weight).collect()
 }
 
-/// How much a place at the `sine` of an elevation counts: light comes from above, and a floor gives none.
+/// Factor of the weight for the `sine` of an elevation: light comes from above, and a floor gives none.
 pub fn from_above(solid_angle: f64, sine: f64) -> f64 {
     let is_floor = solid_angle > FLOOR && sine < FLOOR_BELOW;
     if is_floor { 0.0 } else { (UPWARDS * sine).exp() }
 }
 
-/// The weight that a light needs: of many equal ones all have it.
+/// Least weight of a light that is listed; many equal lights all have it.
 fn least_weight(weights: &[f64]) -> f64 {
     let largest = weights.iter().copied().fold(0.0, f64::max);
     (LEAST_SHARE * weights.iter().sum::<f64>()).min(largest)

@@ -1,4 +1,4 @@
-//! The plateau: pixels at white, with the bars across them closed.
+//! The plateau: clipped pixels, with the bars across them filled.
 
 use std::f64::consts::{PI, TAU};
 

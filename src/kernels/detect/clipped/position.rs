@@ -1,7 +1,7 @@
-//! The direction of a light behind white, and how uncertain it is.
+//! Direction of a clipped light, and its uncertainty.
 //!
-//! Inside a plateau the picture says nothing, but glow is even around a sun: its centre is the centroid of the
-//! plateau, weighted by depth so that spurs count little. Without a plateau it is the centroid of the squared
+//! Inside a clipped region the picture holds no detail, but glow is even around a sun: its centre is the centroid of the
+//! region, weighted by depth so that spurs count little. Without a clipped region it is the centroid of the squared
 //! expanded luminance.
 
 use glam::DVec3;
@@ -11,17 +11,17 @@ use super::super::segment::run::{Run, runs};
 use super::super::segment::working_image::WorkingImage;
 use super::depth::PixelDirections;
 
-/// LightPositions of less than this share of the largest depth are not the light's: spurs, and a white horizon.
+/// Pixels below this fraction of the largest depth are not the light's: spurs, and a clipped horizon.
 const SHALLOW: f32 = 0.5;
 
-/// Where a light is.
+/// Direction of a light of a clipped map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightPosition {
     /// Unit vector.
     pub direction: DVec3,
     /// Angle from the deepest place of its plateau to the rim, in radians; 0 without a plateau.
     pub plateau_radius: f64,
-    /// Two thirds of all lights of this kind are within this angle of their direction, in radians.
+    /// Angle in radians that two thirds of such lights are off at most.
     pub uncertainty: f64,
 }
 
@@ -30,7 +30,7 @@ impl LightPosition {
         Self { direction, plateau_radius, uncertainty: uncertainty(plateau_radius, radius) }
     }
 
-    /// The place of two lights as one that points to `direction`.
+    /// Position of two lights joined to one that points to `direction`.
     #[must_use]
     pub fn and(&self, other: &Self, direction: DVec3) -> Self {
         let apart = |place: &Self| place.direction.angle_between(direction);
@@ -53,7 +53,7 @@ fn uncertainty(plateau_radius: f64, radius: f64) -> f64 {
     (0.7 * (plateau_radius + 0.5_f64.to_radians())).max(0.3 * radius)
 }
 
-/// The place of each segment. `depth` is that of the plateau, as an image.
+/// Position of each segment. `depth` is that of the clipped region, as an image.
 pub fn positions(
     working: &WorkingImage,
     expanded: &WorkingImage,

@@ -89,10 +89,10 @@ pub fn line(start: [i64; 2], end: [i64; 2]) -> Result<Vec<[i64; 2]>> {
     Ok(std::iter::once(start).chain(LineSteps::new(start, end)).collect())
 }
 
-/// Whether the line between two pixels stays as bright as its start, after each of its pixels.
+/// True if the line between two pixels stays as bright as its start, after each of its pixels.
 ///
-/// The mean is over the pixels after the start, each cut at the rule's ceiling. On a `sphere` the line
-/// takes the shorter way around.
+/// The mean is over the pixels after the start, each cut at the rule's ceiling. With `rule.sphere` the
+/// line takes the shorter way around.
 pub(super) fn is_bright(image: &Image<'_>, start: Pixel, end: Pixel, rule: &LineRule) -> bool {
     // Unwrap the end so that the line takes the shorter way around.
     let width = image.width as i64;

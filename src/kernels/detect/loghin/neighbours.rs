@@ -63,7 +63,7 @@ fn brightest_around(image: &Image<'_>, pixel: Pixel, windows: &Windows) -> (f32,
     best
 }
 
-/// The same for all `pixels`, at a cost that does not grow with the windows: how far a window reaches in a row depends
+/// Brightest neighbours of all `pixels`, at a cost that does not grow with the windows: how far a window reaches in a row depends
 /// on the row alone, so maxima run along each row first, and then down the columns.
 fn brightest_around_all(image: &Image<'_>, pixels: &[Pixel], windows: &Windows) -> Vec<(f32, Pixel)> {
     let along = |row: usize| {

@@ -1,4 +1,4 @@
-//! Lights that a camera has clipped, among those that the steps of Loghin (2021) find.
+//! Clipped lights among those of the steps of Loghin (2021).
 
 use ndarray::{ArrayView2, ArrayView3};
 use rayon::prelude::*;
@@ -10,7 +10,7 @@ use crate::interrupt;
 use crate::kernels::detect::clipping::{Ceiling, Top, largest};
 use crate::kernels::image::check_rgb;
 
-/// Whether each light is clipped: at `white` where that is known, else at the map's largest sample. Its pixels are
+/// For each light, true if it is clipped: at `white` if that is known, else at the map's largest sample. Its pixels are
 /// those of the window around each of `pixels`, (n, 2), one for each light: the steps see the map through such
 /// windows.
 ///

@@ -8,7 +8,7 @@
 //!
 //! ```text
 //!   g <= 0.5 sqrt(d_1 d_2),   d = min(W / l, sqrt W)      narrow beside the panes' depths across it
-//!   g <= 2.5 degrees                                      what is wider is a wall
+//!   g <= 2.5 degrees                                      a wider gap is a wall
 //!   l >= g / 2,   l >= sqrt(W) / 4 of the smaller         they face each other along a side
 //!   mean luminances within a factor of 4                  one source lies behind both
 //!   the gap's is at most 0.8 of either                    a bar is dark: between two clouds lies a pale sky
@@ -40,15 +40,15 @@ const LEAST_LENGTH: f64 = 0.5;
 const LEAST_SIDE: f64 = 0.25;
 /// Mean luminances of two panes differ by this factor, at most.
 const MOST_UNLIKE: f64 = 4.0;
-/// Mean luminance of a bar over that of the dimmer pane, at most. Pictures that end at white need it: there, all panes
-/// are alike, and what lies between two clouds at white is little darker.
+/// Mean luminance of a bar over that of the dimmer pane, at most. Clipped maps need it: there, all panes
+/// are alike, and the sky between two clipped clouds is little darker.
 const MOST_LUMINANCE: f64 = 0.8;
 
 /// Pixels of an outline between two looks for Ctrl-C.
 const PIXELS_AT_ONCE: usize = 4096;
 
 /// Lights after panes were joined.
-pub struct Windows {
+pub struct WindowLights {
     /// Lights, each of one window or on its own.
     pub lights: Vec<LightMoments>,
     /// For each light the luminance of its local background: the least of its panes'.
@@ -57,7 +57,7 @@ pub struct Windows {
     pub part_of: Vec<usize>,
 }
 
-/// Where two segments face each other, seen along the rows and along the columns.
+/// Gap between two segments that face each other, along the rows and along the columns.
 #[derive(Default)]
 struct Facing {
     /// Lengths across the view, in radians.
@@ -66,7 +66,7 @@ struct Facing {
     gaps: [f64; 2],
     /// Integral of the luminance over both of them.
     flux: f64,
-    /// Whether there is no gap somewhere.
+    /// True if the segments touch somewhere.
     touch: bool,
 }
 
@@ -105,7 +105,7 @@ pub fn join(
     gap: f64,
     lights: Vec<LightMoments>,
     backgrounds: Vec<f64>,
-) -> Windows {
+) -> WindowLights {
     let mut parent = forest::apart(lights.len());
     if lights.len() > 1 && gap > 0.0 {
         for ((one, other), facing) in facing(working, adjacency, segments, outline, &lights) {
@@ -114,10 +114,10 @@ pub fn join(
             }
         }
     }
-    Windows::of(lights, backgrounds, &mut parent)
+    WindowLights::of(lights, backgrounds, &mut parent)
 }
 
-/// Whether what lies between two lights is a bar.
+/// True if the gap between two lights is a window bar.
 fn are_panes(one: &LightMoments, other: &LightMoments, facing: &Facing) -> bool {
     if facing.touch {
         return false;
@@ -177,12 +177,12 @@ fn facing(
     pairs
 }
 
-/// What lies before the first pixel that has a label.
+/// Unlabelled pixels before the first labelled one.
 struct Gap {
     pixels: usize,
     /// Their mean; 0 without any.
     luminance: f64,
-    /// That label.
+    /// Label of the pixel behind the gap.
     label: u32,
 }
 
@@ -205,7 +205,7 @@ impl Gap {
     }
 }
 
-/// How far from each light a bar may end: no other light is deeper than the largest.
+/// Largest distance from each light at which a bar may end: no other light is deeper than the largest.
 fn reaches(lights: &[LightMoments]) -> Vec<f64> {
     let sides: Vec<f64> = lights.iter().map(|light| light.solid_angle().sqrt()).collect();
     let largest = sides.iter().copied().fold(0.0, f64::max);
@@ -213,7 +213,7 @@ fn reaches(lights: &[LightMoments]) -> Vec<f64> {
     sides.iter().map(|side| 2.0 * (WIDEST_BAR * (side * largest).sqrt()).min(WIDEST_ANGLE)).collect()
 }
 
-impl Windows {
+impl WindowLights {
     /// Select at most `most` of the lights that are listed, with the number of their panes; each segment is part of its
     /// opening's light.
     pub fn select(
@@ -255,7 +255,7 @@ impl Windows {
     }
 }
 
-/// How many panes each of the selected lights was joined from; 0 for one that has none. Each segment is part of one
+/// Number of panes that each selected light was joined from; 0 for a light without panes. Each segment is part of one
 /// opening.
 fn panes(part_of: &[usize], selection: &Selection) -> Vec<usize> {
     // Count the segments of each opening.
@@ -285,7 +285,7 @@ mod tests {
 
     /// The lights of a drawing of 128 x 256 pixels of 1.4 degrees, with these `rows` in the middle; before they are
     /// joined and after. A light ends at the share `extent` of its peak.
-    fn before_and_after(rows: &[&str], extent: f64) -> (Vec<LightMoments>, Windows) {
+    fn before_and_after(rows: &[&str], extent: f64) -> (Vec<LightMoments>, WindowLights) {
         let dark = ".".repeat(256);
         let mut all = vec![dark; 128];
         for (row, drawn) in all[60..].iter_mut().zip(rows) {

@@ -13,14 +13,14 @@
 //! The tree needs no pixel in order of luminance. Each pixel flows uphill, to its brightest neighbour,
 //! to one peak: its basin. Islands meet only between basins, so only those pairs of pixels are sorted.
 
-use ndarray::ArrayView1;
 use rayon::prelude::*;
 
 use super::adjacency::Adjacency;
+use super::bright_pixels::BrightPixels;
 use super::forest::{apart, root};
 use super::run::{Run, runs};
 use super::threshold::Threshold;
-use super::working_image::{TILE, WorkingImage};
+use super::working_image::WorkingImage;
 use crate::kernels::detect::clipping::largest;
 
 /// A clipped light rises at least this far above it.
@@ -31,41 +31,6 @@ const RUNS_AT_ONCE: usize = 64;
 const CEILING_PIXELS: usize = 3;
 /// Pixels that reach this share of the maximum are at the ceiling.
 const CEILING: f32 = 1.0 - 1e-5;
-
-/// Pixels above the threshold, as flat indices into the working image.
-pub struct BrightPixels {
-    /// In ascending order.
-    pub indices: Vec<u32>,
-    /// Tiles that hold any of them.
-    pub opened_tiles: usize,
-}
-
-/// Find the pixels brighter than `threshold`. Only tiles that hold any are read.
-pub fn bright_pixels(working: &WorkingImage, threshold: f64) -> BrightPixels {
-    let threshold = threshold as f32;
-    let (height, width) = working.size;
-    let is_open = |&&maximum: &&f32| maximum > threshold;
-    // Collect the bright pixels of one row of tiles, pixel row by pixel row.
-    let bright_in = |(tile_row, maxima): (usize, ArrayView1<'_, f32>)| {
-        let open = maxima.iter().enumerate().filter(|(_, maximum)| is_open(maximum));
-        let open: Vec<_> = open.map(|(tile, _)| tile * TILE..((tile + 1) * TILE).min(width)).collect();
-        let mut bright = Vec::new();
-        for row in tile_row * TILE..((tile_row + 1) * TILE).min(height) {
-            for columns in &open {
-                let pixels = row * width + columns.start..row * width + columns.end;
-                let pixels = pixels.filter(|&index| working.luminance[index] > threshold);
-                bright.extend(pixels.map(|index| index as u32));
-            }
-        }
-        bright
-    };
-    // Collect those of all rows of tiles, in order.
-    let tile_rows = working.tile_maxima.outer_iter().into_par_iter().enumerate();
-    BrightPixels {
-        indices: tile_rows.map(bright_in).collect::<Vec<_>>().concat(),
-        opened_tiles: working.tile_maxima.iter().filter(is_open).count(),
-    }
-}
 
 /// The pixels of each light, before it is measured.
 pub struct Segments {
@@ -254,6 +219,7 @@ fn absorb(
 mod tests {
     use proptest::prelude::*;
 
+    use super::super::bright_pixels::bright_pixels;
     use super::super::test_maps::{drawn, drawn_from, segments, sizes};
     use super::*;
 
@@ -388,18 +354,5 @@ mod tests {
             }
             prop_assert_eq!(first, plain_lights(&working, prominence as f32));
         }
-    }
-
-    #[test]
-    fn bright_pixels_are_all_above_the_threshold_and_dark_tiles_stay_shut() {
-        let rows: Vec<String> = (0..40)
-            .map(|y| (0..80).map(|x| if y % 39 == 15 && x % 31 == 15 { '1' } else { '.' }).collect())
-            .collect();
-        let rows: Vec<&str> = rows.iter().map(String::as_str).collect();
-        let bright = bright_pixels(&drawn(&rows), 0.9); // 1 is only just bright
-        let mut indices = bright.indices;
-        indices.sort_unstable();
-        assert_eq!(indices, [15 * 80 + 15, 15 * 80 + 46, 15 * 80 + 77]);
-        assert_eq!(bright.opened_tiles, 3);
     }
 }

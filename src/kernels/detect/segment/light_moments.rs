@@ -14,18 +14,18 @@
 //! The solid angle is that of a light of constant radiance with the same `F` and `Q`, so it needs no outline. But
 //! pixels that its edge cuts make it too large: see [`LightMoments::solid_angle`]. Moments add up, so lights can be merged
 //! without the map.
-#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
 use std::cmp::Ordering;
 use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::coverage::{ColumnAngles, CoveredPixels};
-use super::dot_product::dot;
 use crate::kernels::detect::clipping::{Ceiling, Top};
-use crate::kernels::sphere::tangents;
+use crate::kernels::image::luminance_f32;
+use crate::kernels::sphere::{band_heights, tangents};
 
+/// Least coverage of a pixel that counts: less is noise.
+const LEAST_COVERAGE: f32 = 0.05;
 /// Pixels that reach this share of a light's peak are its top.
 const TOP: f64 = 0.99;
 
@@ -42,7 +42,7 @@ pub struct LightMoments {
     covered: f64,
     /// Largest luminance of a pixel.
     pub peak: f64,
-    /// Its largest sample, and how many pixels hold that.
+    /// Its largest sample, and the number of pixels that hold it.
     pub largest: Top,
     flux_vector: DVec3,
     /// Second moments: the diagonal, and the entries xy, yz, zx.
@@ -101,7 +101,7 @@ impl LightMoments {
         self.top.normalize_or(self.direction())
     }
 
-    /// Whether its samples are cut off at this ceiling.
+    /// True if its samples are cut off at this ceiling.
     pub fn is_clipped(&self, ceiling: Ceiling) -> bool {
         self.largest.is_clipped(ceiling)
     }
@@ -185,39 +185,99 @@ impl LightMoments {
         }
     }
 
-    /// Add the covered pixels of a row at a polar angle of this sine and cosine.
+    /// Add the covered pixels of a row.
     ///
     /// With `d = (sin phi sin theta, cos theta, -cos phi sin theta)` each sum is one over the azimuths,
     /// times a factor that the row has in common.
-    #[inline(always)]
-    pub fn add(&mut self, row: &mut CoveredPixels, columns: &ColumnAngles<&[f64]>, [sin, cos]: [f64; 2]) {
+    pub fn add(&mut self, pixels: &[[f32; 3]], columns: &[ColumnAngle], row: RowAngle, edge: LightEdge) {
+        let RowAngle { sin, cos, band } = row;
         // Sum over the azimuths.
-        let flux = dot(&row.luminance, &row.solid_angle);
-        let [flux_sin, flux_cos] = [columns.sin, columns.cos].map(|of| sin * dot(of, &row.flux));
-        let [sin_sin, sin_cos] = [columns.sin_sin, columns.sin_cos].map(|of| sin * sin * dot(of, &row.flux));
-        // Add to the moments of order 0, 1 and 2.
-        self.flux += flux;
-        for (sum, values) in self.flux_rgb.iter_mut().zip(&row.rgb) {
-            *sum += dot(values, &row.solid_angle);
+        let [mut flux, mut flux_sin, mut flux_cos, mut sin_sin, mut sin_cos] = [0.0; 5];
+        let mut top = DVec3::ZERO;
+        for (&pixel, column) in pixels.iter().zip(columns) {
+            let y = luminance_f32(pixel);
+            let Some([coverage, share]) = edge.coverage_and_share(y) else { continue };
+            let (y, whole) = (f64::from(y), column.width * band);
+            let solid_angle = f64::from(share) * whole;
+            let own = y * solid_angle;
+            flux += own;
+            flux_sin += own * column.sin;
+            flux_cos += own * column.cos;
+            sin_sin += own * column.sin * column.sin;
+            sin_cos += own * column.sin * column.cos;
+            for (sum, value) in self.flux_rgb.iter_mut().zip(pixel) {
+                *sum += f64::from(value) * solid_angle;
+            }
+            self.covered += f64::from(coverage) * whole;
+            self.width_squared += own * solid_angle / 12.0;
+            self.luminance_squared += own * y;
+            self.luminance_cubed += own * y * y;
+            if y >= TOP * self.peak {
+                top += solid_angle * DVec3::new(column.sin, 1.0, -column.cos);
+            }
         }
-        self.covered += row.covered.iter().sum::<f64>();
+        // Add to the moments of order 0, 1 and 2.
+        let [flux_sin, flux_cos] = [flux_sin, flux_cos].map(|sum| sin * sum);
+        let [sin_sin, sin_cos] = [sin_sin, sin_cos].map(|sum| sin * sin * sum);
+        self.flux += flux;
         self.flux_vector += DVec3::new(flux_sin, flux * cos, -flux_cos);
         self.second[0] += DVec3::new(sin_sin, flux * cos * cos, flux * sin * sin - sin_sin);
         self.second[1] += DVec3::new(flux_sin * cos, -flux_cos * cos, -sin_cos);
-        self.width_squared += dot(&row.flux, &row.solid_angle) / 12.0;
-        self.luminance_squared += dot(&row.luminance, &row.flux);
-        self.luminance_cubed += dot(&row.luminance, &row.square);
-        self.add_top(row, columns, [sin, cos]);
+        self.top += top * DVec3::new(sin, cos, sin);
     }
+}
 
-    /// Add the pixels of a row that are at the peak.
-    #[inline(always)]
-    fn add_top(&mut self, row: &mut CoveredPixels, columns: &ColumnAngles<&[f64]>, [sin, cos]: [f64; 2]) {
-        if row.find_top(TOP * self.peak) {
-            let (flags, top) = &row.top;
-            let [top_sin, top_cos] = [columns.sin, columns.cos].map(|of| sin * dot(of, top));
-            self.top += DVec3::new(top_sin, cos * dot(flags, &row.solid_angle), -top_cos);
-        }
+/// Azimuth of a column of the map.
+#[derive(Clone, Copy, Debug)]
+pub struct ColumnAngle {
+    width: f64,
+    sin: f64,
+    cos: f64,
+}
+
+impl ColumnAngle {
+    /// The column between two azimuths.
+    pub fn new(edges: &[f64]) -> Self {
+        let (sin, cos) = (0.5 * (edges[0] + edges[1])).sin_cos();
+        Self { width: edges[1] - edges[0], sin, cos }
+    }
+}
+
+/// Polar angle of a row of the map.
+#[derive(Clone, Copy, Debug)]
+pub struct RowAngle {
+    sin: f64,
+    cos: f64,
+    /// `cos theta_top - cos theta_bottom`.
+    band: f64,
+}
+
+impl RowAngle {
+    /// The row between two polar angles.
+    pub fn new(edges: &[f64]) -> Self {
+        let (sin, cos) = (0.5 * (edges[0] + edges[1])).sin_cos();
+        Self { sin, cos, band: band_heights(edges)[0] }
+    }
+}
+
+/// Luminance on both sides of a light's edge, which determines the coverage of the pixels that the edge cuts.
+///
+/// A pixel of the luminance `y` is covered to the part `c = (y - B) / (P - B)`. The share `1 - (1 - c) B / y` of its
+/// radiance is the light's; the remainder is background.
+#[derive(Clone, Copy, Debug)]
+pub struct LightEdge {
+    /// Peak of the light.
+    pub peak: f32,
+    /// Local background.
+    pub background: f32,
+}
+
+impl LightEdge {
+    /// Coverage of a pixel of this luminance, and the light's share of its radiance; `None` for noise.
+    fn coverage_and_share(self, y: f32) -> Option<[f32; 2]> {
+        let coverage = ((y - self.background) / (self.peak - self.background)).min(1.0);
+        let share = 1.0 - (1.0 - coverage) * self.background / y;
+        (coverage >= LEAST_COVERAGE).then_some([coverage, share])
     }
 }
 
@@ -236,16 +296,15 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// The light of a row of pixels: with dot products, and pixel after pixel by the formulas above.
+    /// The light of a row of pixels: row by row, and pixel after pixel by the formulas above.
     fn both_ways(pixels: &[[f32; 3]], theta: f64) -> [LightMoments; 2] {
         const BAND: f64 = 0.02;
         let (peak, background) = (10.0_f32, 1.0_f32);
         let edges: Vec<f64> = (0..=pixels.len()).map(|i| 0.03 * i as f64 + 2.0).collect();
-        let mut columns = ColumnAngles::default();
-        edges.windows(2).for_each(|edge| columns.push(edge, true));
-        let (mut row, mut light) = (CoveredPixels::default(), LightMoments::of_peak(peak));
-        row.refill(pixels, &columns.width, BAND, peak, background);
-        light.add(&mut row, &columns.at(0..pixels.len()), theta.sin_cos().into());
+        let columns: Vec<ColumnAngle> = edges.windows(2).map(ColumnAngle::new).collect();
+        let row = RowAngle { sin: theta.sin(), cos: theta.cos(), band: BAND };
+        let mut light = LightMoments::of_peak(peak);
+        light.add(pixels, &columns, row, LightEdge { peak, background });
         let mut plain = LightMoments::of_peak(peak);
         for (pixel, edge) in pixels.iter().zip(edges.windows(2)) {
             let y = crate::kernels::image::luminance(pixel.map(f64::from));

@@ -1,4 +1,4 @@
-//! The selection of lights: the dimmest are dropped, then neighbours are merged until few enough are left.
+//! The selection of lights: the dimmest are dropped, then neighbours are merged until few enough remain.
 //!
 //! Mergers follow Ward's linkage (1963) with the flux as weight. Merge the two lights of the lowest cost,
 //!
@@ -14,7 +14,7 @@ use super::light_moments::LightMoments;
 /// square of their number.
 const MOST_IN_PAIRS: usize = 2048;
 
-/// The lights that are left, and what became of those that were measured.
+/// The selected lights, and the light that each measured one became part of.
 pub struct Selection {
     /// Most flux first.
     pub lights: Vec<LightMoments>,

@@ -4,6 +4,7 @@
 //! |----------------------------------------------------|--------------------------|
 //! | reduced luminance of the map                       | `working_image.rs`       |
 //! | threshold above which a pixel is bright            | `threshold.rs`           |
+//! | pixels above it                                    | `bright_pixels.rs`       |
 //! | neighbours on the sphere, runs of pixels in a row  | `adjacency.rs`, `run.rs` |
 //! | component tree                                     | `components.rs`          |
 //! | - union-find                                       | `forest.rs`              |
@@ -11,7 +12,6 @@
 //! | outlines                                           | `outline.rs`             |
 //! | local backgrounds                                  | `background.rs`          |
 //! | measurement                                        | `measure.rs`             |
-//! | - coverage of each pixel                           | `coverage.rs`            |
 //! | - sums over the pixels of a light                  | `light_moments.rs`       |
 //! | - dot products in wide vectors                     | `dot_product.rs`         |
 //! | window bars                                        | `bars.rs`                |
@@ -21,8 +21,8 @@ pub mod adjacency;
 pub mod background;
 pub mod bars;
 pub mod bridging;
+pub mod bright_pixels;
 pub mod components;
-mod coverage;
 pub mod dot_product;
 mod forest;
 pub mod light_moments;
@@ -31,6 +31,6 @@ pub mod merge;
 pub mod outline;
 pub mod run;
 #[cfg(test)]
-pub mod test_maps;
+pub(super) mod test_maps;
 pub mod threshold;
 pub mod working_image;

@@ -3,6 +3,7 @@
 use ndarray::Array3;
 
 use super::adjacency::Adjacency;
+use super::bright_pixels::bright_pixels;
 use super::components::{self, Segments, TreeRule};
 use super::threshold::{Rule, Threshold};
 use super::working_image::WorkingImage;
@@ -35,12 +36,12 @@ pub fn drawn_from(top: usize, rows: &[&str]) -> WorkingImage {
 
 /// The segments of a test map, before gaps are bridged.
 pub fn segments(working: &WorkingImage, extent: f64) -> Segments {
-    let bright = components::bright_pixels(working, THRESHOLD.luminance);
+    let bright = bright_pixels(working, THRESHOLD.luminance);
     let rule = TreeRule { rise: 2.5, prominence: 4.0, extent };
     components::segments(working, &Adjacency::of(working), &bright, &THRESHOLD, &rule)
 }
 
-/// How many pixels each light has, the smallest first.
+/// Number of pixels of each light, the smallest first.
 pub fn sizes(segments: &Segments) -> Vec<usize> {
     let mut sizes: Vec<usize> = segments.pixels.iter().map(Vec::len).collect();
     sizes.sort_unstable();

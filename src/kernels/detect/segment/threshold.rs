@@ -177,7 +177,7 @@ impl Histogram {
         best
     }
 
-    /// The same histogram with luminance above `most` counted as `most`.
+    /// Histogram with luminance above `most` counted as `most`.
     fn clamped(&self, most: f64) -> Self {
         let last = bin(most as f32);
         let mut parts = self.parts[..=last].to_vec();

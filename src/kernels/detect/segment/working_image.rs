@@ -21,7 +21,7 @@ pub struct WorkingImage {
     pub size: (usize, usize),
     /// Mean luminance by solid angle, row after row.
     pub luminance: Vec<f32>,
-    /// Where the pixels lie on the sphere.
+    /// Edges of the pixels on the sphere.
     pub grid: Grid,
     /// `cos theta_top - cos theta_bottom` of each row.
     pub bands: Vec<f64>,
@@ -75,7 +75,7 @@ impl WorkingImage {
         Ok(Self { size, luminance, grid, bands, block, tile_maxima, flux })
     }
 
-    /// The same pixels with another luminance.
+    /// Copy of the pixels with another luminance.
     #[must_use]
     pub fn with_luminance(&self, luminance: Vec<f32>) -> Self {
         Self::of_luminance(self.grid.clone(), self.block, luminance)
@@ -97,7 +97,7 @@ impl WorkingImage {
         Self { size, luminance, grid, bands, block, tile_maxima, flux }
     }
 
-    /// How many columns of a row are as wide as `rows` rows are high: at most half a turn.
+    /// Number of columns that are as wide as `rows` rows are high: at most half a turn.
     pub fn columns_across(&self, row: usize, rows: usize) -> usize {
         let edges = &self.grid.theta_edges[row..row + 2];
         let columns = (rows as f64 / (0.5 * (edges[0] + edges[1])).sin()) as usize;
@@ -129,7 +129,7 @@ fn raise(largest: &mut [f32], row: &[f32]) {
     }
 }
 
-/// How the map's pixels make the pixels of the working image.
+/// Reduction of the map's pixels to those of the working image.
 struct Reduction<'a> {
     radiance: ArrayView3<'a, f32>,
     block: usize,

@@ -1,10 +1,10 @@
-//! How much of a map is clipped: of its sphere, and of its flux.
+//! The clipped fraction of a map's sphere and of its flux.
 
 use ndarray::ArrayView3;
 use rayon::prelude::*;
 
-use super::clipping::{Ceiling, LEAST_WHITE, Top};
 use crate::error::Result;
+use crate::kernels::detect::clipping::{Ceiling, LEAST_WHITE, Top};
 use crate::kernels::image::{check_rgb, luminance_f32, samples_of};
 use crate::kernels::sphere::{Registration, band_heights};
 
@@ -14,9 +14,9 @@ const MOSTLY_EVEN: f64 = 0.5;
 /// The part of a map that is clipped.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClippedShare {
-    /// Share of the sphere with a sample at the ceiling.
+    /// Fraction of the sphere with a clipped sample.
     pub sphere: f64,
-    /// Share of the luminance flux in those pixels.
+    /// Fraction of the luminance flux in those pixels.
     pub flux: f64,
 }
 

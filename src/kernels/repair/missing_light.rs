@@ -1,4 +1,4 @@
-//! How the light that white has cut off is shared among the clipped pixels.
+//! Distribution of the light that was cut off over the clipped pixels.
 //!
 //! A picture tells where light is missing, not how much of it is missing where. With the solid angle W of a part
 //! of the plateau and the elevation e of its centre, a part gets
@@ -16,14 +16,13 @@ use glam::DVec3;
 use ndarray::{Array2, ArrayView3, Axis};
 use rayon::prelude::*;
 
-use super::super::clipping::LEAST_WHITE;
-use super::super::segment::run::Run;
-use super::super::segment::working_image::WorkingImage;
-use super::depth::{self, PixelDirections};
-use super::expansion::expand;
-use super::{necks, order, plateau};
 use crate::error::Result;
 use crate::interrupt;
+use crate::kernels::detect::clipped::depth::{self, PixelDirections};
+use crate::kernels::detect::clipped::{expand, necks, order, plateau};
+use crate::kernels::detect::clipping::LEAST_WHITE;
+use crate::kernels::detect::segment::run::Run;
+use crate::kernels::detect::segment::working_image::WorkingImage;
 use crate::kernels::image::samples_of;
 use crate::kernels::sphere::{Registration, band_heights};
 
@@ -70,8 +69,8 @@ pub fn shares(
 ///
 /// # Errors
 ///
-/// As [`shares`].
-pub fn plateau_depth(
+/// Errors of [`shares`].
+pub fn clipped_depth(
     radiance: ArrayView3<'_, f32>,
     registration: Registration,
     white: f64,
@@ -89,7 +88,7 @@ pub fn plateau_depth(
 struct Clipped<'a> {
     radiance: ArrayView3<'a, f32>,
     block: usize,
-    /// The least sample that is at white.
+    /// The least clipped sample.
     least: f32,
 }
 
@@ -231,7 +230,7 @@ mod tests {
     #[test]
     fn the_plateau_of_a_cap_is_as_deep_as_its_radius() {
         let map = caps(128, &[(DVec3::new(0.3, 0.4, 1.0), 0.3)]);
-        let depth = plateau_depth(map.view(), Registration::CellCentred, 1.0, 256, 0.0).unwrap();
+        let depth = clipped_depth(map.view(), Registration::CellCentred, 1.0, 256, 0.0).unwrap();
         assert_eq!(depth.dim(), (128, 256));
         let deepest = depth.iter().copied().fold(0.0, f32::max);
         assert_relative_eq!(f64::from(deepest), 0.3, epsilon = 0.025);
