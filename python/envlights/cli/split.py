@@ -8,30 +8,22 @@ from pathlib import Path
 
 import click
 
-from envlights.cli.outputs import check_output, default_of, output_option, say_written
-from envlights.detection.detect import METHODS, detect
+from envlights.cli.outputs import check_output, output_option, say_written
 from envlights.detection.split import Split, split
 from envlights.envmap import EnvMap
 from envlights.export.targets import SUFFIXES
 from envlights.io.files import PICTURES
 
-#: Formats of the map that is left.
+#: Formats of the rest of the map.
 MAPS = (".exr", ".hdr")
 
 
 @click.command("split")
 @click.argument("map_path", metavar="MAP")
 @click.option(
-    "-n", "--lights", type=int, help="Take this many lights, at most, brightest first: 1, the sun."
+    "-n", "--lights", type=int, help="Largest number of lights, brightest first: 1 for the sun."
 )
-@click.option("--share", type=float, help="Take the fewest with this share of all lights: 0.9.")
-@click.option(
-    "--method",
-    type=click.Choice(list(METHODS)),
-    default=default_of(detect, "method"),
-    show_default=True,
-    help="How bright places are found.",
-)
+@click.option("--share", type=float, help="Remove the fewest with this share of their flux: 0.9.")
 @output_option(
     "Write the map without the lights (.exr, .hdr), the lights for a program that the suffix names,"
     " .json for envlights itself (see envlights export -h), or a picture (.png, .pdf, .svg); may be"
@@ -42,19 +34,18 @@ def command(
     map_path: str,
     lights: int | None,
     share: float | None,
-    method: str,
     outputs: Sequence[str],
     as_json: bool,
 ) -> None:
-    """Take the lights out of MAP (.hdr, .exr, .png, .jpg, .tif)."""
+    """Remove the lights from MAP (.hdr, .exr, .png, .jpg, .tif)."""
     for output in outputs:
         check_output(output, (*SUFFIXES, *MAPS, *PICTURES), {"the map": map_path})
     env = EnvMap.open(map_path)
-    parts = split(env, lights, share=share, method=method)
+    parts = split(env, lights, share=share)
     for output in outputs:
         _write(env, parts, output)
-    taken = parts.lights
-    click.echo(json.dumps(taken.to_dict(), indent=2) if as_json else str(taken))
+    removed = parts.lights
+    click.echo(json.dumps(removed.to_dict(), indent=2) if as_json else str(removed))
     say_written(outputs)
 
 

@@ -1,4 +1,4 @@
-"""A map, what is left of it without its lights, and what was taken."""
+"""Picture of a map, of its rest without lights, and of the removed lights."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from envlights import _thumbnails
+from envlights.detection.removed_lights import RemovedLights
 from envlights.detection.split import Split
-from envlights.detection.taken import TakenLights
 from envlights.envmap import AnyMap, EnvMap, as_envmap
 from envlights.kernels.image import LUMINANCE
 from envlights.plot.figure import Picture, check_is
@@ -23,7 +23,7 @@ from envlights.plot.markers import (
 
 
 def split_picture(env: AnyMap, parts: Split) -> Picture:
-    """Draw a map, what is left of it, and what was taken, all in the exposure of the map.
+    """Draw a map, its rest, and the removed lights, all in the exposure of the map.
 
     Parameters
     ----------
@@ -48,28 +48,27 @@ def split_picture(env: AnyMap, parts: Split) -> Picture:
     env = as_envmap(env)
     lights = parts.lights
     figure = Picture(figsize=(9, 15))
-    on_map, on_rest, on_taken = np.ravel(figure.subplots(3, 1))
+    on_map, on_rest, on_removed = np.ravel(figure.subplots(3, 1))
     whole, rest = working(env), working(parts.rest)
     ground = exposed(whole)
     draw_ground(on_map, ground.codes)
     draw_ground(on_rest, _thumbnails.exposed(rest, ground.white))
-    # What a channel has gained, where one light has several colours, is no light.
-    draw_ground(on_taken, _thumbnails.exposed(np.maximum(whole - rest, 0), ground.white))
-    _draw_marks(on_taken, lights)
+    draw_ground(on_removed, _thumbnails.exposed(np.maximum(whole - rest, 0), ground.white))
+    _draw_marks(on_removed, lights)
     brightest, left = _brightest(env), _brightest(parts.rest)
     told = (
         f"the map: white is a luminance of {ground.white:.3g}, the brightest pixel has {brightest}"
     )
     on_map.set_title(told, fontsize="small")
-    on_rest.set_title(f"what is left: the brightest pixel has {left}", fontsize="small")
-    on_taken.set_title("what was taken, and its lights", fontsize="small")
+    on_rest.set_title(f"the map without them: the brightest pixel has {left}", fontsize="small")
+    on_removed.set_title("the removed lights", fontsize="small")
     share = 100 * lights.flux_share.sum()
-    figure.suptitle(f"{lights.in_short()} with {share:.3g} % of the flux, taken out of a map")
+    figure.suptitle(f"{lights.in_short()} with {share:.3g} % of the flux, removed from a map")
     return figure
 
 
-def _draw_marks(axes: Axes, lights: TakenLights) -> None:
-    """Draw rings around lights, which leave to be seen what was taken, and their numbers."""
+def _draw_marks(axes: Axes, lights: RemovedLights) -> None:
+    """Draw rings around lights, and their numbers."""
     draw_rims(axes, lights.direction, lights.discs().angular_radius)
     at, areas = degrees(lights.direction), area(lights.share)
     draw_rings(axes, at, areas)

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use ndarray::{ArrayView3, s};
 
-use super::blocks::in_order;
+use super::block_rows::in_order;
 use super::grid::Grid;
 use crate::kernels::sphere::band_heights;
 

@@ -7,7 +7,7 @@ use glam::DVec3;
 use ndarray::{Array3, ArrayView3, Axis, s};
 use rayon::prelude::*;
 
-use super::blocks::BlockRow;
+use super::block_rows::BlockRow;
 use super::grid::Grid;
 use super::parts::{Apart, Block, PART_SHARE, Part, Pixel, parts};
 use super::samples::check_samples;

@@ -1,8 +1,7 @@
-//! Blocks of a map's pixels: the pass over the whole map that reductions make. That of a picture that ends at white,
-//! which expands each pixel first, is `detect/white/reduction.rs`.
+//! The visitor of rows of blocks: every reduction of a map to means over square blocks of pixels.
 //!
-//! A reduction takes the mean of each block in two steps: down the rows of a row of blocks, here, and then
-//! across the columns of each block, where the reductions differ.
+//! The mean of a block takes two steps: down the rows of a row of blocks, here, and then across the columns of each
+//! block, where the reductions differ.
 
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
@@ -12,6 +11,7 @@ use std::ops::Range;
 use ndarray::{ArrayView3, s};
 use pulp::{Arch, Simd, WithSimd};
 
+use super::grid::Grid;
 use crate::kernels::sphere::band_heights;
 
 /// Pixels of a row whose means are taken at once: few enough that the means stay in the first cache, many enough that
@@ -57,6 +57,19 @@ impl<'a> BlockRow<'a> {
         }
         signs
     }
+}
+
+/// Fraction of each row of pixels in the height of its block, and of each column in the width.
+pub(crate) fn block_fractions(pixels: &Grid, block: usize) -> [Vec<f32>; 2] {
+    let fractions = |sizes: &[f64]| -> Vec<f32> {
+        let fractions_of_block = |sizes: &[f64]| {
+            let whole: f64 = sizes.iter().sum();
+            sizes.iter().map(|size| (size / whole) as f32).collect::<Vec<f32>>()
+        };
+        sizes.chunks(block).flat_map(fractions_of_block).collect()
+    };
+    let widths: Vec<f64> = pixels.phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect();
+    [fractions(&band_heights(&pixels.theta_edges)), fractions(&widths)]
 }
 
 /// The samples of some rows of a map, row after row.
