@@ -17,7 +17,7 @@ from tests.helpers import EQUIRECTANGULAR, paths_of_real_maps
 import envlights as el
 from envlights.scene.still_life import Still, still_life
 
-#: Paths of the images from which the error is taken, and of those whose noise is told, over four.
+#: Paths of the images that give the error, and of those that give the noise, over four.
 _EXACT, _NOISY = 200, 128
 _NORMALS, _SOLID_ANGLES = el.kernels.icosphere(5120)
 #: Rows of the map in which the lights are drawn as discs.
@@ -26,7 +26,7 @@ _ROWS = 1024
 
 def main():
     print(
-        f"{'map':>24} {'taken':>9} {'flux':>6} {'closure':>8} {'colour':>8} {'again':>6}"
+        f"{'map':>24} {'removed':>9} {'flux':>6} {'closure':>8} {'colour':>8} {'again':>6}"
         f" {'probe':>7} {'image':>7} {'noise':>7}   noise: map, 1/4, 1/2 of paths; direct light"
     )
     for path in paths_of_real_maps(*EQUIRECTANGULAR):

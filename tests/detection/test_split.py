@@ -1,4 +1,4 @@
-"""Lights taken out of maps: closed forms, closure of energy, and what is left."""
+"""Lights removed from maps: closed forms, closure of energy, and the rest."""
 
 from functools import cache
 
@@ -28,7 +28,7 @@ def world(shapes, height=128, background=SKY):
 def closure(env, lights, rest):
     """Relative difference of map and rest with lights at normals that see each light whole or not.
 
-    Without what stands across the directions, which `vector_irradiance` tells.
+    By `vector_irradiance`, so that parts across the directions count.
     """
     cosine = NORMALS @ lights.direction.T
     # A light that reaches a right angle from its direction is seen whole by no surface.
@@ -67,7 +67,7 @@ def test_a_disc_before_an_even_sky_leaves_that_sky(direction):
     np.testing.assert_allclose(lights.flux_share, flux / map_flux, rtol=1e-6)
 
 
-def test_what_is_taken_of_a_disc_is_what_the_disc_gives():
+def test_a_removed_light_gives_what_its_disc_gives():
     radius = np.deg2rad(4.0)
     lights, _ = el.split(world([Disc((1, 0.4, 0.3), 4.0, (90, 60, 30))], height=512))
     # Of radiance L above the sky, a disc gives pi L sin^2 a at normal incidence.
@@ -76,7 +76,7 @@ def test_what_is_taken_of_a_disc_is_what_the_disc_gives():
     np.testing.assert_allclose(lights.angular_radius, radius, rtol=0.02)
 
 
-def test_a_membrane_closes_a_hole_in_a_harmonic_sky():
+def test_the_fill_continues_a_harmonic_sky():
     """The logarithm of tan(theta / 2) solves Laplace's equation on the sphere."""
     theta = np.pi * (np.arange(256) + 0.5) / 256
     sky = 5 + np.log(np.tan(theta / 2))[:, None, None] * np.ones((1, 512, 3))
@@ -87,7 +87,7 @@ def test_a_membrane_closes_a_hole_in_a_harmonic_sky():
         np.testing.assert_allclose(rest.radiance, sky, rtol=2e-3)
 
 
-def test_lights_that_are_apart_are_taken_as_if_alone():
+def test_lights_that_are_apart_are_removed_as_if_alone():
     one, two = Disc((0, 0.2, -1), 3.0, (90, 60, 30)), Disc((1, 0.4, 0.3), 5.0, (9, 30, 60))
     together, alone = el.split(world([one, two])), [el.split(world([each])) for each in (one, two)]
     for light in together.lights:
@@ -108,7 +108,7 @@ def test_a_split_map_is_a_fixed_point():
     np.testing.assert_array_equal(again.radiance, rest.radiance)
 
 
-def test_lights_that_stay_are_found_again_in_what_is_left():
+def test_lights_that_stay_are_found_again_in_the_rest():
     lights, rest = el.split(three(), 1)
     others, nothing = el.split(rest)
     assert (len(lights), len(others), len(el.split(nothing).lights)) == (1, 2, 0)
@@ -142,7 +142,7 @@ def sun_in_a_haze(sun, centre):
     return (sky + disc).astype(np.float32)
 
 
-def test_of_a_haze_only_what_is_too_bright_to_stay_goes_with_the_light():
+def test_only_the_excess_of_a_haze_is_removed_with_the_light():
     up, sun = np.array([0.2, 1, 0]), np.array([1, 0.05, 0.3])
     sun /= np.linalg.norm(sun)
     centre = sun + 0.12 * up
@@ -228,7 +228,7 @@ def test_a_map_upside_down_has_the_same_rest_upside_down():
     )
 
 
-def test_a_red_lamp_before_a_white_wall_takes_no_blue():
+def test_a_red_lamp_on_a_white_wall_removes_no_blue():
     lamp = world([Disc((1, 0.2, 0), 5.0, (1, 1, 1))], background=(0, 0, 0)).radiance
     env = el.EnvMap((1 + lamp * (89, -0.9, -0.95)).astype(np.float32))
     lights, rest = el.split(env)
@@ -351,7 +351,7 @@ def test_a_map_without_lights_stays(value):
     assert el.RemovedLights is type(lights)
 
 
-def test_taken_lights_are_discs_of_what_was_taken():
+def test_removed_lights_are_discs_with_their_irradiance():
     env = three()
     lights, rest = el.split(env)
     np.testing.assert_array_equal(lights.discs().irradiance, lights.irradiance)
@@ -368,7 +368,7 @@ def test_taken_lights_are_discs_of_what_was_taken():
 # Maps
 
 
-def test_a_split_prints_its_lights_and_what_is_left():
+def test_a_split_prints_its_lights_and_the_rest():
     parts = el.split(world([Disc((0, 0, 1), 5.0, (9, 9, 9))]))
     assert str(parts) == f"{parts.lights}\n\nthe map without these lights: {parts.rest}"
     assert "<RemovedLights" not in str(parts)

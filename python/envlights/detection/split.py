@@ -116,7 +116,7 @@ def split(
     -----
     At normal n the removed radiance T gives :math:`n \cdot V` in each channel, with
     :math:`V = \int T \omega\, d\omega`, and the light gives :math:`E\, n \cdot d`. The direction
-    d is that of the luminance of V. Suns differ in one channel by 0.1 to 11 % of that channel,
+    d is that of the luminance of V. Suns differ in one channel by 0.01 to 11 % of that channel,
     because a lens refracts red and blue differently and because of haze; windows that are blue
     above and green below differ more. Where the horizon of a surface cuts a light, the difference
     is that of its shape from a disc.
