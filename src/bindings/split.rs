@@ -17,7 +17,7 @@ pub struct MapSplit {
     map_flux: f64,
     direction: Py<PyArray2<f64>>,
     irradiance: Py<PyArray2<f64>>,
-    flux: Py<PyArray1<f64>>,
+    flux: Py<PyArray2<f64>>,
     solid_angle: Py<PyArray1<f64>>,
     reach: Py<PyArray1<f64>>,
     vectors: Py<PyArray3<f64>>,
@@ -67,7 +67,7 @@ pub fn split_map(
     Ok(MapSplit {
         direction: vectors(|light| light.direction.to_array()),
         irradiance: vectors(|light| light.irradiance.to_array()),
-        flux: numbers(|light| light.flux),
+        flux: vectors(|light| light.flux.to_array()),
         solid_angle: numbers(|light| light.solid_angle),
         reach: numbers(|light| light.reach),
         vectors: Array3::from(columns).into_pyarray(py).unbind(),

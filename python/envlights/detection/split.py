@@ -16,6 +16,7 @@ from envlights.detection.component_tree import searched
 from envlights.detection.lights import DetectedLights, DetectionReport
 from envlights.detection.removed_lights import RemovedLights
 from envlights.envmap import AnyMap, EnvMap, as_envmap
+from envlights.kernels.image import LUMINANCE
 
 #: Options of `detect` here: they find what would be a light once the others are gone, because then
 #: the threshold falls (by less than a tenth for most maps) and each share of the flux rises.
@@ -252,7 +253,7 @@ def _removed(
         "direction": parts.direction,
         "irradiance": parts.irradiance,
         "solid_angle": parts.solid_angle,
-        "flux_share": parts.flux / (parts.map_flux or 1.0),
+        "flux_share": parts.flux @ LUMINANCE / (parts.map_flux or 1.0),
         "vector_irradiance": parts.vectors,
         "reach": parts.reach,
         "report": report,

@@ -39,9 +39,8 @@ impl<'a> BlockRow<'a> {
         Self { samples: samples_of(radiance, rows), block, weights, height }
     }
 
-    /// Take the mean of each pixel column, weighted by the heights of the rows, and give it to `visit` in
-    /// strips of whole blocks: the columns of a strip, and their RGB means. Tells whether a sample has a
-    /// minus sign.
+    /// Visit strips of whole blocks: the columns of a strip, and the RGB mean of each pixel column, weighted by the
+    /// heights of the rows. True if a sample has a minus sign.
     pub fn mean(&self, mut visit: impl FnMut(Range<usize>, &mut [f32])) -> bool {
         let rows: Vec<&[f32]> = self.samples.chunks_exact(self.samples.len() / self.weights.len()).collect();
         let width = rows[0].len() / 3;
@@ -82,8 +81,8 @@ pub(super) fn in_order(part: ArrayView3<'_, f32>) -> Cow<'_, [f32]> {
     part.to_slice().map_or_else(|| Cow::Owned(part.iter().copied().collect()), Cow::Borrowed)
 }
 
-/// Mean of the same `samples` of some rows, four rows at a time: fewer passes over what is summed. Tells
-/// whether a sample has a minus sign.
+/// Mean of the same `samples` of some rows, four rows at a time for fewer passes over the sums; true if a sample has a
+/// minus sign.
 struct WeightedMean<'a> {
     rows: &'a [&'a [f32]],
     weights: &'a [f32],

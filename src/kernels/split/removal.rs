@@ -22,8 +22,8 @@ pub struct RemovedLight {
     pub direction: DVec3,
     /// Irradiance of each channel at normal incidence: the component of its vector along the direction.
     pub irradiance: DVec3,
-    /// Integral of the removed luminance.
-    pub flux: f64,
+    /// Integral of the removed radiance in each channel.
+    pub flux: DVec3,
     /// Solid angle of a light of constant luminance with the same flux and the same integral of its square.
     pub solid_angle: f64,
     /// Largest angle from the direction to removed radiance.
@@ -37,14 +37,14 @@ pub struct RemovedLight {
 struct Removal {
     /// Vector irradiance, one column for each channel.
     vectors: DMat3,
-    /// Integral of `Y`.
-    flux: f64,
+    /// Integral of each channel.
+    flux: DVec3,
     /// Integral of `Y^2`.
     squares: f64,
 }
 
 impl Removal {
-    const ZERO: Self = Self { vectors: DMat3::ZERO, flux: 0.0, squares: 0.0 };
+    const ZERO: Self = Self { vectors: DMat3::ZERO, flux: DVec3::ZERO, squares: 0.0 };
 }
 
 impl Add for Removal {
@@ -96,12 +96,13 @@ fn direction(sum: &Removal) -> Option<DVec3> {
 
 fn light(sum: &Removal, direction: DVec3, reach: f64) -> RemovedLight {
     let &Removal { vectors, flux, squares } = sum;
+    let luminous_flux = flux.dot(DVec3::from_array(LUMINANCE));
     RemovedLight {
         direction,
         irradiance: (vectors.transpose() * direction).max(DVec3::ZERO),
         flux,
-        solid_angle: if squares > 0.0 { flux * flux / squares } else { 0.0 },
-        reach: if flux > 0.0 { reach } else { 0.0 },
+        solid_angle: if squares > 0.0 { luminous_flux * luminous_flux / squares } else { 0.0 },
+        reach: if luminous_flux > 0.0 { reach } else { 0.0 },
         vectors,
     }
 }
@@ -172,7 +173,6 @@ struct AzimuthSums {
     sin: DVec3,
     cos: DVec3,
     width: DVec3,
-    flux: f64,
     squares: f64,
 }
 
@@ -193,7 +193,6 @@ fn remove_pixels(
         sums.cos += column.cos * removed;
         sums.width += column.width * removed;
         let luminance = removed.dot(DVec3::from_array(LUMINANCE));
-        sums.flux += column.width * luminance;
         sums.squares += column.width * luminance * luminance;
     }
     sums
@@ -203,6 +202,6 @@ impl AzimuthSums {
     fn integrals(&self, row: &RowIntegrals) -> Removal {
         let axes =
             DMat3::from_cols(row.squares * self.sin, row.products * self.width, -row.squares * self.cos);
-        Removal { vectors: axes.transpose(), flux: row.band * self.flux, squares: row.band * self.squares }
+        Removal { vectors: axes.transpose(), flux: row.band * self.width, squares: row.band * self.squares }
     }
 }
