@@ -13,7 +13,7 @@
 use glam::DVec3;
 
 use super::coarse_map::CoarseMap;
-use super::region::NO_LIGHT;
+use super::light_pixels::NO_LIGHT;
 use crate::interrupt;
 
 /// Largest angle from a light to its glow: 45 degrees, in radians. Without it, the sky over a city at night would be

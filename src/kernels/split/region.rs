@@ -4,11 +4,9 @@ use glam::Vec3A;
 
 use super::coarse_map::CoarseMap;
 use super::glow;
+use super::light_pixels::NO_LIGHT;
 use super::rings::ring_pixels;
 use crate::kernels::image::luminance_f32;
-
-/// Light of a pixel that belongs to none: lights are counted from 1.
-pub const NO_LIGHT: u32 = 0;
 
 /// Coarse pixels from which light is removed.
 pub struct Region {

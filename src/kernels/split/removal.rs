@@ -11,7 +11,8 @@ use rayon::prelude::*;
 use super::cell_integrals::{ColumnIntegrals, RowIntegrals, column_integrals, row_integrals};
 use super::coarse_map::CoarseMap;
 use super::level::{Enlarged, Level};
-use super::region::{NO_LIGHT, Region};
+use super::light_pixels::NO_LIGHT;
+use super::region::Region;
 use crate::interrupt;
 use crate::kernels::image::LUMINANCE;
 

@@ -7,7 +7,7 @@
 use std::f64::consts::PI;
 
 use super::coarse_map::CoarseMap;
-use super::region::NO_LIGHT;
+use super::light_pixels::NO_LIGHT;
 use crate::interrupt;
 
 /// Rings of every light. Its rim is partly its own, and partly what a lens or a reduction has blurred into it.
