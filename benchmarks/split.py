@@ -26,7 +26,7 @@ _ROWS = 1024
 
 def main():
     print(
-        f"{'map':>24} {'taken':>9} {'flux':>6} {'closure':>8} {'colour':>8} {'again':>6}"
+        f"{'map':>24} {'removed':>9} {'flux':>6} {'closure':>8} {'colour':>8} {'again':>6}"
         f" {'probe':>7} {'image':>7} {'noise':>7}   noise: map, 1/4, 1/2 of paths; direct light"
     )
     for path in paths_of_real_maps(*EQUIRECTANGULAR):

@@ -360,7 +360,7 @@ LEFT_OUT = {
     "Split": "comes from split",
     "StopReason": "is an enumeration",
     "Surface": "comes from a scene",
-    "TakenLights": "comes from split",
+    "RemovedLights": "comes from split",
     "TransferReport": "comes from TransferModel.fit",
     "bake": "renders, by Mitsuba",
     "export.add_to_blender": "needs Blender",

@@ -194,7 +194,7 @@ def test_a_split_shows_its_lights_and_the_rest():
     html = split._repr_html_()
     tags_of(html)
     assert html == split.lights._repr_html_() + split.rest._repr_html_()
-    assert html.index("TakenLights") < html.index("EnvMap")
+    assert html.index("RemovedLights") < html.index("EnvMap")
 
 
 def test_long_tables_show_a_dozen_rows_and_say_what_the_rest_hold():

@@ -17,8 +17,8 @@ from envlights.detection.component_tree import detect_tree
 from envlights.detection.detect import detect
 from envlights.detection.lights import DetectedLights, DetectionReport
 from envlights.detection.loghin import detect_article
+from envlights.detection.removed_lights import RemovedLights
 from envlights.detection.split import Split, split
-from envlights.detection.taken import TakenLights
 from envlights.envmap import EnvMap
 from envlights.fitting.fit import fit, fit_probe
 from envlights.lights import Lights
@@ -37,11 +37,11 @@ __all__ = [
     "Lights",
     "MitsubaScene",
     "PaperFit",
+    "RemovedLights",
     "Rig",
     "Split",
     "StopReason",
     "Surface",
-    "TakenLights",
     "TransferModel",
     "TransferReport",
     "bake",

@@ -45,7 +45,6 @@ __all__ = [
     "merge_along_lines",
     "neighbour_maximum",
     "pack_lights",
-    "peaks_of_lights",
     "pixel_directions",
     "pixel_solid_angles",
     "probe_jacobian",
@@ -76,6 +75,10 @@ __all__ = [
 _Reals = NDArray[np.float64]
 _Image = NDArray[np.float32]
 _Indices = NDArray[np.int64]
+#: Ambient and diffuse coefficient and colour of a surface.
+_Coefficients = tuple[float, float, list[float]]
+#: `envlights.detection.split.LightPixels`.
+_LightPixels = tuple[_Indices, _Indices, _Reals, int, float, _Image]
 
 LEAST_WHITE: float
 LUMINANCE: list[float]
@@ -146,6 +149,8 @@ class FitAnswer:
 
 @final
 class MapSplit:
+    rest: _Image
+    map_flux: float
     direction: _Reals
     irradiance: _Reals
     flux: _Reals
@@ -217,15 +222,6 @@ def neighbour_maximum(
     luminance: _Image, pixels: _Indices, reach: int, sphere: bool
 ) -> tuple[_Image, _Indices]: ...
 def pack_lights(ambient: _Reals, directions: _Reals, irradiance: _Reals) -> _Reals: ...
-def peaks_of_lights(
-    radiance: _Image,
-    pixel: NDArray[np.int64],
-    light_of_pixel: NDArray[np.int64],
-    direction: _Reals,
-    block: int,
-    threshold: float,
-    end: float | None,
-) -> NDArray[np.float32]: ...
 def pixel_directions(
     height: int, width: int, border_sampled: bool, top: int, bottom: int
 ) -> _Reals: ...
@@ -235,21 +231,15 @@ def probe_jacobian(
     normals: _Reals,
     probe: _Reals,
     weights: _Reals,
-    k_a: float,
-    k_d: float,
-    colour: list[float],
+    surface: _Coefficients,
 ) -> _Reals: ...
-def probe_model(
-    x: _Reals, normals: _Reals, k_a: float, k_d: float, colour: list[float]
-) -> _Reals: ...
+def probe_model(x: _Reals, normals: _Reals, surface: _Coefficients) -> _Reals: ...
 def probe_residual(
     x: _Reals,
     normals: _Reals,
     probe: _Reals,
     weights: _Reals,
-    k_a: float,
-    k_d: float,
-    colour: list[float],
+    surface: _Coefficients,
 ) -> _Reals: ...
 def radical_inverse(index: int, base: int) -> float: ...
 def reduced_luminance(radiance: _Image, columns: int, border_sampled: bool) -> _Image: ...
@@ -264,18 +254,7 @@ def rig_irradiance(
     floor: bool,
 ) -> _Reals: ...
 def rotated(radiance: _Image, matrix: _Reals) -> _Image: ...
-def split_map(
-    radiance: _Image,
-    pixel: NDArray[np.int64],
-    light_of_pixel: NDArray[np.int64],
-    direction: _Reals,
-    block: int,
-    threshold: float,
-    end: float | None,
-    luminance: NDArray[np.float32] | None,
-    border_sampled: bool,
-    rest: _Image,
-) -> MapSplit: ...
+def split_map(radiance: _Image, border_sampled: bool, lights: _LightPixels) -> MapSplit: ...
 def sum_over_sources(
     normals: _Reals,
     directions: _Reals,

@@ -48,38 +48,40 @@ pub fn unpack_lights<'py>(py: Python<'py>, x: PyReadonlyArray1<'py, f64>) -> PyR
     Ok((ambient, directions.into_pyarray(py), irradiance.into_pyarray(py)))
 }
 
+/// Ambient and diffuse coefficient and colour of a surface.
+type Coefficients = (f64, f64, [f64; 3]);
+
+fn surface_of((k_a, k_d, colour): Coefficients) -> Surface {
+    Surface { k_a, k_d, colour: colour.into() }
+}
+
 /// See `envlights.kernels.probe_model`.
 #[pyfunction]
 pub fn probe_model<'py>(
     py: Python<'py>,
     x: PyReadonlyArray1<'py, f64>,
     normals: PyReadonlyArray2<'py, f64>,
-    k_a: f64,
-    k_d: f64,
-    colour: [f64; 3],
+    surface: Coefficients,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let (x, normals) = (x.as_array(), normals.as_array());
-    let surface = Surface { k_a, k_d, colour: colour.into() };
+    let surface = surface_of(surface);
     let out = interruptible(py, || madsen::model(x, normals, &surface))?;
     Ok(out.into_pyarray(py))
 }
 
 /// See `envlights.kernels.probe_residual`.
 #[pyfunction]
-#[expect(clippy::too_many_arguments, reason = "the equations name as many")]
 pub fn probe_residual<'py>(
     py: Python<'py>,
     x: PyReadonlyArray1<'py, f64>,
     normals: PyReadonlyArray2<'py, f64>,
     probe: PyReadonlyArray2<'py, f64>,
     weights: PyReadonlyArray1<'py, f64>,
-    k_a: f64,
-    k_d: f64,
-    colour: [f64; 3],
+    surface: Coefficients,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let (x, normals, probe, weights) =
         (x.as_array(), normals.as_array(), probe.as_array(), weights.as_array());
-    let surface = Surface { k_a, k_d, colour: colour.into() };
+    let surface = surface_of(surface);
     let out = interruptible(py, || {
         let measured = ProbeValues::new(normals, probe, weights)?;
         madsen::residual(x, &measured, &surface)
@@ -89,20 +91,17 @@ pub fn probe_residual<'py>(
 
 /// See `envlights.kernels.probe_jacobian`.
 #[pyfunction]
-#[expect(clippy::too_many_arguments, reason = "the equations name as many")]
 pub fn probe_jacobian<'py>(
     py: Python<'py>,
     x: PyReadonlyArray1<'py, f64>,
     normals: PyReadonlyArray2<'py, f64>,
     probe: PyReadonlyArray2<'py, f64>,
     weights: PyReadonlyArray1<'py, f64>,
-    k_a: f64,
-    k_d: f64,
-    colour: [f64; 3],
+    surface: Coefficients,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let (x, normals, probe, weights) =
         (x.as_array(), normals.as_array(), probe.as_array(), weights.as_array());
-    let surface = Surface { k_a, k_d, colour: colour.into() };
+    let surface = surface_of(surface);
     let out = interruptible(py, || {
         let measured = ProbeValues::new(normals, probe, weights)?;
         madsen::jacobian(x, &measured, &surface)

@@ -66,7 +66,7 @@ mod _native {
     #[pymodule_export]
     use super::sphere::{direction_to_uv, pixel_directions, pixel_solid_angles, uv_to_direction};
     #[pymodule_export]
-    use super::split::{MapSplit, peaks_of_lights, split_map};
+    use super::split::{MapSplit, split_map};
     #[pymodule_export]
     use super::transfer::{transfer_columns, transfer_frames, transfer_gram};
 

@@ -8,8 +8,7 @@ from pathlib import Path
 
 import click
 
-from envlights.cli.outputs import check_output, default_of, output_option, say_written
-from envlights.detection.detect import METHODS, detect
+from envlights.cli.outputs import check_output, output_option, say_written
 from envlights.detection.split import Split, split
 from envlights.envmap import EnvMap
 from envlights.export.targets import SUFFIXES
@@ -32,13 +31,6 @@ MAPS = (".exr", ".hdr")
     type=float,
     help="Remove the fewest lights that hold this fraction of the light, such as 0.9.",
 )
-@click.option(
-    "--method",
-    type=click.Choice(list(METHODS)),
-    default=default_of(detect, "method"),
-    show_default=True,
-    help="Method of detection; article: Loghin (2021).",
-)
 @output_option(
     "File to write: the map without the lights (.exr, .hdr), the lights for the program of the"
     " suffix (list: envlights export -h) or a picture (.png, .pdf, .svg). Can be repeated."
@@ -48,7 +40,6 @@ def command(
     map_path: str,
     lights: int | None,
     share: float | None,
-    method: str,
     outputs: Sequence[str],
     as_json: bool,
 ) -> None:
@@ -56,11 +47,11 @@ def command(
     for output in outputs:
         check_output(output, (*SUFFIXES, *MAPS, *PICTURES), {"the map": map_path})
     env = EnvMap.open(map_path)
-    parts = split(env, lights, share=share, method=method)
+    parts = split(env, lights, share=share)
     for output in outputs:
         _write(env, parts, output)
-    taken = parts.lights
-    click.echo(json.dumps(taken.to_dict(), indent=2) if as_json else str(taken))
+    removed = parts.lights
+    click.echo(json.dumps(removed.to_dict(), indent=2) if as_json else str(removed))
     say_written(outputs)
 
 

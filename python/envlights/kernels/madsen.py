@@ -147,7 +147,7 @@ def probe_model(
            [0.1, 0.1, 0.1]])
     """
     surface = _surface(k_a, k_d, C)
-    return _native.probe_model(reals("x", x, 1), reals("normals", normals, 2), *surface)
+    return _native.probe_model(reals("x", x, 1), reals("normals", normals, 2), surface)
 
 
 def probe_residual(
@@ -212,7 +212,7 @@ def probe_residual(
     (array([0.1, 0.1, 0.1]), array([[0. , 0.6, 0.8]]), array([[3., 2., 1.]]))
     """
     measured = _measure(normals, probe, weights)
-    return _native.probe_residual(reals("x", x, 1), *measured, *_surface(k_a, k_d, C))
+    return _native.probe_residual(reals("x", x, 1), *measured, _surface(k_a, k_d, C))
 
 
 def probe_jacobian(
@@ -249,7 +249,7 @@ def probe_jacobian(
     array([-1.,  0.,  0., -1.,  0.,  0.,  0.,  0.])
     """
     measured = _measure(normals, probe, weights)
-    return _native.probe_jacobian(reals("x", x, 1), *measured, *_surface(k_a, k_d, C))
+    return _native.probe_jacobian(reals("x", x, 1), *measured, _surface(k_a, k_d, C))
 
 
 def _measure(

@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from envlights import _thumbnails
+from envlights.detection.removed_lights import RemovedLights
 from envlights.detection.split import Split
-from envlights.detection.taken import TakenLights
 from envlights.envmap import AnyMap, EnvMap, as_envmap
 from envlights.kernels.image import LUMINANCE
 from envlights.plot.figure import Picture, check_is
@@ -48,27 +48,26 @@ def split_picture(env: AnyMap, parts: Split) -> Picture:
     env = as_envmap(env)
     lights = parts.lights
     figure = Picture(figsize=(9, 15))
-    on_map, on_rest, on_taken = np.ravel(figure.subplots(3, 1))
+    on_map, on_rest, on_removed = np.ravel(figure.subplots(3, 1))
     whole, rest = working(env), working(parts.rest)
     ground = expose(whole)
     draw_ground(on_map, ground.codes)
     draw_ground(on_rest, _thumbnails.expose(rest, ground.white))
-    # A channel can gain where one light has several colours; ignore that.
-    draw_ground(on_taken, _thumbnails.expose(np.maximum(whole - rest, 0), ground.white))
-    _draw_marks(on_taken, lights)
+    draw_ground(on_removed, _thumbnails.expose(np.maximum(whole - rest, 0), ground.white))
+    _draw_marks(on_removed, lights)
     brightest, left = _brightest(env), _brightest(parts.rest)
     told = (
         f"the map: white is a luminance of {ground.white:.3g}, the brightest pixel has {brightest}"
     )
     on_map.set_title(told, fontsize="small")
     on_rest.set_title(f"remainder: largest luminance {left}", fontsize="small")
-    on_taken.set_title("removed light, and its lights", fontsize="small")
+    on_removed.set_title("removed light, and its lights", fontsize="small")
     share = 100 * lights.flux_share.sum()
     figure.suptitle(f"{lights.in_short()} with {share:.3g} % of the flux, removed from the map")
     return figure
 
 
-def _draw_marks(axes: Axes, lights: TakenLights) -> None:
+def _draw_marks(axes: Axes, lights: RemovedLights) -> None:
     """Draw rings around lights, and their numbers."""
     draw_rims(axes, lights.direction, lights.discs().angular_radius)
     at, areas = degrees(lights.direction), area(lights.share)

@@ -8,10 +8,10 @@
 //! | luminance                                     | `luminance.rs` |
 //! | a smaller working map, bright cells as points | `reduce.rs`    |
 //! | - and these in parts                          | `parts.rs`     |
-//! | block means                                   | `blocks.rs`    |
+//! | means over blocks of pixels                   | `block_rows.rs`|
 //! | a map after a rotation                        | `rotate.rs`    |
 
-mod blocks;
+mod block_rows;
 mod codes;
 mod grid;
 mod luminance;
@@ -20,7 +20,7 @@ mod reduce;
 mod rotate;
 mod samples;
 
-pub(crate) use blocks::{BlockRow, samples_of};
+pub(crate) use block_rows::{BlockRow, block_fractions, samples_of};
 pub use codes::decoded;
 pub use grid::Grid;
 pub use luminance::{LUMINANCE, LUMINANCE_F32, luminance, luminance_f32};

@@ -7,7 +7,7 @@ use glam::DVec3;
 use ndarray::{Array3, ArrayView3, Axis, s};
 use rayon::prelude::*;
 
-use super::blocks::BlockRow;
+use super::block_rows::BlockRow;
 use super::grid::Grid;
 use super::parts::{Apart, Block, PART_SHARE, Part, Pixel, parts};
 use super::samples::check_samples;
@@ -19,7 +19,7 @@ use crate::kernels::sphere::{Registration, angles, band_heights};
 pub struct WorkingMap {
     /// Mean radiance of each cell by solid angle, (rows, columns, 3); 0 where the cell became a source.
     pub radiance: Array3<f32>,
-    /// Where the cells lie.
+    /// Edges of the cells.
     pub grid: Grid,
     /// Vector irradiance of the cells that became sources, (n, 3 axes, 3 channels).
     pub sources: Array3<f64>,
@@ -32,7 +32,7 @@ pub struct WorkingMap {
 }
 
 impl WorkingMap {
-    /// How far the light of one pixel of the map itself is spread, in a direction: the mean of 1 - cos.
+    /// Spread of the light of one pixel of the map in a direction: the mean of 1 - cos.
     pub fn pixel_spread(&self, direction: DVec3) -> f64 {
         self.pixel.spread(angles(direction).0)
     }
@@ -92,12 +92,12 @@ pub fn reduce(
 struct Flux {
     /// (rows, columns, 3)
     cells: Array3<f64>,
-    /// That of each row.
+    /// Integral over each row.
     rows: Vec<[f64; 3]>,
 }
 
 impl Flux {
-    /// Of the blocks of a map's pixels.
+    /// Integrals over the blocks of a map's pixels.
     fn new(radiance: ArrayView3<'_, f32>, pixels: &Grid, block: usize) -> Result<Self> {
         let (height, width, _) = radiance.dim();
         let widths = widths(&pixels.phi_edges);
@@ -115,7 +115,7 @@ impl Flux {
         Ok(Self { cells, rows })
     }
 
-    /// Take away what the horizon hides of each row.
+    /// Remove the part of each row below the horizon.
     fn hide_below(&mut self, grid: &Grid) {
         let rows = self.cells.outer_iter_mut().zip(&mut self.rows);
         for ((mut cells, sum), edges) in rows.zip(grid.theta_edges.windows(2)) {
@@ -125,12 +125,12 @@ impl Flux {
         }
     }
 
-    /// That of the map, by channel.
+    /// Integral over the map in each channel.
     fn whole(&self) -> [f64; 3] {
         sum(&self.rows)
     }
 
-    /// Take a cell out.
+    /// Remove a cell.
     fn take(&mut self, (row, column): (usize, usize)) {
         self.cells.slice_mut(s![row, column, ..]).fill(0.0);
         let left = self.cells.index_axis(Axis(0), row);
@@ -189,8 +189,7 @@ impl Flux {
     }
 }
 
-/// Sum rows of pixels of these `widths` into the cells that they make. Tells whether a sample has a minus
-/// sign.
+/// Sum rows of pixels of these `widths` into their cells; true if a sample has a minus sign.
 fn add_across(cells: &mut [[f64; 3]], pixels: &BlockRow<'_>, widths: &[f64], block: usize) -> bool {
     let mut cells = cells.iter_mut();
     let height = pixels.height;
@@ -210,7 +209,7 @@ fn sum(fluxes: &[[f64; 3]]) -> [f64; 3] {
     fluxes.iter().fold([0.0; 3], |sum, flux| from_fn(|c| sum[c] + flux[c]))
 }
 
-/// The cells of each row, side by side.
+/// Cells of each row.
 fn rows_of<T: Sync>(cells: &Array3<T>) -> impl IndexedParallelIterator<Item = &[[T; 3]]> {
     let samples = cells.as_slice().unwrap_or(&[]); // as it was made, row after row
     samples.as_chunks::<3>().0.par_chunks(cells.dim().1)

@@ -14,7 +14,7 @@ use ndarray::{Array3, ArrayView3};
 use pulp::Arch;
 use rayon::prelude::*;
 
-use super::blocks::samples_of;
+use super::block_rows::samples_of;
 use super::samples::check_rgb;
 use crate::error::Result;
 use crate::interrupt;

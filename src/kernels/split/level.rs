@@ -1,45 +1,41 @@
-//! The sphere in fewer and fewer pixels, on which a membrane is found from the coarsest to the finest.
-#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+//! One image of the multigrid on which the harmonic fill is solved.
 
 use std::mem::replace;
 
-use glam::Vec4;
+use glam::{DVec3, Vec3A};
 
 use crate::interrupt;
 use crate::kernels::image::Grid;
 use crate::kernels::sphere::band_heights;
 
-/// Red, green, blue, and the bump.
-pub type Value = [f32; 4];
-
-/// One image of the sphere: given pixels, and holes to be closed.
+/// One image of the sphere: known pixels, and holes to fill.
 pub struct Level {
     pub size: (usize, usize),
     grid: Grid,
-    pub values: Vec<Value>,
+    /// Radiance of each pixel.
+    pub values: Vec<Vec3A>,
     is_hole: Vec<bool>,
     /// Flat indices of the holes, in ascending order.
     pub holes: Vec<usize>,
 }
 
 impl Level {
-    /// A level with these holes, in ascending order, of which no value is known.
+    /// A level with these holes, in ascending order, before any value is known.
     pub fn new(grid: Grid, holes: Vec<usize>) -> Self {
         let size @ (height, width) = (grid.theta_edges.len() - 1, grid.phi_edges.len() - 1);
         let mut is_hole = vec![false; height * width];
         for &hole in &holes {
             is_hole[hole] = true;
         }
-        Self { size, grid, values: vec![[0.0; 4]; is_hole.len()], is_hole, holes }
+        Self { size, grid, values: vec![Vec3A::ZERO; is_hole.len()], is_hole, holes }
     }
 
-    /// The level with pixels of twice the size: a hole where no pixel is given.
+    /// The level with pixels of twice the size. A pixel is a hole if all pixels inside it are.
     pub fn coarser(&self) -> Self {
         let grid = self.grid.in_blocks(2);
         let columns = grid.phi_edges.len() - 1;
-        // The first pixel inside of a hole is one.
         let is_first = |&&hole: &&usize| {
-            [hole / self.size.1, hole % self.size.1].iter().all(|place| place.is_multiple_of(2))
+            [hole / self.size.1, hole % self.size.1].iter().all(|position| position.is_multiple_of(2))
         };
         let outer = self.holes.iter().filter(is_first).map(|&hole| self.outside(columns, hole));
         let outer =
@@ -47,26 +43,26 @@ impl Level {
         Self::new(grid, outer)
     }
 
-    /// Let each of these pixels, unless it is a hole, be the mean of those given in a level of half its pixels' size.
+    /// Set each of these pixels, unless it is a hole, to the mean of the known pixels inside it on a finer level.
     pub fn average(&mut self, finer: &Self, pixels: &[usize]) {
         let bands = band_heights(&finer.grid.theta_edges);
         for &pixel in pixels.iter().filter(|&&pixel| !self.is_hole[pixel]) {
-            let (mut sum, mut whole) = ([0.0_f64; 4], 0.0);
-            for fine in finer.inside(self.size.1, pixel) {
-                let weight = if finer.is_hole[fine] { 0.0 } else { bands[fine / finer.size.1] };
+            let (mut sum, mut whole) = (DVec3::ZERO, 0.0);
+            for fine in finer.inside(self.size.1, pixel).filter(|&fine| !finer.is_hole[fine]) {
+                let weight = bands[fine / finer.size.1];
                 whole += weight;
-                sum.iter_mut().zip(finer.values[fine]).for_each(|(s, v)| *s += weight * f64::from(v));
+                sum += weight * finer.values[fine].as_dvec3();
             }
-            self.values[pixel] = sum.map(|sum| (sum / whole) as f32);
+            self.values[pixel] = (sum / whole).as_vec3a();
         }
     }
 
-    /// The pixel of a level with `columns` columns of twice the width in which a pixel lies.
+    /// The pixel that holds another one, in a level with `columns` columns of twice the width.
     pub fn outside(&self, columns: usize, pixel: usize) -> usize {
         pixel / self.size.1 / 2 * columns + pixel % self.size.1 / 2
     }
 
-    /// Whether a pixel is a hole.
+    /// True for a hole.
     pub fn is_hole(&self, pixel: usize) -> bool {
         self.is_hole[pixel]
     }
@@ -79,13 +75,13 @@ impl Level {
         rows.flat_map(move |row| (column..(column + 2).min(width)).map(move |column| row * width + column))
     }
 
-    /// Mark some pixels and those around each, across the seam.
+    /// Mark some pixels and their eight neighbours, across the seam.
     pub fn mark_around(&self, pixels: &[usize], is_marked: &mut [bool]) {
         let (height, width) = self.size;
-        // Those side by side in a row together.
-        for side_by_side in pixels.chunk_by(|&one, &other| other == one + 1 && other % width > 0) {
-            let (row, first) = (side_by_side[0] / width, side_by_side[0] % width);
-            let end = first + side_by_side.len();
+        // Mark each run of neighbours in a row at once.
+        for run in pixels.chunk_by(|&one, &other| other == one + 1 && other % width > 0) {
+            let (row, first) = (run[0] / width, run[0] % width);
+            let end = first + run.len();
             for row in row.saturating_sub(1)..(row + 2).min(height) {
                 let is_marked = &mut is_marked[row * width..(row + 1) * width];
                 is_marked[first.saturating_sub(1)..(end + 1).min(width)].fill(true);
@@ -95,15 +91,18 @@ impl Level {
         }
     }
 
-    /// Start the holes with the values of a coarser level.
+    /// Start the holes from the values of a coarser level.
     pub fn start_from(&mut self, coarser: &Self) {
-        let start = Enlarged::new(coarser, 2, self.size.1);
-        for &index in &self.holes {
-            self.values[index] = start.at(index / self.size.1, index % self.size.1);
+        let (start, width) = (Enlarged::new(coarser, 2, self.size), self.size.1);
+        for row in self.holes.chunk_by(|one, other| one / width == other / width) {
+            let values = start.row(row[0] / width);
+            for &hole in row {
+                self.values[hole] = values.at(hole % width);
+            }
         }
     }
 
-    /// The holes inside pixels of a `coarser` level that are at most so many steps from a rim there.
+    /// The holes inside pixels of a `coarser` level that are at most `steps` steps from a rim there.
     pub fn near_rim(&self, coarser: &Self, steps: usize) -> Vec<usize> {
         let mut is_far = coarser.is_hole.clone();
         let beside = |&hole: &usize| coarser.around(hole).iter().any(|&at| !coarser.is_hole[at]);
@@ -119,7 +118,7 @@ impl Level {
         self.holes.iter().copied().filter(is_near).collect()
     }
 
-    /// The pixels at the four sides of one, across the seam.
+    /// The four direct neighbours of a pixel, across the seam: left, right, above, below.
     fn around(&self, at: usize) -> [usize; 4] {
         let (height, width) = self.size;
         let (row, column) = (at / width, at % width);
@@ -130,11 +129,10 @@ impl Level {
         [left, right, above, below]
     }
 
-    /// Let some holes relax `sweeps` times: each pixel takes the mean of its neighbours (Gauss and Seidel, every second
-    /// pixel first).
+    /// Relax some holes for a number of sweeps of Gauss and Seidel: each takes the mean of its neighbours.
     ///
-    /// In finite volumes on the sphere, two pixels exchange the length of the side that they share over the
-    /// distance of their middles. A row at a pole has no side there. The bump has a source of 1 everywhere.
+    /// In finite volumes on the sphere, two pixels exchange the length of their common side over the distance of their
+    /// centres. The outer side of a row at a pole has no length.
     pub fn relax(&mut self, holes: &[usize], sweeps: usize) {
         let stencils = self.stencils(holes);
         for _ in 0..sweeps {
@@ -148,10 +146,9 @@ impl Level {
     fn stencils(&self, holes: &[usize]) -> Vec<Stencil> {
         let (height, width) = self.size;
         let theta = &self.grid.theta_edges;
-        let bands = band_heights(theta);
         let middles: Vec<f64> = theta.windows(2).map(|edge| 0.5 * (edge[0] + edge[1])).collect();
         let widths: Vec<f64> = self.grid.phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect();
-        // Conductance of the upper side of each row for a width of 1, and of its left and right sides.
+        // Compute the conductance of the upper side of each row for a width of 1, and of its left and right sides.
         let up: Vec<f64> = (0..=height)
             .map(|row| match row {
                 row if row == 0 || row == height => 0.0,
@@ -166,96 +163,105 @@ impl Level {
             let own = widths[column];
             let beside = |other: usize| 2.0 * side[row] / (own + widths[other % width]);
             let conductances = [beside(left), own * up[row], own * up[row + 1]];
-            let share = 1.0 / (conductances.iter().sum::<f64>() + beside(right));
+            let over = 1.0 / (conductances.iter().sum::<f64>() + beside(right));
             Stencil {
                 at: at as u32,
                 right: right as u32,
                 others: [left, above, below].map(|at| at as u32),
-                weights: conductances.map(|conductance| (share * conductance) as f32),
-                source: (share * own * bands[row]) as f32,
+                weights: conductances.map(|conductance| (over * conductance) as f32),
             }
         };
-        // Take every second pixel first, as on a chessboard: none waits for the one before it.
+        // Relax the black pixels of a chessboard first: none of them needs another one.
         let is_black = |&&at: &&usize| (at / width + at % width).is_multiple_of(2);
         let (black, white): (Vec<&usize>, Vec<&usize>) = holes.iter().partition(is_black);
         black.into_iter().chain(white).map(stencil).collect()
     }
 }
 
-/// A pixel, and what it takes from those around it.
+/// Weights of the four neighbours of a pixel in its mean.
 struct Stencil {
     at: u32,
-    /// The pixel at its right.
     right: u32,
-    /// The pixels at its left, above and below.
+    /// The left, upper and lower neighbours.
     others: [u32; 3],
-    /// Their shares; what is missing to 1 is that of the right one.
+    /// Their weights; all four add up to 1.
     weights: [f32; 3],
-    /// What the bump gains.
-    source: f32,
 }
 
 impl Stencil {
-    /// The mean of the neighbours, which is exact where they are alike, for it starts from one of them. That is the
-    /// right one: it has a fourth at least, so that rounding takes nothing below 0.
-    fn mean(&self, values: &[Value]) -> Value {
-        let [right, left, up, down] = [self.right, self.others[0], self.others[1], self.others[2]]
-            .map(|at| Vec4::from_array(values[at as usize]));
+    /// Mean of the neighbours. It is exact if they are equal, because it starts from the right one, and not negative,
+    /// because that one has a quarter of the weight at least.
+    fn mean(&self, values: &[Vec3A]) -> Vec3A {
+        let [right, left, up, down] =
+            [self.right, self.others[0], self.others[1], self.others[2]].map(|at| values[at as usize]);
         let [to_left, to_up, to_down] = self.weights;
-        let beside = right + (left - right) * to_left;
-        (beside + (up - right) * to_up + (down - right) * to_down + Vec4::W * self.source).to_array()
+        right + (left - right) * to_left + (up - right) * to_up + (down - right) * to_down
     }
 }
 
-/// A level in smaller pixels, each between the four nearest of the level.
-struct Enlarged<'a> {
+/// A level in pixels smaller by a whole factor, linear between the centres of the level's pixels.
+pub struct Enlarged<'a> {
     level: &'a Level,
-    /// How many of them lie along the side of a pixel.
-    factor: usize,
-    /// Between which columns of the level each of the smaller ones lies.
-    columns: Vec<Between>,
+    rows: Vec<Neighbours>,
+    columns: Vec<Neighbours>,
 }
 
-/// Between two pixels side by side, or one above the other: the second of them, and its share.
-type Between = (usize, f32);
+/// Two rows or columns of a level on both sides of a smaller pixel, and the weight of the second.
+type Neighbours = (usize, usize, f32);
+
+/// One row of smaller pixels.
+pub struct EnlargedRow<'a> {
+    rows: [&'a [Vec3A]; 2],
+    weight: f32,
+    columns: &'a [Neighbours],
+}
 
 impl<'a> Enlarged<'a> {
-    /// A level in pixels that are `factor` times as small, in so many `columns` at most.
-    fn new(level: &'a Level, factor: usize, columns: usize) -> Self {
-        let columns = (0..columns).map(|column| after(column, factor)).collect();
-        Self { level, factor, columns }
+    /// A level in pixels that are `factor` times as small, with this number of rows and columns.
+    pub fn new(level: &'a Level, factor: usize, (height, width): (usize, usize)) -> Self {
+        let (last_row, last_column) = (level.size.0 - 1, level.size.1 - 1);
+        let rows = (0..height).map(|row| {
+            let (second, weight) = second(row, factor);
+            (second.saturating_sub(1), second.min(last_row), weight)
+        });
+        let columns = (0..width).map(|column| {
+            let (second, weight) = second(column, factor);
+            let first = if second > 0 { second - 1 } else { last_column };
+            (first, if second > last_column { 0 } else { second }, weight)
+        });
+        Self { level, rows: rows.collect(), columns: columns.collect() }
     }
 
-    fn at(&self, row: usize, column: usize) -> Value {
-        let ((right, share), width) = (self.columns[column], self.level.size.1);
-        let left = if right > 0 { right - 1 } else { width - 1 };
-        let right = if right < width { right } else { 0 };
-        let rows = after(row, self.factor);
-        between(self.in_rows(rows, left), self.in_rows(rows, right), share).to_array()
-    }
-
-    /// The value of a column of the level between two of its rows.
-    #[inline(always)]
-    fn in_rows(&self, (below, share): Between, column: usize) -> Value {
-        let (height, width) = self.level.size;
-        let [above, below] = [below.saturating_sub(1), below.min(height - 1)].map(|row| row * width + column);
-        between(self.level.values[above], self.level.values[below], share).to_array()
+    /// One row of smaller pixels.
+    pub fn row(&self, row: usize) -> EnlargedRow<'_> {
+        let (above, below, weight) = self.rows[row];
+        let width = self.level.size.1;
+        let rows = [above, below].map(|row| &self.level.values[row * width..(row + 1) * width]);
+        EnlargedRow { rows, weight, columns: &self.columns }
     }
 }
 
-/// The first pixel whose middle is beyond that of one of pixels `factor` times as small, and how far that one is on the
-/// way there from the pixel before.
-#[inline(always)]
-pub fn after(place: usize, factor: usize) -> Between {
-    let share = ((place % factor) as f32 + 0.5) / factor as f32 - 0.5;
-    if share < 0.0 { (place / factor, share + 1.0) } else { (place / factor + 1, share) }
+impl EnlargedRow<'_> {
+    /// Value at a column.
+    #[inline]
+    pub fn at(&self, column: usize) -> Vec3A {
+        let (left, right, weight) = self.columns[column];
+        let [above, below] = self.rows;
+        let between = |column: usize| interpolated(above[column], below[column], self.weight);
+        interpolated(between(left), between(right), weight)
+    }
 }
 
-/// A value on the way from one to another.
-#[inline(always)]
-fn between(one: Value, other: Value, share: f32) -> Vec4 {
-    let (one, other) = (Vec4::from_array(one), Vec4::from_array(other));
-    one + share * (other - one)
+/// The first pixel whose centre is beyond that of a pixel `factor` times as small, and its weight.
+fn second(small: usize, factor: usize) -> (usize, f32) {
+    let offset = ((small % factor) as f32 + 0.5) / factor as f32 - 0.5;
+    if offset < 0.0 { (small / factor, offset + 1.0) } else { (small / factor + 1, offset) }
+}
+
+/// Linear interpolation that is exact between equal values.
+#[inline]
+fn interpolated(first: Vec3A, second: Vec3A, weight: f32) -> Vec3A {
+    first + weight * (second - first)
 }
 
 #[cfg(test)]
@@ -264,19 +270,50 @@ mod tests {
     use crate::kernels::sphere::Registration;
 
     #[test]
-    fn what_is_many_steps_from_a_rim_is_not_near_it() {
+    fn a_hole_many_steps_from_a_rim_is_not_near_it() {
         let grid = Grid::of_pixels(64, 128, Registration::CellCentred);
-        // Across the seam.
+        // Use a hole across the seam.
         let is_hole = |row: usize, column: usize| (10..54).contains(&row) && !(24..104).contains(&column);
-        let places = (0..64).flat_map(|row| (0..128).map(move |column| (row, column)));
-        let places = places.filter(|&(row, column)| is_hole(row, column));
-        let fine = Level::new(grid, places.map(|(row, column)| row * 128 + column).collect());
+        let holes = (0..64 * 128).filter(|pixel| is_hole(pixel / 128, pixel % 128)).collect();
+        let fine = Level::new(grid, holes);
         let near = fine.near_rim(&fine.coarser(), 2);
         for &hole in &fine.holes {
             let (row, column) = (hole / 128, (hole + 64) % 128);
-            // Pixels to the rim, from 1 on; those of the coarser level come in pairs.
+            // Count pixels to the rim from 1 on; coarser pixels hold two of them.
             let steps = (row - 9).min(54 - row).min(column - 39).min(88 - column);
             assert_eq!(near.contains(&hole), steps <= 6, "row {row}, column {column}");
         }
+    }
+    /// Linear in the row and in the column, and another in each channel.
+    fn ramp(row: f32, column: f32) -> Vec3A {
+        3.0 * row + 5.0 * column + Vec3A::new(0.0, 100.0, 200.0)
+    }
+
+    #[test]
+    fn smaller_pixels_lie_on_the_ramp_between_the_larger_ones() {
+        let mut level = Level::new(Grid::of_pixels(8, 16, Registration::CellCentred), Vec::new());
+        for (at, value) in level.values.iter_mut().enumerate() {
+            *value = ramp((at / 16) as f32, (at % 16) as f32);
+        }
+        for factor in [1, 2, 3, 4, 5, 8] {
+            let enlarged = Enlarged::new(&level, factor, (8 * factor, 16 * factor));
+            let position = |small: usize| (small as f32 + 0.5) / factor as f32 - 0.5;
+            for row in factor..7 * factor {
+                for column in factor..15 * factor {
+                    let expected = ramp(position(row), position(column));
+                    assert!(enlarged.row(row).at(column).abs_diff_eq(expected, 1e-3));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_two_ends_of_a_row_meet_at_the_seam() {
+        let mut level = Level::new(Grid::of_pixels(8, 16, Registration::CellCentred), Vec::new());
+        level.values[..16].fill(Vec3A::ONE);
+        level.values[15] = 9.0 * Vec3A::ONE;
+        let enlarged = Enlarged::new(&level, 2, (16, 32));
+        let row = enlarged.row(0);
+        assert_eq!([0, 1, 30, 31].map(|column| row.at(column).x), [3.0, 1.0, 7.0, 7.0]);
     }
 }

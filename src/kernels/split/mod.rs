@@ -1,125 +1,94 @@
-//! Lights taken out of a map, and their places filled from the surroundings.
+//! Lights removed from a map, and their regions filled from the surroundings.
 //!
-//! [`split`] calls the steps in this order:
+//! | step                                                     | file                 |
+//! |----------------------------------------------------------|----------------------|
+//! | pixels of the detected lights                            | `light_pixels.rs`    |
+//! | the map averaged over blocks of pixels                   | `coarse_map.rs`      |
+//! | the region of each light: its pixels, rim, glare, glow   | `region.rs`          |
+//! | - rings of glare                                         | `rings.rs`           |
+//! | - the bright surroundings                                | `glow.rs`            |
+//! | radiance that solves Laplace's equation in the region    | `harmonic_fill.rs`   |
+//! | - one image of its multigrid                             | `level.rs`           |
+//! | the rest of the map, and the light that was removed      | `removal.rs`         |
+//! | - integrals of the direction over pixels                 | `cell_integrals.rs`  |
 //!
-//! | step                                                     | file           |
-//! |----------------------------------------------------------|----------------|
-//! | the lights as they were found                           | `found.rs`     |
-//! | the map in the pixels in which its lights were found     | `working.rs`   |
-//! | which pixels each light fills: itself, its rim, its glare | `region.rs`   |
-//! | - the glow that would be found as a light without it     | `glow.rs`      |
-//! | the membrane that closes the hole of each light          | `membrane.rs`  |
-//! | - the sphere in fewer and fewer pixels                   | `level.rs`     |
-//! | the lights, each of one direction and one RGB            | `taken.rs`     |
-//! | - their pixels closed, the glow dimmed                   | `close.rs`     |
-//! | - the membrane in the pixels of the map                  | `stretched.rs` |
-//! | - what is left tilted, so that the direction is one      | `tilt.rs`      |
-//! | - what was lost                                          | `loss.rs`      |
-//! | - bands and strips of pixels, channel by channel         | `pixels.rs`, `planes.rs` |
-//! | - their solid angles and directions                      | `cells.rs`     |
-//! | - sums over them                                         | `moments.rs`   |
-//!
-//! A light has one direction and an RGB irradiance. Wherever all of it is before a surface, it gives
-//! `E max(0, n.d)`, and what was taken from the map, `T = L - L'`, gives
+//! In the region of a light, each channel of the rest is the smaller of the map and the fill. So map = rest + light, both
+//! nowhere negative. A surface that faces all of a light receives from the removed radiance `T`
 //!
 //! ```text
-//!   n . V,   V = integral of T(w) w dw        (a vector for each channel)
+//!   n . V,   V = integral of T(w) w dw        (one vector for each channel)
 //! ```
 //!
-//! So map and rest with light are the same where the three vectors are parallel to `d`, and `E` are their
-//! lengths. The lens of a camera refracts red and blue differently, and a halo has another colour than its
-//! lamp: in real maps the vectors stand apart by some hundredths of a degree. `tilt.rs` makes them parallel as
-//! far as that does not show.
+//! A light has one direction `d` and an RGB irradiance `E`, and gives `E n.d`. `d` is the direction of the luminance of V,
+//! so luminance is exact. A channel whose vector has another direction differs by its component across `d`: red and blue
+//! are refracted differently by a lens, and a halo has another colour than its lamp. Callers get all three vectors.
 
-mod cells;
-mod close;
-mod found;
+mod cell_integrals;
+mod coarse_map;
 mod glow;
+mod harmonic_fill;
 mod level;
-mod loss;
-mod membrane;
-mod moments;
-mod pixels;
-mod planes;
+mod light_pixels;
 mod region;
-mod stretched;
-mod taken;
-mod tilt;
-mod working;
+mod removal;
+mod rings;
 
-use ndarray::{ArrayView3, ArrayViewMut3};
+use ndarray::{Array3, ArrayView3};
 use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::interrupt;
-use crate::kernels::image::{self, Grid};
+use crate::kernels::image;
 use crate::kernels::sphere::{self, Registration};
-use cells::Cells;
-pub use found::Found;
-use glow::Bright;
-use level::Level;
-use pixels::Map;
-use region::Regions;
-pub use taken::Taken;
-use working::Working;
+use coarse_map::CoarseMap;
+use harmonic_fill::harmonic_fill;
+pub use light_pixels::LightPixels;
+use region::Region;
+pub use removal::RemovedLight;
 
-/// Take lights out of an equirectangular map of radiance, (height, width, 3), finite and not negative: one for each
-/// direction that was found.
-///
-/// What is left, nowhere negative, is written into `rest`, of the same size.
+/// A map without some lights, and these lights.
+pub struct MapSplit {
+    /// Radiance of the rest, (height, width, 3).
+    pub rest: Array3<f32>,
+    /// Integral of the luminance of the map over the sphere.
+    pub map_flux: f64,
+    /// One light for each direction.
+    pub lights: Vec<RemovedLight>,
+}
+
+/// Remove lights from an equirectangular map of radiance, (height, width, 3), finite and not negative.
 ///
 /// # Errors
 ///
-/// [`Error::NotAMap`], [`Error::OutsideImage`], [`Error::LengthMismatch`], [`Error::WrongColumns`],
-/// [`Error::NotUnit`], [`Error::NoMemory`].
+/// [`crate::error::Error::NotAMap`], [`crate::error::Error::OutsideImage`], [`crate::error::Error::LengthMismatch`],
+/// [`crate::error::Error::WrongColumns`], [`crate::error::Error::NotUnit`], [`crate::error::Error::NoMemory`].
 pub fn split(
     radiance: ArrayView3<'_, f32>,
     registration: Registration,
-    found: &Found<'_>,
-    rest: ArrayViewMut3<'_, f32>,
-) -> Result<Vec<Taken>> {
+    lights: &LightPixels<'_>,
+) -> Result<MapSplit> {
     image::check_rgb(radiance)?;
-    let directions = sphere::unit_vectors("direction", found.directions)?;
+    let directions = sphere::unit_vectors("direction", lights.directions)?;
     let (height, width, _) = radiance.dim();
     sphere::check_memory(&[height, width, 2])?;
-    // What is not in rows one after the other is empty here, and refused for its length.
-    let rest = rest.into_slice().unwrap_or_default();
-    sphere::check_lengths("radiance", radiance.len(), [("rest", rest.len())])?;
     let samples = image::samples_of(radiance, 0..height);
-    let map = samples.as_chunks::<3>().0;
-    let (size, block) = ((height, width), found.block.max(1));
-    let working = Working::of(map, size, registration, block, found.luminance);
-    sphere::check_lengths("pixels", working.size.0 * working.size.1, [("luminance", working.luminances())])?;
-    let members = found.members(working.size)?;
-    // To find what closes the holes takes about as long as to copy the map: two threads do both.
-    let rest = rest.as_chunks_mut::<3>().0;
-    let closed = || closed(&working, &members, directions.len(), found.bright());
-    let ((), (regions, membrane)) = rayon::join(|| copy(map, rest), closed);
-    let map = Map {
-        pixels: map,
-        size,
-        cells: Cells::new(&Grid::of_pixels(height, width, registration)),
-        membrane: &membrane,
-        block,
-        bright: found.bright(),
+    let pixels = samples.as_chunks::<3>().0;
+    let map = CoarseMap::new(pixels, (height, width), registration, lights)?;
+    let members = lights.members(map.size)?;
+    let mut rest = Array3::zeros(radiance.dim());
+    let rest_pixels = rest.as_slice_mut().unwrap_or_default().as_chunks_mut::<3>().0;
+    // The fill takes as long as a copy of the map: two threads do both.
+    let fill = || {
+        let region = Region::new(&map, &members, directions.len(), lights.threshold as f32);
+        let fill = harmonic_fill(map.grid.clone(), region.filled(), |pixel| region.rest(&map, pixel));
+        (region, fill)
     };
-    Ok(taken::take(&map, &Cells::new(&working.grid), &regions, &directions, rest))
+    let ((), (region, fill)) = rayon::join(|| copy(pixels, rest_pixels), fill);
+    let lights = removal::remove(&map, &region, &fill, &directions, rest_pixels);
+    Ok(MapSplit { rest, map_flux: map.flux(), lights })
 }
 
-/// The pixels of the first `taken` lights, and the membrane that closes their holes.
-fn closed(
-    working: &Working<'_>,
-    members: &[(usize, usize)],
-    taken: usize,
-    bright: Bright,
-) -> (Regions, Level) {
-    let regions = region::regions(working, members, taken, bright);
-    let given = |pixel| regions.mean_left(working, pixel);
-    let membrane = membrane::membrane(working.grid.clone(), regions.all_holes.clone(), given);
-    (regions, membrane)
-}
-
-/// Copy a map, so that it can be interrupted.
+/// Copy the pixels of a map in interruptible parts.
 fn copy(map: &[[f32; 3]], rest: &mut [[f32; 3]]) {
     const PIXELS_AT_ONCE: usize = 1 << 18;
     rest.par_chunks_mut(PIXELS_AT_ONCE).zip(map.par_chunks(PIXELS_AT_ONCE)).for_each(|(rest, map)| {

@@ -1,4 +1,4 @@
-"""Lights that were taken out of a map."""
+"""Lights that were removed from a map."""
 
 from __future__ import annotations
 
@@ -13,19 +13,17 @@ from envlights._check import rotation
 from envlights.detection.lights import DetectedLights
 from envlights.lights import Lights
 
-#: Share of a light's irradiance across its direction from which on it is told.
-_NOTED = 1e-3
+#: Least share of a channel across the direction of a light that is printed.
+_PRINTED = 1e-3
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class TakenLights(DetectedLights):
-    r"""Lights that `split` has taken out of a map, brightest first.
+class RemovedLights(DetectedLights):
+    r"""Lights that `split` has removed from a map, brightest first.
 
-    `irradiance` is that at normal incidence, :math:`|\int T \omega\, d\omega|` for the radiance
-    :math:`T` that was taken, so that map and rest with the lights give the same wherever a surface
-    has all of a light before it; that of `DetectedLights` is :math:`\int L\, d\omega`. `direction`,
-    `solid_angle` and `flux_share` are those of what was taken too; the other measurements are
-    those of `detect`.
+    `irradiance` is that at normal incidence, :math:`|\int T \omega\, d\omega|` for the removed
+    radiance :math:`T`. `direction`, `solid_angle` and `flux_share` are those of T too; the other
+    measurements are those of `detect`.
 
     Examples
     --------
@@ -41,17 +39,17 @@ class TakenLights(DetectedLights):
     r""":math:`\int T \omega\, d\omega` of each channel, shape (n, 3 channels, 3 axes)."""
 
     reach: NDArray[np.float64] = None  # type: ignore[assignment]
-    """Angles in radians around the directions within which all lies that was taken, shape (n,).
+    """Angles in radians from the directions to the farthest removed radiance, shape (n,).
 
-    A surface whose normal is less than pi / 2 less this from the direction sees the light whole."""
+    A surface faces all of a light if its normal is less than pi / 2 - reach from the direction."""
 
     @property
     def off_axis(self) -> NDArray[np.float64]:
-        """Share of each channel's vector that stands across the direction, shape (n, 3).
+        """Share of each channel's vector irradiance across the direction, shape (n, 3).
 
-        One light has one direction, which is that of the luminance that was taken. Where a channel
-        has another, as in a window that is blue above and green below, map and rest with lights
-        differ in that channel by at most this share of the light.
+        A light has one direction, that of its luminance. In a channel with another direction, as in
+        a window that is blue above and green below, the rest and the lights together differ from
+        the map by at most this share of the light.
         """
         lengths = np.linalg.norm(self.vector_irradiance, axis=2)
         across = np.cross(self.vector_irradiance, self.direction[:, None])
@@ -65,26 +63,28 @@ class TakenLights(DetectedLights):
         radius = np.minimum(self.angular_radius, np.pi / 2)
         return Lights(self.direction, self.irradiance, radius)
 
-    def rotated(self, matrix: ArrayLike) -> TakenLights:
-        """The lights after a rotation; members and report still tell of the map as it was."""
+    def rotated(self, matrix: ArrayLike) -> RemovedLights:
+        """The lights after a rotation; members and report still describe the map before it."""
         vectors = self.vector_irradiance @ rotation(matrix).T
         return replace(super().rotated(matrix), vector_irradiance=vectors)
 
     def to_dict(self) -> dict[str, Any]:
         """Everything but the times as plain numbers, lists and strings."""
-        # Without the header of detected lights, whose irradiance is another: files are of `Lights`.
+        # Leave out the header of detected lights: files of removed lights are those of `Lights`.
         header = ("format", "version", "frame", "units")
         return {name: value for name, value in super().to_dict().items() if name not in header}
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Lights:  # type: ignore[override]
-        """Read the direction, irradiance and size of taken lights that `save` wrote."""
+        """Read the direction, irradiance and size of removed lights that `save` wrote."""
         return Lights.load(path)
 
     def _together(self) -> str:
-        return f"the lights held {100 * self.flux_share.sum():.3g} % of the flux"
+        return f"the removed lights held {100 * self.flux_share.sum():.3g} % of the flux"
 
     def _remarks(self, row: int) -> str:
         remarks = super()._remarks(row)
         most = self.off_axis[row].max()
-        return f"{remarks}  {100 * most:.2g} % off axis".strip() if most > _NOTED else remarks
+        if most <= _PRINTED:
+            return remarks
+        return f"{remarks}  uneven colour ({100 * most:.2g} %)".strip()

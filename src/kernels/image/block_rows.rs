@@ -1,8 +1,7 @@
-//! Blocks of a map's pixels: the pass over the whole map that reductions make. That of a picture that ends at white,
-//! which expands each pixel first, is `detect/white/reduction.rs`.
+//! The visitor of rows of blocks: every reduction of a map to means over square blocks of pixels.
 //!
-//! A reduction takes the mean of each block in two steps: down the rows of a row of blocks, here, and then
-//! across the columns of each block, where the reductions differ.
+//! The mean of a block takes two steps: down the rows of a row of blocks, here, and then across the columns of each
+//! block, where the reductions differ.
 
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
@@ -12,6 +11,7 @@ use std::ops::Range;
 use ndarray::{ArrayView3, s};
 use pulp::{Arch, Simd, WithSimd};
 
+use super::grid::Grid;
 use crate::kernels::sphere::band_heights;
 
 /// Pixels of a row whose means are taken at once: few enough that the means stay in the first cache, many enough that
@@ -39,9 +39,8 @@ impl<'a> BlockRow<'a> {
         Self { samples: samples_of(radiance, rows), block, weights, height }
     }
 
-    /// Take the mean of each pixel column, weighted by the heights of the rows, and give it to `visit` in
-    /// strips of whole blocks: the columns of a strip, and their RGB means. Tells whether a sample has a
-    /// minus sign.
+    /// Visit strips of whole blocks: the columns of a strip, and the RGB mean of each pixel column, weighted by the
+    /// heights of the rows. True if a sample has a minus sign.
     pub fn mean(&self, mut visit: impl FnMut(Range<usize>, &mut [f32])) -> bool {
         let rows: Vec<&[f32]> = self.samples.chunks_exact(self.samples.len() / self.weights.len()).collect();
         let width = rows[0].len() / 3;
@@ -59,6 +58,19 @@ impl<'a> BlockRow<'a> {
     }
 }
 
+/// Fraction of each row of pixels in the height of its block, and of each column in the width.
+pub(crate) fn block_fractions(pixels: &Grid, block: usize) -> [Vec<f32>; 2] {
+    let fractions = |sizes: &[f64]| -> Vec<f32> {
+        let fractions_of_block = |sizes: &[f64]| {
+            let whole: f64 = sizes.iter().sum();
+            sizes.iter().map(|size| (size / whole) as f32).collect::<Vec<f32>>()
+        };
+        sizes.chunks(block).flat_map(fractions_of_block).collect()
+    };
+    let widths: Vec<f64> = pixels.phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect();
+    [fractions(&band_heights(&pixels.theta_edges)), fractions(&widths)]
+}
+
 /// The samples of some rows of a map, row after row.
 pub(crate) fn samples_of(radiance: ArrayView3<'_, f32>, rows: Range<usize>) -> Cow<'_, [f32]> {
     in_order(radiance.slice_move(s![rows, .., ..]))
@@ -69,8 +81,8 @@ pub(super) fn in_order(part: ArrayView3<'_, f32>) -> Cow<'_, [f32]> {
     part.to_slice().map_or_else(|| Cow::Owned(part.iter().copied().collect()), Cow::Borrowed)
 }
 
-/// Mean of the same `samples` of some rows, four rows at a time: fewer passes over what is summed. Tells
-/// whether a sample has a minus sign.
+/// Mean of the same `samples` of some rows, four rows at a time for fewer passes over the sums; true if a sample has a
+/// minus sign.
 struct WeightedMean<'a> {
     rows: &'a [&'a [f32]],
     weights: &'a [f32],

@@ -1,45 +1,42 @@
-//! The membrane: a smooth radiance in the holes that meets what is around them.
+//! The harmonic fill: radiance in the holes that continues smoothly what surrounds them.
 //!
-//! It solves Laplace's equation on the sphere, for each channel, so that it lies between the darkest and the
-//! brightest pixel around its hole. The coarsest image in which no hole is left starts the next finer one, and
-//! so on (cascadic multigrid: Bornemann and Deuflhard 1996, "The cascadic multigrid method for elliptic
-//! problems"). Each level relaxes no farther from the rim than its sweeps reach: what is inside comes from the coarser one.
-//!
-//! Beside it stands a bump, the solution of Poisson's equation with a source of 1: smooth, 0 at the rim of
-//! each hole and positive inside.
+//! It solves Laplace's equation on the sphere for each channel, so it lies between the darkest and the brightest pixel
+//! around its hole. The coarsest image in which no hole is left starts the next finer one, and so on (cascadic multigrid:
+//! Bornemann and Deuflhard 1996, "The cascadic multigrid method for elliptic problems"). Each level relaxes no farther
+//! from the rim than its sweeps reach; the coarser level provides the inside.
 
+use glam::Vec3A;
 use rayon::prelude::*;
 
 use super::level::Level;
 use crate::kernels::image::Grid;
 
-/// Relaxations of the finest level; each coarser one, with a quarter of the pixels, has twice as many.
+/// Sweeps of the finest level; each coarser one, with a quarter of the pixels, has twice as many.
 const SWEEPS: usize = 10;
-/// Relaxations of a level, at most.
+/// Largest number of sweeps of a level.
 const MOST_SWEEPS: usize = 256;
-/// Rows of the coarsest level, at least.
+/// Least number of rows of the coarsest level.
 const LEAST_ROWS: usize = 4;
 
-/// An image with the holes closed, between pixels that are `given`; its fourth value is the bump. Far from holes, no
-/// value is known.
-pub fn membrane(grid: Grid, holes: Vec<usize>, given: impl Fn(usize) -> [f32; 3] + Sync) -> Level {
+/// An image with filled holes between `known` pixels. Pixels far from holes stay 0.
+pub fn harmonic_fill(grid: Grid, holes: Vec<usize>, known: impl Fn(usize) -> Vec3A + Sync) -> Level {
     // Find the holes of each level, up to one that has none.
     let mut levels = vec![Level::new(grid, holes)];
     while !levels[levels.len() - 1].holes.is_empty() && levels[levels.len() - 1].size.0 > LEAST_ROWS {
         levels.push(levels[levels.len() - 1].coarser());
     }
-    // Average what is given, from the finest level to the coarsest, where a hole needs it.
+    // Average the known pixels that a hole needs, from the finest level to the coarsest.
     let needed = needed(&levels);
-    let known = needed[0].par_iter().filter(|&&pixel| !levels[0].is_hole(pixel));
-    let values: Vec<_> = known.map(|&pixel| (pixel, given(pixel))).collect();
-    for (pixel, [red, green, blue]) in values {
-        levels[0].values[pixel] = [red, green, blue, 0.0];
+    let pixels = needed[0].par_iter().filter(|&&pixel| !levels[0].is_hole(pixel));
+    let values: Vec<_> = pixels.map(|&pixel| (pixel, known(pixel))).collect();
+    for (pixel, value) in values {
+        levels[0].values[pixel] = value;
     }
     for (number, pixels) in needed.iter().enumerate().skip(1) {
         let (finer, coarser) = levels.split_at_mut(number);
         coarser[0].average(&finer[number - 1], pixels);
     }
-    // Close the holes, from the coarsest to the finest.
+    // Fill the holes, from the coarsest level to the finest.
     let mut solved = levels.pop().expect("one level at least");
     if !solved.holes.is_empty() {
         solved.relax(&solved.holes.clone(), MOST_SWEEPS);
@@ -47,7 +44,7 @@ pub fn membrane(grid: Grid, holes: Vec<usize>, given: impl Fn(usize) -> [f32; 3]
     while let Some(mut finer) = levels.pop() {
         finer.start_from(&solved);
         let sweeps = (SWEEPS << levels.len()).min(MOST_SWEEPS);
-        // So many sweeps carry what is at a rim as many pixels far. Farther inside, the coarser level is smooth enough.
+        // Relax only as far from the rim as the sweeps carry; farther inside, the coarser level is smooth enough.
         let near = finer.near_rim(&solved, sweeps / 2);
         finer.relax(&near, sweeps);
         solved = finer;
@@ -55,10 +52,9 @@ pub fn membrane(grid: Grid, holes: Vec<usize>, given: impl Fn(usize) -> [f32; 3]
     solved
 }
 
-/// For each level the pixels on which its holes and those of finer levels depend.
+/// Pixels of each level on which its holes and those of finer levels depend.
 fn needed(levels: &[Level]) -> Vec<Vec<usize>> {
     let mut needed: Vec<Vec<usize>> = Vec::new();
-    // From the coarsest level to the finest.
     for (number, level) in levels.iter().enumerate().rev() {
         let mut is_needed = vec![false; level.values.len()];
         // A hole depends on the pixels around it, and starts from those around the coarser pixel that it is in.
@@ -76,7 +72,7 @@ fn needed(levels: &[Level]) -> Vec<Vec<usize>> {
                 .flat_map(|&pixel| level.inside(coarser.size.1, pixel))
                 .for_each(|pixel| is_needed[pixel] = true);
         }
-        // In their order, they are read as they lie in memory.
+        // Keep the order of memory.
         needed.push((0..is_needed.len()).filter(|&pixel| is_needed[pixel]).collect());
     }
     needed.reverse();
@@ -90,32 +86,27 @@ mod tests {
 
     const SIZE: (usize, usize) = (64, 128);
 
-    /// An image of this radiance at each row and column, after the pixels of a hole were closed.
-    fn closed(
+    /// An image of this radiance at each row and column, in which the holes were filled.
+    fn filled(
         radiance: impl Fn(usize, usize) -> f32,
         is_hole: impl Fn(usize, usize) -> bool,
-    ) -> Vec<[f32; 4]> {
-        let places = || (0..SIZE.0).flat_map(|row| (0..SIZE.1).map(move |column| (row, column)));
-        // What stands in the hole must not matter.
-        let given = |row, column| if is_hole(row, column) { 1e6 } else { radiance(row, column) };
-        let map: Vec<[f32; 3]> = places().map(|(row, column)| [given(row, column); 3]).collect();
+    ) -> Vec<[f32; 3]> {
+        let pixels = || (0..SIZE.0).flat_map(|row| (0..SIZE.1).map(move |column| (row, column)));
+        let mut image: Vec<[f32; 3]> = pixels().map(|(row, column)| [radiance(row, column); 3]).collect();
         let grid = Grid::of_pixels(SIZE.0, SIZE.1, Registration::CellCentred);
-        let is_hole: Vec<bool> = places().map(|(row, column)| is_hole(row, column)).collect();
-        let holes = (0..is_hole.len()).filter(|&pixel| is_hole[pixel]).collect();
-        let solved = membrane(grid, holes, |pixel| map[pixel]);
-        let pixels = places().zip(solved.values).zip(is_hole);
-        let value = |(((row, column), value), is_hole)| {
-            if is_hole {
-                value
-            } else {
-                [radiance(row, column), radiance(row, column), radiance(row, column), 0.0]
-            }
-        };
-        pixels.map(value).collect()
+        let is_hole: Vec<bool> = pixels().map(|(row, column)| is_hole(row, column)).collect();
+        let holes: Vec<usize> = (0..is_hole.len()).filter(|&pixel| is_hole[pixel]).collect();
+        // The radiance inside a hole must not matter.
+        let known = |pixel: usize| if is_hole[pixel] { Vec3A::splat(1e6) } else { image[pixel].into() };
+        let solved = harmonic_fill(grid, holes.clone(), known);
+        for hole in holes {
+            image[hole] = solved.values[hole].to_array();
+        }
+        image
     }
 
     /// Largest difference of two images in red, green and blue.
-    fn difference(one: &[[f32; 4]], other: &[[f32; 4]]) -> f32 {
+    fn difference(one: &[[f32; 3]], other: &[[f32; 3]]) -> f32 {
         let pixels = one.iter().zip(other);
         pixels.flat_map(|(a, b)| (0..3).map(|i| (a[i] - b[i]).abs())).fold(0.0, f32::max)
     }
@@ -129,8 +120,7 @@ mod tests {
     #[test]
     fn an_even_sky_stays_as_it_is() {
         let wild = |row: usize, column: usize| row < 5 || (row * 31 + column * 17) % 7 < 4 || row > 60;
-        let filled = closed(|_, _| 0.3, wild);
-        assert!(filled.iter().all(|value| value[..3] == [0.3; 3]));
+        assert!(filled(|_, _| 0.3, wild).iter().all(|value| *value == [0.3; 3]));
     }
 
     /// A linear function of the azimuth solves Laplace's equation on the sphere.
@@ -138,8 +128,8 @@ mod tests {
     fn a_ramp_along_the_azimuth_is_continued() {
         let ramp = |_, column| column as f32;
         let hole = |row, column| (16..32).contains(&row) && (48..64).contains(&column);
-        let expected = closed(ramp, |_, _| false);
-        let error = difference(&closed(ramp, hole), &expected);
+        let expected = filled(ramp, |_, _| false);
+        let error = difference(&filled(ramp, hole), &expected);
         assert!(error < 1e-3, "{error} of a ramp of 16");
     }
 
@@ -149,12 +139,12 @@ mod tests {
         let theta = |row| std::f32::consts::PI * (row as f32 + 0.5) / SIZE.0 as f32;
         let fall = |row, _| 9.0 + (0.5 * theta(row)).tan().ln();
         let hole = |row, column| (16..32).contains(&row) && (48..64).contains(&column);
-        let error = difference(&closed(fall, hole), &closed(fall, |_, _| false));
+        let error = difference(&filled(fall, hole), &filled(fall, |_, _| false));
         assert!(error < 1e-2, "{error} of a fall of 1");
     }
 
-    /// And the powers of that tangent times waves along the azimuth, here three of them around a cap of 45 degrees: inside
-    /// of a wide hole only what the coarser levels tell.
+    /// And the powers of that tangent times waves along the azimuth, here three of them around a cap of 45 degrees: the
+    /// inside of a wide hole comes from the coarser levels alone.
     #[test]
     fn waves_around_a_wide_cap_fade_towards_its_middle() {
         let (height, width) = (256, 512);
@@ -165,47 +155,42 @@ mod tests {
         };
         let holes: Vec<usize> = (0..height / 4 * width).collect();
         let grid = Grid::of_pixels(height, width, Registration::CellCentred);
-        let solved = membrane(grid, holes.clone(), |pixel| [wave(pixel); 3]);
+        let solved = harmonic_fill(grid, holes.clone(), |pixel| Vec3A::splat(wave(pixel)));
         let error = |&hole: &usize| (solved.values[hole][0] - wave(hole)).powi(2);
-        // It is .0021, as much as where all of the cap relaxes, and .0099 where what is near the rim is too narrow.
+        // The error is 0.0021, as if all of the cap relaxed, and 0.0099 if the relaxed rim is too narrow.
         let rms = (holes.iter().map(error).sum::<f32>() / holes.len() as f32).sqrt();
         assert!(rms < 3e-3, "{rms}");
     }
 
     #[test]
-    fn a_hole_on_the_seam_is_closed_as_elsewhere() {
+    fn a_hole_on_the_seam_is_filled_as_elsewhere() {
         let hole = |row, column: usize| (20..37).contains(&row) && (50..75).contains(&column);
         let turn = |column| (column + SIZE.1 / 2) % SIZE.1;
-        let there = closed(|row, column| uneven(row, turn(column)), |row, column| hole(row, turn(column)));
+        let there = filled(|row, column| uneven(row, turn(column)), |row, column| hole(row, turn(column)));
         let mut back = there.clone();
         for (index, value) in there.iter().enumerate() {
             back[index / SIZE.1 * SIZE.1 + turn(index % SIZE.1)] = *value;
         }
-        let error = difference(&back, &closed(uneven, hole));
+        let error = difference(&back, &filled(uneven, hole));
         assert!(error < 1e-2, "{error}");
     }
 
     #[test]
-    fn a_hole_at_one_pole_is_closed_as_at_the_other() {
+    fn a_hole_at_one_pole_is_filled_as_at_the_other() {
         let hole = |row: usize, _| row < 9;
         let turn = |row| SIZE.0 - 1 - row;
         let mut there =
-            closed(|row, column| uneven(turn(row), column), |row, column| hole(turn(row), column));
+            filled(|row, column| uneven(turn(row), column), |row, column| hole(turn(row), column));
         there = there.chunks(SIZE.1).rev().flatten().copied().collect();
-        let error = difference(&there, &closed(uneven, hole));
+        let error = difference(&there, &filled(uneven, hole));
         assert!(error < 1e-2, "{error}");
     }
 
     #[test]
-    fn a_membrane_lies_between_what_is_around_its_hole() {
+    fn a_fill_lies_between_the_pixels_around_its_hole() {
         let hole = |row: usize, column: usize| row < 12 || (20..37).contains(&row) && column % 40 < 30;
-        let (filled, given) = (closed(uneven, hole), closed(uneven, |_, _| false));
-        let rim = given.iter().map(|value| value[0]);
+        let rim = filled(uneven, |_, _| false).into_iter().map(|value| value[0]);
         let (low, high) = rim.fold((f32::MAX, 0.0_f32), |(low, high), y| (low.min(y), high.max(y)));
-        assert!(filled.iter().all(|value| (low..=high).contains(&value[0])));
-        // The bump is that of the holes alone.
-        for (index, value) in filled.iter().enumerate() {
-            assert_eq!(value[3] > 0.0, hole(index / SIZE.1, index % SIZE.1), "{index}");
-        }
+        assert!(filled(uneven, hole).iter().all(|value| (low..=high).contains(&value[0])));
     }
 }

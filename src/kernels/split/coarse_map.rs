@@ -1,0 +1,132 @@
+//! A map averaged over square blocks of pixels. Few blocks lie near a light, so radiance is averaged on demand.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::{DVec3, Vec3A};
+
+use super::light_pixels::LightPixels;
+use crate::error::Result;
+use crate::kernels::image::{Grid, block_fractions};
+use crate::kernels::sphere::{self, Registration};
+
+/// A map averaged over square blocks of pixels, each of which is one coarse pixel.
+pub struct CoarseMap<'a> {
+    /// Pixels of the map, row after row.
+    pub pixels: &'a [[f32; 3]],
+    /// Height and width of the map.
+    pub map_size: (usize, usize),
+    /// Cells of the map's own pixels.
+    pub pixel_grid: Grid,
+    /// Rows and columns of coarse pixels.
+    pub size: (usize, usize),
+    /// Cells of the coarse pixels.
+    pub grid: Grid,
+    /// Pixels of the map along each side of a coarse pixel.
+    pub block: usize,
+    luminance: &'a [f32],
+    /// Fraction of each row and column of the map in the coarse pixel that holds it.
+    fractions: [Vec<f32>; 2],
+    /// Sine and cosine at the middle of each row and column of coarse pixels.
+    rows: Vec<(f64, f64)>,
+    columns: Vec<(f64, f64)>,
+}
+
+impl<'a> CoarseMap<'a> {
+    /// A map of this height and width in the blocks in which its `lights` were detected.
+    ///
+    /// # Errors
+    ///
+    /// [`crate::error::Error::LengthMismatch`] if the luminance belongs to another number of blocks.
+    pub fn new(
+        pixels: &'a [[f32; 3]],
+        map_size: (usize, usize),
+        registration: Registration,
+        lights: &'a LightPixels<'_>,
+    ) -> Result<Self> {
+        let block = lights.block.max(1);
+        let pixel_grid = Grid::of_pixels(map_size.0, map_size.1, registration);
+        let grid = pixel_grid.in_blocks(block);
+        let middles = |edges: &[f64]| -> Vec<(f64, f64)> {
+            edges.windows(2).map(|edge| (0.5 * (edge[0] + edge[1])).sin_cos()).collect()
+        };
+        let (rows, columns) = (middles(&grid.theta_edges), middles(&grid.phi_edges));
+        let size = (rows.len(), columns.len());
+        sphere::check_lengths("pixels", size.0 * size.1, [("luminance", lights.luminance.len())])?;
+        let fractions = block_fractions(&pixel_grid, block);
+        let luminance = lights.luminance;
+        Ok(Self { pixels, map_size, pixel_grid, size, grid, block, luminance, fractions, rows, columns })
+    }
+
+    /// Mean radiance of a coarse pixel by solid angle: exact if all its pixels are equal.
+    pub fn radiance(&self, pixel: usize) -> Vec3A {
+        let (row, column) = (pixel / self.size.1 * self.block, pixel % self.size.1 * self.block);
+        let (height, width) = self.map_size;
+        let columns = column..(column + self.block).min(width);
+        let first = Vec3A::from_array(self.pixels[row * width + column]);
+        let mut difference = Vec3A::ZERO;
+        for row in row..(row + self.block).min(height) {
+            let pixels = &self.pixels[row * width + columns.start..row * width + columns.end];
+            let weighted = pixels.iter().zip(&self.fractions[1][columns.clone()]);
+            let sum: Vec3A = weighted.map(|(&rgb, &weight)| weight * (Vec3A::from_array(rgb) - first)).sum();
+            difference += self.fractions[0][row] * sum;
+        }
+        first + difference
+    }
+
+    /// Mean luminance of a coarse pixel.
+    pub fn luminance(&self, pixel: usize) -> f32 {
+        self.luminance[pixel]
+    }
+
+    /// Integral of the luminance over the sphere.
+    pub fn flux(&self) -> f64 {
+        let widths: Vec<f64> = self.grid.phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect();
+        let sum = |row: &[f32]| row.iter().zip(&widths).map(|(&y, width)| f64::from(y) * width).sum::<f64>();
+        let rows = self.luminance.chunks(self.size.1).zip(sphere::band_heights(&self.grid.theta_edges));
+        rows.map(|(row, band)| band * sum(row)).sum()
+    }
+
+    /// Direction of the middle of a coarse pixel.
+    pub fn centre(&self, pixel: usize) -> DVec3 {
+        let ((sin, cos), (sin_phi, cos_phi)) =
+            (self.rows[pixel / self.size.1], self.columns[pixel % self.size.1]);
+        DVec3::new(sin_phi * sin, cos, -cos_phi * sin)
+    }
+
+    /// Upper bound of the angle from the middle of a coarse pixel to its corners.
+    pub fn half_diagonal(&self) -> f64 {
+        0.5 * (PI / self.size.0 as f64).hypot(TAU / self.size.1 as f64)
+    }
+
+    /// True if a condition holds for a coarse pixel and all its neighbours; false at the seam and the poles.
+    pub fn is_interior(&self, pixel: usize, holds: impl Fn(usize) -> bool) -> bool {
+        let (height, width) = self.size;
+        let is_at_pole = pixel < width || pixel + width >= height * width;
+        let is_at_seam = pixel.is_multiple_of(width) || (pixel + 1).is_multiple_of(width);
+        let rows = [pixel.wrapping_sub(width), pixel, pixel + width];
+        !is_at_pole && !is_at_seam && rows.into_iter().all(|middle| (middle - 1..=middle + 1).all(&holds))
+    }
+
+    /// The eight neighbours of a coarse pixel, across the seam and the poles.
+    pub fn neighbours(&self, pixel: usize) -> [usize; 8] {
+        let (height, width) = self.size;
+        let (row, column) = (pixel / width, pixel % width);
+        let left = if column > 0 { column - 1 } else { width - 1 };
+        let right = if column + 1 < width { column + 1 } else { 0 };
+        // Beyond a pole lies the same row, half a turn away.
+        let across = |column: usize| row * width + (column + width / 2) % width;
+        let above = |column| if row > 0 { (row - 1) * width + column } else { across(column) };
+        let below = |column| if row + 1 < height { (row + 1) * width + column } else { across(column) };
+        let [own_left, own_right] = [left, right].map(|column| row * width + column);
+        [
+            above(left),
+            above(column),
+            above(right),
+            own_left,
+            own_right,
+            below(left),
+            below(column),
+            below(right),
+        ]
+    }
+}

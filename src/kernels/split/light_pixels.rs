@@ -1,0 +1,46 @@
+//! Pixels of the lights that were detected in a map.
+
+use ndarray::{ArrayView1, ArrayView2};
+
+use crate::error::{Error, Result};
+use crate::kernels::sphere;
+
+/// Light of a pixel that belongs to none: lights are counted from 1.
+pub const NO_LIGHT: u32 = 0;
+
+/// Pixels of detected lights in the image in which they were detected, a map averaged over square blocks.
+pub struct LightPixels<'a> {
+    /// Row and column of each pixel, (k, 2).
+    pub pixels: ArrayView2<'a, i64>,
+    /// Index of the light of each pixel, (k,). Lights without a direction stay in the map.
+    pub light_of_pixel: ArrayView1<'a, i64>,
+    /// A unit vector towards each light to remove, (n, 3).
+    pub directions: ArrayView2<'a, f64>,
+    /// Pixels of the map along each side of a block.
+    pub block: usize,
+    /// Luminance above which detection regards a pixel as bright.
+    pub threshold: f64,
+    /// Mean luminance of each block, row after row.
+    pub luminance: &'a [f32],
+}
+
+impl LightPixels<'_> {
+    /// Flat indices of the pixels in an image of this size, each with its light.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OutsideImage`], [`Error::LengthMismatch`].
+    pub fn members(&self, (height, width): (usize, usize)) -> Result<Vec<(usize, usize)>> {
+        let lengths = [("light_of_pixel", self.light_of_pixel.len())];
+        sphere::check_lengths("pixels", self.pixels.nrows(), lengths)?;
+        let mut members = Vec::with_capacity(self.pixels.nrows());
+        for (index, (pixel, &light)) in self.pixels.rows().into_iter().zip(self.light_of_pixel).enumerate() {
+            let (row, column) = (pixel[0], pixel[1]);
+            if !(0..height as i64).contains(&row) || !(0..width as i64).contains(&column) || light < 0 {
+                return Err(Error::OutsideImage { index, row, column, height, width });
+            }
+            members.push((row as usize * width + column as usize, light as usize));
+        }
+        Ok(members)
+    }
+}
