@@ -47,7 +47,7 @@ mod tests {
         assert_eq!(computed, [1, 2, 1]);
     }
 
-    /// As in a process that was forked while another thread held the lock.
+    /// The state of a process that was forked while another thread held the lock.
     #[test]
     fn a_held_lock_is_not_waited_for() {
         let cache = Cache::new();

@@ -118,8 +118,8 @@ mod tests {
         let values = harmonic_radiance(directions.view()).unwrap();
         let weighted = &values * &solid_angles.insert_axis(Axis(1));
         for ((row, column), product) in values.t().dot(&weighted).indexed_iter() {
-            let wanted = f64::from(row == column);
-            assert!((product - wanted).abs() < 1e-3, "{row}, {column}: {product}");
+            let expected = f64::from(row == column);
+            assert!((product - expected).abs() < 1e-3, "{row}, {column}: {product}");
         }
     }
 

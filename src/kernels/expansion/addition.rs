@@ -17,9 +17,11 @@ use crate::kernels::sphere::{angle_derivatives, angles};
 /// A disc on the sphere.
 #[derive(Clone, Copy, Debug)]
 pub struct Cap {
+    pub direction: DVec3,
     /// Tangents at its centre: towards growing theta, and growing phi.
     pub frame: [DVec3; 2],
-    azimuth: f64,
+    /// Cosine and sine of its azimuth.
+    turn: [f64; 2],
     cosine: f64,
     sine: f64,
     /// A = sin^2(radius / 2): its vector irradiance is 1 - A times its flux.
@@ -34,11 +36,11 @@ impl Cap {
         let (theta, azimuth) = angles(direction);
         let (sine, cosine) = theta.clamp(LEAST_SINE, PI - LEAST_SINE).sin_cos();
         let frame = [angle_derivatives(theta, azimuth)[0], angle_derivatives(0.5 * PI, azimuth)[1]];
-        Self { frame, azimuth, cosine, sine, share }
+        Self { direction, frame, turn: [azimuth.cos(), azimuth.sin()], cosine, sine, share }
     }
 }
 
-/// As many discs as one vector holds numbers, from one order of harmonics to the next.
+/// One disc for each lane of a vector, advanced from one order of harmonics to the next.
 pub struct CapBatch<S: Simd> {
     pub cosine: Lanes<S>,
     pub sine: Lanes<S>,
@@ -59,7 +61,7 @@ impl<S: Simd> CapBatch<S> {
             cosine,
             sine,
             turn: [Lanes::splat(simd, 1.0), Lanes::splat(simd, 0.0)],
-            first_turn: [of(|cap| cap.azimuth.cos()), of(|cap| cap.azimuth.sin())],
+            first_turn: [of(|cap| cap.turn[0]), of(|cap| cap.turn[1])],
             factors: disc_factors(of(|cap| cap.share)),
             legendre: AssociatedLegendre::new(cosine, sine),
         }

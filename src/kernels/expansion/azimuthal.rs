@@ -131,7 +131,7 @@ mod tests {
     use super::*;
     use ndarray::Array3;
 
-    /// With and without folding, in one task and in two.
+    /// Checks rows with and without folding, in one task and in two.
     #[test]
     fn integrals_are_sums_over_cells() {
         for columns in [64, 30] {

@@ -14,7 +14,7 @@ pub struct PointLight {
 }
 
 impl PointLight {
-    /// As a disc of radius 0: the direction, the A, and the flux.
+    /// Direction, A and flux of a disc of radius 0.
     pub fn disc(&self) -> (DVec3, f64, [f64; 3]) {
         (self.direction, 0.0, self.irradiance)
     }

@@ -26,8 +26,9 @@ mod synthesis;
 
 pub use addition::Cap;
 pub use bright_parts::{PointLight, bright_cells, sources_of};
-pub use legendre::disc_series;
-pub use legendre::{AssociatedLegendre, DiscFactors, disc_factors, legendre_derivatives, legendre_values};
+pub use legendre::{
+    AssociatedLegendre, DiscFactors, disc_factors, disc_series, legendre_derivatives, legendre_values,
+};
 pub use spherical_harmonics::{Harmonics, Rgb2};
 pub use synthesis::DiscSum;
 

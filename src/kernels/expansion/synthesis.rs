@@ -74,7 +74,7 @@ impl Harmonics {
 
 /// See [`Harmonics::sums`].
 ///
-/// With `P' = (l cos P_l - b_l P_(l-1)) / sin` by theta, where `b_l = (2l + 1) a_l`, and `P'' = -cot P' + (m^2 / sin^2 -
+/// The derivatives are `P' = (l cos P_l - b_l P_(l-1)) / sin` by theta, where `b_l = (2l + 1) a_l`, and `P'' = -cot P' + (m^2 / sin^2 -
 /// l (l + 1)) P`; along phi the first derivative is `m P / sin`, and the second follows from Laplace's equation.
 struct Synthesis<'a, const N: usize> {
     harmonics: &'a Harmonics,

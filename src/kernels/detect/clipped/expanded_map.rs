@@ -11,8 +11,8 @@ use rayon::prelude::*;
 use super::super::segment::working_image::WorkingImage;
 use super::expansion::expand;
 use crate::error::{Error, Result};
-use crate::kernels::image::{Grid, check_samples, luminance_f32, samples_of};
-use crate::kernels::sphere::{Registration, band_heights};
+use crate::kernels::image::{Grid, block_fractions, check_samples, luminance_f32, samples_of};
+use crate::kernels::sphere::Registration;
 
 /// A map in fewer pixels.
 pub struct ExpandedMap {
@@ -39,7 +39,7 @@ impl ExpandedMap {
         // Cut the map into blocks, one for each working pixel.
         let (pixels, grid, block) = Grid::of_map(radiance, registration, columns)?;
         let (height, width, _) = radiance.dim();
-        let weights = BlockWeights::new(&pixels, block);
+        let [row_fractions, column_fractions] = block_fractions(&pixels, block);
         // Average each block.
         let columns = grid.phi_edges.len() - 1;
         let count = columns * (grid.theta_edges.len() - 1);
@@ -49,10 +49,10 @@ impl ExpandedMap {
             let rows = row * block..((row + 1) * block).min(height);
             let mut sums = ExpandedSums::new(width, (1.0 / end) as f32);
             for row in rows.clone() {
-                sums.add(samples_of(radiance, row..row + 1).as_chunks::<3>().0, weights.rows[row]);
+                sums.add(samples_of(radiance, row..row + 1).as_chunks::<3>().0, row_fractions[row]);
             }
-            across(&mut sums.luminance, &weights.columns, block, luminance);
-            across(&mut sums.expanded, &weights.columns, block, expanded);
+            across(&mut sums.luminance, &column_fractions, block, luminance);
+            across(&mut sums.expanded, &column_fractions, block, expanded);
             (sums.largest, sums.bits)
         };
         let seen = rows.map(reduce).reduce(Default::default, |a, b| (a.0.max(b.0), a.1 | b.1));
@@ -66,26 +66,6 @@ impl ExpandedMap {
         }
         let expanded = working.with_luminance(expanded);
         Ok(Self { working, expanded, maximum: f64::from(f32::from_bits(seen.0)) })
-    }
-}
-
-/// The share of each row and column of pixels in that of its block.
-struct BlockWeights {
-    rows: Vec<f32>,
-    columns: Vec<f32>,
-}
-
-impl BlockWeights {
-    fn new(pixels: &Grid, block: usize) -> Self {
-        let shares = |sizes: &[f64]| -> Vec<f32> {
-            let share = |of: &[f64]| {
-                let whole: f64 = of.iter().sum();
-                of.iter().map(|size| (size / whole) as f32).collect::<Vec<f32>>()
-            };
-            sizes.chunks(block).flat_map(share).collect()
-        };
-        let widths: Vec<f64> = pixels.phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect();
-        Self { rows: shares(&band_heights(&pixels.theta_edges)), columns: shares(&widths) }
     }
 }
 

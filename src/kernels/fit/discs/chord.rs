@@ -22,10 +22,13 @@
 //!   p                                the scale
 //! ```
 //!
-//! and comes from the series of |x - y| = sqrt(2 - 2 c) in Legendre polynomials, whose factors are closed. Most discs
-//! are far apart for their sizes: there `far.rs` takes the place of the table.
+//! and comes from the series of |x - y| = sqrt(2 - 2 c) in Legendre polynomials, whose factors are closed. For most
+//! discs, which are far apart for their sizes, `far.rs` replaces the table.
 
-#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+#![allow(
+    clippy::inline_always,
+    reason = "functions that are not inlined are compiled for the oldest processors"
+)]
 #![allow(clippy::needless_range_loop, reason = "loops, not closures, are inlined")]
 
 use std::f64::consts::PI;
@@ -312,8 +315,8 @@ mod tests {
         #[inline(always)]
         fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
             let mut out = Vec::new();
-            let [c, a, b] = [&self.c, &self.a, &self.b].map(|values| Lanes::of(simd, values));
-            for ((c, a), b) in c.zip(a).zip(b) {
+            for vector in 0..Lanes::<S>::VECTORS {
+                let [c, a, b] = [&self.c, &self.a, &self.b].map(|values| Lanes::at(simd, values, vector));
                 let value = mean_distance::<0, _>(Jet::constant(c), Jet::constant(a), Jet::constant(b)).value;
                 let [c, a, b] = [(c, 0), (a, 1), (b, 2)].map(|(x, k)| Jet::<3, _>::variable(x, k));
                 let Jet { first, second, .. } = mean_distance(c, a, b);

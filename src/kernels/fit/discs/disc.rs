@@ -1,6 +1,9 @@
-//! A disc of uniform radiance, and what depends on where it stands.
+//! A disc of uniform radiance, and derivatives by its coordinates.
 
-#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+#![allow(
+    clippy::inline_always,
+    reason = "functions that are not inlined are compiled for the oldest processors"
+)]
 
 use glam::DVec3;
 

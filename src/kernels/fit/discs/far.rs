@@ -13,12 +13,15 @@
 //!   rho = p ((r/2 - 3/4) c + (1 - r/2) / 6 (1/d^2 + 3/2 - 15 d^2/16) + r/8 (1/d^2 - 1/2 + 9 d^2/16))
 //! ```
 
-#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+#![allow(
+    clippy::inline_always,
+    reason = "functions that are not inlined are compiled for the oldest processors"
+)]
 
 use super::jet::Jet;
 use crate::kernels::lanes::Number;
 
-/// Whether [`far`] is right to 5e-8 of the distance.
+/// True if [`far`] is accurate to 5e-8 of the distance.
 #[inline(always)]
 pub fn are_far([w, _, p]: [f64; 3]) -> bool {
     w < 0.02 && p < 0.01
@@ -35,7 +38,7 @@ pub fn far<const N: usize, T: Number>([w, r, p]: [Jet<N, T>; 3]) -> Jet<N, T> {
     p * (cosine * (r * 0.5 + -0.75) + alike + mixed)
 }
 
-/// The same by its derivatives along w, r and p, up to two together.
+/// Derivatives of rho along w, r and p, up to two together.
 #[inline(always)]
 pub fn far_orders<const ORDERS: usize>(at: [f64; 3]) -> [[[f64; ORDERS]; ORDERS]; ORDERS] {
     let mut out = [[[0.0; ORDERS]; ORDERS]; ORDERS];

@@ -8,7 +8,7 @@
 //! | kernels, and discs, in Legendre polynomials           | `zonal.rs`      |
 //! | numbers with derivatives                              | `jet.rs`        |
 //! | the cone of the kernel, between two discs             | `chord.rs`      |
-//! | - where they are far apart                            | `far.rs`        |
+//! | - for discs that are far apart                        | `far.rs`        |
 //! | a light; bright cells of the map and their cones      | `disc.rs`, `patches.rs` |
 //! | inner products of discs, the map and the ambient term | `target.rs`     |
 //! | radii to start from                                   | `start.rs`      |

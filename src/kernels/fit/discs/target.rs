@@ -157,8 +157,8 @@ impl Target {
         if self.kernel.cone <= 0.0 {
             return smooth();
         }
-        let around = |(disc, &shares): (&Disc, &[f64; 3])| self.patches.distances_to::<N>(disc, shares);
-        let distances = || discs.par_iter().zip(shares).map(around).collect();
+        let around = |(cap, &shares): (&Cap, &[f64; 3])| self.patches.distances_to::<N>(cap, shares);
+        let distances = || caps.par_iter().zip(shares).map(around).collect();
         let (mut sums, distances): (Vec<DiscSum>, Vec<DiscSum>) = rayon::join(smooth, distances);
         for (sum, distances) in sums.iter_mut().zip(&distances) {
             sum.add(distances, -self.kernel.cone);

@@ -19,7 +19,7 @@ use super::jet::Jet;
 use crate::kernels::expansion::{DEGREES, DiscFactors, legendre_derivatives, legendre_values};
 use crate::kernels::sampling::gauss_legendre;
 
-/// How lights are compared with the map.
+/// Kernel by which lights are compared with the map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Comparison {
     /// A white probe with nothing in the way.
@@ -40,7 +40,7 @@ const PROBE_SHARE: f64 = 0.973;
 pub struct Kernel {
     /// Factor of each degree.
     pub whole: [f64; DEGREES],
-    /// The same without its cone.
+    /// Factor of each degree without the cone.
     pub smooth: [f64; DEGREES],
     /// Its cone is this times the chord, taken away.
     pub cone: f64,
@@ -86,14 +86,15 @@ impl Kernel {
     }
 }
 
-/// What |x - y| multiplies harmonics of degree k by when it is convolved with them.
+/// Factor of degree k when harmonics are convolved with |x - y|.
 pub fn chord_factor(k: usize) -> f64 {
     let k = 2.0 * k as f64;
     -16.0 * PI / ((k - 1.0) * (k + 1.0) * (k + 3.0))
 }
 
-/// What the kernels of the probe and of shadows multiply harmonics of each degree by: `2 pi` times the integral of
-/// `K(g) P_k(cos g) sin g`. It is smooth in g, so that Gauss's quadrature is exact to rounding.
+/// Factors of the kernels of the probe and of shadows, by degree.
+///
+/// Each is `2 pi` times the integral of `K(g) P_k(cos g) sin g`, smooth in g, so Gauss's quadrature is exact to rounding.
 static SPECTRA: LazyLock<[[f64; DEGREES]; 2]> = LazyLock::new(|| {
     let (nodes, weights) = gauss_legendre(8 * DEGREES);
     let mut out = [[0.0; DEGREES]; 2];

@@ -17,7 +17,10 @@
 //! heights double its scatter. From ring to ring the normals are turned by the golden section of a step, which spreads
 //! them evenly.
 
-#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+#![allow(
+    clippy::inline_always,
+    reason = "functions that are not inlined are compiled for the oldest processors"
+)]
 #![allow(clippy::needless_range_loop, reason = "loops, not closures, are inlined")]
 
 use std::f64::consts::TAU;
@@ -35,6 +38,7 @@ use crate::kernels::expansion::{
 };
 use crate::kernels::fit::samples::Samples;
 use crate::kernels::image::WorkingMap;
+use crate::kernels::lanes::{Lanes, Number};
 use crate::kernels::sampling::gauss_legendre;
 use crate::kernels::sphere::direction;
 
@@ -63,7 +67,7 @@ pub fn evaluation_probe(map: &WorkingMap, expansion: &Expansion, fewest: usize) 
     let bright: Vec<PointLight> = sources(map).into_iter().chain(bright_cells(map)).collect();
     // Add up what is the same at opposite normals.
     let mut even = &*TURNS * rings.along_orders(&expansion.rest);
-    Arch::new().dispatch(Halves { normals: &rings.halves, bright: &bright, even: even.as_mut_slice() });
+    Arch::new().dispatch(BrightHalves { normals: &rings.halves, bright: &bright, even: even.as_mut_slice() });
     // Add what has the other sign there.
     let mut whole = [0, 1, 2].map(|channel| expansion.rest.moments(channel).1);
     for (c, whole) in whole.iter_mut().enumerate() {
@@ -97,11 +101,11 @@ fn sources(map: &WorkingMap) -> Vec<PointLight> {
 
 /// Rings of normals.
 struct Rings {
-    /// Those that face up, ring after ring, and then their opposites.
+    /// Normals that face up, ring after ring, then their opposites.
     normals: Vec<DVec3>,
     /// Half of each that faces up, axis by axis.
     halves: [Vec<f64>; 3],
-    /// Solid angle that each stands for.
+    /// Solid angle of each normal.
     weights: Vec<f64>,
     /// Azimuth of the first normal of each.
     starts: Vec<f64>,
@@ -110,7 +114,7 @@ struct Rings {
 }
 
 impl Rings {
-    /// That many of normals that face up.
+    /// Place `count` rings of normals that face up.
     fn new(count: usize) -> Self {
         let (heights, weights) = gauss_legendre(2 * count);
         let (heights, weights) = (heights[..count].to_vec(), &weights[..count]);
@@ -158,50 +162,41 @@ impl Rings {
     }
 }
 
-/// Adds `|n.f| / 2` of all bright places to the `even` part: for each ring and channel, at each normal.
-struct Halves<'a> {
+/// Adds `|n.f| / 2` of all bright parts to the `even` part: for each ring and channel, at each normal.
+struct BrightHalves<'a> {
     /// Half of each normal, axis by axis.
     normals: &'a [Vec<f64>; 3],
     bright: &'a [PointLight],
     even: &'a mut [f64],
 }
 
-impl WithSimd for Halves<'_> {
+impl WithSimd for BrightHalves<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { normals, bright, even } = self;
-        for (ring, even) in even.chunks_mut(3 * AZIMUTHS).enumerate() {
-            let on_ring = |axis: &'_ Vec<f64>| -> [f64; AZIMUTHS] {
-                axis[ring * AZIMUTHS..].first_chunk().copied().unwrap_or([0.0; AZIMUTHS])
-            };
-            let axes = normals.each_ref().map(on_ring);
-            for place in 0..AZIMUTHS / S::F64_LANES {
-                let normals = axes.each_ref().map(|axis| S::as_simd_f64s(axis).0[place]);
-                let sums = sum(simd, normals, bright);
-                for (sum, even) in sums.into_iter().zip(even.chunks_mut(AZIMUTHS)) {
-                    let even = &mut S::as_mut_simd_f64s(even).0[place];
-                    *even = simd.add_f64s(*even, sum);
+        let Self { normals: [x, y, z], bright, even } = self;
+        let zero = Lanes::splat(simd, 0.0);
+        for first in (0..x.len()).step_by(S::F64_LANES) {
+            let [x, y, z] =
+                [zero.like_all(&x[first..]), zero.like_all(&y[first..]), zero.like_all(&z[first..])];
+            let mut sums = [zero; 3];
+            for PointLight { direction: to, irradiance } in bright {
+                let cosine = (z * z.like(to.z)).add_product(y, y.like(to.y)).add_product(x, x.like(to.x));
+                let cosine = cosine.max(zero - cosine);
+                for c in 0..3 {
+                    sums[c] = sums[c].add_product(cosine, cosine.like(irradiance[c]));
+                }
+            }
+            let (ring, azimuth) = (first / AZIMUTHS, first % AZIMUTHS);
+            for c in 0..3 {
+                let even = &mut even[(3 * ring + c) * AZIMUTHS + azimuth..];
+                for lane in 0..S::F64_LANES {
+                    even[lane] += sums[c].lane(lane);
                 }
             }
         }
     }
-}
-
-/// The sum of `|n.f| / 2` over all bright places, by channel, at as many normals as a vector holds.
-#[inline(always)]
-fn sum<S: Simd>(simd: S, [x, y, z]: [S::f64s; 3], bright: &[PointLight]) -> [S::f64s; 3] {
-    let mut sums = [simd.splat_f64s(0.0); 3];
-    for PointLight { direction, irradiance } in bright {
-        let [to_x, to_y, to_z] = direction.to_array().map(|value| simd.splat_f64s(value));
-        let cosine = simd.mul_add_e_f64s(x, to_x, simd.mul_add_e_f64s(y, to_y, simd.mul_f64s(z, to_z)));
-        let cosine = simd.abs_f64s(cosine);
-        for c in 0..3 {
-            sums[c] = simd.mul_add_e_f64s(cosine, simd.splat_f64s(irradiance[c]), sums[c]);
-        }
-    }
-    sums
 }
 
 #[cfg(test)]
@@ -215,7 +210,7 @@ mod tests {
     use rayon::ThreadPoolBuilder;
     use std::f64::consts::PI;
 
-    /// Heights and registrations: cells kept, in blocks, few.
+    /// Heights and registrations of maps: with cells of one pixel, of several, and with few cells.
     const MAPS: [(usize, Registration); 8] = [
         (128, CellCentred),
         (128, BorderSampled),
@@ -239,13 +234,13 @@ mod tests {
         image::reduce(radiance.view(), registration, 256, 5e-3, false).unwrap()
     }
 
-    fn judge(map: &WorkingMap) -> Samples {
+    fn evaluate(map: &WorkingMap) -> Samples {
         evaluation_probe(map, &Expansion::new(map), 5120).unwrap()
     }
 
     /// Relative RMS error beside `exact` look-ups of all cells, one by one.
     fn error(map: &WorkingMap, exact: impl Fn(ArrayView2<'_, f64>) -> Result<Array2<f64>>) -> f64 {
-        let samples = judge(map);
+        let samples = evaluate(map);
         let normals = sphere::from_vectors(samples.normals.iter().copied());
         let exact = exact(normals.view()).unwrap();
         let found = sphere::from_vectors(samples.irradiance.iter().copied());
@@ -280,7 +275,7 @@ mod tests {
     fn constant_sky_gives_pi() {
         for (height, registration) in MAPS {
             let sky = Array3::from_elem((height, 2 * height, 3), 1.0_f32);
-            for value in judge(&reduced(&sky, registration)).irradiance {
+            for value in evaluate(&reduced(&sky, registration)).irradiance {
                 assert!((value / PI - 1.0).abs().max_element() < 1e-5, "{height} rows: {value}");
             }
         }
@@ -288,7 +283,7 @@ mod tests {
 
     #[test]
     fn normals_stand_for_the_whole_sphere() {
-        let Samples { normals, weights, .. } = judge(&reduced(&waves(32), CellCentred));
+        let Samples { normals, weights, .. } = evaluate(&reduced(&waves(32), CellCentred));
         assert_eq!(normals.len(), 5120);
         assert!((weights.iter().sum::<f64>() / (4.0 * PI) - 1.0).abs() < 1e-12);
         // The mean of the product of two axes is a third, or 0.
@@ -296,8 +291,8 @@ mod tests {
             normals.iter().zip(&weights).map(|(n, weight)| weight * n[i] * n[k] / (4.0 * PI)).sum()
         };
         for (i, k) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)] {
-            let wanted = if i == k { 1.0 / 3.0 } else { 0.0 };
-            assert!((mean(i, k) - wanted).abs() < 1e-14, "{i} {k}: {}", mean(i, k));
+            let expected = if i == k { 1.0 / 3.0 } else { 0.0 };
+            assert!((mean(i, k) - expected).abs() < 1e-14, "{i} {k}: {}", mean(i, k));
         }
     }
 
@@ -306,7 +301,7 @@ mod tests {
         let map = reduced(&waves(128), CellCentred);
         let on = |threads: usize| {
             let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let samples = pool.install(|| judge(&map));
+            let samples = pool.install(|| evaluate(&map));
             samples.irradiance.iter().map(|e| e.to_array().map(f64::to_bits)).collect::<Vec<_>>()
         };
         let one = on(1);

@@ -9,15 +9,21 @@
 //! with f a bicubic B-spline over -1 .. 1: twice differentiable, without an angle. Its coefficients are linear in
 //! those of the function in spherical harmonics; the matrix between them is made once.
 
-#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+#![allow(
+    clippy::inline_always,
+    reason = "functions that are not inlined are compiled for the oldest processors"
+)]
 
 use std::sync::LazyLock;
 
 use glam::{DMat3, DVec3};
-use pulp::{Arch, Simd, WithSimd};
+use nalgebra::DMatrix;
 
-use crate::kernels::expansion::{AssociatedLegendre, DEGREES, Harmonics};
+use crate::kernels::expansion::{AssociatedLegendre, Harmonics};
 use crate::kernels::sphere::angles;
+
+/// Highest degree of the table: the kernel falls off as `degree^-5`, so the cells of the working map limit the error.
+pub const HIGHEST: usize = 32;
 
 /// Kinds of harmonics of even degree by the axes along which they change sign when that axis is mirrored: cosines of even
 /// and odd order, then sines of even and odd order.
@@ -49,10 +55,8 @@ impl Field {
         let harmonics = coefficients_by_kind(&harmonics.turned(azimuth));
         let mut faces = vec![[0.0; 4]; 3 * SIDE * SIDE];
         for (kind, (matrix, harmonics)) in SPLINES.iter().zip(&harmonics).enumerate() {
-            let mut quarter = [(); 3].map(|()| vec![0.0; 3 * KNOTS * KNOTS]);
-            Arch::new().dispatch(SplineProduct { matrix, harmonics, out: &mut quarter });
-            let [red, green, blue] = &quarter;
-            for (i, value) in red.iter().zip(green).zip(blue).map(|((r, g), b)| [*r, *g, *b]).enumerate() {
+            let quarter = matrix * harmonics;
+            for (i, value) in quarter.row_iter().enumerate() {
                 let (face, u, v) = (i / (KNOTS * KNOTS), i / KNOTS % KNOTS, i % KNOTS);
                 let [flips_u, flips_v] = OTHERS[face].map(|axis| KINDS[kind][axis]);
                 for (u, sign_u) in both_sides(u, flips_u) {
@@ -144,22 +148,21 @@ impl Field {
 
 /// Even degrees of an order, with the kinds of its cosine and of its sine.
 fn even_degrees(order: usize) -> impl Iterator<Item = (usize, usize)> {
-    (order + order % 2..DEGREES).step_by(2).flat_map(move |l| {
+    (order + order % 2..=HIGHEST).step_by(2).flat_map(move |l| {
         let kinds = if order > 0 { 0..2 } else { 0..1 };
         kinds.map(move |side| (l, 2 * side + order % 2))
     })
 }
 
-/// Coefficients of even degree for each kind, order by order, degree by degree.
-fn coefficients_by_kind(harmonics: &Harmonics) -> [Vec<[f64; 3]>; 4] {
-    let mut out: [Vec<[f64; 3]>; 4] = Default::default();
-    for order in 0..DEGREES {
+/// Coefficients of even degree for each kind: a row for each order and degree, a column for each channel.
+fn coefficients_by_kind(harmonics: &Harmonics) -> [DMatrix<f64>; 4] {
+    let mut rows: [Vec<f64>; 4] = Default::default();
+    for order in 0..=HIGHEST {
         for (degree, kind) in even_degrees(order) {
-            let (value, side) = (harmonics.at(degree, order), 4 * (kind / 2));
-            out[kind].push([value[side], value[side + 1], value[side + 2]]);
+            rows[kind].extend_from_slice(&harmonics.at(degree, order)[4 * (kind / 2)..][..3]);
         }
     }
-    out
+    rows.map(|rows| DMatrix::from_row_slice(rows.len() / 3, 3, &rows))
 }
 
 /// The knots of one sign and of the other, and the sign that a function has there.
@@ -187,7 +190,7 @@ impl FacePosition {
     fn of(l: DVec3) -> Self {
         let size = l.abs();
         let face = if size.x >= size.y && size.x >= size.z { 0 } else { 1 + usize::from(size.z > size.y) };
-        // The others come in turns: y and z, z and x, x and y.
+        // The other axes follow in order: y and z, z and x, x and y.
         let (own, one, other) = match face {
             0 => (l.x, l.y, l.z),
             1 => (l.y, l.z, l.x),
@@ -258,35 +261,9 @@ fn bends(t: f64) -> [f64; 4] {
     [s, t - 2.0 * s, s - 2.0 * t, t]
 }
 
-/// `matrix harmonics` for each channel, in wide vectors.
-struct SplineProduct<'a> {
-    matrix: &'a [Vec<f64>],
-    harmonics: &'a [[f64; 3]],
-    out: &'a mut [Vec<f64>; 3],
-}
-
-impl WithSimd for SplineProduct<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        // Two harmonics at once: half as many passes over the sums.
-        for (columns, harmonics) in self.matrix.chunks(2).zip(self.harmonics.chunks(2)) {
-            let (first, last) = (&columns[0], &columns[columns.len() - 1]);
-            for (channel, out) in self.out.iter_mut().enumerate() {
-                let one = harmonics[0][channel];
-                let other = if harmonics.len() > 1 { harmonics[1][channel] } else { 0.0 };
-                for ((out, a), b) in out.iter_mut().zip(first).zip(last) {
-                    *out += a * one + b * other;
-                }
-            }
-        }
-    }
-}
-
 /// Coefficients of the quarters of the faces for each kind and harmonic: those of the spline that has its values at the
 /// knots.
-static SPLINES: LazyLock<[Vec<Vec<f64>>; 4]> = LazyLock::new(|| {
+static SPLINES: LazyLock<[DMatrix<f64>; 4]> = LazyLock::new(|| {
     /// Knots beyond the edge at which the function is sampled too: each lowers the error of the end by 3.7.
     const MARGIN: usize = 8;
     const SAMPLED: usize = KNOTS + MARGIN;
@@ -298,34 +275,30 @@ static SPLINES: LazyLock<[Vec<Vec<f64>>; 4]> = LazyLock::new(|| {
         knot[OTHERS[face][1]] = v as f64 / HALF as f64;
         knot
     };
-    let mut values: [Vec<Vec<f64>>; 4] = Default::default();
-    for i in 0..3 * SAMPLED * SAMPLED {
-        let mut next = [0; 4];
-        for (kind, value) in even_harmonics(knot(i)) {
-            if i == 0 {
-                values[kind].push(Vec::with_capacity(3 * SAMPLED * SAMPLED));
-            }
-            values[kind][next[kind]].push(value);
-            next[kind] += 1;
-        }
-    }
-    let splines = |kind: usize| values[kind].iter().map(|values| quarters(values, kind, SAMPLED)).collect();
-    [0, 1, 2, 3].map(splines)
+    let samples: Vec<[Vec<f64>; 4]> = (0..3 * SAMPLED * SAMPLED).map(|i| even_harmonics(knot(i))).collect();
+    [0, 1, 2, 3].map(|kind| {
+        let harmonics = 0..samples[0][kind].len();
+        let spline = |harmonic: usize| {
+            let values: Vec<f64> = samples.iter().map(|sample| sample[kind][harmonic]).collect();
+            quarters(&values, kind, SAMPLED)
+        };
+        let columns: Vec<f64> = harmonics.clone().flat_map(spline).collect();
+        DMatrix::from_vec(3 * KNOTS * KNOTS, harmonics.len(), columns)
+    })
 });
 
-/// Every harmonic of even degree as a function of degree 1, at a place outside of the unit sphere, with its kind.
-fn even_harmonics(place: DVec3) -> Vec<(usize, f64)> {
+/// The harmonics of even degree of each kind, as functions of degree 1, at a place outside of the unit sphere.
+fn even_harmonics(place: DVec3) -> [Vec<f64>; 4] {
     let (length, phi) = (place.length(), angles(place).1);
     let height = place.y / length;
     let mut legendre = AssociatedLegendre::new(height, ((1.0 - height) * (1.0 + height)).max(0.0).sqrt());
-    let mut out = Vec::new();
-    for order in 0..DEGREES {
+    let mut out: [Vec<f64>; 4] = Default::default();
+    for order in 0..=HIGHEST {
         let (sin, cos) = (order as f64 * phi).sin_cos();
         let column = legendre.column(order);
-        out.extend(
-            even_degrees(order)
-                .map(|(degree, kind)| (kind, column[degree] * if kind < 2 { cos } else { sin } * length)),
-        );
+        for (degree, kind) in even_degrees(order) {
+            out[kind].push(column[degree] * if kind < 2 { cos } else { sin } * length);
+        }
     }
     out
 }
@@ -366,4 +339,29 @@ fn through(values: &[f64], flips: bool) -> Vec<f64> {
         next = rhs[i];
     }
     rhs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernels::expansion::Cap;
+    use crate::kernels::sphere::direction;
+
+    /// The function `|l| Y(l)` with a harmonic of degree 4.
+    #[test]
+    fn a_field_is_its_harmonics() {
+        let mut harmonics = Harmonics::zero();
+        harmonics.add_discs([(direction(0.7, 1.0), 0.0, [1.0, 0.5, 2.0])].into_iter());
+        let mut factors = [0.0; crate::kernels::expansion::DEGREES];
+        (factors[0], factors[2], factors[4]) = (1.0, 0.4, 0.1);
+        let even = harmonics.scaled_sum(&factors, &Harmonics::zero(), &factors.map(|_| 0.0));
+        let field = Field::new(&even, 0.3);
+        for l in [DVec3::Y, direction(0.7, 1.0), direction(2.2, 4.0), DVec3::new(1.0, -1.0, 1.0).normalize()]
+        {
+            let expected = even.values(&[Cap::new(l, 0.0)])[0];
+            for (gradient, expected) in field.gradient(l).into_iter().zip(expected) {
+                assert!((gradient.dot(l) - expected).abs() < 1e-5, "{l}: {} {expected}", gradient.dot(l));
+            }
+        }
+    }
 }

@@ -22,10 +22,10 @@
 
 mod ambient_columns;
 mod evaluation_probe;
-#[cfg(test)]
-mod extended_precision;
 mod field;
 mod kernel;
+#[cfg(test)]
+mod kernel_digits;
 mod lights;
 mod points;
 
@@ -36,7 +36,7 @@ use nalgebra::DMatrix;
 use pulp::{Arch, Scalar, Simd, WithSimd};
 
 use self::ambient_columns::{Columns, Radiance};
-use self::field::Field;
+use self::field::{Field, HIGHEST};
 use self::kernel::{Block, LINEAR, outer, second_derivative, spectrum};
 use self::lights::{Products, Turned, values};
 use self::points::Points;
@@ -302,10 +302,13 @@ impl WithSimd for Values<'_> {
     }
 }
 
-/// Factors of the kernel of the probe for even degrees, 0 for odd ones.
+/// Factors of the kernel of the probe for even degrees of the field, 0 for others.
 fn even_factors() -> [f64; DEGREES] {
-    let factors = spectrum(DEGREES.div_ceil(2));
-    std::array::from_fn(|degree| if degree.is_multiple_of(2) { factors[degree / 2] } else { 0.0 })
+    let factors = spectrum(HIGHEST / 2 + 1);
+    std::array::from_fn(|degree| match degree % 2 {
+        0 if degree <= HIGHEST => factors[degree / 2],
+        _ => 0.0,
+    })
 }
 
 /// Moments of the radiance of a channel of the whole map.
