@@ -141,6 +141,7 @@ mod tests {
     use ndarray::Array3;
 
     use super::*;
+    use crate::kernels::sphere::band_heights;
 
     #[test]
     fn a_lamp_in_a_quarter_of_a_block_keeps_a_quarter_of_white() {
