@@ -5,6 +5,8 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights.fitting.options import FitOptions
+
 __all__ = [
     "BASIS_SHARE",
     "BASIS_TILE",
@@ -203,26 +205,10 @@ def fit_map(
     border_sampled: bool,
     columns: int,
     point_share: float,
-    ambient: int,
-    start: _Reals,
-    fixed: int,
-    lights: int,
-    error: float | None,
-    shadow_error: float | None,
-    sizes: str | None,
-    max_steps: int,
-    floor: bool,
-    error_floor: float,
+    options: FitOptions,
 ) -> FitAnswer: ...
 def fit_samples(
-    normals: _Reals,
-    weights: _Reals,
-    irradiance: _Reals,
-    ambient: int,
-    start: _Reals,
-    fixed: int,
-    lights: int,
-    max_steps: int,
+    normals: _Reals, weights: _Reals, irradiance: _Reals, options: FitOptions
 ) -> FitAnswer: ...
 def halton(count: int, bases: list[int]) -> _Reals: ...
 def hammersley(count: int) -> _Reals: ...

@@ -3,6 +3,7 @@
 | step                                                                | file         |
 |---------------------------------------------------------------------|--------------|
 | what was asked for: how many lights, how good, from where           | `asked.py`   |
+| the kernel's options, as one object                                 | `options.py` |
 | the kernel's answer, as a rig with its report                       | `answer.py`  |
 | what the report says in words                                       | `notes.py`   |
 | `fit` and `fit_probe`: check, call the kernel, report               | `fit.py`     |

@@ -25,9 +25,6 @@ STARTS_WITHOUT_MAP = ("greedy", "even")
 LIGHTS = 4
 MOST_LIGHTS = 32
 
-#: Steps after which a descent gives up.
-MAX_STEPS = 100
-
 #: Even starts that are placed at most: the kernel refuses as many lights under a map.
 MOST_STARTED = 10240
 

@@ -14,7 +14,8 @@ from envlights._native import EnvLightsError, FitAnswer
 from envlights.envmap import AnyMap, EnvMap, seen_through
 from envlights.fitting import notes
 from envlights.fitting.answer import rig_of
-from envlights.fitting.asked import MAX_STEPS, STARTS_WITHOUT_MAP, Asked, asked
+from envlights.fitting.asked import STARTS_WITHOUT_MAP, Asked, asked
+from envlights.fitting.options import FitOptions
 from envlights.kernels.probe import WORKING_COLUMNS
 from envlights.lights import Lights
 from envlights.rig import Rig
@@ -275,16 +276,9 @@ def fit_probe(
     scale = brightest if 0 < brightest < np.inf else 1.0
     clock = _Clock()
     first = wanted.first_directions(len(normals))
-    answer = _native.fit_samples(
-        normals,
-        weights,
-        irradiance / scale,
-        AMBIENTS[ambient],
-        np.concatenate([wanted.fixed, first]),
-        len(wanted.fixed),
-        wanted.lights,
-        MAX_STEPS,
-    )
+    start = np.concatenate([wanted.fixed, first])
+    options = FitOptions(AMBIENTS[ambient], start, len(wanted.fixed), wanted.lights)
+    answer = _native.fit_samples(normals, weights, irradiance / scale, options)
     clock.lap("fit")
     rig = rig_of(
         answer,
@@ -333,22 +327,19 @@ def _answer(
     floor: bool,
 ) -> FitAnswer:
     """The best rig under `env` with one kind of `ambient` term; points without an `objective`."""
-    return _native.fit_map(
-        env.radiance,
-        env.registration == "border-sampled",
-        WORKING_COLUMNS,
-        POINT_SHARE,
+    options = FitOptions(
         AMBIENTS[ambient],
         np.concatenate([wanted.fixed, first]),
         len(wanted.fixed),
         wanted.lights,
         wanted.error,
         wanted.shadow_error,
-        objective,
-        MAX_STEPS,
-        floor,
-        RENDERING_ERROR,
+        sizes=objective,
+        floor=floor,
+        error_floor=RENDERING_ERROR,
     )
+    is_border_sampled = env.registration == "border-sampled"
+    return _native.fit_map(env.radiance, is_border_sampled, WORKING_COLUMNS, POINT_SHARE, options)
 
 
 def _chosen(answers: Mapping[str, FitAnswer], wanted: Asked) -> str:

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::ambient::Ambient;
 use super::discs::Comparison;
-use super::objective::Objective;
+use super::objective::PointObjective;
 
 /// Options of one fit.
 #[derive(Clone, Debug)]
@@ -25,6 +25,10 @@ pub struct FitOptions {
     pub sizes: Option<Comparison>,
     /// Greatest number of steps of one descent.
     pub max_steps: usize,
+    /// True if a floor hides the light from below the horizon.
+    pub has_floor: bool,
+    /// Error of the rendering, below which no light is added.
+    pub error_floor: f64,
 }
 
 impl FitOptions {
@@ -94,7 +98,7 @@ impl SearchSettings {
     };
 
     /// Settings for an objective.
-    pub fn of(objective: &dyn Objective) -> Self {
+    pub fn of(objective: &dyn PointObjective) -> Self {
         match objective.given().free() {
             0 if objective.has_kinks() => Self::KINKS,
             0 => Self::SMOOTH,

@@ -60,7 +60,7 @@ impl<'a> Search<'a> {
         let least = best.first().map_or(0.0, |best| best.cost);
         let near = best.into_iter().filter(|state| state.cost <= least * (1.0 + same));
         let finest =
-            near.collect::<Vec<State>>().into_par_iter().map(|state| state.descend(self.problem, FINE));
+            near.collect::<Vec<State>>().into_par_iter().map(|state| self.problem.descent().run(state, FINE));
         let best: Result<Vec<State>> =
             finest.collect::<Vec<State>>().into_iter().map(|state| self.perturbed_on(state)).collect();
         Ok(best_of(best?, 1).pop())
@@ -105,7 +105,7 @@ impl<'a> Search<'a> {
 
     /// A descent that may be continued.
     fn descended(&self, state: State, tolerance: f64) -> State {
-        state.descend(self.problem, tolerance).resumed()
+        self.problem.descent().run(state, tolerance).resumed()
     }
 
     /// The set after perturbations of all lights, each of which lowers its cost.
@@ -132,7 +132,7 @@ impl<'a> Search<'a> {
             .into_par_iter()
             .map(|directions| self.descended(best.turned_to(objective, directions), self.settings.same));
         let lowest = best_of(ends.collect(), 1).pop();
-        Ok(lowest.map(|lowest| lowest.descend(self.problem, FINE)))
+        Ok(lowest.map(|lowest| self.problem.descent().run(lowest, FINE)))
     }
 }
 
