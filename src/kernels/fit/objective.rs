@@ -50,7 +50,7 @@ pub trait Objective: Debug + Sync {
     fn subset(&self, before: &Moments, kept: &[usize]) -> Moments;
 
     /// The inner products of the derivatives of lights whose radiances are `x`.
-    fn derivatives(&self, moments: &Moments, x: &DMatrix<f64>) -> Derivatives;
+    fn derivatives(&self, moments: &Moments, x: &DMatrix<f64>, is_exact: bool) -> Derivatives;
 
     /// Constraints of lights that press against a bound, by half the `gradient` of the cost; the first `fixed` lights keep
     /// their directions.

@@ -61,14 +61,14 @@ pub struct SearchSettings {
 }
 
 impl SearchSettings {
-    /// Points over all normals: eight starts and exchanges among the three best minima.
+    /// Points over all normals: twelve starts from 4 lights on, and exchanges among the three best minima.
     ///
-    /// Against four times as many starts, the error of 38 maps is 1.0001 times as large with 4 lights.
+    /// With 8 starts, one of 20 maps with 4 lights ends with twice the error of its discs; 16 starts gain nothing.
     const SMOOTH: Self = Self {
         beam: 1,
         added: 1,
-        starts_per_light: 4,
-        most_starts: 8,
+        starts_per_light: 3,
+        most_starts: 12,
         minima: 3,
         exchanges: 2,
         perturbations: 0,
@@ -104,5 +104,10 @@ impl SearchSettings {
             0 => Self::SMOOTH,
             _ => Self::HARMONICS,
         }
+    }
+
+    /// Number of even starts for a number of lights.
+    pub fn starts(&self, lights: usize) -> usize {
+        (self.starts_per_light * lights).clamp(1, self.most_starts)
     }
 }

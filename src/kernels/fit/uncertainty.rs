@@ -37,7 +37,7 @@ const GROWTH: f64 = 1.1;
 /// Direction tolerance of each light of `state`, in radians: the turn that makes the relative RMS error, now that of
 /// `cost`, a tenth larger; 0 if the light is fixed, pi if the cost does not depend on it.
 pub fn tolerances(descent: &Descent<'_>, state: &State, cost: f64) -> Vec<f64> {
-    let model = Quadratic::around(descent.objective, state);
+    let model = Quadratic::around(descent.objective, state, true);
     let space = Subspace::new(model.gradient.len(), model.each, &descent.constraints(state, &model));
     let Some(factor) = space.reduced(&model).0.cholesky() else {
         return (0..state.lights()).map(|light| if light < descent.fixed { 0.0 } else { PI }).collect();
@@ -166,7 +166,7 @@ struct Columns {
 impl Columns {
     fn new(probe: &Probe, rig: &Rig) -> Self {
         let moments = probe.moments(&rig.directions);
-        let derivatives = probe.derivatives(&moments, &DMatrix::zeros(0, 0));
+        let derivatives = probe.derivatives(&moments, &DMatrix::zeros(0, 0), false);
         let (model, turned) = (moments.gram.nrows(), derivatives.model.nrows());
         let mut gram = moments.gram.resize(model + turned, model + turned, 0.0);
         gram.view_mut((model, 0), (turned, model)).copy_from(&derivatives.model);

@@ -36,8 +36,8 @@ pub struct Quadratic {
 
 impl Quadratic {
     /// The cost around `state`.
-    pub fn around(objective: &dyn Objective, state: &State) -> Self {
-        let derivatives = objective.derivatives(&state.moments, &state.x);
+    pub fn around(objective: &dyn Objective, state: &State, is_exact: bool) -> Self {
+        let derivatives = objective.derivatives(&state.moments, &state.x, is_exact);
         Arch::new().dispatch(Projection { objective, state, derivatives: &derivatives })
     }
 
@@ -286,7 +286,7 @@ pub mod tests {
 
     /// Differences of the reduced cost, whose radiances are the best at every step, along each pair of coordinates.
     fn assert_derivatives_are_measured(objective: &dyn Objective, state: &State, step: f64) {
-        let model = Quadratic::around(objective, state);
+        let model = Quadratic::around(objective, state, true);
         let size = model.gradient.len();
         let cost = |moves: [(usize, f64); 2]| {
             let mut along = vec![0.0; size];

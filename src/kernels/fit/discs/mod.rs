@@ -15,6 +15,7 @@
 //! | inner products of discs, the map and the ambient term | `target.rs`     |
 //! | radii to start from                                   | `start.rs`      |
 //! | the objective of a descent                            | `shadows.rs`    |
+//! | escape from a local minimum                           | `exchange.rs`   |
 //! | the error at normals                                  | `judge.rs`      |
 
 mod abreast;
@@ -22,6 +23,7 @@ mod addition;
 mod analysis;
 mod chord;
 mod disc;
+mod exchange;
 mod far;
 mod harmonics;
 mod jet;
@@ -42,6 +44,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 pub use self::disc::Disc;
+use self::exchange::exchanged;
 use self::shadows::LEAST_RADIUS;
 pub use self::shadows::Shadows;
 use self::target::{Picture, Target};
@@ -132,6 +135,9 @@ impl<'a> Sizes<'a> {
         };
         let steps = steps - best.steps;
         let state = descent.run(best, FINE);
+        // Other ambient terms leave few local minima that an exchange escapes.
+        let has_harmonics = given.free() > 0;
+        let state = if has_harmonics { exchanged(&shadows, &descent, state, [ROUGH, FINE]) } else { state };
         let steps = steps + state.steps;
         let state = state.without_black(&shadows, fixed).unwrap_or(state);
         let tolerances = Some(uncertainty::tolerances(&descent, &state, state.cost));

@@ -38,6 +38,11 @@ impl<'a> Shadows<'a> {
         State::at(self, self.moments(discs), 0, &[])
     }
 
+    /// Decrease of the cost that each of some discs, alone, adds to a state whose other radiances stay.
+    pub fn decreases(&self, candidates: &[Disc], state: &State) -> Vec<f64> {
+        self.target.falls(&self.given, candidates, &state.moments.discs, &state.x)
+    }
+
     /// The disc nearest to one of that direction and radius.
     pub fn disc(&self, direction: DVec3, radius: f64) -> Disc {
         Disc::new(direction, radius.clamp(LEAST_RADIUS, self.greatest_radius(direction)))
@@ -86,7 +91,7 @@ impl Objective for Shadows<'_> {
         self.moments(kept.iter().map(|&light| before.discs[light]).collect())
     }
 
-    fn derivatives(&self, Moments { discs, .. }: &Moments, x: &DMatrix<f64>) -> Derivatives {
+    fn derivatives(&self, Moments { discs, .. }: &Moments, x: &DMatrix<f64>, _: bool) -> Derivatives {
         let mut sums = Sums::new(&self.given, discs, x);
         sums.add_map(self.target, discs, x);
         for (j, disc) in discs.iter().enumerate() {

@@ -16,6 +16,7 @@ use super::synthesis::Sum;
 use super::zonal::{Comparison, DEGREE, Kernel};
 use crate::kernels::fit::ambient::Ambient;
 use crate::kernels::fit::azimuthal::Azimuthal;
+use crate::kernels::fit::objective::Given;
 use crate::kernels::harmonics::{cosine_lobe, irradiance_of_moments, radiance};
 use crate::kernels::image::{Grid, MOST_PARTS, WorkingMap};
 
@@ -172,6 +173,21 @@ impl Target {
             }
         }
         sides
+    }
+
+    /// What each of some discs, alone, would lower the cost of a rig by: of `discs` with the coefficients `x`, which stay.
+    pub fn falls(&self, given: &Given, candidates: &[Disc], discs: &[Disc], x: &DMatrix<f64>) -> Vec<f64> {
+        let fall = |(candidate, sides): (&Disc, [f64; 3])| {
+            let with_ambient = self.with_ambient(candidate).into_iter().map(|product| product.value);
+            let with_discs = discs.iter().map(|disc| self.pair_value(candidate, disc));
+            let products: Vec<f64> = with_ambient.chain(with_discs).collect();
+            let square = |c: usize| {
+                let explained: f64 = products.iter().zip(&x.column(c)).map(|(product, x)| product * x).sum();
+                given.copies(c) * (sides[given.channels[c]] - explained).max(0.0).powi(2)
+            };
+            (0..given.channels.len()).map(square).sum::<f64>() / self.square(candidate).value
+        };
+        candidates.iter().zip(self.sides(candidates)).map(fall).collect()
     }
 
     /// The derivatives of the products with the map, for each disc second ones of the channels with its `shares`.

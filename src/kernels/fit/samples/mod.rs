@@ -37,7 +37,7 @@ impl Objective for Probe {
         self.exchanged(before, kept, &[])
     }
 
-    fn derivatives(&self, moments: &Moments, _: &DMatrix<f64>) -> Derivatives {
+    fn derivatives(&self, moments: &Moments, _: &DMatrix<f64>, _: bool) -> Derivatives {
         pairs::derivatives(&self.given, moments)
     }
 
