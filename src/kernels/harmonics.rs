@@ -65,7 +65,7 @@ pub fn irradiance_of_moments(whole: f64, first: DVec3, second: DMat3) -> [f64; 9
     ]
 }
 
-/// What a clamped cosine scales the harmonic k by.
+/// Factor of the clamped cosine for the harmonic k.
 pub fn cosine_lobe(k: usize) -> f64 {
     COSINE_LOBE[ORDER[k]]
 }
@@ -118,8 +118,8 @@ mod tests {
         let values = harmonic_radiance(directions.view()).unwrap();
         let weighted = &values * &solid_angles.insert_axis(Axis(1));
         for ((row, column), product) in values.t().dot(&weighted).indexed_iter() {
-            let wanted = f64::from(row == column);
-            assert!((product - wanted).abs() < 1e-3, "{row}, {column}: {product}");
+            let expected = f64::from(row == column);
+            assert!((product - expected).abs() < 1e-3, "{row}, {column}: {product}");
         }
     }
 

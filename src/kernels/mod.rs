@@ -2,7 +2,8 @@
 //!
 //! | step                                           | file           |
 //! |------------------------------------------------|----------------|
-//! | what maps of the same pixels share             | `kept.rs`      |
+//! | a value cached for the last key                | `cache.rs`     |
+//! | vectors of the processor's width               | `lanes.rs`     |
 //! | directions, pixels, solid angles               | `sphere.rs`    |
 //! | low-discrepancy points, icospheres             | `sampling.rs`  |
 //! | spherical harmonics, and irradiance under them | `harmonics.rs` |
@@ -10,19 +11,22 @@
 //! | such discs drawn into a map                    | `disc_map.rs`  |
 //! | unusable samples, reduction to a working size  | `image/`       |
 //! | exact irradiance of a white probe              | `probe/`       |
+//! | a map in spherical harmonics                   | `expansion/`   |
 //! | bright places of a map                         | `detect/`      |
 //! | lights taken out of a map                      | `split/`       |
 //! | ambient + directional lights from the probe    | `fit/`         |
 //! | the same, in the paper's own equations         | `madsen/`      |
 //! | indirect light from direct light               | `transfer/`    |
 
+mod cache;
 pub mod detect;
 pub mod disc;
 pub mod disc_map;
+mod expansion;
 pub mod fit;
 pub mod harmonics;
 pub mod image;
-mod kept;
+mod lanes;
 pub mod madsen;
 pub mod probe;
 pub mod sampling;

@@ -6,7 +6,6 @@
 //! |---------------------------------------------------|----------------------------|
 //! | options, and the numbers of the search            | `options.rs`               |
 //! | ambient and lights                                | `rig.rs`, `ambient.rs`     |
-//! | integrals of a map over azimuth                   | `azimuthal.rs`             |
 //! | the cost: products of lights and their derivatives | `objective.rs`            |
 //! | - of points at every normal, in closed form       | `sphere/`                  |
 //! | - of points at known normals                      | `samples/`                 |
@@ -20,15 +19,12 @@
 //! | the number of lights                              | `light_count.rs`           |
 //! | errors and sizes of a set of lights               | `result.rs`, `relative_rms.rs` |
 //! | direction tolerances and standard errors          | `uncertainty.rs`           |
-//! | numbers in vectors                                | `lanes.rs`                 |
 
 mod ambient;
-mod azimuthal;
 mod candidates;
 mod damped_newton;
 mod discs;
 mod factors;
-mod lanes;
 mod light_count;
 mod moves;
 mod multistart;
@@ -60,14 +56,15 @@ pub use sphere::Sphere;
 pub use state::StopReason;
 pub use uncertainty::Uncertainty;
 
-use self::azimuthal::Azimuthal;
 use self::discs::Sizes;
 use self::light_count::{Trial, search_path};
 use self::relative_rms::relative_error;
 use self::result::Evaluator;
-use self::sphere::rendered;
+use self::sphere::evaluation_probe;
 use self::state::State;
+use super::expansion::Expansion;
 use super::image::WorkingMap;
+use super::lanes;
 use crate::error::{Error, Result};
 
 /// Least number of normals at which a rig is evaluated under a map.
@@ -80,11 +77,10 @@ const EVALUATION_NORMALS: usize = 5120;
 /// [`Error::TooFewNormals`], [`Error::TooBright`].
 pub fn under_map(map: &WorkingMap, options: &FitOptions) -> Result<FitResult> {
     check_unknowns(options, EVALUATION_NORMALS)?;
-    let azimuthal = Azimuthal::of(map);
-    let dull = azimuthal.without_bright(map);
-    let sizes = || Sizes::new(map, &dull, options);
-    let references = || rayon::join(sizes, || rendered(map, &dull, EVALUATION_NORMALS));
-    let sphere = || Sphere::of(map, &azimuthal, options.ambient, options.has_floor);
+    let expansion = Expansion::new(map);
+    let sizes = || Sizes::new(map, &expansion, options);
+    let references = || rayon::join(sizes, || evaluation_probe(map, &expansion, EVALUATION_NORMALS));
+    let sphere = || Sphere::of(map, &expansion, options.ambient, options.has_floor);
     if options.has_goal() {
         // An error that counts sizes and shadows decides when the search ends.
         let (sphere, (sizes, samples)) = rayon::join(sphere, references);

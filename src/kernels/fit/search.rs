@@ -168,7 +168,7 @@ fn rounded_cost(state: &State) -> u64 {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::kernels::fit::{Ambient, Sphere};
+    use crate::kernels::fit::{Ambient, PointObjective, Sphere};
     use crate::kernels::image::{self, WorkingMap};
     use crate::kernels::sphere::{Registration, direction};
     use ndarray::Array3;
@@ -223,7 +223,8 @@ mod tests {
     fn the_best_set_of_known_lamps_has_their_directions() {
         let sphere = Sphere::new(&lamps(&PLACES), Ambient::Constant, false);
         let problem = problem(&sphere, 3);
-        let beam = vec![State::new(&sphere, &[direction(0.5, 1.0), direction(1.5, 3.0), direction(2.5, 5.0)])];
+        let beam =
+            vec![State::new(&sphere, &[direction(0.5, 1.0), direction(1.5, 3.0), direction(2.5, 5.0)])];
         let best = Search::new(&problem).best(beam).unwrap().unwrap();
         for lamp in sphere.likely() {
             assert!(best.moments.directions.iter().any(|l| l.dot(*lamp) > 1.0 - 1e-6), "{lamp}");

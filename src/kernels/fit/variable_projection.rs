@@ -250,8 +250,8 @@ fn free_axes<'a>(each: usize, constraints: impl Iterator<Item = &'a Constraint>)
 #[allow(clippy::unwrap_used)]
 pub mod tests {
     use super::*;
+    use crate::kernels::expansion::Expansion;
     use crate::kernels::fit::Sphere;
-    use crate::kernels::fit::azimuthal::Azimuthal;
     use crate::kernels::fit::discs::target::{Picture, Target};
     use crate::kernels::fit::discs::{Comparison, Shadows};
     use crate::kernels::image::{self, WorkingMap};
@@ -273,7 +273,7 @@ pub mod tests {
 
     /// The products of discs with a map.
     pub fn target(map: &WorkingMap, comparison: Comparison, ambient: Ambient, has_floor: bool) -> Target {
-        let picture = Picture::new(map, &Azimuthal::of(map).without_bright(map));
+        let picture = Picture::new(map, &Expansion::new(map));
         Target::new(&picture, comparison, ambient, has_floor)
     }
 

@@ -22,10 +22,13 @@
 //!   p                                the scale
 //! ```
 //!
-//! and comes from the series of |x - y| = sqrt(2 - 2 c) in Legendre polynomials, whose factors are closed. Most discs
-//! are far apart for their sizes: there `far.rs` takes the place of the table.
+//! and comes from the series of |x - y| = sqrt(2 - 2 c) in Legendre polynomials, whose factors are closed. For most
+//! discs, which are far apart for their sizes, `far.rs` replaces the table.
 
-#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+#![allow(
+    clippy::inline_always,
+    reason = "functions that are not inlined are compiled for the oldest processors"
+)]
 #![allow(clippy::needless_range_loop, reason = "loops, not closures, are inlined")]
 
 use std::f64::consts::PI;
@@ -35,8 +38,9 @@ use nalgebra::DMatrix;
 
 use super::far::{are_far, far, far_orders};
 use super::jet::Jet;
-use super::zonal::{chord_factor, disc_factors, legendre_values};
-use crate::kernels::fit::lanes::{LANES, Number};
+use super::zonal::chord_factor;
+use crate::kernels::expansion::{disc_series, legendre_values};
+use crate::kernels::lanes::{LANES, Number};
 
 /// Nodes along w, r and p.
 const NODES: [usize; 3] = [17, 9, 16];
@@ -224,7 +228,7 @@ fn rho_at_nodes(r: f64, p: f64) -> Vec<f64> {
     const TERMS: usize = 480;
     let half = (1.0 - r).sqrt();
     let shares = [0.5 * p * (1.0 + half), 0.5 * p * (1.0 - half)];
-    let [ones, others] = shares.map(|share| disc_factors(share, TERMS));
+    let [ones, others] = shares.map(|share| disc_series(share, TERMS));
     let terms: Vec<f64> = (0..TERMS)
         .map(|k| {
             let fade = (5.0 * (1.0 - k as f64 / TERMS as f64)).min(1.0);
@@ -274,7 +278,7 @@ fn turned(values: &[f64], count: usize) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernels::fit::lanes::Lanes;
+    use crate::kernels::lanes::Lanes;
     use crate::kernels::sphere::direction;
     use glam::DVec3;
     use proptest::prelude::*;
@@ -311,8 +315,8 @@ mod tests {
         #[inline(always)]
         fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
             let mut out = Vec::new();
-            let [c, a, b] = [&self.c, &self.a, &self.b].map(|values| Lanes::of(simd, values));
-            for ((c, a), b) in c.zip(a).zip(b) {
+            for vector in 0..Lanes::<S>::VECTORS {
+                let [c, a, b] = [&self.c, &self.a, &self.b].map(|values| Lanes::at(simd, values, vector));
                 let value = mean_distance::<0, _>(Jet::constant(c), Jet::constant(a), Jet::constant(b)).value;
                 let [c, a, b] = [(c, 0), (a, 1), (b, 2)].map(|(x, k)| Jet::<3, _>::variable(x, k));
                 let Jet { first, second, .. } = mean_distance(c, a, b);

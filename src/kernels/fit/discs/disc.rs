@@ -1,13 +1,15 @@
-//! A disc of uniform radiance, and what depends on where it stands.
+//! A disc of uniform radiance, and derivatives by its coordinates.
 
-#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+#![allow(
+    clippy::inline_always,
+    reason = "functions that are not inlined are compiled for the oldest processors"
+)]
 
 use glam::DVec3;
 
 use super::jet::Jet;
-use super::place::Place;
-use super::zonal::{Factors, factors};
-use crate::kernels::fit::lanes::Number;
+use crate::kernels::expansion::{Cap, DiscFactors, disc_factors};
+use crate::kernels::lanes::Number;
 
 /// A light of uniform radiance within an angular radius.
 #[derive(Clone, Copy, Debug)]
@@ -16,28 +18,28 @@ pub struct Disc {
     pub radius: f64,
     /// A = sin^2(radius / 2): its vector irradiance is 1 - A times its flux.
     pub share: f64,
-    pub place: Place,
-    pub factors: Factors,
+    pub cap: Cap,
+    pub factors: DiscFactors,
 }
 
 impl Disc {
     pub fn new(direction: DVec3, radius: f64) -> Self {
         let share = (0.5 * radius).sin().powi(2);
-        Self { direction, radius, share, place: Place::new(direction), factors: factors(share) }
+        Self { direction, radius, share, cap: Cap::new(direction, share), factors: disc_factors(share) }
     }
 
     /// Two tangents: the first two coordinates of derivatives; the third is A.
     pub fn frame(&self) -> [DVec3; 2] {
-        self.place.frame
+        self.cap.frame
     }
 }
 
-/// A function of the cosine with a fixed direction and of A, by the coordinates of a disc. A tangent t changes the cosine
+/// A function of the cosine with a fixed direction and of A (N = 2), by the coordinates of a disc. A tangent t changes the cosine
 /// by its own cosine with that direction, which is in `along`, and by `-cosine / 2` to second order.
 #[inline(always)]
-pub fn on_tangents<T: Number>(product: &Jet<2, T>, cosine: T, [s, t]: [T; 2]) -> Jet<3, T> {
-    let [by_cosine, by_a] = product.first;
-    let [[cc, ca], [_, aa]] = product.second;
+pub fn on_tangents<const N: usize, T: Number>(product: &Jet<N, T>, cosine: T, [s, t]: [T; 2]) -> Jet<3, T> {
+    let (by_cosine, by_a) = (product.first[0], product.first[1]);
+    let (cc, ca, aa) = (product.second[0][0], product.second[0][1], product.second[1][1]);
     let round = by_cosine * cosine;
     let (cs, ct) = (cc * s, cc * t);
     Jet {

@@ -13,12 +13,15 @@
 //!   rho = p ((r/2 - 3/4) c + (1 - r/2) / 6 (1/d^2 + 3/2 - 15 d^2/16) + r/8 (1/d^2 - 1/2 + 9 d^2/16))
 //! ```
 
-#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+#![allow(
+    clippy::inline_always,
+    reason = "functions that are not inlined are compiled for the oldest processors"
+)]
 
 use super::jet::Jet;
-use crate::kernels::fit::lanes::Number;
+use crate::kernels::lanes::Number;
 
-/// Whether [`far`] is right to 5e-8 of the distance.
+/// True if [`far`] is accurate to 5e-8 of the distance.
 #[inline(always)]
 pub fn are_far([w, _, p]: [f64; 3]) -> bool {
     w < 0.02 && p < 0.01
@@ -35,7 +38,7 @@ pub fn far<const N: usize, T: Number>([w, r, p]: [Jet<N, T>; 3]) -> Jet<N, T> {
     p * (cosine * (r * 0.5 + -0.75) + alike + mixed)
 }
 
-/// The same by its derivatives along w, r and p, up to two together.
+/// Derivatives of rho along w, r and p, up to two together.
 #[inline(always)]
 pub fn far_orders<const ORDERS: usize>(at: [f64; 3]) -> [[[f64; ORDERS]; ORDERS]; ORDERS] {
     let mut out = [[[0.0; ORDERS]; ORDERS]; ORDERS];
@@ -61,9 +64,10 @@ mod tests {
     use std::f64::consts::PI;
 
     use super::are_far;
+    use crate::kernels::expansion::{disc_series, legendre_values};
     use crate::kernels::fit::discs::chord::mean_distance;
     use crate::kernels::fit::discs::jet::Jet;
-    use crate::kernels::fit::discs::zonal::{chord_factor, disc_factors, legendre_values};
+    use crate::kernels::fit::discs::zonal::chord_factor;
 
     /// Against the series itself, that of the whole chord.
     #[test]
@@ -79,7 +83,7 @@ mod tests {
         ] {
             let p = a + b;
             assert!(are_far([p * (1.0 + c) / (1.0 - c + 2.0 * p), 0.0, p]));
-            let [ones, others] = [a, b].map(|share| disc_factors(share, TERMS));
+            let [ones, others] = [a, b].map(|share| disc_series(share, TERMS));
             let values = legendre_values(c, TERMS);
             let term = |k: usize| {
                 let fade = (5.0 * (1.0 - k as f64 / TERMS as f64)).min(1.0);

@@ -2,12 +2,15 @@
 //!
 //! Loops instead of closures, which are not always inlined: so their callers choose how wide vectors are.
 
-#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+#![allow(
+    clippy::inline_always,
+    reason = "functions that are not inlined are compiled for the oldest processors"
+)]
 #![allow(clippy::needless_range_loop, reason = "of rows and columns at once")]
 
 use std::ops::{Add, Mul, Sub};
 
-use crate::kernels::fit::lanes::Number;
+use crate::kernels::lanes::Number;
 
 /// A value, and its derivatives; second ones are symmetric.
 #[derive(Clone, Copy, Debug)]
@@ -18,18 +21,20 @@ pub struct Jet<const N: usize, T = f64> {
 }
 
 impl<const N: usize, T: Number> Jet<N, T> {
-    /// The same everywhere.
+    /// A constant.
     #[inline(always)]
     pub fn constant(value: T) -> Self {
         let zero = value.like(0.0);
         Self { value, first: [zero; N], second: [[zero; N]; N] }
     }
 
-    /// The variable `i` itself.
+    /// The variable `i`; a constant if i is N or more.
     #[inline(always)]
     pub fn variable(value: T, i: usize) -> Self {
         let mut out = Self::constant(value);
-        out.first[i] = value.like(1.0);
+        if i < N {
+            out.first[i] = value.like(1.0);
+        }
         out
     }
 
@@ -132,15 +137,8 @@ impl<const N: usize, T: Number> Sub for Jet<N, T> {
     type Output = Self;
 
     #[inline(always)]
-    fn sub(mut self, other: Self) -> Self {
-        self.value = self.value - other.value;
-        for i in 0..N {
-            self.first[i] = self.first[i] - other.first[i];
-            for k in 0..N {
-                self.second[i][k] = self.second[i][k] - other.second[i][k];
-            }
-        }
-        self
+    fn sub(self, other: Self) -> Self {
+        self + other * -1.0
     }
 }
 

@@ -8,9 +8,7 @@
 //! | kernels, and discs, in Legendre polynomials           | `zonal.rs`      |
 //! | numbers with derivatives                              | `jet.rs`        |
 //! | the cone of the kernel, between two discs             | `chord.rs`      |
-//! | - where they are far apart                            | `far.rs`        |
-//! | the map in harmonics, and their values at a place     | `harmonics.rs`, `analysis.rs`, `place.rs`, `synthesis.rs` |
-//! | discs in harmonics, several side by side              | `addition.rs`, `abreast.rs` |
+//! | - for discs that are far apart                        | `far.rs`        |
 //! | a light; bright cells of the map and their cones      | `disc.rs`, `patches.rs` |
 //! | inner products of discs, the map and the ambient term | `target.rs`     |
 //! | radii to start from                                   | `start.rs`      |
@@ -18,21 +16,15 @@
 //! | escape from a local minimum                           | `exchange.rs`   |
 //! | the error at normals                                  | `judge.rs`      |
 
-mod abreast;
-mod addition;
-mod analysis;
 mod chord;
 mod disc;
 mod exchange;
 mod far;
-mod harmonics;
 mod jet;
 mod judge;
 mod patches;
-mod place;
 mod shadows;
 mod start;
-mod synthesis;
 pub mod target;
 mod zonal;
 
@@ -48,7 +40,6 @@ use self::exchange::exchanged;
 use self::shadows::LEAST_RADIUS;
 pub use self::shadows::Shadows;
 use self::target::{Picture, Target};
-use super::azimuthal::Azimuthal;
 use super::damped_newton::Descent;
 use super::objective::Given;
 use super::options::FitOptions;
@@ -56,6 +47,7 @@ use super::relative_rms::relative_error;
 use super::rig::Rig;
 use super::state::{State, StopReason};
 use super::uncertainty;
+use crate::kernels::expansion::Expansion;
 use crate::kernels::image::WorkingMap;
 
 /// Relative fall of the cost in one step at which a start has shown what it is worth, and at which an answer is final:
@@ -92,10 +84,9 @@ pub struct Sizes<'a> {
 }
 
 impl<'a> Sizes<'a> {
-    /// For a `map`, over a floor or not, and for fits by one comparison: `rest` holds the integrals over the rows of all
-    /// that is not bright.
-    pub fn new(map: &'a WorkingMap, rest: &Azimuthal, options: &FitOptions) -> Self {
-        let picture = Picture::new(map, rest);
+    /// For a map and its harmonics.
+    pub fn new(map: &'a WorkingMap, expansion: &Expansion, options: &FitOptions) -> Self {
+        let picture = Picture::new(map, expansion);
         let target = |comparison| Target::new(&picture, comparison, options.ambient, options.has_floor);
         let other = options.sizes.filter(|&comparison| comparison != Comparison::Shadows).map(target);
         Self { map, shadows: target(Comparison::Shadows), other }

@@ -1,22 +1,22 @@
-//! The bright cells of a map in parts, each kept apart as a disc of the same spread, and the cone of a kernel between
-//! them and the discs of lights.
+//! The parts of bright cells of a map as discs, and the cone of a kernel between them and the discs of lights.
 
-#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+#![allow(
+    clippy::inline_always,
+    reason = "functions that are not inlined are compiled for the oldest processors"
+)]
 #![allow(clippy::needless_range_loop, reason = "loops, not closures, are inlined")]
 
 use std::f64::consts::PI;
-use std::iter::repeat;
 
 use glam::DVec3;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::chord::mean_distance;
-use super::disc::{Disc, on_tangents};
-use super::harmonics::Harmonics;
+use super::disc::on_tangents;
 use super::jet::Jet;
-use super::synthesis::Sum;
-use crate::kernels::fit::lanes::{LANES, Lanes, Number};
+use crate::kernels::expansion::{Cap, DiscSum, Harmonics};
 use crate::kernels::image::{Part, WorkingMap};
+use crate::kernels::lanes::{LANES, Lanes, Number};
 
 /// A part of a bright cell of the map, as a disc of the same spread.
 #[derive(Clone, Copy, Debug)]
@@ -38,8 +38,9 @@ impl Patch {
     }
 }
 
-/// The parts of the map's sources and bright cells as discs. Where their channels have their middles aside of each other, the first degree of
-/// the `rest` takes the difference.
+/// The parts of the map's sources and bright cells as discs.
+///
+/// The channels of a part may have different directions; the first degree of the `rest` takes the difference.
 pub fn patches(map: &WorkingMap, rest: &mut Harmonics) -> Vec<Patch> {
     let mut patches = Vec::new();
     for &Part { irradiance: [x, y, z], spread: share } in &map.parts {
@@ -54,68 +55,41 @@ pub fn patches(map: &WorkingMap, rest: &mut Harmonics) -> Vec<Patch> {
     patches
 }
 
-/// Patches, number by number, so that vectors hold several of them.
+/// Patches in blocks of one direction, A and flux a lane; the last block ends with black ones.
 #[derive(Clone, Debug)]
 pub struct Patches {
-    count: usize,
-    direction: [Vec<f64>; 3],
-    share: Vec<f64>,
-    flux: [Vec<f64>; 3],
+    blocks: Vec<[[f64; LANES]; 7]>,
 }
 
 impl Patches {
     pub fn new(patches: &[Patch]) -> Self {
-        // Fill the last vector with black ones.
-        let black = Patch { direction: DVec3::Y, share: 1.0, flux: [0.0; 3] };
-        let padded = patches.iter().copied().chain(repeat(black));
-        let padded: Vec<Patch> = padded.take(patches.len().next_multiple_of(LANES)).collect();
-        let of = |number: &dyn Fn(&Patch) -> f64| padded.iter().map(number).collect::<Vec<_>>();
-        Self {
-            count: patches.len(),
-            direction: [0, 1, 2].map(|i| of(&|patch| patch.direction[i])),
-            share: of(&|patch| patch.share),
-            flux: [0, 1, 2].map(|c| of(&|patch| patch.flux[c])),
-        }
+        let block = |patches: &[Patch]| {
+            let mut block = [[0.0; LANES]; 7];
+            // The distance needs an A above 0, and is cheap if all patches are far and small.
+            block[3] = [1e-3; LANES];
+            for (lane, Patch { direction, share, flux }) in patches.iter().enumerate() {
+                let numbers = [direction.x, direction.y, direction.z, *share, flux[0], flux[1], flux[2]];
+                (0..7).for_each(|i| block[i][lane] = numbers[i]);
+            }
+            block
+        };
+        Self { blocks: patches.chunks(LANES).map(block).collect() }
     }
 
-    /// The mean distance between the points of a disc and of patches, times the fluxes of these, by channel.
-    pub fn distances_to(&self, direction: DVec3, share: f64) -> [f64; 3] {
-        Arch::new().dispatch(To { direction, share, patches: self })
+    /// The mean distance between the points of a disc and of patches, times the fluxes of these; if N is 2, with derivatives,
+    /// second ones of the channels with these `weights`.
+    pub fn distances_to<const N: usize>(&self, cap: &Cap, weights: [f64; 3]) -> DiscSum {
+        Arch::new().dispatch(PatchDistances::<N> { cap, patches: self, weights })
     }
-
-    /// The derivatives of the same, second ones of the channels with these `shares`.
-    pub fn distances_around(&self, disc: &Disc, shares: [f64; 3]) -> Sum {
-        Arch::new().dispatch(Around { disc, patches: self, shares })
-    }
-
-    /// Direction, A and flux of patch after patch.
-    #[inline(always)]
-    fn lanes<S: Simd>(&self, simd: S) -> impl Iterator<Item = ([Lanes<S>; 3], Lanes<S>, [Lanes<S>; 3])> {
-        let patches =
-            triples(simd, &self.direction).zip(Lanes::of(simd, &self.share)).zip(triples(simd, &self.flux));
-        patches.map(|((d, share), flux)| (d, share, flux)).take(self.count.div_ceil(S::F64_LANES))
-    }
-}
-
-/// Three numbers of each patch.
-#[inline(always)]
-fn triples<S: Simd>(simd: S, numbers: &[Vec<f64>; 3]) -> impl Iterator<Item = [Lanes<S>; 3]> {
-    let [x, y, z] = [&numbers[0], &numbers[1], &numbers[2]].map(|numbers| Lanes::of(simd, numbers));
-    x.zip(y).zip(z).map(|((x, y), z)| [x, y, z])
 }
 
 /// The mean distance between the points of patches, times their fluxes, over all pairs and by channel.
-///
-/// It is the same both ways: pairs of two blocks are summed one way, and count twice.
 pub fn distances(patches: &[Patch]) -> [f64; 3] {
+    let all = Patches::new(patches);
     let mut out = [0.0; 3];
-    for (block, own) in patches.chunks(LANES).enumerate() {
-        let later = Patches::new(&patches[block * LANES + own.len()..]);
-        let within = Patches::new(own);
-        for one in own {
-            let [own, others] = [&within, &later].map(|all| all.distances_to(one.direction, one.share));
-            (0..3).for_each(|c| out[c] += one.flux[c] * (own[c] + 2.0 * others[c]));
-        }
+    for one in patches {
+        let distances = all.distances_to::<0>(&Cap::new(one.direction, one.share), [0.0; 3]).value;
+        (0..3).for_each(|c| out[c] += one.flux[c] * distances[c]);
     }
     out
 }
@@ -127,61 +101,49 @@ fn dot<S: Simd>(one: DVec3, other: [Lanes<S>; 3]) -> Lanes<S> {
 }
 
 /// See [`Patches::distances_to`].
-struct To<'a> {
-    direction: DVec3,
-    share: f64,
+struct PatchDistances<'a, const N: usize> {
+    cap: &'a Cap,
     patches: &'a Patches,
+    weights: [f64; 3],
 }
 
-impl WithSimd for To<'_> {
-    type Output = [f64; 3];
+impl<const N: usize> WithSimd for PatchDistances<'_, N> {
+    type Output = DiscSum;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> [f64; 3] {
-        let own = Lanes::splat(simd, self.share);
-        let mut out = [Lanes::splat(simd, 0.0); 3];
-        for (towards, share, flux) in self.patches.lanes(simd) {
-            let [c, a, b] = [dot(self.direction, towards), own, share].map(Jet::<0, _>::constant);
-            let distance = mean_distance(c, a, b).value;
-            for c in 0..3 {
-                out[c] = out[c] + distance * flux[c];
-            }
-        }
-        out.map(Lanes::sum)
-    }
-}
-
-/// See [`Patches::distances_around`].
-struct Around<'a> {
-    disc: &'a Disc,
-    patches: &'a Patches,
-    shares: [f64; 3],
-}
-
-impl WithSimd for Around<'_> {
-    type Output = Sum;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Sum {
-        let Self { disc, patches, shares } = self;
-        let [s, t] = disc.frame();
-        let shares = shares.map(|share| Lanes::splat(simd, share));
-        let own = Lanes::splat(simd, disc.share);
-        let zero = own.like(0.0);
-        let (mut first, mut second) = ([[zero; 3]; 3], [[zero; 3]; 3]);
-        for (towards, share, flux) in patches.lanes(simd) {
-            let cosine = dot(disc.direction, towards);
-            let [c, a] = [Jet::<2, _>::variable(cosine, 0), Jet::variable(own, 1)];
-            let distance = mean_distance(c, a, Jet::constant(share));
-            let distance = on_tangents(&distance, cosine, [dot(s, towards), dot(t, towards)]);
-            let weight = shares[0] * flux[0] + shares[1] * flux[1] + shares[2] * flux[2];
-            for i in 0..3 {
+    fn with_simd<S: Simd>(self, simd: S) -> DiscSum {
+        let Self { cap, patches, weights } = self;
+        let [s, t] = cap.frame;
+        let own = Lanes::splat(simd, cap.share);
+        let mut sum = DiscSum::zero(own);
+        for block in &patches.blocks {
+            for vector in 0..Lanes::<S>::VECTORS {
+                let mut numbers = [own; 7];
+                for i in 0..7 {
+                    numbers[i] = Lanes::at(simd, &block[i], vector);
+                }
+                let (towards, share) = ([numbers[0], numbers[1], numbers[2]], numbers[3]);
+                let (flux, cosine) = ([numbers[4], numbers[5], numbers[6]], dot(cap.direction, towards));
+                let [c, a] = [Jet::<N, _>::variable(cosine, 0), Jet::variable(own, 1)];
+                let distance = mean_distance(c, a, Jet::constant(share));
                 for k in 0..3 {
-                    first[i][k] = first[i][k] + distance.first[i] * flux[k];
-                    second[i][k] = second[i][k] + distance.second[i][k] * weight;
+                    sum.value[k] = sum.value[k].add_product(distance.value, flux[k]);
+                }
+                if N == 2 {
+                    let distance = on_tangents(&distance, cosine, [dot(s, towards), dot(t, towards)]);
+                    let mut weight = flux[0] * own.like(weights[0]);
+                    for k in 1..3 {
+                        weight = weight.add_product(flux[k], own.like(weights[k]));
+                    }
+                    for i in 0..3 {
+                        for k in 0..3 {
+                            sum.first[i][k] = sum.first[i][k] + distance.first[i] * flux[k];
+                            sum.second[i][k] = sum.second[i][k] + distance.second[i][k] * weight;
+                        }
+                    }
                 }
             }
         }
-        Sum { first: first.map(|row| row.map(Lanes::sum)), second: second.map(|row| row.map(Lanes::sum)) }
+        sum.map(Lanes::sum)
     }
 }

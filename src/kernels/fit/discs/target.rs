@@ -4,21 +4,18 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::DVec3;
 use nalgebra::DMatrix;
-use ndarray::{Array3, s};
 use rayon::prelude::*;
 
 use super::chord::mean_distance;
 use super::disc::{Disc, on_tangents};
-use super::harmonics::Harmonics;
 use super::jet::Jet;
 use super::patches::{Patch, Patches, distances, patches};
-use super::synthesis::Sum;
-use super::zonal::{Comparison, DEGREE, Kernel};
+use super::zonal::{Comparison, Kernel};
+use crate::kernels::expansion::{Cap, DEGREE, DiscSum, Expansion, Harmonics};
 use crate::kernels::fit::ambient::Ambient;
-use crate::kernels::fit::azimuthal::Azimuthal;
 use crate::kernels::fit::objective::Given;
 use crate::kernels::harmonics::{cosine_lobe, irradiance_of_moments, radiance};
-use crate::kernels::image::{Grid, MOST_PARTS, WorkingMap};
+use crate::kernels::image::{MOST_PARTS, WorkingMap};
 
 /// Discs that are done at a time: the vectors of most processors hold as many numbers.
 const BLOCK: usize = 4;
@@ -30,45 +27,26 @@ pub struct Picture {
     patches: Vec<Patch>,
     /// The harmonics of the patches.
     bright: Harmonics,
-    /// By channel: what the harmonics of the rest leave out of the integral of its square.
+    /// Integral of the squared radiance that the harmonics of the rest leave out, by channel.
     fine: [f64; 3],
-    /// By channel: the mean distances between the patches.
+    /// Mean distances between the patches, by channel.
     distances: [f64; 3],
 }
 
 impl Picture {
-    /// Of a map: `rest` holds the integrals over the rows of all that is not bright.
-    pub fn new(map: &WorkingMap, rest: &Azimuthal) -> Self {
-        let mut radiance = map.radiance.clone();
-        for &(row, column) in &map.bright {
-            radiance.slice_mut(s![row, column, ..]).fill(0.0);
-        }
-        let mut rest = Harmonics::of_cells(rest, &map.grid);
+    /// Separate the bright parts of a map from its other cells.
+    pub fn new(map: &WorkingMap, expansion: &Expansion) -> Self {
+        let mut rest = expansion.rest.clone();
         let mut patches = patches(map, &mut rest);
-        // Harmonics take the dullest, where there are too many.
+        // Add the dullest to the harmonics if there are too many.
         patches.sort_by(|a, b| b.radiance().total_cmp(&a.radiance()));
         let dull = patches.split_off(MOST_PARTS.min(patches.len()));
         rest.add_discs(dull.iter().map(Patch::disc));
         let mut bright = Harmonics::zero();
         bright.add_discs(patches.iter().map(Patch::disc));
-        let fine = fine(&radiance, &map.grid, &rest);
         let distances = distances(&patches);
-        Self { rest, patches, bright, fine, distances }
+        Self { rest, patches, bright, fine: expansion.fine, distances }
     }
-}
-
-/// The integral of the square of the cells beyond that of their harmonics, by channel.
-fn fine(radiance: &Array3<f32>, grid: &Grid, rest: &Harmonics) -> [f64; 3] {
-    let mut whole = [0.0; 3];
-    for (row, edges) in radiance.outer_iter().zip(grid.theta_edges.windows(2)) {
-        let band = edges[0].cos() - edges[1].cos();
-        for (cell, edges) in row.outer_iter().zip(grid.phi_edges.windows(2)) {
-            let solid_angle = band * (edges[1] - edges[0]);
-            (0..3).for_each(|c| whole[c] += solid_angle * f64::from(cell[c]).powi(2));
-        }
-    }
-    let known = rest.product(rest, &[1.0; DEGREE + 1]);
-    [0, 1, 2].map(|c| (whole[c] - known[c]).max(0.0))
 }
 
 /// The map under one kernel, and the ambient term that may explain it.
@@ -124,7 +102,7 @@ impl Target {
             let harmonics = irradiance_of_moments(whole, first, second);
             for i in 0..ambient {
                 out[(i, ambient + channel)] = match (&self.half_sky, self.ambient) {
-                    (Some(sky), _) => 2.0 * PI * self.sides(&[*sky])[0][channel],
+                    (Some(sky), _) => 2.0 * PI * self.values(&[*sky])[0].value[channel],
                     (_, Ambient::Sh2) => self.kernel.whole[degree(i)] * harmonics[i] / cosine_lobe(i),
                     _ => self.kernel.whole[0] * whole,
                 };
@@ -132,7 +110,7 @@ impl Target {
         }
         for i in 0..ambient {
             out[(i, i)] = match (&self.half_sky, self.ambient) {
-                (Some(sky), _) => (2.0 * PI).powi(2) * self.square(sky).value,
+                (Some(sky), _) => (2.0 * PI).powi(2) * self.pair::<0>(sky, sky).value,
                 (_, Ambient::Sh2) => self.kernel.whole[degree(i)],
                 _ => 4.0 * PI * self.kernel.whole[0],
             };
@@ -147,59 +125,58 @@ impl Target {
         let (mut gram, mut rhs) = (DMatrix::zeros(size, size), DMatrix::zeros(size, 3));
         gram.view_mut((0, 0), (ambient, ambient)).copy_from(&self.ambient_products.columns(0, ambient));
         rhs.rows_mut(0, ambient).copy_from(&self.ambient_products.columns(ambient, 3));
-        let sides: Vec<[f64; 3]> = discs.par_chunks(BLOCK).flat_map_iter(|discs| self.sides(discs)).collect();
+        let sides = self.values(discs);
         for (j, (disc, sides)) in discs.iter().zip(&sides).enumerate() {
             let row = ambient + j;
-            (0..3).for_each(|channel| rhs[(row, channel)] = sides[channel]);
+            (0..3).for_each(|channel| rhs[(row, channel)] = sides.value[channel]);
             for (column, product) in self.with_ambient(disc).iter().enumerate() {
                 (gram[(row, column)], gram[(column, row)]) = (product.value, product.value);
             }
-            gram[(row, row)] = self.square(disc).value;
-            for (k, other) in discs[..j].iter().enumerate() {
-                let product = self.pair_value(disc, other);
+            for (k, other) in discs[..=j].iter().enumerate() {
+                let product = self.pair::<0>(disc, other).value;
                 (gram[(row, ambient + k)], gram[(ambient + k, row)]) = (product, product);
             }
         }
         (gram, rhs)
     }
 
-    /// Products of discs with the map, by channel.
-    fn sides(&self, discs: &[Disc]) -> Vec<[f64; 3]> {
-        let mut sides = self.field.values(discs);
-        if self.kernel.cone > 0.0 {
-            for (sides, disc) in sides.iter_mut().zip(discs) {
-                let distances = self.patches.distances_to(disc.direction, disc.share);
-                (0..3).for_each(|channel| sides[channel] -= self.kernel.cone * distances[channel]);
-            }
-        }
-        sides
-    }
-
-    /// What each of some discs, alone, would lower the cost of a rig by: of `discs` with the coefficients `x`, which stay.
+    /// The fall of the cost if one of some candidates, alone, joins the `discs` with the coefficients `x`, which stay.
     pub fn falls(&self, given: &Given, candidates: &[Disc], discs: &[Disc], x: &DMatrix<f64>) -> Vec<f64> {
-        let fall = |(candidate, sides): (&Disc, [f64; 3])| {
+        let fall = |(candidate, sides): (&Disc, DiscSum)| {
             let with_ambient = self.with_ambient(candidate).into_iter().map(|product| product.value);
-            let with_discs = discs.iter().map(|disc| self.pair_value(candidate, disc));
+            let with_discs = discs.iter().map(|disc| self.pair::<0>(candidate, disc).value);
             let products: Vec<f64> = with_ambient.chain(with_discs).collect();
             let square = |c: usize| {
                 let explained: f64 = products.iter().zip(&x.column(c)).map(|(product, x)| product * x).sum();
-                given.copies(c) * (sides[given.channels[c]] - explained).max(0.0).powi(2)
+                given.copies(c) * (sides.value[given.channels[c]] - explained).max(0.0).powi(2)
             };
-            (0..given.channels.len()).map(square).sum::<f64>() / self.square(candidate).value
+            let own = self.pair::<0>(candidate, candidate).value;
+            (0..given.channels.len()).map(square).sum::<f64>() / own
         };
-        candidates.iter().zip(self.sides(candidates)).map(fall).collect()
+        candidates.iter().zip(self.values(candidates)).map(fall).collect()
     }
 
-    /// The derivatives of the products with the map, for each disc second ones of the channels with its `shares`.
-    pub fn sides_around(&self, discs: &[Disc], shares: &[[f64; 3]]) -> Vec<Sum> {
-        let blocks = discs.par_chunks(BLOCK).zip(shares.par_chunks(BLOCK));
-        let smooth = || blocks.flat_map_iter(|(discs, shares)| self.field.sums(discs, shares)).collect();
+    /// Products of discs with the map.
+    fn values(&self, discs: &[Disc]) -> Vec<DiscSum> {
+        self.sides::<0>(discs, &vec![[0.0; 3]; discs.len()])
+    }
+
+    /// Products of discs with the map and their derivatives, for each disc second ones of the channels with its `shares`.
+    pub fn sides_around(&self, discs: &[Disc], shares: &[[f64; 3]]) -> Vec<DiscSum> {
+        self.sides::<2>(discs, shares)
+    }
+
+    /// Products of discs with the map; if N is 2, with derivatives.
+    fn sides<const N: usize>(&self, discs: &[Disc], shares: &[[f64; 3]]) -> Vec<DiscSum> {
+        let caps: Vec<Cap> = discs.iter().map(|disc| disc.cap).collect();
+        let blocks = caps.par_chunks(BLOCK).zip(shares.par_chunks(BLOCK));
+        let smooth = || blocks.flat_map_iter(|(caps, shares)| self.field.sums::<N>(caps, shares)).collect();
         if self.kernel.cone <= 0.0 {
             return smooth();
         }
-        let around = |(disc, &shares): (&Disc, &[f64; 3])| self.patches.distances_around(disc, shares);
-        let distances = || discs.par_iter().zip(shares).map(around).collect();
-        let (mut sums, distances): (Vec<Sum>, Vec<Sum>) = rayon::join(smooth, distances);
+        let around = |(cap, &shares): (&Cap, &[f64; 3])| self.patches.distances_to::<N>(cap, shares);
+        let distances = || caps.par_iter().zip(shares).map(around).collect();
+        let (mut sums, distances): (Vec<DiscSum>, Vec<DiscSum>) = rayon::join(smooth, distances);
         for (sum, distances) in sums.iter_mut().zip(&distances) {
             sum.add(distances, -self.kernel.cone);
         }
@@ -208,29 +185,18 @@ impl Target {
 
     /// Product of a disc of flux 1 with itself, as a function of A.
     pub fn square(&self, disc: &Disc) -> Jet<1> {
-        let own = self.kernel.smooth_product(1.0, &disc.factors, &disc.factors);
+        let Jet { value, first, second } = self.pair::<3>(disc, disc);
         // Both discs grow.
-        let slope = own.first[1] + own.first[2];
-        let bend = own.second[1][1] + 2.0 * own.second[1][2] + own.second[2][2];
-        let smooth = Jet { value: own.value, first: [slope], second: [[bend]] };
-        let a = Jet::<1>::variable(disc.share, 0);
-        smooth - mean_distance(Jet::constant(1.0), a, a) * self.kernel.cone
+        let bend = second[1][1] + 2.0 * second[1][2] + second[2][2];
+        Jet { value, first: [first[1] + first[2]], second: [[bend]] }
     }
 
-    /// Product of two discs of flux 1.
-    fn pair_value(&self, one: &Disc, other: &Disc) -> f64 {
-        let cosine = one.direction.dot(other.direction);
-        let smooth = self.kernel.smooth_value(cosine, &one.factors, &other.factors);
-        let [c, a, b] = [cosine, one.share, other.share].map(Jet::<0>::constant);
-        smooth - self.kernel.cone * mean_distance(c, a, b).value
-    }
-
-    /// Product of two discs of flux 1, and its derivatives by the cosine between them and by the A of each.
-    pub fn pair(&self, one: &Disc, other: &Disc) -> Jet<3> {
-        let cosine = one.direction.dot(other.direction);
+    /// Product of two discs of flux 1; if N is 3, with derivatives by the cosine between them and by the A of each.
+    pub fn pair<const N: usize>(&self, one: &Disc, other: &Disc) -> Jet<N> {
+        let cosine = one.direction.dot(other.direction).min(1.0);
         let smooth = self.kernel.smooth_product(cosine, &one.factors, &other.factors);
         let [c, a, b] =
-            [(cosine, 0), (one.share, 1), (other.share, 2)].map(|(v, i)| Jet::<3>::variable(v, i));
+            [(cosine, 0), (one.share, 1), (other.share, 2)].map(|(value, i)| Jet::variable(value, i));
         smooth - mean_distance(c, a, b) * self.kernel.cone
     }
 
@@ -239,7 +205,7 @@ impl Target {
         match (&self.half_sky, self.ambient) {
             (_, Ambient::None) => Vec::new(),
             (Some(sky), _) => {
-                let product = self.pair(disc, sky) * (2.0 * PI);
+                let product = self.pair::<3>(disc, sky) * (2.0 * PI);
                 let [c, a, _] = [0, 1, 2];
                 let own = Jet {
                     value: product.value,

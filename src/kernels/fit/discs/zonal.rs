@@ -10,30 +10,16 @@
 //! (two directions at the angle g are in front of a plane with the probability `(pi - g) / 2 pi`; the factor pi is
 //! left out). K has a cone at g = 0, of the slope -1/3. With the chord `q = 2 sin(g/2)`, K + q/3 has none, and its
 //! series ends as fast as that of G: the cone is done apart, in `chord.rs`.
-//!
-//! A disc of radius a and flux 1, with x = cos a, has in degree k the factor
-//!
-//! ```text
-//!   d_k = (1 + x) P_k'(x) / (k (k + 1))        d_0 = 1
-//! ```
-
-#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
-#![allow(clippy::needless_range_loop, reason = "loops, not closures, are inlined")]
 
 use std::array::from_fn;
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
 use super::jet::Jet;
-use crate::kernels::fit::lanes::Number;
+use crate::kernels::expansion::{DEGREES, DiscFactors, legendre_derivatives, legendre_values};
 use crate::kernels::sampling::gauss_legendre;
 
-/// The highest degree of the map, and of what is left of a kernel without its cone.
-pub const DEGREE: usize = 40;
-/// Degrees from 0 on.
-pub const DEGREES: usize = DEGREE + 1;
-
-/// How lights are compared with the map.
+/// Kernel by which lights are compared with the map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Comparison {
     /// A white probe with nothing in the way.
@@ -52,9 +38,9 @@ const PROBE_SHARE: f64 = 0.973;
 /// A kernel.
 #[derive(Clone, Debug)]
 pub struct Kernel {
-    /// What it multiplies harmonics of each degree by.
+    /// Factor of each degree.
     pub whole: [f64; DEGREES],
-    /// The same without its cone.
+    /// Factor of each degree without the cone.
     pub smooth: [f64; DEGREES],
     /// Its cone is this times the chord, taken away.
     pub cone: f64,
@@ -74,122 +60,41 @@ impl Kernel {
         Self { whole, smooth: from_fn(|k| whole[k] + cone * chord_factor(k)), cone }
     }
 
-    /// The value of the next alone.
-    pub fn smooth_value(&self, cosine: f64, a: &Factors, b: &Factors) -> f64 {
-        let (mut before, mut last, mut sum) = (0.0, 1.0, 0.0);
-        for k in 0..DEGREES {
-            let degree = k as f64;
-            sum += (2.0 * degree + 1.0) * self.smooth[k] * a[k][0] * b[k][0] * last;
-            (before, last) =
-                (last, ((2.0 * degree + 1.0) * cosine * last - degree * before) / (degree + 1.0));
-        }
-        sum / (4.0 * PI)
-    }
-
-    /// The smooth part between two discs, from the cosine of their centres and their A.
-    pub fn smooth_product(&self, cosine: f64, a: &Factors, b: &Factors) -> Jet<3> {
-        let legendre = legendre(cosine);
+    /// The smooth part between two discs, from the cosine of their centres and their factors; if N is 3, with derivatives by
+    /// the cosine and by both A.
+    pub fn smooth_product<const N: usize>(&self, cosine: f64, a: &DiscFactors, b: &DiscFactors) -> Jet<N> {
+        let legendre = legendre_derivatives::<3>(cosine, DEGREES);
         let mut out = Jet::constant(0.0);
         for k in 0..DEGREES {
             let weight = (2 * k + 1) as f64 / (4.0 * PI) * self.smooth[k];
             let ([p, pc, pcc], [a, aa, aaa], [b, bb, bbb]) = (legendre[k].map(|p| p * weight), a[k], b[k]);
             out.value += p * a * b;
-            out.first[0] += pc * a * b;
-            out.first[1] += p * aa * b;
-            out.first[2] += p * a * bb;
-            out.second[0][0] += pcc * a * b;
-            out.second[0][1] += pc * aa * b;
-            out.second[0][2] += pc * a * bb;
-            out.second[1][1] += p * aaa * b;
-            out.second[1][2] += p * aa * bb;
-            out.second[2][2] += p * a * bbb;
-        }
-        for (i, k) in [(1, 0), (2, 0), (2, 1)] {
-            out.second[i][k] = out.second[k][i];
+            if N == 3 {
+                let first = [pc * a * b, p * aa * b, p * a * bb];
+                let second = [
+                    [pcc * a * b, pc * aa * b, pc * a * bb],
+                    [pc * aa * b, p * aaa * b, p * aa * bb],
+                    [pc * a * bb, p * aa * bb, p * a * bbb],
+                ];
+                for i in 0..N {
+                    out.first[i] += first[i];
+                    (0..N).for_each(|k| out.second[i][k] += second[i][k]);
+                }
+            }
         }
         out
     }
 }
 
-/// `d_k` of a disc, and its derivatives by A = sin^2(a/2).
-pub type Factors<T = f64> = [[T; 3]; DEGREES];
-
-/// Those of the disc of `A`.
-#[inline(always)]
-pub fn factors<T: Number>(a: T) -> Factors<T> {
-    let of = |value: f64| a.like(value);
-    let x = of(1.0) - of(2.0) * a;
-    let mut polynomials = [[of(0.0); 4]; DEGREES];
-    polynomials[0][0] = of(1.0);
-    let mut out = [[of(0.0); 3]; DEGREES];
-    out[0][0] = of(1.0);
-    for k in 1..DEGREES {
-        polynomials[k] = next(&polynomials, k, x);
-        let [_, d, dd, ddd] = polynomials[k];
-        let scale = of(1.0 / (k * (k + 1)) as f64);
-        let wide = (of(1.0) + x) * scale;
-        // x falls twice as fast as A grows.
-        out[k] = [
-            wide * d,
-            of(-2.0) * (wide * dd).add_product(scale, d),
-            of(4.0) * (wide * ddd).add_product(of(2.0) * scale, dd),
-        ];
-    }
-    out
-}
-
-/// `P_k` and its first derivatives, from those before: `P_(k+1)^(n) = P_(k-1)^(n) + (2k+1) P_k^(n-1)`.
-#[inline(always)]
-fn next<const N: usize, T: Number>(before: &[[T; N]], k: usize, x: T) -> [T; N] {
-    let last = before[k - 1];
-    let but_one = if k > 1 { before[k - 2] } else { [x.like(0.0); N] };
-    let (odd, degree) = ((2 * k - 1) as f64, k as f64);
-    let mut out = but_one;
-    out[0] = (but_one[0] * x.like((1.0 - degree) / degree)).add_product(x * x.like(odd / degree), last[0]);
-    for n in 1..N {
-        out[n] = but_one[n].add_product(x.like(odd), last[n - 1]);
-    }
-    out
-}
-
-/// `P_k(c)` and its first two derivatives.
-fn legendre(c: f64) -> [[f64; 3]; DEGREES] {
-    let mut out = [[0.0; 3]; DEGREES];
-    out[0][0] = 1.0;
-    for k in 1..DEGREES {
-        out[k] = next(&out, k, c);
-    }
-    out
-}
-
-/// `P_k(c)` of that many degrees.
-pub fn legendre_values(c: f64, count: usize) -> Vec<f64> {
-    let mut out = vec![[1.0]];
-    for k in 1..count {
-        out.push(next(&out, k, c));
-    }
-    out.into_iter().map(|[value]| value).collect()
-}
-
-/// `d_k` of the disc of A, of that many degrees.
-pub fn disc_factors(a: f64, count: usize) -> Vec<f64> {
-    let x = 1.0 - 2.0 * a;
-    let mut polynomials = vec![[1.0, 0.0]];
-    for k in 1..count {
-        polynomials.push(next(&polynomials, k, x));
-    }
-    let factor = |k: usize| (1.0 + x) * polynomials[k][1] / (k * (k + 1)) as f64;
-    (0..count).map(|k| if k == 0 { 1.0 } else { factor(k) }).collect()
-}
-
-/// What |x - y| multiplies harmonics of degree k by when it is convolved with them.
+/// Factor of degree k when harmonics are convolved with |x - y|.
 pub fn chord_factor(k: usize) -> f64 {
     let k = 2.0 * k as f64;
     -16.0 * PI / ((k - 1.0) * (k + 1.0) * (k + 3.0))
 }
 
-/// What the kernels of the probe and of shadows multiply harmonics of each degree by: `2 pi` times the integral of
-/// `K(g) P_k(cos g) sin g`. It is smooth in g, so that Gauss's quadrature is exact to rounding.
+/// Factors of the kernels of the probe and of shadows, by degree.
+///
+/// Each is `2 pi` times the integral of `K(g) P_k(cos g) sin g`, smooth in g, so Gauss's quadrature is exact to rounding.
 static SPECTRA: LazyLock<[[f64; DEGREES]; 2]> = LazyLock::new(|| {
     let (nodes, weights) = gauss_legendre(8 * DEGREES);
     let mut out = [[0.0; DEGREES]; 2];
@@ -210,6 +115,7 @@ static SPECTRA: LazyLock<[[f64; DEGREES]; 2]> = LazyLock::new(|| {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kernels::expansion::{DEGREE, disc_factors};
     use approx::assert_relative_eq;
 
     /// The squares of the factors of a clamped cosine (Ramamoorthi and Hanrahan 2001, equation 8).
@@ -228,24 +134,11 @@ mod tests {
         let last = [&kernel.whole, &kernel.smooth].map(|factors| factors[DEGREE]);
         assert!(last[0] > 1e-5 && last[1].abs() < 2e-7, "{last:?}");
         // At g = 0 the cone is 0, and the sum of the smooth part is K(0) = pi / 3.
-        let disc = factors(0.0);
-        assert_relative_eq!(kernel.smooth_product(1.0, &disc, &disc).value, PI / 3.0, max_relative = 2e-5);
-    }
-
-    /// A cap of uniform radiance has the mean of the Legendre polynomial over it.
-    #[test]
-    fn factors_of_a_disc_are_means_over_it() {
-        for radius in [0.02, 0.4, 1.2_f64] {
-            let share = (0.5 * radius).sin().powi(2);
-            let nodes = (0..20_000).map(|i| 1.0 - 2.0 * share * (f64::from(i) + 0.5) / 20_000.0);
-            let mut means = vec![0.0; DEGREES];
-            for x in nodes {
-                let values = legendre_values(x, DEGREES);
-                means.iter_mut().zip(values).for_each(|(mean, value)| *mean += value / 20_000.0);
-            }
-            for (k, [value, ..]) in factors(share).into_iter().enumerate() {
-                assert!((value - means[k]).abs() < 1e-6, "{radius} {k}: {value} {}", means[k]);
-            }
-        }
+        let disc = disc_factors(0.0);
+        assert_relative_eq!(
+            kernel.smooth_product::<0>(1.0, &disc, &disc).value,
+            PI / 3.0,
+            max_relative = 2e-5
+        );
     }
 }

@@ -9,15 +9,26 @@
 //! with f a bicubic B-spline over -1 .. 1: twice differentiable, without an angle. Its coefficients are linear in
 //! those of the function in spherical harmonics; the matrix between them is made once.
 
-#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+#![allow(
+    clippy::inline_always,
+    reason = "functions that are not inlined are compiled for the oldest processors"
+)]
 
 use std::sync::LazyLock;
 
 use glam::{DMat3, DVec3};
-use pulp::{Arch, Simd, WithSimd};
+use nalgebra::DMatrix;
 
-use super::harmonics::{Coefficients, DEGREE, KINDS, Legendre, orders, turned};
+use crate::kernels::expansion::{AssociatedLegendre, Harmonics};
 use crate::kernels::sphere::angles;
+
+/// Highest degree of the table: the kernel falls off as `degree^-5`, so the cells of the working map limit the error.
+pub const HIGHEST: usize = 32;
+
+/// Kinds of harmonics of even degree by the axes along which they change sign when that axis is mirrored: cosines of even
+/// and odd order, then sines of even and odd order.
+const KINDS: [[bool; 3]; 4] =
+    [[false, false, false], [false, true, true], [true, false, true], [true, true, false]];
 
 /// Cells from the middle of a face to its edge. Twice as many lower the error sixteen times: at ten it is a
 /// tenth of that of the working map's cells.
@@ -38,16 +49,14 @@ pub struct Field {
 }
 
 impl Field {
-    /// Of a function in harmonics, on a cube that is turned towards an `azimuth`. With one that turns with the
-    /// function the table does too, and its error.
-    pub fn new(harmonics: Coefficients, azimuth: f64) -> Self {
-        let harmonics = turned(harmonics, azimuth);
+    /// Tabulate the even degrees of a function in harmonics, on a cube that is turned towards an `azimuth`. If the azimuth
+    /// turns with the function, so does the error of the table.
+    pub fn new(harmonics: &Harmonics, azimuth: f64) -> Self {
+        let harmonics = coefficients_by_kind(&harmonics.turned(azimuth));
         let mut faces = vec![[0.0; 4]; 3 * SIDE * SIDE];
         for (kind, (matrix, harmonics)) in SPLINES.iter().zip(&harmonics).enumerate() {
-            let mut quarter = [(); 3].map(|()| vec![0.0; 3 * KNOTS * KNOTS]);
-            Arch::new().dispatch(Product { matrix, harmonics, out: &mut quarter });
-            let [red, green, blue] = &quarter;
-            for (i, value) in red.iter().zip(green).zip(blue).map(|((r, g), b)| [*r, *g, *b]).enumerate() {
+            let quarter = matrix * harmonics;
+            for (i, value) in quarter.row_iter().enumerate() {
                 let (face, u, v) = (i / (KNOTS * KNOTS), i / KNOTS % KNOTS, i % KNOTS);
                 let [flips_u, flips_v] = OTHERS[face].map(|axis| KINDS[kind][axis]);
                 for (u, sign_u) in both_sides(u, flips_u) {
@@ -78,7 +87,7 @@ impl Field {
     /// Gradients at the unit vector `l`, by channel; the value is `l.gradient`, for the degree is 1.
     #[inline(always)]
     pub fn gradient(&self, l: DVec3) -> [DVec3; 3] {
-        let place = Place::of(self.inward(l));
+        let place = FacePosition::of(self.inward(l));
         let (bu, bv) = (weights(place.u), weights(place.v));
         let (du, dv) = (slopes(place.u), slopes(place.v));
         let (mut value, mut by_u, mut by_v) = ([0.0; 4], [0.0; 4], [0.0; 4]);
@@ -107,7 +116,7 @@ impl Field {
     /// The second derivative at the unit vector `l` of the sum of the channels with these `shares`.
     #[inline(always)]
     pub fn second_derivative(&self, l: DVec3, shares: [f64; 3]) -> DMat3 {
-        let place = Place::of(self.inward(l));
+        let place = FacePosition::of(self.inward(l));
         let (bu, bv) = (weights(place.u), weights(place.v));
         let (du, dv) = (slopes(place.u), slopes(place.v));
         let (cu, cv) = (bends(place.u), bends(place.v));
@@ -131,10 +140,29 @@ impl Field {
     }
 
     #[inline(always)]
-    fn row(&self, place: &Place, i: usize) -> &[[f64; 4]; 4] {
+    fn row(&self, place: &FacePosition, i: usize) -> &[[f64; 4]; 4] {
         let start = (place.face * SIDE + place.first[0] + i) * SIDE + place.first[1];
         self.faces[start..].first_chunk().expect("a spline reaches one knot beyond the last cell")
     }
+}
+
+/// Even degrees of an order, with the kinds of its cosine and of its sine.
+fn even_degrees(order: usize) -> impl Iterator<Item = (usize, usize)> {
+    (order + order % 2..=HIGHEST).step_by(2).flat_map(move |l| {
+        let kinds = if order > 0 { 0..2 } else { 0..1 };
+        kinds.map(move |side| (l, 2 * side + order % 2))
+    })
+}
+
+/// Coefficients of even degree for each kind: a row for each order and degree, a column for each channel.
+fn coefficients_by_kind(harmonics: &Harmonics) -> [DMatrix<f64>; 4] {
+    let mut rows: [Vec<f64>; 4] = Default::default();
+    for order in 0..=HIGHEST {
+        for (degree, kind) in even_degrees(order) {
+            rows[kind].extend_from_slice(&harmonics.at(degree, order)[4 * (kind / 2)..][..3]);
+        }
+    }
+    rows.map(|rows| DMatrix::from_row_slice(rows.len() / 3, 3, &rows))
 }
 
 /// The knots of one sign and of the other, and the sign that a function has there.
@@ -144,7 +172,7 @@ fn both_sides(knot: usize, flips: bool) -> impl Iterator<Item = (usize, f64)> {
 }
 
 /// Where a direction lies on the faces.
-struct Place {
+struct FacePosition {
     face: usize,
     /// |x|, and its sign
     height: f64,
@@ -157,12 +185,12 @@ struct Place {
     v: f64,
 }
 
-impl Place {
+impl FacePosition {
     #[inline(always)]
     fn of(l: DVec3) -> Self {
         let size = l.abs();
         let face = if size.x >= size.y && size.x >= size.z { 0 } else { 1 + usize::from(size.z > size.y) };
-        // The others come in turns: y and z, z and x, x and y.
+        // The other axes follow in order: y and z, z and x, x and y.
         let (own, one, other) = match face {
             0 => (l.x, l.y, l.z),
             1 => (l.y, l.z, l.x),
@@ -233,68 +261,47 @@ fn bends(t: f64) -> [f64; 4] {
     [s, t - 2.0 * s, s - 2.0 * t, t]
 }
 
-/// `matrix harmonics` for each channel, in wide vectors.
-struct Product<'a> {
-    matrix: &'a [Vec<f64>],
-    harmonics: &'a [[f64; 3]],
-    out: &'a mut [Vec<f64>; 3],
-}
-
-impl WithSimd for Product<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        // Two harmonics at once: half as many passes over the sums.
-        for (columns, harmonics) in self.matrix.chunks(2).zip(self.harmonics.chunks(2)) {
-            let (first, last) = (&columns[0], &columns[columns.len() - 1]);
-            for (channel, out) in self.out.iter_mut().enumerate() {
-                let one = harmonics[0][channel];
-                let other = if harmonics.len() > 1 { harmonics[1][channel] } else { 0.0 };
-                for ((out, a), b) in out.iter_mut().zip(first).zip(last) {
-                    *out += a * one + b * other;
-                }
-            }
-        }
-    }
-}
-
-/// For each kind, for each of its harmonics, the coefficients of the quarters of the faces: those of the spline
-/// that has its values at the knots.
-static SPLINES: LazyLock<[Vec<Vec<f64>>; 4]> = LazyLock::new(|| {
+/// Coefficients of the quarters of the faces for each kind and harmonic: those of the spline that has its values at the
+/// knots.
+static SPLINES: LazyLock<[DMatrix<f64>; 4]> = LazyLock::new(|| {
     /// Knots beyond the edge at which the function is sampled too: each lowers the error of the end by 3.7.
     const MARGIN: usize = 8;
     const SAMPLED: usize = KNOTS + MARGIN;
-    let knots = (0..3 * SAMPLED * SAMPLED).map(|i| {
+    let knot = |i: usize| {
         let (face, u, v) = (i / (SAMPLED * SAMPLED), i / SAMPLED % SAMPLED, i % SAMPLED);
-        let mut place = DVec3::ZERO;
-        place[face] = 1.0;
-        place[OTHERS[face][0]] = u as f64 / HALF as f64;
-        place[OTHERS[face][1]] = v as f64 / HALF as f64;
-        place
-    });
-    let knots: Vec<DVec3> = knots.collect();
-    let mut legendre = Legendre::new(knots.iter().map(|place| place.y / place.length()).collect());
-    let azimuths: Vec<f64> = knots.iter().map(|&place| angles(place).1).collect();
-    let mut splines: [Vec<Vec<f64>>; 4] = Default::default();
-    for order in 0..=DEGREE {
-        for row in legendre.rows() {
-            for kind in (0..4).filter(|&kind| orders(kind).any(|own| own == order)) {
-                let turn = |phi: f64| {
-                    let (sin, cos) = (order as f64 * phi).sin_cos();
-                    if kind < 2 { cos } else { sin }
-                };
-                let values = row.iter().zip(&azimuths).zip(&knots);
-                // Of degree 1: at the knots, which lie outside of the unit sphere, as long as they are.
-                let values: Vec<f64> =
-                    values.map(|((p, &phi), place)| p * turn(phi) * place.length()).collect();
-                splines[kind].push(quarters(&values, kind, SAMPLED));
-            }
-        }
-        legendre.raise();
-    }
-    splines
+        let mut knot = DVec3::ZERO;
+        knot[face] = 1.0;
+        knot[OTHERS[face][0]] = u as f64 / HALF as f64;
+        knot[OTHERS[face][1]] = v as f64 / HALF as f64;
+        knot
+    };
+    let samples: Vec<[Vec<f64>; 4]> = (0..3 * SAMPLED * SAMPLED).map(|i| even_harmonics(knot(i))).collect();
+    [0, 1, 2, 3].map(|kind| {
+        let harmonics = 0..samples[0][kind].len();
+        let spline = |harmonic: usize| {
+            let values: Vec<f64> = samples.iter().map(|sample| sample[kind][harmonic]).collect();
+            quarters(&values, kind, SAMPLED)
+        };
+        let columns: Vec<f64> = harmonics.clone().flat_map(spline).collect();
+        DMatrix::from_vec(3 * KNOTS * KNOTS, harmonics.len(), columns)
+    })
 });
+
+/// The harmonics of even degree of each kind, as functions of degree 1, at a place outside of the unit sphere.
+fn even_harmonics(place: DVec3) -> [Vec<f64>; 4] {
+    let (length, phi) = (place.length(), angles(place).1);
+    let height = place.y / length;
+    let mut legendre = AssociatedLegendre::new(height, ((1.0 - height) * (1.0 + height)).max(0.0).sqrt());
+    let mut out: [Vec<f64>; 4] = Default::default();
+    for order in 0..=HIGHEST {
+        let (sin, cos) = (order as f64 * phi).sin_cos();
+        let column = legendre.column(order);
+        for (degree, kind) in even_degrees(order) {
+            out[kind].push(column[degree] * if kind < 2 { cos } else { sin } * length);
+        }
+    }
+    out
+}
 
 /// The coefficients of the splines through `values` at the knots of the quarters of three faces.
 fn quarters(values: &[f64], kind: usize, sampled: usize) -> Vec<f64> {
@@ -332,4 +339,29 @@ fn through(values: &[f64], flips: bool) -> Vec<f64> {
         next = rhs[i];
     }
     rhs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernels::expansion::Cap;
+    use crate::kernels::sphere::direction;
+
+    /// The function `|l| Y(l)` with a harmonic of degree 4.
+    #[test]
+    fn a_field_is_its_harmonics() {
+        let mut harmonics = Harmonics::zero();
+        harmonics.add_discs([(direction(0.7, 1.0), 0.0, [1.0, 0.5, 2.0])].into_iter());
+        let mut factors = [0.0; crate::kernels::expansion::DEGREES];
+        (factors[0], factors[2], factors[4]) = (1.0, 0.4, 0.1);
+        let even = harmonics.scaled_sum(&factors, &Harmonics::zero(), &factors.map(|_| 0.0));
+        let field = Field::new(&even, 0.3);
+        for l in [DVec3::Y, direction(0.7, 1.0), direction(2.2, 4.0), DVec3::new(1.0, -1.0, 1.0).normalize()]
+        {
+            let expected = even.values(&[Cap::new(l, 0.0)])[0];
+            for (gradient, expected) in field.gradient(l).into_iter().zip(expected) {
+                assert!((gradient.dot(l) - expected).abs() < 1e-5, "{l}: {} {expected}", gradient.dot(l));
+            }
+        }
+    }
 }

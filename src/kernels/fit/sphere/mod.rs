@@ -14,42 +14,39 @@
 //! | the kernel between two lights            | `kernel.rs`          |
 //! | inner products of lights                 | `lights.rs`          |
 //! | bright sources, kept as points           | `points.rs`          |
-//! | the map in spherical harmonics           | `harmonics.rs`       |
 //! | a smooth even function, quick to look up | `field.rs`           |
 //! | the ambient term beside a light          | `ambient_columns.rs` |
-//! | the probe at normals that judge a rig    | `rendered.rs`        |
+//! | the probe at evaluation normals          | `evaluation_probe.rs` |
 
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
 mod ambient_columns;
-#[cfg(test)]
-mod extended_precision;
+mod evaluation_probe;
 mod field;
-mod harmonics;
 mod kernel;
+#[cfg(test)]
+mod kernel_digits;
 mod lights;
 mod points;
-mod rendered;
 
-pub use rendered::rendered;
+pub use evaluation_probe::evaluation_probe;
 
 use glam::{DMat3, DVec3};
 use nalgebra::DMatrix;
 use pulp::{Arch, Scalar, Simd, WithSimd};
 
 use self::ambient_columns::{Columns, Radiance};
-use self::field::Field;
-use self::harmonics::Spectrum;
+use self::field::{Field, HIGHEST};
 use self::kernel::{Block, LINEAR, outer, second_derivative, spectrum};
 use self::lights::{Products, Turned, values};
-use self::points::{Point, Points};
+use self::points::Points;
 use super::ambient::Ambient;
-use super::azimuthal::Azimuthal;
 use super::lanes::LANES;
 use super::objective::{
     Constraint, Derivatives, Directions, Given, Moments, Objective, PointObjective, column_weights,
     distinct_channels, turned_by,
 };
+use crate::kernels::expansion::{DEGREES, Expansion, Harmonics, PointLight, bright_cells};
 use crate::kernels::image::WorkingMap;
 use crate::kernels::sphere::tangents;
 
@@ -73,33 +70,36 @@ impl Sphere {
     /// The probe under `map`, and the `ambient` term that may explain it. Where it `has_floor`, no light may
     /// stand below the horizon, and the map has none there.
     pub fn new(map: &WorkingMap, ambient: Ambient, has_floor: bool) -> Self {
-        Self::of(map, &Azimuthal::of(map), ambient, has_floor)
+        Self::of(map, &Expansion::new(map), ambient, has_floor)
     }
 
-    /// The same of a map whose rows have these integrals over azimuth.
-    pub fn of(map: &WorkingMap, azimuthal: &Azimuthal, ambient: Ambient, has_floor: bool) -> Self {
+    /// The same for a map whose harmonics are known.
+    pub fn of(map: &WorkingMap, expansion: &Expansion, ambient: Ambient, has_floor: bool) -> Self {
         let (points, faint, aside) = Points::chosen(map);
-        let mut rest = Spectrum::new(azimuthal, &map.grid).with_points(&faint);
-        (0..3).for_each(|channel| rest.first[channel] += aside[channel]);
-        let factors = spectrum(harmonics::DEGREE / 2 + 1);
-        let field = Field::new(rest.scaled(&factors), rest.azimuth());
+        let mut rest = expansion.rest.clone();
+        rest.add_discs(faint.iter().chain(&bright_cells(map)).map(PointLight::disc));
+        (0..3).for_each(|channel| rest.add_first(channel, aside[channel]));
+        let kernel = even_factors();
+        let field =
+            Field::new(&rest.scaled_sum(&kernel, &Harmonics::zero(), &[0.0; DEGREES]), rest.azimuth());
         let columns = Columns { ambient, has_floor };
         let given = Given::nothing(ambient, has_floor);
         let likely = points.iter().map(|point| point.direction).collect();
-        let (first, widest) = (rest.first, Arch::new());
+        let (first, widest) = ([0, 1, 2].map(|channel| rest.moments(channel).1), Arch::new());
         let mut sphere = Self { given, columns, points: Points::new(&points), likely, first, field, widest };
-        sphere.given = sphere.given_by(&rest, &points, &factors);
+        sphere.given = sphere.given_by(&rest, &points);
         sphere
     }
 
     /// The inner products that lights do not change.
-    fn given_by(&self, rest: &Spectrum, points: &[Point], factors: &[f64]) -> Given {
+    fn given_by(&self, rest: &Harmonics, points: &[PointLight]) -> Given {
         let channels = [0, 1, 2].map(|channel| radiance(rest, points, channel));
-        let energy = [0, 1, 2].map(|channel| self.energy(rest, points, factors, channel));
+        let smooth = rest.product(rest, &even_factors());
+        let energy = [0, 1, 2].map(|channel| self.energy(smooth[channel], points, channel));
         let are_same = |a: usize, b: usize| {
             let is_same = |rgb: &[f64; 3]| rgb[a].to_bits() == rgb[b].to_bits();
-            rest.even.iter().flatten().all(is_same)
-                && rest.first[a] == rest.first[b]
+            let are_same_harmonics = |one: &[f64; 8]| one[a] == one[b] && one[4 + a] == one[4 + b];
+            rest.values.iter().all(are_same_harmonics)
                 && points.iter().all(|point| is_same(&point.irradiance))
         };
         let (used, like) = distinct_channels(|channel| channels[channel].whole == 0.0, are_same);
@@ -114,12 +114,9 @@ impl Sphere {
         Given { ambient, has_floor, channels: used, like, ambient_products, energy }
     }
 
-    /// `<E, E>` of a channel: the rest by its harmonics, the points with it and with each other.
-    fn energy(&self, rest: &Spectrum, points: &[Point], factors: &[f64], channel: usize) -> f64 {
-        let scaled = rest.scaled(factors);
-        let even = rest.even.iter().flatten().zip(scaled.iter().flatten());
-        let smooth: f64 = even.map(|(a, b)| a[channel] * b[channel]).sum();
-        let smooth = smooth + LINEAR * rest.first[channel].length_squared();
+    /// `<E, E>` of a channel: the even degrees of the rest, its first degree, the points with it and with each other.
+    fn energy(&self, even: f64, points: &[PointLight], channel: usize) -> f64 {
+        let smooth = even + LINEAR * self.first[channel].length_squared();
         points.iter().fold(smooth, |sum, point| {
             let l = point.direction;
             let twice = 2.0 * self.rest_at(l)[channel] + self.points.gradient(Scalar::new(), l)[channel];
@@ -342,9 +339,18 @@ impl WithSimd for Values<'_> {
     }
 }
 
+/// Factors of the kernel of the probe for even degrees of the field, 0 for others.
+fn even_factors() -> [f64; DEGREES] {
+    let factors = spectrum(HIGHEST / 2 + 1);
+    std::array::from_fn(|degree| match degree % 2 {
+        0 if degree <= HIGHEST => factors[degree / 2],
+        _ => 0.0,
+    })
+}
+
 /// Moments of the radiance of a channel of the whole map.
-fn radiance(rest: &Spectrum, points: &[Point], channel: usize) -> Radiance {
-    let (whole, first, second) = (rest.whole(channel), rest.first[channel], rest.second(channel));
+fn radiance(rest: &Harmonics, points: &[PointLight], channel: usize) -> Radiance {
+    let (whole, first, second) = rest.moments(channel);
     points.iter().fold(Radiance { whole, first, second }, |sum, point| {
         let (l, e) = (point.direction, point.irradiance[channel]);
         Radiance { whole: sum.whole + e, first: sum.first + l * e, second: sum.second + outer(l, l) * e }

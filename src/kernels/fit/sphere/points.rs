@@ -1,44 +1,41 @@
-//! Lights of a map that are kept as points, many side by side.
+//! Bright sources of a map as exact points, in blocks of one point a lane.
 
-#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+#![allow(
+    clippy::inline_always,
+    reason = "functions that are not inlined are compiled for the oldest processors"
+)]
 
 use glam::{DMat3, DVec3};
-use ndarray::{ArrayView2, Axis};
 use pulp::Simd;
 
 use super::kernel::{Angles, Block, second_derivative, splat};
-use crate::kernels::fit::lanes::{LANES, Lanes, Number};
+use crate::kernels::expansion::{PointLight, sources_of};
 use crate::kernels::image::WorkingMap;
+use crate::kernels::lanes::{LANES, Lanes, Number};
 
-/// Points that are kept at most, the brightest: beyond, harmonics are as good.
+/// Limit on exact points, the brightest first: harmonics are as accurate for the others.
 const MOST_POINTS: usize = 24;
 
-/// A light of the map that is kept as a point: its direction, and its irradiance at normal incidence.
-#[derive(Clone, Copy, Debug)]
-pub struct Point {
-    pub direction: DVec3,
-    pub irradiance: [f64; 3],
-}
-
-/// Points side by side: the last lanes are filled up with black ones.
+/// Points in blocks; the last block ends with black ones.
 #[derive(Clone, Debug)]
 pub struct Points {
     blocks: Vec<(Block, [[f64; LANES]; 3])>,
 }
 
 impl Points {
-    /// The brightest sources of the map, then the others, then the vector irradiance that is left of the first: their
-    /// channels may have their middles aside of each other, which counts in the first degree alone.
-    pub fn chosen(map: &WorkingMap) -> (Vec<Point>, Vec<Point>, [DVec3; 3]) {
+    /// The brightest sources of the map, the other sources, and the vector irradiance that both leave out.
+    ///
+    /// The channels of a source may have different directions; a point has one.
+    pub fn chosen(map: &WorkingMap) -> (Vec<PointLight>, Vec<PointLight>, [DVec3; 3]) {
         let mut sources = sources_of(map);
         let power = |source: &[DVec3; 3]| source.iter().map(|e| e.length()).sum::<f64>();
         sources.sort_by(|a, b| power(b).total_cmp(&power(a)));
         let mut aside = [DVec3::ZERO; 3];
         let point = |source: &[DVec3; 3]| {
             let direction = source.iter().sum::<DVec3>().normalize_or(DVec3::Y);
-            Point { direction, irradiance: source.map(|e| e.dot(direction)) }
+            PointLight { direction, irradiance: source.map(|e| e.dot(direction)) }
         };
-        let mut points: Vec<Point> = sources.iter().map(point).collect();
+        let mut points: Vec<PointLight> = sources.iter().map(point).collect();
         for (source, point) in sources.iter().zip(&points) {
             (0..3).for_each(|c| aside[c] += source[c] - point.irradiance[c] * point.direction);
         }
@@ -47,9 +44,9 @@ impl Points {
         (points, faint, aside)
     }
 
-    /// Of one list.
-    pub fn new(points: &[Point]) -> Self {
-        let block = |points: &[Point]| {
+    /// Group points into blocks.
+    pub fn new(points: &[PointLight]) -> Self {
+        let block = |points: &[PointLight]| {
             let mut irradiance = [[0.0; LANES]; 3];
             for (i, point) in points.iter().enumerate() {
                 (0..3).for_each(|channel| irradiance[channel][i] = point.irradiance[channel]);
@@ -63,7 +60,7 @@ impl Points {
     #[inline(always)]
     pub fn gradient<S: Simd>(&self, simd: S, l: DVec3) -> [DVec3; 3] {
         let own = splat(simd, l);
-        // Of each channel the pull towards the points, and along l.
+        // Sum for each channel the pull towards the points, and along l.
         let mut sums = [[Lanes::splat(simd, 0.0); 4]; 3];
         for (points, irradiance) in &self.blocks {
             for vector in 0..Lanes::<S>::VECTORS {
@@ -102,8 +99,9 @@ impl Points {
     }
 }
 
-/// How many of the sources stand before the others, their `powers` falling: at most [`MOST_POINTS`], and no cut
-/// between two that are alike. Which of those comes first depends on the side that the map is read from.
+/// Number of sources that become exact points, for decreasing `powers`: at most [`MOST_POINTS`].
+///
+/// Equal sources are not separated, because their order depends on the side that the map is read from.
 fn brightest(powers: &[f64]) -> usize {
     const ALIKE: f64 = 1e-6;
     let is_gap = |&count: &usize| count == 0 || powers[count] < (1.0 - ALIKE) * powers[count - 1];
@@ -113,20 +111,12 @@ fn brightest(powers: &[f64]) -> usize {
     (0..=MOST_POINTS).rev().find(is_gap).unwrap_or(0)
 }
 
-/// The vector irradiance of each source of a map, by channel.
-pub fn sources_of(map: &WorkingMap) -> Vec<[DVec3; 3]> {
-    let by_channel = |source: ArrayView2<'_, f64>| {
-        [0, 1, 2].map(|channel| DVec3::new(source[[0, channel]], source[[1, channel]], source[[2, channel]]))
-    };
-    map.sources.axis_iter(Axis(0)).map(by_channel).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn sources_that_are_alike_are_kept_or_left_together() {
+    fn equal_sources_are_not_separated() {
         let (bright, alike) = (vec![2.0; 20], vec![1.0; 6]);
         assert_eq!(brightest(&[bright.clone(), alike].concat()), 20);
         assert_eq!(brightest(&[1.0; MOST_POINTS + 1]), 0);

@@ -129,12 +129,6 @@ impl<S: Simd> Lanes<S> {
         }
         Self::splat(simd, 0.0).like_all(&values)
     }
-
-    /// Vectors from numbers, of which there is a multiple of [`LANES`].
-    #[inline(always)]
-    pub fn of(simd: S, values: &[f64]) -> impl Iterator<Item = Self> {
-        S::as_simd_f64s(values).0.iter().map(move |&values| Self { simd, values })
-    }
 }
 
 impl<S: Simd> Number for Lanes<S> {

@@ -1,4 +1,4 @@
-//! The probe under a map at normals that judge a rig: from the harmonics of its cells, and its bright places one by one.
+//! The probe under a map at the normals that evaluate a rig: from the harmonics of its cells, and its bright parts one by one.
 //!
 //! The clamped cosine `max(0, n.w)` is half of `n.w` and half of `|n.w|`, which is even. With the factors A of its even
 //! degrees (`kernel.rs`), F the integral of `L w dw` over the whole map, and the vector irradiance f of each source and
@@ -13,11 +13,14 @@
 //! of a rig of 1 to 32 lights is as near to the exact one as with all cells looked up one by one, 1e-5 to 5e-5 in the mean.
 //!
 //! The normals stand on rings. These lie at the nodes of a Gauss-Legendre rule, the normals of a ring at even azimuths:
-//! judged at 5120 of them the error of a rig is as near to that at all normals as at 5120 Hammersley points, where even
+//! evaluated at 5120 of them the error of a rig is as near to that at all normals as at 5120 Hammersley points, where even
 //! heights double its scatter. From ring to ring the normals are turned by the golden section of a step, which spreads
 //! them evenly.
 
-#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+#![allow(
+    clippy::inline_always,
+    reason = "functions that are not inlined are compiled for the oldest processors"
+)]
 #![allow(clippy::needless_range_loop, reason = "loops, not closures, are inlined")]
 
 use std::f64::consts::TAU;
@@ -27,16 +30,17 @@ use glam::DVec3;
 use nalgebra::DMatrix;
 use pulp::{Arch, Simd, WithSimd};
 
-use super::harmonics::{DEGREE, Legendre, ORDERS, Spectrum};
 use super::kernel::clamped_cosine;
-use super::points::{Point, sources_of};
 use crate::error::{Error, Result};
-use crate::kernels::fit::azimuthal::Azimuthal;
+use crate::kernels::cache::Cache;
+use crate::kernels::expansion::{
+    AssociatedLegendre, DEGREES, Expansion, Harmonics, PointLight, bright_cells, sources_of,
+};
 use crate::kernels::fit::samples::Samples;
 use crate::kernels::image::WorkingMap;
-use crate::kernels::kept::Kept;
+use crate::kernels::lanes::{Lanes, Number};
 use crate::kernels::sampling::gauss_legendre;
-use crate::kernels::sphere::{band_heights, direction};
+use crate::kernels::sphere::direction;
 
 /// Normals of a ring: enough that the steps around are as fine as those between rings of 5120 normals.
 const AZIMUTHS: usize = 128;
@@ -45,29 +49,27 @@ const GOLDEN_SECTION: f64 = 0.618_033_988_749_894_9;
 
 /// Cosine and sine of `m phi` of each order m, at the azimuths of a ring from its first normal on.
 static TURNS: LazyLock<DMatrix<f64>> = LazyLock::new(|| {
-    DMatrix::from_fn(AZIMUTHS, 2 * ORDERS, |i, column| {
+    DMatrix::from_fn(AZIMUTHS, 2 * DEGREES, |i, column| {
         let (sin, cos) = (TAU * (i * (column / 2) % AZIMUTHS) as f64 / AZIMUTHS as f64).sin_cos();
         if column % 2 == 0 { cos } else { sin }
     })
 });
 
-/// Irradiance at `fewest` normals, or some more, under a map: `rest` holds the integrals over the rows of all that is not
-/// bright. The second half of the normals is opposite the first, which face up.
+/// Irradiance under a map at `fewest` normals or a few more. The second half of the normals is opposite the first, which face up.
 ///
 /// # Errors
 ///
 /// [`Error::TooBright`].
-pub fn rendered(map: &WorkingMap, rest: &Azimuthal, fewest: usize) -> Result<Samples> {
-    static RINGS: Kept<usize, Rings> = Kept::new();
+pub fn evaluation_probe(map: &WorkingMap, expansion: &Expansion, fewest: usize) -> Result<Samples> {
+    static RINGS: Cache<usize, Rings> = Cache::new();
     let count = fewest.div_ceil(2 * AZIMUTHS);
-    let rings = RINGS.of(&count, || Rings::new(count));
-    let cells = Spectrum::new(rest, &map.grid);
-    let bright: Vec<Point> = sources(map).into_iter().chain(bright_cells(map)).collect();
+    let rings = RINGS.get(&count, || Rings::new(count));
+    let bright: Vec<PointLight> = sources(map).into_iter().chain(bright_cells(map)).collect();
     // Add up what is the same at opposite normals.
-    let mut even = &*TURNS * rings.along_orders(&cells);
-    Arch::new().dispatch(Halves { normals: &rings.halves, bright: &bright, even: even.as_mut_slice() });
+    let mut even = &*TURNS * rings.along_orders(&expansion.rest);
+    Arch::new().dispatch(BrightHalves { normals: &rings.halves, bright: &bright, even: even.as_mut_slice() });
     // Add what has the other sign there.
-    let mut whole = cells.first;
+    let mut whole = [0, 1, 2].map(|channel| expansion.rest.moments(channel).1);
     for (c, whole) in whole.iter_mut().enumerate() {
         *whole += bright.iter().map(|point| point.direction * point.irradiance[c]).sum::<DVec3>();
     }
@@ -88,43 +90,31 @@ pub fn rendered(map: &WorkingMap, rest: &Azimuthal, fewest: usize) -> Result<Sam
 }
 
 /// The sources of a map, a point for each channel: the middles of these may differ.
-fn sources(map: &WorkingMap) -> Vec<Point> {
+fn sources(map: &WorkingMap) -> Vec<PointLight> {
     let point = |(channel, flux): (usize, DVec3)| {
         let mut irradiance = [0.0; 3];
         irradiance[channel] = flux.length();
-        Point { direction: flux.normalize_or(DVec3::Y), irradiance }
+        PointLight { direction: flux.normalize_or(DVec3::Y), irradiance }
     };
     sources_of(map).into_iter().flat_map(|source| source.into_iter().enumerate().map(point)).collect()
 }
 
-/// Bright cells that are no sources, as points.
-fn bright_cells(map: &WorkingMap) -> Vec<Point> {
-    let (theta, phi) = (&map.grid.theta_edges, &map.grid.phi_edges);
-    let point = |&(row, column): &(usize, usize)| {
-        let solid_angle = band_heights(&theta[row..row + 2])[0] * (phi[column + 1] - phi[column]);
-        let middle = |edges: &[f64], i: usize| 0.5 * (edges[i] + edges[i + 1]);
-        let irradiance = [0, 1, 2].map(|c| solid_angle * f64::from(map.radiance[[row, column, c]]));
-        Point { direction: direction(middle(theta, row), middle(phi, column)), irradiance }
-    };
-    map.bright.iter().map(point).collect()
-}
-
 /// Rings of normals.
 struct Rings {
-    /// Those that face up, ring after ring, and then their opposites.
+    /// Normals that face up, ring after ring, then their opposites.
     normals: Vec<DVec3>,
     /// Half of each that faces up, axis by axis.
     halves: [Vec<f64>; 3],
-    /// Solid angle that each stands for.
+    /// Solid angle of each normal.
     weights: Vec<f64>,
     /// Azimuth of the first normal of each.
     starts: Vec<f64>,
-    /// `P_lm` at their heights, order by order, even degree by even degree.
-    legendre: Vec<Vec<Vec<f64>>>,
+    /// Their heights.
+    heights: Vec<f64>,
 }
 
 impl Rings {
-    /// That many of normals that face up.
+    /// Place `count` rings of normals that face up.
     fn new(count: usize) -> Self {
         let (heights, weights) = gauss_legendre(2 * count);
         let (heights, weights) = (heights[..count].to_vec(), &weights[..count]);
@@ -140,13 +130,7 @@ impl Rings {
         let normals = upper.iter().copied().chain(upper.iter().map(|&normal| -normal)).collect();
         let solid_angles = weights.iter().chain(weights).map(|weight| weight * step);
         let weights = solid_angles.flat_map(|one| std::iter::repeat_n(one, AZIMUTHS)).collect();
-        let mut legendre = Legendre::new(heights);
-        let of_order = |_| {
-            let rows = legendre.rows();
-            legendre.raise();
-            rows
-        };
-        Self { normals, halves, weights, starts, legendre: (0..ORDERS).map(of_order).collect() }
+        Self { normals, halves, weights, starts, heights }
     }
 
     fn upper(&self) -> &[DVec3] {
@@ -155,83 +139,64 @@ impl Rings {
 
     /// The even part of the irradiance on each ring, by `cos m phi` and `sin m phi` from its first normal on: a column for
     /// each ring and channel.
-    fn along_orders(&self, cells: &Spectrum) -> DMatrix<f64> {
-        let scaled = cells.scaled(&clamped_cosine(DEGREE / 2 + 1));
-        let mut kinds = scaled.iter().map(|kind| kind.iter()).collect::<Vec<_>>();
-        let mut out = DMatrix::zeros(2 * ORDERS, 3 * self.starts.len());
-        for (order, rows) in self.legendre.iter().enumerate() {
-            for row in rows {
-                let cosine = kinds[order % 2].next().copied().unwrap_or_default();
-                let sine = if order == 0 { None } else { kinds[2 + order % 2].next() };
-                let pair = [cosine, sine.copied().unwrap_or_default()];
-                for (i, p) in row.iter().enumerate() {
-                    for c in 0..3 {
-                        (0..2).for_each(|side| out[(2 * order + side, 3 * i + c)] += p * pair[side][c]);
-                    }
+    fn along_orders(&self, cells: &Harmonics) -> DMatrix<f64> {
+        let lobe = clamped_cosine(DEGREES.div_ceil(2));
+        let mut out = DMatrix::zeros(2 * DEGREES, 3 * self.starts.len());
+        for (ring, (height, start)) in self.heights.iter().zip(&self.starts).enumerate() {
+            let mut legendre = AssociatedLegendre::new(*height, (1.0 - height * height).sqrt());
+            for (order, values) in cells.orders().enumerate() {
+                let column = legendre.column(order);
+                let mut sum = [0.0; 8];
+                for degree in (order + order % 2..DEGREES).step_by(2) {
+                    let weight = lobe[degree / 2] * column[degree];
+                    (0..8).for_each(|i| sum[i] += weight * values[degree - order][i]);
+                }
+                let (sin, cos) = (order as f64 * start).sin_cos();
+                for c in 0..3 {
+                    out[(2 * order, 3 * ring + c)] = sum[c] * cos + sum[4 + c] * sin;
+                    out[(2 * order + 1, 3 * ring + c)] = sum[4 + c] * cos - sum[c] * sin;
                 }
             }
-            self.turn(order, &mut out);
         }
         out
     }
-
-    /// Count the azimuths of an order from the first normal of each ring.
-    fn turn(&self, order: usize, out: &mut DMatrix<f64>) {
-        for (i, start) in self.starts.iter().enumerate() {
-            let (sin, cos) = (order as f64 * start).sin_cos();
-            for column in 3 * i..3 * i + 3 {
-                let (a, b) = (out[(2 * order, column)], out[(2 * order + 1, column)]);
-                out[(2 * order, column)] = a * cos + b * sin;
-                out[(2 * order + 1, column)] = b * cos - a * sin;
-            }
-        }
-    }
 }
 
-/// Adds `|n.f| / 2` of all bright places to the `even` part: for each ring and channel, at each normal.
-struct Halves<'a> {
+/// Adds `|n.f| / 2` of all bright parts to the `even` part: for each ring and channel, at each normal.
+struct BrightHalves<'a> {
     /// Half of each normal, axis by axis.
     normals: &'a [Vec<f64>; 3],
-    bright: &'a [Point],
+    bright: &'a [PointLight],
     even: &'a mut [f64],
 }
 
-impl WithSimd for Halves<'_> {
+impl WithSimd for BrightHalves<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { normals, bright, even } = self;
-        for (ring, even) in even.chunks_mut(3 * AZIMUTHS).enumerate() {
-            let on_ring = |axis: &'_ Vec<f64>| -> [f64; AZIMUTHS] {
-                axis[ring * AZIMUTHS..].first_chunk().copied().unwrap_or([0.0; AZIMUTHS])
-            };
-            let axes = normals.each_ref().map(on_ring);
-            for place in 0..AZIMUTHS / S::F64_LANES {
-                let normals = axes.each_ref().map(|axis| S::as_simd_f64s(axis).0[place]);
-                let sums = sum(simd, normals, bright);
-                for (sum, even) in sums.into_iter().zip(even.chunks_mut(AZIMUTHS)) {
-                    let even = &mut S::as_mut_simd_f64s(even).0[place];
-                    *even = simd.add_f64s(*even, sum);
+        let Self { normals: [x, y, z], bright, even } = self;
+        let zero = Lanes::splat(simd, 0.0);
+        for first in (0..x.len()).step_by(S::F64_LANES) {
+            let [x, y, z] =
+                [zero.like_all(&x[first..]), zero.like_all(&y[first..]), zero.like_all(&z[first..])];
+            let mut sums = [zero; 3];
+            for PointLight { direction: to, irradiance } in bright {
+                let cosine = (z * z.like(to.z)).add_product(y, y.like(to.y)).add_product(x, x.like(to.x));
+                let cosine = cosine.max(zero - cosine);
+                for c in 0..3 {
+                    sums[c] = sums[c].add_product(cosine, cosine.like(irradiance[c]));
+                }
+            }
+            let (ring, azimuth) = (first / AZIMUTHS, first % AZIMUTHS);
+            for c in 0..3 {
+                let even = &mut even[(3 * ring + c) * AZIMUTHS + azimuth..];
+                for lane in 0..S::F64_LANES {
+                    even[lane] += sums[c].lane(lane);
                 }
             }
         }
     }
-}
-
-/// The sum of `|n.f| / 2` over all bright places, by channel, at as many normals as a vector holds.
-#[inline(always)]
-fn sum<S: Simd>(simd: S, [x, y, z]: [S::f64s; 3], bright: &[Point]) -> [S::f64s; 3] {
-    let mut sums = [simd.splat_f64s(0.0); 3];
-    for Point { direction, irradiance } in bright {
-        let [to_x, to_y, to_z] = direction.to_array().map(|value| simd.splat_f64s(value));
-        let cosine = simd.mul_add_e_f64s(x, to_x, simd.mul_add_e_f64s(y, to_y, simd.mul_f64s(z, to_z)));
-        let cosine = simd.abs_f64s(cosine);
-        for c in 0..3 {
-            sums[c] = simd.mul_add_e_f64s(cosine, simd.splat_f64s(irradiance[c]), sums[c]);
-        }
-    }
-    sums
 }
 
 #[cfg(test)]
@@ -245,7 +210,7 @@ mod tests {
     use rayon::ThreadPoolBuilder;
     use std::f64::consts::PI;
 
-    /// Heights and registrations: cells kept, in blocks, few.
+    /// Heights and registrations of maps: with cells of one pixel, of several, and with few cells.
     const MAPS: [(usize, Registration); 8] = [
         (128, CellCentred),
         (128, BorderSampled),
@@ -269,13 +234,13 @@ mod tests {
         image::reduce(radiance.view(), registration, 256, 5e-3, false).unwrap()
     }
 
-    fn judge(map: &WorkingMap) -> Samples {
-        rendered(map, &Azimuthal::of(map).without_bright(map), 5120).unwrap()
+    fn evaluate(map: &WorkingMap) -> Samples {
+        evaluation_probe(map, &Expansion::new(map), 5120).unwrap()
     }
 
     /// Relative RMS error beside `exact` look-ups of all cells, one by one.
     fn error(map: &WorkingMap, exact: impl Fn(ArrayView2<'_, f64>) -> Result<Array2<f64>>) -> f64 {
-        let samples = judge(map);
+        let samples = evaluate(map);
         let normals = sphere::from_vectors(samples.normals.iter().copied());
         let exact = exact(normals.view()).unwrap();
         let found = sphere::from_vectors(samples.irradiance.iter().copied());
@@ -310,7 +275,7 @@ mod tests {
     fn constant_sky_gives_pi() {
         for (height, registration) in MAPS {
             let sky = Array3::from_elem((height, 2 * height, 3), 1.0_f32);
-            for value in judge(&reduced(&sky, registration)).irradiance {
+            for value in evaluate(&reduced(&sky, registration)).irradiance {
                 assert!((value / PI - 1.0).abs().max_element() < 1e-5, "{height} rows: {value}");
             }
         }
@@ -318,7 +283,7 @@ mod tests {
 
     #[test]
     fn normals_stand_for_the_whole_sphere() {
-        let Samples { normals, weights, .. } = judge(&reduced(&waves(32), CellCentred));
+        let Samples { normals, weights, .. } = evaluate(&reduced(&waves(32), CellCentred));
         assert_eq!(normals.len(), 5120);
         assert!((weights.iter().sum::<f64>() / (4.0 * PI) - 1.0).abs() < 1e-12);
         // The mean of the product of two axes is a third, or 0.
@@ -326,8 +291,8 @@ mod tests {
             normals.iter().zip(&weights).map(|(n, weight)| weight * n[i] * n[k] / (4.0 * PI)).sum()
         };
         for (i, k) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)] {
-            let wanted = if i == k { 1.0 / 3.0 } else { 0.0 };
-            assert!((mean(i, k) - wanted).abs() < 1e-14, "{i} {k}: {}", mean(i, k));
+            let expected = if i == k { 1.0 / 3.0 } else { 0.0 };
+            assert!((mean(i, k) - expected).abs() < 1e-14, "{i} {k}: {}", mean(i, k));
         }
     }
 
@@ -336,7 +301,7 @@ mod tests {
         let map = reduced(&waves(128), CellCentred);
         let on = |threads: usize| {
             let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let samples = pool.install(|| judge(&map));
+            let samples = pool.install(|| evaluate(&map));
             samples.irradiance.iter().map(|e| e.to_array().map(f64::to_bits)).collect::<Vec<_>>()
         };
         let one = on(1);

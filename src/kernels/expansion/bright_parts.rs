@@ -1,0 +1,41 @@
+//! Sources and bright cells of a map as points.
+
+use glam::DVec3;
+use ndarray::{ArrayView2, Axis};
+
+use crate::kernels::image::WorkingMap;
+use crate::kernels::sphere::{band_heights, direction};
+
+/// A point of light: its direction, and its irradiance at normal incidence.
+#[derive(Clone, Copy, Debug)]
+pub struct PointLight {
+    pub direction: DVec3,
+    pub irradiance: [f64; 3],
+}
+
+impl PointLight {
+    /// Direction, A and flux of a disc of radius 0.
+    pub fn disc(&self) -> (DVec3, f64, [f64; 3]) {
+        (self.direction, 0.0, self.irradiance)
+    }
+}
+
+/// The vector irradiance of each source of a map, by channel.
+pub fn sources_of(map: &WorkingMap) -> Vec<[DVec3; 3]> {
+    let by_channel = |source: ArrayView2<'_, f64>| {
+        [0, 1, 2].map(|channel| DVec3::new(source[[0, channel]], source[[1, channel]], source[[2, channel]]))
+    };
+    map.sources.axis_iter(Axis(0)).map(by_channel).collect()
+}
+
+/// Bright cells that are no sources, as points in their middles.
+pub fn bright_cells(map: &WorkingMap) -> Vec<PointLight> {
+    let (theta, phi) = (&map.grid.theta_edges, &map.grid.phi_edges);
+    let point = |&(row, column): &(usize, usize)| {
+        let solid_angle = band_heights(&theta[row..row + 2])[0] * (phi[column + 1] - phi[column]);
+        let middle = |edges: &[f64], i: usize| 0.5 * (edges[i] + edges[i + 1]);
+        let irradiance = [0, 1, 2].map(|c| solid_angle * f64::from(map.radiance[[row, column, c]]));
+        PointLight { direction: direction(middle(theta, row), middle(phi, column)), irradiance }
+    };
+    map.bright.iter().map(point).collect()
+}

@@ -1,0 +1,78 @@
+//! A map in spherical harmonics, with its bright parts apart: computed once, used by every objective of the fit.
+//!
+//! | step                                           | file                     |
+//! |------------------------------------------------|--------------------------|
+//! | integrals of each row over azimuth             | `azimuthal.rs`           |
+//! | integrals over polar angle                     | `polar.rs`               |
+//! | coefficients, their products and moments       | `spherical_harmonics.rs` |
+//! | Legendre functions, factors of a disc          | `legendre.rs`            |
+//! | discs added to the coefficients                | `addition.rs`            |
+//! | the harmonics under discs, with derivatives    | `synthesis.rs`           |
+//! | sources and bright cells of a map              | `bright_parts.rs`        |
+//!
+//! Real harmonics around +y, orthonormal on the sphere, in the angles of [`crate::kernels::sphere`]:
+//!
+//! ```text
+//!   P_lm(cos theta) cos(m phi)      P_lm(cos theta) sin(m phi)
+//! ```
+
+mod addition;
+mod azimuthal;
+mod bright_parts;
+mod legendre;
+mod polar;
+mod spherical_harmonics;
+mod synthesis;
+
+pub use addition::Cap;
+pub use bright_parts::{PointLight, bright_cells, sources_of};
+pub use legendre::{
+    AssociatedLegendre, DiscFactors, disc_factors, disc_series, legendre_derivatives, legendre_values,
+};
+pub use spherical_harmonics::{Harmonics, Rgb2};
+pub use synthesis::DiscSum;
+
+use ndarray::{Array3, s};
+
+use self::azimuthal::Azimuthal;
+use crate::kernels::image::WorkingMap;
+
+/// Highest degree of the harmonics. The kernels of the fit fall off as `degree^-5`, so the cells of the working map limit
+/// the error, not the harmonics.
+pub const DEGREE: usize = 40;
+/// Number of degrees, and of orders.
+pub const DEGREES: usize = DEGREE + 1;
+
+/// The cells of a working map without its bright ones, in harmonics.
+#[derive(Clone, Debug)]
+pub struct Expansion {
+    pub rest: Harmonics,
+    /// Integral over the sphere of the squared radiance that the harmonics leave out, by channel.
+    pub fine: [f64; 3],
+}
+
+impl Expansion {
+    /// Expand a map.
+    pub fn new(map: &WorkingMap) -> Self {
+        let mut radiance = map.radiance.clone();
+        for &(row, column) in &map.bright {
+            radiance.slice_mut(s![row, column, ..]).fill(0.0);
+        }
+        let rest = Harmonics::of_cells(&Azimuthal::new(radiance.view(), &map.grid.phi_edges), &map.grid);
+        let (whole, known) = (integral_of_squares(&radiance, map), rest.product(&rest, &[1.0; DEGREES]));
+        Self { rest, fine: [0, 1, 2].map(|c| (whole[c] - known[c]).max(0.0)) }
+    }
+}
+
+/// Integral over the sphere of the squared radiance, by channel.
+fn integral_of_squares(radiance: &Array3<f32>, map: &WorkingMap) -> [f64; 3] {
+    let mut whole = [0.0; 3];
+    for (row, edges) in radiance.outer_iter().zip(map.grid.theta_edges.windows(2)) {
+        let band = edges[0].cos() - edges[1].cos();
+        for (cell, edges) in row.outer_iter().zip(map.grid.phi_edges.windows(2)) {
+            let solid_angle = band * (edges[1] - edges[0]);
+            (0..3).for_each(|c| whole[c] += solid_angle * f64::from(cell[c]).powi(2));
+        }
+    }
+    whole
+}

@@ -1,0 +1,81 @@
+//! The second derivatives of `kernel.rs` beside their definition and beside formulas without cancellation.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::DVec3;
+use proptest::prelude::*;
+use pulp::Scalar;
+
+use super::kernel::{Block, mixed_derivatives, second_derivative};
+use crate::kernels::lanes::LANES;
+
+/// `|a| |b| k(angle)`, with `k = 2/3 (sin g + (pi - g) cos g)`.
+fn kernel(a: DVec3, b: DVec3) -> f64 {
+    let (sine, cosine) = (a.cross(b).length(), a.dot(b));
+    2.0 / 3.0 * (sine + (PI - sine.atan2(cosine)) * cosine)
+}
+
+/// Two lights at an `angle`, and tangents at each: along the arc between them, and slanting across it.
+fn lights(azimuth: f64, height: f64, turn: f64, angle: f64) -> (DVec3, DVec3, [DVec3; 2], [DVec3; 2]) {
+    let radius = (1.0 - height * height).sqrt();
+    let a = DVec3::new(radius * azimuth.sin(), height, radius * azimuth.cos()).normalize();
+    let (east, north) = a.any_orthonormal_pair();
+    let way = east * turn.cos() + north * turn.sin();
+    let b = (a * angle.cos() + way * angle.sin()).normalize();
+    let slanting = |at: DVec3, along: DVec3| (along + at.cross(along)).normalize();
+    let ahead = way * angle.cos() - a * angle.sin();
+    (a, b, [way, slanting(a, way)], [ahead, slanting(b, ahead)])
+}
+
+/// Second derivatives along the tangents of one light, and mixed ones along those of both.
+fn derivatives(a: DVec3, b: DVec3, at_a: [DVec3; 2], at_b: [DVec3; 2]) -> ([f64; 2], [[f64; 2]; 2]) {
+    let mut weights = [0.0; LANES];
+    weights[0] = 1.0;
+    let own = second_derivative(Scalar::new(), a, &weights, &Block::new([b].into_iter()));
+    let frames = [[a, at_a[0], at_a[1]], [b, at_b[0], at_b[1]]];
+    let [own_frame, other_frame] = frames.map(|frame| frame.map(|axis| axis.to_array()));
+    (at_a.map(|u| u.dot(own * u)), mixed_derivatives(&own_frame, &other_frame).both)
+}
+
+proptest! {
+    /// Bound 7 of `docs/bounds.md`: the angle comes from a cross product here, which keeps its digits everywhere.
+    #[test]
+    fn second_derivatives_keep_their_digits(
+        azimuth in 0.0..TAU, height in -0.99..0.99_f64, turn in 0.0..TAU,
+        angle in prop_oneof![0.01..3.13_f64, 1e-4..1e-2_f64, 3.1315..3.1414_f64],
+    ) {
+        const BOUND: f64 = 32.0 * f64::EPSILON / 2.0;
+        let (a, b, at_a, at_b) = lights(azimuth, height, turn, angle);
+        let (own, both) = derivatives(a, b, at_a, at_b);
+        let sine = a.cross(b).length();
+        let (slope, bend) = (2.0 / 3.0 * (PI - sine.atan2(a.dot(b))), 2.0 / 3.0 / sine);
+        for (i, u) in at_a.into_iter().enumerate() {
+            let expected = 2.0 / 3.0 * sine + bend * u.dot(b).powi(2);
+            prop_assert!((own[i] - expected).abs() <= BOUND, "{:e}", own[i] - expected);
+            for (k, v) in at_b.into_iter().enumerate() {
+                let expected = slope * u.dot(v) + bend * u.dot(b) * v.dot(a);
+                prop_assert!((both[i][k] - expected).abs() <= BOUND, "mixed {:e}", both[i][k] - expected);
+            }
+        }
+    }
+
+    #[test]
+    fn second_derivatives_are_central_differences(
+        azimuth in 0.0..TAU, height in -0.99..0.99_f64, turn in 0.0..TAU, angle in 0.2..2.9_f64,
+    ) {
+        const STEP: f64 = 1e-4;
+        let (a, b, at_a, at_b) = lights(azimuth, height, turn, angle);
+        let (own, both) = derivatives(a, b, at_a, at_b);
+        for (i, u) in at_a.into_iter().enumerate() {
+            let [ahead, behind] = [STEP, -STEP].map(|step| kernel(a + step * u, b));
+            let expected = (ahead + behind - 2.0 * kernel(a, b)) / (STEP * STEP);
+            prop_assert!((own[i] - expected).abs() < 1e-6, "{} {expected}", own[i]);
+            for (k, v) in at_b.into_iter().enumerate() {
+                let corner = |x: f64, y: f64| kernel(a + x * STEP * u, b + y * STEP * v);
+                let expected = (corner(1.0, 1.0) - corner(1.0, -1.0) - corner(-1.0, 1.0) + corner(-1.0, -1.0))
+                    / (4.0 * STEP * STEP);
+                prop_assert!((both[i][k] - expected).abs() < 1e-6, "mixed {} {expected}", both[i][k]);
+            }
+        }
+    }
+}
