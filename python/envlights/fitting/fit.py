@@ -276,8 +276,8 @@ def fit_probe(
     scale = brightest if 0 < brightest < np.inf else 1.0
     clock = _Clock()
     first = wanted.first_directions(len(normals))
-    start = np.concatenate([wanted.fixed, first])
-    options = FitOptions(AMBIENTS[ambient], start, len(wanted.fixed), wanted.lights)
+    directions = np.concatenate([wanted.fixed, first])
+    options = FitOptions(AMBIENTS[ambient], directions, len(wanted.fixed), wanted.lights)
     answer = _native.fit_samples(normals, weights, irradiance / scale, options)
     clock.lap("fit")
     rig = rig_of(

@@ -16,6 +16,7 @@
 //! | bright sources, kept as points           | `points.rs`          |
 //! | a smooth even function, quick to look up | `field.rs`           |
 //! | the ambient term beside a light          | `ambient_columns.rs` |
+//! | lights added and exchanged by a search   | `point_search.rs`    |
 //! | the probe at evaluation normals          | `evaluation_probe.rs` |
 
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
@@ -27,6 +28,7 @@ mod kernel;
 #[cfg(test)]
 mod kernel_digits;
 mod lights;
+mod point_search;
 mod points;
 
 pub use evaluation_probe::evaluation_probe;
@@ -38,13 +40,13 @@ use pulp::{Arch, Scalar, Simd, WithSimd};
 use self::ambient_columns::{Columns, Radiance};
 use self::field::{Field, HIGHEST};
 use self::kernel::{Block, LINEAR, outer, second_derivative, spectrum};
-use self::lights::{Products, Turned, values};
+use self::lights::{Products, Turned};
 use self::points::Points;
 use super::ambient::Ambient;
 use super::lanes::LANES;
 use super::objective::{
-    Constraint, Derivatives, Directions, Given, Moments, Objective, PointObjective, column_weights,
-    distinct_channels, turned_by,
+    Constraint, Derivatives, Given, Moments, Objective, PointObjective, column_weights, distinct_channels,
+    turned_by,
 };
 use crate::kernels::expansion::{DEGREES, Expansion, Harmonics, PointLight, bright_cells};
 use crate::kernels::image::WorkingMap;
@@ -224,54 +226,6 @@ impl Objective for Sphere {
     }
 }
 
-impl PointObjective for Sphere {
-    fn base(&self) -> &dyn Objective {
-        self
-    }
-
-    fn exchanged(&self, before: &Moments, kept: &[usize], new: &[DVec3]) -> Moments {
-        self.moments_of(kept.iter().map(|&j| before.directions[j]).chain(new.iter().copied()).collect())
-    }
-
-    fn turned(&self, _: &Moments, directions: Vec<DVec3>) -> Moments {
-        self.moments_of(directions)
-    }
-
-    fn light_products(&self, at: &Directions, lights: &[DVec3]) -> DMatrix<f64> {
-        let mut out = DMatrix::zeros(at.directions.len(), lights.len());
-        for (&light, mut column) in lights.iter().zip(out.column_iter_mut()) {
-            self.widest.dispatch(Values { light, at, out: column.as_mut_slice() });
-        }
-        out
-    }
-
-    fn side_products(&self, at: &Directions) -> DMatrix<f64> {
-        let sides = self.widest.dispatch(Sides { sphere: self, directions: &at.directions });
-        let count = self.given.sides();
-        let value = |i: usize, side: usize| sides[i * count + side].dot(at.directions[i]);
-        DMatrix::from_fn(at.directions.len(), count, value)
-    }
-
-    fn squares(&self, at: &Directions) -> Vec<f64> {
-        vec![kernel::SQUARE; at.directions.len()]
-    }
-
-    fn placed(&self, direction: DVec3) -> DVec3 {
-        let turned = self.field.outward(direction);
-        if self.allows(turned) { turned } else { turned.with_y(-turned.y) }
-    }
-
-    fn likely(&self) -> &[DVec3] {
-        &self.likely
-    }
-
-    fn noise(&self) -> f64 {
-        /// Error of the table in `field.rs`, which lights would follow: 1e-8 of the energy.
-        const TABLE: f64 = 1e-9;
-        TABLE
-    }
-}
-
 /// `<v_l, y>` of each light and side.
 struct Sides<'a> {
     sphere: &'a Sphere,
@@ -320,23 +274,13 @@ impl WithSimd for SecondDerivative<'_> {
     }
 }
 
-/// The inner products of a light with those of a list.
-struct Values<'a> {
-    light: DVec3,
-    at: &'a Directions,
-    out: &'a mut [f64],
-}
-
-impl WithSimd for Values<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        for (directions, out) in self.at.directions.chunks(LANES).zip(self.out.chunks_mut(LANES)) {
-            let values = values(simd, self.light, &Block::new(directions.iter().copied()));
-            out.copy_from_slice(&values[..out.len()]);
-        }
-    }
+/// Moments of the radiance of a channel of the whole map.
+fn radiance(rest: &Harmonics, points: &[PointLight], channel: usize) -> Radiance {
+    let (whole, first, second) = rest.moments(channel);
+    points.iter().fold(Radiance { whole, first, second }, |sum, point| {
+        let (l, e) = (point.direction, point.irradiance[channel]);
+        Radiance { whole: sum.whole + e, first: sum.first + l * e, second: sum.second + outer(l, l) * e }
+    })
 }
 
 /// Factors of the kernel of the probe for even degrees of the field, 0 for others.
@@ -345,15 +289,6 @@ fn even_factors() -> [f64; DEGREES] {
     std::array::from_fn(|degree| match degree % 2 {
         0 if degree <= HIGHEST => factors[degree / 2],
         _ => 0.0,
-    })
-}
-
-/// Moments of the radiance of a channel of the whole map.
-fn radiance(rest: &Harmonics, points: &[PointLight], channel: usize) -> Radiance {
-    let (whole, first, second) = rest.moments(channel);
-    points.iter().fold(Radiance { whole, first, second }, |sum, point| {
-        let (l, e) = (point.direction, point.irradiance[channel]);
-        Radiance { whole: sum.whole + e, first: sum.first + l * e, second: sum.second + outer(l, l) * e }
     })
 }
 
