@@ -22,6 +22,7 @@ from tests.reference import peers
 
 import envlights as el
 from envlights import _native, kernels
+from envlights.fitting.options import FitOptions
 
 LIGHTS = (1, 2, 4, 8, 16, 32)
 NORMAL_COUNTS = (80, 320, 1280, 5120, 20480)
@@ -121,9 +122,8 @@ def of_search_and_peers(env, lights):
 
 def kernel(radiance, lights):
     """The whole search for lights and a constant ambient term, and the probe that measures it."""
-    most_steps, rendering_error = 100, 1e-4
-    wanted = (1, NOWHERE, 0, lights, None, None, None, most_steps)
-    return _native.fit_map(radiance, *REDUCED, *wanted, False, rendering_error)
+    options = FitOptions(1, NOWHERE, 0, lights, error_floor=1e-4)
+    return _native.fit_map(radiance, *REDUCED, options)
 
 
 def block_means(radiance, columns=256):

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights.detection.component_tree import TreeOptions
+from envlights.fitting.options import FitOptions
 from envlights.kernels.loghin import LineRule
 
 __all__ = [
@@ -184,26 +185,10 @@ def fit_map(
     border_sampled: bool,
     columns: int,
     point_share: float,
-    ambient: int,
-    start: _Reals,
-    fixed: int,
-    lights: int,
-    error: float | None,
-    shadow_error: float | None,
-    sizes: str | None,
-    max_steps: int,
-    floor: bool,
-    error_floor: float,
+    options: FitOptions,
 ) -> FitAnswer: ...
 def fit_samples(
-    normals: _Reals,
-    weights: _Reals,
-    irradiance: _Reals,
-    ambient: int,
-    start: _Reals,
-    fixed: int,
-    lights: int,
-    max_steps: int,
+    normals: _Reals, weights: _Reals, irradiance: _Reals, options: FitOptions
 ) -> FitAnswer: ...
 def halton(count: int, bases: list[int]) -> _Reals: ...
 def hammersley(count: int) -> _Reals: ...

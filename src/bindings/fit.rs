@@ -1,7 +1,7 @@
 //! `kernels::fit` for Python.
 
 use glam::DVec3;
-use numpy::ndarray::{Array2, ArrayView2};
+use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 
@@ -9,14 +9,14 @@ use super::pool::{by_size, interruptible};
 use super::sphere::registration;
 use crate::error::Result;
 use crate::kernels::disc::{self, Discs};
-use crate::kernels::fit::{self, Ambient, Comparison, FitOptions, Fitted, Rig, Samples, StopReason};
+use crate::kernels::fit::{self, Ambient, Comparison, FitOptions, FitResult, Rig, Samples, StopReason};
 use crate::kernels::image;
 use crate::kernels::sphere::unit_vectors;
 
 /// The best rig, and how it was found; see `envlights.fit`.
 #[pyclass(frozen)]
 pub struct FitAnswer {
-    fitted: Fitted,
+    fitted: FitResult,
     /// How many cells of the working map were kept as points.
     #[pyo3(get)]
     points: usize,
@@ -135,17 +135,37 @@ fn rows<'py>(py: Python<'py>, vectors: &[DVec3]) -> Bound<'py, PyArray2<f64>> {
     Array2::from(rows).into_pyarray(py)
 }
 
-fn asked(
+/// Options of a fit: `envlights.fitting.options.FitOptions`.
+#[derive(FromPyObject)]
+pub struct Options<'py> {
     ambient: usize,
-    start: ArrayView2<'_, f64>,
+    start: PyReadonlyArray2<'py, f64>,
     fixed: usize,
     lights: usize,
     error: Option<f64>,
+    shadow_error: Option<f64>,
+    sizes: Option<String>,
     max_steps: usize,
-) -> Result<FitOptions> {
-    let ambient = Ambient::of(ambient)?;
-    let start = unit_vectors("start", start)?;
-    Ok(FitOptions { ambient, start, fixed, lights, error, shadow_error: None, sizes: None, max_steps })
+    floor: bool,
+    error_floor: f64,
+}
+
+impl Options<'_> {
+    /// Options of the kernel.
+    fn checked(&self) -> Result<FitOptions> {
+        Ok(FitOptions {
+            ambient: Ambient::of(self.ambient)?,
+            start: unit_vectors("start", self.start.as_array())?,
+            fixed: self.fixed,
+            lights: self.lights,
+            error: self.error,
+            shadow_error: self.shadow_error,
+            sizes: self.sizes.as_deref().map(comparison),
+            max_steps: self.max_steps,
+            has_floor: self.floor,
+            error_floor: self.error_floor,
+        })
+    }
 }
 
 /// By its name in Python, where it is checked.
@@ -159,33 +179,20 @@ fn comparison(objective: &str) -> Comparison {
 
 /// See `envlights.fit`.
 #[pyfunction]
-#[expect(clippy::too_many_arguments, reason = "every option is named once more, on the Python side")]
 pub fn fit_map(
     py: Python<'_>,
     radiance: PyReadonlyArray3<'_, f32>,
     border_sampled: bool,
     columns: usize,
     point_share: f64,
-    ambient: usize,
-    start: PyReadonlyArray2<'_, f64>,
-    fixed: usize,
-    lights: usize,
-    error: Option<f64>,
-    shadow_error: Option<f64>,
-    sizes: Option<&str>,
-    max_steps: usize,
-    floor: bool,
-    error_floor: f64,
+    options: Options<'_>,
 ) -> PyResult<FitAnswer> {
-    let (radiance, start) = (radiance.as_array(), start.as_array());
-    let sizes = sizes.map(comparison);
+    let (radiance, options) = (radiance.as_array(), options.checked()?);
     interruptible(py, || {
-        let asked = asked(ambient, start, fixed, lights, error, max_steps)?;
-        let asked = FitOptions { shadow_error, sizes, ..asked };
-        let map = image::reduce(radiance, registration(border_sampled), columns, point_share, floor)?;
+        let registration = registration(border_sampled);
+        let map = image::reduce(radiance, registration, columns, point_share, options.has_floor)?;
         let points = map.sources.dim().0;
-        let fitted = fit::under_map(&map, floor, &asked, error_floor)?;
-        Ok(FitAnswer { fitted, points })
+        Ok(FitAnswer { fitted: fit::under_map(&map, &options)?, points })
     })
 }
 
@@ -208,23 +215,17 @@ pub fn map_energy(
 
 /// See `envlights.fit_probe`.
 #[pyfunction]
-#[expect(clippy::too_many_arguments, reason = "every option is named once more, on the Python side")]
 pub fn fit_samples(
     py: Python<'_>,
     normals: PyReadonlyArray2<'_, f64>,
     weights: PyReadonlyArray1<'_, f64>,
     irradiance: PyReadonlyArray2<'_, f64>,
-    ambient: usize,
-    start: PyReadonlyArray2<'_, f64>,
-    fixed: usize,
-    lights: usize,
-    max_steps: usize,
+    options: Options<'_>,
 ) -> PyResult<FitAnswer> {
-    let (normals, weights) = (normals.as_array(), weights.as_array());
-    let (irradiance, start) = (irradiance.as_array(), start.as_array());
+    let (normals, weights, irradiance) = (normals.as_array(), weights.as_array(), irradiance.as_array());
+    let options = options.checked()?;
     interruptible(py, || {
-        let asked = asked(ambient, start, fixed, lights, None, max_steps)?;
-        let fitted = fit::to_samples(Samples::new(normals, weights, irradiance)?, &asked)?;
+        let fitted = fit::to_samples(Samples::new(normals, weights, irradiance)?, &options)?;
         Ok(FitAnswer { fitted, points: 0 })
     })
 }

@@ -3,7 +3,8 @@
 | step                                                                | file         |
 |---------------------------------------------------------------------|--------------|
 | checked arguments: number of lights, errors, start, fixed lights    | `request.py` |
-| rig and report from the kernel's answer                             | `result.py`  |
+| options of the kernel, as one object                                | `options.py` |
+| rig and report from the kernel's result                             | `result.py`  |
 | sentences of the report                                             | `wording.py` |
 | `fit` and `fit_probe`: check, call the kernel, report               | `fit.py`     |
 | the fit of Madsen et al. (2003), for comparison                     | `madsen.py`  |

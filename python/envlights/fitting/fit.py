@@ -13,7 +13,8 @@ from envlights._check import check_choice, flag, reals
 from envlights._native import EnvLightsError, FitAnswer
 from envlights.envmap import AnyMap, EnvMap, apply_to_map
 from envlights.fitting import wording
-from envlights.fitting.request import MAX_STEPS, STARTS_WITHOUT_MAP, Request, request_of
+from envlights.fitting.options import FitOptions
+from envlights.fitting.request import STARTS_WITHOUT_MAP, Request, request_of
 from envlights.fitting.result import rig_of
 from envlights.kernels.probe import WORKING_COLUMNS
 from envlights.lights import Lights
@@ -263,16 +264,9 @@ def fit_probe(
     scale = brightest if 0 < brightest < np.inf else 1.0
     clock = _Clock()
     first = request.first_directions(len(normals))
-    answer = _native.fit_samples(
-        normals,
-        weights,
-        irradiance / scale,
-        AMBIENTS[ambient],
-        np.concatenate([request.fixed, first]),
-        len(request.fixed),
-        request.lights,
-        MAX_STEPS,
-    )
+    directions = np.concatenate([request.fixed, first])
+    options = FitOptions(AMBIENTS[ambient], directions, len(request.fixed), request.lights)
+    answer = _native.fit_samples(normals, weights, irradiance / scale, options)
     clock.lap("fit")
     rig = rig_of(
         answer,
@@ -322,21 +316,19 @@ def _answer(
     floor: bool,
 ) -> FitAnswer:
     """Best rig under `env` with one kind of `ambient` term; points without an `objective`."""
-    return _native.fit_map(
-        env.radiance,
-        env.is_border_sampled,
-        WORKING_COLUMNS,
-        POINT_SHARE,
+    options = FitOptions(
         AMBIENTS[ambient],
         np.concatenate([request.fixed, first]),
         len(request.fixed),
         request.lights,
         request.error,
         request.shadow_error,
-        objective,
-        MAX_STEPS,
-        floor,
-        RENDERING_ERROR,
+        sizes=objective,
+        floor=floor,
+        error_floor=RENDERING_ERROR,
+    )
+    return _native.fit_map(
+        env.radiance, env.is_border_sampled, WORKING_COLUMNS, POINT_SHARE, options
     )
 
 

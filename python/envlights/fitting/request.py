@@ -25,9 +25,6 @@ STARTS_WITHOUT_MAP = ("greedy", "even")
 LIGHTS = 4
 MOST_LIGHTS = 32
 
-#: Limit on the steps of one descent.
-MAX_STEPS = 100
-
 #: Limit on even starts, because the kernel refuses more lights than that under a map.
 MOST_EVEN_STARTS = 10240
 

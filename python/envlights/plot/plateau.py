@@ -76,7 +76,9 @@ def plateau_picture(env: AnyMap, lights: DetectedLights) -> Picture:
     above.imshow(_tint(env, env.white), extent=EXTENT)
     above.set_title(exposure, fontsize="small")
     depth = _draw_depth(below, env, env.white)
-    figure.colorbar(depth, ax=(above, below), label="depth of clipped regions (degrees)", shrink=0.6)
+    figure.colorbar(
+        depth, ax=(above, below), label="depth of clipped regions (degrees)", shrink=0.6
+    )
     share = weight / (weight.sum() or 1.0)
     for axes in (above, below):
         draw_rims(axes, lights.direction, uncertainty)

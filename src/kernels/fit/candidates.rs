@@ -19,7 +19,7 @@
 use glam::DVec3;
 use nalgebra::{DMatrix, DVector};
 
-use super::objective::{Directions, Objective};
+use super::objective::{Directions, PointObjective};
 use super::state::State;
 use crate::kernels::sampling;
 use crate::kernels::sphere::to_vectors;
@@ -32,7 +32,7 @@ const DEPENDENT: f64 = 1e-6;
 /// Places for a light, and the inner products that do not depend on the others.
 #[derive(Debug)]
 pub struct Candidates<'a> {
-    objective: &'a dyn Objective,
+    objective: &'a dyn PointObjective,
     at: Directions,
     /// With each side of the probe: a row for each place.
     sides: DMatrix<f64>,
@@ -58,7 +58,7 @@ pub struct Beside<'a> {
 
 impl<'a> Candidates<'a> {
     /// For an objective.
-    pub fn new(objective: &'a dyn Objective) -> Self {
+    pub fn new(objective: &'a dyn PointObjective) -> Self {
         let places = to_vectors(sampling::even_sphere(TRIED).view());
         let places: Vec<DVec3> = places.into_iter().map(|place| objective.placed(place)).collect();
         let at = objective.directions(places);

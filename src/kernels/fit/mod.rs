@@ -1,61 +1,65 @@
-//! Ambient + M directional lights that make a white probe look as it does under the map.
+//! Ambient and a few directional lights under which a white probe looks as it does under a map.
 //!
-//! [`fit`] is the whole story:
+//! [`under_map`] and [`to_samples`] are lists of these steps:
 //!
-//! | step                                            | file                               |
-//! |-------------------------------------------------|------------------------------------|
-//! | what is asked, and ambient + lights             | `problem.rs`, `rig.rs`, `ambient.rs` |
-//! | what is minimised: two moments of lights        | `objective.rs`                     |
-//! | - at every normal, in closed form               | `sphere/`                          |
-//! | - at given normals                              | `samples/`                         |
-//! | best radiances, none negative                   | `radiances.rs`, `nnls.rs`          |
-//! | best directions near given ones                 | `state.rs`, `newton.rs`, `descent.rs` |
-//! | - gradient and hessian in wide vectors          | `curvature.rs`, `dense.rs`         |
-//! | what a light in a new place would explain       | `candidates.rs`, `moves.rs`        |
-//! | best set of a number of lights                  | `search.rs`, `multistart.rs`       |
-//! | which number                                    | `light_count.rs`                   |
-//! | lights with a size, right in shadows            | `discs/`                           |
-//! | the error of one probe beside another           | `relative_rms.rs`                  |
-//! | how well the probe determines them              | `uncertainty.rs`                   |
+//! | step                                              | file                       |
+//! |---------------------------------------------------|----------------------------|
+//! | options, and the numbers of the search            | `options.rs`               |
+//! | ambient and lights                                | `rig.rs`, `ambient.rs`     |
+//! | the cost: products of lights and their derivatives | `objective.rs`            |
+//! | - of points at every normal, in closed form       | `sphere/`                  |
+//! | - of points at known normals                      | `samples/`                 |
+//! | - of discs, with shadows                          | `discs/`                   |
+//! | best radiances, none negative                     | `radiances.rs`, `nnls.rs`, `factors.rs` |
+//! | a set of lights with its best radiances           | `state.rs`                 |
+//! | the cost around it, to second order               | `variable_projection.rs`   |
+//! | descent to a local minimum                        | `damped_newton.rs`         |
+//! | predicted cost of a light at many directions      | `candidates.rs`, `moves.rs` |
+//! | the best set of a number of lights                | `search.rs`, `multistart.rs` |
+//! | the number of lights                              | `light_count.rs`           |
+//! | errors and sizes of a set of lights               | `result.rs`, `relative_rms.rs` |
+//! | direction tolerances and standard errors          | `uncertainty.rs`           |
 
 mod ambient;
 mod candidates;
-mod curvature;
-mod dense;
-mod descent;
+mod damped_newton;
 mod discs;
+mod factors;
 mod light_count;
 mod moves;
 mod multistart;
-mod newton;
 mod nnls;
 mod objective;
 mod options;
 mod problem;
 mod radiances;
 mod relative_rms;
+mod result;
 mod rig;
 mod samples;
 mod search;
 mod sphere;
 mod state;
 mod uncertainty;
+mod variable_projection;
 
 pub use ambient::Ambient;
 pub use discs::Comparison;
-pub use objective::Objective;
+pub use objective::{Objective, PointObjective};
 pub use options::FitOptions;
 pub use problem::Problem;
 pub use relative_rms::relative_rms;
+pub use result::FitResult;
 pub use rig::Rig;
 pub use samples::{Judged, Probe, Samples};
 pub use sphere::Sphere;
 pub use state::StopReason;
 pub use uncertainty::Uncertainty;
 
-use self::discs::{Sized, Sizes};
-use self::light_count::{Goal, Tried};
+use self::discs::Sizes;
+use self::light_count::{Trial, search_path};
 use self::relative_rms::relative_error;
+use self::result::Evaluator;
 use self::sphere::evaluation_probe;
 use self::state::State;
 use super::expansion::Expansion;
@@ -63,77 +67,49 @@ use super::image::WorkingMap;
 use super::lanes;
 use crate::error::{Error, Result};
 
-/// The best rig, and how it was found.
-#[derive(Clone, Debug)]
-pub struct Fitted {
-    /// Ambient and lights, those that were fixed first.
-    pub rig: Rig,
-    /// Angular radius of each light, in radians: 0 for a point.
-    pub radii: Vec<f64>,
-    /// How far it is from the probe.
-    pub judged: Judged,
-    /// Relative RMS error of the irradiance where things stand in the way, under a map: `discs/`.
-    pub shadow_error: f64,
-    /// Normals that this was measured at.
-    pub judging: usize,
-    /// Relative RMS error by number of lights: of points, unless an error was asked for.
-    pub errors: Vec<(usize, f64)>,
-    /// Channels that were fitted: neither black nor the same as another.
-    pub channels: usize,
-    /// Steps of the solver on the way there.
-    pub steps: usize,
-    /// Why it took no more.
-    pub stop: StopReason,
-    /// How far each light may stand elsewhere before the error grows by a tenth, in radians: under a map.
-    pub tolerances: Vec<f64>,
-    /// Standard errors and condition number: for measured values.
-    pub uncertainty: Uncertainty,
-}
+/// Least number of normals at which a rig is evaluated under a map.
+const EVALUATION_NORMALS: usize = 5120;
 
-/// Normals that judge a rig under a map, at least.
-const JUDGING: usize = 5120;
-
-/// The best rig for the probe under a map. Errors below `error_floor` are those of rendering.
+/// The best rig for the probe under a map.
 ///
 /// # Errors
 ///
 /// [`Error::TooFewNormals`], [`Error::TooBright`].
-pub fn under_map(map: &WorkingMap, has_floor: bool, asked: &FitOptions, error_floor: f64) -> Result<Fitted> {
+pub fn under_map(map: &WorkingMap, options: &FitOptions) -> Result<FitResult> {
+    check_unknowns(options, EVALUATION_NORMALS)?;
     let expansion = Expansion::new(map);
-    let comparison = asked.sizes.unwrap_or(Comparison::Shadows);
-    let sizes = || Sizes::new(map, &expansion, asked.ambient, has_floor, comparison);
-    check_unknowns(asked, JUDGING)?;
-    let figures = || rayon::join(sizes, || evaluation_probe(map, &expansion, JUDGING));
-    let sphere = || Sphere::of(map, &expansion, asked.ambient, has_floor);
-    if asked.has_goal() {
-        let (sphere, (sizes, judge)) = rayon::join(sphere, figures);
-        let figures = Figures { judge: &judge?, sizes: Some(sizes), asked };
-        return fit(&asked.problem(&sphere), &figures, error_floor);
+    let sizes = || Sizes::new(map, &expansion, options);
+    let references = || rayon::join(sizes, || evaluation_probe(map, &expansion, EVALUATION_NORMALS));
+    let sphere = || Sphere::of(map, &expansion, options.ambient, options.has_floor);
+    if options.has_goal() {
+        // An error that counts sizes and shadows decides when the search ends.
+        let (sphere, (sizes, samples)) = rayon::join(sphere, references);
+        let (samples, problem) = (samples?, Problem::new(&sphere, options));
+        let evaluator = Evaluator { samples: &samples, sizes: Some(sizes), options };
+        let path = search_path(&problem, options, &|state| evaluator.trial(&problem, state))?;
+        return Ok(evaluator.best(&problem, path));
     }
-    // The closed form knows the errors of points: the search need not wait for the figures.
+    // The closed form knows the errors of points: the search need not wait for the references.
     let search = || {
         let sphere = sphere();
-        searched(&asked.problem(&sphere), &asked.goal(), error_floor).map(|path| (sphere, path))
+        points_by_count(&sphere, options).map(|path| (sphere, path))
     };
-    let (found, (sizes, judge)) = rayon::join(search, figures);
-    let figures = Figures { judge: &judge?, sizes: Some(sizes), asked };
-    let (sphere, path) = found?;
-    let problem = asked.problem(&sphere);
-    let path = path.into_iter().map(|tried| figures.on_the_way(&problem, tried.state)).collect();
-    Ok(best(&problem, &figures, path, error_floor))
+    let (found, (sizes, samples)) = rayon::join(search, references);
+    let (samples, (sphere, path)) = (samples?, found?);
+    let problem = Problem::new(&sphere, options);
+    let evaluator = Evaluator { samples: &samples, sizes: Some(sizes), options };
+    let path = path.into_iter().map(|trial| evaluator.trial(&problem, trial.state)).collect();
+    Ok(evaluator.best(&problem, path))
 }
 
-/// The best place with each number of lights, by the errors that the objective knows.
-fn searched(problem: &Problem<'_>, goal: &Goal, error_floor: f64) -> Result<Vec<Tried>> {
-    let energy = problem.objective.given().energy;
+/// The best points of each number of lights, by the errors that the objective knows.
+fn points_by_count(sphere: &Sphere, options: &FitOptions) -> Result<Vec<Trial>> {
+    let energy = sphere.given().energy;
     if !energy.is_finite() {
         return Err(Error::TooBright);
     }
-    let judge = |state: &State| {
-        let error = relative_error(state.cost, energy);
-        Tried { state: state.clone(), error, shadow_error: 0.0 }
-    };
-    light_count::path(problem, goal, &judge, error_floor)
+    let trial = |state: State| Trial { error: relative_error(state.cost, energy), shadow_error: 0.0, state };
+    search_path(&Problem::new(sphere, options), options, &trial)
 }
 
 /// `<E, E>` of the probe under a map, over all normals and channels, in closed form.
@@ -141,112 +117,27 @@ pub fn energy(map: &WorkingMap) -> f64 {
     Sphere::new(map, Ambient::Constant, false).given().energy
 }
 
-/// The best rig for irradiance at given normals, which judge it as well.
+/// The best rig for irradiance at known normals, which evaluate it as well.
 ///
 /// # Errors
 ///
 /// [`Error::TooFewNormals`] when there are fewer equations than unknowns.
-pub fn to_samples(samples: Samples, asked: &FitOptions) -> Result<Fitted> {
-    check_unknowns(asked, samples.normals.len())?;
-    let probe = Probe::new(samples, asked.ambient);
-    let figures = Figures { judge: &probe.samples, sizes: None, asked };
-    let mut fitted = fit(&asked.problem(&probe), &figures, 0.0)?;
-    fitted.uncertainty = uncertainty::uncertainty(&probe, &fitted.rig, asked.fixed);
-    Ok(fitted)
+pub fn to_samples(samples: Samples, options: &FitOptions) -> Result<FitResult> {
+    check_unknowns(options, samples.normals.len())?;
+    let probe = Probe::new(samples, options.ambient);
+    let problem = Problem::new(&probe, options);
+    let evaluator = Evaluator { samples: &probe.samples, sizes: None, options };
+    let path = search_path(&problem, options, &|state| evaluator.trial(&problem, state))?;
+    let result = evaluator.best(&problem, path);
+    let uncertainty = uncertainty::uncertainty(&probe, &result.rig, options.fixed);
+    Ok(FitResult { uncertainty, ..result })
 }
 
-/// What judges a place of the search.
-struct Figures<'a> {
-    judge: &'a Samples,
-    /// What knows of shadows, under a map.
-    sizes: Option<Sizes<'a>>,
-    asked: &'a FitOptions,
-}
-
-impl Figures<'_> {
-    /// On the way to a number of lights: in full where an error was asked for, else as points.
-    fn on_the_way(&self, problem: &Problem<'_>, state: State) -> Tried {
-        if self.asked.has_goal() {
-            return self.full(problem, state).0;
-        }
-        let error = self.judge.error(&state.rig(problem.objective.given()));
-        Tried { state, error, shadow_error: 0.0 }
-    }
-
-    /// The rig, with sizes where these were asked for, and its errors.
-    fn full(&self, problem: &Problem<'_>, state: State) -> (Tried, Sized, Judged) {
-        let given = problem.objective.given();
-        let rig = state.rig(given);
-        let found = match (&self.sizes, self.asked.sizes) {
-            (Some(sizes), Some(_)) => sizes.fitted(given, &rig, problem.fixed, problem.max_steps),
-            _ => Sized::points(rig),
-        };
-        let judged = match self.asked.sizes {
-            Some(_) => discs::judged(self.judge, &found.rig, &found.radii),
-            None => self.judge.judged(&found.rig),
-        };
-        let shadow_error =
-            self.sizes.as_ref().map_or(0.0, |sizes| sizes.shadow_error(given, &found.rig, &found.radii));
-        (Tried { state, error: judged.error, shadow_error }, found, judged)
-    }
-}
-
-/// The best rig for a problem.
-fn fit(problem: &Problem<'_>, figures: &Figures<'_>, error_floor: f64) -> Result<Fitted> {
-    let judge = |state: &State| figures.on_the_way(problem, state.clone());
-    let path = light_count::path(problem, &figures.asked.goal(), &judge, error_floor)?;
-    Ok(best(problem, figures, path, error_floor))
-}
-
-/// The best place of those tried, and what the caller sees of it.
-fn best(problem: &Problem<'_>, figures: &Figures<'_>, path: Vec<Tried>, error_floor: f64) -> Fitted {
-    let chosen = light_count::chosen(problem, &figures.asked.goal(), &path, error_floor);
-    let state = path[chosen].state.clone().polished(problem);
-    let state = state.without_black(problem).unwrap_or(state);
-    let (tried, found, judged) = figures.full(problem, state);
-    let mut errors: Vec<(usize, f64)> =
-        path.iter().map(|tried| (tried.state.lights(), tried.error)).collect();
-    // Beside points stands the error of points.
-    let are_points = figures.asked.sizes.is_none() || found.radii.is_empty();
-    if figures.asked.has_goal() || are_points {
-        errors[chosen].1 = judged.error;
-    }
-    let state = tried.state;
-    // Measured values have standard errors instead.
-    let is_map = figures.sizes.is_some();
-    let of_points = || is_map.then(|| uncertainty::tolerances(problem, &state, judged.error));
-    let tolerances = found.tolerances.or_else(of_points).unwrap_or_default();
-    Fitted {
-        rig: found.rig,
-        radii: found.radii,
-        judged,
-        shadow_error: tried.shadow_error,
-        judging: figures.judge.normals.len(),
-        errors,
-        channels: problem.objective.given().channels.len(),
-        steps: state.steps + found.steps,
-        stop: found.stop.or(state.stop).unwrap_or(StopReason::Converged),
-        tolerances,
-        uncertainty: Uncertainty::default(),
-    }
-}
-
-impl FitOptions {
-    fn goal(&self) -> Goal {
-        Goal { error: self.error, shadow_error: self.shadow_error }
-    }
-
-    fn problem<'a>(&'a self, objective: &'a dyn Objective) -> Problem<'a> {
-        let Self { start, fixed, lights, error, max_steps, .. } = self;
-        Problem { objective, start, fixed: *fixed, lights: *lights, error: *error, max_steps: *max_steps }
-    }
-}
-
-/// Three equations at each normal; in each channel the coefficients of the ambient term and a radiance for
-/// each light, and its two angles.
-fn check_unknowns(asked: &FitOptions, seen: usize) -> Result<()> {
-    let lights = asked.lights;
-    let wanted = (3 * asked.ambient.coefficients() + 5 * lights).div_ceil(3).max(1);
+/// Require three equations at each normal for the unknowns: in each channel the coefficients of the ambient term and a
+/// radiance for each light, and its two angles.
+fn check_unknowns(options: &FitOptions, seen: usize) -> Result<()> {
+    let lights = options.lights;
+    let wanted = (3 * options.ambient.coefficients() + 5 * lights).div_ceil(3).max(1);
     if seen < wanted {
         return Err(Error::TooFewNormals { seen, wanted, lights });
     }
@@ -263,8 +154,10 @@ mod tests {
     use glam::DVec3;
     use ndarray::s;
 
-    fn asked(lights: usize, ambient: Ambient) -> FitOptions {
+    fn options(lights: usize, ambient: Ambient) -> FitOptions {
         FitOptions {
+            has_floor: false,
+            error_floor: 0.0,
             ambient,
             start: Vec::new(),
             fixed: 0,
@@ -276,11 +169,11 @@ mod tests {
         }
     }
 
-    fn found(rig: &Rig, lights: usize) -> Fitted {
+    fn fitted(rig: &Rig, lights: usize) -> FitResult {
         let (normals, weights) = sampling::icosphere(320).unwrap();
         let seen = irradiance(rig, normals.view()).unwrap();
         let samples = Samples::new(normals.view(), weights.view(), seen.view()).unwrap();
-        to_samples(samples, &asked(lights, Ambient::Constant)).unwrap()
+        to_samples(samples, &options(lights, Ambient::Constant)).unwrap()
     }
 
     #[test]
@@ -291,7 +184,7 @@ mod tests {
             irradiance: vec![DVec3::new(3.0, 2.5, 2.0), DVec3::new(0.5, 1.0, 1.5), DVec3::splat(0.7)],
             has_floor: false,
         };
-        let found = found(&rig, 3).rig;
+        let found = fitted(&rig, 3).rig;
         for (wanted, irradiance) in rig.directions.iter().zip(&rig.irradiance) {
             let nearest = found.directions.iter().zip(&found.irradiance);
             let (l, e) =
@@ -308,7 +201,7 @@ mod tests {
         let enough = |ambient, count: usize, lights| {
             let normals = normals.slice(s![..count, ..]);
             let samples = Samples::new(normals, weights.slice(s![..count]), normals).unwrap();
-            check_unknowns(&asked(lights, ambient), samples.normals.len()).is_ok()
+            check_unknowns(&options(lights, ambient), samples.normals.len()).is_ok()
         };
         for (ambient, unknowns) in [(Ambient::None, 0), (Ambient::Constant, 3), (Ambient::Sh2, 27)] {
             for lights in 0..4 {
@@ -321,7 +214,7 @@ mod tests {
 
     #[test]
     fn black_needs_no_light() {
-        let found = found(&Rig::default(), 4);
+        let found = fitted(&Rig::default(), 4);
         assert_eq!(found.errors.len(), 1);
         assert_eq!(found.rig.ambient, [DVec3::ZERO]);
         assert!(found.rig.directions.is_empty());

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::candidates::{Candidates, Promise};
-use super::objective::Objective;
+use super::objective::PointObjective;
 use super::state::State;
 
 /// Starts of added lights closer than this (cosine) would end in the same place.
@@ -22,7 +22,7 @@ pub struct Move {
 
 impl Move {
     /// The state it leads to from `state`.
-    pub fn from(&self, objective: &dyn Objective, state: &State) -> State {
+    pub fn from(&self, objective: &dyn PointObjective, state: &State) -> State {
         let kept: Vec<usize> = (0..state.lights()).filter(|light| Some(*light) != self.gone).collect();
         state.exchanged(objective, &kept, &[self.new])
     }

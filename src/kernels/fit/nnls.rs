@@ -6,9 +6,8 @@
 use std::sync::Arc;
 
 use nalgebra::DMatrix;
-use pulp::{Arch, Simd, WithSimd};
 
-use super::dense::Factors;
+use super::factors::Factors;
 
 /// Independent columns, and the factors of their Gram matrix.
 #[derive(Clone, Debug)]
@@ -43,44 +42,6 @@ impl Support {
         x.fill(0.0);
         self.columns.iter().zip(values).for_each(|(&column, value)| x[column] = value);
         x
-    }
-
-    /// Inner products with the columns as those with orthonormal ones that span the same.
-    pub fn orthonormal(&self, mut rows: DMatrix<f64>) -> DMatrix<f64> {
-        Arch::new().dispatch(Orthonormalizing { factors: &self.factors, rows: &mut rows });
-        rows
-    }
-
-    /// The inverse `G^-1 = L^-T D^-1 L^-1` of the Gram matrix, among `count` columns: 0 for those that are not of the
-    /// support.
-    #[inline(always)]
-    #[allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
-    pub fn inverse<S: Simd>(&self, simd: S, count: usize) -> DMatrix<f64> {
-        let out = self.factors.inverse(simd);
-        if self.columns.len() == count {
-            return out;
-        }
-        let place = |i: usize| self.columns.binary_search(&i);
-        DMatrix::from_fn(count, count, |i, k| match (place(i), place(k)) {
-            (Ok(i), Ok(k)) => out[(i, k)],
-            _ => 0.0,
-        })
-    }
-}
-
-/// What [`Support::orthonormal`] asks for.
-struct Orthonormalizing<'a> {
-    factors: &'a Factors,
-    rows: &'a mut DMatrix<f64>,
-}
-
-impl WithSimd for Orthonormalizing<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    #[allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
-    fn with_simd<S: Simd>(self, simd: S) {
-        self.factors.orthonormalize(simd, self.rows);
     }
 }
 

@@ -28,16 +28,51 @@ use glam::{DMat3, DVec3};
 use nalgebra::DMatrix;
 
 use super::ambient::Ambient;
+use super::discs::Disc;
 use super::rig::Rig;
-use crate::kernels::sphere::tangents;
+use crate::kernels::sphere::{exponential_map, tangents};
 
-/// The error of a rig, and all that a fit needs to know of it.
+/// A cost of lights, by inner products of their columns.
 pub trait Objective: Debug + Sync {
-    /// What lights cannot change.
+    /// The part of the cost that no light changes.
     fn given(&self) -> &Given;
 
-    /// The moments of lights in `directions`.
-    fn moments(&self, directions: Vec<DVec3>) -> Moments;
+    /// Number of coordinates of a light: two along the tangents of its direction, and the logarithm of its radius if it
+    /// has one.
+    fn coordinates(&self) -> usize {
+        2
+    }
+
+    /// The moments after a `step` in the coordinates of all lights.
+    fn moved(&self, before: &Moments, step: &[f64]) -> Moments;
+
+    /// The moments of the lights `kept` alone.
+    fn subset(&self, before: &Moments, kept: &[usize]) -> Moments;
+
+    /// The inner products of the derivatives of lights whose radiances are `x`.
+    fn derivatives(&self, moments: &Moments, x: &DMatrix<f64>, is_exact: bool) -> Derivatives;
+
+    /// Constraints of lights that press against a bound, by half the `gradient` of the cost; the first `fixed` lights keep
+    /// their directions.
+    fn bounds(&self, _moments: &Moments, _gradient: &[f64], _fixed: usize) -> Vec<Constraint> {
+        Vec::new()
+    }
+
+    /// Kinks of the cost on the way from one set of lights to another.
+    fn kinks(&self, _from: &Moments, _to: &Moments) -> Vec<Constraint> {
+        Vec::new()
+    }
+
+    /// The cost of `rig` without cancellation, if the objective can tell it.
+    fn exact_cost(&self, _rig: &Rig) -> Option<f64> {
+        None
+    }
+}
+
+/// An objective of lights without a size, which a search can add and exchange.
+pub trait PointObjective: Objective {
+    /// This objective without the methods of a search.
+    fn base(&self) -> &dyn Objective;
 
     /// The moments of the lights `kept` of `before`, and of others in the directions `new` after them.
     fn exchanged(&self, before: &Moments, kept: &[usize], new: &[DVec3]) -> Moments;
@@ -45,16 +80,10 @@ pub trait Objective: Debug + Sync {
     /// The moments of the lights of `before`, turned to other `directions`.
     fn turned(&self, before: &Moments, directions: Vec<DVec3>) -> Moments;
 
-    /// The inner products of the derivatives of the lights of `moments` but the first `fixed`.
-    fn derivatives(&self, moments: &Moments, fixed: usize) -> Derivatives;
-
-    /// Each light and normal where the cost has a kink, or ends, on the way from one place to the other.
-    fn kinks(&self, from: &Moments, to: &Moments) -> Vec<(usize, DVec3)>;
-
-    /// The second derivative by the direction `l` of `sum_k w_k <a_l, a_k> + sum_y w_y <a_l, y>` with the `weights` of
-    /// lights and those of `sides`, on its tangent plane and for functions of degree 1 in l; none where the objective
-    /// has no second derivatives.
-    fn second_derivative(&self, l: DVec3, lights: &[DVec3], weights: &[f64], sides: &[f64]) -> Option<DMat3>;
+    /// The moments of lights in `directions`.
+    fn moments(&self, directions: &[DVec3]) -> Moments {
+        self.exchanged(&Moments::with_sides(self.given(), Vec::new(), Vec::new()), &[], directions)
+    }
 
     /// `<a_d, a_l>`: a row for each direction d of `at`, a column for each of `lights`.
     fn light_products(&self, at: &Directions, lights: &[DVec3]) -> DMatrix<f64>;
@@ -65,37 +94,62 @@ pub trait Objective: Debug + Sync {
     /// `<a_d, a_d>` of each direction.
     fn squares(&self, at: &Directions) -> Vec<f64>;
 
-    /// Directions that will be asked for again and again.
+    /// Directions that are used many times.
     fn directions(&self, directions: Vec<DVec3>) -> Directions {
         Directions { directions, weighted: DMatrix::zeros(0, 0) }
     }
 
-    /// Places where lights are likely, the likeliest first.
+    /// Directions of bright sources, brightest first.
     fn likely(&self) -> &[DVec3] {
         &[]
     }
 
-    /// A fall of the cost that says nothing, as a share of the energy: what the objective itself is off by.
+    /// Error of the cost itself, as a fraction of the energy.
     fn noise(&self) -> f64 {
         0.0
     }
 
-    /// Whether the cost has many small valleys between kinks.
-    fn has_kinks(&self) -> bool;
-
-    /// The cost of `rig` without cancellation, where that is known.
-    fn exact_cost(&self, rig: &Rig) -> Option<f64>;
-
-    /// Whether a light may stand there.
-    fn allows(&self, _direction: DVec3) -> bool {
-        true
+    /// True if kinks cut each minimum of the cost into many small ones.
+    fn has_kinks(&self) -> bool {
+        false
     }
 
-    /// A direction of a fixed pattern, such as an even start, in a frame that turns with what is fitted, so that the
-    /// answer does too; where no light may stand, its mirror image.
+    /// A direction of a fixed pattern, such as an even start, in a frame that turns with the map, so that the result
+    /// does too; its mirror image if no light is allowed there.
     fn placed(&self, direction: DVec3) -> DVec3 {
         direction
     }
+}
+
+/// A linear constraint on the step of one light: `across.step = ahead`.
+#[derive(Clone, Copy, Debug)]
+pub struct Constraint {
+    pub light: usize,
+    /// A factor for each coordinate; the third is 0 for points.
+    pub across: DVec3,
+    pub ahead: f64,
+}
+
+impl Constraint {
+    /// One coordinate that does not change.
+    pub fn hold(light: usize, coordinate: usize) -> Self {
+        Self { light, across: DVec3::AXES[coordinate], ahead: 0.0 }
+    }
+
+    /// A step of a light in direction `l` onto the horizon of a normal: `n.l = 0` to first order.
+    pub fn horizon(light: usize, l: DVec3, normal: DVec3) -> Self {
+        let [s, t] = tangents(l).map(|tangent| normal.dot(tangent));
+        Self { light, across: DVec3::new(s, t, 0.0), ahead: -normal.dot(l) }
+    }
+}
+
+/// Directions of points after a `step` along their tangents.
+pub fn turned_by(directions: &[DVec3], step: &[f64]) -> Vec<DVec3> {
+    let turn = |(&l, step): (&DVec3, &[f64; 2])| {
+        let [s, t] = tangents(l);
+        exponential_map(l, s * step[0] + t * step[1])
+    };
+    directions.iter().zip(step.as_chunks::<2>().0).map(turn).collect()
 }
 
 /// What lights cannot change.
@@ -180,6 +234,8 @@ pub struct Moments {
     pub pairs: Vec<DMat3>,
     /// The normals that see each light, as bits: only for given normals.
     pub visible: Vec<u64>,
+    /// The lights themselves: only for lights with a size.
+    pub discs: Vec<Disc>,
 }
 
 /// Inner products of two lights when these turn along their tangents.
@@ -190,18 +246,17 @@ pub struct Pair {
     pub both: [[f64; 2]; 2],
 }
 
-/// Inner products of the derivatives `[s_1, t_1, s_2, t_2, ..]` of the columns, by which the model changes
-/// when a light turns.
+/// Inner products of the derivatives of the columns by all coordinates of the lights, light after light.
 #[derive(Clone, Debug)]
 pub struct Derivatives {
-    /// The tangents of each light that may turn.
-    pub frames: Vec<[DVec3; 2]>,
     /// With the columns of the model.
     pub model: DMatrix<f64>,
     /// With each other.
     pub gram: DMatrix<f64>,
     /// With the irradiance in each fitted channel.
     pub rhs: DMatrix<f64>,
+    /// `-sum_c x_ic <d^2 a_ik, r_c>` of each light, if the objective has second derivatives.
+    pub second: Option<Vec<DMat3>>,
 }
 
 impl Moments {
@@ -224,39 +279,45 @@ impl Moments {
                 }
             }
         }
-        Self { directions, gram, rhs, sides, pairs: Vec::new(), visible: Vec::new() }
+        Self { directions, gram, rhs, sides, pairs: Vec::new(), visible: Vec::new(), discs: Vec::new() }
     }
 }
 
 impl Derivatives {
-    /// Those of the lights but the first `fixed`, with the sides; not yet with lights.
-    pub fn with_sides(given: &Given, moments: &Moments, fixed: usize) -> Self {
-        let ambient = given.ambient.coefficients();
-        let frames: Vec<[DVec3; 2]> = moments.directions[fixed..].iter().map(|&l| tangents(l)).collect();
-        let size = 2 * frames.len();
-        let mut model = DMatrix::zeros(size, moments.gram.nrows());
-        let mut rhs = DMatrix::zeros(size, given.channels.len());
-        let sides = moments.sides.chunks_exact(given.sides().max(1)).skip(fixed);
-        for (light, (sides, [s, t])) in sides.zip(&frames).enumerate() {
-            for (side, &sum) in sides.iter().enumerate() {
-                let products = match side.checked_sub(ambient) {
-                    Some(channel) => &mut rhs.column_mut(channel),
-                    None => &mut model.column_mut(side),
-                };
-                products[2 * light] = sum.dot(*s);
-                products[2 * light + 1] = sum.dot(*t);
-            }
+    /// Zeros for lights of `each` coordinates.
+    pub fn zeros(given: &Given, lights: usize, each: usize) -> Self {
+        let (size, columns) = (each * lights, given.ambient.coefficients() + lights);
+        Self {
+            model: DMatrix::zeros(size, columns),
+            gram: DMatrix::zeros(size, size),
+            rhs: DMatrix::zeros(size, given.channels.len()),
+            second: None,
         }
-        Self { frames, model, gram: DMatrix::zeros(size, size), rhs }
     }
 
-    /// The products of the derivatives of the light j with the light k, along `own` tangents of j, `other` ones of k, and
-    /// `both`: among lights of which the first `fixed` do not turn, and beside that many `ambient` columns.
+    /// Products of the derivatives of points with the sides; those with lights are still 0.
+    pub fn with_sides(given: &Given, moments: &Moments) -> Self {
+        let ambient = given.ambient.coefficients();
+        let mut out = Self::zeros(given, moments.directions.len(), 2);
+        for (light, sides) in moments.sides.chunks_exact(given.sides().max(1)).enumerate() {
+            let [s, t] = tangents(moments.directions[light]);
+            for (side, &sum) in sides.iter().enumerate() {
+                let mut products = match side.checked_sub(ambient) {
+                    Some(channel) => out.rhs.column_mut(channel),
+                    None => out.model.column_mut(side),
+                };
+                products[2 * light] = sum.dot(s);
+                products[2 * light + 1] = sum.dot(t);
+            }
+        }
+        out
+    }
+
+    /// Set the products of the derivatives of the points j and k along their tangents, beside that many `ambient` columns.
     #[inline]
-    pub fn set(&mut self, ambient: usize, fixed: usize, [j, k]: [usize; 2], pair: &Pair) {
-        let (size, row) = (self.gram.nrows(), 2 * (j - fixed));
+    pub fn set(&mut self, ambient: usize, [j, k]: [usize; 2], pair: &Pair) {
+        let (size, row, column) = (self.gram.nrows(), 2 * j, 2 * k);
         self.model.as_mut_slice()[(ambient + k) * size + row..][..2].copy_from_slice(&pair.own);
-        let Some(column) = k.checked_sub(fixed).map(|k| 2 * k) else { return };
         self.model.as_mut_slice()[(ambient + j) * size + column..][..2].copy_from_slice(&pair.other);
         let gram = self.gram.as_mut_slice();
         for (a, both) in pair.both.iter().enumerate() {
@@ -266,4 +327,10 @@ impl Derivatives {
             }
         }
     }
+}
+
+/// `sum_c x_jc x_kc`: the weight of the product of two columns in the cost.
+pub fn column_weights(given: &Given, x: &DMatrix<f64>) -> DMatrix<f64> {
+    let weighted = DMatrix::from_fn(x.nrows(), x.ncols(), |i, c| given.copies(c) * x[(i, c)]);
+    weighted * x.transpose()
 }

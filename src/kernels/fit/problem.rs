@@ -1,22 +1,35 @@
-//! What is asked of a fit.
+//! A search for lights: an objective, and the lights that the caller fixed or started.
 
 use glam::DVec3;
 
-use super::objective::Objective;
+use super::damped_newton::Descent;
+use super::objective::PointObjective;
+use super::options::FitOptions;
 
-/// What is asked of a fit.
+/// A search for the lights of one objective.
 #[derive(Clone, Copy, Debug)]
 pub struct Problem<'a> {
-    /// What is minimised.
-    pub objective: &'a dyn Objective,
-    /// Where the first lights start, brightest first. Those beyond start where they explain most.
+    /// Cost of lights without a size.
+    pub objective: &'a dyn PointObjective,
+    /// Initial directions of the first lights, brightest first. Others start where they lower the cost most.
     pub start: &'a [DVec3],
-    /// How many of these keep their directions, and get only their radiances.
+    /// Number of these that keep their directions.
     pub fixed: usize,
-    /// Lights at most.
+    /// Greatest number of lights.
     pub lights: usize,
-    /// Relative RMS error at which no more lights are added.
-    pub error: Option<f64>,
-    /// Steps after which a descent gives up.
+    /// Greatest number of steps of one descent.
     pub max_steps: usize,
+}
+
+impl<'a> Problem<'a> {
+    /// The search that the options ask for.
+    pub fn new(objective: &'a dyn PointObjective, options: &'a FitOptions) -> Self {
+        let FitOptions { start, fixed, lights, max_steps, .. } = options;
+        Self { objective, start, fixed: *fixed, lights: *lights, max_steps: *max_steps }
+    }
+
+    /// A descent of a set of lights.
+    pub fn descent(&self) -> Descent<'a> {
+        Descent { objective: self.objective.base(), fixed: self.fixed, max_steps: self.max_steps }
+    }
 }

@@ -22,7 +22,7 @@ use glam::DVec3;
 use nalgebra::{DMatrix, DVector};
 
 use super::ambient::{Ambient, darkest};
-use super::dense::Factors;
+use super::factors::Factors;
 use super::nnls::{self, Support};
 use super::objective::Given;
 
@@ -198,7 +198,7 @@ fn with_ridge(gram: &DMatrix<f64>) -> DMatrix<f64> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::kernels::fit::objective::Objective;
+    use crate::kernels::fit::objective::{Objective, PointObjective};
     use crate::kernels::fit::{Probe, Samples};
     use crate::kernels::sampling;
     use ndarray::Array2;
@@ -215,7 +215,7 @@ mod tests {
             // Powers make bright spots, which harmonics ring around.
             let seen = Array2::from_shape_fn((80, 3), |(i, _)| values[i].powi(8));
             let probe = Probe::new(Samples::new(normals.view(), weights.view(), seen.view()).unwrap(), Ambient::Sh2);
-            let moments = probe.moments(vec![DVec3::Y, DVec3::X]);
+            let moments = probe.moments(&[DVec3::Y, DVec3::X]);
             let (gram, right) = (&moments.gram, &moments.rhs);
             let x = solve(probe.given(), gram, right, &[]).x.column(0).into_owned();
             let cost = |x: &DVector<f64>| (gram * x).dot(x) - 2.0 * right.column(0).dot(x);

@@ -60,7 +60,7 @@ impl<'a> Search<'a> {
         let least = best.first().map_or(0.0, |best| best.cost);
         let near = best.into_iter().filter(|state| state.cost <= least * (1.0 + same));
         let finest =
-            near.collect::<Vec<State>>().into_par_iter().map(|state| state.descend(self.problem, FINE));
+            near.collect::<Vec<State>>().into_par_iter().map(|state| self.problem.descent().run(state, FINE));
         let best: Result<Vec<State>> =
             finest.collect::<Vec<State>>().into_iter().map(|state| self.perturbed_on(state)).collect();
         Ok(best_of(best?, 1).pop())
@@ -76,8 +76,7 @@ impl<'a> Search<'a> {
     /// The better half of the minima that rough descents from even starts lead to.
     fn even(&self, lights: usize) -> Result<Vec<State>> {
         let Problem { objective, start, fixed, .. } = *self.problem;
-        let SearchSettings { starts_per_light, most_starts, rough, .. } = self.settings;
-        let count = (starts_per_light * lights).clamp(1, most_starts);
+        let (count, rough) = (self.settings.starts(lights), self.settings.rough);
         let descend = |even: &Vec<DVec3>| {
             let placed = even.iter().map(|&l| objective.placed(l));
             let directions: Vec<DVec3> = start[..fixed].iter().copied().chain(placed).collect();
@@ -105,7 +104,7 @@ impl<'a> Search<'a> {
 
     /// A descent that may be continued.
     fn descended(&self, state: State, tolerance: f64) -> State {
-        state.descend(self.problem, tolerance).resumed()
+        self.problem.descent().run(state, tolerance).resumed()
     }
 
     /// The set after perturbations of all lights, each of which lowers its cost.
@@ -132,7 +131,7 @@ impl<'a> Search<'a> {
             .into_par_iter()
             .map(|directions| self.descended(best.turned_to(objective, directions), self.settings.same));
         let lowest = best_of(ends.collect(), 1).pop();
-        Ok(lowest.map(|lowest| lowest.descend(self.problem, FINE)))
+        Ok(lowest.map(|lowest| self.problem.descent().run(lowest, FINE)))
     }
 }
 
@@ -163,4 +162,107 @@ fn rounded_cost(state: &State) -> u64 {
     const SPARE_DIGITS: u32 = f64::MANTISSA_DIGITS - f32::MANTISSA_DIGITS;
     // The bits of numbers that are not negative are in the order of the numbers.
     state.cost.max(0.0).to_bits() >> SPARE_DIGITS
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::kernels::fit::{Ambient, PointObjective, Sphere};
+    use crate::kernels::image::{self, WorkingMap};
+    use crate::kernels::sphere::{Registration, direction};
+    use ndarray::Array3;
+
+    /// A map with a bright cell at each of some rows and columns, of these radiances.
+    fn lamps(places: &[((usize, usize), f32)]) -> WorkingMap {
+        let mut map = Array3::from_elem((32, 64, 3), 0.2_f32);
+        for &((row, column), radiance) in places {
+            (0..3).for_each(|channel| map[[row, column, channel]] = radiance);
+        }
+        image::reduce(map.view(), Registration::CellCentred, 256, 1e-3, false).unwrap()
+    }
+
+    fn problem(objective: &Sphere, lights: usize) -> Problem<'_> {
+        Problem { objective, start: &[], fixed: 0, lights, max_steps: 100 }
+    }
+
+    const PLACES: [((usize, usize), f32); 3] = [((8, 10), 900.0), ((10, 14), 700.0), ((20, 45), 300.0)];
+
+    #[test]
+    fn forward_selection_adds_the_brightest_lamp_first() {
+        let sphere = Sphere::new(&lamps(&PLACES[2..]), Ambient::Constant, false);
+        let problem = problem(&sphere, 1);
+        let search = Search::new(&problem);
+        let grown = search.grown(&[State::new(&sphere, &[])]);
+        let lamp = sphere.likely()[0];
+        assert!(grown[0].moments.directions[0].dot(lamp) > 0.999, "{:?} {lamp}", grown[0].moments.directions);
+    }
+
+    #[test]
+    fn forward_selection_ends_where_a_light_lowers_nothing() {
+        let sphere = Sphere::new(&lamps(&PLACES[2..]), Ambient::Constant, false);
+        let problem = problem(&sphere, 2);
+        let best = problem.descent().run(State::new(&sphere, sphere.likely()), FINE);
+        assert!(Search::new(&problem).grown(&[best]).is_empty());
+    }
+
+    /// Two lamps near each other share a light, and another light is where there is no lamp.
+    #[test]
+    fn an_exchange_leaves_a_local_minimum() {
+        let sphere = Sphere::new(&lamps(&PLACES), Ambient::Constant, false);
+        let problem = problem(&sphere, 3);
+        let search = Search::new(&problem);
+        let between = (sphere.likely()[0] + sphere.likely()[1]).normalize();
+        let start = State::new(&sphere, &[between, sphere.likely()[2], -between]);
+        let stuck = search.descended(start, search.settings.same);
+        let free = search.exchanged(stuck.clone());
+        assert!(free.cost < 0.1 * stuck.cost, "{} {}", free.cost, stuck.cost);
+    }
+
+    #[test]
+    fn the_best_set_of_known_lamps_has_their_directions() {
+        let sphere = Sphere::new(&lamps(&PLACES), Ambient::Constant, false);
+        let problem = problem(&sphere, 3);
+        let beam =
+            vec![State::new(&sphere, &[direction(0.5, 1.0), direction(1.5, 3.0), direction(2.5, 5.0)])];
+        let best = Search::new(&problem).best(beam).unwrap().unwrap();
+        for lamp in sphere.likely() {
+            assert!(best.moments.directions.iter().any(|l| l.dot(*lamp) > 1.0 - 1e-6), "{lamp}");
+        }
+    }
+
+    #[test]
+    fn even_starts_are_as_many_as_the_settings_say() {
+        let settings = SearchSettings { starts_per_light: 3, most_starts: 12, ..settings() };
+        assert_eq!([0, 1, 2, 4, 9].map(|lights| settings.starts(lights)), [1, 3, 6, 12, 12]);
+    }
+
+    fn settings() -> SearchSettings {
+        SearchSettings::of(&Sphere::new(&lamps(&[]), Ambient::Constant, false))
+    }
+
+    /// States of these costs.
+    fn states(costs: &[f64]) -> Vec<State> {
+        let sphere = Sphere::new(&lamps(&PLACES), Ambient::Constant, false);
+        let state = State::new(&sphere, &[]);
+        costs.iter().map(|&cost| State { cost, ..state.clone() }).collect()
+    }
+
+    fn costs(states: &[State]) -> Vec<f64> {
+        states.iter().map(|state| state.cost).collect()
+    }
+
+    #[test]
+    fn minima_of_nearly_the_same_cost_are_one() {
+        let minima = distinct(states(&[1.5, 1.0, 1.001, 1.01, 1.5]), 4, 2e-3);
+        assert_eq!(costs(&minima), [1.0, 1.01, 1.5]);
+        assert_eq!(costs(&distinct(minima, 2, 2e-3)), [1.0, 1.01]);
+    }
+
+    #[test]
+    fn costs_that_differ_by_rounding_keep_their_order() {
+        let first = 1.0 + 1e-12;
+        assert_eq!(costs(&best_of(states(&[2.0, first, 1.0]), 9)), [first, 2.0]);
+        assert_eq!(costs(&best_of(states(&[2.0, 1.0]), 1)), [1.0]);
+    }
 }

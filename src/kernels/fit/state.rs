@@ -5,10 +5,9 @@ use std::sync::Arc;
 use glam::DVec3;
 use nalgebra::{DMatrix, DMatrixView, Dyn, U1};
 
-use super::dense::column_of;
+use super::factors::column_of;
 use super::nnls::Support;
-use super::objective::{Given, Moments, Objective};
-use super::problem::Problem;
+use super::objective::{Given, Moments, Objective, PointObjective};
 use super::radiances::{self, Radiances};
 use super::rig::Rig;
 use crate::interrupt;
@@ -19,9 +18,6 @@ const EXACT: f64 = 1e-26;
 pub const RESOLUTION: f64 = 1e-13;
 /// Relative cost below which it is summed from the residuals, where that can be.
 const SMALL: f64 = 1e-5;
-
-/// Damping of a first step.
-pub const FIRST_DAMPING: f64 = 1e-3;
 
 /// Why the solver stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,9 +42,6 @@ pub struct State {
     pub dark: Vec<Vec<DVec3>>,
     /// Weighted sum of squares of what is left unexplained.
     pub cost: f64,
-    /// Damping of the next step, and by how much of itself the last one lowered the cost.
-    pub damping: f64,
-    pub gain: f64,
     /// Steps that led here, from wherever the search began.
     pub steps: usize,
     /// Why no step leads on, once that is so.
@@ -57,8 +50,8 @@ pub struct State {
 
 impl State {
     /// The best radiances of lights in `directions`.
-    pub fn new(objective: &dyn Objective, directions: &[DVec3]) -> Self {
-        Self::at(objective, objective.moments(directions.to_vec()), 0, &[])
+    pub fn new(objective: &dyn PointObjective, directions: &[DVec3]) -> Self {
+        Self::at(objective.base(), objective.moments(directions), 0, &[])
     }
 
     /// The best radiances of the lights of `moments`, after that many `steps`; those that are not 0 may be
@@ -68,8 +61,7 @@ impl State {
         let given = objective.given();
         let Radiances { x, supports, dark } = radiances::solve(given, &moments.gram, &moments.rhs, guess);
         let cost = cost(given, &moments.gram, &moments.rhs, &x);
-        let (damping, gain) = (FIRST_DAMPING, f64::INFINITY);
-        let mut state = Self { moments, x, supports, dark, cost, damping, gain, steps, stop: None };
+        let mut state = Self { moments, x, supports, dark, cost, steps, stop: None };
         let exact_cost =
             (cost <= SMALL * given.energy).then(|| objective.exact_cost(&state.rig(given))).flatten();
         // Rounding may leave less than nothing.
@@ -81,13 +73,13 @@ impl State {
     }
 
     /// The same lights in other `directions`, with the best radiances for these.
-    pub fn turned_to(&self, objective: &dyn Objective, directions: Vec<DVec3>) -> Self {
-        Self::at(objective, objective.turned(&self.moments, directions), self.steps, &self.supports)
+    pub fn turned_to(&self, objective: &dyn PointObjective, directions: Vec<DVec3>) -> Self {
+        Self::at(objective.base(), objective.turned(&self.moments, directions), self.steps, &self.supports)
     }
 
     /// The lights `kept`, and others in the directions `new`.
-    pub fn exchanged(&self, objective: &dyn Objective, kept: &[usize], new: &[DVec3]) -> Self {
-        Self::at(objective, objective.exchanged(&self.moments, kept, new), self.steps, &[])
+    pub fn exchanged(&self, objective: &dyn PointObjective, kept: &[usize], new: &[DVec3]) -> Self {
+        Self::at(objective.base(), objective.exchanged(&self.moments, kept, new), self.steps, &[])
     }
 
     /// How many lights there are.
@@ -100,13 +92,16 @@ impl State {
         self.x.rows(self.x.nrows() - self.lights(), self.lights())
     }
 
-    /// Without the lights that no channel uses, if there are such beyond those that are fixed: nothing
-    /// pulls at a light of radiance 0, so it would stay where it started.
-    pub fn without_black(&self, problem: &Problem<'_>) -> Option<Self> {
-        let is_used = |&light: &usize| light < problem.fixed || self.irradiance().row(light).amax() > 0.0;
+    /// The state without the lights that no channel uses, but for the first `fixed`; none if all are used.
+    ///
+    /// A light of radiance 0 has no gradient, so it would stay where it started.
+    pub fn without_black(&self, objective: &dyn Objective, fixed: usize) -> Option<Self> {
+        let is_used = |&light: &usize| light < fixed || self.irradiance().row(light).amax() > 0.0;
         let kept: Vec<usize> = (0..self.lights()).filter(is_used).collect();
-        (kept.len() < self.lights())
-            .then(|| Self { stop: self.stop, ..self.exchanged(problem.objective, &kept, &[]) })
+        (kept.len() < self.lights()).then(|| {
+            let moments = objective.subset(&self.moments, &kept);
+            Self { stop: self.stop, ..Self::at(objective, moments, self.steps, &[]) }
+        })
     }
 
     /// All three channels of the lights.

@@ -24,36 +24,31 @@ use std::f64::consts::PI;
 use glam::{DMat3, DVec3};
 use nalgebra::{DMatrix, DVector};
 
-use super::newton::Quadratic;
-use super::objective::{Given, Objective};
-use super::problem::Problem;
+use super::damped_newton::Descent;
+use super::objective::{Given, Objective, PointObjective};
 use super::rig::Rig;
 use super::samples::{Probe, Samples};
 use super::state::State;
+use super::variable_projection::{Quadratic, Subspace};
 
 /// Growth of the error at which a light has gone too far.
-pub const GROWTH: f64 = 1.1;
+const GROWTH: f64 = 1.1;
 
-/// How far each light of `state` may stand elsewhere before the relative RMS error, now `error`, grows by a tenth,
-/// in radians: 0 where it is fixed, pi where nothing holds it.
-pub fn tolerances(problem: &Problem<'_>, state: &State, error: f64) -> Vec<f64> {
-    let mut out = vec![0.0; state.lights()];
-    let free = &mut out[problem.fixed..];
-    if free.is_empty() {
-        return out;
-    }
-    let cost = error * error * problem.objective.given().energy;
-    let Some(factor) = Quadratic::around(problem, state, true).hessian.cholesky() else {
-        free.fill(PI);
-        return out;
+/// Direction tolerance of each light of `state`, in radians: the turn that makes the relative RMS error, now that of
+/// `cost`, a tenth larger; 0 if the light is fixed, pi if the cost does not depend on it.
+pub fn tolerances(descent: &Descent<'_>, state: &State, cost: f64) -> Vec<f64> {
+    let model = Quadratic::around(descent.objective, state, true);
+    let space = Subspace::new(model.gradient.len(), model.each, &descent.constraints(state, &model));
+    let Some(factor) = space.reduced(&model).0.cholesky() else {
+        return (0..state.lights()).map(|light| if light < descent.fixed { 0.0 } else { PI }).collect();
     };
-    let inverse = factor.inverse();
-    for (light, tolerance) in free.iter_mut().enumerate() {
-        let own = inverse.view((2 * light, 2 * light), (2, 2)).into_owned();
+    let inverse = space.full_covariance(factor.inverse());
+    let tolerance = |light: usize| {
+        let own = inverse.view((model.each * light, model.each * light), (2, 2)).into_owned();
         let greatest = own.symmetric_eigenvalues().max();
-        *tolerance = ((GROWTH * GROWTH - 1.0) * cost * greatest).sqrt().min(PI);
-    }
-    out
+        ((GROWTH * GROWTH - 1.0) * cost.max(0.0) * greatest).sqrt().min(PI)
+    };
+    (0..state.lights()).map(tolerance).collect()
 }
 
 /// What the covariance says of a rig.
@@ -170,8 +165,8 @@ struct Columns {
 
 impl Columns {
     fn new(probe: &Probe, rig: &Rig) -> Self {
-        let moments = probe.moments(rig.directions.clone());
-        let derivatives = probe.derivatives(&moments, 0);
+        let moments = probe.moments(&rig.directions);
+        let derivatives = probe.derivatives(&moments, &DMatrix::zeros(0, 0), false);
         let (model, turned) = (moments.gram.nrows(), derivatives.model.nrows());
         let mut gram = moments.gram.resize(model + turned, model + turned, 0.0);
         gram.view_mut((model, 0), (turned, model)).copy_from(&derivatives.model);

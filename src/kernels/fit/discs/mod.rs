@@ -12,21 +12,20 @@
 //! | a light; bright cells of the map and their cones      | `disc.rs`, `patches.rs` |
 //! | inner products of discs, the map and the ambient term | `target.rs`     |
 //! | radii to start from                                   | `start.rs`      |
-//! | best fluxes, and the cost to second order             | `state.rs`, `newton.rs` |
-//! | downhill                                              | `descent.rs`    |
+//! | the objective of a descent                            | `shadows.rs`    |
+//! | escape from a local minimum                           | `exchange.rs`   |
 //! | the error at normals                                  | `judge.rs`      |
 
 mod chord;
-mod descent;
 mod disc;
+mod exchange;
 mod far;
 mod jet;
 mod judge;
-mod newton;
 mod patches;
+mod shadows;
 mod start;
-mod state;
-mod target;
+pub mod target;
 mod zonal;
 
 pub use judge::judged;
@@ -36,17 +35,18 @@ use glam::DVec3;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use self::descent::{Descended, descend};
-use self::disc::Disc;
-use self::newton::Quadratic;
-use self::state::{Problem, State};
+pub use self::disc::Disc;
+use self::exchange::exchanged;
+use self::shadows::LEAST_RADIUS;
+pub use self::shadows::Shadows;
 use self::target::{Picture, Target};
-use super::ambient::Ambient;
+use super::damped_newton::Descent;
 use super::objective::Given;
+use super::options::FitOptions;
 use super::relative_rms::relative_error;
 use super::rig::Rig;
-use super::state::StopReason;
-use super::uncertainty::GROWTH;
+use super::state::{State, StopReason};
+use super::uncertainty;
 use crate::kernels::expansion::Expansion;
 use crate::kernels::image::WorkingMap;
 
@@ -84,17 +84,11 @@ pub struct Sizes<'a> {
 }
 
 impl<'a> Sizes<'a> {
-    /// For a `map` and its harmonics, over a floor or not, and for fits by one comparison.
-    pub fn new(
-        map: &'a WorkingMap,
-        expansion: &Expansion,
-        ambient: Ambient,
-        has_floor: bool,
-        comparison: Comparison,
-    ) -> Self {
+    /// For a map and its harmonics.
+    pub fn new(map: &'a WorkingMap, expansion: &Expansion, options: &FitOptions) -> Self {
         let picture = Picture::new(map, expansion);
-        let target = |comparison| Target::new(&picture, comparison, ambient, has_floor);
-        let other = (comparison != Comparison::Shadows).then(|| target(comparison));
+        let target = |comparison| Target::new(&picture, comparison, options.ambient, options.has_floor);
+        let other = options.sizes.filter(|&comparison| comparison != Comparison::Shadows).map(target);
         Self { map, shadows: target(Comparison::Shadows), other }
     }
 
@@ -102,9 +96,8 @@ impl<'a> Sizes<'a> {
     /// the map is the square that it is.
     pub fn shadow_error(&self, given: &Given, rig: &Rig, radii: &[f64]) -> f64 {
         let lights = rig.directions.iter().zip(radii);
-        let discs: Vec<Disc> = lights
-            .map(|(&direction, radius)| Disc::new(direction, radius.max(state::LEAST_RADIUS)))
-            .collect();
+        let discs: Vec<Disc> =
+            lights.map(|(&direction, radius)| Disc::new(direction, radius.max(LEAST_RADIUS))).collect();
         let (gram, rhs) = self.shadows.products(&discs);
         let flux =
             rig.irradiance.iter().zip(&discs).map(|(&irradiance, disc)| irradiance / (1.0 - disc.share));
@@ -122,23 +115,26 @@ impl<'a> Sizes<'a> {
 
     /// The best rig near one without sizes, whose first `fixed` lights keep their directions.
     pub fn fitted(&self, given: &Given, rig: &Rig, fixed: usize, max_steps: usize) -> Sized {
-        let target = self.other.as_ref().unwrap_or(&self.shadows);
-        let problem = Problem { target, given, fixed, max_steps };
-        let starts = start::starts(&problem, self.map, rig);
-        let is_only = starts.len() == 1;
-        let descended = |state: State| descend(&problem, state, if is_only { FINE } else { ROUGH });
-        let rough: Vec<Descended> = starts.into_par_iter().map(descended).collect();
-        let before: usize = rough.iter().map(|one| one.steps).sum();
-        let best = rough.into_iter().min_by(|a, b| a.state.cost.total_cmp(&b.state.cost));
-        let Some(best) = best else { return Sized::points(rig.clone()) };
-        let best = if is_only { Descended { steps: 0, ..best } } else { descend(&problem, best.state, FINE) };
-        let Descended { state, steps, stop } = best;
-        let steps = before + steps;
-        let state = state.without_black(&problem);
-        let growth = (GROWTH * GROWTH - 1.0) * state.cost.max(0.0);
-        let tolerances = Some(Quadratic::around(&problem, &state).tolerances(growth));
+        let shadows = Shadows::new(self.other.as_ref().unwrap_or(&self.shadows), given);
+        let descent = Descent { objective: &shadows, fixed, max_steps };
+        let starts = start::starts(&shadows, self.map, rig, fixed);
+        let rough: Vec<State> =
+            starts.into_par_iter().map(|state| descent.run(state, ROUGH).resumed()).collect();
+        let steps: usize = rough.iter().map(|state| state.steps).sum();
+        let Some(best) = rough.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost)) else {
+            return Sized::points(rig.clone());
+        };
+        let steps = steps - best.steps;
+        let state = descent.run(best, FINE);
+        // Other ambient terms leave few local minima that an exchange escapes.
+        let has_harmonics = given.free() > 0;
+        let state = if has_harmonics { exchanged(&shadows, &descent, state, [ROUGH, FINE]) } else { state };
+        let steps = steps + state.steps;
+        let state = state.without_black(&shadows, fixed).unwrap_or(state);
+        let tolerances = Some(uncertainty::tolerances(&descent, &state, state.cost));
+        let stop = state.stop;
         let (rig, radii) = rig_of(given, &state, self.map);
-        Sized { rig, radii, tolerances, steps, stop: Some(stop) }
+        Sized { rig, radii, tolerances, steps, stop }
     }
 }
 
@@ -156,6 +152,7 @@ fn rig_of(given: &Given, state: &State, map: &WorkingMap) -> (Rig, Vec<f64>) {
         DVec3::from_array(given.like.map(|like| like.map_or(0.0, |channel| state.x[(row, channel)])))
     };
     let shares: Vec<f64> = state
+        .moments
         .discs
         .iter()
         .map(|disc| (disc.share - BLUR * map.pixel_spread(disc.direction)).max(0.0))
@@ -164,8 +161,8 @@ fn rig_of(given: &Given, state: &State, map: &WorkingMap) -> (Rig, Vec<f64>) {
     let irradiance = |(light, disc): (usize, &Disc)| rgb(ambient + light) * (1.0 - disc.share);
     let rig = Rig {
         ambient: (0..ambient).map(rgb).collect(),
-        directions: state.discs.iter().map(|disc| disc.direction).collect(),
-        irradiance: state.discs.iter().enumerate().map(irradiance).collect(),
+        directions: state.moments.discs.iter().map(|disc| disc.direction).collect(),
+        irradiance: state.moments.discs.iter().enumerate().map(irradiance).collect(),
         has_floor: given.has_floor,
     };
     (rig, shares.iter().map(|share| 2.0 * share.sqrt().asin()).collect())

@@ -9,37 +9,39 @@
 
 use glam::DVec3;
 
-use super::state::{Problem, State};
+use super::shadows::Shadows;
 use crate::kernels::fit::ambient::Ambient;
+use crate::kernels::fit::objective::Objective;
 use crate::kernels::fit::rig::Rig;
+use crate::kernels::fit::state::State;
 use crate::kernels::image::WorkingMap;
 
 /// States to start from, near a `rig` of lights without a size.
-pub fn starts(problem: &Problem<'_>, map: &WorkingMap, rig: &Rig) -> Vec<State> {
+pub fn starts(shadows: &Shadows<'_>, map: &WorkingMap, rig: &Rig, fixed: usize) -> Vec<State> {
     /// Less than the spread, for a sun in a bright sky counts more than the sky.
     const PART: f64 = 0.65;
     /// Radii of small discs.
     const SMALL: [f64; 2] = [0.05, 0.3];
     let spread = spread(map, rig).into_iter().map(|radius| PART * radius).collect();
     let mut starts: Vec<Vec<f64>> = vec![spread];
-    if problem.given.ambient == Ambient::Sh2 {
+    if shadows.given().ambient == Ambient::Sh2 {
         starts.extend(SMALL.map(|radius| vec![radius; rig.directions.len()]));
     }
     let state = |radii: &Vec<f64>| {
         let lights = rig.directions.iter().zip(radii);
-        let discs = lights.map(|(&direction, &radius)| problem.disc(direction, radius)).collect();
-        let state = State::new(problem, discs, &[]);
-        if problem.given.ambient == Ambient::Sh2 { on_better_sides(problem, state) } else { state }
+        let discs = lights.map(|(&direction, &radius)| shadows.disc(direction, radius)).collect();
+        let state = shadows.state(discs);
+        if shadows.given().ambient == Ambient::Sh2 { on_better_sides(shadows, state, fixed) } else { state }
     };
     starts.iter().map(state).collect()
 }
 
 /// With each light, one after the other, on the opposite side where that is better.
-fn on_better_sides(problem: &Problem<'_>, mut state: State) -> State {
-    for light in problem.fixed..state.discs.len() {
-        let mut discs = state.discs.clone();
-        discs[light] = problem.disc(-discs[light].direction, discs[light].radius);
-        let opposite = State::new(problem, discs, &[]);
+fn on_better_sides(shadows: &Shadows<'_>, mut state: State, fixed: usize) -> State {
+    for light in fixed..state.lights() {
+        let mut discs = state.moments.discs.clone();
+        discs[light] = shadows.disc(-discs[light].direction, discs[light].radius);
+        let opposite = shadows.state(discs);
         if opposite.cost < state.cost {
             state = opposite;
         }

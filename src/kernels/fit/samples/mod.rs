@@ -14,12 +14,14 @@ mod pairs;
 mod probe;
 mod visible;
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use nalgebra::DMatrix;
 
 pub use self::measured::{Judged, Samples};
 pub use self::probe::Probe;
-use super::objective::{Derivatives, Directions, Given, Moments, Objective};
+use super::objective::{
+    Constraint, Derivatives, Directions, Given, Moments, Objective, PointObjective, turned_by,
+};
 use super::rig::Rig;
 
 impl Objective for Probe {
@@ -27,9 +29,31 @@ impl Objective for Probe {
         &self.given
     }
 
-    fn moments(&self, directions: Vec<DVec3>) -> Moments {
-        let nothing = Moments::with_sides(&self.given, Vec::new(), Vec::new());
-        self.exchanged(&nothing, &[], &directions)
+    fn moved(&self, before: &Moments, step: &[f64]) -> Moments {
+        self.turned(before, turned_by(&before.directions, step))
+    }
+
+    fn subset(&self, before: &Moments, kept: &[usize]) -> Moments {
+        self.exchanged(before, kept, &[])
+    }
+
+    fn derivatives(&self, moments: &Moments, _: &DMatrix<f64>, _: bool) -> Derivatives {
+        pairs::derivatives(&self.given, moments)
+    }
+
+    fn kinks(&self, from: &Moments, to: &Moments) -> Vec<Constraint> {
+        let crossed = visible::crossed(self, from, to).into_iter();
+        crossed.map(|(light, normal)| Constraint::horizon(light, from.directions[light], normal)).collect()
+    }
+
+    fn exact_cost(&self, rig: &Rig) -> Option<f64> {
+        Some(self.samples.cost(rig))
+    }
+}
+
+impl PointObjective for Probe {
+    fn base(&self) -> &dyn Objective {
+        self
     }
 
     fn exchanged(&self, before: &Moments, kept: &[usize], new: &[DVec3]) -> Moments {
@@ -38,18 +62,6 @@ impl Objective for Probe {
 
     fn turned(&self, before: &Moments, directions: Vec<DVec3>) -> Moments {
         visible::turned(self, before, directions)
-    }
-
-    fn derivatives(&self, moments: &Moments, fixed: usize) -> Derivatives {
-        pairs::derivatives(&self.given, moments, fixed)
-    }
-
-    fn kinks(&self, from: &Moments, to: &Moments) -> Vec<(usize, DVec3)> {
-        visible::crossed(self, from, to)
-    }
-
-    fn second_derivative(&self, _: DVec3, _: &[DVec3], _: &[f64], _: &[f64]) -> Option<DMat3> {
-        None
     }
 
     fn light_products(&self, at: &Directions, lights: &[DVec3]) -> DMatrix<f64> {
@@ -90,9 +102,5 @@ impl Objective for Probe {
         /// Normals so close together that the kinks between them no longer make valleys of their own.
         const SMOOTH: usize = 1280;
         self.samples.normals.len() < SMOOTH
-    }
-
-    fn exact_cost(&self, rig: &Rig) -> Option<f64> {
-        Some(self.samples.cost(rig))
     }
 }

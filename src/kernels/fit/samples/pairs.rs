@@ -9,6 +9,7 @@
 use glam::{DMat3, DVec3};
 
 use crate::kernels::fit::objective::{Derivatives, Given, Moments, Pair};
+use crate::kernels::sphere::tangents;
 
 /// Place of the pair k <= j.
 pub fn pair(j: usize, k: usize) -> usize {
@@ -29,22 +30,22 @@ pub fn moments(given: &Given, directions: Vec<DVec3>, sides: Vec<DVec3>, pairs: 
     Moments { pairs, ..moments }
 }
 
-/// The derivatives of the lights but the first `fixed`.
-pub fn derivatives(given: &Given, moments: &Moments, fixed: usize) -> Derivatives {
+/// The derivatives of all lights.
+pub fn derivatives(given: &Given, moments: &Moments) -> Derivatives {
     let ambient = given.ambient.coefficients();
-    let mut derivatives = Derivatives::with_sides(given, moments, fixed);
-    let frame = |(light, &l): (usize, &DVec3)| {
-        let [s, t] = light.checked_sub(fixed).map_or([DVec3::ZERO; 2], |free| derivatives.frames[free]);
+    let mut derivatives = Derivatives::with_sides(given, moments);
+    let frame = |&l: &DVec3| {
+        let [s, t] = tangents(l);
         DMat3::from_cols(l, s, t)
     };
-    let frames: Vec<DMat3> = moments.directions.iter().enumerate().map(frame).collect();
-    for (j, frame) in frames.iter().enumerate().skip(fixed) {
+    let frames: Vec<DMat3> = moments.directions.iter().map(frame).collect();
+    for (j, frame) in frames.iter().enumerate() {
         let turned = frame.transpose();
         for (k, other) in frames[..=j].iter().enumerate() {
             // (l, s, t) of j down, of k across.
             let [[_, own @ ..], s, t] = (turned * moments.pairs[pair(j, k)] * *other).to_cols_array_2d();
             let both = [[s[1], t[1]], [s[2], t[2]]];
-            derivatives.set(ambient, fixed, [j, k], &Pair { own, other: [s[0], t[0]], both });
+            derivatives.set(ambient, [j, k], &Pair { own, other: [s[0], t[0]], both });
         }
     }
     derivatives

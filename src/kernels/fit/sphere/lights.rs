@@ -9,6 +9,7 @@ use pulp::{Simd, WithSimd};
 use super::kernel::{Angles, Block, mixed_derivatives, splat};
 use crate::kernels::fit::lanes::{LANES, Lanes, Number};
 use crate::kernels::fit::objective::{Derivatives, Pair};
+use crate::kernels::sphere::tangents;
 
 /// Inner products of lights, into the last rows and columns of a Gram matrix.
 pub struct Products<'a> {
@@ -40,8 +41,6 @@ impl WithSimd for Products<'_> {
 pub struct Turned<'a> {
     pub directions: &'a [DVec3],
     pub ambient: usize,
-    /// Lights that do not turn.
-    pub fixed: usize,
     pub derivatives: &'a mut Derivatives,
 }
 
@@ -50,18 +49,16 @@ impl WithSimd for Turned<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { directions, ambient, fixed, derivatives } = self;
-        let tangent = |light: usize, side: usize| {
-            light.checked_sub(fixed).map_or(DVec3::ZERO, |free| derivatives.frames[free][side])
-        };
+        let Self { directions, ambient, derivatives } = self;
+        let frames: Vec<[DVec3; 2]> = directions.iter().map(|&l| tangents(l)).collect();
         let block = |block: usize| {
             let lights = block * LANES..directions.len().min((block + 1) * LANES);
-            let tangents = [0, 1].map(|side| Block::new(lights.clone().map(|light| tangent(light, side))));
+            let tangents = [0, 1].map(|side| Block::new(lights.clone().map(|light| frames[light][side])));
             [Block::new(lights.map(|light| directions[light])), tangents[0], tangents[1]]
         };
         let blocks: Vec<[Block; 3]> = (0..directions.len().div_ceil(LANES)).map(block).collect();
-        for j in fixed..directions.len() {
-            let [s, t] = derivatives.frames[j - fixed];
+        for j in 0..directions.len() {
+            let [s, t] = frames[j];
             let own = [splat(simd, directions[j]), splat(simd, s), splat(simd, t)];
             for (block, [others, s, t]) in blocks[..=j / LANES].iter().enumerate() {
                 for vector in 0..Lanes::<S>::VECTORS {
@@ -78,7 +75,7 @@ impl WithSimd for Turned<'_> {
                                 [both[1][0].lane(i), both[1][1].lane(i)],
                             ],
                         };
-                        derivatives.set(ambient, fixed, [j, k], &pair);
+                        derivatives.set(ambient, [j, k], &pair);
                     }
                 }
             }

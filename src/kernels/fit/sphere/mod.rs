@@ -16,6 +16,7 @@
 //! | bright sources, kept as points           | `points.rs`          |
 //! | a smooth even function, quick to look up | `field.rs`           |
 //! | the ambient term beside a light          | `ambient_columns.rs` |
+//! | lights added and exchanged by a search   | `point_search.rs`    |
 //! | the probe at evaluation normals          | `evaluation_probe.rs` |
 
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
@@ -27,6 +28,7 @@ mod kernel;
 #[cfg(test)]
 mod kernel_digits;
 mod lights;
+mod point_search;
 mod points;
 
 pub use evaluation_probe::evaluation_probe;
@@ -38,14 +40,17 @@ use pulp::{Arch, Scalar, Simd, WithSimd};
 use self::ambient_columns::{Columns, Radiance};
 use self::field::{Field, HIGHEST};
 use self::kernel::{Block, LINEAR, outer, second_derivative, spectrum};
-use self::lights::{Products, Turned, values};
+use self::lights::{Products, Turned};
 use self::points::Points;
 use super::ambient::Ambient;
 use super::lanes::LANES;
-use super::objective::{Derivatives, Directions, Given, Moments, Objective, distinct_channels};
-use super::rig::Rig;
+use super::objective::{
+    Constraint, Derivatives, Given, Moments, Objective, PointObjective, column_weights, distinct_channels,
+    turned_by,
+};
 use crate::kernels::expansion::{DEGREES, Expansion, Harmonics, PointLight, bright_cells};
 use crate::kernels::image::WorkingMap;
+use crate::kernels::sphere::tangents;
 
 /// The probe under a map, at every normal.
 #[derive(Clone, Debug)]
@@ -152,87 +157,72 @@ impl Sphere {
     }
 }
 
-impl Objective for Sphere {
-    fn given(&self) -> &Given {
-        &self.given
-    }
-
-    fn moments(&self, directions: Vec<DVec3>) -> Moments {
+impl Sphere {
+    fn moments_of(&self, directions: Vec<DVec3>) -> Moments {
         let sides = self.widest.dispatch(Sides { sphere: self, directions: &directions });
         let mut moments = Moments::with_sides(&self.given, directions, sides);
         self.widest.dispatch(Products { directions: &moments.directions, gram: &mut moments.gram });
         moments
     }
 
-    fn exchanged(&self, before: &Moments, kept: &[usize], new: &[DVec3]) -> Moments {
-        self.moments(kept.iter().map(|&j| before.directions[j]).chain(new.iter().copied()).collect())
-    }
-
-    fn turned(&self, _: &Moments, directions: Vec<DVec3>) -> Moments {
-        self.moments(directions)
-    }
-
-    fn derivatives(&self, moments: &Moments, fixed: usize) -> Derivatives {
-        let mut derivatives = Derivatives::with_sides(&self.given, moments, fixed);
+    /// `-<d^2 a_j, r>` along the tangents of each light, for lights with the radiances `x`.
+    fn second_derivatives(&self, directions: &[DVec3], x: &DMatrix<f64>) -> Vec<DMat3> {
         let ambient = self.given.ambient.coefficients();
-        let directions = &moments.directions;
-        self.widest.dispatch(Turned { directions, ambient, fixed, derivatives: &mut derivatives });
-        derivatives
+        let weights = column_weights(&self.given, x);
+        let of_light = |(j, &l): (usize, &DVec3)| {
+            let own = weights.column(ambient + j);
+            let (columns, lights) = own.as_slice().split_at(ambient);
+            let probe = |c: usize| -self.given.copies(c) * x[(ambient + j, c)];
+            let sides: Vec<f64> = columns.iter().copied().chain((0..x.ncols()).map(probe)).collect();
+            let second =
+                SecondDerivative { sphere: self, l, lights: directions, weights: lights, sides: &sides };
+            let (second, [s, t]) = (self.widest.dispatch(second), tangents(l));
+            let frame = DMat3::from_cols(s, t, DVec3::ZERO);
+            frame.transpose() * second * frame
+        };
+        directions.iter().enumerate().map(of_light).collect()
     }
 
-    fn kinks(&self, _: &Moments, to: &Moments) -> Vec<(usize, DVec3)> {
-        let lights = to.directions.iter().enumerate();
-        lights.filter(|(_, l)| !self.allows(**l)).map(|(light, _)| (light, DVec3::Y)).collect()
-    }
-
-    fn second_derivative(&self, l: DVec3, lights: &[DVec3], weights: &[f64], sides: &[f64]) -> Option<DMat3> {
-        Some(self.widest.dispatch(SecondDerivative { sphere: self, l, lights, weights, sides }))
-    }
-
-    fn light_products(&self, at: &Directions, lights: &[DVec3]) -> DMatrix<f64> {
-        let mut out = DMatrix::zeros(at.directions.len(), lights.len());
-        for (&light, mut column) in lights.iter().zip(out.column_iter_mut()) {
-            self.widest.dispatch(Values { light, at, out: column.as_mut_slice() });
-        }
-        out
-    }
-
-    fn side_products(&self, at: &Directions) -> DMatrix<f64> {
-        let sides = self.widest.dispatch(Sides { sphere: self, directions: &at.directions });
-        let count = self.given.sides();
-        let value = |i: usize, side: usize| sides[i * count + side].dot(at.directions[i]);
-        DMatrix::from_fn(at.directions.len(), count, value)
-    }
-
-    fn squares(&self, at: &Directions) -> Vec<f64> {
-        vec![kernel::SQUARE; at.directions.len()]
-    }
-
-    fn exact_cost(&self, _: &Rig) -> Option<f64> {
-        None
-    }
-
+    /// True if a light may have this direction.
     fn allows(&self, direction: DVec3) -> bool {
         !self.columns.has_floor || direction.y >= 0.0
     }
+}
 
-    fn placed(&self, direction: DVec3) -> DVec3 {
-        let turned = self.field.outward(direction);
-        if self.allows(turned) { turned } else { turned.with_y(-turned.y) }
+impl Objective for Sphere {
+    fn given(&self) -> &Given {
+        &self.given
     }
 
-    fn likely(&self) -> &[DVec3] {
-        &self.likely
+    fn moved(&self, before: &Moments, step: &[f64]) -> Moments {
+        let mut directions = turned_by(&before.directions, step);
+        for direction in directions.iter_mut().filter(|direction| !self.allows(**direction)) {
+            *direction = direction.with_y(0.0).normalize_or(DVec3::X);
+        }
+        self.moments_of(directions)
     }
 
-    fn noise(&self) -> f64 {
-        /// Of the table in `field.rs`: 1e-8 of the energy at least, which lights would follow.
-        const TABLE: f64 = 1e-9;
-        TABLE
+    fn subset(&self, before: &Moments, kept: &[usize]) -> Moments {
+        self.exchanged(before, kept, &[])
     }
 
-    fn has_kinks(&self) -> bool {
-        false
+    fn derivatives(&self, moments: &Moments, x: &DMatrix<f64>, is_exact: bool) -> Derivatives {
+        let mut derivatives = Derivatives::with_sides(&self.given, moments);
+        let (ambient, directions) = (self.given.ambient.coefficients(), &moments.directions);
+        self.widest.dispatch(Turned { directions, ambient, derivatives: &mut derivatives });
+        derivatives.second = is_exact.then(|| self.second_derivatives(directions, x));
+        derivatives
+    }
+
+    fn bounds(&self, moments: &Moments, gradient: &[f64], fixed: usize) -> Vec<Constraint> {
+        let lights = moments.directions.iter().enumerate().skip(fixed);
+        let on_floor = lights.filter(|(_, l)| self.columns.has_floor && l.y <= 0.0);
+        let pressing = on_floor.filter_map(|(light, &l)| {
+            let horizon = Constraint::horizon(light, l, DVec3::Y);
+            let up = horizon.across.x * gradient[2 * light] + horizon.across.y * gradient[2 * light + 1];
+            (up >= 0.0).then_some(horizon)
+        });
+        pressing.collect()
     }
 }
 
@@ -255,7 +245,8 @@ impl WithSimd for Sides<'_> {
     }
 }
 
-/// What [`Objective::second_derivative`] asks for.
+/// The second derivative by the direction `l` of `sum_k w_k <a_l, a_k> + sum_y w_y <a_l, y>` with the `weights` of lights
+/// and those of `sides`, on its tangent plane and for functions of degree 1 in l.
 struct SecondDerivative<'a> {
     sphere: &'a Sphere,
     l: DVec3,
@@ -283,23 +274,13 @@ impl WithSimd for SecondDerivative<'_> {
     }
 }
 
-/// The inner products of a light with those of a list.
-struct Values<'a> {
-    light: DVec3,
-    at: &'a Directions,
-    out: &'a mut [f64],
-}
-
-impl WithSimd for Values<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        for (directions, out) in self.at.directions.chunks(LANES).zip(self.out.chunks_mut(LANES)) {
-            let values = values(simd, self.light, &Block::new(directions.iter().copied()));
-            out.copy_from_slice(&values[..out.len()]);
-        }
-    }
+/// Moments of the radiance of a channel of the whole map.
+fn radiance(rest: &Harmonics, points: &[PointLight], channel: usize) -> Radiance {
+    let (whole, first, second) = rest.moments(channel);
+    points.iter().fold(Radiance { whole, first, second }, |sum, point| {
+        let (l, e) = (point.direction, point.irradiance[channel]);
+        Radiance { whole: sum.whole + e, first: sum.first + l * e, second: sum.second + outer(l, l) * e }
+    })
 }
 
 /// Factors of the kernel of the probe for even degrees of the field, 0 for others.
@@ -311,21 +292,12 @@ fn even_factors() -> [f64; DEGREES] {
     })
 }
 
-/// Moments of the radiance of a channel of the whole map.
-fn radiance(rest: &Harmonics, points: &[PointLight], channel: usize) -> Radiance {
-    let (whole, first, second) = rest.moments(channel);
-    points.iter().fold(Radiance { whole, first, second }, |sum, point| {
-        let (l, e) = (point.direction, point.irradiance[channel]);
-        Radiance { whole: sum.whole + e, first: sum.first + l * e, second: sum.second + outer(l, l) * e }
-    })
-}
-
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::kernels::fit::{Probe, Samples};
-    use crate::kernels::sphere::{Registration, exponential_map, tangents};
+    use crate::kernels::sphere::{Registration, exponential_map};
     use crate::kernels::{image, probe, sampling};
     use ndarray::Array3;
 
@@ -361,11 +333,12 @@ mod tests {
                     (Sphere::new(&map, ambient, false), Probe::new(samples.clone(), ambient));
                 let energy = closed.given.energy / summed.given().energy - 1.0;
                 assert!(energy.abs() < 1e-4, "{energy:e}");
-                let [a, b] = [&closed as &dyn Objective, &summed].map(|o| o.moments(directions()));
+                let [a, b] = [&closed as &dyn PointObjective, &summed].map(|o| o.moments(&directions()));
                 assert_near(&a.gram, &b.gram, &b.gram, 1e-4);
                 assert_near(&a.rhs, &b.rhs, &b.rhs, 1e-4);
                 // A derivative jumps at its light's horizon, which 20480 normals resolve to this.
-                let [da, db] = [closed.derivatives(&a, 0), summed.derivatives(&b, 0)];
+                let x = DMatrix::zeros(a.gram.nrows(), a.rhs.ncols());
+                let [da, db] = [closed.derivatives(&a, &x, false), summed.derivatives(&b, &x, false)];
                 assert_near(&da.gram, &db.gram, &b.gram, 2e-3);
                 assert_near(&da.rhs, &db.rhs, &b.rhs, 2e-3);
                 assert_near(&da.model, &db.model, &b.gram, 2e-3);
@@ -395,7 +368,14 @@ mod tests {
             };
             for l in directions() {
                 let [s, t] = tangents(l);
-                let second = sphere.second_derivative(l, &others, &shares, &weights).unwrap();
+                let second = SecondDerivative {
+                    sphere: &sphere,
+                    l,
+                    lights: &others,
+                    weights: &shares,
+                    sides: &weights,
+                };
+                let second = sphere.widest.dispatch(second);
                 for along in [s, t, (s + t) / 2.0_f64.sqrt()] {
                     let [ahead, behind] = [STEP, -STEP].map(|step| value(exponential_map(l, along * step)));
                     // On the sphere: a function of degree 1 loses its own value to the curvature of the way.

@@ -1,0 +1,104 @@
+//! The result of a fit: a set of lights with its sizes and errors.
+
+use super::discs::{self, Sized, Sizes};
+use super::light_count::{self, Trial};
+use super::options::FitOptions;
+use super::problem::Problem;
+use super::rig::Rig;
+use super::samples::{Judged, Samples};
+use super::state::{State, StopReason};
+use super::uncertainty::{Uncertainty, tolerances};
+
+/// The best rig and its errors.
+#[derive(Clone, Debug)]
+pub struct FitResult {
+    /// Ambient and lights, the fixed ones first.
+    pub rig: Rig,
+    /// Angular radius of each light, in radians: 0 for a point.
+    pub radii: Vec<f64>,
+    /// Error of the rig.
+    pub judged: Judged,
+    /// Relative RMS error of the irradiance with shadows, under a map: `discs/`.
+    pub shadow_error: f64,
+    /// Number of normals at which the error is evaluated.
+    pub judging: usize,
+    /// Relative RMS error by number of lights: of points, unless an error ended the search.
+    pub errors: Vec<(usize, f64)>,
+    /// Number of fitted channels: neither black nor the same as another.
+    pub channels: usize,
+    /// Steps of the descents that led to the result.
+    pub steps: usize,
+    /// Reason for the end of the last descent.
+    pub stop: StopReason,
+    /// Direction tolerance of each light under a map, in radians: the turn that makes the error a tenth larger.
+    pub tolerances: Vec<f64>,
+    /// Standard errors and condition number of a fit to measured values.
+    pub uncertainty: Uncertainty,
+}
+
+/// Evaluation of sets of lights.
+#[derive(Debug)]
+pub struct Evaluator<'a> {
+    pub samples: &'a Samples,
+    /// The map with shadows, if there is a map.
+    pub sizes: Option<Sizes<'a>>,
+    pub options: &'a FitOptions,
+}
+
+impl Evaluator<'_> {
+    /// Errors of a set on the way to the final number of lights: with sizes if an error ends the search, else of points.
+    pub fn trial(&self, problem: &Problem<'_>, state: State) -> Trial {
+        if self.options.has_goal() {
+            return self.sized(problem, state).0;
+        }
+        let error = self.samples.error(&state.rig(problem.objective.given()));
+        Trial { state, error, shadow_error: 0.0 }
+    }
+
+    /// A set with its errors, and the rig with sizes if the options ask for them.
+    fn sized(&self, problem: &Problem<'_>, state: State) -> (Trial, Sized, Judged) {
+        let given = problem.objective.given();
+        let rig = state.rig(given);
+        let sized = match (&self.sizes, self.options.sizes) {
+            (Some(sizes), Some(_)) => sizes.fitted(given, &rig, problem.fixed, problem.max_steps),
+            _ => Sized::points(rig),
+        };
+        let judged = match self.options.sizes {
+            Some(_) => discs::judged(self.samples, &sized.rig, &sized.radii),
+            None => self.samples.judged(&sized.rig),
+        };
+        let shadow_error =
+            self.sizes.as_ref().map_or(0.0, |sizes| sizes.shadow_error(given, &sized.rig, &sized.radii));
+        (Trial { state, error: judged.error, shadow_error }, sized, judged)
+    }
+
+    /// The best of the sets in `path`, with its sizes and errors.
+    pub fn best(&self, problem: &Problem<'_>, path: Vec<Trial>) -> FitResult {
+        let chosen = light_count::chosen(problem, self.options, &path);
+        let state = problem.descent().polished(path[chosen].state.clone());
+        let state = state.without_black(problem.objective.base(), problem.fixed).unwrap_or(state);
+        let (trial, sized, judged) = self.sized(problem, state);
+        let mut errors: Vec<(usize, f64)> =
+            path.iter().map(|trial| (trial.state.lights(), trial.error)).collect();
+        // The errors of other numbers are those of points.
+        if self.options.has_goal() || self.options.sizes.is_none() || sized.radii.is_empty() {
+            errors[chosen].1 = judged.error;
+        }
+        let cost = judged.error.powi(2) * problem.objective.given().energy;
+        let of_points = || self.sizes.as_ref().map(|_| tolerances(&problem.descent(), &trial.state, cost));
+        let tolerances = sized.tolerances.or_else(of_points).unwrap_or_default();
+        FitResult {
+            rig: sized.rig,
+            radii: sized.radii,
+            judged,
+            shadow_error: trial.shadow_error,
+            judging: self.samples.normals.len(),
+            errors,
+            channels: problem.objective.given().channels.len(),
+            steps: trial.state.steps + sized.steps,
+            stop: sized.stop.or(trial.state.stop).unwrap_or(StopReason::Converged),
+            tolerances,
+            uncertainty: Uncertainty::default(),
+        }
+    }
+}
