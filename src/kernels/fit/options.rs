@@ -56,6 +56,8 @@ pub struct SearchSettings {
     pub perturbations: usize,
     /// Relative decrease of the cost in one step that ends a first, rough descent.
     pub rough: f64,
+    /// Relative difference to the lowest cost up to which minima are descended to the last digit.
+    pub near: f64,
     /// Relative difference of two costs below which their minima count as the same.
     pub same: f64,
 }
@@ -73,6 +75,7 @@ impl SearchSettings {
         exchanges: 2,
         perturbations: 0,
         rough: 4e-2,
+        near: 1e-3,
         same: 2e-3,
     };
     /// Harmonics beside the lights have more local minima: without the exchanges, 4 lights leave up to 16 % more error.
@@ -94,6 +97,7 @@ impl SearchSettings {
         minima: 16,
         exchanges: 8,
         perturbations: 24,
+        near: 1e-2,
         ..Self::SMOOTH
     };
 

@@ -51,14 +51,14 @@ impl<'a> Search<'a> {
     /// The best lights, from a `beam` of sets with as many lights.
     pub fn best(&self, beam: Vec<State>) -> Result<Option<State>> {
         let Some(lights) = beam.first().map(State::lights) else { return Ok(None) };
-        let SearchSettings { minima, same, .. } = self.settings;
+        let SearchSettings { minima, near: nearest, same, .. } = self.settings;
         let mut starts = self.even(lights)?;
         starts.extend(self.likely(lights).into_iter().chain(beam));
         let close = starts.into_par_iter().map(|state| self.descended(state, same)).collect();
         let exchanged = distinct(close, minima, same).into_par_iter().map(|state| self.exchanged(state));
         let best = best_of(exchanged.collect(), minima);
         let least = best.first().map_or(0.0, |best| best.cost);
-        let near = best.into_iter().filter(|state| state.cost <= least * (1.0 + same));
+        let near = best.into_iter().filter(|state| state.cost <= least * (1.0 + nearest));
         let finest =
             near.collect::<Vec<State>>().into_par_iter().map(|state| self.problem.descent().run(state, FINE));
         let best: Result<Vec<State>> =

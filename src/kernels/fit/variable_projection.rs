@@ -32,6 +32,8 @@ pub struct Quadratic {
     pub hessian: DMatrix<f64>,
     /// Number of coordinates of each light.
     pub each: usize,
+    /// True if second derivatives are part of the Hessian, which may then have negative eigenvalues.
+    pub is_exact: bool,
 }
 
 impl Quadratic {
@@ -61,7 +63,12 @@ impl WithSimd for Projection<'_> {
     fn with_simd<S: Simd>(self, _: S) -> Quadratic {
         let Self { objective, state, derivatives } = self;
         let (given, size, each) = (objective.given(), derivatives.gram.nrows(), objective.coordinates());
-        let mut sum = Quadratic { gradient: DVector::zeros(size), hessian: DMatrix::zeros(size, size), each };
+        let mut sum = Quadratic {
+            gradient: DVector::zeros(size),
+            hessian: DMatrix::zeros(size, size),
+            each,
+            is_exact: derivatives.second.is_some(),
+        };
         for channel in 0..state.x.ncols() {
             let part = ChannelPart::new(derivatives, state, channel, given.ambient.coefficients(), each);
             part.add_to(&mut sum, derivatives, given.copies(channel));
