@@ -264,7 +264,7 @@ class TransferModel(Result):
         >>> room = el.synthetic.room(32, width=16)
         >>> model = el.TransferModel.fit(room.direct, room.indirect)
         >>> print(model.compressed(error=0.01).report.notes[-1])  # doctest: +ELLIPSIS
-        the basis is kept in int8: no frame changes by more than 0... % of its norm, ...
+        the basis is stored as int8: no frame changes by more than 0... % of its norm, ...
         """
         amount("error", error)
         self._refuse_mean("be compressed")
