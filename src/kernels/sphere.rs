@@ -85,7 +85,7 @@ pub fn direction(theta: f64, phi: f64) -> DVec3 {
 }
 
 /// [`direction`] of sine and cosine of both angles.
-fn direction_of((sin_theta, cos_theta): (f64, f64), (sin_phi, cos_phi): (f64, f64)) -> DVec3 {
+pub(crate) fn direction_of((sin_theta, cos_theta): (f64, f64), (sin_phi, cos_phi): (f64, f64)) -> DVec3 {
     DVec3::new(sin_phi * sin_theta, cos_theta, -cos_phi * sin_theta)
 }
 

@@ -1,10 +1,11 @@
 //! The lines that cut the sphere into the cells of an image.
 
+use glam::DVec3;
 use ndarray::ArrayView3;
 
 use super::samples::check_rgb;
 use crate::error::Result;
-use crate::kernels::sphere::Registration;
+use crate::kernels::sphere::{Registration, direction_of};
 
 /// The lines that cut the sphere into the cells of an image.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,6 +35,11 @@ impl Grid {
         }
     }
 
+    /// Width of each column in radians.
+    pub fn widths(&self) -> Vec<f64> {
+        self.phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect()
+    }
+
     /// Every pixel of a map a cell, and the cells of at most `columns` columns, with the pixels along their sides.
     pub(crate) fn of_map(
         radiance: ArrayView3<'_, f32>,
@@ -61,5 +67,32 @@ impl Grid {
             columns_per_radian: self.columns_per_radian / block as f64,
             first_column: self.first_column / block as f64,
         }
+    }
+}
+
+/// Directions of the centres of the cells of a grid.
+pub struct CellCentres {
+    /// Sine and cosine of the polar angle of each row.
+    pub rows: Vec<(f64, f64)>,
+    /// Sine and cosine of the azimuth of each column.
+    pub columns: Vec<(f64, f64)>,
+}
+
+impl CellCentres {
+    /// Directions of the centres of the cells of this grid.
+    pub fn new(grid: &Grid) -> Self {
+        let centres =
+            |edges: &[f64]| edges.windows(2).map(|edge| (0.5 * (edge[0] + edge[1])).sin_cos()).collect();
+        Self { rows: centres(&grid.theta_edges), columns: centres(&grid.phi_edges) }
+    }
+
+    /// Unit vector towards a cell, by its flat index.
+    pub fn direction(&self, cell: usize) -> DVec3 {
+        self.at(cell / self.columns.len(), cell % self.columns.len())
+    }
+
+    /// Unit vector towards the cell of a row and a column.
+    pub fn at(&self, row: usize, column: usize) -> DVec3 {
+        direction_of(self.rows[row], self.columns[column])
     }
 }

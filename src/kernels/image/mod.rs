@@ -10,8 +10,10 @@
 //! | - and these in parts                          | `parts.rs`     |
 //! | means over blocks of pixels                   | `block_rows.rs`|
 //! | a map after a rotation                        | `rotate.rs`    |
+//! | - the cell that holds a direction             | `cells.rs`     |
 
 mod block_rows;
+mod cells;
 mod codes;
 mod grid;
 mod luminance;
@@ -22,7 +24,7 @@ mod samples;
 
 pub(crate) use block_rows::{BlockRow, block_fractions, samples_of};
 pub use codes::decoded;
-pub use grid::Grid;
+pub use grid::{CellCentres, Grid};
 pub use luminance::{LUMINANCE, LUMINANCE_F32, luminance, luminance_f32};
 pub use parts::{MOST_PARTS, Part};
 pub use reduce::{WorkingMap, reduce};

@@ -100,7 +100,7 @@ impl Flux {
     /// Integrals over the blocks of a map's pixels.
     fn new(radiance: ArrayView3<'_, f32>, pixels: &Grid, block: usize) -> Result<Self> {
         let (height, width, _) = radiance.dim();
-        let widths = widths(&pixels.phi_edges);
+        let widths = pixels.widths();
         let mut cells = Array3::zeros((height.div_ceil(block), width.div_ceil(block), 3));
         let rows = rows_mut(&mut cells).enumerate().map(|(row, cells)| {
             let has_signs =
@@ -166,7 +166,7 @@ impl Flux {
             let dense = share * 4.0 * PI;
             dense > STANDS_OUT * solid_angle && share * dense > WORTH * solid_angle
         };
-        let widths = widths(&grid.phi_edges);
+        let widths = grid.widths();
         let of_row = |row: usize, means: &mut [[f32; 3]], cells: &[[f64; 3]], band: f64| {
             let mut bright = Vec::new();
             for (column, ((mean, cell), width)) in means.iter_mut().zip(cells).zip(&widths).enumerate() {
@@ -219,10 +219,6 @@ fn rows_mut<T: Send>(cells: &mut Array3<T>) -> impl IndexedParallelIterator<Item
     let columns = cells.dim().1;
     let samples = cells.as_slice_mut().unwrap_or(&mut []); // as it was made, row after row
     samples.as_chunks_mut::<3>().0.par_chunks_mut(columns)
-}
-
-fn widths(phi_edges: &[f64]) -> Vec<f64> {
-    phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect()
 }
 
 #[cfg(test)]

@@ -15,10 +15,11 @@ use pulp::Arch;
 use rayon::prelude::*;
 
 use super::block_rows::samples_of;
+use super::cells::{Cells, diamonds};
 use super::samples::check_rgb;
 use crate::error::Result;
 use crate::interrupt;
-use crate::kernels::sphere::{self, Registration, band_heights};
+use crate::kernels::sphere::{self, Registration};
 
 /// Samples along each side of a cell, and of one that may hold a part of a bright cell.
 const SIDE: usize = 3;
@@ -61,91 +62,6 @@ pub fn rotated(radiance: ArrayView3<'_, f32>, rotation: DMat3) -> Result<Array3<
     // Add those.
     add_bright(&mut new, old, &bright, &cells, rotation);
     Ok(Array3::from_shape_vec((height, width, 3), new.into_flattened()).expect("three samples a pixel"))
-}
-
-/// The cells of a map: where they lie, and which one a direction is in.
-struct Cells {
-    height: usize,
-    width: usize,
-    /// Solid angle of a cell of each row.
-    areas: Vec<f64>,
-    /// Cosines of the polar angles between the rows.
-    cosines: Vec<f64>,
-    rows: Sectors,
-    columns: Sectors,
-}
-
-impl Cells {
-    fn new(height: usize, width: usize) -> Self {
-        let theta_edges = Registration::CellCentred.theta_edges(height);
-        let column = TAU / width as f64;
-        Self {
-            height,
-            width,
-            areas: band_heights(&theta_edges).iter().map(|band| band * column).collect(),
-            cosines: theta_edges.iter().map(|theta| theta.cos()).collect(),
-            rows: Sectors::new(&theta_edges),
-            columns: Sectors::new(&Registration::CellCentred.phi_edges(width)),
-        }
-    }
-
-    fn area(&self, cell: usize) -> f64 {
-        self.areas[cell / self.width]
-    }
-
-    /// The cell of a direction with these [`diamonds`].
-    #[inline(always)]
-    fn at(&self, [polar, azimuth]: [f64; 2]) -> usize {
-        self.rows.at(polar) * self.width + self.columns.at(azimuth)
-    }
-}
-
-/// Parts of a circle or of a half circle, and which one an angle is in.
-///
-/// The diamond angle (of the square with its corners on the axes, not of the circle) grows with the angle, and needs
-/// neither arc cosine nor arc tangent.
-struct Sectors {
-    /// Diamond angles between the parts.
-    edges: Vec<f64>,
-    /// The part in which each of even intervals of the diamond angle begins.
-    first: Vec<u32>,
-    intervals_per_unit: f64,
-}
-
-impl Sectors {
-    /// Parts between `angles`, from 0 to pi or 2 pi.
-    fn new(angles: &[f64]) -> Self {
-        let parts = angles.len() - 1;
-        let mut edges: Vec<f64> = angles.iter().map(|angle| diamond(angle.cos(), angle.sin())).collect();
-        (edges[0], edges[parts]) = (0.0, f64::INFINITY);
-        // A half circle has the diamond angle 2. It grows at most twice as fast here as there, so that of a part is
-        // at least two thirds of the mean: no interval meets two edges.
-        let intervals_per_unit = (2 * parts) as f64 / (2.0 * (angles[parts] / PI).round());
-        let part_at = |angle: f64| edges.partition_point(|&edge| edge <= angle).clamp(1, parts) - 1;
-        let first = (0..=2 * parts).map(|i| part_at(i as f64 / intervals_per_unit) as u32).collect();
-        Self { edges, first, intervals_per_unit }
-    }
-
-    /// The part that a diamond angle is in. On the axis itself that is NaN, which becomes 0.
-    #[inline(always)]
-    fn at(&self, angle: f64) -> usize {
-        let interval = (angle * self.intervals_per_unit) as u32 as usize;
-        let part = self.first[interval.min(self.first.len() - 1)] as usize;
-        part + usize::from(angle >= self.edges[part + 1])
-    }
-}
-
-/// The diamond angle, 0 to 4 once around; `cosine` and `sine` may be longer by one factor.
-#[inline(always)]
-fn diamond(cosine: f64, sine: f64) -> f64 {
-    let along = cosine / (cosine.abs() + sine.abs());
-    if sine >= 0.0 { 1.0 - along } else { 3.0 + along }
-}
-
-/// The diamond angles of a direction: from the pole, and around it.
-#[inline(always)]
-fn diamonds([x, y, z]: [f64; 3]) -> [f64; 2] {
-    [diamond(y, (x * x + z * z).sqrt()), diamond(-z, x)]
 }
 
 /// The cells before a rotation that samples of the cells after it fall into.
@@ -365,18 +281,6 @@ mod tests {
     use super::*;
 
     proptest! {
-        /// The cell by the arc functions, but within rounding of an edge.
-        #[test]
-        fn a_direction_is_in_its_cell(
-            theta in 0.0..PI, phi in 0.0..TAU, height in 2_usize..80, width in 2_usize..160,
-        ) {
-            let (down, across) = (theta / PI * height as f64, phi / TAU * width as f64);
-            let is_clear = |place: f64| (place - place.round()).abs() > 1e-9;
-            prop_assume!(is_clear(down) && is_clear(across));
-            let cell = Cells::new(height, width).at(diamonds(sphere::direction(theta, phi).to_array()));
-            prop_assert_eq!(cell, down as usize * width + across as usize);
-        }
-
         #[test]
         fn flux_is_kept(
             values in prop::collection::vec(0.0_f32..1.0, 8 * 16 * 3), suns in prop::collection::vec(0_usize..128, 0..4),
@@ -408,15 +312,5 @@ mod tests {
         let map = Array3::from_shape_fn((8, 16, 3), |(row, _, _)| if row < 4 { f32::MAX } else { 0.0 });
         let turned = rotated(map.view(), DMat3::from_rotation_x(0.3)).unwrap();
         assert!(turned.iter().all(|value| value.is_finite()));
-    }
-
-    #[test]
-    fn poles_and_seam_are_in_cells() {
-        let cells = Cells::new(4, 8);
-        let at = |x: f64, y: f64, z: f64| cells.at(diamonds([x, y, z]));
-        assert_eq!(at(0.0, 1.0, 0.0), 0);
-        assert_eq!(at(0.0, -1.0, 0.0) / 8, 3);
-        assert_eq!(at(-1e-300, 0.5, -0.5), 8 + 7);
-        assert_eq!(at(-0.0, 0.5, -0.5), 8);
     }
 }

@@ -16,7 +16,7 @@ use std::f64::consts::TAU;
 
 use glam::{DVec3, Vec4};
 use ndarray::Axis;
-use pulp::{Arch, Simd, WithSimd};
+use pulp::Arch;
 use rayon::prelude::*;
 use wide::f32x8;
 
@@ -25,25 +25,20 @@ use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::kernels::image::{Grid, WorkingMap};
 
-/// Rows of the map that one task sums.
-const ROWS_OF_A_RUN: usize = 8;
-/// Normals whose half-widths are taken side by side.
-const LANES: usize = 8;
-
 /// Integrals of L cos phi, L sin phi and L from the seam, for three channels.
 type Flux = [Vec4; 3];
 
 /// The flux of a row up to each edge of its columns.
 struct Table<'a> {
     map: &'a WorkingMap,
-    columns: &'a Columns,
+    columns: &'a ColumnEdges,
     prefix: Vec<Flux>,
     /// Half the width of the part of the row in front of each normal.
     half_widths: Vec<f32>,
 }
 
 /// Places that all rows have in common.
-struct Columns {
+struct ColumnEdges {
     /// cos and sin of each edge.
     edges: Vec<[f64; 2]>,
     /// Left edge of each column, and one over its width.
@@ -53,7 +48,7 @@ struct Columns {
     first: f32,
 }
 
-impl Columns {
+impl ColumnEdges {
     fn new(grid: &Grid) -> Self {
         let phi = &grid.phi_edges;
         let place = |edge: &[f64]| [edge[0] as f32, (1.0 / (edge[1] - edge[0])) as f32];
@@ -70,11 +65,11 @@ impl Columns {
 pub fn under_cells(map: &WorkingMap, normals: &[DVec3]) -> Result<Vec<DVec3>> {
     // Prepare what all rows share.
     let normals: Vec<Normal> = normals.iter().map(|&n| Normal::new(n)).collect();
-    let columns = Columns::new(&map.grid);
+    let columns = ColumnEdges::new(&map.grid);
     let rows: Vec<usize> = (0..map.radiance.dim().0).collect();
     // Sum some rows in each task.
     let sums: Vec<Vec<DVec3>> = rows
-        .par_chunks(ROWS_OF_A_RUN)
+        .par_chunks(super::ROWS_OF_A_RUN)
         .map(|rows| {
             let mut table = Table { map, columns: &columns, prefix: Vec::new(), half_widths: Vec::new() };
             let mut sums = vec![DVec3::ZERO; normals.len()];
@@ -102,7 +97,7 @@ impl Table<'_> {
         let (_, slices) = cut(&self.map.grid.theta_edges[row..=row + 1], Steps::ONE_NODE);
         for slice in slices {
             interrupt::check();
-            Arch::new().dispatch(LookUps { table: self, slice, normals, sums });
+            Arch::new().dispatch(|| add_slice(self, &slice, normals, sums));
         }
     }
 
@@ -160,7 +155,7 @@ impl Table<'_> {
     /// Flux between the seam and the azimuth `phi`, and the bend there for a slope of 1.
     #[inline(always)]
     fn up_to(&self, phi: f32) -> (Flux, Vec4) {
-        let Columns { places, per_radian, first, .. } = self.columns;
+        let ColumnEdges { places, per_radian, first, .. } = self.columns;
         let column = ((phi * per_radian + first) as u32 as usize).min(places.len() - 1);
         let [left, per_width] = places[column];
         let share = ((phi - left) * per_width).clamp(0.0, 1.0);
@@ -170,33 +165,21 @@ impl Table<'_> {
     }
 }
 
-/// Adds the irradiance from a slice of a row to the sum of each normal.
-struct LookUps<'a, 'b> {
-    table: &'a mut Table<'b>,
-    slice: Slice,
-    normals: &'a [Normal],
-    sums: &'a mut [DVec3],
-}
-
-impl WithSimd for LookUps<'_, '_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let Self { table, slice, normals, sums } = self;
-        // Find all half-widths before the first look-up, which then need not wait.
-        table.half_widths.resize(normals.len(), 0.0);
-        for (half_widths, normals) in table.half_widths.chunks_mut(LANES).zip(normals.chunks(LANES)) {
-            let mut cosines = [0.0; LANES];
-            for (cosine, normal) in cosines.iter_mut().zip(normals) {
-                *cosine = (normal.cosine(&slice) as f32).clamp(-1.0, 1.0);
-            }
-            half_widths.copy_from_slice(&f32x8::from(cosines).acos().as_array()[..normals.len()]);
+/// Add the irradiance from a slice of a row to the sum of each normal.
+#[inline(always)]
+fn add_slice(table: &mut Table<'_>, slice: &Slice, normals: &[Normal], sums: &mut [DVec3]) {
+    // Find all half-widths before the first look-up, which then need not wait.
+    table.half_widths.resize(normals.len(), 0.0);
+    let mut cosines = [0.0; 8];
+    for (half_widths, normals) in table.half_widths.chunks_mut(8).zip(normals.chunks(8)) {
+        for (cosine, normal) in cosines.iter_mut().zip(normals) {
+            *cosine = (normal.cosine(slice) as f32).clamp(-1.0, 1.0);
         }
-        // Look up and add.
-        for ((sum, normal), &half_width) in sums.iter_mut().zip(normals).zip(&table.half_widths) {
-            *sum += table.seen_by(normal, half_width, &slice);
-        }
+        half_widths.copy_from_slice(&f32x8::from(cosines).acos().as_array()[..normals.len()]);
+    }
+    // Look up and add.
+    for ((sum, normal), &half_width) in sums.iter_mut().zip(normals).zip(&table.half_widths) {
+        *sum += table.seen_by(normal, half_width, slice);
     }
 }
 

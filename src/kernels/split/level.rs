@@ -147,7 +147,7 @@ impl Level {
         let (height, width) = self.size;
         let theta = &self.grid.theta_edges;
         let middles: Vec<f64> = theta.windows(2).map(|edge| 0.5 * (edge[0] + edge[1])).collect();
-        let widths: Vec<f64> = self.grid.phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect();
+        let widths = self.grid.widths();
         // Compute the conductance of the upper side of each row for a width of 1, and of its left and right sides.
         let up: Vec<f64> = (0..=height)
             .map(|row| match row {

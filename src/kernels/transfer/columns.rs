@@ -4,7 +4,7 @@ use ndarray::linalg::general_mat_mul;
 use ndarray::{Array2, ArrayView2, ArrayView3, Axis, s};
 use rayon::prelude::*;
 
-use super::rows;
+use super::texels;
 use crate::error::{Error, Result};
 use crate::interrupt;
 
@@ -37,7 +37,7 @@ pub fn columns(
     non_black: &[bool],
     weights: ArrayView2<'_, f32>,
 ) -> Result<Array2<f32>> {
-    rows::check(images, scale)?;
+    texels::check(images, scale)?;
     let (width, rank) = weights.dim();
     check_length("non_black", non_black.len(), "images have texels", images.dim().1)?;
     check_length("weights", width, "images have channels in all", 3 * scale.len())?;
@@ -58,7 +58,7 @@ pub fn columns(
         |block, (span, (mut out, non_black))| {
             interrupt::check();
             let rows = &mut block.as_slice_mut().unwrap_or_default()[..width * non_black.len()];
-            rows::fill(rows, images, scale, SPAN * span);
+            texels::fill(rows, images, scale, SPAN * span);
             keep(rows, width, non_black);
             general_mat_mul(1.0, &block.slice(s![..out.nrows(), ..]), &weights, 0.0, &mut out);
         },

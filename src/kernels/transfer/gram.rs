@@ -5,7 +5,7 @@ use ndarray::parallel::prelude::*;
 use ndarray::{Array1, Array2, ArrayView2, ArrayView3, Axis, Zip, s};
 use rayon::slice::ParallelSliceMut;
 
-use super::rows;
+use super::texels;
 use crate::error::Result;
 use crate::interrupt;
 
@@ -37,7 +37,7 @@ const PANEL: usize = 32;
 ///
 /// [`crate::error::Error::WrongShape`], [`crate::error::Error::LengthMismatch`].
 pub fn gram(images: ArrayView3<'_, f32>, scale: &[f32]) -> Result<(Array2<f64>, Array1<bool>)> {
-    rows::check(images, scale)?;
+    texels::check(images, scale)?;
     let width = 3 * scale.len();
     let texels = images.dim().1;
     if images.is_empty() {
@@ -54,7 +54,7 @@ pub fn gram(images: ArrayView3<'_, f32>, scale: &[f32]) -> Result<(Array2<f64>, 
         let step = count.div_ceil(rayon::current_num_threads());
         rows.par_chunks_mut(width * step)
             .enumerate()
-            .for_each(|(i, rows)| rows::fill(rows, images, scale, first + i * step));
+            .for_each(|(i, rows)| texels::fill(rows, images, scale, first + i * step));
         // Note which texels are not black, and add the products of the block.
         non_black.extend(rows.chunks_exact(width).map(|row| row.iter().any(|&value| value != 0.0)));
         add_products(&mut products, block.slice(s![..count, ..]));

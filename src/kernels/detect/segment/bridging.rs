@@ -17,6 +17,7 @@ use super::adjacency::Adjacency;
 use super::components::Segments;
 use super::forest::{self, root};
 use super::working_image::WorkingImage;
+use crate::kernels::image::CellCentres;
 
 /// Join the segments whose solid pixels are at most `gap` radians apart.
 ///
@@ -63,25 +64,19 @@ pub fn bridge(
 
 /// Join the segments of each tree of `parent`.
 fn join(segments: Segments, parent: &mut [u32]) -> Segments {
-    let mut place = vec![0; parent.len()];
-    let mut joined = Segments { pixels: Vec::new(), peaks: Vec::new(), label: segments.label };
+    let mut number_of = vec![None; parent.len()];
+    let mut wholes: Vec<(Vec<u32>, f32)> = Vec::new();
     for ((segment, pixels), peak) in (0..).zip(segments.pixels).zip(segments.peaks) {
-        let whole = root(parent, segment) as usize;
-        // Start a new segment for a tree that has none yet.
-        if place[whole] == 0 {
-            joined.pixels.push(Vec::new());
-            joined.peaks.push(peak);
-            place[whole] = joined.pixels.len();
+        let number = *number_of[root(parent, segment) as usize].get_or_insert(wholes.len());
+        if number == wholes.len() {
+            wholes.push((pixels, peak));
+        } else {
+            wholes[number].0.extend(pixels);
+            wholes[number].1 = wholes[number].1.max(peak);
         }
-        let whole = place[whole];
-        // Add the pixels to it, with its label.
-        for &pixel in &pixels {
-            let label = &mut joined.label[pixel as usize];
-            *label = if *label == 0 { 0 } else { whole as u32 };
-        }
-        joined.peaks[whole - 1] = joined.peaks[whole - 1].max(peak);
-        joined.pixels[whole - 1].extend(pixels);
     }
+    let mut joined = Segments::empty(segments.label);
+    wholes.into_iter().for_each(|(pixels, peak)| joined.push(pixels, peak));
     joined
 }
 
@@ -100,12 +95,11 @@ struct Reach {
 impl Reach {
     fn new(working: &WorkingImage, angle: f64) -> Self {
         let (height, width) = working.size;
-        let theta = working.grid.theta_edges.windows(2).map(|edge| (0.5 * (edge[0] + edge[1])).sin_cos());
         // Take one row more than fit, as the last row may be lower than the others.
         let rows = (angle / PI * height as f64) as usize + 1;
         // Stop at half a turn, and let no chord fail for its last digits.
         let chord_squared = (2.0 * (0.5 * angle.min(PI)).sin()).powi(2) * (1.0 + 1e-12);
-        Self { chord_squared, height, width, rows, theta: theta.collect() }
+        Self { chord_squared, height, width, rows, theta: CellCentres::new(&working.grid).rows }
     }
 
     /// Call `visit` with the flat index of each pixel within the angle.

@@ -42,7 +42,29 @@ pub struct Segments {
     pub label: Vec<u32>,
 }
 
-/// When a peak is a light of its own, and where it ends.
+impl Segments {
+    /// Segments without any light yet, over pixels with these labels.
+    pub fn empty(label: Vec<u32>) -> Self {
+        Self { pixels: Vec::new(), peaks: Vec::new(), label }
+    }
+
+    /// Add a segment: those of its `pixels` that have a label get its number plus 1.
+    pub fn push(&mut self, pixels: Vec<u32>, peak: f32) {
+        self.peaks.push(peak);
+        self.relabel(&pixels, self.peaks.len() as u32);
+        self.pixels.push(pixels);
+    }
+
+    /// Give a `new` label to those of some pixels that have one.
+    pub fn relabel(&mut self, pixels: &[u32], new: u32) {
+        for &pixel in pixels {
+            let label = &mut self.label[pixel as usize];
+            *label = if *label == 0 { 0 } else { new };
+        }
+    }
+}
+
+/// Rules that make a peak a light of its own, and that end a light.
 #[derive(Clone, Copy, Debug)]
 pub struct TreeRule {
     /// Least ratio of a peak to the threshold.

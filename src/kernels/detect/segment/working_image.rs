@@ -44,35 +44,25 @@ impl WorkingImage {
         // Cut the map into blocks, one for each working pixel.
         let (pixels, grid, block) = Grid::of_map(radiance, registration, columns)?;
         let reduction = Reduction::new(radiance, &pixels, &grid, block);
-        // Reduce the map, one row of tiles at a time: its luminance, the sum of each row, the maxima.
-        let bands = band_heights(&grid.theta_edges);
-        let widths: Vec<f64> = grid.phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect();
-        let size = (bands.len(), widths.len());
-        let mut luminance = vec![0.0; size.0 * size.1];
-        let mut row_sums = vec![0.0; size.0];
-        let mut tile_maxima = Array2::zeros((size.0.div_ceil(TILE), size.1.div_ceil(TILE)));
-        let mut signs = vec![false; size.0.div_ceil(TILE)];
-        luminance
-            .par_chunks_mut(TILE * size.1)
-            .zip(row_sums.par_chunks_mut(TILE))
-            .zip(tile_maxima.outer_iter_mut().into_par_iter())
-            .zip(&mut signs)
-            .enumerate()
-            .for_each(|(tile_row, (((rows, sums), maxima), signs))| {
-                for (i, row) in rows.chunks_mut(size.1).enumerate() {
-                    *signs |= reduction.fill_row(tile_row * TILE + i, row);
-                }
-                measure_tiles(rows, &widths, sums, maxima);
-            });
-        // Refuse what no light can have: it shows as a minus sign or in the sum over the sphere.
-        let flux: f64 = row_sums.iter().zip(&bands).map(|(sum, band)| sum * band).sum();
-        if signs.contains(&true) || !flux.is_finite() {
+        let (height, width) = (grid.theta_edges.len() - 1, grid.phi_edges.len() - 1);
+        let mut luminance = vec![0.0; height * width];
+        let rows = luminance.par_chunks_mut(width).enumerate();
+        let has_signs = rows.map(|(row, out)| reduction.fill_row(row, out)).reduce(|| false, |a, b| a | b);
+        let working = Self::of_luminance(grid, block, luminance);
+        working.check(radiance, has_signs)?;
+        Ok(working)
+    }
+
+    /// Refuse samples that no light can have: such a sample shows as a minus sign or in the flux.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnusableSamples`], [`Error::TooBright`].
+    pub fn check(&self, radiance: ArrayView3<'_, f32>, has_signs: bool) -> Result<()> {
+        if has_signs || !self.flux.is_finite() {
             check_samples(radiance)?;
         }
-        if !flux.is_finite() {
-            return Err(Error::TooBright);
-        }
-        Ok(Self { size, luminance, grid, bands, block, tile_maxima, flux })
+        if self.flux.is_finite() { Ok(()) } else { Err(Error::TooBright) }
     }
 
     /// Copy of the pixels with another luminance.
@@ -81,10 +71,9 @@ impl WorkingImage {
         Self::of_luminance(self.grid.clone(), self.block, luminance)
     }
 
-    /// The pixels of a `grid` with this luminance, each the mean of `block` x `block` of a map's.
+    /// The pixels of a `grid` with this luminance, each the mean of `block` x `block` pixels of a map.
     pub fn of_luminance(grid: Grid, block: usize, luminance: Vec<f32>) -> Self {
-        let bands = band_heights(&grid.theta_edges);
-        let widths: Vec<f64> = grid.phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect();
+        let (bands, widths) = (band_heights(&grid.theta_edges), grid.widths());
         let size @ (height, width) = (bands.len(), widths.len());
         let mut tile_maxima = Array2::zeros((height.div_ceil(TILE), width.div_ceil(TILE)));
         let mut row_sums = vec![0.0; height];
