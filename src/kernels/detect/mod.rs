@@ -1,5 +1,5 @@
 //! Lights of a map. [`detect`] finds them with the component tree of Salembier et al. (1998); `loghin/` holds the
-//! steps of Loghin (2021), which Python puts together.
+//! steps of Loghin (2021), which Python combines.
 //!
 //! One pipeline serves maps that hold all radiance and maps that were cut off at a clip level, such as 8-bit
 //! pictures. Two front ends supply the image in which bright pixels are connected, and its threshold:

@@ -123,7 +123,7 @@ fn grow(
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::segment::test_maps::{drawn, segments};
+    use super::super::super::segment::test_maps::{segments, working_image_of};
     use super::*;
 
     /// Sizes of the parts of the one segment of `row`; digits are parts of the plateau.
@@ -132,7 +132,7 @@ mod tests {
         let mut rows = vec![dark.as_str(); row.len() / 2];
         let glow: String = row.chars().map(|c| if c == '.' { '.' } else { '3' }).collect();
         rows[row.len() / 4] = &glow;
-        let working = drawn(&rows);
+        let working = working_image_of(&rows);
         let mut parts = vec![0; working.luminance.len()];
         for (place, c) in row.char_indices() {
             parts[row.len() / 4 * row.len() + place] = c.to_digit(10).unwrap_or(0);
@@ -153,7 +153,7 @@ mod tests {
     fn parts_of_two_discs(bridge: f64) -> usize {
         let dark = ".".repeat(128);
         let rows = vec![dark.as_str(); 64];
-        let working = drawn(&rows);
+        let working = working_image_of(&rows);
         let inside = |&pixel: &u32| {
             let (y, x) = (f64::from(pixel / 128) - 31.5, f64::from(pixel % 128) - 64.0);
             (x + 8.0).hypot(y) < 6.0 || (x - 8.0).hypot(y) < 3.0 || (x.abs() < 8.0 && y.abs() < bridge)

@@ -96,12 +96,12 @@ fn fill_columns(working: &WorkingImage, rows: Vec<Run>, reach: f64) -> Vec<Run> 
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::segment::test_maps::drawn;
+    use super::super::super::segment::test_maps::working_image_of;
     use super::*;
 
     /// Pixels of the plateau of a drawing in which 9 is clipped; `gap` in pixel heights.
     fn plateau_pixels(rows: &[&str], gap: f64) -> Vec<usize> {
-        let working = drawn(rows);
+        let working = working_image_of(rows);
         let luminance = working.luminance.iter().map(|&y| if y > 8.0 { 50.0 } else { y }).collect();
         let working = working.with_luminance(luminance);
         let all: Vec<u32> = (0..working.luminance.len() as u32).collect();

@@ -117,7 +117,7 @@ pub fn join(
     lights: Vec<LightMoments>,
     backgrounds: Vec<f64>,
 ) -> WindowLights {
-    let mut parent = forest::apart(lights.len());
+    let mut parent = forest::singletons(lights.len());
     if lights.len() > 1 && gap > 0.0 {
         for ((one, other), facing) in facing(working, adjacency, segments, outline, &lights) {
             if are_panes(&lights[one as usize], &lights[other as usize], &facing) {

@@ -1,7 +1,6 @@
 //! The working image: the luminance of a map in fewer pixels, and the maximum of each tile of them.
 //!
-//! Detection is bound by memory: this pass reads every sample once, what follows reads a
-//! sixteenth of them and less.
+//! Detection is bound by memory: this pass reads every sample once, later steps read a sixteenth of them and less.
 
 use ndarray::{Array2, ArrayView3, ArrayViewMut1};
 use rayon::prelude::*;
@@ -14,7 +13,7 @@ use crate::kernels::sphere::{Registration, band_heights};
 /// Sides of a tile, in pixels of the working image.
 pub const TILE: usize = 16;
 
-/// A map in fewer pixels, each the mean of a block of the map's.
+/// A map in fewer pixels, each the mean of a block of the map's own pixels.
 #[derive(Clone, Debug)]
 pub struct WorkingImage {
     /// Rows and columns.
@@ -38,8 +37,8 @@ impl WorkingImage {
     ///
     /// # Errors
     ///
-    /// [`Error::NotAMap`]; [`Error::UnusableSamples`], with their counts, for samples that are not radiance:
-    /// this pass reads them all; [`Error::TooBright`].
+    /// [`Error::NotAMap`]; [`Error::UnusableSamples`], with their counts, for samples that are not radiance;
+    /// [`Error::TooBright`].
     pub fn of(radiance: ArrayView3<'_, f32>, registration: Registration, columns: usize) -> Result<Self> {
         // Cut the map into blocks, one for each working pixel.
         let (pixels, grid, block) = Grid::of_map(radiance, registration, columns)?;
@@ -139,7 +138,7 @@ impl<'a> Reduction<'a> {
         Self { radiance, block, theta_edges: &pixels.theta_edges, outer_widths, per_width }
     }
 
-    /// Write the luminance of one row of the working image. Tells whether a sample of it has a minus sign.
+    /// Write the luminance of one row of the working image; true if a sample of it has a minus sign.
     fn fill_row(&self, row: usize, out: &mut [f32]) -> bool {
         if self.block == 1 {
             fill_luminance(&samples_of(self.radiance, row..row + 1), out)
@@ -148,15 +147,15 @@ impl<'a> Reduction<'a> {
         }
     }
 
-    /// Write the mean luminance of each block of a row.
+    /// Write the mean luminance of each block of a row; true if a sample of it has a minus sign.
     fn reduce(&self, pixels: &BlockRow<'_>, out: &mut [f32]) -> bool {
         let width = self.radiance.dim().1;
         pixels.mean(|columns, mean| {
             self.narrow_the_outer(mean, columns.start == 0, columns.end == width);
             let blocks = columns.start / self.block..columns.end.div_ceil(self.block);
             let (out, per_width) = (&mut out[blocks.clone()], &self.per_width[blocks]);
-            // Sum the whole blocks apart from a last one that is cut short: to ask each for its length took a
-            // tenth of the time, with blocks of two pixels a fifth.
+            // Sum the whole blocks apart from a shorter last one: a check of each length took a tenth of the time, and a
+            // fifth with blocks of two pixels.
             let whole = mean.chunks_exact(3 * self.block);
             if let ([_, ..], Some(out), Some(per_width)) =
                 (whole.remainder(), out.last_mut(), per_width.last())
@@ -181,7 +180,7 @@ impl<'a> Reduction<'a> {
     }
 }
 
-/// Luminance of the sum of RGB pixels: four of them are twelve samples, three vectors of four lanes.
+/// Luminance of the sum of RGB pixels, four pixels at a time: three vectors of four lanes.
 fn luminance_of_sum(samples: &[f32]) -> f32 {
     let [r, g, b] = LUMINANCE_F32;
     let (fours, rest) = samples.as_chunks::<12>();
@@ -198,8 +197,7 @@ fn luminance_of_sum(samples: &[f32]) -> f32 {
     (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]) + rest
 }
 
-/// Write the luminance of each pixel. Tells whether a sample has a minus sign; NaN and infinity show in the
-/// flux.
+/// Write the luminance of each pixel; true if a sample has a minus sign. NaN and infinity show in the flux.
 fn fill_luminance(samples: &[f32], out: &mut [f32]) -> bool {
     let mut bits = 0;
     for (out, &pixel) in out.iter_mut().zip(samples.as_chunks::<3>().0) {
