@@ -9,7 +9,7 @@ use std::borrow::Cow;
 use std::ops::Range;
 
 use ndarray::{ArrayView3, s};
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 use super::grid::Grid;
 use crate::kernels::sphere::band_heights;
@@ -57,7 +57,7 @@ impl<'a> BlockRow<'a> {
             let columns = start..(start + at_once).min(width);
             let mean = &mut mean[..3 * columns.len()];
             let samples = 3 * columns.start..3 * columns.end;
-            signs |= widest.dispatch(|| weighted_mean(&rows, &self.weights, &samples, mean));
+            signs |= widest.dispatch(WeightedMean { rows: &rows, weights: &self.weights, samples, mean });
             visit(columns, mean);
         }
         signs
@@ -89,28 +89,40 @@ pub(super) fn in_order(part: ArrayView3<'_, f32>) -> Cow<'_, [f32]> {
 /// Write the weighted `mean` of the same `samples` of some rows; true if a sample has a minus sign.
 ///
 /// Four rows at a time, for fewer passes over the sums.
-#[inline(always)]
-fn weighted_mean(rows: &[&[f32]], weights: &[f32], samples: &Range<usize>, mean: &mut [f32]) -> bool {
-    let mut bits = 0;
-    let (fours, rest) = rows.as_chunks::<4>();
-    for (i, (rows, weights)) in fours.iter().zip(weights.as_chunks::<4>().0).enumerate() {
-        let rows = rows.map(|row| &row[samples.clone()]);
-        bits |= if i == 0 {
-            add_four::<true>(rows, weights, mean)
-        } else {
-            add_four::<false>(rows, weights, mean)
-        };
-    }
-    if fours.is_empty() {
-        mean.fill(0.0);
-    }
-    for (row, weight) in rest.iter().zip(&weights[4 * fours.len()..]) {
-        for (mean, sample) in mean.iter_mut().zip(&row[samples.clone()]) {
-            *mean += weight * sample;
-            bits |= sample.to_bits();
+struct WeightedMean<'a> {
+    rows: &'a [&'a [f32]],
+    weights: &'a [f32],
+    samples: Range<usize>,
+    mean: &'a mut [f32],
+}
+
+impl WithSimd for WeightedMean<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> bool {
+        let Self { rows, weights, samples, mean } = self;
+        let mut bits = 0;
+        let (fours, rest) = rows.as_chunks::<4>();
+        for (i, (rows, weights)) in fours.iter().zip(weights.as_chunks::<4>().0).enumerate() {
+            let rows = rows.map(|row| &row[samples.clone()]);
+            bits |= if i == 0 {
+                add_four::<true>(rows, weights, mean)
+            } else {
+                add_four::<false>(rows, weights, mean)
+            };
         }
+        if fours.is_empty() {
+            mean.fill(0.0);
+        }
+        for (row, weight) in rest.iter().zip(&weights[4 * fours.len()..]) {
+            for (mean, sample) in mean.iter_mut().zip(&row[samples.clone()]) {
+                *mean += weight * sample;
+                bits |= sample.to_bits();
+            }
+        }
+        bits >> 31 == 1
     }
-    bits >> 31 == 1
 }
 
 /// Add four weighted rows to `mean`, or set it to their sum if they are the `FIRST`; the bits of all samples.

@@ -16,7 +16,7 @@ use std::f64::consts::TAU;
 
 use glam::{DVec3, Vec4};
 use ndarray::Axis;
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 use wide::f32x8;
 
@@ -97,7 +97,7 @@ impl Table<'_> {
         let (_, slices) = cut(&self.map.grid.theta_edges[row..=row + 1], Steps::ONE_NODE);
         for slice in slices {
             interrupt::check();
-            Arch::new().dispatch(|| add_slice(self, &slice, normals, sums));
+            Arch::new().dispatch(LookUps { table: self, slice, normals, sums });
         }
     }
 
@@ -165,21 +165,33 @@ impl Table<'_> {
     }
 }
 
-/// Add the irradiance from a slice of a row to the sum of each normal.
-#[inline(always)]
-fn add_slice(table: &mut Table<'_>, slice: &Slice, normals: &[Normal], sums: &mut [DVec3]) {
-    // Find all half-widths before the first look-up, which then need not wait.
-    table.half_widths.resize(normals.len(), 0.0);
-    let mut cosines = [0.0; 8];
-    for (half_widths, normals) in table.half_widths.chunks_mut(8).zip(normals.chunks(8)) {
-        for (cosine, normal) in cosines.iter_mut().zip(normals) {
-            *cosine = (normal.cosine(slice) as f32).clamp(-1.0, 1.0);
+/// Addition of the irradiance from a slice of a row to the sum of each normal.
+struct LookUps<'a, 'b> {
+    table: &'a mut Table<'b>,
+    slice: Slice,
+    normals: &'a [Normal],
+    sums: &'a mut [DVec3],
+}
+
+impl WithSimd for LookUps<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { table, slice, normals, sums } = self;
+        // Find all half-widths before the first look-up, which then need not wait.
+        table.half_widths.resize(normals.len(), 0.0);
+        let mut cosines = [0.0; 8];
+        for (half_widths, normals) in table.half_widths.chunks_mut(8).zip(normals.chunks(8)) {
+            for (cosine, normal) in cosines.iter_mut().zip(normals) {
+                *cosine = (normal.cosine(&slice) as f32).clamp(-1.0, 1.0);
+            }
+            half_widths.copy_from_slice(&f32x8::from(cosines).acos().as_array()[..normals.len()]);
         }
-        half_widths.copy_from_slice(&f32x8::from(cosines).acos().as_array()[..normals.len()]);
-    }
-    // Look up and add.
-    for ((sum, normal), &half_width) in sums.iter_mut().zip(normals).zip(&table.half_widths) {
-        *sum += table.seen_by(normal, half_width, slice);
+        // Look up and add.
+        for ((sum, normal), &half_width) in sums.iter_mut().zip(normals).zip(&table.half_widths) {
+            *sum += table.seen_by(normal, half_width, &slice);
+        }
     }
 }
 

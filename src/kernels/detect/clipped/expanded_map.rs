@@ -5,7 +5,7 @@
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
 use ndarray::ArrayView3;
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 use super::super::segment::working_image::WorkingImage;
@@ -96,13 +96,25 @@ impl ExpandedSums {
 
     /// Add a row of pixels, in vectors as wide as this processor has.
     fn add(&mut self, pixels: &[[f32; 3]], weight: f32) {
-        Arch::new().dispatch(|| self.add_row(pixels, weight));
+        Arch::new().dispatch(AddRow { sums: self, pixels, weight });
     }
+}
+
+/// Addition of a row of pixels to the sums.
+struct AddRow<'a> {
+    sums: &'a mut ExpandedSums,
+    pixels: &'a [[f32; 3]],
+    weight: f32,
+}
+
+impl WithSimd for AddRow<'_> {
+    type Output = ();
 
     #[inline(always)]
-    fn add_row(&mut self, pixels: &[[f32; 3]], weight: f32) {
-        let (per_end, mut largest, mut bits) = (self.per_end, self.largest, self.bits);
-        let means = self.luminance.iter_mut().zip(&mut self.expanded);
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { sums, pixels, weight } = self;
+        let (per_end, mut largest, mut bits) = (sums.per_end, sums.largest, sums.bits);
+        let means = sums.luminance.iter_mut().zip(&mut sums.expanded);
         for ((luminance, expanded), &pixel) in means.zip(pixels) {
             let y = luminance_f32(pixel);
             *luminance += weight * y;
@@ -110,7 +122,7 @@ impl ExpandedSums {
             largest = largest.max((y + 0.0).to_bits()); // minus zero becomes zero
             bits |= pixel[0].to_bits() | pixel[1].to_bits() | pixel[2].to_bits();
         }
-        (self.largest, self.bits) = (largest, bits);
+        (sums.largest, sums.bits) = (largest, bits);
     }
 }
 
