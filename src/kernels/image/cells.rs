@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 
 use crate::kernels::sphere::{Registration, band_heights};
 
-/// The cells of a map: where they lie, and which one a direction is in.
+/// Cells of a map, and a search for the one that holds a direction.
 pub(super) struct Cells {
     pub height: usize,
     pub width: usize,
@@ -43,10 +43,10 @@ impl Cells {
     }
 }
 
-/// Parts of a circle or of a half circle, and which one an angle is in.
+/// Parts of a circle or of a half circle, and a search for the one that holds an angle.
 ///
-/// The diamond angle (of the square with its corners on the axes, not of the circle) grows with the angle, and needs
-/// neither arc cosine nor arc tangent.
+/// The diamond angle is measured along the square with its corners on the axes, instead of the circle. It grows with the
+/// angle, and needs neither arc cosine nor arc tangent.
 struct Sectors {
     /// Diamond angles between the parts.
     edges: Vec<f64>,
@@ -61,15 +61,15 @@ impl Sectors {
         let parts = angles.len() - 1;
         let mut edges: Vec<f64> = angles.iter().map(|angle| diamond(angle.cos(), angle.sin())).collect();
         (edges[0], edges[parts]) = (0.0, f64::INFINITY);
-        // A half circle has the diamond angle 2. It grows at most twice as fast here as there, so that of a part is
-        // at least two thirds of the mean: no interval meets two edges.
+        // A half circle has the diamond angle 2. Its derivative varies by at most a factor of 2, so each part has at
+        // least two thirds of the mean diamond angle, and no interval contains two edges.
         let intervals_per_unit = (2 * parts) as f64 / (2.0 * (angles[parts] / PI).round());
         let part_at = |angle: f64| edges.partition_point(|&edge| edge <= angle).clamp(1, parts) - 1;
         let first = (0..=2 * parts).map(|i| part_at(i as f64 / intervals_per_unit) as u32).collect();
         Self { edges, first, intervals_per_unit }
     }
 
-    /// The part that a diamond angle is in. On the axis itself that is NaN, which becomes 0.
+    /// The part that holds a diamond angle; on the axis itself the angle is NaN, which becomes 0.
     #[inline(always)]
     fn at(&self, angle: f64) -> usize {
         let interval = (angle * self.intervals_per_unit) as u32 as usize;
@@ -78,7 +78,7 @@ impl Sectors {
     }
 }
 
-/// The diamond angle, 0 to 4 once around; `cosine` and `sine` may be longer by one factor.
+/// The diamond angle, from 0 to 4 for a full turn; `cosine` and `sine` may have a common factor.
 #[inline(always)]
 fn diamond(cosine: f64, sine: f64) -> f64 {
     let along = cosine / (cosine.abs() + sine.abs());
@@ -99,13 +99,13 @@ mod tests {
     use crate::kernels::sphere::direction;
 
     proptest! {
-        /// The cell by the arc functions, but within rounding of an edge.
+        /// The cell agrees with the arc functions, except within rounding of an edge.
         #[test]
         fn a_direction_is_in_its_cell(
             theta in 0.0..PI, phi in 0.0..TAU, height in 2_usize..80, width in 2_usize..160,
         ) {
             let (down, across) = (theta / PI * height as f64, phi / TAU * width as f64);
-            let is_clear = |place: f64| (place - place.round()).abs() > 1e-9;
+            let is_clear = |at: f64| (at - at.round()).abs() > 1e-9;
             prop_assume!(is_clear(down) && is_clear(across));
             let cell = Cells::new(height, width).at(diamonds(direction(theta, phi).to_array()));
             prop_assert_eq!(cell, down as usize * width + across as usize);

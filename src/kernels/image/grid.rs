@@ -14,14 +14,14 @@ pub struct Grid {
     pub theta_edges: Vec<f64>,
     /// Azimuths between the columns, from 0 to 2 pi.
     pub phi_edges: Vec<f64>,
-    /// Column of the azimuth phi: the whole part of `phi * columns_per_radian + first_column`.
+    /// Factor of the column of an azimuth phi: the whole part of `phi * columns_per_radian + first_column`.
     pub columns_per_radian: f64,
     /// 0, or half a column where the first column is cut by the seam.
     pub first_column: f64,
 }
 
 impl Grid {
-    /// Every pixel a cell.
+    /// A grid whose cells are the pixels.
     pub fn of_pixels(height: usize, width: usize, registration: Registration) -> Self {
         let (columns, first_column) = match registration {
             Registration::CellCentred => (width as f64, 0.0),
@@ -40,7 +40,7 @@ impl Grid {
         self.phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect()
     }
 
-    /// Every pixel of a map a cell, and the cells of at most `columns` columns, with the pixels along their sides.
+    /// The grid of a map's pixels, the grid of blocks in at most `columns` columns, and the pixels along a block.
     pub(crate) fn of_map(
         radiance: ArrayView3<'_, f32>,
         registration: Registration,
@@ -54,12 +54,12 @@ impl Grid {
         Ok((pixels, cells, block))
     }
 
-    /// Every `block` x `block` pixels a cell; what is left over at the far edges makes smaller ones.
+    /// The grid of blocks of `block` x `block` cells; those at the far edges may be smaller.
     pub(crate) fn in_blocks(&self, block: usize) -> Self {
         let every = |edges: &[f64]| {
-            let mut kept: Vec<f64> = edges[..edges.len() - 1].iter().copied().step_by(block).collect();
-            kept.extend(edges.last());
-            kept
+            let mut outer: Vec<f64> = edges[..edges.len() - 1].iter().copied().step_by(block).collect();
+            outer.extend(edges.last());
+            outer
         };
         Self {
             theta_edges: every(&self.theta_edges),

@@ -1,8 +1,8 @@
-//! A map after a rotation. Its flux is kept, and that of each bright cell.
+//! Rotation of a map that preserves its flux, and the flux of each bright cell.
 //!
-//! A map is piecewise constant here: a pixel stands for its cell, as in the exact probe. Each new cell is the mean
-//! over a grid of samples. Bright cells, which small lights are made of, are sampled more finely and scaled so that
-//! each keeps its flux: the rest is turned and scaled to its own first, then they are added.
+//! The map is piecewise constant, with one value in each cell, as in the exact probe. Each new cell is the mean over a
+//! grid of samples. Bright cells, which small lights consist of, are sampled more finely. The rest is rotated and scaled
+//! to its flux first, then the bright cells are added, each scaled to its flux.
 
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
@@ -21,34 +21,51 @@ use crate::error::Result;
 use crate::interrupt;
 use crate::kernels::sphere::{self, Registration};
 
-/// Samples along each side of a cell, and of one that may hold a part of a bright cell.
-const SIDE: usize = 3;
-const FINE_SIDE: usize = 16;
-/// Samples of such a cell.
-const FINE: f64 = (FINE_SIDE * FINE_SIDE) as f64;
-/// A cell with more than this share of the flux of any channel, and this many times the mean radiance, is bright.
-const BRIGHT_SHARE: f64 = 1e-4;
-const BRIGHT_CONTRAST: f64 = 10.0;
-/// With fewer hits, the solid angle of a cell is not known well enough: the cell is smaller than the new ones.
-const ENOUGH_HITS: u64 = 64;
+/// Settings of a rotation.
+struct RotationSettings {
+    /// Samples along each side of a cell.
+    side: usize,
+    /// Samples along each side of a cell that may hold a part of a bright cell.
+    fine_side: usize,
+    /// A bright cell has more than this fraction of the flux of any channel.
+    bright_fraction: f64,
+    /// Least ratio of a bright cell to the mean radiance.
+    bright_contrast: f64,
+    /// Hits from which on the sampled solid angle of a cell is accurate; a cell with fewer is smaller than the new ones.
+    enough_hits: u64,
+}
+
+const ROTATION: RotationSettings = RotationSettings {
+    side: 3,
+    fine_side: 16,
+    bright_fraction: 1e-4,
+    bright_contrast: 10.0,
+    enough_hits: 64,
+};
+
+impl RotationSettings {
+    /// Samples of a cell that may hold a part of a bright cell.
+    const fn fine(&self) -> f64 {
+        (self.fine_side * self.fine_side) as f64
+    }
+}
 
 type Rgb = [f32; 3];
 
-/// `radiance`, (height, width, 3) and cell-centred, after `rotation`: what was in the direction d is then in
-/// `rotation * d`.
+/// Rotate `radiance`, (height, width, 3) and cell-centred: light from the direction d then comes from `rotation * d`.
 ///
 /// # Errors
 ///
 /// [`crate::error::Error::NotAMap`], [`crate::error::Error::NoMemory`].
 #[allow(clippy::missing_panics_doc, reason = "each pixel has three samples")]
-pub fn rotated(radiance: ArrayView3<'_, f32>, rotation: DMat3) -> Result<Array3<f32>> {
+pub fn rotate(radiance: ArrayView3<'_, f32>, rotation: DMat3) -> Result<Array3<f32>> {
     let (height, width, _) = radiance.dim();
     check_rgb(radiance)?;
     sphere::check_memory(&[height, width, 6])?;
     let cells = Cells::new(height, width);
     let samples = samples_of(radiance, 0..height);
     let old = samples.as_chunks::<3>().0;
-    // Turn the map without its bright cells.
+    // Rotate the map without its bright cells.
     let bright = bright_cells(old, &cells);
     let rest = without(&bright, old, width);
     let mut new = means(&rest, &cells, rotation);
@@ -56,19 +73,19 @@ pub fn rotated(radiance: ArrayView3<'_, f32>, rotation: DMat3) -> Result<Array3<
     new.par_chunks_mut(width).for_each(|line| {
         interrupt::check();
         for rgb in line {
-            *rgb = finite(scaled(*rgb, factors));
+            *rgb = finite(scale(*rgb, factors));
         }
     });
-    // Add those.
+    // Add the bright cells.
     add_bright(&mut new, old, &bright, &cells, rotation);
     Ok(Array3::from_shape_vec((height, width, 3), new.into_flattened()).expect("three samples a pixel"))
 }
 
-/// The cells before a rotation that samples of the cells after it fall into.
+/// Samples of the cells after a rotation, and the cells before it that hold them.
 struct Samples<'a> {
     cells: &'a Cells,
     side: usize,
-    /// What the pole, and each azimuth on the equator, was before.
+    /// Directions before the rotation of the new pole and of the azimuths on the new equator.
     pole: DVec3,
     equator: [Vec<f64>; 3],
     widest: Arch,
@@ -84,8 +101,9 @@ impl<'a> Samples<'a> {
         Self { cells, side, pole: back * DVec3::Y, equator, widest: Arch::new() }
     }
 
-    /// The old cells of the samples in some columns of a new row, by parallels and along them. The samples stand for
-    /// equal solid angles: they are even in the cosine and in the azimuth.
+    /// The old cells of the samples in some columns of a new row, by parallels and along them.
+    ///
+    /// The samples have equal solid angles: they are even in the cosine and in the azimuth.
     fn of(&self, row: usize, columns: Range<usize>) -> Vec<usize> {
         let (top, bottom) = (self.cells.cosines[row], self.cells.cosines[row + 1]);
         let columns = columns.start * self.side..columns.end * self.side;
@@ -101,7 +119,7 @@ impl<'a> Samples<'a> {
         old
     }
 
-    /// The old cells of a new cell, in their order, and how many samples are in each.
+    /// The old cells of a new cell, in their order, each with its number of samples.
     fn counts(&self, cell: usize) -> Vec<(usize, u64)> {
         let (row, column) = (cell / self.cells.width, cell % self.cells.width);
         let mut met = self.of(row, column..column + 1);
@@ -110,7 +128,7 @@ impl<'a> Samples<'a> {
     }
 }
 
-/// Diamond angles of places on the equator after they are moved to a parallel.
+/// Diamond angles of points of the equator after they are moved to a parallel.
 #[inline(always)]
 fn parallel([x, y, z]: [&[f64]; 3], sine: f64, pole: [f64; 3], angles: &mut [[f64; 2]]) {
     for (((x, y), z), angles) in x.iter().zip(y).zip(z).zip(angles) {
@@ -120,27 +138,29 @@ fn parallel([x, y, z]: [&[f64]; 3], sine: f64, pole: [f64; 3], angles: &mut [[f6
 
 /// The mean of `old` over each new cell, from a few samples.
 fn means(old: &[Rgb], cells: &Cells, rotation: DMat3) -> Vec<Rgb> {
-    let samples = Samples::new(cells, rotation, SIDE);
+    let samples = Samples::new(cells, rotation, ROTATION.side);
     let mut new = vec![[0.0; 3]; old.len()];
     new.par_chunks_mut(cells.width).enumerate().for_each(|(row, line)| {
         interrupt::check();
         let met = samples.of(row, 0..cells.width);
         for (column, rgb) in line.iter_mut().enumerate() {
             let mut sum = [0.0; 3];
-            let parallels = met.chunks(SIDE * cells.width).map(|cells| &cells[SIDE * column..][..SIDE]);
+            let parallels = met
+                .chunks(ROTATION.side * cells.width)
+                .map(|cells| &cells[ROTATION.side * column..][..ROTATION.side]);
             parallels.flatten().for_each(|&cell| add(&mut sum, old[cell].map(f64::from)));
-            *rgb = sum.map(|value| (value / (SIDE * SIDE) as f64) as f32);
+            *rgb = sum.map(|value| (value / (ROTATION.side * ROTATION.side) as f64) as f32);
         }
     });
     new
 }
 
-/// The cells that keep their own flux.
+/// Cells whose own flux is preserved.
 fn bright_cells(old: &[Rgb], cells: &Cells) -> Vec<usize> {
     let flux = flux(old, cells);
     let in_row = |row: usize| {
         interrupt::check();
-        let most = (BRIGHT_SHARE / cells.areas[row]).max(BRIGHT_CONTRAST / (4.0 * PI));
+        let most = (ROTATION.bright_fraction / cells.areas[row]).max(ROTATION.bright_contrast / (4.0 * PI));
         let limits = flux.map(|flux| most * flux);
         let is_bright =
             move |rgb: &Rgb| rgb.iter().zip(limits).any(|(&value, limit)| f64::from(value) > limit);
@@ -149,7 +169,7 @@ fn bright_cells(old: &[Rgb], cells: &Cells) -> Vec<usize> {
     (0..cells.height).into_par_iter().flat_map_iter(in_row).collect()
 }
 
-/// The map `old` of this `width` with those cells black.
+/// The map `old` of this `width`, with black `bright` cells.
 fn without(bright: &[usize], old: &[Rgb], width: usize) -> Vec<Rgb> {
     let mut rest = vec![[0.0; 3]; old.len()];
     rest.par_chunks_mut(width).zip(old.par_chunks(width)).for_each(|(rest, old)| {
@@ -162,57 +182,57 @@ fn without(bright: &[usize], old: &[Rgb], width: usize) -> Vec<Rgb> {
     rest
 }
 
-/// Add the `bright` cells of `old` to the turned map, each with its flux.
+/// Add the `bright` cells of `old` to the rotated map, each with its flux.
 fn add_bright(new: &mut [Rgb], old: &[Rgb], bright: &[usize], cells: &Cells, rotation: DMat3) {
     if bright.is_empty() {
         return;
     }
-    let places = places_of(bright, cells, rotation);
-    // Measure how often each bright cell is met, and over what solid angle.
-    let samples = Samples::new(cells, rotation, FINE_SIDE);
+    let new_cells = new_cells_of(bright, cells, rotation);
+    // Count the samples in each bright cell, and sum their solid angle.
+    let samples = Samples::new(cells, rotation, ROTATION.fine_side);
     let met: Vec<Vec<(usize, u64)>> =
-        places.par_iter().map(|&place| bright_counts(&samples, place, bright)).collect();
+        new_cells.par_iter().map(|&new_cell| bright_counts(&samples, new_cell, bright)).collect();
     let (mut hits, mut measured) = (vec![0; bright.len()], vec![0.0; bright.len()]);
-    for (&place, met) in places.iter().zip(&met) {
+    for (&new_cell, met) in new_cells.iter().zip(&met) {
         for &(number, count) in met {
             hits[number] += count;
-            measured[number] += count as f64 * cells.area(place) / FINE;
+            measured[number] += count as f64 * cells.area(new_cell) / ROTATION.fine();
         }
     }
     // Scale these cells to their flux.
-    for (&place, met) in places.iter().zip(&met) {
-        let mut sum = new[place].map(f64::from);
-        for &(number, count) in met.iter().filter(|(number, _)| hits[*number] >= ENOUGH_HITS) {
-            let factor = cells.area(bright[number]) / measured[number] * count as f64 / FINE;
-            add(&mut sum, scaled(old[bright[number]], [factor; 3]));
+    for (&new_cell, met) in new_cells.iter().zip(&met) {
+        let mut sum = new[new_cell].map(f64::from);
+        for &(number, count) in met.iter().filter(|(number, _)| hits[*number] >= ROTATION.enough_hits) {
+            let factor = cells.area(bright[number]) / measured[number] * count as f64 / ROTATION.fine();
+            add(&mut sum, scale(old[bright[number]], [factor; 3]));
         }
-        new[place] = finite(sum);
+        new[new_cell] = finite(sum);
     }
     // Add the others cell by cell, from samples of the old cell.
-    let few: Vec<usize> = (0..bright.len()).filter(|&number| hits[number] < ENOUGH_HITS).collect();
+    let few: Vec<usize> = (0..bright.len()).filter(|&number| hits[number] < ROTATION.enough_hits).collect();
     if few.is_empty() {
         return;
     }
-    let forward = Samples::new(cells, rotation.transpose(), FINE_SIDE);
+    let forward = Samples::new(cells, rotation.transpose(), ROTATION.fine_side);
     for cell in few.into_iter().map(|number| bright[number]) {
-        for (place, count) in forward.counts(cell) {
-            let factor = cells.area(cell) / cells.area(place) * count as f64 / FINE;
-            let mut sum = new[place].map(f64::from);
-            add(&mut sum, scaled(old[cell], [factor; 3]));
-            new[place] = finite(sum);
+        for (new_cell, count) in forward.counts(cell) {
+            let factor = cells.area(cell) / cells.area(new_cell) * count as f64 / ROTATION.fine();
+            let mut sum = new[new_cell].map(f64::from);
+            add(&mut sum, scale(old[cell], [factor; 3]));
+            new[new_cell] = finite(sum);
         }
     }
 }
 
-/// Numbers of the bright cells in a new cell, and how many samples are in each.
-fn bright_counts(samples: &Samples<'_>, place: usize, bright: &[usize]) -> Vec<(usize, u64)> {
+/// Numbers of the bright cells in a new cell, each with its number of samples.
+fn bright_counts(samples: &Samples<'_>, new_cell: usize, bright: &[usize]) -> Vec<(usize, u64)> {
     interrupt::check();
-    let counts = samples.counts(place).into_iter();
+    let counts = samples.counts(new_cell).into_iter();
     counts.filter_map(|(cell, count)| Some((bright.binary_search(&cell).ok()?, count))).collect()
 }
 
-/// New cells that may hold a part of a bright cell: those around its turned corners, middles of sides and centre.
-fn places_of(bright: &[usize], cells: &Cells, rotation: DMat3) -> Vec<usize> {
+/// New cells that may hold a part of a bright cell: those around its rotated corners, middles of sides and centre.
+fn new_cells_of(bright: &[usize], cells: &Cells, rotation: DMat3) -> Vec<usize> {
     let mut marked = vec![false; cells.height * cells.width];
     for &cell in bright {
         interrupt::check();
@@ -231,7 +251,7 @@ fn places_of(bright: &[usize], cells: &Cells, rotation: DMat3) -> Vec<usize> {
 fn mark_around(cell: usize, cells: &Cells, marked: &mut [bool]) {
     let (row, column, width) = (cell / cells.width, cell % cells.width, cells.width);
     for row in row.saturating_sub(1)..(row + 2).min(cells.height) {
-        // Cells of a row are as narrow as its sine: of rows at the poles, all are near.
+        // The cells of a row narrow with its sine: near the poles, mark all of a row.
         let sine = (PI * (row as f64 + 0.5) / cells.height as f64).sin();
         let reach = ((1.5 / sine).ceil() as usize).min(width / 2);
         for step in 0..=2 * reach {
@@ -246,7 +266,7 @@ fn flux(map: &[Rgb], cells: &Cells) -> [f64; 3] {
         interrupt::check();
         let mut sum = [0.0; 3];
         for &rgb in line {
-            add(&mut sum, scaled(rgb, [area; 3]));
+            add(&mut sum, scale(rgb, [area; 3]));
         }
         sum
     });
@@ -255,17 +275,17 @@ fn flux(map: &[Rgb], cells: &Cells) -> [f64; 3] {
     total
 }
 
-/// `wanted` over `found`, channel by channel; 0 where nothing is found.
-fn ratio(wanted: [f64; 3], found: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|i| if found[i] > 0.0 { wanted[i] / found[i] } else { 0.0 })
+/// `above` over `below`, channel by channel; 0 for a channel without flux.
+fn ratio(above: [f64; 3], below: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|i| if below[i] > 0.0 { above[i] / below[i] } else { 0.0 })
 }
 
-/// In single precision, and finite: sampled flux may be scaled up past its largest value.
+/// Single precision, limited to its largest value, because scaled samples may exceed it.
 fn finite(rgb: [f64; 3]) -> Rgb {
     rgb.map(|value| value.min(f64::from(f32::MAX)) as f32)
 }
 
-fn scaled(rgb: Rgb, factors: [f64; 3]) -> [f64; 3] {
+fn scale(rgb: Rgb, factors: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|i| f64::from(rgb[i]) * factors[i])
 }
 
@@ -282,7 +302,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn flux_is_kept(
+        fn flux_is_preserved(
             values in prop::collection::vec(0.0_f32..1.0, 8 * 16 * 3), suns in prop::collection::vec(0_usize..128, 0..4),
             axis in prop::array::uniform3(-1.0..1.0_f64), angle in 0.0..PI,
         ) {
@@ -292,7 +312,7 @@ mod tests {
             for sun in suns {
                 map[[sun / 16, sun % 16, 1]] = 1e5;
             }
-            let turned = rotated(map.view(), DMat3::from_axis_angle(axis.normalize(), angle)).unwrap();
+            let turned = rotate(map.view(), DMat3::from_axis_angle(axis.normalize(), angle)).unwrap();
             let areas = Cells::new(8, 16).areas;
             let flux = |map: &Array3<f32>, channel: usize| -> f64 {
                 map.indexed_iter()
@@ -310,7 +330,7 @@ mod tests {
     #[test]
     fn a_map_near_the_largest_float_stays_finite() {
         let map = Array3::from_shape_fn((8, 16, 3), |(row, _, _)| if row < 4 { f32::MAX } else { 0.0 });
-        let turned = rotated(map.view(), DMat3::from_rotation_x(0.3)).unwrap();
+        let turned = rotate(map.view(), DMat3::from_rotation_x(0.3)).unwrap();
         assert!(turned.iter().all(|value| value.is_finite()));
     }
 }

@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::kernels::image::{CellCentres, Grid, block_fractions};
 use crate::kernels::sphere::{self, Registration};
 
-/// A map averaged over square blocks of pixels, each of which is one coarse pixel.
+/// A map averaged over square blocks of pixels; each block is one coarse pixel.
 pub struct CoarseMap<'a> {
     /// Pixels of the map, row after row.
     pub pixels: &'a [[f32; 3]],
