@@ -8,15 +8,15 @@
 //! | low-discrepancy points, icospheres             | `sampling.rs`  |
 //! | spherical harmonics, and irradiance under them | `harmonics.rs` |
 //! | irradiance of a disc of uniform radiance       | `disc.rs`      |
-//! | such discs drawn into a map                    | `disc_map.rs`  |
-//! | unusable samples, reduction to a working size  | `image/`       |
+//! | drawing of discs into a map                    | `disc_map.rs`  |
+//! | unusable samples, reduction, rotation          | `image/`       |
 //! | exact irradiance of a white probe              | `probe/`       |
 //! | a map in spherical harmonics                   | `expansion/`   |
-//! | bright places of a map                         | `detect/`      |
+//! | lights of a map                                | `detect/`      |
 //! | clipped part of a map, and its missing light   | `repair/`      |
-//! | lights taken out of a map                      | `split/`       |
+//! | lights removed from a map                      | `split/`       |
 //! | ambient + directional lights from the probe    | `fit/`         |
-//! | the same, in the paper's own equations         | `madsen/`      |
+//! | that fit in the paper's own equations          | `madsen/`      |
 //! | indirect light from direct light               | `transfer/`    |
 
 mod cache;

@@ -264,7 +264,7 @@ pub(crate) fn check_rows(what: &'static str, rows: ArrayView2<'_, f64>, columns:
     Ok(())
 }
 
-/// Refuse an array whose number of rows differs from that of `other`, `wanted`.
+/// Refuse an array whose number of rows is not `wanted`, that of `other`.
 pub(crate) fn check_lengths<const N: usize>(
     other: &'static str,
     wanted: usize,

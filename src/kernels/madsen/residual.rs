@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::interrupt;
 use crate::kernels::sphere::check_weighted;
 
-/// ProbeValues probe values and their weights.
+/// Measured probe values and their weights.
 #[derive(Clone, Debug)]
 pub struct ProbeValues<'a> {
     rows: ArrayView2<'a, f64>,

@@ -59,7 +59,7 @@ pub fn columns(
             interrupt::check();
             let rows = &mut block.as_slice_mut().unwrap_or_default()[..width * non_black.len()];
             texels::fill(rows, images, scale, SPAN * span);
-            keep(rows, width, non_black);
+            compact(rows, width, non_black);
             general_mat_mul(1.0, &block.slice(s![..out.nrows(), ..]), &weights, 0.0, &mut out);
         },
     );
@@ -71,7 +71,7 @@ fn check_length(what: &'static str, seen: usize, other: &'static str, wanted: us
 }
 
 /// Move the rows that are not black to the front.
-fn keep(block: &mut [f32], width: usize, non_black: &[bool]) {
+fn compact(block: &mut [f32], width: usize, non_black: &[bool]) {
     for (to, from) in (0..non_black.len()).filter(|&from| non_black[from]).enumerate() {
         if to < from {
             block.copy_within(width * from..width * (from + 1), width * to);
@@ -85,9 +85,9 @@ mod tests {
 
     use super::*;
 
-    /// A weight of 1 takes one row; dark texels are left out, and so is every other pixel of a view.
+    /// A weight of 1 selects one row; black texels are left out.
     #[test]
-    fn one_weight_takes_one_row() {
+    fn a_weight_of_1_selects_a_row() {
         let whole = Array3::from_shape_fn((5, 2 * SPAN + 6, 4), |(k, t, c)| (100 * t + 10 * k + c) as f32);
         let images = whole.slice(s![.., ..;2, ..3]);
         let non_black: Vec<bool> = (0..SPAN + 3).map(|t| t % 3 != 1).collect();
@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_is_refused() {
+    fn wrong_lengths_are_refused() {
         let images = Array3::zeros((1, 2, 3));
         let weights = Array2::zeros((3, 1));
         assert!(columns(images.view(), &[1.0], &[true; 2], weights.view()).is_ok());

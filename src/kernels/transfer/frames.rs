@@ -1,7 +1,7 @@
 //! Frames from a basis of one or two bytes a value.
 //!
-//! Predicting a frame takes the time of reading the basis, so a basis with a quarter of the bytes is four
-//! times as fast. Its values are stored in tiles of 32 texels, (tiles, rank, 32). Each half of a tile has its
+//! The prediction of a frame is limited by reading the basis, so a basis with a quarter of the bytes is four times as
+//! fast. Its values are stored in tiles of 32 texels, (tiles, rank, 32). Each half of a tile has its
 //! own scale for each component:
 //!
 //! ```text
@@ -23,9 +23,9 @@ use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::kernels::sphere::check_memory;
 
-/// Texels of a tile. With more, the sums no longer fit in registers and a frame takes longer.
+/// Texels of a tile. With more, the sums no longer fit in registers and a frame is slower.
 pub const TILE: usize = 32;
-/// Texels that share a scale. Fewer cost more memory, more cost accuracy.
+/// Texels with a common scale. Fewer cost more memory, more cost accuracy.
 pub const SHARE: usize = 16;
 /// Scales of one component of a tile.
 type Scales = [f32; TILE / SHARE];
@@ -56,7 +56,7 @@ impl BasisValue for f16 {
     }
 }
 
-/// Images with the given `coefficients`, in tiles.
+/// Images with these `coefficients`, in tiles.
 ///
 /// # Inputs
 ///
@@ -273,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_is_refused() {
+    fn wrong_shapes_are_refused() {
         let values = Array3::<i8>::zeros((2, 1, TILE));
         let scales = Array3::ones((2, 1, 2));
         let call = |values: &Array3<i8>, components, places: &[i64]| {

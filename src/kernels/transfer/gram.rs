@@ -113,7 +113,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_is_refused_and_nothing_has_no_products() {
+    fn wrong_shapes_are_refused_and_no_images_have_no_products() {
         let images = Array3::zeros((2, 5, 3));
         assert!(gram(images.view(), &[1.0; 3]).is_err());
         assert!(gram(images.slice(s![.., .., ..2]), &[1.0; 2]).is_err());
