@@ -156,8 +156,8 @@ mod tests {
         #![proptest_config(ProptestConfig::with_cases(24))]
         #[test]
         fn the_share_is_the_integral_over_the_disc(cosine in -1.0..=1.0_f64, radius in 1e-3..=FRAC_PI_2) {
-            let (seen, wanted) = (irradiance_share(cosine, radius), brute_force(cosine, radius));
-            prop_assert!((seen - wanted).abs() < 1e-6, "{seen} {wanted}");
+            let (measured, expected) = (irradiance_share(cosine, radius), brute_force(cosine, radius));
+            prop_assert!((measured - expected).abs() < 1e-6, "{measured} {expected}");
         }
 
         /// The horizon cuts most of these discs, but rarely a random small one.
@@ -165,8 +165,8 @@ mod tests {
         fn a_disc_on_the_horizon_is_integrated_too(q in -1.2..=1.2_f64, radius in -16.0..=0.4_f64) {
             let radius = radius.exp();
             let cosine = (q * radius.sin()).clamp(-1.0, 1.0);
-            let (seen, wanted) = (irradiance_share(cosine, radius), brute_force(cosine, radius));
-            prop_assert!((seen - wanted).abs() < 1e-6 * radius.max(1e-3), "{seen} {wanted}");
+            let (measured, expected) = (irradiance_share(cosine, radius), brute_force(cosine, radius));
+            prop_assert!((measured - expected).abs() < 1e-6 * radius.max(1e-3), "{measured} {expected}");
         }
     }
 
@@ -181,8 +181,8 @@ mod tests {
     fn half_the_sky_has_an_irradiance_of_its_visible_part() {
         for step in -100..=100 {
             let cosine = f64::from(step) / 100.0;
-            let seen = irradiance_share(cosine, FRAC_PI_2);
-            assert!((seen - f64::midpoint(1.0, cosine)).abs() < 1e-15, "{cosine}: {seen}");
+            let measured = irradiance_share(cosine, FRAC_PI_2);
+            assert!((measured - f64::midpoint(1.0, cosine)).abs() < 1e-15, "{cosine}: {measured}");
         }
     }
 
@@ -194,10 +194,10 @@ mod tests {
                 let q = f64::from(step) / 10.0;
                 let s = (1.0 - q * q).sqrt();
                 let flat = radius * (q * (-q).acos() + s - s.powi(3) / 3.0) / PI;
-                let seen = irradiance_share(q * radius.sin(), radius);
+                let measured = irradiance_share(q * radius.sin(), radius);
                 assert!(
-                    (seen / flat - 1.0).abs() < 10.0 * radius * radius + 1e-12,
-                    "{radius} {q}: {seen} {flat}"
+                    (measured / flat - 1.0).abs() < 10.0 * radius * radius + 1e-12,
+                    "{radius} {q}: {measured} {flat}"
                 );
             }
         }
@@ -208,25 +208,16 @@ mod tests {
     fn the_cases_agree_at_their_borders() {
         for step in 1..=900 {
             let radius = (f64::from(step) / 10.0).to_radians();
-            for border in [radius.sin(), -radius.sin()] {
-                let seen = irradiance_share(border.next_toward_zero(), radius);
-                assert!((seen - border.max(0.0)).abs() < 1e-14, "{radius} {border}: {seen}");
+            let sine = radius.sin();
+            for (border, inside) in [(sine, sine.next_down()), (-sine, (-sine).next_up())] {
+                let measured = irradiance_share(inside, radius);
+                assert!((measured - border.max(0.0)).abs() < 1e-14, "{radius} {border}: {measured}");
             }
         }
         for step in 0..=100 {
             let s = f64::from(step) / 100.0;
             let (below, above) = (along_horizon(s, SMALL * (1.0 - 1e-15)), along_horizon(s, SMALL));
             assert!((below - above).abs() < 1e-13, "{s}: {below} {above}");
-        }
-    }
-
-    trait NextTowardZero {
-        fn next_toward_zero(self) -> Self;
-    }
-
-    impl NextTowardZero for f64 {
-        fn next_toward_zero(self) -> Self {
-            if self > 0.0 { self.next_down() } else { self.next_up() }
         }
     }
 
@@ -239,9 +230,9 @@ mod tests {
             let sum: f64 = (0..normals)
                 .map(|k| irradiance_share(2.0 * (f64::from(k) + 0.5) / f64::from(normals) - 1.0, radius))
                 .sum();
-            let wanted = TAU / (1.0 + radius.cos());
-            let seen = 2.0 * TAU * sum / f64::from(normals);
-            assert!((seen / wanted - 1.0).abs() < 1e-9, "{degrees}: {seen} {wanted}");
+            let expected = TAU / (1.0 + radius.cos());
+            let measured = 2.0 * TAU * sum / f64::from(normals);
+            assert!((measured / expected - 1.0).abs() < 1e-9, "{degrees}: {measured} {expected}");
         }
     }
 }

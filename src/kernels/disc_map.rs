@@ -19,8 +19,9 @@ use glam::{DMat3, DVec3};
 use ndarray::{Array3, Axis};
 use rayon::prelude::*;
 
+use super::cell_integrals::{ColumnIntegrals, RowIntegrals};
 use super::disc::Discs;
-use super::sphere::{self, Registration, angles, band_heights};
+use super::sphere::{self, Registration, angles, direction_of};
 use crate::error::Result;
 use crate::interrupt;
 
@@ -57,10 +58,8 @@ pub fn draw(discs: &Discs, height: usize) -> Result<Array3<f64>> {
 /// Rows and columns of a map, twice as wide as high.
 struct Map {
     theta_edges: Vec<f64>,
-    /// `cos theta_top - cos theta_bottom` of each row.
-    bands: Vec<f64>,
-    /// Width of a column in radians.
-    column: f64,
+    rows: Vec<RowIntegrals>,
+    columns: Vec<ColumnIntegrals>,
     /// Sine and cosine of the azimuth of each column.
     azimuths: Vec<(f64, f64)>,
 }
@@ -71,26 +70,24 @@ impl Map {
         sphere::check_size(height, width)?;
         sphere::check_memory(&[height, width, 6])?;
         let theta_edges = Registration::CellCentred.theta_edges(height);
-        let bands = band_heights(&theta_edges);
+        let rows = RowIntegrals::of_rows(&theta_edges);
+        let columns = ColumnIntegrals::of_columns(&Registration::CellCentred.phi_edges(width));
         let azimuths = Registration::CellCentred.phis(width).into_iter().map(f64::sin_cos).collect();
-        Ok(Self { theta_edges, bands, column: TAU / width as f64, azimuths })
+        Ok(Self { theta_edges, rows, columns, azimuths })
     }
 
     /// The integral of the direction over each pixel of a row, and the direction of its centre.
     fn row(&self, row: usize) -> impl Iterator<Item = (DVec3, DVec3)> {
-        let (top, bottom) = (self.theta_edges[row], self.theta_edges[row + 1]);
-        let (middle, half) = (0.5 * (top + bottom), 0.5 * (bottom - top));
-        let (sin, cos) = middle.sin_cos();
-        // Integrals of sin^2 theta and of sin theta cos theta over the row.
-        let across = half - 0.5 * (2.0 * middle).cos() * (2.0 * half).sin();
-        let along = self.bands[row] * cos * half.cos();
-        // Integral of the cosine of the azimuth around the centre of a pixel.
-        let chord = 2.0 * (0.5 * self.column).sin();
-        self.azimuths.iter().map(move |&(sin_phi, cos_phi)| {
-            let towards = DVec3::new(sin_phi, 0.0, -cos_phi);
-            let integral = chord * across * towards + self.column * along * DVec3::Y;
-            (integral, sin * towards + cos * DVec3::Y)
-        })
+        let theta = (0.5 * (self.theta_edges[row] + self.theta_edges[row + 1])).sin_cos();
+        self.columns
+            .iter()
+            .zip(&self.azimuths)
+            .map(move |(column, &azimuth)| (self.rows[row].direction(column), direction_of(theta, azimuth)))
+    }
+
+    /// Width of a column in radians.
+    fn column(&self) -> f64 {
+        TAU / self.columns.len() as f64
     }
 }
 
@@ -104,7 +101,7 @@ impl Disc {
     fn radiance(&self, map: &Map) -> Vec<Vec<f64>> {
         let uniform = 1.0 / (PI * self.radius.sin().powi(2));
         let mut rows: Vec<Vec<f64>> =
-            (0..map.bands.len()).into_par_iter().map(|row| self.covered_fractions(map, row)).collect();
+            (0..map.rows.len()).into_par_iter().map(|row| self.covered_fractions(map, row)).collect();
         // Sum the covered pixels, and their products with the linear radiance, in the order of rows.
         let moments: Vec<(DVec3, DMat3)> =
             rows.par_iter().enumerate().map(|(row, fractions)| moments(map, row, fractions)).collect();
@@ -135,7 +132,7 @@ impl Disc {
         let whole: f64 = parallels.iter().map(|theta| theta.sin()).sum();
         for parallel in parallels {
             let half = self.half_width(theta, parallel);
-            let (left, right) = ((phi - half) / map.column, (phi + half) / map.column);
+            let (left, right) = ((phi - half) / map.column(), (phi + half) / map.column());
             add_interval(&mut fractions, left, right, parallel.sin() / whole);
         }
         fractions
@@ -203,7 +200,7 @@ mod tests {
         for (row, pixels) in radiance.outer_iter().enumerate() {
             for (pixel, (integral, _)) in pixels.outer_iter().zip(map.row(row)) {
                 sums.0 += pixel[0] * integral;
-                sums.1 += pixel[0] * map.bands[row] * map.column;
+                sums.1 += pixel[0] * map.rows[row].band * map.column();
             }
         }
         sums
@@ -236,8 +233,8 @@ mod tests {
             prop_assert!(radiance.iter().all(|&value| value >= 0.0));
             // The flux follows, as the vector of a disc is the mean cosine times it.
             let radius = radius.max(PI / height as f64);
-            let wanted = 2.0 / (1.0 + radius.cos());
-            prop_assert!((whole / wanted - 1.0).abs() < 0.2 / height as f64, "{whole} {wanted}");
+            let expected = 2.0 / (1.0 + radius.cos());
+            prop_assert!((whole / expected - 1.0).abs() < 0.2 / height as f64, "{whole} {expected}");
         }
 
         /// Pixels inside are uniform up to the small linear part; those outside are black.
@@ -247,7 +244,7 @@ mod tests {
             let direction = DVec3::new(across * azimuth.sin(), y, -across * azimuth.cos());
             let radiance = draw(&one(direction, radius), 64).unwrap();
             let map = Map::new(64).unwrap();
-            let wanted = 1.0 / (PI * radius.sin().powi(2));
+            let expected = 1.0 / (PI * radius.sin().powi(2));
             for (row, pixels) in radiance.outer_iter().enumerate() {
                 for (pixel, (_, centre)) in pixels.outer_iter().zip(map.row(row)) {
                     let away = centre.dot(direction).clamp(-1.0, 1.0).acos();
@@ -255,7 +252,7 @@ mod tests {
                         prop_assert!(pixel.iter().all(|value| *value <= 0.0));
                     } else if away < radius - 0.04 {
                         for (value, colour) in pixel.iter().zip([1.0, 2.0, 4.0]) {
-                            let ratio = value / (wanted * colour);
+                            let ratio = value / (expected * colour);
                             prop_assert!((ratio - 1.0).abs() < 4e-3 / radius, "{ratio}");
                         }
                     }

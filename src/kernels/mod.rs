@@ -5,6 +5,7 @@
 //! | a value cached for the last key                | `cache.rs`     |
 //! | vectors of the processor's width               | `lanes.rs`     |
 //! | directions, pixels, solid angles               | `sphere.rs`    |
+//! | integrals of the direction over a cell         | `cell_integrals.rs` |
 //! | low-discrepancy points, icospheres             | `sampling.rs`  |
 //! | spherical harmonics, and irradiance under them | `harmonics.rs` |
 //! | irradiance of a disc of uniform radiance       | `disc.rs`      |
@@ -16,10 +17,11 @@
 //! | clipped part of a map, and its missing light   | `repair/`      |
 //! | lights removed from a map                      | `split/`       |
 //! | ambient + directional lights from the probe    | `fit/`         |
-//! | that fit in the paper's own equations          | `madsen/`      |
+//! | equations of Madsen et al. (2003)              | `madsen/`      |
 //! | indirect light from direct light               | `transfer/`    |
 
 mod cache;
+mod cell_integrals;
 pub mod detect;
 pub mod disc;
 pub mod disc_map;

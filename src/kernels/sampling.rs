@@ -249,8 +249,8 @@ mod tests {
                 nodes.iter().zip(&weights).map(|(x, weight)| weight * x.powi(power)).sum()
             };
             for power in [0, 1, 2, 3] {
-                let wanted = if power % 2 == 0 { 2.0 / f64::from(power + 1) } else { 0.0 };
-                assert!((integral(power) - wanted).abs() < 1e-13, "{count} nodes, power {power}");
+                let expected = if power % 2 == 0 { 2.0 / f64::from(power + 1) } else { 0.0 };
+                assert!((integral(power) - expected).abs() < 1e-13, "{count} nodes, power {power}");
             }
             let last = 2 * count as i32 - 2;
             assert!((integral(last) - 2.0 / f64::from(last + 1)).abs() < 1e-13, "{count} nodes");

@@ -171,8 +171,7 @@ impl Sum {
         Self { irradiance: from_fn(|axis| from_fn(|c| a[axis][c] + b[axis][c])), flux: self.flux + part.flux }
     }
 
-    /// Mean of 1 - cos of the angle to the middle, from the length of the vector irradiance: it is shorter than the flux
-    /// for light from several directions.
+    /// Mean of 1 - cos of the angle to the middle, from the length of the vector irradiance over the flux.
     fn spread(&self) -> f64 {
         let length = self.irradiance.iter().map(|axis| axis.iter().sum::<f64>().powi(2)).sum::<f64>().sqrt();
         if self.flux > 0.0 { (1.0 - length / self.flux).max(0.0) } else { 0.0 }

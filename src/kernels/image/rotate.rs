@@ -321,8 +321,8 @@ mod tests {
                     .sum()
             };
             for channel in 0..3 {
-                let (seen, wanted) = (flux(&turned, channel), flux(&map, channel));
-                prop_assert!((seen / wanted - 1.0).abs() < 1e-6, "{seen} {wanted}");
+                let (measured, expected) = (flux(&turned, channel), flux(&map, channel));
+                prop_assert!((measured / expected - 1.0).abs() < 1e-6, "{measured} {expected}");
             }
         }
     }

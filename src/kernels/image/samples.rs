@@ -105,9 +105,9 @@ mod tests {
         map[[2, 0, 0]] = -0.0;
         assert_eq!(unusable(map.view()).unwrap(), Unusable { nan: 1, infinite: 1, negative: 2 });
         let refusal = check_samples(map.slice(ndarray::s![1.., .., ..])).unwrap_err();
-        let wanted =
+        let expected =
             Error::UnusableSamples { row: 0, value: f32::INFINITY, nan: 0, infinite: 1, negative: 2 };
-        assert_eq!(refusal, wanted);
+        assert_eq!(refusal, expected);
         assert_eq!(check_samples(map.slice(ndarray::s![2..4, .., ..])), Ok(()));
     }
 }

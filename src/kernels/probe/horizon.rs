@@ -7,6 +7,7 @@ use glam::DVec3;
 use super::band::{Band, weigh};
 use super::opposite::VectorFlux;
 use super::rows::Weight;
+use crate::kernels::cell_integrals::RowIntegrals;
 use crate::kernels::sphere::angles;
 
 /// Gauss-Legendre nodes and weights on -1 .. 1.
@@ -118,22 +119,11 @@ pub struct Slice {
     polar: f64,
 }
 
-/// Integrals over the rows between two polar angles of `sin^2 theta` and of `sin theta cos theta`:
-///
-/// ```text
-///   integral of sin^2 theta         = (dtheta - cos(t0 + t1) sin(dtheta)) / 2
-///   integral of sin theta cos theta = sin(t0 + t1) sin(dtheta) / 2
-/// ```
-pub fn row_integrals(top: f64, bottom: f64) -> [f64; 2] {
-    let (sum, difference) = (top + bottom, bottom - top);
-    [0.5 * (difference - sum.cos() * difference.sin()), 0.5 * sum.sin() * difference.sin()]
-}
-
 /// The row between two polar angles at the given nodes, scaled so that their sum is exact.
 fn slices(top: f64, bottom: f64, nodes: Nodes) -> Vec<Slice> {
     // Integrate over the row in closed form.
     let (sum, difference) = (top + bottom, bottom - top);
-    let [equatorial, polar] = row_integrals(top, bottom);
+    let RowIntegrals { squares: equatorial, products: polar, .. } = RowIntegrals::new(top, bottom);
     // Distribute that over the nodes.
     let angles: Vec<f64> = nodes.iter().map(|(node, _)| 0.5 * (sum + node * difference)).collect();
     let weigh = |f: fn(f64) -> f64| -> f64 { angles.iter().zip(nodes).map(|(&t, (_, w))| w * f(t)).sum() };

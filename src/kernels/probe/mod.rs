@@ -287,8 +287,8 @@ mod tests {
     fn largest_difference_from_pi(height: usize, registration: Registration) -> f64 {
         let sky = Array3::from_elem((height, 2 * height, 3), 1.0_f32);
         let (normals, _) = sampling::icosphere(320).unwrap();
-        let found = irradiance(sky.view(), registration, normals.view()).unwrap();
-        found.iter().map(|value| (value / PI - 1.0).abs()).fold(0.0, f64::max)
+        let result = irradiance(sky.view(), registration, normals.view()).unwrap();
+        result.iter().map(|value| (value / PI - 1.0).abs()).fold(0.0, f64::max)
     }
 
     /// White furnace: under a constant sky of radiance L, every surface receives exactly pi L.

@@ -50,7 +50,7 @@ pub struct Rows<'a, const N: usize> {
     polar: [f32; N],
 }
 
-/// Weights of L cos o, L sin o and L of a column for a normal, with the offset o of the column in the block.
+/// Weights of L cos o, L sin o and L of a column for a normal; o is the offset of the column.
 pub struct ColumnWeights {
     pub cos: f32,
     pub sin: f32,
@@ -186,14 +186,14 @@ mod tests {
                 sums[2] += rows.pixel(column, 0.0, 1.0);
                 weighted += rows.pixel(column, 0.3 * cos - 0.7 * sin, 0.4) * f64::from(count);
             }
-            let found = rows.sums::<8>(0, &offsets).map(|sum| sum.truncate().as_dvec3());
+            let result = rows.sums::<8>(0, &offsets).map(|sum| sum.truncate().as_dvec3());
             let weighted_result = rows.weighted_sum::<8>(0, &weights_of_columns, &offsets, &signs).truncate().as_dvec3();
             // Allow for some roundings of 8 columns of up to 10, with a weight of up to 9 in S.
             let rounding = 5e-7 * 8.0 * 10.0 * 9.0;
-            for (found, sum) in found.into_iter().chain([weighted_result]).zip(sums.into_iter().chain([weighted])) {
-                assert_relative_eq!(found.x, sum.x, epsilon = rounding);
-                assert_relative_eq!(found.y, sum.y, epsilon = rounding);
-                assert_relative_eq!(found.z, sum.z, epsilon = rounding);
+            for (result, sum) in result.into_iter().chain([weighted_result]).zip(sums.into_iter().chain([weighted])) {
+                assert_relative_eq!(result.x, sum.x, epsilon = rounding);
+                assert_relative_eq!(result.y, sum.y, epsilon = rounding);
+                assert_relative_eq!(result.z, sum.z, epsilon = rounding);
             }
         }
     }

@@ -20,7 +20,7 @@ use crate::interrupt;
 /// removed as one light.
 const FARTHEST: f64 = std::f64::consts::FRAC_PI_4;
 
-/// Extend the lights of `light_of` by connected pixels above the threshold; each goes to the light fewest steps away.
+/// Extend the lights of `light_of` by connected pixels above the threshold; each joins the light that is the fewest steps away.
 pub fn add_glow(map: &CoarseMap<'_>, light_of: &mut [u32], threshold: f32) {
     let farthest = (2.0 * (FARTHEST / 2.0).sin()).powi(2);
     // Start at the outlines of all lights; each pixel inherits the outline pixel from which it was reached.

@@ -1,4 +1,4 @@
-//! The harmonic fill: radiance in the holes that continues smoothly what surrounds them.
+//! The harmonic fill: a smooth continuation of the surrounding radiance into holes.
 //!
 //! It solves Laplace's equation on the sphere for each channel, so it lies between the darkest and the brightest pixel
 //! around its hole. The coarsest image in which no hole is left starts the next finer one, and so on (cascadic multigrid:
@@ -52,7 +52,7 @@ pub fn harmonic_fill(grid: Grid, holes: Vec<usize>, known: impl Fn(usize) -> Vec
     solved
 }
 
-/// Pixels of each level on which its holes and those of finer levels depend.
+/// Pixels of each level that its holes and those of finer levels depend on.
 fn required_pixels(levels: &[Level]) -> Vec<Vec<usize>> {
     let mut required: Vec<Vec<usize>> = Vec::new();
     for (number, level) in levels.iter().enumerate().rev() {

@@ -10,7 +10,6 @@
 //! | radiance that solves Laplace's equation in the region    | `harmonic_fill.rs`   |
 //! | - one image of its multigrid                             | `level.rs`           |
 //! | the rest of the map, and the light that was removed      | `removal.rs`         |
-//! | - integrals of the direction over pixels                 | `cell_integrals.rs`  |
 //!
 //! In the region of a light, each channel of the rest is the smaller one of the map and the fill. So map = rest + light,
 //! and both are nowhere negative. A surface that faces all of a light receives from the removed radiance `T`
@@ -23,7 +22,6 @@
 //! so luminance is exact. A channel whose vector has another direction differs by its component across `d`: red and blue
 //! are refracted differently by a lens, and a halo has another colour than its lamp. Callers get all three vectors.
 
-mod cell_integrals;
 mod coarse_map;
 mod glow;
 mod harmonic_fill;

@@ -8,12 +8,12 @@ use std::ops::{Add, Range};
 use glam::{DMat3, DVec3, Vec3A};
 use rayon::prelude::*;
 
-use super::cell_integrals::{ColumnIntegrals, RowIntegrals, column_integrals, row_integrals};
 use super::coarse_map::CoarseMap;
 use super::level::{Enlargement, Level};
 use super::light_pixels::NO_LIGHT;
 use super::region::Region;
 use crate::interrupt;
+use crate::kernels::cell_integrals::{ColumnIntegrals, RowIntegrals};
 use crate::kernels::image::LUMINANCE;
 
 /// A light that was removed from a map.
@@ -72,8 +72,8 @@ pub fn remove(
         map,
         region,
         fill: Enlargement::new(fill, map.block, map.map_size),
-        rows: row_integrals(&map.pixel_grid),
-        columns: column_integrals(&map.pixel_grid),
+        rows: RowIntegrals::of_rows(&map.pixel_grid.theta_edges),
+        columns: ColumnIntegrals::of_columns(&map.pixel_grid.phi_edges),
     };
     // Sum the rows in their order: the same bits for any number of threads.
     let rows = rest.par_chunks_mut(map.block * map.map_size.1).enumerate();
@@ -176,7 +176,7 @@ struct AzimuthSums {
     squares: f64,
 }
 
-/// Replace pixels by what remains of each, and sum the difference.
+/// Replace pixels by their `remaining` radiance, and sum the removed radiance.
 #[inline]
 fn remove_pixels(
     pixels: &mut [[f32; 3]],

@@ -95,10 +95,10 @@ mod tests {
         let mut weights = Array2::zeros((15, 2));
         weights[[3 + 2, 0]] = 1.0;
         weights[[12, 1]] = 1.0;
-        let found = columns(images, &scale, &non_black, weights.view()).expect("they fit");
-        let wanted = (0..non_black.len()).filter(|&t| non_black[t]);
-        assert_eq!(found.nrows(), wanted.clone().count());
-        for (row, t) in found.outer_iter().zip(wanted) {
+        let result = columns(images, &scale, &non_black, weights.view()).expect("they fit");
+        let expected = (0..non_black.len()).filter(|&t| non_black[t]);
+        assert_eq!(result.nrows(), expected.clone().count());
+        for (row, t) in result.outer_iter().zip(expected) {
             assert_eq!(row, arr2(&[[2.0 * images[[1, t, 2]], 0.5 * images[[4, t, 0]]]]).row(0));
         }
     }
@@ -112,11 +112,11 @@ mod tests {
             let weights = Array2::zeros((width, 1));
             columns(images.view(), scale, non_black, weights.view()).map_err(|error| error.to_string())
         };
-        let wanted = "non_black must have as many rows as images have texels (2); got 3";
-        assert_eq!(refusal(&[1.0], &[true; 3], 3), Err(wanted.to_owned()));
-        let wanted = "weights must have as many rows as images have channels in all (3); got 2";
-        assert_eq!(refusal(&[1.0], &[true; 2], 2), Err(wanted.to_owned()));
-        let wanted = "scale must have as many rows as images (1); got 2";
-        assert_eq!(refusal(&[1.0; 2], &[true; 2], 3), Err(wanted.to_owned()));
+        let expected = "non_black must have as many rows as images have texels (2); got 3";
+        assert_eq!(refusal(&[1.0], &[true; 3], 3), Err(expected.to_owned()));
+        let expected = "weights must have as many rows as images have channels in all (3); got 2";
+        assert_eq!(refusal(&[1.0], &[true; 2], 2), Err(expected.to_owned()));
+        let expected = "scale must have as many rows as images (1); got 2";
+        assert_eq!(refusal(&[1.0; 2], &[true; 2], 3), Err(expected.to_owned()));
     }
 }

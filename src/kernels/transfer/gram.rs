@@ -104,9 +104,9 @@ mod tests {
             let sum: f64 = (0..images.dim().1)
                 .map(|t| f64::from(images[[one.0, t, one.1]]) * f64::from(images[[two.0, t, two.1]]))
                 .sum();
-            let wanted = sum * f64::from(scale[one.0]) * f64::from(scale[two.0]);
+            let expected = sum * f64::from(scale[one.0]) * f64::from(scale[two.0]);
             // Rounding of f32 over one block.
-            approx::assert_relative_eq!(products[[a, b]], wanted, max_relative = 1e-5);
+            approx::assert_relative_eq!(products[[a, b]], expected, max_relative = 1e-5);
         }
         let black: Vec<usize> = (0..non_black.len()).filter(|&t| !non_black[t]).collect();
         assert_eq!(black, [5, BLOCK + 3]);

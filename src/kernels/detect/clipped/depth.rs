@@ -140,15 +140,19 @@ mod tests {
         for centre in [DVec3::new(0.3, 0.4, 1.0), DVec3::new(0.05, 0.3, -1.0), DVec3::new(0.1, -1.0, 0.1)] {
             let mut plateau = cap(&sphere, centre.normalize(), 0.35);
             plateau.retain(|pixel| pixel % 41 != 0); // some holes
-            let found = depths_of(&working, &plateau);
-            let outer: Vec<DVec3> = (0..found.len() as u32)
+            let result = depths_of(&working, &plateau);
+            let outer: Vec<DVec3> = (0..result.len() as u32)
                 .filter(|pixel| plateau.binary_search(pixel).is_err())
                 .map(|pixel| sphere.direction(pixel as usize))
                 .collect();
             for &pixel in &plateau {
                 let own = sphere.direction(pixel as usize);
                 let cosine = outer.iter().map(|other| own.dot(*other)).fold(-1.0, f64::max);
-                assert_relative_eq!(f64::from(found[pixel as usize]), cosine.min(1.0).acos(), epsilon = 1e-6);
+                assert_relative_eq!(
+                    f64::from(result[pixel as usize]),
+                    cosine.min(1.0).acos(),
+                    epsilon = 1e-6
+                );
             }
         }
     }

@@ -156,15 +156,15 @@ mod tests {
             for (height, width, columns) in [(30, 60, 60), (30, 60, 16), (37, 74, 10), (150, 300, 1)] {
                 let map =
                     Array3::from_shape_fn((height, width, 3), |(y, x, c)| ((y * 7 + x * 3 + c) % 11) as f32);
-                let wanted = WorkingImage::of(map.view(), registration, columns).unwrap();
-                let found = ExpandedMap::of(map.view(), registration, columns, 11.0).unwrap();
-                assert_eq!((found.working.size, found.working.block), (wanted.size, wanted.block));
-                assert_relative_eq!(found.working.flux, wanted.flux, max_relative = 1e-6);
-                for (found, wanted) in found.working.luminance.iter().zip(&wanted.luminance) {
-                    assert_relative_eq!(found, wanted, max_relative = 1e-5);
+                let expected = WorkingImage::of(map.view(), registration, columns).unwrap();
+                let result = ExpandedMap::of(map.view(), registration, columns, 11.0).unwrap();
+                assert_eq!((result.working.size, result.working.block), (expected.size, expected.block));
+                assert_relative_eq!(result.working.flux, expected.flux, max_relative = 1e-6);
+                for (result, expected) in result.working.luminance.iter().zip(&expected.luminance) {
+                    assert_relative_eq!(result, expected, max_relative = 1e-5);
                 }
                 assert_relative_eq!(
-                    found.maximum,
+                    result.maximum,
                     map.rows()
                         .into_iter()
                         .map(|p| f64::from(luminance_f32([p[0], p[1], p[2]])))

@@ -137,9 +137,9 @@ mod tests {
         for (place, c) in row.char_indices() {
             parts[row.len() / 4 * row.len() + place] = c.to_digit(10).unwrap_or(0);
         }
-        let found = segments(&working, 0.0);
+        let result = segments(&working, 0.0);
         let adjacency = Adjacency::of(&working);
-        divide(&adjacency, found, &parts, &working.luminance).pixels.iter().map(Vec::len).collect()
+        divide(&adjacency, result, &parts, &working.luminance).pixels.iter().map(Vec::len).collect()
     }
 
     #[test]

@@ -122,7 +122,7 @@ mod tests {
     fn a_bar_on_the_seam_is_filled() {
         let dark = "................";
         let rows = [dark, dark, dark, ".9............99", "9..............9", dark, dark, dark];
-        let found = plateau_pixels(&rows, 1.2);
-        assert_eq!(found, [48, 49, 62, 63, 64, 79]);
+        let result = plateau_pixels(&rows, 1.2);
+        assert_eq!(result, [48, 49, 62, 63, 64, 79]);
     }
 }

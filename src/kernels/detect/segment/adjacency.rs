@@ -163,8 +163,8 @@ mod tests {
             let mut columns = Vec::new();
             let joined = adjacency.around_each(&run, &mut columns, bit, |a, b| a | b);
             for (pixel, joined) in pixels.zip(joined) {
-                let wanted = adjacency.around(pixel).into_iter().fold(bit(pixel), |all, other| all | bit(other));
-                prop_assert_eq!(joined, wanted);
+                let expected = adjacency.around(pixel).into_iter().fold(bit(pixel), |all, other| all | bit(other));
+                prop_assert_eq!(joined, expected);
             }
         }
     }

@@ -180,10 +180,10 @@ mod tests {
     fn around_a_pole_a_gap_is_an_angle() {
         let row = "9...............9...............";
         let dark = ".".repeat(32);
-        for (y, wanted) in [(1, vec![2]), (14, vec![2]), (2, vec![1, 1]), (7, vec![1, 1])] {
+        for (y, expected) in [(1, vec![2]), (14, vec![2]), (2, vec![1, 1]), (7, vec![1, 1])] {
             let mut rows = vec![dark.as_str(); 16];
             rows[y] = row;
-            assert_eq!(sizes_after_bridging(&working_image_of(&rows), 2.2), wanted, "row {y}");
+            assert_eq!(sizes_after_bridging(&working_image_of(&rows), 2.2), expected, "row {y}");
         }
     }
 

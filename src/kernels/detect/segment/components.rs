@@ -2,7 +2,7 @@
 //!
 //! Lower a water level from above: peaks appear as islands, brightest first. Where two islands meet, the
 //! level is their *saddle*: the darkest pixel on the brightest path between the two peaks. The dimmer peak
-//! stays a light of its own only if
+//! remains a separate light only if
 //!
 //! ```text
 //!   peak / saddle >= prominence
@@ -51,14 +51,14 @@ impl Segments {
         Self { pixels: Vec::new(), peaks: Vec::new(), label }
     }
 
-    /// Add a segment: those of its `pixels` that have a label get its number plus 1.
+    /// Add a segment; its labelled pixels get its number, counted from 1, as their label.
     pub fn push(&mut self, pixels: Vec<u32>, peak: f32) {
         self.peaks.push(peak);
         self.relabel(&pixels, self.peaks.len() as u32);
         self.pixels.push(pixels);
     }
 
-    /// Give a `new` label to those of some pixels that have one.
+    /// Replace the labels of some pixels by a `new` one; pixels without a label stay without.
     pub fn relabel(&mut self, pixels: &[u32], new: u32) {
         for &pixel in pixels {
             let label = &mut self.label[pixel as usize];
@@ -67,7 +67,7 @@ impl Segments {
     }
 }
 
-/// Rules that make a peak a light of its own, and that end a light.
+/// Rules for the peaks that are separate lights, and for the edges of lights.
 #[derive(Clone, Copy, Debug)]
 pub struct TreeRule {
     /// Least ratio of a peak to the threshold.
@@ -298,8 +298,8 @@ mod tests {
     #[test]
     fn a_light_over_a_pole_is_one_and_beside_it_two() {
         let row = "..9.......8.....";
-        for (top, wanted) in [(0, vec![2]), (7, vec![2]), (1, vec![1, 1]), (6, vec![1, 1])] {
-            assert_eq!(sizes(&segments(&rows_from(top, &[row]), 0.0)), wanted, "row {top}");
+        for (top, expected) in [(0, vec![2]), (7, vec![2]), (1, vec![1, 1]), (6, vec![1, 1])] {
+            assert_eq!(sizes(&segments(&rows_from(top, &[row]), 0.0)), expected, "row {top}");
         }
     }
 
@@ -371,9 +371,9 @@ mod tests {
             let bright = bright_pixels(&working, 0.5);
             let none = Threshold { luminance: 0.0, ..super::super::test_maps::THRESHOLD };
             let adjacency = Adjacency::of(&working);
-            let found = super::segments(&working, &adjacency, &bright, &none, &TreeRule { rise: 1.0, prominence, extent: 0.0 });
+            let result = super::segments(&working, &adjacency, &bright, &none, &TreeRule { rise: 1.0, prominence, extent: 0.0 });
             let mut first = vec![0; 8 * 16];
-            for pixels in &found.pixels {
+            for pixels in &result.pixels {
                 for &pixel in pixels {
                     first[pixel as usize] = pixels[0] as usize + 1;
                 }

@@ -355,8 +355,8 @@ mod tests {
                 all.extend(vectors.iter().flat_map(DVec3::to_array));
                 all
             };
-            for (sum, wanted) in numbers(&light).into_iter().zip(numbers(&plain)) {
-                prop_assert!(near(sum, wanted), "{sum} {wanted}");
+            for (sum, expected) in numbers(&light).into_iter().zip(numbers(&plain)) {
+                prop_assert!(near(sum, expected), "{sum} {expected}");
             }
         }
     }

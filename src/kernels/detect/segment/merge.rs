@@ -205,7 +205,7 @@ mod tests {
         let selection = select(lights, &listed, 7);
         assert_eq!(selection.lights.len(), 7);
         let flux: f64 = selection.lights.iter().map(|light| light.flux).sum();
-        let wanted = (MOST_IN_PAIRS + 500) * (MOST_IN_PAIRS + 501) / 2;
-        assert!((flux - wanted as f64).abs() < 1e-3, "{flux} {wanted}");
+        let expected = (MOST_IN_PAIRS + 500) * (MOST_IN_PAIRS + 501) / 2;
+        assert!((flux - expected as f64).abs() < 1e-3, "{flux} {expected}");
     }
 }

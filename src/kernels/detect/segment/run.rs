@@ -44,8 +44,8 @@ mod tests {
     #[test]
     fn a_run_ends_at_a_gap_and_with_its_row() {
         let run = |row, columns| Run { row, columns };
-        let found = runs(&[3, 4, 5, 7, 14, 15, 16, 40, 39], 16);
-        let wanted = [run(0, 3..6), run(0, 7..8), run(0, 14..16), run(1, 0..1), run(2, 8..9), run(2, 7..8)];
-        assert_eq!(found, wanted);
+        let result = runs(&[3, 4, 5, 7, 14, 15, 16, 40, 39], 16);
+        let expected = [run(0, 3..6), run(0, 7..8), run(0, 14..16), run(1, 0..1), run(2, 8..9), run(2, 7..8)];
+        assert_eq!(result, expected);
     }
 }

@@ -288,11 +288,11 @@ mod tests {
         let pixels = working.luminance.iter().enumerate();
         let mut pixels: Vec<(f32, f64)> = pixels.map(|(i, &y)| (y, working.bands[i / columns])).collect();
         pixels.sort_by(|one, other| one.0.total_cmp(&other.0));
-        let wanted = share * pixels.iter().map(|(_, band)| band).sum::<f64>();
+        let expected = share * pixels.iter().map(|(_, band)| band).sum::<f64>();
         let mut below = 0.0;
         let reached = pixels.iter().find(|(_, band)| {
             below += band;
-            below >= wanted
+            below >= expected
         });
         f64::from(reached.unwrap().0)
     }
@@ -308,8 +308,8 @@ mod tests {
         let mean = working.flux / (4.0 * PI);
         let histogram = Histogram::of(&working, mean);
         for share in [0.01, 0.1, 0.5, 0.9, 0.95, 0.999] {
-            let (found, wanted) = (histogram.quantile(share) * mean, sorted_quantile(&working, share));
-            assert_relative_eq!(found, wanted, max_relative = 1.0 / 32.0); // the width of a bin
+            let (result, expected) = (histogram.quantile(share) * mean, sorted_quantile(&working, share));
+            assert_relative_eq!(result, expected, max_relative = 1.0 / 32.0); // the width of a bin
         }
     }
 

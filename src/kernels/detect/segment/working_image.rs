@@ -281,8 +281,8 @@ mod tests {
             let rows = row * TILE..((row + 1) * TILE).min(50);
             let pixels =
                 rows.flat_map(|y| (column * TILE..((column + 1) * TILE).min(100)).map(move |x| y * 100 + x));
-            let wanted = pixels.map(|i| working.luminance[i]).fold(0.0, f32::max);
-            assert_relative_eq!(maximum, wanted);
+            let expected = pixels.map(|i| working.luminance[i]).fold(0.0, f32::max);
+            assert_relative_eq!(maximum, expected);
         }
     }
 
