@@ -14,7 +14,7 @@ use crate::kernels::detect::segment::threshold::Rule;
 use crate::kernels::detect::segment::working_image::WorkingImage;
 use crate::kernels::detect::{self, Detection, DetectionOptions};
 
-/// Options of `detect_tree`: the NamedTuple of `envlights.detection.component_tree`.
+/// Options of `detect_tree`: the named tuple of `envlights.detection.component_tree`.
 #[derive(FromPyObject)]
 pub struct TreeOptions {
     working_columns: usize,

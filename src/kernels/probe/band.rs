@@ -22,14 +22,14 @@ use super::bright::Limits;
 use super::rows::{ColumnWeights, FourPixels, Rows, Weight, four};
 use crate::kernels::image::Grid;
 
-/// BlockColumns of a block. More columns make the pass over the pixels faster and a look-up slower: 16 is the fastest of 4, 8,
+/// Columns of a block. More columns make the pass over the pixels faster and a look-up slower: 16 is the fastest of 4, 8,
 /// 16 and 32 for 320 normals and 4096 columns.
 const BLOCK: usize = 16;
 const HALF: usize = BLOCK / 2;
 /// Integrals of L cos phi, L sin phi and L over some azimuths, each for three channels.
 pub type Flux = [DVec3; 3];
 
-/// BlockColumns of a map in blocks, and the integrals over them; all rows share them.
+/// Columns of a map in blocks, and the integrals over them; all rows share them.
 pub struct BlockColumns<'a> {
     grid: &'a Grid,
     /// For each edge the antiderivatives of cos phi, sin phi and 1.

@@ -40,7 +40,9 @@ pub fn ring_pixels(
     for ring in 0..front.rings.len() {
         interrupt::check();
         if ring > 0 {
-            profiles.iter_mut().for_each(|profile| profile.close_ring(threshold));
+            for profile in &mut profiles {
+                profile.close_ring(threshold);
+            }
         }
         let grows = |source: usize| profiles[light_of[source] as usize - 1].width.is_none();
         for (pixel, source, number) in front.grow(ring, grows) {

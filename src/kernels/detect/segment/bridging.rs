@@ -75,7 +75,9 @@ fn join(segments: Segments, parent: &mut [u32]) -> Segments {
         }
     }
     let mut joined = Segments::empty(segments.label);
-    wholes.into_iter().for_each(|(pixels, peak)| joined.push(pixels, peak));
+    for (pixels, peak) in wholes {
+        joined.push(pixels, peak);
+    }
     joined
 }
 
