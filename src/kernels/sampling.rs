@@ -208,12 +208,11 @@ fn spherical_area([a, b, c]: &[DVec3; 3]) -> f64 {
 /// Newton's method on the Legendre polynomial P, with `P' = n (x P_n - P_(n-1)) / (x^2 - 1)`; the weight is
 /// `2 / ((1 - x^2) P'^2)`.
 pub(crate) fn gauss_legendre(count: usize) -> (Vec<f64>, Vec<f64>) {
-    /// Newton steps. Each doubles the number of correct digits, so 4 reach double precision.
-    const STEPS: usize = 6;
     let node = |i: usize| {
         let mut x = (PI * (i as f64 + 0.75) / (count as f64 + 0.5)).cos();
         let mut derivative = 1.0;
-        for _ in 0..STEPS {
+        // Take 6 Newton steps. Each doubles the number of correct digits, so 4 reach double precision.
+        for _ in 0..6 {
             let (mut before, mut value) = (1.0, x);
             for k in 2..=count {
                 let k = k as f64;

@@ -118,10 +118,9 @@ impl Block {
     /// With the width `w` and the azimuth of each pixel, a row of a part has the sums of `L w sin phi`, `L w cos phi` and
     /// `L w`. Factors of the row turn them into irradiance.
     fn sixteenths(&self, radiance: ArrayView3<'_, f32>, pixels: &Grid) -> Vec<Sum> {
-        const SIDE: usize = 4;
         let (theta, phi) = (&pixels.theta_edges, &pixels.phi_edges);
         let columns: Vec<[f64; 3]> = self.columns.clone().map(|x| widths(phi[x], phi[x + 1])).collect();
-        let [high, wide] = [&self.rows, &self.columns].map(|side| side.len().div_ceil(SIDE));
+        let [high, wide] = [&self.rows, &self.columns].map(|side| side.len().div_ceil(4));
         let across = columns.len().div_ceil(wide);
         let mut sums = vec![Sum::default(); self.rows.len().div_ceil(high) * across];
         for (i, row) in self.rows.clone().enumerate() {

@@ -42,10 +42,10 @@ pub fn unusable(radiance: ArrayView3<'_, f32>) -> Result<Unusable> {
 }
 
 fn all_usable(samples: &[f32]) -> bool {
-    const LARGEST_FINITE: i32 = 0x7f7f_ffff;
+    let largest_finite = f32::MAX.to_bits().cast_signed();
     let sign = samples.iter().fold(0_i32, |signs, sample| {
         let bits = sample.to_bits().cast_signed();
-        signs | bits | LARGEST_FINITE.wrapping_sub(bits)
+        signs | bits | largest_finite.wrapping_sub(bits)
     });
     sign >= 0
 }

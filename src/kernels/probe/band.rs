@@ -38,7 +38,7 @@ pub struct BlockColumns<'a> {
     integrals: Vec<DVec3>,
     /// cos o and sin o of the pixels of a block of even width.
     offsets: [[FourPixels; 2]; BLOCK / 4],
-    /// For a look-up in each column of a block, the signs of the pixels of its half: 1, -1, or 0 if it skips a pixel.
+    /// For a look-up in each column of a block, the signs of the pixels of its half: 1, -1, or 0 for none.
     signs: [[FourPixels; HALF / 4]; BLOCK],
     /// For each block of even columns, the integrals over a column in its middle.
     middles: Vec<Option<[f32; 3]>>,

@@ -24,8 +24,8 @@ pub struct Pairs {
 
 /// Find pairs of normals that are opposite up to rounding; a missed pair costs time, not accuracy.
 pub fn pairs(normals: &[DVec3]) -> Pairs {
-    const CELLS: f64 = (1_u64 << 40) as f64;
-    let cell = |n: DVec3| (n * CELLS).round().to_array().map(|x| x as i64);
+    let cells = (1_u64 << 40) as f64;
+    let cell = |n: DVec3| (n * cells).round().to_array().map(|x| x as i64);
     let mut distinct = Vec::new();
     let mut indices = FxHashMap::default();
     let mut find = |&normal: &DVec3| {
