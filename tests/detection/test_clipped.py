@@ -206,7 +206,7 @@ def test_without_a_white_nothing_changes():
     ("largest", "words"),
     [
         (9.0, "the map is clipped at 1;"),
-        (0.9, "the map is clipped at 0.9, a small peak below the largest possible value;"),
+        (0.9, "the map is clipped at 0.9, below its largest possible value;"),
         (0.4, None),
     ],
 )

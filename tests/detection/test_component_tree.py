@@ -243,10 +243,10 @@ def test_a_light_whose_peak_has_a_black_channel_is_noted(direction, registration
     damaged = radiance.copy()
     damaged[row, column] = 30, 25, np.nan
     (_, note) = el.detect(el.EnvMap(damaged, registration=registration)).report.notes
-    assert "has no blue there" in note
+    assert "has no blue at its peak" in note
     damaged[row, column] = 0, 25, 0
     (note,) = el.detect(el.EnvMap(damaged, registration=registration)).report.notes
-    assert "has no red and no blue there" in note
+    assert "has no red and no blue at its peak" in note
 
 
 def test_what_gives_little_and_stands_out_little_is_listed_only_when_all_are_wanted():

@@ -257,7 +257,7 @@ def test_pictures_that_end_at_white_keep_their_white():
     lights, rest = el.split(codes)
     assert len(lights) == 1
     assert rest.white == 1.0
-    assert "sRGB-coded" in rest.notes[0]
+    assert "decoded from sRGB" in rest.notes[0]
     assert "1 light with" in rest.notes[1]
     np.testing.assert_allclose(rest.radiance, el.EnvMap(codes).radiance[0, 0, 0], rtol=1e-6)
 
