@@ -215,14 +215,14 @@ def line(scores):
 def families():
     """Lines on the generated maps that are pictures clipped at white, as 8 bits."""
     for name in ("plain", "hard"):
-        worlds = [getattr(synthetic, name)(seed) for seed in synthetic.JUDGING]
+        worlds = [getattr(synthetic, name)(seed) for seed in synthetic.EVALUATION]
         worlds = [world for world in worlds if "clipped" in world.note or "8 bit" in world.note]
         found = [el.detect(eight_bits(world.radiance)) for world in worlds]
         results = zip(worlds, found, strict=True)
-        judged = synthetic.judge([(world, e.direction, e.flux) for world, e in results])
+        score = synthetic.evaluate([(world, e.direction, e.flux) for world, e in results])
         yield (
-            f"{name}: {len(worlds)} maps, precision {judged.precision:.2f}, recall"
-            f" {judged.recall:.2f}, {judged.false_on_lightless} false on maps without lights"
+            f"{name}: {len(worlds)} maps, precision {score.precision:.2f}, recall"
+            f" {score.recall:.2f}, {score.false_on_lightless} false on maps without lights"
         )
 
 

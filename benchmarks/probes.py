@@ -23,7 +23,7 @@ def paths():
 def generated_maps():
     """The hall of the demo, and some of each family of random maps."""
     worlds = {"hall": synthetic.hall(256)}
-    for seed in synthetic.JUDGING[:GENERATED]:
+    for seed in synthetic.EVALUATION[:GENERATED]:
         for make in (synthetic.plain, synthetic.hard):
             worlds[f"{make.__name__} {seed}"] = make(seed, 256)
     return {name: el.EnvMap(world.radiance) for name, world in worlds.items()}

@@ -9,7 +9,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
-from curves.judge import Surroundings
+from curves.errors_of_rigs import Surroundings
 from scipy.special import sph_harm_y
 from tests.helpers import NORMALS, SOLID_ANGLES
 from tests.reference import peers

@@ -191,7 +191,7 @@ def test_the_radius_of_the_sun_is_right_in_the_mean():
 
 
 def test_members_and_peaks_lie_in_their_lights():
-    for seed in suite.JUDGING[:4]:
+    for seed in suite.EVALUATION[:4]:
         lights = el.detect(suite.hard(seed).radiance)
         homes = members(lights)
         # No pixel has two lights.

@@ -21,7 +21,9 @@ from tests.helpers import angle_deg
 @pytest.mark.parametrize(("name", "least"), [("plain", 0.98), ("hard", 0.97)])
 def test_known_lights_are_found_and_measured(name, least):
     found = [(world, el.detect(world.radiance)) for world in family(name)]
-    score = el.synthetic.judge([(world, lights.direction, lights.flux) for world, lights in found])
+    score = el.synthetic.evaluate(
+        [(world, lights.direction, lights.flux) for world, lights in found]
+    )
     assert score.f1 >= least
     assert score.false_on_lightless == 0
     assert np.median(score.angles_deg) < 0.01

@@ -46,7 +46,7 @@ def test_openings_are_one_light_each_and_lamps_of_a_row_stay_apart():
         some = [world for world in worlds if kind in world.note]
         found = [el.detect(world.radiance) for world in some]
         results = zip(some, found, strict=True)
-        score = synthetic.judge([(world, e.direction, e.flux) for world, e in results])
+        score = synthetic.evaluate([(world, e.direction, e.flux) for world, e in results])
         assert score.known >= 6
         assert score.f1 >= 0.95, (kind, score)
 

@@ -26,7 +26,7 @@ def three():
 def family(name):
     """Every fourth of the maps that no threshold was chosen by."""
     make = getattr(suite, name)
-    return [make(seed) for seed in suite.JUDGING[::4]]
+    return [make(seed) for seed in suite.EVALUATION[::4]]
 
 
 def members(lights):

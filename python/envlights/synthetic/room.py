@@ -1,6 +1,6 @@
 """A closed room under many lights, without noise, for models of indirect light.
 
-Two boxes stand in a cube. Their 16 faces are the charts of the lightmap, four by four. Light
+Two boxes are in a cube. Their 16 faces are the charts of the lightmap, four by four. Light
 bounces between patches (radiosity), so the indirect light is exact for those patches, and linear in
 the direct light.
 """

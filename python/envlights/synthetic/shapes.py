@@ -169,7 +169,7 @@ def supersample(
 ) -> NDArray[np.float64]:
     """Share of each pixel's samples that are inside, weighted by solid angle from row to row.
 
-    Pixels farther than `reach_deg` from the centre are taken to be outside.
+    Pixels farther than `reach_deg` from the centre count as outside.
     """
     # Find the pixels within reach.
     n = _SUPERSAMPLING
