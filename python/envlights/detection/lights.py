@@ -120,7 +120,7 @@ class DetectionReport(Result):
         height, width = self.working_size
         lines = [
             str(self),
-            f"method: {self.method}, on the map reduced to {width}x{height} pixels",
+            f"method: {self.method}, on a working map of {width}x{height} pixels",
             *self.details,
             *(f"{stage}: {1e3 * seconds:.1f} ms" for stage, seconds in self.seconds.items()),
         ]

@@ -72,9 +72,9 @@ def evaluate(results: Iterable[tuple[SyntheticMap, ArrayLike, ArrayLike]]) -> Sc
 
     Parameters
     ----------
-    results : iterable of (SyntheticMap, directions, irradiance)
-        The lights detected in each map: unit vectors, shape (n, 3), and the RGB integral of the
-        radiance over each light, with the background, shape (n, 3).
+    results : iterable of (SyntheticMap, directions, flux)
+        Lights detected in each map: unit vectors, shape (n, 3), and their `DetectedLights.flux`,
+        shape (n, 3).
 
     Returns
     -------
@@ -91,10 +91,10 @@ def evaluate(results: Iterable[tuple[SyntheticMap, ArrayLike, ArrayLike]]) -> Sc
     known = found = false_on_lightless = 0
     angles: list[float] = []
     flux_errors: list[float] = []
-    for world, directions, irradiance in results:
+    for world, directions, rgb_flux in results:
         # Count lights, known and detected.
         detected = np.reshape(directions, (-1, 3))
-        flux = np.reshape(irradiance, (-1, 3)) @ LUMINANCE
+        flux = np.reshape(rgb_flux, (-1, 3)) @ LUMINANCE
         truth = world.irradiance_with_background @ LUMINANCE
         known, found = known + len(world.lights), found + len(detected)
         false_on_lightless += len(detected) * (len(world.lights) == 0)
