@@ -125,7 +125,7 @@ def test_pairs_that_do_not_fit_a_model_are_not_added(model):
         model.add(scene()[0], scene()[1][:, :8])
     with pytest.raises(el.EnvLightsError, match="direct must have the shape"):
         model.add(1.0, 2.0)
-    with pytest.raises(el.EnvLightsError, match="notebook=True takes no more pairs"):
+    with pytest.raises(el.EnvLightsError, match="notebook=True cannot grow"):
         el.TransferModel.fit(*scene(), notebook=True).add(*scene())
 
 
