@@ -44,7 +44,7 @@ SMALL, LARGE = oblong(4)
         (SMALL[0], LARGE, {}, r"direct must have the shape \(k, height, width, 3 or 4\); got \(3"),
         (SMALL, LARGE[..., :2], {}, r"indirect must have the shape .* got \(4, 7, 11, 2\)"),
         (SMALL[:0], LARGE[:0], {}, r"got \(0, "),
-        (SMALL[:3], LARGE, {}, r"as many images; got 3 and 4"),
+        (SMALL[:3], LARGE, {}, r"the same number of images; got 3 and 4"),
         ([[[[1, 2, 3]]], [[[1, 2]]]], LARGE, {}, r"images of one size"),
         (SMALL, LARGE.astype(np.uint8), {}, r"floating point; got the dtype uint8"),
         (
