@@ -50,7 +50,7 @@ class Case:
         self.dense, self.irradiance = env.probe(DENSE[0]), env.probe(EVALUATION[0])
 
     def compared(self, rng, starts, scipy_starts):
-        """Our error over the lowest, and who found that."""
+        """Ratio of our error to the lowest, and the search that found it."""
         ours = el.fit(self.env, self.lights, ambient=self.ambient, sizes=False)
         rigs = {"fit": [ours], "fit_probe": [self.on_dense(), self.on_dense(ours)]}
         rigs["random"] = [

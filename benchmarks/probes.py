@@ -1,4 +1,4 @@
-"""Maps of all kinds, and white probes under them: what the fits are compared on."""
+"""Maps of all kinds, and white probes under them, for comparisons of fits."""
 
 from tests.helpers import EQUIRECTANGULAR, NORMALS, paths_of_real_maps
 
@@ -35,6 +35,6 @@ def real_and_generated():
 
 
 def probe(env):
-    """Its greatest irradiance 1, so that one kind of start suits all."""
+    """Probe scaled to a largest irradiance of 1, so that one kind of start suits all."""
     irradiance = env.probe(NORMALS)
     return irradiance / irradiance.max()
