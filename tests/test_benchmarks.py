@@ -1,4 +1,4 @@
-"""Errors that the benchmarks measure, and the peers that they compare."""
+"""Errors and peers of the benchmarks."""
 
 import json
 import subprocess

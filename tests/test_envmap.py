@@ -1,4 +1,4 @@
-"""Maps from arrays: what is taken as it is, what is cleaned, what is refused."""
+"""Maps from arrays: values that are unchanged, cleaned or refused."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Detection on maps that end at a known white, by generated lights behind it."""
+"""Detection on clipped maps with generated lights."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The component tree against plain references, closed sums, and maps that are hard on it."""
+"""The component tree against plain references, closed forms and extreme maps."""
 
 import dataclasses
 

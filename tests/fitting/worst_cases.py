@@ -1,4 +1,4 @@
-"""Probes that are hard on a fit: for its tests and for its benchmark."""
+"""Worst cases of a fit, for its tests and its benchmark."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Maps in: files of every kind, what is cleaned, what is refused."""
+"""Image files of all kinds: read, cleaned or refused."""
 
 import os
 import struct

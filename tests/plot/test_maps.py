@@ -1,4 +1,4 @@
-"""Pictures of a map with its lights: what they take, and that any notebook shows them."""
+"""Pictures of a map with its lights: arguments, and display in notebooks."""
 
 import io
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""The score of what a detector finds in maps with known lights."""
+"""Score of a detector on maps with known lights."""
 
 import numpy as np
 import pytest

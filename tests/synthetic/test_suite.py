@@ -1,4 +1,4 @@
-"""The families of maps with known lights, and the score of what is found in them."""
+"""Families of maps with known lights, and the score of detectors on them."""
 
 import numpy as np
 import pytest
