@@ -41,7 +41,7 @@ pub fn decoded_16<'py>(
 
 /// See `envlights.EnvMap.rotated`; `matrix` row by row.
 #[pyfunction]
-pub fn rotated<'py>(
+pub fn rotate_map<'py>(
     py: Python<'py>,
     radiance: PyReadonlyArray3<'py, f32>,
     matrix: [[f64; 3]; 3],
