@@ -55,4 +55,4 @@ def test_where_all_lights_are_too_dim_the_report_says_no_other_reason():
     lights = el.detect(one_pixel_suns(3, 1), min_flux_share=1.0)
     assert len(lights) == 0
     assert "3 lights that are too weak" in str(lights.report)
-    assert "nothing rises" not in str(lights.report)
+    assert "the whole map" not in str(lights.report)
