@@ -107,7 +107,10 @@ class DetectionReport(Result):
         return f"{self.method}, threshold {self.threshold:.4g}"
 
     def __str__(self) -> str:
-        clipped = "; clipped map: lights are separated by the depth of their clipped regions"
+        clipped = (
+            "; clipped map: lights are separated by the depth of their clipped regions, and ordered"
+            " by an estimate of their brightness"
+        )
         lines = [
             f"threshold {self.threshold:.3g} ({self.reason}){clipped if self.clip_level else ''}",
             *(f"not listed: {line}" for line in self.skipped),
