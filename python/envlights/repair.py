@@ -135,8 +135,8 @@ class _Light:
         )
         low, high = _true_factors(1 + missing / self.flux)
         return missing, (
-            "an estimate from the brightness of the ground (in two of three maps, the true factor is"
-            f" between {low:.2g} and {high:.2g})"
+            "an estimate from the brightness of the ground (in two of three maps, the true factor"
+            f" is between {low:.2g} and {high:.2g})"
         )
 
     def up_to(self, irradiance: float | None, ratio: float | None) -> tuple[float, str]:
