@@ -1,32 +1,32 @@
-//! What is to be reproduced at given normals, and all that a fit needs to know of it beforehand.
+//! Irradiance at known normals, with the sums over normals that are computed once for a fit.
 
 use glam::{DMat3, DVec3};
 use nalgebra::DMatrix;
 
-use super::measured::Samples;
+use super::probe_samples::Samples;
 use crate::kernels::fit::ambient::Ambient;
 use crate::kernels::fit::objective::{Given, distinct_channels};
 
-/// Samples to be reproduced, and all that a fit needs to know of them beforehand.
+/// Irradiance at known normals, with its products with the ambient term.
 #[derive(Clone, Debug)]
 pub struct Probe {
     pub(crate) samples: Samples,
     pub(super) given: Given,
     /// `w n n^T` of each normal.
     pub(super) outer: Vec<DMat3>,
-    /// `w n y` of each normal, for each side y.
+    /// `w n y` of each normal and each side y, an ambient column or a channel of the irradiance.
     pub(super) by_side: Vec<DVec3>,
 }
 
 impl Probe {
-    /// `samples` that lights and an `ambient` term may explain.
+    /// Prepare a fit of lights and an `ambient` term to `samples`.
     pub fn new(samples: Samples, ambient: Ambient) -> Self {
         let weighted = samples.normals.iter().zip(&samples.weights);
         let outer = weighted.map(|(&n, &w)| DMat3::from_cols(n * n.x, n * n.y, n * n.z) * w).collect();
-        let seen = &samples.irradiance;
+        let irradiance = &samples.irradiance;
         let (channels, like) = distinct_channels(
-            |channel| seen.iter().all(|e| e[channel] == 0.0),
-            |a, b| seen.iter().all(|e| e[a].to_bits() == e[b].to_bits()),
+            |channel| irradiance.iter().all(|e| e[channel] == 0.0),
+            |a, b| irradiance.iter().all(|e| e[a].to_bits() == e[b].to_bits()),
         );
         let columns = ambient.coefficients();
         let ambient_products = DMatrix::zeros(columns, columns + channels.len());
@@ -37,7 +37,7 @@ impl Probe {
         probe
     }
 
-    /// The sides themselves: a row for each normal.
+    /// The sides, a row for each normal.
     pub(super) fn side_columns(&self) -> DMatrix<f64> {
         let ambient = self.given.ambient.coefficients();
         DMatrix::from_fn(self.samples.normals.len(), self.given.sides(), |i, side| {
