@@ -1,4 +1,4 @@
-//! The ambient columns beside a light, over all normals, as functions of degree 1 in its direction l.
+//! Inner products of the ambient columns with lights, as functions of degree 1 in the direction l of a light.
 //!
 //! ```text
 //!   none
@@ -8,7 +8,7 @@
 //! ```
 //!
 //! A floor hides the lower half of a constant environment. A harmonic of degree d is a polynomial of that degree;
-//! that of degree 2 is `l^T B l` with a symmetric matrix B.
+//! for degree 2 it is `l^T B l` with a symmetric matrix B.
 
 use std::f64::consts::PI;
 
@@ -17,23 +17,23 @@ use glam::{DMat3, DVec3};
 use crate::kernels::fit::ambient::Ambient;
 use crate::kernels::harmonics::{cosine_lobe, irradiance, irradiance_of_moments};
 
-/// Moments of the radiance of a map, in one channel: its integral, with w, and with w w^T.
+/// Integrals of the radiance L of one channel of a map: `L dw`, `L w dw` and `L w w^T dw`.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Radiance {
+pub struct RadianceMoments {
     pub whole: f64,
     pub first: DVec3,
     pub second: DMat3,
 }
 
-/// The ambient columns.
+/// The ambient columns, and their inner products over all normals.
 #[derive(Clone, Copy, Debug)]
-pub struct Columns {
+pub struct AmbientColumns {
     pub ambient: Ambient,
     pub has_floor: bool,
 }
 
-impl Columns {
-    /// With each other.
+impl AmbientColumns {
+    /// Inner product of two ambient columns.
     pub fn gram(self, i: usize, k: usize) -> f64 {
         match self.ambient {
             _ if i != k => 0.0,
@@ -43,8 +43,8 @@ impl Columns {
         }
     }
 
-    /// With the probe under a map.
-    pub fn probe(self, i: usize, map: &Radiance) -> f64 {
+    /// Inner product with the probe under a map.
+    pub fn probe(self, i: usize, map: &RadianceMoments) -> f64 {
         match self.ambient {
             Ambient::Sh2 => cosine_lobe(i) * irradiance_of_moments(map.whole, map.first, map.second)[i],
             _ if self.has_floor => PI * PI * (map.whole / 2.0 + map.first.y / 3.0),
@@ -52,7 +52,7 @@ impl Columns {
         }
     }
 
-    /// Derivatives by l of the inner product of each with a light.
+    /// Derivatives by l of the inner products with a light.
     pub fn gradients(self, l: DVec3, out: &mut Vec<DVec3>) {
         match self.ambient {
             Ambient::None => (),
@@ -62,7 +62,7 @@ impl Columns {
         }
     }
 
-    /// The second derivative of their sum with these `weights`, on the tangent plane of l.
+    /// Second derivative of the weighted sum of the inner products, on the tangent plane of l.
     pub fn second_derivative(self, l: DVec3, weights: &[f64]) -> DMat3 {
         let round = |value: f64| DMat3::from_diagonal(DVec3::splat(value));
         match self.ambient {

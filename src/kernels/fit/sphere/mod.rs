@@ -6,20 +6,23 @@
 //!   F(l) = <E, max(0, n.l)> = integral over the sphere of L(w) k(w.l) dw
 //! ```
 //!
-//! is the map blurred by the same kernel: pi / 3 times `l.(integral of L w dw)`, plus an even function that is
-//! smooth wherever the map has no bright points. These are kept as points; the rest is looked up in `field.rs`.
+//! is the map blurred by the same kernel: pi / 3 times `l.(integral of L w dw)`, plus an even function. The even
+//! function is smooth where the map has no bright sources. These become exact points; a table holds all the rest.
 //!
 //! | step                                     | file                 |
 //! |------------------------------------------|----------------------|
 //! | the kernel between two lights            | `kernel.rs`          |
 //! | inner products of lights                 | `lights.rs`          |
-//! | bright sources, kept as points           | `points.rs`          |
-//! | a smooth even function, quick to look up | `field.rs`           |
-//! | the ambient term beside a light          | `ambient_columns.rs` |
-//! | lights added and exchanged by a search   | `point_search.rs`    |
+//! | bright sources as points                 | `points.rs`          |
+//! | a table of a smooth even function        | `field.rs`           |
+//! | inner products of the ambient term       | `ambient_columns.rs` |
+//! | inner products for the search            | `point_search.rs`    |
 //! | the probe at evaluation normals          | `evaluation_probe.rs` |
 
-#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+#![allow(
+    clippy::inline_always,
+    reason = "functions that are not inlined are compiled for the oldest processors"
+)]
 
 mod ambient_columns;
 mod evaluation_probe;
@@ -37,10 +40,10 @@ use glam::{DMat3, DVec3};
 use nalgebra::DMatrix;
 use pulp::{Arch, Scalar, Simd, WithSimd};
 
-use self::ambient_columns::{Columns, Radiance};
+use self::ambient_columns::{AmbientColumns, RadianceMoments};
 use self::field::{Field, HIGHEST};
 use self::kernel::{Block, LINEAR, outer, second_derivative, spectrum};
-use self::lights::{Products, Turned};
+use self::lights::{DerivativeProducts, LightProducts};
 use self::points::Points;
 use super::ambient::Ambient;
 use super::lanes::LANES;
@@ -56,45 +59,44 @@ use crate::kernels::sphere::tangents;
 #[derive(Clone, Debug)]
 pub struct Sphere {
     given: Given,
-    columns: Columns,
+    columns: AmbientColumns,
     points: Points,
-    /// Towards them, brightest first.
+    /// Directions of the points, brightest first.
     likely: Vec<DVec3>,
-    /// `integral of L w dw` of the rest, by channel.
+    /// `integral of L w dw` of the map without the points, by channel.
     first: [DVec3; 3],
-    /// The even part of F under the rest.
+    /// The even part of F under the map without the points.
     field: Field,
-    /// Vectors as wide as this processor has.
+    /// Widest vectors of this processor.
     widest: Arch,
 }
 
 impl Sphere {
-    /// The probe under `map`, and the `ambient` term that may explain it. Where it `has_floor`, no light may
-    /// stand below the horizon, and the map has none there.
+    /// Expand `map`, to be fitted by lights and an `ambient` term. A floor has no light below the horizon.
     pub fn new(map: &WorkingMap, ambient: Ambient, has_floor: bool) -> Self {
         Self::of(map, &Expansion::new(map), ambient, has_floor)
     }
 
-    /// The same for a map whose harmonics are known.
+    /// Prepare the fit of a map whose harmonics are known.
     pub fn of(map: &WorkingMap, expansion: &Expansion, ambient: Ambient, has_floor: bool) -> Self {
-        let (points, faint, aside) = Points::chosen(map);
+        let (points, others, missing) = Points::of_sources(map);
         let mut rest = expansion.rest.clone();
-        rest.add_discs(faint.iter().chain(&bright_cells(map)).map(PointLight::disc));
-        (0..3).for_each(|channel| rest.add_first(channel, aside[channel]));
+        rest.add_discs(others.iter().chain(&bright_cells(map)).map(PointLight::disc));
+        (0..3).for_each(|channel| rest.add_first(channel, missing[channel]));
         let kernel = even_factors();
         let field =
             Field::new(&rest.scaled_sum(&kernel, &Harmonics::zero(), &[0.0; DEGREES]), rest.azimuth());
-        let columns = Columns { ambient, has_floor };
+        let columns = AmbientColumns { ambient, has_floor };
         let given = Given::nothing(ambient, has_floor);
         let likely = points.iter().map(|point| point.direction).collect();
         let (first, widest) = ([0, 1, 2].map(|channel| rest.moments(channel).1), Arch::new());
         let mut sphere = Self { given, columns, points: Points::new(&points), likely, first, field, widest };
-        sphere.given = sphere.given_by(&rest, &points);
+        sphere.given = sphere.fixed_part(&rest, &points);
         sphere
     }
 
-    /// The inner products that lights do not change.
-    fn given_by(&self, rest: &Harmonics, points: &[PointLight]) -> Given {
+    /// The part of the cost that lights do not change.
+    fn fixed_part(&self, rest: &Harmonics, points: &[PointLight]) -> Given {
         let channels = [0, 1, 2].map(|channel| radiance(rest, points, channel));
         let smooth = rest.product(rest, &even_factors());
         let energy = [0, 1, 2].map(|channel| self.energy(smooth[channel], points, channel));
@@ -112,11 +114,11 @@ impl Sphere {
                 Some(channel) => self.columns.probe(i, &channels[used[channel]]),
             });
         let energy = energy.iter().sum();
-        let Columns { ambient, has_floor } = self.columns;
+        let AmbientColumns { ambient, has_floor } = self.columns;
         Given { ambient, has_floor, channels: used, like, ambient_products, energy }
     }
 
-    /// `<E, E>` of a channel: the even degrees of the rest, its first degree, the points with it and with each other.
+    /// `<E, E>` of a channel, where the `even` degrees of the map without the points have this product.
     fn energy(&self, even: f64, points: &[PointLight], channel: usize) -> f64 {
         let smooth = even + LINEAR * self.first[channel].length_squared();
         points.iter().fold(smooth, |sum, point| {
@@ -126,7 +128,7 @@ impl Sphere {
         })
     }
 
-    /// The gradient of F under the rest, by channel.
+    /// The gradient of F under the map without the points, by channel.
     #[inline(always)]
     fn rest_at(&self, l: DVec3) -> [DVec3; 3] {
         let mut gradients = self.field.gradient(l);
@@ -146,7 +148,7 @@ impl Sphere {
         gradients
     }
 
-    /// `<v_l, y>` of a light, for each side y.
+    /// Append `<v_l, y>` of a light for each side y.
     #[inline(always)]
     fn sides_at<S: Simd>(&self, simd: S, l: DVec3, sides: &mut Vec<DVec3>) {
         let probe = self.probe_at(simd, l);
@@ -161,7 +163,7 @@ impl Sphere {
     fn moments_of(&self, directions: Vec<DVec3>) -> Moments {
         let sides = self.widest.dispatch(Sides { sphere: self, directions: &directions });
         let mut moments = Moments::with_sides(&self.given, directions, sides);
-        self.widest.dispatch(Products { directions: &moments.directions, gram: &mut moments.gram });
+        self.widest.dispatch(LightProducts { directions: &moments.directions, gram: &mut moments.gram });
         moments
     }
 
@@ -209,7 +211,7 @@ impl Objective for Sphere {
     fn derivatives(&self, moments: &Moments, x: &DMatrix<f64>, is_exact: bool) -> Derivatives {
         let mut derivatives = Derivatives::with_sides(&self.given, moments);
         let (ambient, directions) = (self.given.ambient.coefficients(), &moments.directions);
-        self.widest.dispatch(Turned { directions, ambient, derivatives: &mut derivatives });
+        self.widest.dispatch(DerivativeProducts { directions, ambient, derivatives: &mut derivatives });
         derivatives.second = is_exact.then(|| self.second_derivatives(directions, x));
         derivatives
     }
@@ -245,13 +247,15 @@ impl WithSimd for Sides<'_> {
     }
 }
 
-/// The second derivative by the direction `l` of `sum_k w_k <a_l, a_k> + sum_y w_y <a_l, y>` with the `weights` of lights
-/// and those of `sides`, on its tangent plane and for functions of degree 1 in l.
+/// The second derivative by `l` of `sum_k w_k <a_l, a_k> + sum_y w_y <a_l, y>`, as a function of degree 1, on the tangent
+/// plane of l.
 struct SecondDerivative<'a> {
     sphere: &'a Sphere,
     l: DVec3,
     lights: &'a [DVec3],
+    /// Weights of the lights.
     weights: &'a [f64],
+    /// Weights of the sides.
     sides: &'a [f64],
 }
 
@@ -262,9 +266,9 @@ impl WithSimd for SecondDerivative<'_> {
     fn with_simd<S: Simd>(self, simd: S) -> DMat3 {
         let Self { sphere: Sphere { given, columns, points, field, .. }, l, lights, weights, sides } = self;
         let (ambient, channels) = sides.split_at(given.ambient.coefficients());
-        let mut shares = [0.0; 3];
-        given.channels.iter().zip(channels).for_each(|(&channel, share)| shares[channel] = *share);
-        let map = field.second_derivative(l, shares) + points.second_derivative(simd, l, shares);
+        let mut by_channel = [0.0; 3];
+        given.channels.iter().zip(channels).for_each(|(&channel, weight)| by_channel[channel] = *weight);
+        let map = field.second_derivative(l, by_channel) + points.second_derivative(simd, l, by_channel);
         let sides = columns.second_derivative(l, ambient) + map;
         lights.chunks(LANES).zip(weights.chunks(LANES)).fold(sides, |sum, (lights, weights)| {
             let mut padded = [0.0; LANES];
@@ -275,15 +279,19 @@ impl WithSimd for SecondDerivative<'_> {
 }
 
 /// Moments of the radiance of a channel of the whole map.
-fn radiance(rest: &Harmonics, points: &[PointLight], channel: usize) -> Radiance {
+fn radiance(rest: &Harmonics, points: &[PointLight], channel: usize) -> RadianceMoments {
     let (whole, first, second) = rest.moments(channel);
-    points.iter().fold(Radiance { whole, first, second }, |sum, point| {
+    points.iter().fold(RadianceMoments { whole, first, second }, |sum, point| {
         let (l, e) = (point.direction, point.irradiance[channel]);
-        Radiance { whole: sum.whole + e, first: sum.first + l * e, second: sum.second + outer(l, l) * e }
+        RadianceMoments {
+            whole: sum.whole + e,
+            first: sum.first + l * e,
+            second: sum.second + outer(l, l) * e,
+        }
     })
 }
 
-/// Factors of the kernel of the probe for even degrees of the field, 0 for others.
+/// Factors of the kernel for the even degrees of the table, 0 for others.
 fn even_factors() -> [f64; DEGREES] {
     let factors = spectrum(HIGHEST / 2 + 1);
     std::array::from_fn(|degree| match degree % 2 {
