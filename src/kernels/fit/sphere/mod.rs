@@ -247,8 +247,9 @@ impl WithSimd for Sides<'_> {
     }
 }
 
-/// The second derivative by `l` of `sum_k w_k <a_l, a_k> + sum_y w_y <a_l, y>`, as a function of degree 1, on the tangent
-/// plane of l.
+/// Second derivative by `l` of `sum_k w_k <a_l, a_k> + sum_y w_y <a_l, y>`, on the tangent plane of l.
+///
+/// The sum is a function of degree 1 in l.
 struct SecondDerivative<'a> {
     sphere: &'a Sphere,
     l: DVec3,
@@ -309,8 +310,8 @@ mod tests {
     use crate::kernels::{image, probe, sampling};
     use ndarray::Array3;
 
-    /// A map of waves, of soft lights and of one hot pixel, and its probe at many normals.
-    fn worlds(registration: Registration) -> (WorkingMap, Samples) {
+    /// A map of waves and one hot pixel, and its probe at many normals.
+    fn waves(registration: Registration) -> (WorkingMap, Samples) {
         let map = Array3::from_shape_fn((128, 256, 3), |(y, x, c)| {
             let wave = 2.0 + (0.1 * x as f64).sin() + (0.17 * y as f64 + c as f64).cos();
             let hot = if (y, x) == (20, 37) { 3000.0 } else { 0.0 };
@@ -318,24 +319,24 @@ mod tests {
         });
         let working = image::reduce(map.view(), registration, 256, 2e-3, false).unwrap();
         let (normals, weights) = sampling::icosphere(20480).unwrap();
-        let seen = probe::working_irradiance(&working, normals.view()).unwrap();
-        (working, Samples::new(normals.view(), weights.view(), seen.view()).unwrap())
+        let irradiance = probe::working_irradiance(&working, normals.view()).unwrap();
+        (working, Samples::new(normals.view(), weights.view(), irradiance.view()).unwrap())
     }
 
     fn directions() -> Vec<DVec3> {
         [DVec3::Y, DVec3::new(2.0, 3.0, -6.0) / 7.0, DVec3::new(2.0, -6.0, 3.0) / 7.0].to_vec()
     }
 
-    /// Within this share of the greatest of `whole`.
-    fn assert_near(seen: &DMatrix<f64>, wanted: &DMatrix<f64>, whole: &DMatrix<f64>, share: f64) {
-        let difference = (seen - wanted).amax() / whole.amax();
-        assert!(difference < share, "{difference:e}\n{seen}{wanted}");
+    /// Compare within a fraction of the greatest value of `whole`.
+    fn assert_near(a: &DMatrix<f64>, b: &DMatrix<f64>, whole: &DMatrix<f64>, fraction: f64) {
+        let difference = (a - b).amax() / whole.amax();
+        assert!(difference < fraction, "{difference:e}\n{a}{b}");
     }
 
     #[test]
     fn the_closed_form_is_the_sum_over_many_normals() {
         for registration in [Registration::CellCentred, Registration::BorderSampled] {
-            let (map, samples) = worlds(registration);
+            let (map, samples) = waves(registration);
             for ambient in [Ambient::None, Ambient::Constant, Ambient::Sh2] {
                 let (closed, summed) =
                     (Sphere::new(&map, ambient, false), Probe::new(samples.clone(), ambient));
@@ -344,7 +345,7 @@ mod tests {
                 let [a, b] = [&closed as &dyn PointObjective, &summed].map(|o| o.moments(&directions()));
                 assert_near(&a.gram, &b.gram, &b.gram, 1e-4);
                 assert_near(&a.rhs, &b.rhs, &b.rhs, 1e-4);
-                // A derivative jumps at its light's horizon, which 20480 normals resolve to this.
+                // Allow for the jump of derivatives at a light's horizon between 20480 normals.
                 let x = DMatrix::zeros(a.gram.nrows(), a.rhs.ncols());
                 let [da, db] = [closed.derivatives(&a, &x, false), summed.derivatives(&b, &x, false)];
                 assert_near(&da.gram, &db.gram, &b.gram, 2e-3);
@@ -355,9 +356,9 @@ mod tests {
     }
 
     #[test]
-    fn gradients_and_second_derivatives_are_the_slopes_that_are_measured() {
+    fn second_derivatives_are_central_differences() {
         const STEP: f64 = 1e-4;
-        let (map, _) = worlds(Registration::CellCentred);
+        let (map, _) = waves(Registration::CellCentred);
         for (ambient, has_floor) in [
             (Ambient::None, false),
             (Ambient::Constant, false),
@@ -366,12 +367,12 @@ mod tests {
         ] {
             let sphere = Sphere::new(&map, ambient, has_floor);
             let others = [DVec3::new(2.0, 3.0, 6.0) / 7.0, DVec3::NEG_Z];
-            let shares = [0.7, -0.4];
+            let light_weights = [0.7, -0.4];
             let weights: Vec<f64> = (0..sphere.given.sides()).map(|i| 0.3 + 0.1 * i as f64).collect();
             let value = |l: DVec3| -> f64 {
                 let at = sphere.directions(vec![l]);
                 let (sides, lights) = (sphere.side_products(&at), sphere.light_products(&at, &others));
-                let products = sides.iter().zip(&weights).chain(lights.iter().zip(&shares));
+                let products = sides.iter().zip(&weights).chain(lights.iter().zip(&light_weights));
                 products.map(|(value, weight)| weight * value).sum()
             };
             for l in directions() {
@@ -380,16 +381,17 @@ mod tests {
                     sphere: &sphere,
                     l,
                     lights: &others,
-                    weights: &shares,
+                    weights: &light_weights,
                     sides: &weights,
                 };
                 let second = sphere.widest.dispatch(second);
                 for along in [s, t, (s + t) / 2.0_f64.sqrt()] {
                     let [ahead, behind] = [STEP, -STEP].map(|step| value(exponential_map(l, along * step)));
-                    // On the sphere: a function of degree 1 loses its own value to the curvature of the way.
-                    let wanted = along.dot(second * along) - value(l);
-                    let seen = (ahead - 2.0 * value(l) + behind) / (STEP * STEP);
-                    assert!((seen - wanted).abs() < 1e-4 * value(l), "{ambient:?} {l}: {seen} {wanted}");
+                    // Subtract the value itself, by which the arc curves away from the tangent.
+                    let expected = along.dot(second * along) - value(l);
+                    let difference = (ahead - 2.0 * value(l) + behind) / (STEP * STEP);
+                    let error = (difference - expected).abs();
+                    assert!(error < 1e-4 * value(l), "{ambient:?} {l}: {difference} {expected}");
                 }
             }
         }
