@@ -54,7 +54,7 @@ impl Field {
     ///
     /// If the azimuth turns with the function, so does the error of the table.
     pub fn new(harmonics: &Harmonics, azimuth: f64) -> Self {
-        let harmonics = coefficients_by_kind(&harmonics.turned(azimuth));
+        let harmonics = coefficients_by_kind(&harmonics.rotate(azimuth));
         let mut faces = vec![[0.0; 4]; 3 * SIDE * SIDE];
         for (kind, (matrix, harmonics)) in SPLINES.iter().zip(&harmonics).enumerate() {
             let quarter = matrix * harmonics;

@@ -28,7 +28,7 @@ use std::f64::consts::{FRAC_PI_3, PI};
 use glam::{DMat3, DVec3};
 use pulp::Simd;
 
-use crate::kernels::fit::lanes::{LANES, Lanes, Number};
+use crate::kernels::lanes::{LANES, Lanes, Number};
 
 /// Up to [`LANES`] directions by axis, then zeros.
 #[derive(Clone, Copy, Debug)]

@@ -10,8 +10,8 @@ use nalgebra::DMatrix;
 use pulp::{Simd, WithSimd};
 
 use super::kernel::{Angles, Block, mixed_derivatives, splat};
-use crate::kernels::fit::lanes::{LANES, Lanes, Number};
 use crate::kernels::fit::objective::{Derivatives, Pair};
+use crate::kernels::lanes::{LANES, Lanes, Number};
 use crate::kernels::sphere::tangents;
 
 /// Inner products of lights, written into the last rows and columns of a Gram matrix.

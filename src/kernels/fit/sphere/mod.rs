@@ -46,13 +46,13 @@ use self::kernel::{Block, LINEAR, outer, second_derivative, spectrum};
 use self::lights::{DerivativeProducts, LightProducts};
 use self::points::Points;
 use super::ambient::Ambient;
-use super::lanes::LANES;
 use super::objective::{
     Constraint, Derivatives, Given, Moments, Objective, PointObjective, column_weights, distinct_channels,
     turned_by,
 };
 use crate::kernels::expansion::{DEGREES, Expansion, Harmonics, PointLight, bright_cells};
 use crate::kernels::image::WorkingMap;
+use crate::kernels::lanes::LANES;
 use crate::kernels::sphere::tangents;
 
 /// The probe under a map, at every normal.

@@ -12,8 +12,8 @@ use pulp::{Simd, WithSimd};
 use super::kernel::{Block, SQUARE};
 use super::lights::values;
 use super::{Sides, Sphere};
-use crate::kernels::fit::lanes::LANES;
 use crate::kernels::fit::objective::{Directions, Moments, Objective, PointObjective};
+use crate::kernels::lanes::LANES;
 
 impl PointObjective for Sphere {
     fn base(&self) -> &dyn Objective {
