@@ -6,7 +6,7 @@
 #![allow(clippy::needless_range_loop, reason = "loops, not closures, become wide vectors")]
 
 use glam::DVec3;
-use pulp::{Arch, Simd, WithSimd};
+use pulp::Arch;
 
 use crate::kernels::fit::rig::Rig;
 
@@ -64,12 +64,12 @@ impl Blocks {
 
     /// A bit for each sample that a light reaches, in as many words for each light as there are blocks.
     pub fn visible(&self, directions: &[DVec3]) -> Vec<u64> {
-        self.widest.dispatch(Visibility { blocks: &self.blocks, directions })
+        self.widest.dispatch(|| visible(&self.blocks, directions))
     }
 
     /// Difference between the samples and a rig.
     pub fn residual(&self, rig: &Rig) -> Residual {
-        self.widest.dispatch(Difference { blocks: &self.blocks, rig })
+        self.widest.dispatch(|| residual(&self.blocks, rig))
     }
 }
 
@@ -90,59 +90,41 @@ const BITS: [u64; SAMPLES] = {
 };
 
 /// See [`Blocks::visible`].
-struct Visibility<'a> {
-    blocks: &'a [SampleBlock],
-    directions: &'a [DVec3],
-}
-
-impl WithSimd for Visibility<'_> {
-    type Output = Vec<u64>;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Vec<u64> {
-        let mut words = Vec::with_capacity(self.directions.len() * self.blocks.len());
-        for direction in self.directions {
-            for SampleBlock { normals: [x, y, z], .. } in self.blocks {
-                let mut bits = 0;
-                for i in 0..SAMPLES {
-                    let along = x[i] * direction.x + y[i] * direction.y + z[i] * direction.z;
-                    bits |= if along > TERMINATOR { BITS[i] } else { 0 };
-                }
-                words.push(bits);
+#[inline(always)]
+fn visible(blocks: &[SampleBlock], directions: &[DVec3]) -> Vec<u64> {
+    let mut words = Vec::with_capacity(directions.len() * blocks.len());
+    for direction in directions {
+        for SampleBlock { normals: [x, y, z], .. } in blocks {
+            let mut bits = 0;
+            for i in 0..SAMPLES {
+                let along = x[i] * direction.x + y[i] * direction.y + z[i] * direction.z;
+                bits |= if along > TERMINATOR { BITS[i] } else { 0 };
             }
+            words.push(bits);
         }
-        words
     }
+    words
 }
 
 /// See [`Blocks::residual`].
-struct Difference<'a> {
-    blocks: &'a [SampleBlock],
-    rig: &'a Rig,
-}
-
-impl WithSimd for Difference<'_> {
-    type Output = Residual;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Residual {
-        let mut out = Residual { squares: [0.0; 3], largest: 0.0 };
-        for block in self.blocks {
-            let mut residual = block.irradiance;
-            subtract_ambient(block, self.rig, &mut residual);
-            for (l, e) in self.rig.directions.iter().zip(&self.rig.irradiance) {
-                subtract_light(block, *l, *e, &mut residual);
-            }
-            for c in 0..3 {
-                for i in 0..SAMPLES {
-                    let difference = residual[c][i];
-                    out.squares[c] += block.weights[i] * difference * difference;
-                    out.largest = out.largest.max(difference.abs());
-                }
+#[inline(always)]
+fn residual(blocks: &[SampleBlock], rig: &Rig) -> Residual {
+    let mut out = Residual { squares: [0.0; 3], largest: 0.0 };
+    for block in blocks {
+        let mut residual = block.irradiance;
+        subtract_ambient(block, rig, &mut residual);
+        for (l, e) in rig.directions.iter().zip(&rig.irradiance) {
+            subtract_light(block, *l, *e, &mut residual);
+        }
+        for c in 0..3 {
+            for i in 0..SAMPLES {
+                let difference = residual[c][i];
+                out.squares[c] += block.weights[i] * difference * difference;
+                out.largest = out.largest.max(difference.abs());
             }
         }
-        out
     }
+    out
 }
 
 /// Subtract the ambient term of a rig at each sample.
