@@ -64,46 +64,42 @@ impl Ambient {
 /// ```
 pub fn darkest(coefficients: &[f64]) -> (DVec3, f64) {
     let c = |i: usize, scale: f64| coefficients[i] * scale;
-    let b = Vector3::new(c(3, LINEAR), c(1, LINEAR), c(2, LINEAR)) / 2.0;
     let (xy, yz, xz) = (c(4, SQUARE / 2.0), c(5, SQUARE / 2.0), c(7, SQUARE / 2.0));
     let (xx, zz) = (c(8, SQUARE / 2.0), c(6, 3.0 * ZONAL));
-    let eigen = Matrix3::new(xx, xy, xz, xy, -xx, yz, xz, yz, zz).symmetric_eigen();
-    let along = eigen.eigenvectors.tr_mul(&b);
-    let n = eigen.eigenvectors * Vector3::from(least_on_sphere(eigen.eigenvalues.into(), along.into()));
-    let normal = DVec3::new(n.x, n.y, n.z).normalize();
+    let q = Matrix3::new(xx, xy, xz, xy, -xx, yz, xz, yz, zz);
+    let n = least_on_sphere(q, Vector3::new(c(3, LINEAR), c(1, LINEAR), c(2, LINEAR)) / 2.0);
+    let normal = DVec3::new(n.x, n.y, n.z).normalize_or(DVec3::Z);
     let columns = Ambient::Sh2.irradiance(normal);
     (normal, coefficients.iter().zip(columns).map(|(c, column)| c * column).sum())
 }
 
-/// The unit vector n at which `sum_i q_i n_i^2 + 2 b_i n_i` is least.
-fn least_on_sphere(q: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    /// Steps of bisection that reach the last digit, if every Newton step fails.
+/// The vector n of about unit length at which `n^T Q n + 2 b.n` is least.
+///
+/// |n(m)| grows with m, up to infinity at the least eigenvalue of Q, and 1 / |n(m)| is almost a straight line.
+fn least_on_sphere(q: Matrix3<f64>, b: Vector3<f64>) -> Vector3<f64> {
     const STEPS: usize = 60;
-    let first = (0..3).min_by(|&i, &j| q[i].total_cmp(&q[j])).unwrap_or(0);
-    let length = |b: [f64; 3]| b.iter().map(|b| b * b).sum::<f64>().sqrt();
-    // |n(m)| grows with m, from at most 1 at the low end to at least 1 at the high end. Apply Newton's method to
-    // 1 / |n(m)|, which is almost a straight line.
-    let (mut low, mut high) = (q[first] - length(b), q[first] - b[first].abs());
-    let at = |m: f64| [0, 1, 2].map(|i| if b[i] == 0.0 { 0.0 } else { -b[i] / (q[i] - m) });
-    let (mut m, mut n) = (low, at(low));
+    /// Difference of |n| from 1; the normalized n is wrong by no more, and its irradiance by the square.
+    const TOLERANCE: f64 = 1e-9;
+    // Give b a part along every eigenvector, without which |n(m)| does not reach 1.
+    let b = b + Vector3::new(0.6, 0.5, -0.62) * (1e-8 * (q.norm() + b.norm()));
+    let size = q.norm() + b.norm();
+    let (mut low, mut high, mut m, mut n) = (-size, size, -size, Vector3::zeros());
     for _ in 0..STEPS {
-        n = at(m);
-        let size = length(n);
-        if size < 1.0 {
-            low = m;
+        let mut next = high;
+        if let Some(factor) = (q - Matrix3::from_diagonal_element(m)).cholesky() {
+            n = factor.solve(&-b);
+            let length = n.norm();
+            if (1.0 - length).abs() < TOLERANCE {
+                break;
+            }
+            *(if length < 1.0 { &mut low } else { &mut high }) = m;
+            next = m + length * length * (1.0 - length) / n.dot(&factor.solve(&n));
         } else {
             high = m;
         }
-        let slope: f64 = (0..3).filter(|&i| b[i] != 0.0).map(|i| n[i] * n[i] / (q[i] - m)).sum();
-        let newton = m + size * size * (1.0 - size) / slope;
-        m = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
-        if m <= low || m >= high || (1.0 - size).abs() < 1e-15 {
-            break;
-        }
+        // Bisect if Newton's method leaves the interval.
+        m = if next > low && next < high { next } else { 0.5 * (low + high) };
     }
-    // Make n a unit vector by its part along the least eigenvector, which b does not determine if it has none there.
-    let square = 1.0 - length(n).powi(2) + n[first] * n[first];
-    n[first] = square.max(0.0).sqrt().copysign(-b[first]);
     n
 }
 
