@@ -2,8 +2,7 @@
 
 use std::f64::consts::PI;
 
-use glam::DVec3;
-use nalgebra::{Matrix3, Vector3};
+use glam::{DMat3, DVec3};
 
 use crate::error::{Error, Result};
 use crate::kernels::harmonics::{self, LINEAR, SQUARE, ZONAL};
@@ -66,9 +65,9 @@ pub fn darkest(coefficients: &[f64]) -> (DVec3, f64) {
     let c = |i: usize, scale: f64| coefficients[i] * scale;
     let (xy, yz, xz) = (c(4, SQUARE / 2.0), c(5, SQUARE / 2.0), c(7, SQUARE / 2.0));
     let (xx, zz) = (c(8, SQUARE / 2.0), c(6, 3.0 * ZONAL));
-    let q = Matrix3::new(xx, xy, xz, xy, -xx, yz, xz, yz, zz);
-    let n = least_on_sphere(q, Vector3::new(c(3, LINEAR), c(1, LINEAR), c(2, LINEAR)) / 2.0);
-    let normal = DVec3::new(n.x, n.y, n.z).normalize_or(DVec3::Z);
+    let q = DMat3::from_cols_array(&[xx, xy, xz, xy, -xx, yz, xz, yz, zz]);
+    let b = DVec3::new(c(3, LINEAR), c(1, LINEAR), c(2, LINEAR)) / 2.0;
+    let normal = least_on_sphere(q, b).normalize_or(DVec3::Z);
     let columns = Ambient::Sh2.irradiance(normal);
     (normal, coefficients.iter().zip(columns).map(|(c, column)| c * column).sum())
 }
@@ -76,24 +75,26 @@ pub fn darkest(coefficients: &[f64]) -> (DVec3, f64) {
 /// The vector n of about unit length at which `n^T Q n + 2 b.n` is least.
 ///
 /// |n(m)| grows with m, up to infinity at the least eigenvalue of Q, and 1 / |n(m)| is almost a straight line.
-fn least_on_sphere(q: Matrix3<f64>, b: Vector3<f64>) -> Vector3<f64> {
+fn least_on_sphere(q: DMat3, b: DVec3) -> DVec3 {
     const STEPS: usize = 60;
     /// Difference of |n| from 1; the normalized n is wrong by no more, and its irradiance by the square.
     const TOLERANCE: f64 = 1e-9;
+    let size =
+        |b: DVec3| q.to_cols_array().into_iter().fold(0.0, |sum, entry| sum + entry.abs()) + b.length();
     // Give b a part along every eigenvector, without which |n(m)| does not reach 1.
-    let b = b + Vector3::new(0.6, 0.5, -0.62) * (1e-8 * (q.norm() + b.norm()));
-    let size = q.norm() + b.norm();
-    let (mut low, mut high, mut m, mut n) = (-size, size, -size, Vector3::zeros());
+    let b = b + DVec3::new(0.6, 0.5, -0.62) * (1e-8 * size(b));
+    let (mut low, mut high, mut n) = (-size(b), size(b), DVec3::ZERO);
+    let mut m = low;
     for _ in 0..STEPS {
         let mut next = high;
-        if let Some(factor) = (q - Matrix3::from_diagonal_element(m)).cholesky() {
-            n = factor.solve(&-b);
-            let length = n.norm();
+        if let Some(factors) = Factors3::new(q, m) {
+            n = factors.solve(-b);
+            let length = n.length();
             if (1.0 - length).abs() < TOLERANCE {
                 break;
             }
             *(if length < 1.0 { &mut low } else { &mut high }) = m;
-            next = m + length * length * (1.0 - length) / n.dot(&factor.solve(&n));
+            next = m + length * length * (1.0 - length) / factors.inverse_square(n);
         } else {
             high = m;
         }
@@ -101,6 +102,45 @@ fn least_on_sphere(q: Matrix3<f64>, b: Vector3<f64>) -> Vector3<f64> {
         m = if next > low && next < high { next } else { 0.5 * (low + high) };
     }
     n
+}
+
+/// Factors `L D L^T` of a symmetric positive definite matrix of 3 rows.
+struct Factors3 {
+    /// L below its diagonal: rows 1 and 2 of column 0, and row 2 of column 1.
+    lower: [f64; 3],
+    pivots: DVec3,
+}
+
+impl Factors3 {
+    /// Factor Q - m; `None` if it is not positive definite.
+    fn new(q: DMat3, m: f64) -> Option<Self> {
+        let (first, second) = (q.x_axis, q.y_axis);
+        let own = first.x - m;
+        let (by_one, by_two) = (first.y / own, first.z / own);
+        let next = second.y - m - by_one * first.y;
+        let below = second.z - by_two * first.y;
+        let pivots = DVec3::new(own, next, q.z_axis.z - m - by_two * first.z - below * below / next);
+        (pivots.min_element() > 0.0).then_some(Self { lower: [by_one, by_two, below / next], pivots })
+    }
+
+    /// `L^-1 v`
+    fn forward(&self, v: DVec3) -> DVec3 {
+        let y = v.y - self.lower[0] * v.x;
+        DVec3::new(v.x, y, v.z - self.lower[1] * v.x - self.lower[2] * y)
+    }
+
+    /// `(L D L^T)^-1 v`
+    fn solve(&self, v: DVec3) -> DVec3 {
+        let v = self.forward(v) / self.pivots;
+        let y = v.y - self.lower[2] * v.z;
+        DVec3::new(v.x - self.lower[0] * y - self.lower[1] * v.z, y, v.z)
+    }
+
+    /// `v^T (L D L^T)^-1 v`
+    fn inverse_square(&self, v: DVec3) -> f64 {
+        let v = self.forward(v);
+        v.dot(v / self.pivots)
+    }
 }
 
 #[cfg(test)]

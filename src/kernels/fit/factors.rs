@@ -8,7 +8,7 @@
 )]
 
 use nalgebra::DMatrix;
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 /// Column `k` of a matrix.
 #[inline(always)]
@@ -39,7 +39,7 @@ pub struct Factors {
 impl Factors {
     /// Factor a matrix, from its lower triangle; `None` if it is not positive definite.
     pub fn new(matrix: DMatrix<f64>) -> Option<Self> {
-        Arch::new().dispatch(|| factor(matrix))
+        Arch::new().dispatch(Factoring(matrix))
     }
 
     /// D: for a Gram matrix, the squared distance of each column from the span of those before it.
@@ -90,27 +90,34 @@ impl Factors {
 }
 
 /// See [`Factors::new`].
-#[inline(always)]
-fn factor(mut lower: DMatrix<f64>) -> Option<Factors> {
-    let size = lower.ncols();
-    let mut pivots = Vec::with_capacity(size);
-    for k in 0..size {
-        let (done, rest) = lower.as_mut_slice().split_at_mut((k + 1) * size);
-        let own = &mut done[k * size..];
-        let pivot = own[k];
-        if pivot.is_nan() || pivot <= 0.0 {
-            return None;
+struct Factoring(DMatrix<f64>);
+
+impl WithSimd for Factoring {
+    type Output = Option<Factors>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Option<Factors> {
+        let mut lower = self.0;
+        let size = lower.ncols();
+        let mut pivots = Vec::with_capacity(size);
+        for k in 0..size {
+            let (done, rest) = lower.as_mut_slice().split_at_mut((k + 1) * size);
+            let own = &mut done[k * size..];
+            let pivot = own[k];
+            if pivot.is_nan() || pivot <= 0.0 {
+                return None;
+            }
+            for value in &mut own[k + 1..] {
+                *value /= pivot;
+            }
+            for j in k + 1..size {
+                let column = &mut rest[(j - k - 1) * size..][..size];
+                add(&mut column[j..], -own[j] * pivot, &own[j..]);
+            }
+            pivots.push(pivot);
         }
-        for value in &mut own[k + 1..] {
-            *value /= pivot;
-        }
-        for j in k + 1..size {
-            let column = &mut rest[(j - k - 1) * size..][..size];
-            add(&mut column[j..], -own[j] * pivot, &own[j..]);
-        }
-        pivots.push(pivot);
+        Some(Factors { lower, pivots })
     }
-    Some(Factors { lower, pivots })
 }
 
 #[cfg(test)]
