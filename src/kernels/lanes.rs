@@ -184,29 +184,20 @@ impl<S: Simd> Number for Lanes<S> {
     }
 }
 
-impl<S: Simd> Add for Lanes<S> {
-    type Output = Self;
+/// Implement an operator lane by lane.
+macro_rules! operator {
+    ($operator:ident, $method:ident, $simd:ident) => {
+        impl<S: Simd> $operator for Lanes<S> {
+            type Output = Self;
 
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        Self { values: self.simd.add_f64s(self.values, other.values), ..self }
-    }
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self { values: self.simd.$simd(self.values, other.values), ..self }
+            }
+        }
+    };
 }
 
-impl<S: Simd> Sub for Lanes<S> {
-    type Output = Self;
-
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        Self { values: self.simd.sub_f64s(self.values, other.values), ..self }
-    }
-}
-
-impl<S: Simd> Mul for Lanes<S> {
-    type Output = Self;
-
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        Self { values: self.simd.mul_f64s(self.values, other.values), ..self }
-    }
-}
+operator!(Add, add, add_f64s);
+operator!(Sub, sub, sub_f64s);
+operator!(Mul, mul, mul_f64s);

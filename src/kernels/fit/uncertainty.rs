@@ -30,9 +30,6 @@ use super::samples::{Probe, Samples};
 use super::state::State;
 use super::variable_projection::{Quadratic, Subspace};
 
-/// Growth of the error that defines the direction tolerance.
-const GROWTH: f64 = 1.1;
-
 /// Direction tolerance of each light of `state`, in radians, where the error is that of `cost`.
 ///
 /// It is 0 if the light is fixed, and pi if the cost does not depend on its direction.
@@ -46,7 +43,7 @@ pub fn tolerances(descent: &Descent<'_>, state: &State, cost: f64) -> Vec<f64> {
     let tolerance = |light: usize| {
         let own = inverse.view((model.each * light, model.each * light), (2, 2)).into_owned();
         let greatest = own.symmetric_eigenvalues().max();
-        ((GROWTH * GROWTH - 1.0) * cost.max(0.0) * greatest).sqrt().min(PI)
+        ((1.1 * 1.1 - 1.0) * cost.max(0.0) * greatest).sqrt().min(PI)
     };
     (0..state.lights()).map(tolerance).collect()
 }

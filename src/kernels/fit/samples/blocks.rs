@@ -78,17 +78,6 @@ fn axes(vectors: &[DVec3]) -> [[f64; SAMPLES]; 3] {
     [0, 1, 2].map(|axis| std::array::from_fn(|i| vectors.get(i).map_or(0.0, |vector| vector[axis])))
 }
 
-/// The bits of a word; a table is faster than shifts by a different number in each lane.
-const BITS: [u64; SAMPLES] = {
-    let mut bits = [1; SAMPLES];
-    let mut i = 1;
-    while i < SAMPLES {
-        bits[i] = bits[i - 1] << 1;
-        i += 1;
-    }
-    bits
-};
-
 /// See [`Blocks::visible`].
 #[inline(always)]
 fn visible(blocks: &[SampleBlock], directions: &[DVec3]) -> Vec<u64> {
@@ -98,7 +87,7 @@ fn visible(blocks: &[SampleBlock], directions: &[DVec3]) -> Vec<u64> {
             let mut bits = 0;
             for i in 0..SAMPLES {
                 let along = x[i] * direction.x + y[i] * direction.y + z[i] * direction.z;
-                bits |= if along > TERMINATOR { BITS[i] } else { 0 };
+                bits |= u64::from(along > TERMINATOR) << i;
             }
             words.push(bits);
         }

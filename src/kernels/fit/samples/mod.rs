@@ -57,11 +57,11 @@ impl PointObjective for Probe {
     }
 
     fn exchanged(&self, before: &Moments, kept: &[usize], new: &[DVec3]) -> Moments {
-        visible::exchanged(self, before, kept, new)
+        visible::exchange(self, before, kept, new)
     }
 
     fn turned(&self, before: &Moments, directions: Vec<DVec3>) -> Moments {
-        visible::turned(self, before, directions)
+        visible::turn(self, before, directions)
     }
 
     fn light_products(&self, at: &Directions, lights: &[DVec3]) -> DMatrix<f64> {

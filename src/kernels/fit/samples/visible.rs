@@ -16,7 +16,7 @@ use super::probe::Probe;
 use crate::kernels::fit::objective::Moments;
 
 /// The moments of the lights `kept` of `before`, and of others in the directions `new` after them.
-pub fn exchanged(probe: &Probe, before: &Moments, kept: &[usize], new: &[DVec3]) -> Moments {
+pub fn exchange(probe: &Probe, before: &Moments, kept: &[usize], new: &[DVec3]) -> Moments {
     let (words, sides) = (probe.samples.blocks.words(), probe.given.sides());
     let lights = kept.len() + new.len();
     let directions = kept.iter().map(|&j| before.directions[j]).chain(new.iter().copied()).collect();
@@ -39,7 +39,7 @@ pub fn exchanged(probe: &Probe, before: &Moments, kept: &[usize], new: &[DVec3])
 }
 
 /// The moments of the lights of `before`, turned to other `directions`.
-pub fn turned(probe: &Probe, before: &Moments, directions: Vec<DVec3>) -> Moments {
+pub fn turn(probe: &Probe, before: &Moments, directions: Vec<DVec3>) -> Moments {
     let (visible, sides, pairs) = (before.visible.clone(), before.sides.clone(), before.pairs.clone());
     let mut sums = VisibleSums { visible, sides, pairs };
     sums.update(probe, probe.samples.blocks.visible(&directions));

@@ -40,8 +40,6 @@ use crate::kernels::sphere::direction;
 
 /// Normals of a ring, so that 5120 normals are about as far apart in azimuth as in height.
 const AZIMUTHS: usize = 128;
-/// `(sqrt 5 - 1) / 2`.
-const GOLDEN_SECTION: f64 = 0.618_033_988_749_894_9;
 
 /// Cosine and sine of `m phi` of each order m, where phi is the azimuth from the first normal of a ring.
 static TURNS: LazyLock<DMatrix<f64>> = LazyLock::new(|| {
@@ -114,9 +112,9 @@ impl Rings {
     fn new(count: usize) -> Self {
         let (heights, weights) = gauss_legendre(2 * count);
         let (heights, weights) = (heights[..count].to_vec(), &weights[..count]);
-        let step = TAU / AZIMUTHS as f64;
+        let (step, golden_section) = (TAU / AZIMUTHS as f64, 0.5 * (5.0_f64.sqrt() - 1.0));
         let starts: Vec<f64> =
-            (0..count).map(|i| ((i as f64 + 0.5) * GOLDEN_SECTION).fract() * step).collect();
+            (0..count).map(|i| ((i as f64 + 0.5) * golden_section).fract() * step).collect();
         let of_ring = |(height, start): (&f64, &f64)| {
             let (theta, start) = (height.acos(), *start);
             (0..AZIMUTHS).map(move |i| direction(theta, start + step * i as f64))

@@ -267,23 +267,22 @@ fn second_derivatives(t: f64) -> [f64; 4] {
 
 /// Spline coefficients of the quarters of the faces, for each kind and harmonic.
 static SPLINES: LazyLock<[DMatrix<f64>; 4]> = LazyLock::new(|| {
-    /// Sampled knots beyond the edge. Each divides the error of the spline's end by 3.7.
-    const MARGIN: usize = 8;
-    const SAMPLED: usize = KNOTS + MARGIN;
+    // Sample 8 knots beyond the last coefficient. Each divides the error of the spline's end by 3.7.
+    let sampled = KNOTS + 8;
     let knot = |i: usize| {
-        let (face, u, v) = (i / (SAMPLED * SAMPLED), i / SAMPLED % SAMPLED, i % SAMPLED);
+        let (face, u, v) = (i / (sampled * sampled), i / sampled % sampled, i % sampled);
         let mut knot = DVec3::ZERO;
         knot[face] = 1.0;
         knot[OTHERS[face][0]] = u as f64 / HALF as f64;
         knot[OTHERS[face][1]] = v as f64 / HALF as f64;
         knot
     };
-    let samples: Vec<[Vec<f64>; 4]> = (0..3 * SAMPLED * SAMPLED).map(|i| even_harmonics(knot(i))).collect();
+    let samples: Vec<[Vec<f64>; 4]> = (0..3 * sampled * sampled).map(|i| even_harmonics(knot(i))).collect();
     [0, 1, 2, 3].map(|kind| {
         let harmonics = 0..samples[0][kind].len();
         let of_harmonic = |harmonic: usize| {
             let values: Vec<f64> = samples.iter().map(|sample| sample[kind][harmonic]).collect();
-            quarters(&values, kind, SAMPLED)
+            quarters(&values, kind, sampled)
         };
         let columns: Vec<f64> = harmonics.clone().flat_map(of_harmonic).collect();
         DMatrix::from_vec(3 * KNOTS * KNOTS, harmonics.len(), columns)

@@ -40,7 +40,7 @@ use glam::{DMat3, DVec3};
 use nalgebra::DMatrix;
 use pulp::{Arch, Scalar, Simd, WithSimd};
 
-use self::ambient_columns::{AmbientColumns, RadianceMoments};
+use self::ambient_columns::AmbientColumns;
 use self::field::{Field, HIGHEST};
 use self::kernel::{Block, LINEAR, outer, second_derivative, spectrum};
 use self::lights::{DerivativeProducts, LightProducts};
@@ -86,7 +86,7 @@ impl Sphere {
         let kernel = even_factors();
         let field =
             Field::new(&rest.scaled_sum(&kernel, &Harmonics::zero(), &[0.0; DEGREES]), rest.azimuth());
-        let columns = AmbientColumns { ambient, has_floor };
+        let columns = AmbientColumns::new(ambient, has_floor);
         let given = Given::nothing(ambient, has_floor);
         let likely = points.iter().map(|point| point.direction).collect();
         let (first, widest) = ([0, 1, 2].map(|channel| rest.moments(channel).1), Arch::new());
@@ -97,7 +97,7 @@ impl Sphere {
 
     /// The part of the cost that lights do not change.
     fn fixed_part(&self, rest: &Harmonics, points: &[PointLight]) -> Given {
-        let channels = [0, 1, 2].map(|channel| radiance(rest, points, channel));
+        let moments = [0, 1, 2].map(|channel| moments(rest, points, channel));
         let smooth = rest.product(rest, &even_factors());
         let energy = [0, 1, 2].map(|channel| self.energy(smooth[channel], points, channel));
         let are_same = |a: usize, b: usize| {
@@ -106,16 +106,18 @@ impl Sphere {
             rest.values.iter().all(are_same_harmonics)
                 && points.iter().all(|point| is_same(&point.irradiance))
         };
-        let (used, like) = distinct_channels(|channel| channels[channel].whole == 0.0, are_same);
+        let (used, like) = distinct_channels(|channel| moments[channel].0 == 0.0, are_same);
         let ambient = self.columns.ambient.coefficients();
         let ambient_products =
             DMatrix::from_fn(ambient, ambient + used.len(), |i, side| match side.checked_sub(ambient) {
                 None => self.columns.gram(i, side),
-                Some(channel) => self.columns.probe(i, &channels[used[channel]]),
+                Some(channel) => {
+                    let (_, first, second) = moments[used[channel]];
+                    self.columns.probe(i, first, second)
+                }
             });
         let energy = energy.iter().sum();
-        let AmbientColumns { ambient, has_floor } = self.columns;
-        Given { ambient, has_floor, channels: used, like, ambient_products, energy }
+        Given { channels: used, like, ambient_products, energy, ..self.given.clone() }
     }
 
     /// `<E, E>` of a channel, where the `even` degrees of the map without the points have this product.
@@ -279,16 +281,11 @@ impl WithSimd for SecondDerivative<'_> {
     }
 }
 
-/// Moments of the radiance of a channel of the whole map.
-fn radiance(rest: &Harmonics, points: &[PointLight], channel: usize) -> RadianceMoments {
-    let (whole, first, second) = rest.moments(channel);
-    points.iter().fold(RadianceMoments { whole, first, second }, |sum, point| {
+/// Integrals of `L dw`, `L w dw` and `L w w^T dw` over the whole map, in one channel.
+fn moments(rest: &Harmonics, points: &[PointLight], channel: usize) -> (f64, DVec3, DMat3) {
+    points.iter().fold(rest.moments(channel), |(whole, first, second), point| {
         let (l, e) = (point.direction, point.irradiance[channel]);
-        RadianceMoments {
-            whole: sum.whole + e,
-            first: sum.first + l * e,
-            second: sum.second + outer(l, l) * e,
-        }
+        (whole + e, first + l * e, second + outer(l, l) * e)
     })
 }
 
