@@ -1,4 +1,4 @@
-//! A map in spherical harmonics, with its bright parts apart: computed once, used by every objective of the fit.
+//! A map in spherical harmonics, except for its bright parts. It is computed once for all objectives of a fit.
 //!
 //! | step                                           | file                     |
 //! |------------------------------------------------|--------------------------|

@@ -64,7 +64,6 @@ use self::sphere::evaluation_probe;
 use self::state::State;
 use super::expansion::Expansion;
 use super::image::WorkingMap;
-use super::lanes;
 use crate::error::{Error, Result};
 
 /// Least number of normals at which a rig is evaluated under a map.
