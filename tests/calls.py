@@ -100,7 +100,6 @@ CALLS = {
             "env": IMAGE,
             "lights": st.one_of(st.none(), st.integers(0, 3), st.just(DETECTED)),
             "share": st.one_of(st.none(), SHARE),
-            "method": st.sampled_from(["tree", "article"]),
         },
     ),
     "detect_article": (
