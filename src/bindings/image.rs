@@ -41,7 +41,7 @@ pub fn decode_16<'py>(
 
 /// See `envlights.EnvMap.rotated`; `matrix` has its rows in order.
 #[pyfunction]
-pub fn rotate<'py>(
+pub fn rotate_map<'py>(
     py: Python<'py>,
     radiance: PyReadonlyArray3<'py, f32>,
     matrix: [[f64; 3]; 3],

@@ -47,9 +47,9 @@ mod tests {
         assert_eq!(computed, [1, 2, 1]);
     }
 
-    /// The state of a process that was forked while another thread held the lock.
+    /// Checks the state of a process that was forked while another thread held the lock.
     #[test]
-    fn a_held_lock_is_not_waited_for() {
+    fn the_cache_does_not_wait_for_a_lock() {
         let cache = Cache::new();
         let lock = cache.0.lock();
         assert_eq!(*cache.get(&1, || 2), 2);

@@ -48,8 +48,7 @@ pub fn irradiance(normal: DVec3) -> [f64; 9] {
     ]
 }
 
-/// Irradiance under each harmonic, summed over directions with these moments: their whole, their first and their
-/// second moments.
+/// Irradiance under each harmonic, summed over directions that have this whole, first and second moment.
 pub fn irradiance_of_moments(whole: f64, first: DVec3, second: DMat3) -> [f64; 9] {
     let [xx, xy, xz, _, yy, yz, _, _, zz] = second.to_cols_array();
     [
@@ -70,8 +69,7 @@ pub fn cosine_lobe(k: usize) -> f64 {
     COSINE_LOBE[ORDER[k]]
 }
 
-/// Value of each harmonic in `direction`: the irradiance without the cosine, so that each polynomial is
-/// written once.
+/// Value of each harmonic in `direction`, from the irradiance so that each polynomial is written once.
 pub fn radiance(direction: DVec3) -> [f64; 9] {
     let irradiance = irradiance(direction);
     std::array::from_fn(|k| irradiance[k] / COSINE_LOBE[ORDER[k]])
@@ -111,7 +109,7 @@ mod tests {
     use super::*;
     use crate::kernels::sampling;
 
-    /// Sums over an even sphere: harmonics have the norm 1 and are at right angles to each other.
+    /// Checks sums over an even sphere, where harmonics are orthogonal and have the norm 1.
     #[test]
     fn harmonics_are_orthonormal() {
         let (directions, solid_angles) = sampling::icosphere(20480).unwrap();
@@ -123,7 +121,7 @@ mod tests {
         }
     }
 
-    /// Irradiance is what the definition says: the sum of the radiance in front, times the cosine.
+    /// Checks against the definition, the sum of the radiance in front of the normal times the cosine.
     #[test]
     fn irradiance_is_the_integral_of_the_radiance() {
         let (directions, solid_angles) = sampling::icosphere(20480).unwrap();

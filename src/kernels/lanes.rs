@@ -1,38 +1,42 @@
-//! Numbers for formulas: one, or several side by side in the widest vectors of the processor.
+//! One number type for formulas: a single number, or one vector of the processor with a number in each lane.
 
-#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+#![allow(
+    clippy::inline_always,
+    reason = "functions that are not inlined are compiled for the oldest processors"
+)]
 
 use std::ops::{Add, Mul, Sub};
 
 use pulp::Simd;
 
-/// What the formulas need of numbers.
+/// A single number or a vector of numbers.
 pub trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
-    /// How many it is.
+    /// Number of lanes.
     const COUNT: usize;
 
-    /// That value, as often as there are numbers here.
+    /// `value` in every lane.
     fn like(self, value: f64) -> Self;
 
-    /// Those values, at least as many as there are numbers here.
+    /// The first of `values`, one for each lane.
     fn like_all(self, values: &[f64]) -> Self;
 
-    /// One of them.
+    /// The number in lane `i`.
     fn lane(self, i: usize) -> f64;
 
+    /// Sum of the lanes.
     fn sum(self) -> f64;
 
-    /// With a product added, rounded once where the processor does so.
+    /// `self + one * other`, rounded once if the processor has fused multiply-add.
     fn add_product(self, one: Self, other: Self) -> Self;
 
     fn sqrt(self) -> Self;
 
     fn recip(self) -> Self;
 
-    /// The larger one of each pair.
+    /// The larger number in each lane.
     fn max(self, other: Self) -> Self;
 
-    /// One where this is below 0, else the other.
+    /// `one` in lanes where this number is below 0, `other` elsewhere.
     fn select_negative(self, one: Self, other: Self) -> Self;
 }
 
@@ -85,11 +89,10 @@ impl Number for f64 {
     }
 }
 
-/// The most numbers that stand side by side: those of one vector of AVX2. Starts in 8 lanes leave the first cache, and take
-/// 1.04 times as long.
+/// Greatest number of lanes, that of AVX2. Blocks of 8 lanes leave the first cache, and fits take 1.04 times as long.
 pub const LANES: usize = 4;
 
-/// As many numbers as one vector holds.
+/// The numbers of one vector.
 #[derive(Clone, Copy, Debug)]
 pub struct Lanes<S: Simd> {
     simd: S,
@@ -102,27 +105,27 @@ impl<S: Simd> Lanes<S> {
         Self { simd, values: simd.splat_f64s(value) }
     }
 
-    /// How many vectors hold [`LANES`] numbers.
+    /// Number of vectors that hold [`LANES`] numbers.
     pub const VECTORS: usize = {
         assert!(S::F64_LANES <= LANES, "no vector is longer");
         LANES / S::F64_LANES
     };
 
-    /// The vector of that number among those that hold the values.
+    /// The `vector`-th of the vectors that hold `values`.
     #[inline(always)]
     pub fn at(simd: S, values: &[f64; LANES], vector: usize) -> Self {
         Self { simd, values: S::as_simd_f64s(values).0[vector] }
     }
 
-    /// Write them in the place of that vector.
+    /// Write the numbers into the `vector`-th of the vectors that hold `values`.
     #[inline(always)]
     pub fn write(self, values: &mut [f64; LANES], vector: usize) {
         S::as_mut_simd_f64s(values).0[vector] = self.values;
     }
 
-    /// A number of each of some things, of which there are no more than numbers in a vector; the last one fills it.
+    /// One `number` of each of at most as many things as a vector has lanes; the last one fills the remaining lanes.
     #[inline(always)]
-    pub fn gathered<A>(simd: S, things: &[A], number: impl Fn(&A) -> f64) -> Self {
+    pub fn gather<A>(simd: S, things: &[A], number: impl Fn(&A) -> f64) -> Self {
         let mut values = [0.0; LANES];
         for (i, value) in values.iter_mut().enumerate() {
             *value = number(&things[i.min(things.len() - 1)]);
@@ -181,29 +184,20 @@ impl<S: Simd> Number for Lanes<S> {
     }
 }
 
-impl<S: Simd> Add for Lanes<S> {
-    type Output = Self;
+/// Implement an operator lane by lane.
+macro_rules! operator {
+    ($operator:ident, $method:ident, $simd:ident) => {
+        impl<S: Simd> $operator for Lanes<S> {
+            type Output = Self;
 
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        Self { values: self.simd.add_f64s(self.values, other.values), ..self }
-    }
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self { values: self.simd.$simd(self.values, other.values), ..self }
+            }
+        }
+    };
 }
 
-impl<S: Simd> Sub for Lanes<S> {
-    type Output = Self;
-
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        Self { values: self.simd.sub_f64s(self.values, other.values), ..self }
-    }
-}
-
-impl<S: Simd> Mul for Lanes<S> {
-    type Output = Self;
-
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        Self { values: self.simd.mul_f64s(self.values, other.values), ..self }
-    }
-}
+operator!(Add, add, add_f64s);
+operator!(Sub, sub, sub_f64s);
+operator!(Mul, mul, mul_f64s);

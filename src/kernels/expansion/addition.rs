@@ -1,4 +1,4 @@
-//! Discs in batches of one vector, and their harmonics added to others.
+//! Batches of discs, one for each lane of a vector, and the sum of their harmonics.
 
 #![allow(
     clippy::inline_always,
@@ -18,20 +18,20 @@ use crate::kernels::sphere::{angle_derivatives, angles};
 #[derive(Clone, Copy, Debug)]
 pub struct Cap {
     pub direction: DVec3,
-    /// Tangents at its centre: towards growing theta, and growing phi.
+    /// Tangents at its centre, towards larger theta and larger phi.
     pub frame: [DVec3; 2],
     /// Cosine and sine of its azimuth.
     turn: [f64; 2],
     cosine: f64,
     sine: f64,
-    /// A = sin^2(radius / 2): its vector irradiance is 1 - A times its flux.
+    /// A = sin^2(radius / 2), so that its vector irradiance is 1 - A times its flux.
     pub share: f64,
 }
 
 impl Cap {
-    /// The disc of A = `share` in a direction, which is moved off the poles.
+    /// Disc of A = `share` in a direction, whose angles are moved off the poles.
     pub fn new(direction: DVec3, share: f64) -> Self {
-        /// Formulas divide by the sine.
+        /// Least sine of theta, because the derivatives divide by it.
         const LEAST_SINE: f64 = 1e-5;
         let (theta, azimuth) = angles(direction);
         let (sine, cosine) = theta.clamp(LEAST_SINE, PI - LEAST_SINE).sin_cos();
@@ -52,10 +52,10 @@ pub struct CapBatch<S: Simd> {
 }
 
 impl<S: Simd> CapBatch<S> {
-    /// Gather some discs.
+    /// Gather the discs of one vector.
     #[inline(always)]
     pub fn new(simd: S, caps: &[Cap]) -> Self {
-        let of = |number: fn(&Cap) -> f64| Lanes::gathered(simd, caps, number);
+        let of = |number: fn(&Cap) -> f64| Lanes::gather(simd, caps, number);
         let (cosine, sine) = (of(|cap| cap.cosine), of(|cap| cap.sine));
         Self {
             cosine,
@@ -76,10 +76,10 @@ impl<S: Simd> CapBatch<S> {
 }
 
 impl Harmonics {
-    /// Add discs: the direction, the A, and the flux of each.
+    /// Add discs, each given by its direction, its A and its flux.
     pub fn add_discs(&mut self, discs: impl Iterator<Item = (DVec3, f64, [f64; 3])>) {
         let (caps, fluxes): (Vec<Cap>, Vec<[f64; 3]>) =
-            discs.map(|(towards, share, flux)| (Cap::new(towards, share), flux)).unzip();
+            discs.map(|(direction, share, flux)| (Cap::new(direction, share), flux)).unzip();
         Arch::new().dispatch(Addition { values: &mut self.values, caps: &caps, fluxes: &fluxes });
     }
 }
@@ -101,19 +101,19 @@ impl WithSimd for Addition<'_> {
             let mut later = &mut *self.values;
             for m in 0..DEGREES {
                 let (order, rest) = later.split_at_mut(DEGREES - m);
-                let mut turned = [[0.0; 8]; LANES];
+                let mut waves = [[0.0; 8]; LANES];
                 for (lane, [red, green, blue]) in fluxes.iter().enumerate() {
                     let [cos, sin] = [batch.turn[0].lane(lane), batch.turn[1].lane(lane)];
-                    turned[lane] =
+                    waves[lane] =
                         [red * cos, green * cos, blue * cos, 0.0, red * sin, green * sin, blue * sin, 0.0];
                 }
                 let column = batch.legendre.column(m);
                 for (l, value) in (m..DEGREES).zip(order) {
                     let weights = column[l] * batch.factors[l][0];
-                    for (lane, turned) in turned.iter().enumerate().take(S::F64_LANES) {
+                    for (lane, wave) in waves.iter().enumerate().take(S::F64_LANES) {
                         let weight = weights.lane(lane);
                         for i in 0..8 {
-                            value[i] += weight * turned[i];
+                            value[i] += weight * wave[i];
                         }
                     }
                 }

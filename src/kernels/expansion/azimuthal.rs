@@ -43,9 +43,9 @@ impl Azimuthal {
 /// Integrals of cosines and sines over the columns of a map.
 struct Waves {
     count: usize,
-    /// True if the quarters of a row mirror each other.
-    are_folded: bool,
-    /// For each kind: a row for each order, a column for each column of a row, or of its first quarter.
+    /// True if the columns of the 4 quarters of a row mirror each other.
+    are_symmetric: bool,
+    /// Integrals of each kind, with a row for each order and a column for each column of the map, or of its first quarter.
     integrals: [DMatrix<f64>; 4],
 }
 
@@ -59,34 +59,34 @@ impl Waves {
     fn new(edges: &[f64]) -> Self {
         let count = edges.len() - 1;
         let width = edges[count] / count as f64;
-        let are_alike = edges.windows(2).all(|edge| ((edge[1] - edge[0]) / width - 1.0).abs() < 1e-9);
-        let are_folded = are_alike && count.is_multiple_of(4);
-        let used = if are_folded { count / 4 } else { count };
+        let are_equal = edges.windows(2).all(|edge| ((edge[1] - edge[0]) / width - 1.0).abs() < 1e-9);
+        let are_symmetric = are_equal && count.is_multiple_of(4);
+        let used = if are_symmetric { count / 4 } else { count };
         let of_kind = |kind: usize| {
             let orders: Vec<usize> = orders(kind).collect();
             DMatrix::from_fn(orders.len(), used, |i, x| integral(orders[i], edges[x], edges[x + 1])[kind / 2])
         };
-        Self { count, are_folded, integrals: [0, 1, 2, 3].map(of_kind) }
+        Self { count, are_symmetric, integrals: [0, 1, 2, 3].map(of_kind) }
     }
 
     /// Integrate some rows of `samples`.
     fn integrate(&self, samples: &[[f32; 3]], values: &mut [Rgb2]) {
-        let cells = if self.are_folded { self.folded(samples) } else { self.whole(samples) };
+        let cells = if self.are_symmetric { self.fold(samples) } else { self.repeat(samples) };
         for (kind, (cells, integrals)) in cells.iter().zip(&self.integrals).enumerate() {
             let sums = integrals * cells;
             for (column, sums) in sums.column_iter().enumerate() {
-                let (row, place) = (column / 3, 4 * (kind / 2) + column % 3);
+                let (row, slot) = (column / 3, 4 * (kind / 2) + column % 3);
                 for (order, sum) in orders(kind).zip(sums.iter()) {
-                    values[row * DEGREES + order][place] = *sum;
+                    values[row * DEGREES + order][slot] = *sum;
                 }
             }
         }
     }
 
-    /// The sum of the 4 quarters of each row, with the signs that a kind has in them: a column for each row and channel.
+    /// Signed sums of the 4 quarters of each row for each kind, with a column for each row and channel.
     ///
-    /// In the quarters at phi, pi - phi, pi + phi and 2 pi - phi these are `+ + + +`, `+ - - +`, `+ - + -` and `+ + - -`.
-    fn folded(&self, samples: &[[f32; 3]]) -> [DMatrix<f64>; 4] {
+    /// At phi, pi - phi, pi + phi and 2 pi - phi the signs of the kinds are `+ + + +`, `+ - - +`, `+ - + -` and `+ + - -`.
+    fn fold(&self, samples: &[[f32; 3]]) -> [DMatrix<f64>; 4] {
         let (length, half) = (self.count / 4, self.count / 2);
         let columns = 3 * samples.len() / self.count;
         let mut out = [(); 4].map(|()| DMatrix::zeros(length, columns));
@@ -95,21 +95,21 @@ impl Waves {
             let row = &samples[column / 3 * self.count..][..self.count];
             let quarters = row[..length].iter().zip(row[length..half].iter().rev());
             let others = row[half..half + length].iter().zip(row[half + length..].iter().rev());
-            let folded = kinds.each_mut().map(|kind| kind.next().unwrap_or_default());
+            let sums = kinds.each_mut().map(|kind| kind.next().unwrap_or_default());
             for (x, ((a, b), (c, d))) in quarters.zip(others).enumerate() {
                 let [a, b, c, d] = [a, b, c, d].map(|sample| f64::from(sample[column % 3]));
                 let (sum, difference, other_sum, other_difference) = (a + c, a - c, b + d, b - d);
-                folded[0][x] = sum + other_sum;
-                folded[1][x] = difference - other_difference;
-                folded[2][x] = sum - other_sum;
-                folded[3][x] = difference + other_difference;
+                sums[0][x] = sum + other_sum;
+                sums[1][x] = difference - other_difference;
+                sums[2][x] = sum - other_sum;
+                sums[3][x] = difference + other_difference;
             }
         }
         out
     }
 
-    /// The rows as they are, for each kind.
-    fn whole(&self, samples: &[[f32; 3]]) -> [DMatrix<f64>; 4] {
+    /// The whole rows, once for each kind.
+    fn repeat(&self, samples: &[[f32; 3]]) -> [DMatrix<f64>; 4] {
         let cell = |x: usize, column: usize| f64::from(samples[column / 3 * self.count + x][column % 3]);
         let cells = DMatrix::from_fn(self.count, 3 * samples.len() / self.count, cell);
         [(); 4].map(|()| cells.clone())

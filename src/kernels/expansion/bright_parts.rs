@@ -1,4 +1,4 @@
-//! Sources and bright cells of a map as points.
+//! Sources and bright cells of a map as point lights.
 
 use glam::DVec3;
 use ndarray::{ArrayView2, Axis};
@@ -6,7 +6,7 @@ use ndarray::{ArrayView2, Axis};
 use crate::kernels::image::WorkingMap;
 use crate::kernels::sphere::{band_heights, direction};
 
-/// A point of light: its direction, and its irradiance at normal incidence.
+/// A light without size, with its irradiance at normal incidence.
 #[derive(Clone, Copy, Debug)]
 pub struct PointLight {
     pub direction: DVec3,
@@ -28,7 +28,7 @@ pub fn sources_of(map: &WorkingMap) -> Vec<[DVec3; 3]> {
     map.sources.axis_iter(Axis(0)).map(by_channel).collect()
 }
 
-/// Bright cells that are no sources, as points in their middles.
+/// Bright cells that do not belong to sources, as points in their middles.
 pub fn bright_cells(map: &WorkingMap) -> Vec<PointLight> {
     let (theta, phi) = (&map.grid.theta_edges, &map.grid.phi_edges);
     let point = |&(row, column): &(usize, usize)| {

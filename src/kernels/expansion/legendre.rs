@@ -15,12 +15,17 @@
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-use super::DEGREES;
 use crate::kernels::lanes::Number;
+
+/// Highest degree of the harmonics. The kernels of the fit fall off as `degree^-5`, so the cells of the working map limit
+/// the error, not the harmonics.
+pub const DEGREE: usize = 40;
+/// Number of degrees, and of orders.
+pub const DEGREES: usize = DEGREE + 1;
 
 /// `P_lm` at one height, order by order.
 ///
-/// From `x P_l = a_(l+1) P_(l+1) + a_l P_(l-1)`, `a_l^2 = (l^2 - m^2) / (4 l^2 - 1)`.
+/// The recurrence is `x P_l = a_(l+1) P_(l+1) + a_l P_(l-1)` with `a_l^2 = (l^2 - m^2) / (4 l^2 - 1)`.
 #[derive(Debug)]
 pub struct AssociatedLegendre<T = f64> {
     x: T,
@@ -49,7 +54,7 @@ impl<T: Number> AssociatedLegendre<T> {
         Self { x, sine, sectoral: x.like((0.25 / PI).sqrt()), column: [x.like(0.0); DEGREES] }
     }
 
-    /// All degrees of the order m, 0 below it; call it for m = 0, 1, 2, ..
+    /// All degrees of the order m, 0 below it. Call it for m = 0, 1, 2, .. in this order.
     #[inline(always)]
     pub fn column(&mut self, m: usize) -> &[T; DEGREES] {
         let of = |value: f64| self.x.like(value);
@@ -74,7 +79,7 @@ impl<T: Number> AssociatedLegendre<T> {
 /// `d_k` of a disc, and its derivatives by A = sin^2(a/2).
 pub type DiscFactors<T = f64> = [[T; 3]; DEGREES];
 
-/// The factors of the disc of `A`.
+/// The factors of the disc of A = `a`.
 #[inline(always)]
 pub fn disc_factors<T: Number>(a: T) -> DiscFactors<T> {
     let of = |value: f64| a.like(value);
@@ -88,7 +93,7 @@ pub fn disc_factors<T: Number>(a: T) -> DiscFactors<T> {
         let [_, d, dd, ddd] = polynomials[k];
         let scale = of(1.0 / (k * (k + 1)) as f64);
         let wide = (of(1.0) + x) * scale;
-        // x falls twice as fast as A grows.
+        // Use dx / dA = -2.
         out[k] = [
             wide * d,
             of(-2.0) * (wide * dd).add_product(scale, d),
@@ -98,7 +103,7 @@ pub fn disc_factors<T: Number>(a: T) -> DiscFactors<T> {
     out
 }
 
-/// `P_k` and its first derivatives, from the degrees before: `P_(k+1)^(n) = P_(k-1)^(n) + (2k+1) P_k^(n-1)`.
+/// `P_k` and its derivatives, by `P_(k+1)^(n) = P_(k-1)^(n) + (2k+1) P_k^(n-1)`.
 #[inline(always)]
 fn next<const N: usize, T: Number>(before: &[[T; N]], k: usize, x: T) -> [T; N] {
     let last = before[k - 1];

@@ -1,4 +1,4 @@
-//! Integrals of the rows of a map over polar angle: from integrals over azimuth to harmonics.
+//! Harmonics of a map, by integrals over polar angle of its integrals over azimuth.
 
 #![allow(
     clippy::inline_always,
@@ -7,7 +7,7 @@
 
 use std::f64::consts::{FRAC_PI_4, PI};
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::Arch;
 use rayon::prelude::*;
 
 use super::azimuthal::Azimuthal;
@@ -22,29 +22,20 @@ impl Harmonics {
         const PARTS: usize = 4;
         static BANDS: Cache<Vec<f64>, Vec<Band>> = Cache::new();
         let bands = BANDS.get(&grid.theta_edges, || Band::all(&grid.theta_edges));
-        let part = |bands: &[Band]| Arch::new().dispatch(BandSum { bands, azimuthal });
+        let part = |bands: &[Band]| Arch::new().dispatch(|| band_sum(bands, azimuthal));
         let parts: Vec<Self> = bands.par_chunks(bands.len().div_ceil(PARTS)).map(part).collect();
         parts.iter().fold(Self::zero(), |sum, part| sum.scaled_sum(&[1.0; DEGREES], part, &[1.0; DEGREES]))
     }
 }
 
 /// The harmonics of some bands.
-struct BandSum<'a> {
-    bands: &'a [Band],
-    azimuthal: &'a Azimuthal,
-}
-
-impl WithSimd for BandSum<'_> {
-    type Output = Harmonics;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Harmonics {
-        let mut out = Harmonics::zero();
-        for band in self.bands {
-            band.add_to(&mut out, self.azimuthal);
-        }
-        out
+#[inline(always)]
+fn band_sum(bands: &[Band], azimuthal: &Azimuthal) -> Harmonics {
+    let mut out = Harmonics::zero();
+    for band in bands {
+        band.add_to(&mut out, azimuthal);
     }
+    out
 }
 
 /// A row of cells between two polar angles, with its mirror image below the horizon if there is one.
@@ -66,7 +57,7 @@ impl Band {
         (0..if is_symmetric { rows.div_ceil(2) } else { rows }).map(band).collect()
     }
 
-    /// Integrate by two Gauss nodes in theta, more for high rows.
+    /// Integrals by two Gauss nodes in theta, or more for high rows.
     fn integrals(low: f64, high: f64) -> Vec<f64> {
         const HIGHEST: f64 = FRAC_PI_4 / 16.0;
         let parts = ((high - low) / HIGHEST).ceil().max(1.0);
@@ -91,7 +82,7 @@ impl Band {
     fn add_to(&self, out: &mut Harmonics, azimuthal: &Azimuthal) {
         let mut values = out.values.iter_mut().zip(&self.integrals);
         for m in 0..DEGREES {
-            // Below the horizon, every second degree has the other sign.
+            // Change the sign of every second degree below the horizon.
             let one = azimuthal.at(self.row, m);
             let other = self.mirrored.map_or(&[0.0; 8], |row| azimuthal.at(row, m));
             let mut sums: [Rgb2; 2] = [[0.0; 8]; 2];
@@ -120,7 +111,7 @@ mod tests {
         2.0 + d.x + 0.5 * d.y * d.z - 0.7 * d.x * d.z + (channel as f64) * d.y.powi(3) + 0.3 * d.z.powi(4)
     }
 
-    /// Discs of radius 0 see the map itself, a polynomial of few degrees.
+    /// Checks a map that is a polynomial of few degrees.
     #[test]
     fn harmonics_of_a_map_are_the_map() {
         for (registration, columns) in [

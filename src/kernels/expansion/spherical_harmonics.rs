@@ -60,8 +60,8 @@ impl Harmonics {
         Self { values: pairs.map(sum).collect() }
     }
 
-    /// The coefficients after a rotation around +y that moves `azimuth` to 0.
-    pub fn turned(&self, azimuth: f64) -> Self {
+    /// Rotate the distribution around +y, so that `azimuth` moves to 0.
+    pub fn rotate(&self, azimuth: f64) -> Self {
         let turn = |(value, (_, m)): (&Rgb2, (usize, usize))| {
             let (sin, cos) = (m as f64 * azimuth).sin_cos();
             let mut out = [0.0; 8];
@@ -85,7 +85,7 @@ impl Harmonics {
 
     /// The integrals of `L dw`, `L w dw` and `L w w^T dw` of a channel.
     ///
-    /// The last has its trace from degree 0, the rest from degree 2, whose harmonics are `sqrt(15 / 4 pi)` times -y z, x y,
+    /// The trace of the last comes from degree 0, all else from degree 2, whose harmonics are `sqrt(15 / 4 pi)` times -y z, x y,
     /// (z^2 - x^2) / 2, -x z, and `sqrt(5 / 16 pi) (3 y^2 - 1)`.
     pub fn moments(&self, channel: usize) -> (f64, DVec3, DMat3) {
         let (cosine, sine) = (|l, m| self.at(l, m)[channel], |l, m| self.at(l, m)[4 + channel]);
@@ -99,7 +99,7 @@ impl Harmonics {
         (whole, first, DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz]))
     }
 
-    /// Azimuth of the vector irradiance, which turns with the map; 0 if that is all but vertical.
+    /// Azimuth of the vector irradiance, or 0 if that is almost vertical.
     pub fn azimuth(&self) -> f64 {
         let moments = [0, 1, 2].map(|channel| self.moments(channel));
         let whole: f64 = moments.iter().map(|(whole, ..)| whole).sum();
@@ -128,12 +128,12 @@ mod tests {
     }
 
     #[test]
-    fn a_turned_point_is_a_point_at_another_azimuth() {
+    fn a_rotated_point_is_a_point_at_another_azimuth() {
         let [mut one, mut other] = [Harmonics::zero(), Harmonics::zero()];
         one.add_discs([(direction(0.9, 2.5), 0.0, [1.0, 2.0, 3.0])].into_iter());
         other.add_discs([(direction(0.9, 0.8), 0.0, [1.0, 2.0, 3.0])].into_iter());
-        let (turned, azimuth) = (one.turned(1.7), other.azimuth());
-        let pairs = turned.values.as_flattened().iter().zip(other.values.as_flattened());
+        let (rotated, azimuth) = (one.rotate(1.7), other.azimuth());
+        let pairs = rotated.values.as_flattened().iter().zip(other.values.as_flattened());
         assert!(pairs.into_iter().all(|(a, b)| (a - b).abs() < 1e-12));
         assert!((azimuth - 0.8).abs() < 1e-12, "{azimuth}");
     }

@@ -1,4 +1,4 @@
-//! From harmonics to values: their sums over discs, with derivatives.
+//! Products of harmonics with discs, and their derivatives.
 
 #![allow(
     clippy::inline_always,
@@ -74,8 +74,9 @@ impl Harmonics {
 
 /// See [`Harmonics::sums`].
 ///
-/// The derivatives are `P' = (l cos P_l - b_l P_(l-1)) / sin` by theta, where `b_l = (2l + 1) a_l`, and `P'' = -cot P' + (m^2 / sin^2 -
-/// l (l + 1)) P`; along phi the first derivative is `m P / sin`, and the second follows from Laplace's equation.
+/// The derivatives by theta are `P' = (l cos P_l - b_l P_(l-1)) / sin`, where `b_l = (2l + 1) a_l`, and
+/// `P'' = -cot P' + (m^2 / sin^2 - l (l + 1)) P`. Along phi the first derivative is `m P / sin`, and the second follows
+/// from Laplace's equation.
 struct Synthesis<'a, const N: usize> {
     harmonics: &'a Harmonics,
     caps: &'a [Cap],
@@ -91,7 +92,7 @@ impl<const N: usize> WithSimd for Synthesis<'_, N> {
         let mut out = Vec::with_capacity(caps.len());
         for (caps, weights) in caps.chunks(S::F64_LANES).zip(weights.chunks(S::F64_LANES)) {
             let mut batch = CapBatch::new(simd, caps);
-            let weights = [0, 1, 2].map(|c| Lanes::gathered(simd, weights, |weight| weight[c]));
+            let weights = [0, 1, 2].map(|c| Lanes::gather(simd, weights, |weight| weight[c]));
             let mut sum = DiscSum::zero(batch.cosine);
             for (m, harmonics) in harmonics.orders().enumerate() {
                 let sums = order_sums::<N, S>(&mut batch, m, harmonics);
@@ -111,8 +112,10 @@ const fn functions(n: usize) -> usize {
     if n > 0 { 6 } else { 1 }
 }
 
-/// Sums over the degrees of the order m, by cosine and sine, with the factors d of the discs and their derivatives by A: of
-/// `d P`, `d P' sin`, `d_A P`, `-l (l + 1) d P`, `d_A P' sin`, `d_AA P`, each by channel.
+/// Sums over the degrees of the order m by cosine and sine, function and channel.
+///
+/// With the factors d of the discs and their derivatives by A, the functions are `d P`, `d P' sin`, `d_A P`,
+/// `-l (l + 1) d P`, `d_A P' sin` and `d_AA P`.
 #[inline(always)]
 fn order_sums<const N: usize, S: Simd>(
     batch: &mut CapBatch<S>,
@@ -128,28 +131,28 @@ fn order_sums<const N: usize, S: Simd>(
         weights[l][0] = d * p;
         if N > 0 {
             let degree = l as f64;
-            let slope = (below * of(-RECURRENCE[m][l][2])).add_product(cosine * of(degree), p);
+            let derivative = (below * of(-RECURRENCE[m][l][2])).add_product(cosine * of(degree), p);
             let round = of(-degree * (degree + 1.0)) * weights[l][0];
-            weights[l] = [weights[l][0], d * slope, by_a * p, round, by_a * slope, by_aa * p];
+            weights[l] = [weights[l][0], d * derivative, by_a * p, round, by_a * derivative, by_aa * p];
         }
         below = p;
     }
     let mut sums = [[[of(0.0); 3]; 6]; 2];
-    // Registers hold the sums of 3 functions.
+    // Sum 3 functions at a time, because registers hold no more.
     for start in (0..2 * functions(N)).step_by(3) {
         let count = (2 * functions(N) - start).min(3);
-        let places = [0, 1, 2].map(|i| ((start + i) / functions(N), (start + i) % functions(N)));
+        let slots = [0, 1, 2].map(|i| ((start + i) / functions(N), (start + i) % functions(N)));
         let mut part = [[of(0.0); 3]; 3];
         for (weights, harmonic) in weights[m..].iter().zip(harmonics) {
             for i in 0..count {
-                let (side, k) = places[i];
+                let (side, k) = slots[i];
                 for c in 0..3 {
                     part[i][c] = part[i][c].add_product(weights[k], of(harmonic[(4 * side + c) % 8]));
                 }
             }
         }
         for i in 0..count {
-            let (side, k) = places[i];
+            let (side, k) = slots[i];
             sums[side][k] = part[i];
         }
     }
@@ -181,17 +184,17 @@ fn add_order<const N: usize, S: Simd>(
             let (even, odd) = (sums[0][k][c], sums[1][k][c]);
             let (here, beside) = (cos * even + sin * odd, cos * odd - sin * even);
             if k < 3 {
-                let (row, slope) = [(1, order * beside), (0, over * here), (2, here)][k];
-                sum.first[row][c] = sum.first[row][c] + slope;
+                let (row, derivative) = [(1, order * beside), (0, over * here), (2, here)][k];
+                sum.first[row][c] = sum.first[row][c] + derivative;
             }
             along[k] = along[k].add_product(weights[c], here);
             across[k] = across[k].add_product(weights[c], beside);
         }
     }
-    let (slope, bend) = (cot * over * along[1], order * order * along[0]);
+    let (by_theta, by_phi) = (cot * over * along[1], order * order * along[0]);
     let second = [
-        (0, 0, bend - slope + along[3]),
-        (1, 1, slope - bend),
+        (0, 0, by_phi - by_theta + along[3]),
+        (1, 1, by_theta - by_phi),
         (2, 2, along[5]),
         (0, 1, order * (over * across[1] - cot * across[0])),
         (0, 2, over * along[4]),
@@ -210,52 +213,42 @@ mod tests {
 
     #[test]
     fn derivatives_are_central_differences() {
-        /// A changes more quickly.
+        /// Steps along the tangents and in A, which has larger higher derivatives.
         const STEPS: [f64; 3] = [1e-4, 1e-4, 1e-5];
         let mut harmonics = Harmonics::zero();
         for (theta, phi, share) in [(1.1, 2.0, 1e-3), (0.4, 0.3, 0.05), (2.2, 4.0, 0.2)] {
             harmonics.add_discs([(direction(theta, phi), share, [3.0, 2.0, theta])].into_iter());
         }
-        let shares = [0.5, 0.3, -0.2];
+        let weights = [0.5, 0.3, -0.2];
         for l in [direction(0.7, 1.0), direction(1.2, 2.2), direction(3.0, 4.0)] {
-            let share = 0.02;
-            let here = Cap::new(l, share);
-            // Beside others, in a second vector.
-            let discs: Vec<Cap> = (0..6).map(|i| Cap::new(if i == 5 { l } else { -l }, share)).collect();
-            let sum =
-                harmonics.sums::<2>(&discs, &[[9.0; 3], [0.0; 3], [0.0; 3], [1.0; 3], [2.0; 3], shares])[5];
-            let at = |step: [f64; 3]| {
+            let here = Cap::new(l, 0.02);
+            // Put the disc last among others, in a second vector.
+            let discs: Vec<Cap> = (0..6).map(|i| Cap::new(if i == 5 { l } else { -l }, 0.02)).collect();
+            let all_weights = [[9.0; 3], [0.0; 3], [0.0; 3], [1.0; 3], [2.0; 3], weights];
+            let sum = harmonics.sums::<2>(&discs, &all_weights)[5];
+            // Values by channel, and their weighted sum, after multiples of the steps i and k.
+            let at = |i: usize, a: f64, k: usize, b: f64| {
+                let mut step = [0.0; 3];
+                step[i] += a * STEPS[i];
+                step[k] += b * STEPS[k];
                 let l = exponential_map(l, here.frame[0] * step[0] + here.frame[1] * step[1]);
-                harmonics.values(&[Cap::new(l, share + step[2])])[0]
+                let [red, green, blue] = harmonics.values(&[Cap::new(l, 0.02 + step[2])])[0];
+                [red, green, blue, red * weights[0] + green * weights[1] + blue * weights[2]]
             };
-            let weighted = |step: [f64; 3]| -> f64 { at(step).iter().zip(shares).map(|(v, s)| v * s).sum() };
-            let middle = weighted([0.0; 3]);
             for i in 0..3 {
-                let along = |a: f64, k: usize, b: f64| {
-                    let mut step = [0.0; 3];
-                    step[i] += a * STEPS[i];
-                    step[k] += b * STEPS[k];
-                    step
-                };
-                let (ahead, behind) = (at(along(1.0, i, 0.0)), at(along(-1.0, i, 0.0)));
+                let (ahead, behind) = (at(i, 1.0, i, 0.0), at(i, -1.0, i, 0.0));
                 for c in 0..3 {
-                    let slope = (ahead[c] - behind[c]) / (2.0 * STEPS[i]);
-                    assert!(
-                        (slope - sum.first[i][c]).abs() < 1e-4 * (1.0 + slope.abs()),
-                        "{l} {i} {c} {slope} {sum:?}"
-                    );
+                    let first = (ahead[c] - behind[c]) / (2.0 * STEPS[i]);
+                    let error = (first - sum.first[i][c]).abs();
+                    assert!(error < 1e-4 * (1.0 + first.abs()), "{l} {i} {c} {first} {sum:?}");
                 }
-                for (k, other_step) in STEPS.into_iter().enumerate() {
-                    let corner = |a: f64, b: f64| weighted(along(a, k, b));
-                    let bend = if i == k {
-                        (weighted(along(1.0, i, 0.0)) + weighted(along(-1.0, i, 0.0)) - 2.0 * middle)
-                            / (STEPS[i] * other_step)
-                    } else {
-                        (corner(1.0, 1.0) - corner(1.0, -1.0) - corner(-1.0, 1.0) + corner(-1.0, -1.0))
-                            / (4.0 * STEPS[i] * other_step)
-                    };
-                    let error = (bend - sum.second[i][k]).abs();
-                    assert!(error < 1e-3 * (1.0 + bend.abs()), "{l} {i} {k} {bend} {sum:?}");
+                for k in 0..3 {
+                    let corner = |a: f64, b: f64| at(i, a, k, b)[3];
+                    let differences =
+                        corner(1.0, 1.0) - corner(1.0, -1.0) - corner(-1.0, 1.0) + corner(-1.0, -1.0);
+                    let second = differences / (4.0 * STEPS[i] * STEPS[k]);
+                    let error = (second - sum.second[i][k]).abs();
+                    assert!(error < 1e-3 * (1.0 + second.abs()), "{l} {i} {k} {second} {sum:?}");
                 }
             }
         }

@@ -3,24 +3,23 @@
 use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3};
-use nalgebra::{Matrix3, Vector3};
 
 use crate::error::{Error, Result};
 use crate::kernels::harmonics::{self, LINEAR, SQUARE, ZONAL};
 
-/// What a fit may use beside the lights.
+/// Ambient term beside the lights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ambient {
     /// Lights alone.
     None,
-    /// The same radiance from everywhere.
+    /// One radiance from all directions.
     Constant,
     /// Real spherical harmonics of the radiance up to order 2.
     Sh2,
 }
 
 impl Ambient {
-    /// Number of its coefficients in each channel.
+    /// Number of coefficients in each channel.
     pub fn coefficients(self) -> usize {
         match self {
             Self::None => 0,
@@ -29,23 +28,23 @@ impl Ambient {
         }
     }
 
-    /// The one with so many coefficients in each channel, if there is one.
+    /// The ambient term with this number of coefficients in each channel, if there is one.
     pub fn with(coefficients: usize) -> Option<Self> {
         [Self::None, Self::Constant, Self::Sh2]
             .into_iter()
             .find(|ambient| ambient.coefficients() == coefficients)
     }
 
-    /// The one with that many coefficients in each channel.
+    /// The ambient term with this number of coefficients in each channel.
     ///
     /// # Errors
     ///
-    /// [`Error::NotAmbient`] where there is none.
+    /// [`Error::NotAmbient`] if there is none.
     pub fn of(coefficients: usize) -> Result<Self> {
         Self::with(coefficients).ok_or(Error::NotAmbient { seen: coefficients })
     }
 
-    /// Irradiance at `normal` of each coefficient alone; the first [`Self::coefficients`] count.
+    /// Irradiance at `normal` under each coefficient alone; the values beyond [`Self::coefficients`] are unused.
     pub fn irradiance(self, normal: DVec3) -> [f64; 9] {
         if self != Self::Sh2 {
             return [PI, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
@@ -56,139 +55,124 @@ impl Ambient {
 
 /// The normal at which the nine `coefficients` give least irradiance, and that irradiance.
 ///
-/// The irradiance is `k + 2 b.n + n^T Q n`. Where it is least on the sphere, with a multiplier m no
-/// greater than the least eigenvalue of Q (Moré and Sorensen 1983),
+/// The irradiance is `k + 2 b.n + n^T Q n`. At its minimum on the sphere, with a multiplier m no greater than the
+/// least eigenvalue of Q (Moré and Sorensen 1983),
 ///
 /// ```text
 ///   (Q - m) n = -b        |n| = 1
 /// ```
 pub fn darkest(coefficients: &[f64]) -> (DVec3, f64) {
-    let (q, b) = quadratic(coefficients);
-    let normal = least_by_inverses(q, b).unwrap_or_else(|| least_by_eigenvectors(q, b));
+    let c = |i: usize, scale: f64| coefficients[i] * scale;
+    let (xy, yz, xz) = (c(4, SQUARE / 2.0), c(5, SQUARE / 2.0), c(7, SQUARE / 2.0));
+    let (xx, zz) = (c(8, SQUARE / 2.0), c(6, 3.0 * ZONAL));
+    let q = DMat3::from_cols_array(&[xx, xy, xz, xy, -xx, yz, xz, yz, zz]);
+    let b = DVec3::new(c(3, LINEAR), c(1, LINEAR), c(2, LINEAR)) / 2.0;
+    let normal = least_on_sphere(q, b).normalize_or(DVec3::Z);
     let columns = Ambient::Sh2.irradiance(normal);
     (normal, coefficients.iter().zip(columns).map(|(c, column)| c * column).sum())
 }
 
-/// Q and b.
-fn quadratic(coefficients: &[f64]) -> (DMat3, DVec3) {
-    let c = |i: usize, scale: f64| coefficients[i] * scale;
-    let b = DVec3::new(c(3, LINEAR), c(1, LINEAR), c(2, LINEAR)) / 2.0;
-    let (xy, yz, xz) = (c(4, SQUARE / 2.0), c(5, SQUARE / 2.0), c(7, SQUARE / 2.0));
-    let (xx, zz) = (c(8, SQUARE / 2.0), c(6, 3.0 * ZONAL));
-    (DMat3::from_cols_array(&[xx, xy, xz, xy, -xx, yz, xz, yz, zz]), b)
-}
-
-/// The unit vector n at which `n^T Q n + 2 b.n` is least; none where Newton's steps from below do not lead to it, as
-/// where b has next to no part along the least eigenvector.
+/// The vector n of about unit length at which `n^T Q n + 2 b.n` is least.
 ///
-/// With m, as above, 1 / |n(m)| is almost a straight line in m, so that a few steps arrive.
-fn least_by_inverses(q: DMat3, b: DVec3) -> Option<DVec3> {
-    const STEPS: usize = 12;
-    /// Determinant, as a share of the cube of the size, below which an inverse has lost digits.
-    const SINGULAR: f64 = 1e-6;
-    let size = [q.x_axis, q.y_axis, q.z_axis].map(|axis| axis.abs().element_sum());
-    let size = size.into_iter().fold(0.0, f64::max) + b.length();
-    let (mut low, mut m) = (-size, -size);
-    for _ in 0..STEPS {
-        let shifted = q - DMat3::from_diagonal(DVec3::splat(m));
-        let (adjugate, determinant) = adjugate(shifted);
-        let has_positive_minors = shifted.x_axis.x > 0.0 && adjugate.z_axis.z > 0.0;
-        let is_definite = has_positive_minors && determinant > SINGULAR * size.powi(3);
-        if !is_definite {
-            m = 0.5 * (low + m);
-            continue;
-        }
-        low = m;
-        let n = adjugate * -b / determinant;
-        let length = n.length();
-        if (1.0 - length).abs() < 1e-14 {
-            return Some(n / length);
-        }
-        let slope = n.dot(adjugate * n) / determinant;
-        m += length * length * (1.0 - length) / slope;
-    }
-    None
-}
-
-/// The inverse of a symmetric matrix times its determinant, and that.
-fn adjugate(DMat3 { x_axis, y_axis, z_axis }: DMat3) -> (DMat3, f64) {
-    let adjugate = DMat3::from_cols(y_axis.cross(z_axis), z_axis.cross(x_axis), x_axis.cross(y_axis));
-    (adjugate, x_axis.dot(adjugate.x_axis))
-}
-
-/// The least n as in [`least_by_inverses`], for any b: along the eigenvectors of Q.
-fn least_by_eigenvectors(q: DMat3, b: DVec3) -> DVec3 {
-    let eigen = Matrix3::from(q.to_cols_array_2d()).symmetric_eigen();
-    let (vectors, values) = (eigen.eigenvectors, eigen.eigenvalues.into());
-    let along: [f64; 3] = (vectors.transpose() * Vector3::new(b.x, b.y, b.z)).into();
-    let normal = vectors * Vector3::from(least_on_sphere(values, along));
-    DVec3::new(normal.x, normal.y, normal.z).normalize()
-}
-
-/// The unit vector n at which `sum_i q_i n_i^2 + 2 b_i n_i` is least.
-fn least_on_sphere(q: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    /// Where Newton's steps lead astray, halving alone is done with as many.
+/// |n(m)| grows with m, up to infinity at the least eigenvalue of Q, and 1 / |n(m)| is almost a straight line.
+fn least_on_sphere(q: DMat3, b: DVec3) -> DVec3 {
     const STEPS: usize = 60;
-    let first = (0..3).min_by(|&i, &j| q[i].total_cmp(&q[j])).unwrap_or(0);
-    let length = |b: [f64; 3]| b.iter().map(|b| b * b).sum::<f64>().sqrt();
-    // |n(m)| grows with m, from at most 1 at the low end to at least 1 at the high end; 1 / |n(m)| is almost
-    // a straight line, on which Newton's steps arrive soon.
-    let (mut low, mut high) = (q[first] - length(b), q[first] - b[first].abs());
-    let at = |m: f64| [0, 1, 2].map(|i| if b[i] == 0.0 { 0.0 } else { -b[i] / (q[i] - m) });
-    let (mut m, mut n) = (low, at(low));
+    /// Difference of |n| from 1; the normalized n is wrong by no more, and its irradiance by the square.
+    const TOLERANCE: f64 = 1e-9;
+    let size =
+        |b: DVec3| q.to_cols_array().into_iter().fold(0.0, |sum, entry| sum + entry.abs()) + b.length();
+    // Give b a part along every eigenvector, without which |n(m)| does not reach 1.
+    let b = b + DVec3::new(0.6, 0.5, -0.62) * (1e-8 * size(b));
+    let (mut low, mut high, mut n) = (-size(b), size(b), DVec3::ZERO);
+    let mut m = low;
     for _ in 0..STEPS {
-        n = at(m);
-        let size = length(n);
-        if size < 1.0 {
-            low = m;
+        let mut next = high;
+        if let Some(factors) = Factors3::new(q, m) {
+            n = factors.solve(-b);
+            let length = n.length();
+            if (1.0 - length).abs() < TOLERANCE {
+                break;
+            }
+            *(if length < 1.0 { &mut low } else { &mut high }) = m;
+            next = m + length * length * (1.0 - length) / factors.inverse_square(n);
         } else {
             high = m;
         }
-        let slope: f64 = (0..3).filter(|&i| b[i] != 0.0).map(|i| n[i] * n[i] / (q[i] - m)).sum();
-        let newton = m + size * size * (1.0 - size) / slope;
-        m = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
-        if m <= low || m >= high || (1.0 - size).abs() < 1e-15 {
-            break;
-        }
+        // Bisect if Newton's method leaves the interval.
+        m = if next > low && next < high { next } else { 0.5 * (low + high) };
     }
-    // Where b has no part along the least eigenvector, that part of n closes the gap.
-    let rest = 1.0 - length(n).powi(2) + n[first] * n[first];
-    n[first] = rest.max(0.0).sqrt().copysign(-b[first]);
     n
+}
+
+/// Factors `L D L^T` of a symmetric positive definite matrix of 3 rows.
+struct Factors3 {
+    /// L below its diagonal: rows 1 and 2 of column 0, and row 2 of column 1.
+    lower: [f64; 3],
+    pivots: DVec3,
+}
+
+impl Factors3 {
+    /// Factor Q - m; `None` if it is not positive definite.
+    fn new(q: DMat3, m: f64) -> Option<Self> {
+        let (first, second) = (q.x_axis, q.y_axis);
+        let own = first.x - m;
+        let (by_one, by_two) = (first.y / own, first.z / own);
+        let next = second.y - m - by_one * first.y;
+        let below = second.z - by_two * first.y;
+        let pivots = DVec3::new(own, next, q.z_axis.z - m - by_two * first.z - below * below / next);
+        (pivots.min_element() > 0.0).then_some(Self { lower: [by_one, by_two, below / next], pivots })
+    }
+
+    /// `L^-1 v`
+    fn forward(&self, v: DVec3) -> DVec3 {
+        let y = v.y - self.lower[0] * v.x;
+        DVec3::new(v.x, y, v.z - self.lower[1] * v.x - self.lower[2] * y)
+    }
+
+    /// `(L D L^T)^-1 v`
+    fn solve(&self, v: DVec3) -> DVec3 {
+        let v = self.forward(v) / self.pivots;
+        let y = v.y - self.lower[2] * v.z;
+        DVec3::new(v.x - self.lower[0] * y - self.lower[1] * v.z, y, v.z)
+    }
+
+    /// `v^T (L D L^T)^-1 v`
+    fn inverse_square(&self, v: DVec3) -> f64 {
+        let v = self.forward(v);
+        v.dot(v / self.pivots)
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use proptest::prelude::*;
 
+    use super::*;
+    use crate::kernels::sampling::icosphere;
+    use crate::kernels::sphere::{exponential_map, tangents};
+
     proptest! {
+        /// Some coefficients are 0, so that b may have no part along an eigenvector.
         #[test]
         fn nowhere_is_darker_than_the_darkest(
             coefficients in proptest::array::uniform9(-1.0..1.0_f64),
-            kept in proptest::array::uniform9(proptest::bool::ANY),
+            is_used in proptest::array::uniform9(proptest::bool::ANY),
         ) {
-            let coefficients: Vec<f64> = coefficients.iter().zip(kept).map(|(c, k)| if k { *c } else { 0.0 }).collect();
+            let used = coefficients.iter().zip(is_used).map(|(c, is_used)| if is_used { *c } else { 0.0 });
+            let coefficients: Vec<f64> = used.collect();
+            let value = |normal: DVec3| -> f64 {
+                let columns = Ambient::Sh2.irradiance(normal);
+                coefficients.iter().zip(columns).map(|(c, column)| c * column).sum()
+            };
             let (normal, least) = darkest(&coefficients);
-            prop_assert!((normal.length() - 1.0).abs() < 1e-12);
-            let (normals, _) = crate::kernels::sampling::icosphere(20480).expect("a number that exists");
-            let seen = normals.rows().into_iter().map(|n| {
-                let columns = Ambient::Sh2.irradiance(DVec3::new(n[0], n[1], n[2]));
-                coefficients.iter().zip(columns).map(|(c, column)| c * column).sum::<f64>()
-            }).fold(f64::INFINITY, f64::min);
-            prop_assert!(least <= seen + 1e-9 && seen < least + 0.01, "{least} {seen}");
-            // Both ways lead there.
-            let (q, b) = quadratic(&coefficients);
-            let value = |n: DVec3| n.dot(q * n) + 2.0 * b.dot(n);
-            let ways = [least_by_inverses(q, b), Some(least_by_eigenvectors(q, b))].into_iter().flatten();
-            for other in ways {
-                prop_assert!((value(other) - value(normal)).abs() < 1e-12, "{other} {normal}");
-            }
-            // Nor is it close by, in any direction.
-            let [s, t] = crate::kernels::sphere::tangents(normal);
+            prop_assert!((normal.length() - 1.0).abs() < 1e-12 && (value(normal) - least).abs() < 1e-12);
+            let (normals, _) = icosphere(20480).expect("a number that exists");
+            let sampled = normals.rows().into_iter().map(|n| value(DVec3::new(n[0], n[1], n[2])));
+            let sampled = sampled.fold(f64::INFINITY, f64::min);
+            prop_assert!(least <= sampled + 1e-9 && sampled < least + 0.01, "{least} {sampled}");
+            let [s, t] = tangents(normal);
             for step in [s, -s, t, -t] {
-                let columns = Ambient::Sh2.irradiance(crate::kernels::sphere::exponential_map(normal, step * 1e-3));
-                let near = coefficients.iter().zip(columns).map(|(c, column)| c * column).sum::<f64>();
+                let near = value(exponential_map(normal, step * 1e-3));
                 prop_assert!(least <= near + 1e-12, "{least} {near}");
             }
         }

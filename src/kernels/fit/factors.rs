@@ -1,11 +1,16 @@
-//! Factors of small symmetric matrices: loops over columns, which become vectors of whoever calls from within
-//! [`pulp::Arch::dispatch`]. Closures are not always inlined, so the loops have none.
-#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+//! Factors of small symmetric matrices.
+//!
+//! Inside [`pulp::Arch::dispatch`] the loops over columns become wide vectors. They hold no closures, which are not
+//! always inlined.
+#![allow(
+    clippy::inline_always,
+    reason = "functions that are not inlined are compiled for the oldest processors"
+)]
 
 use nalgebra::DMatrix;
 use pulp::{Arch, Simd, WithSimd};
 
-/// Column `k`.
+/// Column `k` of a matrix.
 #[inline(always)]
 pub fn column_of(matrix: &DMatrix<f64>, k: usize) -> &[f64] {
     let rows = matrix.nrows();
@@ -20,25 +25,24 @@ pub fn add(out: &mut [f64], factor: f64, a: &[f64]) {
     }
 }
 
-/// The factors of a symmetric positive definite matrix `L D L^T`: L has ones in its diagonal and zeros above, D is
-/// diagonal.
+/// Factors `L D L^T` of a symmetric positive definite matrix, where L is unit lower triangular and D diagonal.
 ///
-/// No roots, and one division for each column: a small matrix waits for chains of them.
+/// They take no roots and one division for each column, because chains of these dominate for a small matrix.
 #[derive(Clone, Debug, Default)]
 pub struct Factors {
-    /// L; the values above its diagonal mean nothing.
+    /// L; the values above its diagonal are unused.
     lower: DMatrix<f64>,
     /// D
     pivots: Vec<f64>,
 }
 
 impl Factors {
-    /// Factors of the lower triangle of a matrix; none if it is not positive definite.
+    /// Factor a matrix, from its lower triangle; `None` if it is not positive definite.
     pub fn new(matrix: DMatrix<f64>) -> Option<Self> {
         Arch::new().dispatch(Factoring(matrix))
     }
 
-    /// Squared length of each column beside the span of those before it, if this is a Gram matrix.
+    /// D: for a Gram matrix, the squared distance of each column from the span of those before it.
     pub fn pivots(&self) -> &[f64] {
         &self.pivots
     }
@@ -49,7 +53,7 @@ impl Factors {
         &column_of(&self.lower, k)[k + 1..]
     }
 
-    /// The solution for one right-hand side, in its place.
+    /// Replace a right-hand side by its solution.
     #[inline(always)]
     pub fn solve(&self, right: &mut [f64]) {
         let size = self.pivots.len();
@@ -65,8 +69,9 @@ impl Factors {
         }
     }
 
-    /// `rows (L D^1/2)^-T`, in their place: with the factors of the Gram matrix of some columns, inner products with these
-    /// become those with orthonormal columns that span the same.
+    /// Replace `rows` by `rows (L D^1/2)^-T`.
+    ///
+    /// Inner products with columns of this Gram matrix become inner products with orthonormal columns of the same span.
     #[inline(always)]
     pub fn orthonormalize(&self, rows: &mut DMatrix<f64>) {
         let height = rows.nrows();
@@ -125,12 +130,12 @@ mod tests {
         fn the_solution_solves(values in proptest::collection::vec(-1.0..1.0_f64, 400), size in 1..18_usize) {
             let a = DMatrix::from_column_slice(20, size, &values[..20 * size]);
             let gram = a.tr_mul(&a);
-            let wanted = DMatrix::from_column_slice(size, 1, &values[400 - size..]);
-            let mut seen = &gram * &wanted;
+            let expected = DMatrix::from_column_slice(size, 1, &values[400 - size..]);
+            let mut solution = &gram * &expected;
             let factors = Factors::new(gram.clone()).expect("columns that are independent");
-            factors.solve(seen.as_mut_slice());
-            prop_assert!((seen - wanted).amax() < 1e-8);
-            // With a direction that lowers it, it has none.
+            factors.solve(solution.as_mut_slice());
+            prop_assert!((solution - expected).amax() < 1e-8);
+            // An indefinite matrix has no factors.
             prop_assert!(Factors::new(&gram - DMatrix::identity(size, size) * (gram.trace() + 1.0)).is_none());
         }
     }

@@ -1,7 +1,7 @@
 //! Non-negative least squares from inner products (Lawson and Hanson 1974, chapter 23).
 //!
-//! Minimise `x^T G x - 2 b^T x`, of which all but the first few values may not be negative. No renderer
-//! takes a negative lamp, and an unconstrained fit of a real map asks for one from the second light on.
+//! Minimise `x^T G x - 2 b^T x` where all values of x but the first few must not be negative. No renderer
+//! accepts a negative lamp, and an unconstrained fit of a real map has one from the second light on.
 
 use std::sync::Arc;
 
@@ -12,15 +12,15 @@ use super::factors::Factors;
 /// Independent columns, and the factors of their Gram matrix.
 #[derive(Clone, Debug)]
 pub struct Support {
-    /// Which, in ascending order.
+    /// Their indices, in ascending order.
     pub columns: Vec<usize>,
     pub factors: Factors,
 }
 
 impl Support {
-    /// `columns`, unless they are not independent.
+    /// Factor the Gram matrix of `columns`; `None` if they are not independent.
     pub fn new(gram: &DMatrix<f64>, columns: Vec<usize>) -> Option<Self> {
-        /// A column this close to the span of the others has lost all its digits.
+        /// Relative squared distance of a column from the span of the others at which no digit of it is left.
         const DEPENDENT: f64 = 1e-12;
         let part = |count| DMatrix::from_fn(count, count, |i, j| gram[(columns[i], columns[j])]);
         let is_all = columns.len() == gram.ncols();
@@ -30,7 +30,7 @@ impl Support {
         are_independent.then_some(Self { columns, factors })
     }
 
-    /// The unconstrained minimum over the columns, 0 elsewhere.
+    /// The unconstrained minimum over the columns; other values are 0.
     fn solve(&self, right: &[f64]) -> Vec<f64> {
         let mut x = right.to_vec();
         if self.columns.len() == right.len() {
@@ -45,13 +45,12 @@ impl Support {
     }
 }
 
-/// An answer, and the columns it uses.
+/// A minimiser, and the columns that it uses.
 type Answer = (Vec<f64>, Arc<Support>);
 
-/// The minimiser for each column of `right`, and the columns it uses; the first `free` values of it may
-/// have any sign. Answers that use the same columns share them.
+/// The minimiser for each column of `right`, and the columns that it uses. Its first `free` values may have any sign.
 ///
-/// The search for the columns starts from those in `guess`, if any.
+/// The search for the columns starts from those in `guess`, if any. Equal sets of columns are shared.
 pub fn solve(
     gram: &DMatrix<f64>,
     right: &DMatrix<f64>,
@@ -65,18 +64,19 @@ pub fn solve(
     for (i, (mut x, right)) in x.column_iter_mut().zip(right.column_iter()).enumerate() {
         let right = right.as_slice();
         let guess = guess.get(i).map_or(&all, |guess| &guess.columns);
-        let (values, support) =
-            pivoted(gram, right, free, guess, &mut known).unwrap_or_else(|| active_set(gram, right, free));
+        let (values, support) = block_pivoting(gram, right, free, guess, &mut known)
+            .unwrap_or_else(|| active_set(gram, right, free));
         x.copy_from_slice(&values);
         supports.push(support);
     }
     (x, supports)
 }
 
-/// Block principal pivoting (Portugal, Júdice and Vicente 1994): all that is negative goes, all that
-/// would lower the cost comes, until nothing does; none where that takes long, or goes in circles. What is
-/// factored on the way is `known` to the channels that come after.
-fn pivoted(
+/// Block principal pivoting (Portugal, Júdice and Vicente 1994): remove all negative columns and add all that lower the
+/// cost, until there are none. `None` if that takes too many rounds.
+///
+/// Each support that is factored joins the `known` ones.
+fn block_pivoting(
     gram: &DMatrix<f64>,
     right: &[f64],
     free: usize,
@@ -84,24 +84,28 @@ fn pivoted(
     known: &mut Vec<Arc<Support>>,
 ) -> Option<Answer> {
     const ROUNDS: usize = 5;
-    let mut support = factored(gram, guess, known)?;
+    let mut support = shared_support(gram, guess, known)?;
     for _ in 0..ROUNDS {
         let x = support.solve(right);
-        let is_wanted = |&column: &usize| {
+        let is_next = |&column: &usize| {
             let is_in = || support.columns.binary_search(&column).is_ok();
             column < free || x[column] > 0.0 || !is_in() && fall(gram, right, &x, column).is_some()
         };
-        let wanted = (0..right.len()).filter(is_wanted);
-        if wanted.clone().eq(support.columns.iter().copied()) {
+        let next = (0..right.len()).filter(is_next);
+        if next.clone().eq(support.columns.iter().copied()) {
             return Some((x, support));
         }
-        support = factored(gram, &wanted.collect::<Vec<usize>>(), known)?;
+        support = shared_support(gram, &next.collect::<Vec<usize>>(), known)?;
     }
     None
 }
 
-/// The support of `columns`, if it is not `known` yet, and then it is.
-fn factored(gram: &DMatrix<f64>, columns: &[usize], known: &mut Vec<Arc<Support>>) -> Option<Arc<Support>> {
+/// The support of `columns`: one of the `known` ones, or a new one that joins them.
+fn shared_support(
+    gram: &DMatrix<f64>,
+    columns: &[usize],
+    known: &mut Vec<Arc<Support>>,
+) -> Option<Arc<Support>> {
     if let Some(support) = known.iter().find(|support| support.columns == columns) {
         return Some(support.clone());
     }
@@ -110,12 +114,12 @@ fn factored(gram: &DMatrix<f64>, columns: &[usize], known: &mut Vec<Arc<Support>
     Some(support)
 }
 
-/// Lawson and Hanson's way, which always ends.
+/// The active-set method of Lawson and Hanson, which always ends.
 fn active_set(gram: &DMatrix<f64>, right: &[f64], free: usize) -> Answer {
     let nothing = || Support { columns: Vec::new(), factors: Factors::default() };
     let mut support = Support::new(gram, (0..free).collect()).unwrap_or_else(nothing);
     let mut x = support.solve(right);
-    // Columns that were let in and came out at once: rounding, not descent.
+    // Refuse columns that leave at once, because only rounding lowers the cost along them.
     let mut refused: Vec<usize> = Vec::new();
     while let Some(next) = steepest(gram, right, &x, &support.columns, &refused) {
         let mut active = support.columns.clone();
@@ -134,7 +138,7 @@ fn active_set(gram: &DMatrix<f64>, right: &[f64], free: usize) -> Answer {
     (x, Arc::new(support))
 }
 
-/// The column outside `active` along which the cost falls fastest, if it falls at all.
+/// The column outside `active` along which the cost falls fastest; `None` if it falls along none.
 fn steepest(
     gram: &DMatrix<f64>,
     right: &[f64],
@@ -147,8 +151,7 @@ fn steepest(
     falling.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(column, _)| column)
 }
 
-/// How fast the cost falls along a column, per length of it, so that its unit does not matter; none
-/// where it does not.
+/// Decrease of the cost along a column of unit length; `None` if the cost does not decrease.
 fn fall(gram: &DMatrix<f64>, right: &[f64], x: &[f64], column: usize) -> Option<f64> {
     const ROUNDING: f64 = 1e-13;
     let own = &gram.as_slice()[column * right.len()..(column + 1) * right.len()];
@@ -156,7 +159,7 @@ fn fall(gram: &DMatrix<f64>, right: &[f64], x: &[f64], column: usize) -> Option<
     (own[column] > 0.0 && fall > ROUNDING * right[column].abs()).then(|| fall / own[column].sqrt())
 }
 
-/// From `x` towards the minimum on the active columns, giving up those that reach 0 on the way.
+/// Move from `x` towards the minimum over the active columns, and remove those that reach 0 first.
 fn retreat(
     gram: &DMatrix<f64>,
     right: &[f64],
@@ -192,7 +195,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Karush-Kuhn-Tucker: no value in use has a slope, no other wants to grow.
+    /// Karush-Kuhn-Tucker conditions: positive values have no gradient, and the cost grows along all others.
     fn assert_optimal(gram: &DMatrix<f64>, right: &DMatrix<f64>, x: &[f64], support: &Support) {
         let fall = right - gram * DMatrix::from_column_slice(x.len(), 1, x);
         for i in 0..x.len() {

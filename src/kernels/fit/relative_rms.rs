@@ -6,9 +6,9 @@ use crate::error::Result;
 use crate::interrupt;
 use crate::kernels::sphere::{check_rows, check_values};
 
-/// Relative RMS error, from the squares of what is left and of the whole; absolute where all is black.
-pub fn relative_error(left: f64, whole: f64) -> f64 {
-    if whole > 0.0 { (left / whole).sqrt() } else { left.sqrt() }
+/// Relative RMS error, from sums of squares of the difference and of the whole; absolute if the whole is 0.
+pub fn relative_error(difference: f64, whole: f64) -> f64 {
+    if whole > 0.0 { (difference / whole).sqrt() } else { difference.sqrt() }
 }
 
 /// Weighted relative RMS difference of two probes, (n, 3) each.
@@ -24,14 +24,13 @@ pub fn relative_rms(
 ) -> Result<f64> {
     check_rows("wanted", wanted, 3)?;
     check_values("wanted", wanted.nrows(), ("seen", seen), weights)?;
-    // Bring all numbers near 1, each row by its weight: the square of one beyond 1e154 is infinite, the difference of
-    // two may be.
+    // Scale all numbers to at most 1, because the square of a number above 1e154 is infinite.
     let (weight, weights) = near_one(weights.insert_axis(Axis(1)).to_owned());
     let (roots, half) = (weights.sqrt(), &wanted / 2.0);
     interrupt::check();
     let (error, errors) = near_one(&roots * (&seen / 2.0 - &half));
     let (size, sizes) = near_one(roots * half);
-    // Compare their norms.
+    // Compare the norms.
     let norm = |rows: &Array2<f64>| {
         interrupt::check();
         (rows * rows).sum().sqrt()
@@ -40,7 +39,7 @@ pub fn relative_rms(
     Ok(if sizes > 0.0 { error * (errors / sizes) / size } else { 2.0 * error * errors * weight.sqrt() })
 }
 
-/// The largest of some numbers without its sign, 1 if all are 0; and the numbers in that unit.
+/// The largest absolute value, or 1 if all are 0, and the numbers divided by it.
 fn near_one(numbers: Array2<f64>) -> (f64, Array2<f64>) {
     interrupt::check();
     let largest = numbers.iter().fold(0.0_f64, |largest, number| largest.max(number.abs()));

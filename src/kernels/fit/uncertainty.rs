@@ -1,23 +1,22 @@
-//! How far the lights are determined: by a map, and by measured probe values.
+//! Direction tolerances under a map, and standard errors of a fit to measured values.
 //!
-//! A map has no noise, so no standard errors: what counts is how far a light may stand elsewhere, the others
-//! refitted, before the error grows by a tenth. With half the second derivative H of the cost, the step t of one
-//! light costs `t^T ((H^-1)_own)^-1 t` at least, so
+//! A map has no noise. The tolerance of a light is the turn that makes the error a tenth larger, if all other unknowns
+//! adapt. With half the second derivative H of the cost, a step t of one light costs at least `t^T ((H^-1)_own)^-1 t`, so
 //!
 //! ```text
-//!   farthest^2 = (1.1^2 - 1) cost * greatest eigenvalue of (H^-1)_own
+//!   tolerance^2 = (1.1^2 - 1) cost * greatest eigenvalue of (H^-1)_own
 //! ```
 //!
-//! Measured values have noise, the same in all channels of a normal or not. With the Jacobian J of all free
-//! unknowns - radiances channel by channel, then the two tangent coordinates of every direction that moved - and
-//! the residuals r of n normals, their covariance S between channels gives
+//! Measured values have noise, which the channels of a normal may share. The unknowns are the radiances, channel by
+//! channel, then the two tangent coordinates of every free direction. With their Jacobian J, and the covariance S of
+//! the residuals r of n normals between channels,
 //!
 //! ```text
 //!   covariance = (J^T W J)^-1  J^T W S J  (J^T W J)^-1        S_cd = 3 sum w r_c r_d / (3 n - unknowns)
 //! ```
 //!
-//! A value held at zero is no unknown. A normal on the horizon of a light that may turn is no evidence: its
-//! derivatives differ from side to side, and what is left of J is the same from both.
+//! A value that is held at 0 is not an unknown. A normal on the horizon of a free light is left out, because the
+//! derivatives jump there.
 
 use std::f64::consts::PI;
 
@@ -31,11 +30,9 @@ use super::samples::{Probe, Samples};
 use super::state::State;
 use super::variable_projection::{Quadratic, Subspace};
 
-/// Growth of the error at which a light has gone too far.
-const GROWTH: f64 = 1.1;
-
-/// Direction tolerance of each light of `state`, in radians: the turn that makes the relative RMS error, now that of
-/// `cost`, a tenth larger; 0 if the light is fixed, pi if the cost does not depend on it.
+/// Direction tolerance of each light of `state`, in radians, where the error is that of `cost`.
+///
+/// It is 0 if the light is fixed, and pi if the cost does not depend on its direction.
 pub fn tolerances(descent: &Descent<'_>, state: &State, cost: f64) -> Vec<f64> {
     let model = Quadratic::around(descent.objective, state, true);
     let space = Subspace::new(model.gradient.len(), model.each, &descent.constraints(state, &model));
@@ -46,44 +43,46 @@ pub fn tolerances(descent: &Descent<'_>, state: &State, cost: f64) -> Vec<f64> {
     let tolerance = |light: usize| {
         let own = inverse.view((model.each * light, model.each * light), (2, 2)).into_owned();
         let greatest = own.symmetric_eigenvalues().max();
-        ((GROWTH * GROWTH - 1.0) * cost.max(0.0) * greatest).sqrt().min(PI)
+        ((1.1 * 1.1 - 1.0) * cost.max(0.0) * greatest).sqrt().min(PI)
     };
     (0..state.lights()).map(tolerance).collect()
 }
 
-/// What the covariance says of a rig.
+/// Condition number and standard errors of a rig.
 #[derive(Clone, Debug)]
 pub struct Uncertainty {
-    /// Ratio of the greatest to the least singular value of J, its columns brought to length 1:
-    /// infinite where the probe does not tell two unknowns apart.
+    /// Ratio of the greatest to the least singular value of J with columns of unit length; infinite if the probe does not
+    /// determine all unknowns.
     pub condition: f64,
-    /// Standard error of each light's direction, in radians: 0 where it was fixed.
+    /// Standard error of each light's direction, in radians; 0 if it was fixed.
     pub direction: Vec<f64>,
-    /// Standard error of each light's irradiance in each channel: 0 where it is held at zero.
+    /// Standard error of each light's irradiance in each channel; 0 if the irradiance is held at 0.
     pub irradiance: Vec<[f64; 3]>,
 }
 
 impl Default for Uncertainty {
-    /// Of what was not measured.
+    /// No measured unknowns.
     fn default() -> Self {
         Self { condition: 1.0, direction: Vec::new(), irradiance: Vec::new() }
     }
 }
 
-/// Of the lights of `rig`, of which the first `fixed` keep their directions.
+/// Uncertainty of the lights of `rig`, whose first `fixed` lights keep their directions.
 pub fn uncertainty(probe: &Probe, rig: &Rig, fixed: usize) -> Uncertainty {
-    /// Cosine of the angle between a light and a normal on its horizon, at most: a light that follows a
-    /// kink stands within rounding of it.
+    /// Cosine between a light and a normal up to which the normal is on its horizon. A fitted light often lies on the
+    /// horizon of a normal, except for rounding.
     const HORIZON: f64 = 1e-9;
-    let is_evidence = |normal: DVec3| rig.directions[fixed..].iter().all(|l| l.dot(normal).abs() > HORIZON);
-    match probe.samples.only(is_evidence) {
-        Some(clear) => of_evidence(&Probe::new(clear, probe.given().ambient), rig, fixed),
-        None => of_evidence(probe, rig, fixed),
+    let is_off_horizons =
+        |normal: DVec3| rig.directions[fixed..].iter().all(|l| l.dot(normal).abs() > HORIZON);
+    match probe.samples.only(is_off_horizons) {
+        Some(samples) => errors_from(&Probe::new(samples, probe.given().ambient), rig, fixed),
+        None => errors_from(probe, rig, fixed),
     }
 }
 
-fn of_evidence(probe: &Probe, rig: &Rig, fixed: usize) -> Uncertainty {
-    let columns = Columns::new(probe, rig);
+/// Uncertainty from a probe without normals on the horizon of a free light.
+fn errors_from(probe: &Probe, rig: &Rig, fixed: usize) -> Uncertainty {
+    let columns = ModelColumns::new(probe, rig);
     let unknowns = columns.unknowns(probe.given(), rig, fixed);
     let count = unknowns.len();
     let products = |noise: DMat3| {
@@ -111,19 +110,20 @@ fn of_evidence(probe: &Probe, rig: &Rig, fixed: usize) -> Uncertainty {
     out
 }
 
-/// The covariance of the residuals of `rig` between channels.
+/// Covariance of the residuals of `rig` between channels.
 fn noise(samples: &Samples, rig: &Rig, unknowns: usize) -> DMat3 {
     let freedom = (3 * samples.normals.len()).saturating_sub(unknowns).max(1) as f64;
     let normals = samples.normals.iter().zip(&samples.weights).zip(&samples.irradiance);
     let sum = normals.fold(DMat3::ZERO, |sum, ((&n, &weight), &e)| {
-        let off = e - rig.at(n);
-        sum + DMat3::from_cols(off * off.x, off * off.y, off * off.z) * weight
+        let r = e - rig.at(n);
+        sum + DMat3::from_cols(r * r.x, r * r.y, r * r.z) * weight
     });
     sum * (3.0 / freedom)
 }
 
 impl Uncertainty {
-    fn set(&mut self, columns: &Columns, given: &Given, unknown: Unknown, error: f64) {
+    /// Store the standard error of one unknown.
+    fn set(&mut self, columns: &ModelColumns, given: &Given, unknown: Unknown, error: f64) {
         let Unknown { column, channel } = unknown;
         match channel {
             None => {
@@ -138,7 +138,7 @@ impl Uncertainty {
     }
 }
 
-/// Ratio of the greatest to the least singular value of the matrix whose Gram matrix this is.
+/// Ratio of the greatest to the least singular value of a matrix, from its Gram matrix.
 fn condition(gram: &DMatrix<f64>) -> f64 {
     if gram.is_empty() {
         return 1.0;
@@ -148,29 +148,29 @@ fn condition(gram: &DMatrix<f64>) -> f64 {
     if values.min() <= rounding { f64::INFINITY } else { (values.max() / values.min()).sqrt() }
 }
 
-/// One unknown: a column of [`Columns`], in one channel or, for a direction, in all.
+/// A column of [`ModelColumns`] in one channel, or in all channels if it belongs to a direction.
 #[derive(Clone, Copy)]
 struct Unknown {
     column: usize,
     channel: Option<usize>,
 }
 
-/// The columns of the model, then their derivatives when a light turns.
-struct Columns {
-    /// How many belong to the model.
+/// Ambient and light columns, then the derivatives of the light columns by direction.
+struct ModelColumns {
+    /// Number of ambient and light columns.
     model: usize,
-    /// Inner products of all.
+    /// Inner products of all columns.
     gram: DMatrix<f64>,
 }
 
-impl Columns {
+impl ModelColumns {
     fn new(probe: &Probe, rig: &Rig) -> Self {
         let moments = probe.moments(&rig.directions);
         let derivatives = probe.derivatives(&moments, &DMatrix::zeros(0, 0), false);
-        let (model, turned) = (moments.gram.nrows(), derivatives.model.nrows());
-        let mut gram = moments.gram.resize(model + turned, model + turned, 0.0);
-        gram.view_mut((model, 0), (turned, model)).copy_from(&derivatives.model);
-        gram.view_mut((model, model), (turned, turned)).copy_from(&derivatives.gram);
+        let (model, turns) = (moments.gram.nrows(), derivatives.model.nrows());
+        let mut gram = moments.gram.resize(model + turns, model + turns, 0.0);
+        gram.view_mut((model, 0), (turns, model)).copy_from(&derivatives.model);
+        gram.view_mut((model, model), (turns, turns)).copy_from(&derivatives.gram);
         gram.fill_upper_triangle_with_lower_triangle();
         Self { model, gram }
     }
@@ -190,7 +190,7 @@ impl Columns {
         radiances.chain(directions).collect()
     }
 
-    /// Inner product of two columns of the Jacobian, with this `noise` between channels.
+    /// Inner product of two columns of the Jacobian, with a covariance `noise` between channels.
     fn inner(&self, rig: &Rig, a: Unknown, b: Unknown, noise: DMat3) -> f64 {
         let scale = |unknown: Unknown| match unknown.channel {
             Some(own) => DVec3::AXES[own],
@@ -199,16 +199,31 @@ impl Columns {
         scale(a).dot(noise * scale(b)) * self.gram[(a.column, b.column)]
     }
 }
+
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use ndarray::{Array1, Array2};
+
     use super::*;
     use crate::kernels::fit::Ambient;
     use crate::kernels::fit::rig::irradiance;
     use crate::kernels::sampling;
-    use glam::DVec3;
+    use crate::kernels::sphere::{from_vectors, tangents};
 
-    /// Against the Jacobian itself, by differences, the inverse of its square, and the noise that channels share.
+    fn probe(
+        rig: &Rig,
+        normals: &Array2<f64>,
+        error: impl Fn(usize, usize) -> f64,
+        ambient: Ambient,
+    ) -> Probe {
+        let mut irradiance = irradiance(rig, normals.view()).unwrap();
+        irradiance.indexed_iter_mut().for_each(|((i, c), value)| *value += error(i, c));
+        let weights = Array1::ones(normals.nrows());
+        Probe::new(Samples::new(normals.view(), weights.view(), irradiance.view()).unwrap(), ambient)
+    }
+
+    /// Checks against the inverse of the square of an explicit Jacobian, with noise that channels share.
     #[test]
     fn the_errors_are_those_of_the_jacobian() {
         let (normals, _) = sampling::icosphere(80).unwrap();
@@ -218,54 +233,47 @@ mod tests {
             irradiance: vec![DVec3::new(3.0, 2.0, 0.0)],
             has_floor: false,
         };
-        let mut seen = irradiance(&rig, normals.view()).unwrap();
-        seen.indexed_iter_mut().for_each(|((i, c), value)| *value += 0.01 * ((i * 7 + c) % 5) as f64);
-        let weights = ndarray::Array1::ones(80);
-        let samples = Samples::new(normals.view(), weights.view(), seen.view()).unwrap();
-        let probe = Probe::new(samples, Ambient::Constant);
-        let found = uncertainty(&probe, &rig, 0);
-        let [s, t] = crate::kernels::sphere::tangents(rig.directions[0]);
+        let probe = probe(&rig, &normals, |i, c| 0.01 * ((i * 7 + c) % 5) as f64, Ambient::Constant);
+        let result = uncertainty(&probe, &rig, 0);
+        let [s, t] = tangents(rig.directions[0]);
         let lit = |n: DVec3, axis: DVec3| if n.dot(rig.directions[0]) > 0.0 { n.dot(axis) } else { 0.0 };
-        // Ambient RGB, red and green of the light, two tangents: blue is held at zero.
+        let one_if = |is_own: bool| if is_own { 1.0 } else { 0.0 };
+        // Order the unknowns: ambient RGB, red and green of the light, two tangents. Blue is held at 0.
         let entry = |n: DVec3, c: usize, column: usize| match column {
-            0..3 => f64::from(u8::from(c == column)) * std::f64::consts::PI,
-            3 | 4 => f64::from(u8::from(c == column - 3)) * lit(n, rig.directions[0]),
+            0..3 => one_if(c == column) * PI,
+            3 | 4 => one_if(c == column - 3) * lit(n, rig.directions[0]),
             _ => rig.irradiance[0][c] * lit(n, if column == 5 { s } else { t }),
         };
         let jacobian =
             DMatrix::from_fn(240, 7, |row, column| entry(probe.samples.normals[row / 3], row % 3, column));
-        let off = |row: usize| probe.samples.irradiance[row / 3] - rig.at(probe.samples.normals[row / 3]);
-        let shared = |row: usize, other: usize| {
-            let products = (0..80).map(|n| off(3 * n)[row % 3] * off(3 * n)[other % 3]);
-            if row / 3 == other / 3 { products.sum::<f64>() * 3.0 / 233.0 } else { 0.0 }
-        };
-        let noise = DMatrix::from_fn(240, 240, shared);
+        let residual = |i: usize| probe.samples.irradiance[i] - rig.at(probe.samples.normals[i]);
+        let noise = DMatrix::from_fn(240, 240, |row, other| {
+            let products = (0..80).map(|n| residual(n)[row % 3] * residual(n)[other % 3]);
+            one_if(row / 3 == other / 3) * products.sum::<f64>() * 3.0 / 233.0
+        });
         let inverse = jacobian.tr_mul(&jacobian).try_inverse().unwrap();
         let covariance = &inverse * jacobian.transpose() * noise * &jacobian * &inverse;
         let direction = (covariance[(5, 5)] + covariance[(6, 6)]).sqrt();
-        approx::assert_relative_eq!(found.direction[0], direction, max_relative = 1e-9);
-        approx::assert_relative_eq!(found.irradiance[0][1], covariance[(4, 4)].sqrt(), max_relative = 1e-9);
-        assert!(found.irradiance[0][2].abs() < f64::MIN_POSITIVE);
+        approx::assert_relative_eq!(result.direction[0], direction, max_relative = 1e-9);
+        approx::assert_relative_eq!(result.irradiance[0][1], covariance[(4, 4)].sqrt(), max_relative = 1e-9);
+        assert!(result.irradiance[0][2].abs() < f64::MIN_POSITIVE);
     }
 
-    /// Three lights along the axes, and normals each of which is on the horizon of one.
+    /// Three lights along the axes, and normals that are each on the horizon of one.
     #[test]
-    fn horizons_are_no_evidence_of_where_a_light_is_but_of_how_bright() {
+    fn horizons_determine_the_brightness_of_a_light_but_not_its_direction() {
         let planes = |i: usize| {
             let (sin, cos) = (i as f64).sin_cos();
             [DVec3::new(0.0, sin, cos), DVec3::new(sin, 0.0, cos), DVec3::new(sin, cos, 0.0)]
         };
-        let normals = crate::kernels::sphere::from_vectors((0..12).flat_map(planes));
+        let normals = from_vectors((0..12).flat_map(planes));
         let rig = Rig {
             ambient: vec![DVec3::splat(0.1); 9],
             directions: DVec3::AXES.to_vec(),
             irradiance: vec![DVec3::ONE; 3],
             has_floor: false,
         };
-        let seen = irradiance(&rig, normals.view()).unwrap() + 0.01;
-        let weights = ndarray::Array1::ones(36);
-        let samples = Samples::new(normals.view(), weights.view(), seen.view()).unwrap();
-        let probe = Probe::new(samples, Ambient::Sh2);
+        let probe = probe(&rig, &normals, |_, _| 0.01, Ambient::Sh2);
         let free = uncertainty(&probe, &rig, 0);
         assert!(free.condition.is_infinite() && free.direction.iter().all(|error| error.is_infinite()));
         let held = uncertainty(&probe, &rig, 3);

@@ -1,220 +1,158 @@
-//! What runs over all normals, many of them side by side in wide vectors.
-#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
-
-use std::f64::consts::PI;
+//! Loops over all normals of a probe, in blocks that the compiler turns into wide vectors.
+#![allow(
+    clippy::inline_always,
+    reason = "functions that are not inlined are compiled for the oldest processors"
+)]
+#![allow(clippy::needless_range_loop, reason = "loops, not closures, become wide vectors")]
 
 use glam::DVec3;
-use pulp::{Arch, Simd, WithSimd};
+use pulp::Arch;
 
 use crate::kernels::fit::rig::Rig;
 
-/// Samples of one block: as many as a word has bits.
+/// Samples of one block, one for each bit of a word.
 pub const SAMPLES: usize = u64::BITS as usize;
-/// Vectors of samples whose residuals stay in registers from light to light.
-const VECTORS: usize = 2;
 
-/// A normal this close to a right angle with a light does not see it: where normals stand on a terminator,
-/// as those of an icosphere do, rounding must not decide to which side of it they belong.
+/// Greatest cosine at which a light is below the horizon of a normal. Normals of an icosphere lie on terminators, where
+/// rounding must not decide.
 pub const TERMINATOR: f64 = 1e-12;
 
 /// All samples, in blocks.
 #[derive(Clone, Debug)]
 pub struct Blocks {
-    blocks: Vec<Block>,
-    /// Vectors as wide as this processor has.
+    blocks: Vec<SampleBlock>,
+    /// Widest vectors of this processor.
     widest: Arch,
 }
 
-/// The last block is filled up with normals that see nothing and weigh nothing.
+/// Coordinates of the samples of a block; the last block ends with zeros.
 #[derive(Clone, Debug)]
-struct Block {
+struct SampleBlock {
+    /// Number of samples.
+    count: usize,
     normals: [[f64; SAMPLES]; 3],
     irradiance: [[f64; SAMPLES]; 3],
     weights: [f64; SAMPLES],
-    /// 1 for those that are there, 0 for those that fill the block up.
-    is_sample: [f64; SAMPLES],
+}
+
+/// Difference between the irradiance of samples and of a rig.
+#[derive(Clone, Copy, Debug)]
+pub struct Residual {
+    /// Weighted sum of its squares in each channel.
+    pub squares: [f64; 3],
+    /// Greatest difference at any normal and in any channel.
+    pub largest: f64,
 }
 
 impl Blocks {
+    /// Group samples into blocks.
     pub fn new(normals: &[DVec3], weights: &[f64], irradiance: &[DVec3]) -> Self {
         let parts = normals.chunks(SAMPLES).zip(weights.chunks(SAMPLES)).zip(irradiance.chunks(SAMPLES));
-        let block = |((normals, weights), irradiance): ((&[DVec3], &[f64]), &[DVec3])| Block {
+        let block = |((normals, weights), irradiance): ((&[DVec3], &[f64]), &[DVec3])| SampleBlock {
+            count: weights.len(),
             normals: axes(normals),
             irradiance: axes(irradiance),
             weights: std::array::from_fn(|i| *weights.get(i).unwrap_or(&0.0)),
-            is_sample: std::array::from_fn(|i| if i < weights.len() { 1.0 } else { 0.0 }),
         };
         Self { blocks: parts.map(block).collect(), widest: Arch::new() }
     }
 
-    /// How many words hold a bit for each sample.
+    /// Number of words that hold a bit for each sample.
     pub fn words(&self) -> usize {
         self.blocks.len()
     }
 
-    /// The normals that see lights in `directions`, as bits: so many words for each light.
-    pub fn seen(&self, directions: &[DVec3]) -> Vec<u64> {
-        let mut seen = Vec::with_capacity(directions.len() * self.words());
-        self.widest.dispatch(Seen { blocks: &self.blocks, directions, words: &mut seen });
-        seen
+    /// A bit for each sample that a light reaches, in as many words for each light as there are blocks.
+    pub fn visible(&self, directions: &[DVec3]) -> Vec<u64> {
+        self.widest.dispatch(|| visible(&self.blocks, directions))
     }
 
-    /// What `rig` leaves unexplained.
-    pub fn left(&self, rig: &Rig) -> Left {
-        self.widest.dispatch(Unexplained { blocks: &self.blocks, rig })
+    /// Difference between the samples and a rig.
+    pub fn residual(&self, rig: &Rig) -> Residual {
+        self.widest.dispatch(|| residual(&self.blocks, rig))
     }
 }
 
-/// What a rig leaves unexplained.
-#[derive(Clone, Copy, Debug)]
-pub struct Left {
-    /// Weighted sum of its squares in each channel.
-    pub squares: [f64; 3],
-    /// The most at any normal and in any channel.
-    pub largest: f64,
-}
-
-/// x, y and z side by side.
+/// The coordinates of vectors by axis, and zeros.
 fn axes(vectors: &[DVec3]) -> [[f64; SAMPLES]; 3] {
     [0, 1, 2].map(|axis| std::array::from_fn(|i| vectors.get(i).map_or(0.0, |vector| vector[axis])))
 }
 
-/// One bit each: to take them from a table is faster than to shift by another number in each lane.
-const BITS: [u64; SAMPLES] = {
-    let mut bits = [1; SAMPLES];
-    let mut i = 1;
-    while i < SAMPLES {
-        bits[i] = bits[i - 1] << 1;
-        i += 1;
-    }
-    bits
-};
-
-struct Seen<'a> {
-    blocks: &'a [Block],
-    directions: &'a [DVec3],
-    words: &'a mut Vec<u64>,
-}
-
-impl WithSimd for Seen<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        for direction in self.directions {
-            for Block { normals: [x, y, z], .. } in self.blocks {
-                let mut bits = 0;
-                for i in 0..SAMPLES {
-                    let along = x[i] * direction.x + y[i] * direction.y + z[i] * direction.z;
-                    bits |= if along > TERMINATOR { BITS[i] } else { 0 };
-                }
-                self.words.push(bits);
-            }
-        }
-    }
-}
-
-struct Unexplained<'a> {
-    blocks: &'a [Block],
-    rig: &'a Rig,
-}
-
-impl WithSimd for Unexplained<'_> {
-    type Output = Left;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Left {
-        let zero = simd.splat_f64s(0.0);
-        let (mut sums, mut largest) = ([zero; 3], zero);
-        for block in self.blocks {
-            let without = self.without_harmonics(block);
-            let block = without.as_deref().unwrap_or(block);
-            let (weights, is_sample) =
-                (S::as_simd_f64s(&block.weights).0, S::as_simd_f64s(&block.is_sample).0);
-            for first in (0..weights.len()).step_by(VECTORS) {
-                let left = self.left(simd, block, first);
-                for (sum, left) in sums.iter_mut().zip(&left) {
-                    for i in 0..VECTORS {
-                        let weighted = simd.mul_f64s(weights[first + i], left[i]);
-                        *sum = simd.mul_add_f64s(weighted, left[i], *sum);
-                        let size = simd.mul_f64s(is_sample[first + i], simd.abs_f64s(left[i]));
-                        largest = simd.max_f64s(largest, size);
-                    }
-                }
-            }
-        }
-        Left { squares: sums.map(|sum| simd.reduce_sum_f64s(sum)), largest: simd.reduce_max_f64s(largest) }
-    }
-}
-
-impl Unexplained<'_> {
-    /// What is left of some vectors of `block` from the `first` on, in each channel.
-    #[inline(always)]
-    fn left<S: Simd>(&self, simd: S, block: &Block, first: usize) -> [[S::f64s; VECTORS]; 3] {
-        let Rig { directions, irradiance, .. } = self.rig;
-        let (normals, seen) = (&block.normals, &block.irradiance);
-        let normals = [0, 1, 2].map(|axis| vectors(simd, &normals[axis], first));
-        let mut left = [0, 1, 2].map(|channel| vectors(simd, &seen[channel], first));
-        if let [constant] = self.rig.ambient[..] {
-            // The same at all normals, but over a floor.
-            let tilt = if self.rig.has_floor { 0.5 } else { 0.0 };
-            for (left, constant) in left.iter_mut().zip(constant.to_array()) {
-                let [level, slope] = [1.0 - tilt, tilt].map(|share| simd.splat_f64s(PI * constant * share));
-                for i in 0..VECTORS {
-                    left[i] = simd.sub_f64s(left[i], simd.mul_add_f64s(normals[1][i], slope, level));
-                }
-            }
-        }
-        let zero = simd.splat_f64s(0.0);
-        for (l, e) in directions.iter().zip(irradiance) {
-            let [l, e] = [l, e].map(|v| [simd.splat_f64s(v.x), simd.splat_f64s(v.y), simd.splat_f64s(v.z)]);
-            for i in 0..VECTORS {
-                let along = simd.mul_f64s(normals[0][i], l[0]);
-                let along = simd.mul_add_f64s(normals[1][i], l[1], along);
-                let lit = simd.max_f64s(simd.mul_add_f64s(normals[2][i], l[2], along), zero);
-                left[0][i] = simd.negate_mul_add_f64s(e[0], lit, left[0][i]);
-                left[1][i] = simd.negate_mul_add_f64s(e[1], lit, left[1][i]);
-                left[2][i] = simd.negate_mul_add_f64s(e[2], lit, left[2][i]);
-            }
-        }
-        left
-    }
-
-    /// What is left of `block` beside the harmonics of the ambient term, if it has any.
-    fn without_harmonics(&self, block: &Block) -> Option<Box<Block>> {
-        if self.rig.ambient.len() <= 1 {
-            return None;
-        }
-        let mut block = Box::new(block.clone());
-        let [x, y, z] = &block.normals;
-        for i in 0..SAMPLES {
-            let columns = self.rig.ambient_columns(DVec3::new(x[i], y[i], z[i]));
-            for (coefficient, column) in self.rig.ambient.iter().zip(columns) {
-                for channel in 0..3 {
-                    block.irradiance[channel][i] -= coefficient[channel] * column;
-                }
-            }
-        }
-        Some(block)
-    }
-}
-
-/// Some vectors of `values`, from the `first` on.
+/// See [`Blocks::visible`].
 #[inline(always)]
-fn vectors<S: Simd>(simd: S, values: &[f64; SAMPLES], first: usize) -> [S::f64s; VECTORS] {
-    let mut vectors = [simd.splat_f64s(0.0); VECTORS];
-    vectors.copy_from_slice(&S::as_simd_f64s(values).0[first..][..VECTORS]);
-    vectors
+fn visible(blocks: &[SampleBlock], directions: &[DVec3]) -> Vec<u64> {
+    let mut words = Vec::with_capacity(directions.len() * blocks.len());
+    for direction in directions {
+        for SampleBlock { normals: [x, y, z], .. } in blocks {
+            let mut bits = 0;
+            for i in 0..SAMPLES {
+                let along = x[i] * direction.x + y[i] * direction.y + z[i] * direction.z;
+                bits |= u64::from(along > TERMINATOR) << i;
+            }
+            words.push(bits);
+        }
+    }
+    words
+}
+
+/// See [`Blocks::residual`].
+#[inline(always)]
+fn residual(blocks: &[SampleBlock], rig: &Rig) -> Residual {
+    let mut out = Residual { squares: [0.0; 3], largest: 0.0 };
+    for block in blocks {
+        let mut residual = block.irradiance;
+        subtract_ambient(block, rig, &mut residual);
+        for (l, e) in rig.directions.iter().zip(&rig.irradiance) {
+            subtract_light(block, *l, *e, &mut residual);
+        }
+        for c in 0..3 {
+            for i in 0..SAMPLES {
+                let difference = residual[c][i];
+                out.squares[c] += block.weights[i] * difference * difference;
+                out.largest = out.largest.max(difference.abs());
+            }
+        }
+    }
+    out
+}
+
+/// Subtract the ambient term of a rig at each sample.
+#[inline(always)]
+fn subtract_ambient(block: &SampleBlock, rig: &Rig, residual: &mut [[f64; SAMPLES]; 3]) {
+    let [x, y, z] = &block.normals;
+    for i in 0..block.count {
+        let columns = rig.ambient_columns(DVec3::new(x[i], y[i], z[i]));
+        for (coefficient, column) in rig.ambient.iter().zip(columns) {
+            for c in 0..3 {
+                residual[c][i] -= coefficient[c] * column;
+            }
+        }
+    }
+}
+
+/// Subtract a light of irradiance `e` from the direction `l`.
+#[inline(always)]
+fn subtract_light(block: &SampleBlock, l: DVec3, e: DVec3, residual: &mut [[f64; SAMPLES]; 3]) {
+    let [x, y, z] = &block.normals;
+    let [red, green, blue] = residual;
+    for i in 0..SAMPLES {
+        let cosine = (x[i] * l.x + y[i] * l.y + z[i] * l.z).max(0.0);
+        red[i] -= e.x * cosine;
+        green[i] -= e.y * cosine;
+        blue[i] -= e.z * cosine;
+    }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::{PI, TAU};
+
+    use proptest::prelude::*;
+
     use super::*;
     use crate::kernels::sphere::direction;
-    use proptest::prelude::*;
-    use std::f64::consts::TAU;
 
-    /// As many samples as fill no block, or just one.
+    /// Normals, weights and irradiance.
     fn samples(count: usize) -> (Vec<DVec3>, Vec<f64>, Vec<DVec3>) {
         let normal = |i: usize| direction(0.1 + 2.9 * i as f64 / count as f64, 2.4 * i as f64);
         let wave = |i: usize, scale: f64| 1.0 + (scale * i as f64).sin();
@@ -227,8 +165,9 @@ mod tests {
     }
 
     proptest! {
+        /// Checks full blocks, one sample, and blocks that end with zeros.
         #[test]
-        fn sums_in_lanes_are_the_plain_sums(
+        fn sums_over_blocks_are_the_plain_sums(
             count in prop::sample::select(vec![1_usize, 63, 64, 65, 200]),
             coefficients in prop::sample::select(vec![0_usize, 1, 9]),
             angles in proptest::collection::vec((0.0..PI, 0.0..TAU), 0..4),
@@ -244,18 +183,18 @@ mod tests {
             };
             let blocks = Blocks::new(&normals, &weights, &irradiance);
             let squares = normals.iter().zip(&irradiance).map(|(&n, e)| (*e - rig.at(n)).length_squared());
-            let wanted: f64 = squares.zip(&weights).map(|(square, weight)| square * weight).sum();
-            let left = blocks.left(&rig);
-            let seen: f64 = left.squares.iter().sum();
-            prop_assert!((seen - wanted).abs() <= 1e-12 * wanted, "{seen} {wanted}");
+            let expected: f64 = squares.zip(&weights).map(|(square, weight)| square * weight).sum();
+            let residual = blocks.residual(&rig);
+            let sum: f64 = residual.squares.iter().sum();
+            prop_assert!((sum - expected).abs() <= 1e-12 * expected, "{sum} {expected}");
             let largest = normals.iter().zip(&irradiance).map(|(&n, e)| (*e - rig.at(n)).abs().max_element());
-            prop_assert!((left.largest - largest.fold(0.0, f64::max)).abs() < 1e-12, "{left:?}");
-            let seen = blocks.seen(&rig.directions);
-            prop_assert_eq!(seen.len(), rig.directions.len() * blocks.words());
-            for (light, bits) in rig.directions.iter().zip(seen.chunks(blocks.words())) {
+            prop_assert!((residual.largest - largest.fold(0.0, f64::max)).abs() < 1e-12, "{residual:?}");
+            let visible = blocks.visible(&rig.directions);
+            prop_assert_eq!(visible.len(), rig.directions.len() * blocks.words());
+            for (light, bits) in rig.directions.iter().zip(visible.chunks(blocks.words())) {
                 for i in 0..SAMPLES * blocks.words() {
-                    let wanted = normals.get(i).is_some_and(|n| n.dot(*light) > TERMINATOR);
-                    prop_assert_eq!(bits[i / SAMPLES] >> (i % SAMPLES) & 1 == 1, wanted);
+                    let expected = normals.get(i).is_some_and(|n| n.dot(*light) > TERMINATOR);
+                    prop_assert_eq!(bits[i / SAMPLES] >> (i % SAMPLES) & 1 == 1, expected);
                 }
             }
         }

@@ -1,24 +1,24 @@
-//! Given normals: the objective as sums over them.
+//! Known normals: the objective as sums over them.
 //!
-//! | step                                       | file          |
-//! |--------------------------------------------|---------------|
-//! | irradiance at normals                      | `measured.rs` |
-//! | what runs over all normals                 | `blocks.rs`   |
-//! | inner products that no light changes       | `probe.rs`    |
-//! | sums over the normals that see two lights  | `visible.rs`  |
-//! | inner products of lights, from these       | `pairs.rs`    |
+//! | step                                       | file               |
+//! |--------------------------------------------|--------------------|
+//! | irradiance at normals, errors of a rig     | `probe_samples.rs` |
+//! | loops over all normals                     | `blocks.rs`        |
+//! | inner products that lights do not change   | `probe.rs`         |
+//! | sums over the normals that a light reaches | `visible.rs`       |
+//! | inner products of lights                   | `pairs.rs`         |
 
 mod blocks;
-mod measured;
 mod pairs;
 mod probe;
+mod probe_samples;
 mod visible;
 
 use glam::DVec3;
 use nalgebra::DMatrix;
 
-pub use self::measured::{Judged, Samples};
 pub use self::probe::Probe;
+pub use self::probe_samples::{ProbeError as Judged, Samples};
 use super::objective::{
     Constraint, Derivatives, Directions, Given, Moments, Objective, PointObjective, turned_by,
 };
@@ -42,8 +42,8 @@ impl Objective for Probe {
     }
 
     fn kinks(&self, from: &Moments, to: &Moments) -> Vec<Constraint> {
-        let crossed = visible::crossed(self, from, to).into_iter();
-        crossed.map(|(light, normal)| Constraint::horizon(light, from.directions[light], normal)).collect()
+        let crossings = visible::crossings(self, from, to).into_iter();
+        crossings.map(|(light, normal)| Constraint::horizon(light, from.directions[light], normal)).collect()
     }
 
     fn exact_cost(&self, rig: &Rig) -> Option<f64> {
@@ -57,17 +57,17 @@ impl PointObjective for Probe {
     }
 
     fn exchanged(&self, before: &Moments, kept: &[usize], new: &[DVec3]) -> Moments {
-        visible::exchanged(self, before, kept, new)
+        visible::exchange(self, before, kept, new)
     }
 
     fn turned(&self, before: &Moments, directions: Vec<DVec3>) -> Moments {
-        visible::turned(self, before, directions)
+        visible::turn(self, before, directions)
     }
 
     fn light_products(&self, at: &Directions, lights: &[DVec3]) -> DMatrix<f64> {
         let mut products = DMatrix::zeros(at.directions.len(), lights.len());
         for (light, mut products) in lights.iter().zip(products.column_iter_mut()) {
-            // Half of the normals do not see the light.
+            // Skip the half of the normals that the light does not reach.
             for (weighted, normal) in at.weighted.column_iter().zip(&self.samples.normals) {
                 let along = normal.dot(*light);
                 if along > 0.0 {
@@ -99,7 +99,7 @@ impl PointObjective for Probe {
     }
 
     fn has_kinks(&self) -> bool {
-        /// Normals so close together that the kinks between them no longer make valleys of their own.
+        /// Number of normals from which kinks are too close together for local minima between them.
         const SMOOTH: usize = 1280;
         self.samples.normals.len() < SMOOTH
     }

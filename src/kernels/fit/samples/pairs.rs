@@ -1,6 +1,6 @@
-//! Inner products of lights, and of their derivatives, from the moments of pairs of them.
+//! Inner products of lights and of their derivatives, from the moments of pairs of lights.
 //!
-//! With the frames (l, s, t) of two lights j and k, all of them are entries of
+//! With the frames (l, s, t) of two lights j and k, they are the entries of
 //!
 //! ```text
 //!   (l, s, t)_j^T <v_j, v_k^T> (l, s, t)_k
@@ -11,7 +11,7 @@ use glam::{DMat3, DVec3};
 use crate::kernels::fit::objective::{Derivatives, Given, Moments, Pair};
 use crate::kernels::sphere::tangents;
 
-/// Place of the pair k <= j.
+/// Index of the pair k <= j.
 pub fn pair(j: usize, k: usize) -> usize {
     j * (j + 1) / 2 + k
 }
@@ -30,7 +30,7 @@ pub fn moments(given: &Given, directions: Vec<DVec3>, sides: Vec<DVec3>, pairs: 
     Moments { pairs, ..moments }
 }
 
-/// The derivatives of all lights.
+/// Inner products of the derivatives of all lights.
 pub fn derivatives(given: &Given, moments: &Moments) -> Derivatives {
     let ambient = given.ambient.coefficients();
     let mut derivatives = Derivatives::with_sides(given, moments);
@@ -40,10 +40,10 @@ pub fn derivatives(given: &Given, moments: &Moments) -> Derivatives {
     };
     let frames: Vec<DMat3> = moments.directions.iter().map(frame).collect();
     for (j, frame) in frames.iter().enumerate() {
-        let turned = frame.transpose();
+        let transpose = frame.transpose();
         for (k, other) in frames[..=j].iter().enumerate() {
-            // (l, s, t) of j down, of k across.
-            let [[_, own @ ..], s, t] = (turned * moments.pairs[pair(j, k)] * *other).to_cols_array_2d();
+            // Each row is an axis of j, each column one of k.
+            let [[_, own @ ..], s, t] = (transpose * moments.pairs[pair(j, k)] * *other).to_cols_array_2d();
             let both = [[s[1], t[1]], [s[2], t[2]]];
             derivatives.set(ambient, [j, k], &Pair { own, other: [s[0], t[0]], both });
         }

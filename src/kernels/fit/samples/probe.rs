@@ -1,43 +1,48 @@
-//! What is to be reproduced at given normals, and all that a fit needs to know of it beforehand.
+//! Irradiance at known normals, with the sums over normals that are computed once for a fit.
 
 use glam::{DMat3, DVec3};
 use nalgebra::DMatrix;
 
-use super::measured::Samples;
+use super::probe_samples::Samples;
 use crate::kernels::fit::ambient::Ambient;
 use crate::kernels::fit::objective::{Given, distinct_channels};
 
-/// Samples to be reproduced, and all that a fit needs to know of them beforehand.
+/// Irradiance at known normals, with its products with the ambient term.
 #[derive(Clone, Debug)]
 pub struct Probe {
     pub(crate) samples: Samples,
     pub(super) given: Given,
     /// `w n n^T` of each normal.
     pub(super) outer: Vec<DMat3>,
-    /// `w n y` of each normal, for each side y.
+    /// `w n y` of each normal and each side y, an ambient column or a channel of the irradiance.
     pub(super) by_side: Vec<DVec3>,
 }
 
 impl Probe {
-    /// `samples` that lights and an `ambient` term may explain.
+    /// Prepare a fit of lights and an `ambient` term to `samples`.
     pub fn new(samples: Samples, ambient: Ambient) -> Self {
-        let weighted = samples.normals.iter().zip(&samples.weights);
-        let outer = weighted.map(|(&n, &w)| DMat3::from_cols(n * n.x, n * n.y, n * n.z) * w).collect();
-        let seen = &samples.irradiance;
+        let irradiance = &samples.irradiance;
         let (channels, like) = distinct_channels(
-            |channel| seen.iter().all(|e| e[channel] == 0.0),
-            |a, b| seen.iter().all(|e| e[a].to_bits() == e[b].to_bits()),
+            |channel| irradiance.iter().all(|e| e[channel] == 0.0),
+            |a, b| irradiance.iter().all(|e| e[a].to_bits() == e[b].to_bits()),
         );
-        let columns = ambient.coefficients();
-        let ambient_products = DMatrix::zeros(columns, columns + channels.len());
         let energy = samples.energy;
-        let given = Given { ambient, has_floor: false, channels, like, ambient_products, energy };
-        let mut probe = Self { samples, given, outer, by_side: Vec::new() };
-        probe.sum_sides();
+        let given = Given { channels, like, energy, ..Given::nothing(ambient, false) };
+        let mut probe = Self { samples, given, outer: Vec::new(), by_side: Vec::new() };
+        let sides = probe.side_columns();
+        let Samples { normals, weights, .. } = &probe.samples;
+        let weighted =
+            DMatrix::from_fn(sides.nrows(), sides.ncols(), |i, side| weights[i] * sides[(i, side)]);
+        let outer = |(&n, &w): (&DVec3, &f64)| DMat3::from_cols(n * n.x, n * n.y, n * n.z) * w;
+        probe.outer = normals.iter().zip(weights).map(outer).collect();
+        let products = weighted.row_iter().zip(normals);
+        probe.by_side =
+            products.flat_map(|(row, &n)| row.iter().map(|y| n * *y).collect::<Vec<_>>()).collect();
+        probe.given.ambient_products = sides.columns(0, ambient.coefficients()).tr_mul(&weighted);
         probe
     }
 
-    /// The sides themselves: a row for each normal.
+    /// The sides, a row for each normal.
     pub(super) fn side_columns(&self) -> DMatrix<f64> {
         let ambient = self.given.ambient.coefficients();
         DMatrix::from_fn(self.samples.normals.len(), self.given.sides(), |i, side| {
@@ -47,21 +52,5 @@ impl Probe {
                 self.samples.irradiance[i][self.given.channels[side - ambient]]
             }
         })
-    }
-
-    fn sum_sides(&mut self) {
-        let ambient = self.given.ambient.coefficients();
-        for (i, &normal) in self.samples.normals.iter().enumerate() {
-            let columns = self.given.ambient.irradiance(normal);
-            let channels = self.given.channels.iter().map(|&channel| self.samples.irradiance[i][channel]);
-            let sides: Vec<f64> = columns[..ambient].iter().copied().chain(channels).collect();
-            let weight = self.samples.weights[i];
-            self.by_side.extend(sides.iter().map(|y| normal * (weight * y)));
-            for (a, column) in columns[..ambient].iter().enumerate() {
-                for (b, y) in sides.iter().enumerate() {
-                    self.given.ambient_products[(a, b)] += weight * column * y;
-                }
-            }
-        }
     }
 }

@@ -1,12 +1,12 @@
-//! Moments as sums over the normals that see a light, or two of them.
+//! Moments as sums over the normals that one light, or both of two lights, reach.
 //!
-//! With `v_j(n) = n` where a normal n sees the light j, else 0, for each side y of the probe
+//! With `v_j(n) = n` where the light j reaches the normal n, else 0, for each side y of the probe
 //!
 //! ```text
 //!   <v_j, y> = sum w v_j y        <v_j, v_k^T> = sum w v_j v_k^T
 //! ```
 //!
-//! A light that turns by a small step gains and loses few normals: only these are added and subtracted.
+//! A light that turns by a small step gains and loses few normals, so only these are added and subtracted.
 
 use glam::{DMat3, DVec3};
 
@@ -16,39 +16,38 @@ use super::probe::Probe;
 use crate::kernels::fit::objective::Moments;
 
 /// The moments of the lights `kept` of `before`, and of others in the directions `new` after them.
-pub fn exchanged(probe: &Probe, before: &Moments, kept: &[usize], new: &[DVec3]) -> Moments {
+pub fn exchange(probe: &Probe, before: &Moments, kept: &[usize], new: &[DVec3]) -> Moments {
     let (words, sides) = (probe.samples.blocks.words(), probe.given.sides());
     let lights = kept.len() + new.len();
-    let rows = |values: &[DVec3], j: usize| values[j * sides..(j + 1) * sides].to_vec();
     let directions = kept.iter().map(|&j| before.directions[j]).chain(new.iter().copied()).collect();
-    let mut sums = Sums {
-        visible: kept.iter().flat_map(|&j| before.visible[j * words..(j + 1) * words].to_vec()).collect(),
-        sides: kept.iter().flat_map(|&j| rows(&before.sides, j)).collect(),
+    let mut sums = VisibleSums {
+        visible: kept.iter().flat_map(|&j| before.visible[j * words..][..words].to_vec()).collect(),
+        sides: kept.iter().flat_map(|&j| before.sides[j * sides..][..sides].to_vec()).collect(),
         pairs: Vec::with_capacity(pair(lights, 0)),
     };
     for (row, &j) in kept.iter().enumerate() {
         sums.pairs.extend(kept[..=row].iter().map(|&k| before.pairs[pair(j, k)]));
     }
     let mut visible = sums.visible.clone();
-    visible.extend(probe.samples.blocks.seen(new));
-    // So far seen by no normal.
+    visible.extend(probe.samples.blocks.visible(new));
+    // The new lights reach no normal yet.
     sums.visible.resize(lights * words, 0);
     sums.sides.resize(lights * sides, DVec3::ZERO);
     sums.pairs.resize(pair(lights, 0), DMat3::ZERO);
-    sums.see(probe, visible);
+    sums.update(probe, visible);
     sums.moments(probe, directions)
 }
 
 /// The moments of the lights of `before`, turned to other `directions`.
-pub fn turned(probe: &Probe, before: &Moments, directions: Vec<DVec3>) -> Moments {
+pub fn turn(probe: &Probe, before: &Moments, directions: Vec<DVec3>) -> Moments {
     let (visible, sides, pairs) = (before.visible.clone(), before.sides.clone(), before.pairs.clone());
-    let mut sums = Sums { visible, sides, pairs };
-    sums.see(probe, probe.samples.blocks.seen(&directions));
+    let mut sums = VisibleSums { visible, sides, pairs };
+    sums.update(probe, probe.samples.blocks.visible(&directions));
     sums.moments(probe, directions)
 }
 
-/// Lights, each with a normal that sees it at one place and not at the other.
-pub fn crossed(probe: &Probe, from: &Moments, to: &Moments) -> Vec<(usize, DVec3)> {
+/// Pairs of a light and a normal that the light reaches in only one of two sets.
+pub fn crossings(probe: &Probe, from: &Moments, to: &Moments) -> Vec<(usize, DVec3)> {
     let words = probe.samples.blocks.words();
     let both = from.visible.iter().zip(&to.visible).enumerate();
     both.flat_map(|(i, (&here, &there))| {
@@ -57,16 +56,17 @@ pub fn crossed(probe: &Probe, from: &Moments, to: &Moments) -> Vec<(usize, DVec3
     .collect()
 }
 
-struct Sums {
-    /// The normals that see each light, as bits: that many words for each.
+/// Sums over the normals that lights reach.
+struct VisibleSums {
+    /// A bit for each normal that a light reaches, the words of one light after those of another.
     visible: Vec<u64>,
     sides: Vec<DVec3>,
     pairs: Vec<DMat3>,
 }
 
-impl Sums {
-    /// From now on the lights are seen by the normals whose bits are set in `visible`.
-    fn see(&mut self, probe: &Probe, visible: Vec<u64>) {
+impl VisibleSums {
+    /// Add and subtract the normals whose bits in `visible` differ from the old ones.
+    fn update(&mut self, probe: &Probe, visible: Vec<u64>) {
         let (words, sides) = (probe.samples.blocks.words(), probe.given.sides());
         let lights = visible.len() / words.max(1);
         let bits = |from: &[u64], j: usize, word: usize| from[j * words + word];
@@ -101,7 +101,7 @@ fn changes(before: u64, now: u64, word: usize) -> impl Iterator<Item = (usize, f
         .map(move |normal| (normal, if now >> (normal % SAMPLES) & 1 == 1 { 1.0 } else { -1.0 }))
 }
 
-/// The normals whose bits of a word are set.
+/// The normals whose bits are set in one word.
 fn members(mut bits: u64, word: usize) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         (bits != 0).then(|| {

@@ -7,8 +7,8 @@
 //!   k'(c) = 2/3 (pi - g)        k''(c) = 2/3 / sin g
 //! ```
 //!
-//! the arc-cosine kernel of order 1 (Cho and Saul 2009). All that follows is true of any k: only
-//! [`Angles`] and [`spectrum`] know which it is. As a function of degree 1 in a and in b,
+//! the arc-cosine kernel of order 1 (Cho and Saul 2009). The formulas below hold for any k; only
+//! [`Angles`] and [`spectrum`] depend on this one. As a function of degree 1 in a and in b,
 //! `|a| |b| k(a.b / |a| |b|)` has at unit vectors
 //!
 //! ```text
@@ -18,23 +18,26 @@
 //!   mixed derivative by a, b    k' s.u + k'' (s.b) (a.u)                along the tangents s of a and u of b
 //! ```
 
-#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+#![allow(
+    clippy::inline_always,
+    reason = "functions that are not inlined are compiled for the oldest processors"
+)]
 
 use std::f64::consts::{FRAC_PI_3, PI};
 
 use glam::{DMat3, DVec3};
 use pulp::Simd;
 
-use crate::kernels::fit::lanes::{LANES, Lanes, Number};
+use crate::kernels::lanes::{LANES, Lanes, Number};
 
-/// Directions side by side, or fewer and zeros.
+/// Up to [`LANES`] directions by axis, then zeros.
 #[derive(Clone, Copy, Debug)]
 pub struct Block {
     axes: [[f64; LANES]; 3],
 }
 
 impl Block {
-    /// Of up to [`LANES`].
+    /// Group up to [`LANES`] directions.
     #[inline(always)]
     pub fn new(directions: impl Iterator<Item = DVec3>) -> Self {
         let mut axes = [[0.0; LANES]; 3];
@@ -44,7 +47,7 @@ impl Block {
         Self { axes }
     }
 
-    /// Those of one vector.
+    /// The directions of one vector.
     #[inline(always)]
     pub fn at<S: Simd>(&self, simd: S, vector: usize) -> [Lanes<S>; 3] {
         let [x, y, z] = &self.axes;
@@ -52,29 +55,30 @@ impl Block {
     }
 }
 
-/// The same direction everywhere.
+/// One direction in all lanes.
 #[inline(always)]
 pub fn splat<S: Simd>(simd: S, direction: DVec3) -> [Lanes<S>; 3] {
     [Lanes::splat(simd, direction.x), Lanes::splat(simd, direction.y), Lanes::splat(simd, direction.z)]
 }
 
-/// The product of vectors.
+/// The inner product of vectors.
 #[inline(always)]
 fn product<N: Number>(one: &[N; 3], other: &[N; 3]) -> N {
     (one[0] * other[0]).add_product(one[1], other[1]).add_product(one[2], other[2])
 }
 
-/// The angles between lights and others.
+/// Angles between lights and other lights.
 #[derive(Clone, Copy, Debug)]
 pub struct Angles<N> {
     pub cosine: N,
-    /// `sin^2 (h / 2)`, h: the angle to the other or to its opposite, whichever is nearer.
+    /// `sin^2 (h / 2)`, where h is the angle to the other direction or to its opposite, whichever is nearer.
     square: N,
 }
 
 impl<N: Number> Angles<N> {
-    /// Between each of `lights` and its other. The squared chord `|a - b|^2 = 4 sin^2 (h / 2)`, or `|a + b|^2`, keeps
-    /// the digits of small angles.
+    /// Angles between each of `lights` and its partner in `others`.
+    ///
+    /// The squared chord `|a - b|^2 = 4 sin^2 (h / 2)`, or `|a + b|^2`, keeps the digits of small angles.
     #[inline(always)]
     pub fn between(lights: &[N; 3], others: &[N; 3]) -> Self {
         let cosine = product(lights, others);
@@ -88,39 +92,39 @@ impl<N: Number> Angles<N> {
 
     /// k - c k'
     #[inline(always)]
-    pub fn rests(&self) -> N {
+    pub fn intercepts(&self) -> N {
         let Self { square, .. } = *self;
         (square * (square.like(1.0) - square)).sqrt() * square.like(4.0 / 3.0)
     }
 
     /// k'
     #[inline(always)]
-    pub fn slopes(&self) -> N {
+    pub fn first(&self) -> N {
         let Self { cosine, square } = *self;
         let nearer = square.sqrt() * arcsines_over_sines(square) * square.like(2.0);
         cosine.select_negative(nearer, cosine.like(PI) - nearer) * cosine.like(2.0 / 3.0)
     }
 
-    /// k''; bounded where the directions are the same or opposite: all that it multiplies vanishes there.
+    /// k'', bounded for equal and opposite directions, where all its factors vanish.
     #[inline(always)]
-    pub fn bends(&self) -> N {
-        let rests = self.rests();
-        rests.max(rests.like(f64::EPSILON)).recip() * rests.like(4.0 / 9.0)
+    pub fn second(&self) -> N {
+        let intercepts = self.intercepts();
+        intercepts.max(intercepts.like(f64::EPSILON)).recip() * intercepts.like(4.0 / 9.0)
     }
 
     /// k
     #[inline(always)]
     pub fn values(&self) -> N {
-        self.rests().add_product(self.slopes(), self.cosine)
+        self.intercepts().add_product(self.first(), self.cosine)
     }
 }
 
 /// `asin(s) / s` of s^2 from 0 to 1/2, to rounding: the polynomial through it at 18 Chebyshev nodes.
 ///
-/// Summed in pairs, and pairs of pairs (Estrin 1960): from the last coefficient on, each step would wait for the last.
+/// Sums of pairs, and of pairs of pairs (Estrin 1960), do not wait for each other as the steps of Horner's rule do.
 #[inline(always)]
 fn arcsines_over_sines<N: Number>(squares: N) -> N {
-    #[allow(clippy::unreadable_literal, reason = "no one reads them digit by digit")]
+    #[allow(clippy::unreadable_literal, reason = "separators do not help to read them")]
     const COEFFICIENTS: [f64; 18] = [
         1.0,
         0.166666666666762,
@@ -158,39 +162,40 @@ fn arcsines_over_sines<N: Number>(squares: N) -> N {
     eights[0].add_product(eights[1].add_product(pairs[8], eighth), eighth)
 }
 
-/// The kernel between lights and others, and its derivatives.
+/// First and mixed second derivatives of the kernel between lights and others.
 #[derive(Clone, Copy, Debug)]
-pub struct Mixed<N> {
+pub struct MixedDerivatives<N> {
     /// Along the tangents of the lights.
     pub own: [N; 2],
-    /// Along those of the others.
+    /// Along the tangents of the others.
     pub other: [N; 2],
-    /// Along one of the lights and one of the others.
+    /// Along a tangent of the lights and one of the others.
     pub both: [[N; 2]; 2],
 }
 
-/// For lights with two tangents each, and `others` with theirs.
+/// Derivatives between lights and `others`, each a direction with two tangents.
 #[inline(always)]
-pub fn mixed_derivatives<N: Number>(lights: &[[N; 3]; 3], others: &[[N; 3]; 3]) -> Mixed<N> {
+pub fn mixed_derivatives<N: Number>(lights: &[[N; 3]; 3], others: &[[N; 3]; 3]) -> MixedDerivatives<N> {
     let angles = Angles::between(&lights[0], &others[0]);
-    let (slopes, bends) = (angles.slopes(), angles.bends());
-    let zero = [slopes.like(0.0); 2];
-    let mut mixed = Mixed { own: zero, other: zero, both: [zero; 2] };
+    let (first, second) = (angles.first(), angles.second());
+    let zero = [first.like(0.0); 2];
+    let mut mixed = MixedDerivatives { own: zero, other: zero, both: [zero; 2] };
     for a in 0..2 {
         let along = product(&others[0], &lights[a + 1]);
-        mixed.own[a] = slopes * along;
+        mixed.own[a] = first * along;
         for b in 0..2 {
             let (back, across) =
                 (product(&others[b + 1], &lights[0]), product(&others[b + 1], &lights[a + 1]));
-            mixed.other[b] = slopes * back;
-            mixed.both[a][b] = (slopes * across).add_product(bends * along, back);
+            mixed.other[b] = first * back;
+            mixed.both[a][b] = (first * across).add_product(second * along, back);
         }
     }
     mixed
 }
 
-/// The weighted sum of the second derivatives by `l` of the kernels between it and `others`, on its tangent plane: of
-/// the others only what lies in it, for k'' may be large.
+/// The weighted sum of the second derivatives by `l` of the kernels between it and `others`, on its tangent plane.
+///
+/// Only the tangential parts of the others are multiplied by k'', which may be large.
 #[inline(always)]
 pub fn second_derivative<S: Simd>(simd: S, l: DVec3, weights: &[f64; LANES], others: &Block) -> DMat3 {
     let own = splat(simd, l);
@@ -199,15 +204,15 @@ pub fn second_derivative<S: Simd>(simd: S, l: DVec3, weights: &[f64; LANES], oth
     for vector in 0..Lanes::<S>::VECTORS {
         let (weights, others) = (Lanes::at(simd, weights, vector), others.at(simd, vector));
         let angles = Angles::between(&own, &others);
-        let (round, bend) = (weights * angles.rests(), weights * angles.bends());
+        let (round, second) = (weights * angles.intercepts(), weights * angles.second());
         let mut flat = others;
         for axis in 0..3 {
             flat[axis] = others[axis] - angles.cosine * own[axis];
         }
         for axis in 0..3 {
             let next = (axis + 1) % 3;
-            sums[axis] = sums[axis] + round.add_product(bend * flat[axis], flat[axis]);
-            sums[axis + 3] = sums[axis + 3].add_product(bend * flat[axis], flat[next]);
+            sums[axis] = sums[axis] + round.add_product(second * flat[axis], flat[axis]);
+            sums[axis + 3] = sums[axis + 3].add_product(second * flat[axis], flat[next]);
         }
     }
     let (xx, yy, zz) = (sums[0].sum(), sums[1].sum(), sums[2].sum());
@@ -221,10 +226,10 @@ pub fn outer(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 
-/// What a clamped cosine multiplies spherical harmonics of the even `degrees` 0, 2, .. by when it is convolved with
-/// them (Ramamoorthi and Hanrahan 2001, equation 8).
+/// Factors of spherical harmonics of the even `degrees` 0, 2, .. in a convolution with a clamped cosine (Ramamoorthi and
+/// Hanrahan 2001, equation 8).
 pub fn clamped_cosine(degrees: usize) -> Vec<f64> {
-    let mut binomial = -1.0; // l! / (2^l (l/2)!^2), of one sign and then the other
+    let mut binomial = -1.0; // l! / (2^l (l/2)!^2) with alternating sign
     let degrees = (0..degrees).map(|i| 2.0 * i as f64);
     degrees
         .map(|l| {
@@ -235,13 +240,14 @@ pub fn clamped_cosine(degrees: usize) -> Vec<f64> {
         .collect()
 }
 
-/// What the kernel multiplies them by: the squares of these. It has no odd degree but the first, whose factor is
-/// [`LINEAR`].
+/// Factors of spherical harmonics of the even `degrees` in a convolution with the kernel.
+///
+/// The only odd degree is the first, with the factor [`LINEAR`].
 pub fn spectrum(degrees: usize) -> Vec<f64> {
     clamped_cosine(degrees).into_iter().map(|factor| factor * factor).collect()
 }
 
-/// What a light at l and a map of the vector irradiance F have in common by their odd harmonics, over l.F.
+/// Product of the odd harmonics of a light at l and of a map with the vector irradiance F, over l.F.
 pub const LINEAR: f64 = FRAC_PI_3;
 
 /// The kernel of a light with itself.

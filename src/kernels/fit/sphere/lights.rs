@@ -1,23 +1,26 @@
-//! Inner products of lights with each other, and of their derivatives, many side by side.
+//! Inner products of lights with each other and of their derivatives, in wide vectors.
 
-#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+#![allow(
+    clippy::inline_always,
+    reason = "functions that are not inlined are compiled for the oldest processors"
+)]
 
 use glam::DVec3;
 use nalgebra::DMatrix;
 use pulp::{Simd, WithSimd};
 
 use super::kernel::{Angles, Block, mixed_derivatives, splat};
-use crate::kernels::fit::lanes::{LANES, Lanes, Number};
 use crate::kernels::fit::objective::{Derivatives, Pair};
+use crate::kernels::lanes::{LANES, Lanes, Number};
 use crate::kernels::sphere::tangents;
 
-/// Inner products of lights, into the last rows and columns of a Gram matrix.
-pub struct Products<'a> {
+/// Inner products of lights, written into the last rows and columns of a Gram matrix.
+pub struct LightProducts<'a> {
     pub directions: &'a [DVec3],
     pub gram: &'a mut DMatrix<f64>,
 }
 
-impl WithSimd for Products<'_> {
+impl WithSimd for LightProducts<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -37,14 +40,14 @@ impl WithSimd for Products<'_> {
     }
 }
 
-/// Inner products of the derivatives of lights with lights and each other.
-pub struct Turned<'a> {
+/// Inner products of the derivatives of lights with lights and with each other.
+pub struct DerivativeProducts<'a> {
     pub directions: &'a [DVec3],
     pub ambient: usize,
     pub derivatives: &'a mut Derivatives,
 }
 
-impl WithSimd for Turned<'_> {
+impl WithSimd for DerivativeProducts<'_> {
     type Output = ();
 
     #[inline(always)]

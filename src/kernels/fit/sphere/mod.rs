@@ -6,20 +6,23 @@
 //!   F(l) = <E, max(0, n.l)> = integral over the sphere of L(w) k(w.l) dw
 //! ```
 //!
-//! is the map blurred by the same kernel: pi / 3 times `l.(integral of L w dw)`, plus an even function that is
-//! smooth wherever the map has no bright points. These are kept as points; the rest is looked up in `field.rs`.
+//! is the map blurred by the same kernel: pi / 3 times `l.(integral of L w dw)`, plus an even function. The even
+//! function is smooth where the map has no bright sources. These become exact points; a table holds all the rest.
 //!
 //! | step                                     | file                 |
 //! |------------------------------------------|----------------------|
 //! | the kernel between two lights            | `kernel.rs`          |
 //! | inner products of lights                 | `lights.rs`          |
-//! | bright sources, kept as points           | `points.rs`          |
-//! | a smooth even function, quick to look up | `field.rs`           |
-//! | the ambient term beside a light          | `ambient_columns.rs` |
-//! | lights added and exchanged by a search   | `point_search.rs`    |
+//! | bright sources as points                 | `points.rs`          |
+//! | a table of a smooth even function        | `field.rs`           |
+//! | inner products of the ambient term       | `ambient_columns.rs` |
+//! | inner products for the search            | `point_search.rs`    |
 //! | the probe at evaluation normals          | `evaluation_probe.rs` |
 
-#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+#![allow(
+    clippy::inline_always,
+    reason = "functions that are not inlined are compiled for the oldest processors"
+)]
 
 mod ambient_columns;
 mod evaluation_probe;
@@ -37,65 +40,64 @@ use glam::{DMat3, DVec3};
 use nalgebra::DMatrix;
 use pulp::{Arch, Scalar, Simd, WithSimd};
 
-use self::ambient_columns::{Columns, Radiance};
+use self::ambient_columns::AmbientColumns;
 use self::field::{Field, HIGHEST};
 use self::kernel::{Block, LINEAR, outer, second_derivative, spectrum};
-use self::lights::{Products, Turned};
+use self::lights::{DerivativeProducts, LightProducts};
 use self::points::Points;
 use super::ambient::Ambient;
-use super::lanes::LANES;
 use super::objective::{
     Constraint, Derivatives, Given, Moments, Objective, PointObjective, column_weights, distinct_channels,
     turned_by,
 };
 use crate::kernels::expansion::{DEGREES, Expansion, Harmonics, PointLight, bright_cells};
 use crate::kernels::image::WorkingMap;
+use crate::kernels::lanes::LANES;
 use crate::kernels::sphere::tangents;
 
 /// The probe under a map, at every normal.
 #[derive(Clone, Debug)]
 pub struct Sphere {
     given: Given,
-    columns: Columns,
+    columns: AmbientColumns,
     points: Points,
-    /// Towards them, brightest first.
+    /// Directions of the points, brightest first.
     likely: Vec<DVec3>,
-    /// `integral of L w dw` of the rest, by channel.
+    /// `integral of L w dw` of the map without the points, by channel.
     first: [DVec3; 3],
-    /// The even part of F under the rest.
+    /// The even part of F under the map without the points.
     field: Field,
-    /// Vectors as wide as this processor has.
+    /// Widest vectors of this processor.
     widest: Arch,
 }
 
 impl Sphere {
-    /// The probe under `map`, and the `ambient` term that may explain it. Where it `has_floor`, no light may
-    /// stand below the horizon, and the map has none there.
+    /// Expand `map`, to be fitted by lights and an `ambient` term. A floor has no light below the horizon.
     pub fn new(map: &WorkingMap, ambient: Ambient, has_floor: bool) -> Self {
         Self::of(map, &Expansion::new(map), ambient, has_floor)
     }
 
-    /// The same for a map whose harmonics are known.
+    /// Prepare the fit of a map whose harmonics are known.
     pub fn of(map: &WorkingMap, expansion: &Expansion, ambient: Ambient, has_floor: bool) -> Self {
-        let (points, faint, aside) = Points::chosen(map);
+        let (points, others, missing) = Points::of_sources(map);
         let mut rest = expansion.rest.clone();
-        rest.add_discs(faint.iter().chain(&bright_cells(map)).map(PointLight::disc));
-        (0..3).for_each(|channel| rest.add_first(channel, aside[channel]));
+        rest.add_discs(others.iter().chain(&bright_cells(map)).map(PointLight::disc));
+        (0..3).for_each(|channel| rest.add_first(channel, missing[channel]));
         let kernel = even_factors();
         let field =
             Field::new(&rest.scaled_sum(&kernel, &Harmonics::zero(), &[0.0; DEGREES]), rest.azimuth());
-        let columns = Columns { ambient, has_floor };
+        let columns = AmbientColumns::new(ambient, has_floor);
         let given = Given::nothing(ambient, has_floor);
         let likely = points.iter().map(|point| point.direction).collect();
         let (first, widest) = ([0, 1, 2].map(|channel| rest.moments(channel).1), Arch::new());
         let mut sphere = Self { given, columns, points: Points::new(&points), likely, first, field, widest };
-        sphere.given = sphere.given_by(&rest, &points);
+        sphere.given = sphere.fixed_part(&rest, &points);
         sphere
     }
 
-    /// The inner products that lights do not change.
-    fn given_by(&self, rest: &Harmonics, points: &[PointLight]) -> Given {
-        let channels = [0, 1, 2].map(|channel| radiance(rest, points, channel));
+    /// The part of the cost that lights do not change.
+    fn fixed_part(&self, rest: &Harmonics, points: &[PointLight]) -> Given {
+        let moments = [0, 1, 2].map(|channel| moments(rest, points, channel));
         let smooth = rest.product(rest, &even_factors());
         let energy = [0, 1, 2].map(|channel| self.energy(smooth[channel], points, channel));
         let are_same = |a: usize, b: usize| {
@@ -104,19 +106,21 @@ impl Sphere {
             rest.values.iter().all(are_same_harmonics)
                 && points.iter().all(|point| is_same(&point.irradiance))
         };
-        let (used, like) = distinct_channels(|channel| channels[channel].whole == 0.0, are_same);
+        let (used, like) = distinct_channels(|channel| moments[channel].0 == 0.0, are_same);
         let ambient = self.columns.ambient.coefficients();
         let ambient_products =
             DMatrix::from_fn(ambient, ambient + used.len(), |i, side| match side.checked_sub(ambient) {
                 None => self.columns.gram(i, side),
-                Some(channel) => self.columns.probe(i, &channels[used[channel]]),
+                Some(channel) => {
+                    let (_, first, second) = moments[used[channel]];
+                    self.columns.probe(i, first, second)
+                }
             });
         let energy = energy.iter().sum();
-        let Columns { ambient, has_floor } = self.columns;
-        Given { ambient, has_floor, channels: used, like, ambient_products, energy }
+        Given { channels: used, like, ambient_products, energy, ..self.given.clone() }
     }
 
-    /// `<E, E>` of a channel: the even degrees of the rest, its first degree, the points with it and with each other.
+    /// `<E, E>` of a channel, where the `even` degrees of the map without the points have this product.
     fn energy(&self, even: f64, points: &[PointLight], channel: usize) -> f64 {
         let smooth = even + LINEAR * self.first[channel].length_squared();
         points.iter().fold(smooth, |sum, point| {
@@ -126,7 +130,7 @@ impl Sphere {
         })
     }
 
-    /// The gradient of F under the rest, by channel.
+    /// The gradient of F under the map without the points, by channel.
     #[inline(always)]
     fn rest_at(&self, l: DVec3) -> [DVec3; 3] {
         let mut gradients = self.field.gradient(l);
@@ -146,7 +150,7 @@ impl Sphere {
         gradients
     }
 
-    /// `<v_l, y>` of a light, for each side y.
+    /// Append `<v_l, y>` of a light for each side y.
     #[inline(always)]
     fn sides_at<S: Simd>(&self, simd: S, l: DVec3, sides: &mut Vec<DVec3>) {
         let probe = self.probe_at(simd, l);
@@ -161,7 +165,7 @@ impl Sphere {
     fn moments_of(&self, directions: Vec<DVec3>) -> Moments {
         let sides = self.widest.dispatch(Sides { sphere: self, directions: &directions });
         let mut moments = Moments::with_sides(&self.given, directions, sides);
-        self.widest.dispatch(Products { directions: &moments.directions, gram: &mut moments.gram });
+        self.widest.dispatch(LightProducts { directions: &moments.directions, gram: &mut moments.gram });
         moments
     }
 
@@ -209,7 +213,7 @@ impl Objective for Sphere {
     fn derivatives(&self, moments: &Moments, x: &DMatrix<f64>, is_exact: bool) -> Derivatives {
         let mut derivatives = Derivatives::with_sides(&self.given, moments);
         let (ambient, directions) = (self.given.ambient.coefficients(), &moments.directions);
-        self.widest.dispatch(Turned { directions, ambient, derivatives: &mut derivatives });
+        self.widest.dispatch(DerivativeProducts { directions, ambient, derivatives: &mut derivatives });
         derivatives.second = is_exact.then(|| self.second_derivatives(directions, x));
         derivatives
     }
@@ -245,13 +249,16 @@ impl WithSimd for Sides<'_> {
     }
 }
 
-/// The second derivative by the direction `l` of `sum_k w_k <a_l, a_k> + sum_y w_y <a_l, y>` with the `weights` of lights
-/// and those of `sides`, on its tangent plane and for functions of degree 1 in l.
+/// Second derivative by `l` of `sum_k w_k <a_l, a_k> + sum_y w_y <a_l, y>`, on the tangent plane of l.
+///
+/// The sum is a function of degree 1 in l.
 struct SecondDerivative<'a> {
     sphere: &'a Sphere,
     l: DVec3,
     lights: &'a [DVec3],
+    /// Weights of the lights.
     weights: &'a [f64],
+    /// Weights of the sides.
     sides: &'a [f64],
 }
 
@@ -262,9 +269,9 @@ impl WithSimd for SecondDerivative<'_> {
     fn with_simd<S: Simd>(self, simd: S) -> DMat3 {
         let Self { sphere: Sphere { given, columns, points, field, .. }, l, lights, weights, sides } = self;
         let (ambient, channels) = sides.split_at(given.ambient.coefficients());
-        let mut shares = [0.0; 3];
-        given.channels.iter().zip(channels).for_each(|(&channel, share)| shares[channel] = *share);
-        let map = field.second_derivative(l, shares) + points.second_derivative(simd, l, shares);
+        let mut by_channel = [0.0; 3];
+        given.channels.iter().zip(channels).for_each(|(&channel, weight)| by_channel[channel] = *weight);
+        let map = field.second_derivative(l, by_channel) + points.second_derivative(simd, l, by_channel);
         let sides = columns.second_derivative(l, ambient) + map;
         lights.chunks(LANES).zip(weights.chunks(LANES)).fold(sides, |sum, (lights, weights)| {
             let mut padded = [0.0; LANES];
@@ -274,16 +281,15 @@ impl WithSimd for SecondDerivative<'_> {
     }
 }
 
-/// Moments of the radiance of a channel of the whole map.
-fn radiance(rest: &Harmonics, points: &[PointLight], channel: usize) -> Radiance {
-    let (whole, first, second) = rest.moments(channel);
-    points.iter().fold(Radiance { whole, first, second }, |sum, point| {
+/// Integrals of `L dw`, `L w dw` and `L w w^T dw` over the whole map, in one channel.
+fn moments(rest: &Harmonics, points: &[PointLight], channel: usize) -> (f64, DVec3, DMat3) {
+    points.iter().fold(rest.moments(channel), |(whole, first, second), point| {
         let (l, e) = (point.direction, point.irradiance[channel]);
-        Radiance { whole: sum.whole + e, first: sum.first + l * e, second: sum.second + outer(l, l) * e }
+        (whole + e, first + l * e, second + outer(l, l) * e)
     })
 }
 
-/// Factors of the kernel of the probe for even degrees of the field, 0 for others.
+/// Factors of the kernel for the even degrees of the table, 0 for others.
 fn even_factors() -> [f64; DEGREES] {
     let factors = spectrum(HIGHEST / 2 + 1);
     std::array::from_fn(|degree| match degree % 2 {
@@ -301,8 +307,8 @@ mod tests {
     use crate::kernels::{image, probe, sampling};
     use ndarray::Array3;
 
-    /// A map of waves, of soft lights and of one hot pixel, and its probe at many normals.
-    fn worlds(registration: Registration) -> (WorkingMap, Samples) {
+    /// A map of waves and one hot pixel, and its probe at many normals.
+    fn waves(registration: Registration) -> (WorkingMap, Samples) {
         let map = Array3::from_shape_fn((128, 256, 3), |(y, x, c)| {
             let wave = 2.0 + (0.1 * x as f64).sin() + (0.17 * y as f64 + c as f64).cos();
             let hot = if (y, x) == (20, 37) { 3000.0 } else { 0.0 };
@@ -310,24 +316,24 @@ mod tests {
         });
         let working = image::reduce(map.view(), registration, 256, 2e-3, false).unwrap();
         let (normals, weights) = sampling::icosphere(20480).unwrap();
-        let seen = probe::working_irradiance(&working, normals.view()).unwrap();
-        (working, Samples::new(normals.view(), weights.view(), seen.view()).unwrap())
+        let irradiance = probe::working_irradiance(&working, normals.view()).unwrap();
+        (working, Samples::new(normals.view(), weights.view(), irradiance.view()).unwrap())
     }
 
     fn directions() -> Vec<DVec3> {
         [DVec3::Y, DVec3::new(2.0, 3.0, -6.0) / 7.0, DVec3::new(2.0, -6.0, 3.0) / 7.0].to_vec()
     }
 
-    /// Within this share of the greatest of `whole`.
-    fn assert_near(seen: &DMatrix<f64>, wanted: &DMatrix<f64>, whole: &DMatrix<f64>, share: f64) {
-        let difference = (seen - wanted).amax() / whole.amax();
-        assert!(difference < share, "{difference:e}\n{seen}{wanted}");
+    /// Compare within a fraction of the greatest value of `whole`.
+    fn assert_near(a: &DMatrix<f64>, b: &DMatrix<f64>, whole: &DMatrix<f64>, fraction: f64) {
+        let difference = (a - b).amax() / whole.amax();
+        assert!(difference < fraction, "{difference:e}\n{a}{b}");
     }
 
     #[test]
     fn the_closed_form_is_the_sum_over_many_normals() {
         for registration in [Registration::CellCentred, Registration::BorderSampled] {
-            let (map, samples) = worlds(registration);
+            let (map, samples) = waves(registration);
             for ambient in [Ambient::None, Ambient::Constant, Ambient::Sh2] {
                 let (closed, summed) =
                     (Sphere::new(&map, ambient, false), Probe::new(samples.clone(), ambient));
@@ -336,7 +342,7 @@ mod tests {
                 let [a, b] = [&closed as &dyn PointObjective, &summed].map(|o| o.moments(&directions()));
                 assert_near(&a.gram, &b.gram, &b.gram, 1e-4);
                 assert_near(&a.rhs, &b.rhs, &b.rhs, 1e-4);
-                // A derivative jumps at its light's horizon, which 20480 normals resolve to this.
+                // Allow for the jump of derivatives at a light's horizon between 20480 normals.
                 let x = DMatrix::zeros(a.gram.nrows(), a.rhs.ncols());
                 let [da, db] = [closed.derivatives(&a, &x, false), summed.derivatives(&b, &x, false)];
                 assert_near(&da.gram, &db.gram, &b.gram, 2e-3);
@@ -347,9 +353,9 @@ mod tests {
     }
 
     #[test]
-    fn gradients_and_second_derivatives_are_the_slopes_that_are_measured() {
+    fn second_derivatives_are_central_differences() {
         const STEP: f64 = 1e-4;
-        let (map, _) = worlds(Registration::CellCentred);
+        let (map, _) = waves(Registration::CellCentred);
         for (ambient, has_floor) in [
             (Ambient::None, false),
             (Ambient::Constant, false),
@@ -358,12 +364,12 @@ mod tests {
         ] {
             let sphere = Sphere::new(&map, ambient, has_floor);
             let others = [DVec3::new(2.0, 3.0, 6.0) / 7.0, DVec3::NEG_Z];
-            let shares = [0.7, -0.4];
+            let light_weights = [0.7, -0.4];
             let weights: Vec<f64> = (0..sphere.given.sides()).map(|i| 0.3 + 0.1 * i as f64).collect();
             let value = |l: DVec3| -> f64 {
                 let at = sphere.directions(vec![l]);
                 let (sides, lights) = (sphere.side_products(&at), sphere.light_products(&at, &others));
-                let products = sides.iter().zip(&weights).chain(lights.iter().zip(&shares));
+                let products = sides.iter().zip(&weights).chain(lights.iter().zip(&light_weights));
                 products.map(|(value, weight)| weight * value).sum()
             };
             for l in directions() {
@@ -372,16 +378,17 @@ mod tests {
                     sphere: &sphere,
                     l,
                     lights: &others,
-                    weights: &shares,
+                    weights: &light_weights,
                     sides: &weights,
                 };
                 let second = sphere.widest.dispatch(second);
                 for along in [s, t, (s + t) / 2.0_f64.sqrt()] {
                     let [ahead, behind] = [STEP, -STEP].map(|step| value(exponential_map(l, along * step)));
-                    // On the sphere: a function of degree 1 loses its own value to the curvature of the way.
-                    let wanted = along.dot(second * along) - value(l);
-                    let seen = (ahead - 2.0 * value(l) + behind) / (STEP * STEP);
-                    assert!((seen - wanted).abs() < 1e-4 * value(l), "{ambient:?} {l}: {seen} {wanted}");
+                    // Subtract the value itself, by which the arc curves away from the tangent.
+                    let expected = along.dot(second * along) - value(l);
+                    let difference = (ahead - 2.0 * value(l) + behind) / (STEP * STEP);
+                    let error = (difference - expected).abs();
+                    assert!(error < 1e-4 * value(l), "{ambient:?} {l}: {difference} {expected}");
                 }
             }
         }

@@ -1,4 +1,4 @@
-//! Products of a search: lights at many directions, beside those of a state.
+//! Inner products of lights in many directions, for the search.
 
 #![allow(
     clippy::inline_always,
@@ -12,8 +12,8 @@ use pulp::{Simd, WithSimd};
 use super::kernel::{Block, SQUARE};
 use super::lights::values;
 use super::{Sides, Sphere};
-use crate::kernels::fit::lanes::LANES;
 use crate::kernels::fit::objective::{Directions, Moments, Objective, PointObjective};
+use crate::kernels::lanes::LANES;
 
 impl PointObjective for Sphere {
     fn base(&self) -> &dyn Objective {
@@ -31,7 +31,7 @@ impl PointObjective for Sphere {
     fn light_products(&self, at: &Directions, lights: &[DVec3]) -> DMatrix<f64> {
         let mut out = DMatrix::zeros(at.directions.len(), lights.len());
         for (&light, mut column) in lights.iter().zip(out.column_iter_mut()) {
-            self.widest.dispatch(Values { light, at, out: column.as_mut_slice() });
+            self.widest.dispatch(LightValues { light, at, out: column.as_mut_slice() });
         }
         out
     }
@@ -48,8 +48,8 @@ impl PointObjective for Sphere {
     }
 
     fn placed(&self, direction: DVec3) -> DVec3 {
-        let turned = self.field.outward(direction);
-        if self.allows(turned) { turned } else { turned.with_y(-turned.y) }
+        let in_map = self.field.outward(direction);
+        if self.allows(in_map) { in_map } else { in_map.with_y(-in_map.y) }
     }
 
     fn likely(&self) -> &[DVec3] {
@@ -57,20 +57,20 @@ impl PointObjective for Sphere {
     }
 
     fn noise(&self) -> f64 {
-        /// Error of the table in `field.rs`, which lights would follow: 1e-8 of the energy.
+        /// Error of the table in `field.rs`, as a fraction of the energy. Without it, lights follow that error.
         const TABLE: f64 = 1e-9;
         TABLE
     }
 }
 
-/// The inner products of a light with those of a list.
-struct Values<'a> {
+/// Inner products of one light with lights in many directions.
+struct LightValues<'a> {
     light: DVec3,
     at: &'a Directions,
     out: &'a mut [f64],
 }
 
-impl WithSimd for Values<'_> {
+impl WithSimd for LightValues<'_> {
     type Output = ();
 
     #[inline(always)]

@@ -1,4 +1,4 @@
-//! Bright sources of a map as exact points, in blocks of one point a lane.
+//! Bright sources of a map as exact points.
 
 #![allow(
     clippy::inline_always,
@@ -23,25 +23,25 @@ pub struct Points {
 }
 
 impl Points {
-    /// The brightest sources of the map, the other sources, and the vector irradiance that both leave out.
+    /// The brightest sources of the map, the other sources, and the vector irradiance that is missing in both.
     ///
     /// The channels of a source may have different directions; a point has one.
-    pub fn chosen(map: &WorkingMap) -> (Vec<PointLight>, Vec<PointLight>, [DVec3; 3]) {
+    pub fn of_sources(map: &WorkingMap) -> (Vec<PointLight>, Vec<PointLight>, [DVec3; 3]) {
         let mut sources = sources_of(map);
         let power = |source: &[DVec3; 3]| source.iter().map(|e| e.length()).sum::<f64>();
         sources.sort_by(|a, b| power(b).total_cmp(&power(a)));
-        let mut aside = [DVec3::ZERO; 3];
+        let mut missing = [DVec3::ZERO; 3];
         let point = |source: &[DVec3; 3]| {
             let direction = source.iter().sum::<DVec3>().normalize_or(DVec3::Y);
             PointLight { direction, irradiance: source.map(|e| e.dot(direction)) }
         };
         let mut points: Vec<PointLight> = sources.iter().map(point).collect();
         for (source, point) in sources.iter().zip(&points) {
-            (0..3).for_each(|c| aside[c] += source[c] - point.irradiance[c] * point.direction);
+            (0..3).for_each(|c| missing[c] += source[c] - point.irradiance[c] * point.direction);
         }
         let powers: Vec<f64> = sources.iter().map(power).collect();
-        let faint = points.split_off(brightest(&powers));
-        (points, faint, aside)
+        let others = points.split_off(brightest(&powers));
+        (points, others, missing)
     }
 
     /// Group points into blocks.
@@ -60,20 +60,20 @@ impl Points {
     #[inline(always)]
     pub fn gradient<S: Simd>(&self, simd: S, l: DVec3) -> [DVec3; 3] {
         let own = splat(simd, l);
-        // Sum for each channel the pull towards the points, and along l.
+        // Sum for each channel the parts of the gradient towards the points, and the part along l.
         let mut sums = [[Lanes::splat(simd, 0.0); 4]; 3];
         for (points, irradiance) in &self.blocks {
             for vector in 0..Lanes::<S>::VECTORS {
                 let points = points.at(simd, vector);
                 let angles = Angles::between(&own, &points);
-                let (rests, slopes) = (angles.rests(), angles.slopes());
+                let (along, towards) = (angles.intercepts(), angles.first());
                 for (sums, e) in sums.iter_mut().zip(irradiance) {
                     let e = Lanes::at(simd, e, vector);
-                    let pull = e * slopes;
+                    let towards = e * towards;
                     for axis in 0..3 {
-                        sums[axis] = sums[axis].add_product(pull, points[axis]);
+                        sums[axis] = sums[axis].add_product(towards, points[axis]);
                     }
-                    sums[3] = sums[3].add_product(e, rests);
+                    sums[3] = sums[3].add_product(e, along);
                 }
             }
         }
@@ -84,22 +84,22 @@ impl Points {
         gradients
     }
 
-    /// The second derivative on the tangent plane of l, of the channels with these `shares`.
+    /// Second derivative on the tangent plane of l of the weighted sum of the channels.
     #[inline(always)]
-    pub fn second_derivative<S: Simd>(&self, simd: S, l: DVec3, shares: [f64; 3]) -> DMat3 {
+    pub fn second_derivative<S: Simd>(&self, simd: S, l: DVec3, weights: [f64; 3]) -> DMat3 {
         let mut out = DMat3::ZERO;
         for (points, [red, green, blue]) in &self.blocks {
-            let mut weights = [0.0; LANES];
+            let mut powers = [0.0; LANES];
             for i in 0..LANES {
-                weights[i] = red[i] * shares[0] + green[i] * shares[1] + blue[i] * shares[2];
+                powers[i] = red[i] * weights[0] + green[i] * weights[1] + blue[i] * weights[2];
             }
-            out += second_derivative(simd, l, &weights, points);
+            out += second_derivative(simd, l, &powers, points);
         }
         out
     }
 }
 
-/// Number of sources that become exact points, for decreasing `powers`: at most [`MOST_POINTS`].
+/// Number of sources that become exact points, at most [`MOST_POINTS`], for decreasing `powers`.
 ///
 /// Equal sources are not separated, because their order depends on the side that the map is read from.
 fn brightest(powers: &[f64]) -> usize {

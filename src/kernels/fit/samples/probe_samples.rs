@@ -1,4 +1,4 @@
-//! What was measured: irradiance at normals, and how far a rig is from it.
+//! Irradiance at known normals, and the error of a rig there.
 
 use glam::DVec3;
 use ndarray::{ArrayView1, ArrayView2};
@@ -15,14 +15,14 @@ pub struct Samples {
     pub(crate) normals: Vec<DVec3>,
     pub(crate) weights: Vec<f64>,
     pub(crate) irradiance: Vec<DVec3>,
-    /// The same, side by side.
+    /// The samples in blocks.
     pub(super) blocks: Blocks,
-    /// Weighted sum of squares of the irradiance: the cost of no light at all.
+    /// Weighted sum of squares of the irradiance, which is the cost without any light.
     pub(crate) energy: f64,
 }
 
 impl Samples {
-    /// Check and pair up what was measured.
+    /// Check and pair normals, weights and irradiance.
     ///
     /// # Inputs
     ///
@@ -39,7 +39,7 @@ impl Samples {
         weights: ArrayView1<'_, f64>,
         irradiance: ArrayView2<'_, f64>,
     ) -> Result<Self> {
-        // Each value twice, and what a search keeps at each normal.
+        // Count each value twice, and the sums of a search at each normal.
         check_memory(&[normals.nrows(), 64])?;
         let normals = check_weighted(normals, ("irradiance", irradiance), weights)?;
         Ok(Self::of(normals, weights.to_vec(), to_vectors(irradiance)))
@@ -47,59 +47,57 @@ impl Samples {
 
     pub(crate) fn of(normals: Vec<DVec3>, weights: Vec<f64>, irradiance: Vec<DVec3>) -> Self {
         let blocks = Blocks::new(&normals, &weights, &irradiance);
-        let energy = blocks.left(&Rig::default()).squares.iter().sum();
+        let energy = blocks.residual(&Rig::default()).squares.iter().sum();
         Self { normals, weights, irradiance, blocks, energy }
     }
 
-    /// Those at the normals that `are_kept`; none where all are.
-    pub fn only(&self, are_kept: impl Fn(DVec3) -> bool) -> Option<Self> {
-        let kept: Vec<usize> = (0..self.normals.len()).filter(|&i| are_kept(self.normals[i])).collect();
-        (kept.len() < self.normals.len()).then(|| {
-            let normals = kept.iter().map(|&i| self.normals[i]).collect();
-            let weights = kept.iter().map(|&i| self.weights[i]).collect();
-            Self::of(normals, weights, kept.iter().map(|&i| self.irradiance[i]).collect())
+    /// The samples at the normals that pass a test; `None` if all do.
+    pub fn only(&self, is_used: impl Fn(DVec3) -> bool) -> Option<Self> {
+        let used: Vec<usize> = (0..self.normals.len()).filter(|&i| is_used(self.normals[i])).collect();
+        (used.len() < self.normals.len()).then(|| {
+            let normals = used.iter().map(|&i| self.normals[i]).collect();
+            let weights = used.iter().map(|&i| self.weights[i]).collect();
+            Self::of(normals, weights, used.iter().map(|&i| self.irradiance[i]).collect())
         })
     }
 
-    /// Weighted sum of squares of what `rig` leaves unexplained.
+    /// Weighted sum of squares of the difference to `rig`.
     pub fn cost(&self, rig: &Rig) -> f64 {
-        self.blocks.left(rig).squares.iter().sum()
+        self.blocks.residual(rig).squares.iter().sum()
     }
 
-    /// How far `rig` is from them.
-    pub fn judged(&self, rig: &Rig) -> Judged {
-        let (left, whole) = (self.blocks.left(rig), self.blocks.left(&Rig::default()));
-        let [difference, whole] = [left, whole].map(|left| DVec3::from_array(left.squares));
-        Judged::of(difference, whole, left.largest, self.weights.iter().sum())
+    /// Errors of `rig`.
+    pub fn judged(&self, rig: &Rig) -> ProbeError {
+        let (residual, all) = (self.blocks.residual(rig), self.blocks.residual(&Rig::default()));
+        let [difference, whole] = [residual, all].map(|residual| DVec3::from_array(residual.squares));
+        ProbeError::of(difference, whole, residual.largest, self.weights.iter().sum())
     }
 
-    /// Relative RMS error of `rig`; absolute where all is black.
+    /// Relative RMS error of `rig`; absolute if all irradiance is 0.
     pub fn error(&self, rig: &Rig) -> f64 {
         relative_error(self.cost(rig), self.energy)
     }
 }
 
-/// How far a rig is from a probe.
+/// Errors of a rig at the normals of a probe.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Judged {
+pub struct ProbeError {
     /// Relative RMS error over all channels.
     pub error: f64,
-    /// That of each channel, relative to its own irradiance.
+    /// Relative RMS error of each channel.
     pub channels: [f64; 3],
-    /// The greatest difference at any normal and in any channel, relative to the RMS irradiance.
+    /// Greatest difference at any normal and in any channel, relative to the RMS irradiance.
     pub largest: f64,
 }
 
-impl Judged {
-    /// From sums over normals of the squared difference and of the squared irradiance, each with a weight, the largest
+impl ProbeError {
+    /// Errors from weighted sums of the squared difference and of the squared irradiance by channel, the largest
     /// difference, and the sum of the weights.
     pub fn of(difference: DVec3, whole: DVec3, largest: f64, weights: f64) -> Self {
         let rms = (whole.element_sum() / weights / 3.0).sqrt();
-        let relative =
-            |difference: f64, whole: f64| (difference / if whole > 0.0 { whole } else { 1.0 }).sqrt();
         Self {
-            error: relative(difference.element_sum(), whole.element_sum()),
-            channels: [0, 1, 2].map(|c| relative(difference[c], whole[c])),
+            error: relative_error(difference.element_sum(), whole.element_sum()),
+            channels: [0, 1, 2].map(|c| relative_error(difference[c], whole[c])),
             largest: largest / if rms > 0.0 { rms } else { 1.0 },
         }
     }
