@@ -1,4 +1,4 @@
-"""Public functions, and what they may be given: a table from which calls are generated.
+"""Table of public functions with their arguments, from which calls are generated.
 
 To add a function, add a row: its name, the function, and a strategy for each of its parameters.
 Arguments that it should take are drawn from those strategies; in every second call one of them is
@@ -100,7 +100,6 @@ CALLS = {
             "env": IMAGE,
             "lights": st.one_of(st.none(), st.integers(0, 3), st.just(DETECTED)),
             "share": st.one_of(st.none(), SHARE),
-            "method": st.sampled_from(["tree", "article"]),
         },
     ),
     "detect_article": (

@@ -14,7 +14,7 @@ import envlights as el
 from envlights import kernels, synthetic
 from envlights.kernels.image import LUMINANCE
 from tests.helpers import NORMALS, SOLID_ANGLES
-from tests.stress.case import U32, lights_apart
+from tests.stress.case import U32, light_of, lights_apart
 
 
 class Skip(NamedTuple):
@@ -60,7 +60,7 @@ def _sunny(height):
 
 
 def _clutter(height):
-    return synthetic.hard(synthetic.JUDGING[0], height).radiance.astype(np.float32)
+    return synthetic.hard(synthetic.EVALUATION[0], height).radiance.astype(np.float32)
 
 
 #: Radiance of each scene, made for a number of rows.
@@ -140,7 +140,7 @@ def _dark_tiles(scene, radiance):
     places = specks[8::16, 8::16]
     places[places @ LUMINANCE < level] = level
     on, off = partial(el.detect, radiance), partial(el.detect, specks)
-    said = [note for note in lights.report.skipped if "tiles" in note]
+    said = [line for line in lights.report.details if "tiles" in line]
     why = "specks in the local background"
     return Skip(scene, "detection", "; ".join(said), on, off, _lights_differ, 1e-3, why)
 
@@ -152,7 +152,7 @@ def _wrongly_shut(radiance, lights, _, tile=16):
     opened = len(set(zip(rows // tile, columns // tile, strict=True)))
     every = np.prod([-(-side // tile) for side in luminance.shape])
     said = f"{every - opened} of {every} tiles"
-    return 0.0 if any(note.startswith(said) for note in lights.report.skipped) else np.inf
+    return 0.0 if any(line.startswith(said) for line in lights.report.details) else np.inf
 
 
 def _first_differs(found, wanted):
@@ -164,7 +164,7 @@ def _rigs_differ(one, other):
 
 
 def _lights_differ(one, other):
-    return lights_apart(other, one.direction, one.irradiance, in_order=True)
+    return lights_apart(other, one.direction, light_of(one), in_order=True)
 
 
 def of_frames(width):

@@ -102,7 +102,7 @@ import threading
 import envlights as el
 from envlights import kernels
 image = el.synthetic.hard(3, 512).radiance
-busy = threading.Thread(target=el.fit, args=(image, 30), kwargs={"ambient": "sh2"})
+busy = threading.Thread(target=el.fit, args=(image, 12), kwargs={"ambient": "sh2"})
 busy.start()
 for _ in range(1000):
     kernels.uv_to_direction([[0.5, 0.5]])

@@ -39,8 +39,13 @@ def cases_of(group, what, bound, reason, measure, arguments):
     ]
 
 
-def lights_apart(found, direction, irradiance, in_order=False):
-    """Largest turn in radians or relative change of irradiance; infinite unless one for one.
+def light_of(lights):
+    """Flux of detected lights, which is measured, or irradiance of fitted ones."""
+    return getattr(lights, "flux", lights.irradiance)
+
+
+def lights_apart(found, direction, light, in_order=False):
+    """Largest turn in radians or relative change of `light_of`; infinite unless one for one.
 
     Each is compared with the nearest, or with the one at its place.
     """
@@ -54,6 +59,6 @@ def lights_apart(found, direction, irradiance, in_order=False):
     if len(np.unique(nearest)) < len(nearest):
         return np.inf
     turned = np.deg2rad(angle_deg(found.direction[nearest], direction))
-    change = np.abs(found.irradiance[nearest] / irradiance - 1)
+    change = np.abs(light_of(found)[nearest] / light - 1)
     # Python's `max` would drop NaN.
     return float(np.maximum(turned.max(initial=0), change.max(initial=0)))

@@ -1,4 +1,4 @@
-"""Maps and lights at the ends of what numbers and places there are."""
+"""Maps and lights at the limits of numbers and directions."""
 
 from functools import cache, partial
 
@@ -9,7 +9,7 @@ from envlights import kernels
 from tests.fitting import worst_cases
 from tests.helpers import NORMALS, SOLID_ANGLES
 from tests.reference import cells
-from tests.stress.case import U32, U64, Case, cases_of, lights_apart
+from tests.stress.case import U32, U64, Case, cases_of, light_of, lights_apart
 
 _FEW = NORMALS[::4]
 
@@ -48,7 +48,7 @@ def _fitted_points(radiance):
 def _scaled_detection(scale):
     radiance = el.synthetic.hall(64).radiance.astype(float)
     one, other = (el.detect((radiance * s).astype(np.float32)) for s in (1, scale))
-    return lights_apart(other, one.direction, scale * one.irradiance, in_order=True)
+    return lights_apart(other, one.direction, scale * light_of(one), in_order=True)
 
 
 def _range_probe(stops):
@@ -122,7 +122,7 @@ def _detected_apart(degrees):
     wanted = (radiance * kernels.pixel_solid_angles(512, 1024)[..., None]).sum(axis=(0, 1))
     lights = el.detect(radiance)
     right = 1 if degrees < 1 else 2
-    found = lights.irradiance.sum(axis=0)
+    found = lights.flux.sum(axis=0)
     return _relative(found, wanted) if len(lights) == right else np.inf
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 import envlights as el
 from tests.helpers import NORMALS, relative_errors
-from tests.stress.case import U32, Case, cases_of, lights_apart
+from tests.stress.case import U32, Case, cases_of, light_of, lights_apart
 
 _CHANNELS = [2, 0, 1]
 #: Columns of a map of 256 that are a quarter of a turn.
@@ -63,7 +63,7 @@ def _probe(changed, directions, irradiance):
 
 def _lights(find, changed, directions, irradiance):
     one, other = find(_random()), find(np.ascontiguousarray(changed(_random())))
-    return lights_apart(other, directions(one.direction), irradiance(one.irradiance))
+    return lights_apart(other, directions(one.direction), irradiance(light_of(one)))
 
 
 def _mirror_error(radiance):
@@ -101,7 +101,7 @@ def _added_lights(find):
     one, other = _suns((20, 30, 9e3), (70, 200, 5e3)), _suns((100, 90, 7e3))
     parts = [find(each) for each in (one, other)]
     wanted = np.concatenate([each.direction for each in parts])
-    flux = np.concatenate([each.irradiance for each in parts])
+    flux = np.concatenate([light_of(each) for each in parts])
     return lights_apart(find(one + other), wanted, flux)
 
 

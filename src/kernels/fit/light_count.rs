@@ -14,6 +14,8 @@ const WORTH_A_LIGHT: f64 = 1e-3;
 #[derive(Clone, Debug)]
 pub struct Trial {
     pub state: State,
+    /// Other minima with as many lights, from which lights with a size descend as well.
+    pub others: Vec<State>,
     pub error: f64,
     pub shadow_error: f64,
 }
@@ -51,12 +53,11 @@ pub fn search_path(
     }
     // The last number deserves a search of its own, unless it had one.
     let has_search = !options.has_goal() && problem.start.len() == problem.fixed;
-    if has_search
-        && beam[0].lights() > problem.fixed
-        && let Some(best) = search.best(beam)?
-    {
+    if has_search && beam[0].lights() > problem.fixed {
+        let mut others = search.best(beam)?;
+        let best = others.remove(0);
         path.pop();
-        path.push(evaluate(best));
+        path.push(Trial { others, ..evaluate(best) });
     }
     Ok(path)
 }
@@ -75,10 +76,9 @@ fn next(search: &Search<'_>, options: &FitOptions, beam: &[State]) -> Result<Vec
         grown.truncate(1);
         return Ok(grown.into_iter().map(|state| problem.descent().run(state, FINE)).collect());
     }
-    if options.has_goal()
-        && let Some(best) = search.best(grown.clone())?
-    {
-        grown.insert(0, best);
+    if options.has_goal() {
+        let best = search.best(grown.clone())?;
+        grown.splice(0..0, best.into_iter().take(1));
     }
     Ok(grown)
 }

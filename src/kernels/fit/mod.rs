@@ -97,7 +97,8 @@ pub fn under_map(map: &WorkingMap, options: &FitOptions) -> Result<FitResult> {
     let (samples, (sphere, path)) = (samples?, found?);
     let problem = Problem::new(&sphere, options);
     let evaluator = Evaluator { samples: &samples, sizes: Some(sizes), options };
-    let path = path.into_iter().map(|trial| evaluator.trial(&problem, trial.state)).collect();
+    let evaluate = |trial: Trial| Trial { others: trial.others, ..evaluator.trial(&problem, trial.state) };
+    let path = path.into_iter().map(evaluate).collect();
     Ok(evaluator.best(&problem, path))
 }
 
@@ -107,7 +108,10 @@ fn points_by_count(sphere: &Sphere, options: &FitOptions) -> Result<Vec<Trial>> 
     if !energy.is_finite() {
         return Err(Error::TooBright);
     }
-    let trial = |state: State| Trial { error: relative_error(state.cost, energy), shadow_error: 0.0, state };
+    let trial = |state: State| {
+        let error = relative_error(state.cost, energy);
+        Trial { state, others: Vec::new(), error, shadow_error: 0.0 }
+    };
     search_path(&Problem::new(sphere, options), options, &trial)
 }
 

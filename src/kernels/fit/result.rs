@@ -1,5 +1,7 @@
 //! The result of a fit: a set of lights with its sizes and errors.
 
+use std::iter::once;
+
 use super::discs::{self, Sized, Sizes};
 use super::light_count::{self, Trial};
 use super::options::FitOptions;
@@ -49,18 +51,21 @@ impl Evaluator<'_> {
     /// Errors of a set on the way to the final number of lights: with sizes if an error ends the search, else of points.
     pub fn trial(&self, problem: &Problem<'_>, state: State) -> Trial {
         if self.options.has_goal() {
-            return self.sized(problem, state).0;
+            return self.sized(problem, state, &[]).0;
         }
         let error = self.samples.error(&state.rig(problem.objective.given()));
-        Trial { state, error, shadow_error: 0.0 }
+        Trial { state, others: Vec::new(), error, shadow_error: 0.0 }
     }
 
     /// A set with its errors, and the rig with sizes if the options ask for them.
-    fn sized(&self, problem: &Problem<'_>, state: State) -> (Trial, Sized, Judged) {
+    fn sized(&self, problem: &Problem<'_>, state: State, others: &[State]) -> (Trial, Sized, Judged) {
         let given = problem.objective.given();
         let rig = state.rig(given);
         let sized = match (&self.sizes, self.options.sizes) {
-            (Some(sizes), Some(_)) => sizes.fitted(given, &rig, problem.fixed, problem.max_steps),
+            (Some(sizes), Some(_)) => {
+                let rigs: Vec<Rig> = once(rig).chain(others.iter().map(|other| other.rig(given))).collect();
+                sizes.fitted(given, &rigs, problem.fixed, problem.max_steps)
+            }
             _ => Sized::points(rig),
         };
         let judged = match self.options.sizes {
@@ -69,7 +74,7 @@ impl Evaluator<'_> {
         };
         let shadow_error =
             self.sizes.as_ref().map_or(0.0, |sizes| sizes.shadow_error(given, &sized.rig, &sized.radii));
-        (Trial { state, error: judged.error, shadow_error }, sized, judged)
+        (Trial { state, others: Vec::new(), error: judged.error, shadow_error }, sized, judged)
     }
 
     /// The best of the sets in `path`, with its sizes and errors.
@@ -77,7 +82,7 @@ impl Evaluator<'_> {
         let chosen = light_count::chosen(problem, self.options, &path);
         let state = problem.descent().polished(path[chosen].state.clone());
         let state = state.without_black(problem.objective.base(), problem.fixed).unwrap_or(state);
-        let (trial, sized, judged) = self.sized(problem, state);
+        let (trial, sized, judged) = self.sized(problem, state, &path[chosen].others);
         let mut errors: Vec<(usize, f64)> =
             path.iter().map(|trial| (trial.state.lights(), trial.error)).collect();
         // The errors of other numbers are those of points.

@@ -48,22 +48,25 @@ impl<'a> Search<'a> {
         best_of(grown, width)
     }
 
-    /// The best lights, from a `beam` of sets with as many lights.
-    pub fn best(&self, beam: Vec<State>) -> Result<Option<State>> {
-        let Some(lights) = beam.first().map(State::lights) else { return Ok(None) };
-        let SearchSettings { minima, near: nearest, same, .. } = self.settings;
+    /// The lowest minimum, and other distinct minima after it, from a `beam` of sets with as many lights.
+    pub fn best(&self, beam: Vec<State>) -> Result<Vec<State>> {
+        let Some(lights) = beam.first().map(State::lights) else { return Ok(beam) };
+        let SearchSettings { minima, sized_minima, near: nearest, same, .. } = self.settings;
         let mut starts = self.even(lights)?;
         starts.extend(self.likely(lights).into_iter().chain(beam));
         let close = starts.into_par_iter().map(|state| self.descended(state, same)).collect();
         let exchanged = distinct(close, minima, same).into_par_iter().map(|state| self.exchanged(state));
-        let best = best_of(exchanged.collect(), minima);
-        let least = best.first().map_or(0.0, |best| best.cost);
-        let near = best.into_iter().filter(|state| state.cost <= least * (1.0 + nearest));
-        let finest =
-            near.collect::<Vec<State>>().into_par_iter().map(|state| self.problem.descent().run(state, FINE));
+        let minima = best_of(exchanged.collect(), minima);
+        let least = minima[0].cost;
+        let near = minima.par_iter().filter(|state| state.cost <= least * (1.0 + nearest));
+        let finest = near.map(|state| self.problem.descent().run(state.clone(), FINE));
         let best: Result<Vec<State>> =
             finest.collect::<Vec<State>>().into_iter().map(|state| self.perturbed_on(state)).collect();
-        Ok(best_of(best?, 1).pop())
+        let mut best = best_of(best?, 1);
+        let least = best[0].clone();
+        best.extend(minima.into_iter().filter(|state| is_lower(&least, state, same)));
+        best.truncate(sized_minima);
+        Ok(best)
     }
 
     /// Lights at the brightest sources, if there are enough of them.
@@ -225,7 +228,7 @@ mod tests {
         let problem = problem(&sphere, 3);
         let beam =
             vec![State::new(&sphere, &[direction(0.5, 1.0), direction(1.5, 3.0), direction(2.5, 5.0)])];
-        let best = Search::new(&problem).best(beam).unwrap().unwrap();
+        let best = Search::new(&problem).best(beam).unwrap().swap_remove(0);
         for lamp in sphere.likely() {
             assert!(best.moments.directions.iter().any(|l| l.dot(*lamp) > 1.0 - 1e-6), "{lamp}");
         }

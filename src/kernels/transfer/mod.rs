@@ -2,7 +2,7 @@
 //!
 //! | step                                                  | file         |
 //! |-------------------------------------------------------|--------------|
-//! | values of all images in one texel, interleaved        | `rows.rs`    |
+//! | values of all images in one texel, interleaved        | `texels.rs`  |
 //! | inner products of the images                          | `gram.rs`    |
 //! | the basis: linear combinations of the images          | `columns.rs` |
 //! | frames from a basis with one or two bytes per value   | `frames.rs`  |
@@ -15,7 +15,7 @@
 mod columns;
 mod frames;
 mod gram;
-mod rows;
+mod texels;
 
 pub use columns::columns;
 pub use frames::{BasisValue, SHARE, TILE, frames};

@@ -113,16 +113,15 @@ impl<'a> Sizes<'a> {
         relative_error(left.max(0.0), energy)
     }
 
-    /// The best rig near one without sizes, whose first `fixed` lights keep their directions.
-    pub fn fitted(&self, given: &Given, rig: &Rig, fixed: usize, max_steps: usize) -> Sized {
+    /// The best rig near those without sizes in `rigs`, whose first `fixed` lights keep their directions.
+    pub fn fitted(&self, given: &Given, rigs: &[Rig], fixed: usize, max_steps: usize) -> Sized {
         let shadows = Shadows::new(self.other.as_ref().unwrap_or(&self.shadows), given);
         let descent = Descent { objective: &shadows, fixed, max_steps };
-        let starts = start::starts(&shadows, self.map, rig, fixed);
-        let rough: Vec<State> =
-            starts.into_par_iter().map(|state| descent.run(state, ROUGH).resumed()).collect();
+        let starts = rigs.par_iter().flat_map(|rig| start::starts(&shadows, self.map, rig, fixed));
+        let rough: Vec<State> = starts.map(|state| descent.run(state, ROUGH).resumed()).collect();
         let steps: usize = rough.iter().map(|state| state.steps).sum();
         let Some(best) = rough.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost)) else {
-            return Sized::points(rig.clone());
+            return Sized::points(Rig::default());
         };
         let steps = steps - best.steps;
         let state = descent.run(best, FINE);

@@ -17,6 +17,8 @@ use crate::kernels::sphere::exponential_map;
 pub const GREATEST_RADIUS: f64 = 75.0 / 180.0 * std::f64::consts::PI;
 /// The least radius: 0.003 degrees. A smaller one changes nothing that can be seen.
 pub const LEAST_RADIUS: f64 = 5e-5;
+/// Error of the products, as a fraction of the energy: without it, costs below 0 end a descent at once.
+const NOISE: f64 = 1e-7;
 
 /// The cost of discs under a map.
 #[derive(Debug)]
@@ -28,9 +30,9 @@ pub struct Shadows<'a> {
 impl<'a> Shadows<'a> {
     /// With the channels and the ambient term of the search before.
     pub fn new(target: &'a Target, given: &Given) -> Self {
-        let energy =
+        let energy: f64 =
             (0..given.channels.len()).map(|c| given.copies(c) * target.energy[given.channels[c]]).sum();
-        Self { target, given: Given { energy, ..given.clone() } }
+        Self { target, given: Given { energy: (1.0 + NOISE) * energy, ..given.clone() } }
     }
 
     /// The best fluxes of `discs`.
