@@ -10,6 +10,9 @@ use super::rows::Weight;
 use crate::kernels::cell_integrals::RowIntegrals;
 use crate::kernels::sphere::angles;
 
+/// Least number of rows that are summed together.
+pub const ROWS_OF_A_RUN: usize = 8;
+
 /// Gauss-Legendre nodes and weights on -1 .. 1.
 pub type Nodes = &'static [(f64, f64)];
 const ONE_NODE: Nodes = &[(0.0, 2.0)];

@@ -46,14 +46,12 @@ use crate::error::{Error, Result};
 use crate::interrupt;
 use band::{Band, BlockColumns};
 use bright::Limits;
-use horizon::{Normal, Steps};
+use horizon::{Normal, ROWS_OF_A_RUN, Steps};
 use opposite::VectorFlux;
 use sources::under_sources;
 
 /// Largest number of runs of rows. They do not depend on the number of threads, so the result has the same bits.
 const MOST_RUNS: usize = 64;
-/// Least number of rows of a run.
-const ROWS_OF_A_RUN: usize = 8;
 /// Normals of one pass over the map; limits the memory of the runs' sums.
 const NORMALS_AT_ONCE: usize = 4096;
 

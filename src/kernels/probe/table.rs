@@ -20,7 +20,7 @@ use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 use wide::f32x8;
 
-use super::horizon::{Normal, Slice, Steps, cut};
+use super::horizon::{Normal, ROWS_OF_A_RUN, Slice, Steps, cut};
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::kernels::image::{Grid, WorkingMap};
@@ -69,7 +69,7 @@ pub fn under_cells(map: &WorkingMap, normals: &[DVec3]) -> Result<Vec<DVec3>> {
     let rows: Vec<usize> = (0..map.radiance.dim().0).collect();
     // Sum some rows in each task.
     let sums: Vec<Vec<DVec3>> = rows
-        .par_chunks(super::ROWS_OF_A_RUN)
+        .par_chunks(ROWS_OF_A_RUN)
         .map(|rows| {
             let mut table = Table { map, columns: &columns, prefix: Vec::new(), half_widths: Vec::new() };
             let mut sums = vec![DVec3::ZERO; normals.len()];
