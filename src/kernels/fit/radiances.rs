@@ -46,7 +46,9 @@ pub fn solve(given: &Given, gram: &DMatrix<f64>, right: &DMatrix<f64>, guess: &[
         let channels: Vec<usize> = (0..right.ncols()).filter(is_negative).collect();
         let factors = if channels.is_empty() { None } else { Factors::new(with_ridge(gram)) };
         if let Some(factors) = factors {
-            channels.iter().for_each(|&channel| radiances.constrain(gram, &factors, right, channel));
+            for channel in channels {
+                radiances.constrain(gram, &factors, right, channel);
+            }
         }
     }
     radiances
