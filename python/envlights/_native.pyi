@@ -134,7 +134,7 @@ class FitAnswer:
     error: float
     channel_errors: list[float]
     max_error: float
-    judging: int
+    evaluation_normals: int
     steps: int
     stop: str
     tolerances: list[float]

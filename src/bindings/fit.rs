@@ -16,8 +16,8 @@ use crate::kernels::sphere::unit_vectors;
 /// The best rig, and how it was found; see `envlights.fit`.
 #[pyclass(frozen)]
 pub struct FitAnswer {
-    fitted: FitResult,
-    /// How many cells of the working map were kept as points.
+    result: FitResult,
+    /// Number of bright cells of the working map that are exact.
     #[pyo3(get)]
     points: usize,
 }
@@ -26,103 +26,103 @@ pub struct FitAnswer {
 impl FitAnswer {
     #[getter]
     fn ambient<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
-        rows(py, &self.fitted.rig.ambient)
+        rows(py, &self.result.rig.ambient)
     }
 
     #[getter]
     fn directions<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
-        rows(py, &self.fitted.rig.directions)
+        rows(py, &self.result.rig.directions)
     }
 
     #[getter]
     fn irradiance<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
-        rows(py, &self.fitted.rig.irradiance)
+        rows(py, &self.result.rig.irradiance)
     }
 
-    /// How many lights there are.
+    /// Number of lights.
     #[getter]
     fn lights(&self) -> usize {
-        self.fitted.rig.directions.len()
+        self.result.rig.directions.len()
     }
 
     /// Angular radius of each light, in radians: 0 for a point.
     #[getter]
     fn angular_radii(&self) -> Vec<f64> {
-        self.fitted.radii.clone()
+        self.result.radii.clone()
     }
 
     /// Relative RMS error of the irradiance where things stand in the way, under a map.
     #[getter]
     fn shadow_error(&self) -> f64 {
-        self.fitted.shadow_error
+        self.result.shadow_error
     }
 
     /// Relative RMS error by number of lights.
     #[getter]
     fn errors(&self) -> Vec<(usize, f64)> {
-        self.fitted.errors.clone()
+        self.result.errors.clone()
     }
 
-    /// Channels that were fitted: neither black nor the same as another.
+    /// Channels that were result: neither black nor the same as another.
     #[getter]
     fn channels(&self) -> usize {
-        self.fitted.channels
+        self.result.channels
     }
 
-    /// That of the rig.
+    /// Relative RMS error of the rig.
     #[getter]
     fn error(&self) -> f64 {
-        self.fitted.judged.error
+        self.result.probe_error.error
     }
 
     /// Normals that the errors were measured at.
     #[getter]
-    fn judging(&self) -> usize {
-        self.fitted.judging
+    fn evaluation_normals(&self) -> usize {
+        self.result.evaluation_normals
     }
 
     #[getter]
     fn channel_errors(&self) -> [f64; 3] {
-        self.fitted.judged.channels
+        self.result.probe_error.channels
     }
 
     #[getter]
     fn max_error(&self) -> f64 {
-        self.fitted.judged.largest
+        self.result.probe_error.largest
     }
 
-    /// How far each light may stand elsewhere before the error grows by a tenth, in radians: under a map.
+    /// Direction tolerance of each light under a map, in radians: the turn that makes the error a tenth larger.
     #[getter]
     fn tolerances(&self) -> Vec<f64> {
-        self.fitted.tolerances.clone()
+        self.result.tolerances.clone()
     }
 
     /// Condition number, for measured values.
     #[getter]
     fn condition(&self) -> f64 {
-        self.fitted.uncertainty.condition
+        self.result.uncertainty.condition
     }
 
     /// Standard errors in radians, for measured values.
     #[getter]
     fn direction_errors(&self) -> Vec<f64> {
-        self.fitted.uncertainty.direction.clone()
+        self.result.uncertainty.direction.clone()
     }
 
     /// Standard errors in each channel, for measured values.
     #[getter]
     fn irradiance_errors(&self) -> Vec<[f64; 3]> {
-        self.fitted.uncertainty.irradiance.clone()
+        self.result.uncertainty.irradiance.clone()
     }
 
     #[getter]
     fn steps(&self) -> usize {
-        self.fitted.steps
+        self.result.steps
     }
 
     #[getter]
     fn stop(&self) -> &'static str {
-        match self.fitted.stop {
+        match self.result.stop {
             StopReason::Converged => "CONVERGED",
             StopReason::Exact => "EXACT",
             StopReason::OutOfSteps => "OUT_OF_STEPS",
@@ -152,7 +152,7 @@ pub struct Options<'py> {
 
 impl Options<'_> {
     /// Options of the kernel.
-    fn checked(&self) -> Result<FitOptions> {
+    fn for_kernel(&self) -> Result<FitOptions> {
         Ok(FitOptions {
             ambient: Ambient::of(self.ambient)?,
             start: unit_vectors("start", self.start.as_array())?,
@@ -168,7 +168,7 @@ impl Options<'_> {
     }
 }
 
-/// By its name in Python, where it is checked.
+/// The comparison of this name in Python, which checks it.
 fn comparison(objective: &str) -> Comparison {
     match objective {
         "probe" => Comparison::Probe,
@@ -187,12 +187,12 @@ pub fn fit_map(
     point_share: f64,
     options: Options<'_>,
 ) -> PyResult<FitAnswer> {
-    let (radiance, options) = (radiance.as_array(), options.checked()?);
+    let (radiance, options) = (radiance.as_array(), options.for_kernel()?);
     interruptible(py, || {
         let registration = registration(border_sampled);
         let map = image::reduce(radiance, registration, columns, point_share, options.has_floor)?;
         let points = map.sources.dim().0;
-        Ok(FitAnswer { fitted: fit::under_map(&map, &options)?, points })
+        Ok(FitAnswer { result: fit::under_map(&map, &options)?, points })
     })
 }
 
@@ -223,10 +223,10 @@ pub fn fit_samples(
     options: Options<'_>,
 ) -> PyResult<FitAnswer> {
     let (normals, weights, irradiance) = (normals.as_array(), weights.as_array(), irradiance.as_array());
-    let options = options.checked()?;
+    let options = options.for_kernel()?;
     interruptible(py, || {
         let fitted = fit::to_samples(Samples::new(normals, weights, irradiance)?, &options)?;
-        Ok(FitAnswer { fitted, points: 0 })
+        Ok(FitAnswer { result: fitted, points: 0 })
     })
 }
 

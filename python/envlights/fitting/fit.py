@@ -174,7 +174,7 @@ def fit(
         sized_error=answer.error if of_discs and answer.lights and not request.has_goal else None,
         # The report shares this dictionary, which gets its last entry below.
         seconds=clock.laps,
-        measured_on=wording.measured_on(answer.judging, floor),
+        measured_on=wording.measured_on(answer.evaluation_normals, floor),
         shadow_error=answer.shadow_error,
         ambient=chosen,
         ambients={name: (one.lights, one.error) for name, one in answers.items()}

@@ -1,6 +1,6 @@
-//! What a light in a new place would explain, for many places at once.
+//! Predicted cost of a light in a new direction, for many directions at once.
 //!
-//! With R the inverse Gram matrix of the columns of a state, and for the column of a light at d: u its inner
+//! Let R be the inverse Gram matrix of the columns of a state. For the column of a light at d, let u be its inner
 //! products with them, `z = R u`, `o = <a_d, a_d> - u.z` what it adds to them, and `<a_d, r_c>` those with the
 //! residuals, one light more leaves at least
 //!
@@ -24,32 +24,32 @@ use super::state::State;
 use crate::kernels::sampling;
 use crate::kernels::sphere::to_vectors;
 
-/// Places that are tried: about 20 degrees apart.
-const TRIED: usize = 96;
-/// A column this close to the span of the others, in squared length, brings nothing new.
+/// Number of directions, about 20 degrees apart.
+const DIRECTIONS: usize = 96;
+/// Squared distance of a column from the span of the others, over its own, below which it adds nothing.
 const DEPENDENT: f64 = 1e-6;
 
-/// Places for a light, and the inner products that do not depend on the others.
+/// Directions for a light, and the inner products that do not depend on the other lights.
 #[derive(Debug)]
 pub struct Candidates<'a> {
     objective: &'a dyn PointObjective,
     at: Directions,
-    /// With each side of the probe: a row for each place.
+    /// Products with the ambient columns and the irradiance: a row for each direction.
     sides: DMatrix<f64>,
-    /// Of each column with itself.
+    /// Squared length of each column.
     squares: Vec<f64>,
 }
 
-/// A promise: the cost that a light at a place would leave, at least.
-pub type Promise = (f64, DVec3);
+/// Least cost with a light in a direction, and that direction.
+pub type Prediction = (f64, DVec3);
 
-/// What the candidates are to the lights of a state.
+/// Products of the candidates with the lights of a state.
 pub struct Beside<'a> {
     candidates: &'a Candidates<'a>,
     state: &'a State,
-    /// `<a_d, r_c>`: a row for each place, a column for each channel.
+    /// `<a_d, r_c>`: a row for each direction, a column for each channel.
     residual: DMatrix<f64>,
-    /// R, and `z = R u`: a column for each place.
+    /// R, and `z = R u`: a column for each direction.
     inverse: DMatrix<f64>,
     along: DMatrix<f64>,
     /// `o`
@@ -57,25 +57,25 @@ pub struct Beside<'a> {
 }
 
 impl<'a> Candidates<'a> {
-    /// For an objective.
+    /// Candidates of an objective.
     pub fn new(objective: &'a dyn PointObjective) -> Self {
-        let places = to_vectors(sampling::even_sphere(TRIED).view());
-        let places: Vec<DVec3> = places.into_iter().map(|place| objective.placed(place)).collect();
+        let places = to_vectors(sampling::even_sphere(DIRECTIONS).view());
+        let places: Vec<DVec3> = places.into_iter().map(|place| objective.place(place)).collect();
         let at = objective.directions(places);
         let sides = objective.side_products(&at);
         let squares = objective.squares(&at);
         Self { objective, at, sides, squares }
     }
 
-    /// Beside the lights of `state`.
+    /// Products with the lights of `state`; absent if its columns depend on each other.
     pub fn beside(&'a self, state: &'a State) -> Option<Beside<'a>> {
-        let ambient = self.objective.given().ambient.coefficients();
+        let ambient = self.objective.reference().ambient.coefficients();
         let lights = self.objective.light_products(&self.at, &state.moments.directions);
         let mut products = self.sides.columns(0, ambient).resize_horizontally(state.x.nrows(), 0.0);
         products.columns_range_mut(ambient..).copy_from(&lights);
         let residual = self.sides.columns_range(ambient..) - &products * &state.x;
         let mut gram = state.moments.gram.clone();
-        // Columns may depend on each other: as for lights that are the same.
+        // Separate columns that depend on each other, such as those of equal lights.
         (0..gram.nrows()).for_each(|i| gram[(i, i)] *= 1.0 + DEPENDENT);
         let inverse = gram.cholesky()?.inverse();
         let products = products.transpose();
@@ -87,46 +87,45 @@ impl<'a> Candidates<'a> {
 }
 
 impl Beside<'_> {
-    /// One light more at each place, where that would lower the cost.
-    pub fn added(&self) -> Vec<Promise> {
+    /// One more light in each direction that would lower the cost.
+    pub fn additions(&self) -> Vec<Prediction> {
         let zero = DVector::zeros(self.state.x.ncols());
-        self.promises(self.state.cost, self.state.cost, &zero, |_| (0.0, 0.0))
+        self.predictions(self.state.cost, self.state.cost, &zero, |_| (0.0, 0.0))
     }
 
-    /// The light j taken out and put at each place, where that would leave less than the cost `most`.
-    pub fn moved(&self, light: usize, most: f64) -> Vec<Promise> {
+    /// The light j in each direction that would lower the cost below `most`.
+    pub fn relocations(&self, light: usize, most: f64) -> Vec<Prediction> {
         let row = self.state.x.nrows() - self.state.lights() + light;
         let own = self.inverse[(row, row)];
         let x = self.state.x.row(row).transpose();
-        let given = self.candidates.objective.given();
-        let without: f64 = (0..x.len()).map(|c| given.copies(c) * x[c] * x[c]).sum::<f64>() / own;
-        self.promises(self.state.cost + without, most, &x, |i| {
+        let reference = self.candidates.objective.reference();
+        let without: f64 = (0..x.len()).map(|c| reference.copies(c) * x[c] * x[c]).sum::<f64>() / own;
+        self.predictions(self.state.cost + without, most, &x, |i| {
             let along = self.along[(row, i)];
             (along / own, along * along / own)
         })
     }
 
-    /// Of a light that has the radiances `x` already, and of what its place gives back at each candidate: those of less
-    /// than `most`.
-    fn promises(
+    /// Predictions below `most` for a light of the radiances `x`; `freed` gives the products that its removal frees.
+    fn predictions(
         &self,
         cost: f64,
         most: f64,
         x: &DVector<f64>,
-        given_back: impl Fn(usize) -> (f64, f64),
-    ) -> Vec<Promise> {
+        freed: impl Fn(usize) -> (f64, f64),
+    ) -> Vec<Prediction> {
         let Candidates { at, squares, objective, .. } = self.candidates;
-        let copies: Vec<f64> = (0..x.len()).map(|channel| objective.given().copies(channel)).collect();
-        let mut promises = Vec::with_capacity(self.outside.len());
+        let copies: Vec<f64> = (0..x.len()).map(|channel| objective.reference().copies(channel)).collect();
+        let mut predictions = Vec::with_capacity(self.outside.len());
         for (i, &outside) in self.outside.iter().enumerate() {
-            let (share, length) = given_back(i);
+            let (share, length) = freed(i);
             let outside = outside + length;
             let explained = |c: usize| copies[c] * (self.residual[(i, c)] + x[c] * share).max(0.0).powi(2);
             let left = cost - (0..x.len()).map(explained).sum::<f64>() / outside;
             if left < most && outside > DEPENDENT * squares[i] {
-                promises.push((left, at.directions[i]));
+                predictions.push((left, at.directions[i]));
             }
         }
-        promises
+        predictions
     }
 }

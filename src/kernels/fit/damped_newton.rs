@@ -3,7 +3,7 @@
 //! The tangent plane of a direction has no pole, where the paper's angles theta and phi lose a rank.
 //!
 //! The cost over known normals has a kink where a light crosses the horizon of one, and a minimum often lies in such a
-//! kink: both sides slope into it, and no step across lowers the cost. From there the descent follows the kink.
+//! kink: both sides descend to it, and no step across lowers the cost. From there the descent follows the kink.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -15,7 +15,7 @@ use super::variable_projection::{Quadratic, Subspace};
 const FIRST_DAMPING: f64 = 1e-2;
 /// Least damping: with less, rounding chooses the way along coordinates that the cost hardly depends on.
 const LEAST_DAMPING: f64 = 1e-6;
-/// Damping at which a step no longer moves anything.
+/// Damping at which a step is too short to change anything.
 const GREATEST_DAMPING: f64 = 1e8;
 /// Longest step, in radians or as the logarithm of a radius: the quadratic is accurate only nearby.
 const LONGEST_STEP: f64 = 0.5;
@@ -68,18 +68,17 @@ impl Descent<'_> {
         Some(next)
     }
 
-    /// The last digits of a minimum, which the cost no longer shows: undamped steps, while each is less than half as long
-    /// as the one before.
-    pub fn polished(&self, mut state: State) -> State {
+    /// The last digits of a minimum, by undamped steps while each is less than half as long as the one before.
+    pub fn polish(&self, mut state: State) -> State {
         /// The longest first step, in radians: farther from the minimum the quadratic is not accurate enough.
         const LONGEST: f64 = 1e-3;
-        let resolution = RESOLUTION * self.objective.given().energy;
+        let resolution = RESOLUTION * self.objective.reference().energy;
         let mut longest = LONGEST;
         loop {
             let model = Quadratic::around(self.objective, &state, true);
             let constraints = self.constraints(&state, &model);
             let Some(step) = model.step(&constraints, 0.0) else { break };
-            let next = self.moved(&state, &step);
+            let next = self.after_step(&state, &step);
             // Not a number without a light that may move.
             if !(step.amax() < longest && next.cost <= state.cost + resolution) {
                 break;
@@ -102,13 +101,13 @@ impl Descent<'_> {
         let constraints = [held.as_slice(), kinks].concat();
         while *damping < GREATEST_DAMPING {
             if let Some(step) = model.step(&constraints, *damping) {
-                let step = shortened(step);
+                let step = shorten(step);
                 let predicted = model.fall(&step);
                 // A smaller fall is not worth the attempt.
                 if predicted <= 0.1 * tolerance * state.cost {
                     return None;
                 }
-                let next = self.moved(state, &step);
+                let next = self.after_step(state, &step);
                 if next.cost < state.cost {
                     *damping = (*damping * softer((state.cost - next.cost) / predicted)).max(LEAST_DAMPING);
                     return Some(next);
@@ -138,13 +137,13 @@ impl Descent<'_> {
         Some(next)
     }
 
-    fn moved(&self, state: &State, step: &DVector<f64>) -> State {
-        let moments = self.objective.moved(&state.moments, step.as_slice());
+    fn after_step(&self, state: &State, step: &DVector<f64>) -> State {
+        let moments = self.objective.after_step(&state.moments, step.as_slice());
         State::at(self.objective, moments, state.steps + 1, &state.supports)
     }
 }
 
-/// The cost around a state, and what a step from there must obey.
+/// The cost around a state, and the constraints of a step.
 struct Local<'a> {
     state: &'a State,
     model: &'a Quadratic,
@@ -154,7 +153,7 @@ struct Local<'a> {
 }
 
 /// The step, at most as long as the quadratic is accurate.
-fn shortened(step: DVector<f64>) -> DVector<f64> {
+fn shorten(step: DVector<f64>) -> DVector<f64> {
     let longest = step.amax();
     if longest > LONGEST_STEP { step * (LONGEST_STEP / longest) } else { step }
 }
@@ -176,7 +175,7 @@ impl Quadratic {
         const FLATTEST: f64 = 1e-6;
         const ROUNDING: f64 = 1e-14;
         let space = Subspace::new(self.gradient.len(), self.each, constraints);
-        let (hessian, gradient) = space.reduced(self);
+        let (hessian, gradient) = space.reduce(self);
         let curvature = hessian.diagonal().abs();
         let greatest = curvature.max();
         if gradient.is_empty() || greatest <= 0.0 {
@@ -216,8 +215,7 @@ mod tests {
     use crate::kernels::fit::{Ambient, Sphere};
     use crate::kernels::sphere::direction;
 
-    /// A held coordinate must not take what rounding leaves: a radius would come off its bound under one map, and not under
-    /// the same one brighter.
+    /// Rounding must not move a radius from its bound under a map, but not under a brighter one.
     #[test]
     fn a_brighter_map_has_the_same_steps_to_the_bit() {
         let held = [Constraint::hold(1, 2), Constraint::hold(2, 1)];
@@ -225,7 +223,7 @@ mod tests {
             let map = world(scale);
             let sphere = Sphere::new(&map, Ambient::Constant, false);
             let target = target(&map, Comparison::Mixed, Ambient::Constant, false);
-            let shadows = Shadows::new(&target, sphere.given());
+            let shadows = Shadows::new(&target, sphere.reference());
             let of_turned = |turn: i32| {
                 let turn = 0.8 * f64::from(turn);
                 let discs =
@@ -233,10 +231,7 @@ mod tests {
                 let discs = discs.map(|(theta, phi, radius)| shadows.disc(direction(theta, phi), radius));
                 let model = Quadratic::around(&shadows, &shadows.state(discs.to_vec()), true);
                 let space = Subspace::new(model.gradient.len(), model.each, &held);
-                (
-                    model.step(&held, 1e-4).unwrap(),
-                    space.reduced(&model).0.symmetric_eigenvalues().min() < 0.0,
-                )
+                (model.step(&held, 1e-4).unwrap(), space.reduce(&model).0.symmetric_eigenvalues().min() < 0.0)
             };
             (0..8).map(of_turned).collect::<Vec<_>>()
         };
@@ -273,10 +268,10 @@ mod tests {
         let state = descent.run(State::new(&sphere, &start), 1e-9);
         assert_eq!(state.stop, Some(StopReason::Converged));
         assert_eq!(state.moments.directions[0], start[0]);
-        let polished = descent.polished(state);
+        let polished = descent.polish(state);
         let model = Quadratic::around(&sphere, &polished, true);
         let space = Subspace::new(6, 2, &descent.constraints(&polished, &model));
-        let (hessian, gradient) = space.reduced(&model);
+        let (hessian, gradient) = space.reduce(&model);
         assert!(gradient.amax() < 1e-10 * hessian.amax(), "{gradient}");
         assert!(hessian.symmetric_eigenvalues().min() > -1e-12 * hessian.amax());
     }

@@ -1,4 +1,4 @@
-//! How many lights: more and more, until they are as many as allowed, good enough, or help no more.
+//! The number of lights: one more at a time, until an error is reached or more lights do not help.
 
 use super::damped_newton::Descent;
 use super::options::FitOptions;
@@ -7,7 +7,7 @@ use super::search::{FINE, Search};
 use super::state::{State, StopReason};
 use crate::error::Result;
 
-/// Share of the error that one light more must take away to be worth it.
+/// Relative decrease of the error that is worth one more light.
 const WORTH_A_LIGHT: f64 = 1e-3;
 
 /// A set of lights and its errors.
@@ -29,7 +29,7 @@ impl FitOptions {
     }
 
     /// The error by which numbers of lights are compared.
-    fn compared(&self, trial: &Trial) -> f64 {
+    fn comparison_error(&self, trial: &Trial) -> f64 {
         if self.shadow_error.is_some() { trial.shadow_error } else { trial.error }
     }
 }
@@ -43,7 +43,7 @@ pub fn search_path(
     evaluate: &dyn Fn(State) -> Trial,
 ) -> Result<Vec<Trial>> {
     let search = Search::new(problem);
-    let mut beam = vec![started(problem, 0)];
+    let mut beam = vec![near_start(problem, 0)];
     let mut path = vec![evaluate(beam[0].clone())];
     while beam[0].lights() < problem.lights && !is_enough(problem, options, &path) {
         let next = next(&search, options, &beam)?;
@@ -51,7 +51,7 @@ pub fn search_path(
         path.push(evaluate(best.clone()));
         beam = next;
     }
-    // The last number deserves a search of its own, unless it had one.
+    // Search for the final number of lights, unless that has happened.
     let has_search = !options.has_goal() && problem.start.len() == problem.fixed;
     if has_search && beam[0].lights() > problem.fixed {
         let mut others = search.best(beam)?;
@@ -62,15 +62,15 @@ pub fn search_path(
     Ok(path)
 }
 
-/// The sets with more lights than those of `beam`, best first; none where no light helps.
+/// The sets with more lights than those of `beam`, best first; empty if no light helps.
 fn next(search: &Search<'_>, options: &FitOptions, beam: &[State]) -> Result<Vec<State>> {
     let problem = search.problem;
     let count = beam[0].lights();
     if count < problem.start.len() {
         let next = if options.has_goal() { problem.fixed.max(count + 1) } else { problem.start.len() };
-        return Ok(vec![refilled(search, started(problem, next.min(problem.lights)))]);
+        return Ok(vec![refill(search, near_start(problem, next.min(problem.lights)))]);
     }
-    let mut grown = search.grown(beam);
+    let mut grown = search.grow(beam);
     if problem.start.len() > problem.fixed {
         // Lights that were given a start stay near it.
         grown.truncate(1);
@@ -84,28 +84,27 @@ fn next(search: &Search<'_>, options: &FitOptions, beam: &[State]) -> Result<Vec
 }
 
 /// The best lights near the first `count` starts.
-fn started(problem: &Problem<'_>, count: usize) -> State {
+fn near_start(problem: &Problem<'_>, count: usize) -> State {
     let descent = Descent { fixed: problem.fixed.min(count), ..problem.descent() };
     descent.run(State::new(problem.objective, &problem.start[..count]), FINE)
 }
 
-/// With lights that no channel uses put where they help.
-fn refilled(search: &Search<'_>, state: State) -> State {
+/// The state after lights that no channel uses have moved to where they help.
+fn refill(search: &Search<'_>, state: State) -> State {
     let lights = state.lights();
     let Some(mut state) = state.without_black(search.problem.objective.base(), search.problem.fixed) else {
         return state;
     };
     while state.lights() < lights {
-        let Some(next) = search.grown(std::slice::from_ref(&state)).into_iter().next() else { break };
+        let Some(next) = search.grow(std::slice::from_ref(&state)).into_iter().next() else { break };
         state = next;
     }
     search.problem.descent().run(state, FINE)
 }
 
-/// Nothing is left to explain, the error asked for is reached, or several more lights in a row have
-/// not lowered the error: what they explain is the pattern of the normals.
+/// True if the residual is 0, the errors of the options are reached, or the last lights have not lowered the error.
 fn is_enough(problem: &Problem<'_>, options: &FitOptions, path: &[Trial]) -> bool {
-    /// Lights that may fail to lower the error before no more are trial.
+    /// Lights in a row that may fail to lower the error.
     const PATIENCE: usize = 3;
     let Some(last) = path.last() else { return false };
     let lights = last.state.lights();
@@ -114,8 +113,8 @@ fn is_enough(problem: &Problem<'_>, options: &FitOptions, path: &[Trial]) -> boo
     }
     let mut best = (f64::INFINITY, 0);
     for trial in path.iter().filter(|trial| trial.state.lights() >= problem.fixed) {
-        if options.compared(trial) < best.0 * (1.0 - WORTH_A_LIGHT) {
-            best = (options.compared(trial), trial.state.lights());
+        if options.comparison_error(trial) < best.0 * (1.0 - WORTH_A_LIGHT) {
+            best = (options.comparison_error(trial), trial.state.lights());
         }
     }
     last.state.stop == Some(StopReason::Exact)
@@ -124,16 +123,17 @@ fn is_enough(problem: &Problem<'_>, options: &FitOptions, path: &[Trial]) -> boo
         || lights >= best.1.max(problem.fixed) + PATIENCE
 }
 
-/// The place that is worth its lights: the first that reaches what was asked for, or the fewest that do as well as
-/// any, but none of the fixed and started ones less.
-pub fn chosen(problem: &Problem<'_>, options: &FitOptions, path: &[Trial]) -> usize {
-    let least = path.iter().map(|trial| options.compared(trial)).fold(f64::INFINITY, f64::min);
+/// Index of the set with the fewest lights that reaches the errors of the options, or else nearly the least error.
+///
+/// It has all fixed and started lights.
+pub fn choose(problem: &Problem<'_>, options: &FitOptions, path: &[Trial]) -> usize {
+    let least = path.iter().map(|trial| options.comparison_error(trial)).fold(f64::INFINITY, f64::min);
     let enough = (least * (1.0 + WORTH_A_LIGHT)).max(options.error_floor);
     let is_reached = path.iter().any(|trial| options.is_reached(trial));
     let is_enough = |trial: &Trial| {
-        if is_reached { options.is_reached(trial) } else { options.compared(trial) <= enough }
+        if is_reached { options.is_reached(trial) } else { options.comparison_error(trial) <= enough }
     };
     let last = path.len() - 1;
-    let given = problem.start.len().min(path[last].state.lights());
-    path.iter().position(|trial| is_enough(trial) && trial.state.lights() >= given).unwrap_or(last)
+    let reference = problem.start.len().min(path[last].state.lights());
+    path.iter().position(|trial| is_enough(trial) && trial.state.lights() >= reference).unwrap_or(last)
 }

@@ -104,7 +104,7 @@ pub fn under_map(map: &WorkingMap, options: &FitOptions) -> Result<FitResult> {
 
 /// The best points of each number of lights, by the errors that the objective knows.
 fn points_by_count(sphere: &Sphere, options: &FitOptions) -> Result<Vec<Trial>> {
-    let energy = sphere.given().energy;
+    let energy = sphere.reference().energy;
     if !energy.is_finite() {
         return Err(Error::TooBright);
     }
@@ -117,7 +117,7 @@ fn points_by_count(sphere: &Sphere, options: &FitOptions) -> Result<Vec<Trial>> 
 
 /// `<E, E>` of the probe under a map, over all normals and channels, in closed form.
 pub fn energy(map: &WorkingMap) -> f64 {
-    Sphere::new(map, Ambient::Constant, false).given().energy
+    Sphere::new(map, Ambient::Constant, false).reference().energy
 }
 
 /// The best rig for irradiance at known normals, which evaluate it as well.
@@ -136,8 +136,9 @@ pub fn to_samples(samples: Samples, options: &FitOptions) -> Result<FitResult> {
     Ok(FitResult { uncertainty, ..result })
 }
 
-/// Require three equations at each normal for the unknowns: in each channel the coefficients of the ambient term and a
-/// radiance for each light, and its two angles.
+/// Require three equations at each normal for the unknowns.
+///
+/// These are the coefficients of the ambient term and a radiance for each light in each channel, and its two angles.
 fn check_unknowns(options: &FitOptions, seen: usize) -> Result<()> {
     let lights = options.lights;
     let wanted = (3 * options.ambient.coefficients() + 5 * lights).div_ceil(3).max(1);
@@ -172,7 +173,7 @@ mod tests {
         }
     }
 
-    fn fitted(rig: &Rig, lights: usize) -> FitResult {
+    fn fit(rig: &Rig, lights: usize) -> FitResult {
         let (normals, weights) = sampling::icosphere(320).unwrap();
         let seen = irradiance(rig, normals.view()).unwrap();
         let samples = Samples::new(normals.view(), weights.view(), seen.view()).unwrap();
@@ -187,7 +188,7 @@ mod tests {
             irradiance: vec![DVec3::new(3.0, 2.5, 2.0), DVec3::new(0.5, 1.0, 1.5), DVec3::splat(0.7)],
             has_floor: false,
         };
-        let found = fitted(&rig, 3).rig;
+        let found = fit(&rig, 3).rig;
         for (wanted, irradiance) in rig.directions.iter().zip(&rig.irradiance) {
             let nearest = found.directions.iter().zip(&found.irradiance);
             let (l, e) =
@@ -217,7 +218,7 @@ mod tests {
 
     #[test]
     fn black_needs_no_light() {
-        let found = fitted(&Rig::default(), 4);
+        let found = fit(&Rig::default(), 4);
         assert_eq!(found.errors.len(), 1);
         assert_eq!(found.rig.ambient, [DVec3::ZERO]);
         assert!(found.rig.directions.is_empty());

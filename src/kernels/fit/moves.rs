@@ -1,75 +1,74 @@
-//! Moves from one set of lights to another that a small step would never find.
+//! Changes of one light that no small step leads to.
 
 use glam::DVec3;
 
-use super::candidates::{Candidates, Promise};
+use super::candidates::{Candidates, Prediction};
 use super::objective::PointObjective;
 use super::state::State;
 
-/// Starts of added lights closer than this (cosine) would end in the same place.
+/// Cosine of two directions above which descents from both reach the same minimum.
 const APART: f64 = 0.8;
-/// A light that starts closer than this (cosine) to where it was would go back there.
+/// Cosine of a light's old and new direction above which a descent leads back.
 const BACK: f64 = 0.9;
 
-/// A light that goes, if any, and one that comes.
+/// A light to remove, if any, and one to add.
 #[derive(Clone, Copy, Debug)]
 pub struct Move {
-    /// The cost that is left, at least.
-    pub promise: f64,
+    /// Predicted cost.
+    pub predicted: f64,
     pub gone: Option<usize>,
     pub new: DVec3,
 }
 
 impl Move {
-    /// The state it leads to from `state`.
+    /// The state after the move.
     pub fn from(&self, objective: &dyn PointObjective, state: &State) -> State {
         let kept: Vec<usize> = (0..state.lights()).filter(|light| Some(*light) != self.gone).collect();
-        state.exchanged(objective, &kept, &[self.new])
+        state.exchange(objective, &kept, &[self.new])
     }
 }
 
-/// One more light where it would explain most, the best `count` places.
-pub fn added(candidates: &Candidates<'_>, state: &State, count: usize) -> Vec<Move> {
+/// One more light in the `count` best directions.
+pub fn additions(candidates: &Candidates<'_>, state: &State, count: usize) -> Vec<Move> {
     let Some(beside) = candidates.beside(state) else { return Vec::new() };
-    let places = apart(beside.added(), count);
-    places.into_iter().map(|(promise, new)| Move { promise, gone: None, new }).collect()
+    let predictions = apart(beside.additions(), count);
+    predictions.into_iter().map(|(predicted, new)| Move { predicted, gone: None, new }).collect()
 }
 
-/// One light, not of the first `fixed`, taken out and put where it would explain most: the best `count` of those that
-/// promise at most `promised` times the cost of `state`.
+/// The `count` best exchanges of one light after the first `fixed`.
 ///
-/// A greedy start keeps the light that explained most *alone*; with its neighbours in place a
-/// different set is often better.
-pub fn exchanged(
+/// Their predicted cost is at most `most_predicted` times that of `state`. Forward selection keeps the light that lowers
+/// the cost most alone; beside its neighbours, another set is often better.
+pub fn exchanges(
     candidates: &Candidates<'_>,
     state: &State,
     fixed: usize,
-    promised: f64,
+    most_predicted: f64,
     count: usize,
 ) -> Vec<Move> {
-    /// Places that are tried for each light.
-    const PLACES: usize = 2;
+    /// Number of directions for each light.
+    const DIRECTIONS: usize = 2;
     let Some(beside) = candidates.beside(state) else { return Vec::new() };
     let mut moves: Vec<Move> = Vec::new();
     for light in fixed..state.lights() {
-        let mut places = beside.moved(light, promised * state.cost);
-        places.retain(|(_, place)| place.dot(state.moments.directions[light]) < BACK);
-        let places = apart(places, PLACES).into_iter();
-        moves.extend(places.map(|(promise, new)| Move { promise, gone: Some(light), new }));
+        let mut predictions = beside.relocations(light, most_predicted * state.cost);
+        predictions.retain(|(_, direction)| direction.dot(state.moments.directions[light]) < BACK);
+        let predictions = apart(predictions, DIRECTIONS).into_iter();
+        moves.extend(predictions.map(|(predicted, new)| Move { predicted, gone: Some(light), new }));
     }
-    moves.sort_by(|a, b| a.promise.total_cmp(&b.promise));
+    moves.sort_by(|a, b| a.predicted.total_cmp(&b.predicted));
     moves.truncate(count);
     moves
 }
 
-/// The first `count` of `places`, best first, that do not crowd each other.
-fn apart(mut places: Vec<Promise>, count: usize) -> Vec<Promise> {
-    let mut chosen: Vec<Promise> = Vec::new();
+/// The best `count` predictions whose directions are apart.
+fn apart(mut predictions: Vec<Prediction>, count: usize) -> Vec<Prediction> {
+    let mut chosen: Vec<Prediction> = Vec::new();
     while chosen.len() < count
-        && let Some(&best) = places.iter().min_by(|a, b| a.0.total_cmp(&b.0))
+        && let Some(&best) = predictions.iter().min_by(|a, b| a.0.total_cmp(&b.0))
     {
         chosen.push(best);
-        places.retain(|place| place.1.dot(best.1) < APART);
+        predictions.retain(|next| next.1.dot(best.1) < APART);
     }
     chosen
 }

@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::kernels::sampling;
 use crate::kernels::sphere::{exponential_map, tangents, to_vectors};
 
-/// The longest perturbation, in radians: to the next small valley, not to the next light.
+/// The longest perturbation, in radians: to the next small minimum, not to the next light.
 const FARTHEST: f64 = 0.3;
 
 /// Sets of lights spread evenly: the first as it is (Madsen et al. 2003, section 3.2), the others turned.
@@ -34,13 +34,14 @@ fn rotation([u, v, w]: [f64; 3]) -> DQuat {
     DQuat::from_xyzw(one * sin_v, one * cos_v, other * sin_w, other * cos_w)
 }
 
-/// The lights of `state`, but for the first `fixed`, each turned somewhere else near: `count` times, the
-/// last time the farthest; in each `round` elsewhere.
+/// `count` sets of the directions of `state`, each turned a little but for the first `fixed`.
+///
+/// Later sets are turned farther, and each `round` turns them otherwise.
 ///
 /// # Errors
 ///
 /// As [`sampling::halton`].
-pub fn perturbed(state: &State, fixed: usize, count: usize, round: usize) -> Result<Vec<Vec<DVec3>>> {
+pub fn perturb(state: &State, fixed: usize, count: usize, round: usize) -> Result<Vec<Vec<DVec3>>> {
     let lights = state.lights();
     let places = sampling::halton((round + 1) * count * lights, &[2, 3])?;
     let perturb = |start: usize| {

@@ -1,4 +1,4 @@
-//! What a fit minimises: the squared difference of two probes, known by inner products.
+//! The cost of a fit: the squared difference of two probes, by inner products.
 //!
 //! Equations 4 to 6 of Madsen et al. 2003 in physical scale (the paper's `k_a` is pi, `k_d` and C are 1):
 //!
@@ -19,7 +19,7 @@
 //!   <v_j, y>   for each ambient column and channel y        <v_j, v_k^T>
 //! ```
 //!
-//! An [`Objective`] provides these two, as sums over given normals (`samples/`) or in closed form over the
+//! An [`Objective`] provides these two, as sums over known normals (`samples/`) or in closed form over the
 //! whole sphere of normals (`sphere/`).
 
 use std::fmt::Debug;
@@ -35,7 +35,7 @@ use crate::kernels::sphere::{exponential_map, tangents};
 /// A cost of lights, by inner products of their columns.
 pub trait Objective: Debug + Sync {
     /// The part of the cost that no light changes.
-    fn given(&self) -> &Given;
+    fn reference(&self) -> &Reference;
 
     /// Number of coordinates of a light: two along the tangents of its direction, and the logarithm of its radius if it
     /// has one.
@@ -44,7 +44,7 @@ pub trait Objective: Debug + Sync {
     }
 
     /// The moments after a `step` in the coordinates of all lights.
-    fn moved(&self, before: &Moments, step: &[f64]) -> Moments;
+    fn after_step(&self, before: &Moments, step: &[f64]) -> Moments;
 
     /// The moments of the lights `kept` alone.
     fn subset(&self, before: &Moments, kept: &[usize]) -> Moments;
@@ -63,7 +63,7 @@ pub trait Objective: Debug + Sync {
         Vec::new()
     }
 
-    /// The cost of `rig` without cancellation, if the objective can tell it.
+    /// The cost of `rig` without cancellation, if the objective can sum it from residuals.
     fn exact_cost(&self, _rig: &Rig) -> Option<f64> {
         None
     }
@@ -75,14 +75,14 @@ pub trait PointObjective: Objective {
     fn base(&self) -> &dyn Objective;
 
     /// The moments of the lights `kept` of `before`, and of others in the directions `new` after them.
-    fn exchanged(&self, before: &Moments, kept: &[usize], new: &[DVec3]) -> Moments;
+    fn exchange(&self, before: &Moments, kept: &[usize], new: &[DVec3]) -> Moments;
 
     /// The moments of the lights of `before`, turned to other `directions`.
-    fn turned(&self, before: &Moments, directions: Vec<DVec3>) -> Moments;
+    fn turn_to(&self, before: &Moments, directions: Vec<DVec3>) -> Moments;
 
     /// The moments of lights in `directions`.
     fn moments(&self, directions: &[DVec3]) -> Moments {
-        self.exchanged(&Moments::with_sides(self.given(), Vec::new(), Vec::new()), &[], directions)
+        self.exchange(&Moments::with_sides(self.reference(), Vec::new(), Vec::new()), &[], directions)
     }
 
     /// `<a_d, a_l>`: a row for each direction d of `at`, a column for each of `lights`.
@@ -114,9 +114,10 @@ pub trait PointObjective: Objective {
         false
     }
 
-    /// A direction of a fixed pattern, such as an even start, in a frame that turns with the map, so that the result
-    /// does too; its mirror image if no light is allowed there.
-    fn placed(&self, direction: DVec3) -> DVec3 {
+    /// A direction of a fixed pattern in a frame that turns with the map, so that the result does too.
+    ///
+    /// If no light is allowed there, it is the mirror image.
+    fn place(&self, direction: DVec3) -> DVec3 {
         direction
     }
 }
@@ -144,7 +145,7 @@ impl Constraint {
 }
 
 /// Directions of points after a `step` along their tangents.
-pub fn turned_by(directions: &[DVec3], step: &[f64]) -> Vec<DVec3> {
+pub fn turn_by(directions: &[DVec3], step: &[f64]) -> Vec<DVec3> {
     let turn = |(&l, step): (&DVec3, &[f64; 2])| {
         let [s, t] = tangents(l);
         exponential_map(l, s * step[0] + t * step[1])
@@ -152,16 +153,16 @@ pub fn turned_by(directions: &[DVec3], step: &[f64]) -> Vec<DVec3> {
     directions.iter().zip(step.as_chunks::<2>().0).map(turn).collect()
 }
 
-/// What lights cannot change.
+/// The part of a cost that lights do not change.
 #[derive(Clone, Debug)]
-pub struct Given {
-    /// What the rig may have beside the lights.
+pub struct Reference {
+    /// Ambient term beside the lights.
     pub ambient: Ambient,
-    /// Whether a floor hides what is below the horizon.
+    /// True if a floor hides the sphere below the horizon.
     pub has_floor: bool,
-    /// The channels that are fitted: neither black nor the same as one before.
+    /// Fitted channels: neither black nor equal to one before.
     pub channels: Vec<usize>,
-    /// For each of red, green, blue its place in `channels`; none where it is black.
+    /// Index in `channels` of each of red, green and blue; absent if it is black.
     pub like: [Option<usize>; 3],
     /// Inner products of the ambient columns with each side: the ambient columns, then the channels.
     pub ambient_products: DMatrix<f64>,
@@ -169,8 +170,8 @@ pub struct Given {
     pub energy: f64,
 }
 
-impl Given {
-    /// Before anything is known of the probe.
+impl Reference {
+    /// Neither channels nor energy.
     pub fn nothing(ambient: Ambient, has_floor: bool) -> Self {
         let ambient_products = DMatrix::zeros(ambient.coefficients(), ambient.coefficients());
         Self { ambient, has_floor, channels: Vec::new(), like: [None; 3], ambient_products, energy: 0.0 }
@@ -187,13 +188,13 @@ impl Given {
         if self.ambient == Ambient::Sh2 { self.ambient.coefficients() } else { 0 }
     }
 
-    /// How many of red, green, blue a fitted channel stands for.
+    /// Number of the channels red, green and blue that equal a fitted one.
     pub fn copies(&self, channel: usize) -> f64 {
         self.like.iter().filter(|like| **like == Some(channel)).count() as f64
     }
 }
 
-/// The channels that have to be fitted, and for each of the three the one that it is like.
+/// The channels to fit, and for each of the three the index of the one that equals it.
 pub fn distinct_channels(
     is_black: impl Fn(usize) -> bool,
     are_same: impl Fn(usize, usize) -> bool,
@@ -210,11 +211,11 @@ pub fn distinct_channels(
     (channels, like)
 }
 
-/// Directions that are tried again and again, and what an objective keeps of them.
+/// Directions that are used many times, and products of an objective with them.
 #[derive(Clone, Debug)]
 pub struct Directions {
     pub directions: Vec<DVec3>,
-    /// `w max(0, n.d)` of given normals: a row for each direction, a column for each normal.
+    /// `w max(0, n.d)` at known normals: a row for each direction, a column for each normal.
     pub weighted: DMatrix<f64>,
 }
 
@@ -224,15 +225,15 @@ pub struct Directions {
 pub struct Moments {
     /// Towards each light.
     pub directions: Vec<DVec3>,
-    /// Of the columns with each other.
+    /// Products of the columns with each other.
     pub gram: DMatrix<f64>,
-    /// Of the columns with the irradiance in each fitted channel.
+    /// Products of the columns with the irradiance in each fitted channel.
     pub rhs: DMatrix<f64>,
     /// `<v_j, y>`: for each light as many as there are sides.
     pub sides: Vec<DVec3>,
-    /// `<v_j, v_k^T>` for k <= j: only for given normals.
+    /// `<v_j, v_k^T>` for k <= j: only for known normals.
     pub pairs: Vec<DMat3>,
-    /// The normals that see each light, as bits: only for given normals.
+    /// Normals at which each light is visible, as bits: only for known normals.
     pub visible: Vec<u64>,
     /// The lights themselves: only for lights with a size.
     pub discs: Vec<Disc>,
@@ -240,7 +241,7 @@ pub struct Moments {
 
 /// Inner products of two lights when these turn along their tangents.
 #[derive(Clone, Copy, Debug)]
-pub struct Pair {
+pub struct PointPair {
     pub own: [f64; 2],
     pub other: [f64; 2],
     pub both: [[f64; 2]; 2],
@@ -249,28 +250,28 @@ pub struct Pair {
 /// Inner products of the derivatives of the columns by all coordinates of the lights, light after light.
 #[derive(Clone, Debug)]
 pub struct Derivatives {
-    /// With the columns of the model.
+    /// Products with the columns of the model.
     pub model: DMatrix<f64>,
-    /// With each other.
+    /// Products of the derivatives with each other.
     pub gram: DMatrix<f64>,
-    /// With the irradiance in each fitted channel.
+    /// Products with the irradiance in each fitted channel.
     pub rhs: DMatrix<f64>,
     /// `-sum_c x_ic <d^2 a_ik, r_c>` of each light, if the objective has second derivatives.
     pub second: Option<Vec<DMat3>>,
 }
 
 impl Moments {
-    /// Of lights in `directions` with the `sides`; not yet of the lights with each other.
-    pub fn with_sides(given: &Given, directions: Vec<DVec3>, sides: Vec<DVec3>) -> Self {
-        let ambient = given.ambient.coefficients();
+    /// Products of lights in `directions` with the `sides`; those of the lights with each other are still 0.
+    pub fn with_sides(reference: &Reference, directions: Vec<DVec3>, sides: Vec<DVec3>) -> Self {
+        let ambient = reference.ambient.coefficients();
         let size = ambient + directions.len();
         let mut gram = DMatrix::zeros(size, size);
-        let mut rhs = DMatrix::zeros(size, given.channels.len());
-        gram.view_mut((0, 0), (ambient, ambient)).copy_from(&given.ambient_products.columns(0, ambient));
-        rhs.rows_mut(0, ambient).copy_from(&given.ambient_products.columns_range(ambient..));
+        let mut rhs = DMatrix::zeros(size, reference.channels.len());
+        gram.view_mut((0, 0), (ambient, ambient)).copy_from(&reference.ambient_products.columns(0, ambient));
+        rhs.rows_mut(0, ambient).copy_from(&reference.ambient_products.columns_range(ambient..));
         for (j, &l) in directions.iter().enumerate() {
             let row = ambient + j;
-            for (side, sum) in sides[j * given.sides()..(j + 1) * given.sides()].iter().enumerate() {
+            for (side, sum) in sides[j * reference.sides()..(j + 1) * reference.sides()].iter().enumerate() {
                 if let Some(channel) = side.checked_sub(ambient) {
                     rhs[(row, channel)] = sum.dot(l);
                 } else {
@@ -285,21 +286,21 @@ impl Moments {
 
 impl Derivatives {
     /// Zeros for lights of `each` coordinates.
-    pub fn zeros(given: &Given, lights: usize, each: usize) -> Self {
-        let (size, columns) = (each * lights, given.ambient.coefficients() + lights);
+    pub fn zeros(reference: &Reference, lights: usize, each: usize) -> Self {
+        let (size, columns) = (each * lights, reference.ambient.coefficients() + lights);
         Self {
             model: DMatrix::zeros(size, columns),
             gram: DMatrix::zeros(size, size),
-            rhs: DMatrix::zeros(size, given.channels.len()),
+            rhs: DMatrix::zeros(size, reference.channels.len()),
             second: None,
         }
     }
 
     /// Products of the derivatives of points with the sides; those with lights are still 0.
-    pub fn with_sides(given: &Given, moments: &Moments) -> Self {
-        let ambient = given.ambient.coefficients();
-        let mut out = Self::zeros(given, moments.directions.len(), 2);
-        for (light, sides) in moments.sides.chunks_exact(given.sides().max(1)).enumerate() {
+    pub fn with_sides(reference: &Reference, moments: &Moments) -> Self {
+        let ambient = reference.ambient.coefficients();
+        let mut out = Self::zeros(reference, moments.directions.len(), 2);
+        for (light, sides) in moments.sides.chunks_exact(reference.sides().max(1)).enumerate() {
             let [s, t] = tangents(moments.directions[light]);
             for (side, &sum) in sides.iter().enumerate() {
                 let mut products = match side.checked_sub(ambient) {
@@ -315,7 +316,7 @@ impl Derivatives {
 
     /// Set the products of the derivatives of the points j and k along their tangents, beside that many `ambient` columns.
     #[inline]
-    pub fn set(&mut self, ambient: usize, [j, k]: [usize; 2], pair: &Pair) {
+    pub fn set(&mut self, ambient: usize, [j, k]: [usize; 2], pair: &PointPair) {
         let (size, row, column) = (self.gram.nrows(), 2 * j, 2 * k);
         self.model.as_mut_slice()[(ambient + k) * size + row..][..2].copy_from_slice(&pair.own);
         self.model.as_mut_slice()[(ambient + j) * size + column..][..2].copy_from_slice(&pair.other);
@@ -330,7 +331,7 @@ impl Derivatives {
 }
 
 /// `sum_c x_jc x_kc`: the weight of the product of two columns in the cost.
-pub fn column_weights(given: &Given, x: &DMatrix<f64>) -> DMatrix<f64> {
-    let weighted = DMatrix::from_fn(x.nrows(), x.ncols(), |i, c| given.copies(c) * x[(i, c)]);
+pub fn column_weights(reference: &Reference, x: &DMatrix<f64>) -> DMatrix<f64> {
+    let weighted = DMatrix::from_fn(x.nrows(), x.ncols(), |i, c| reference.copies(c) * x[(i, c)]);
     weighted * x.transpose()
 }

@@ -106,7 +106,7 @@ impl SearchSettings {
 
     /// Settings for an objective.
     pub fn of(objective: &dyn PointObjective) -> Self {
-        match objective.given().free() {
+        match objective.reference().free() {
             0 if objective.has_kinks() => Self::KINKS,
             0 => Self::SMOOTH,
             _ => Self::HARMONICS,

@@ -24,7 +24,7 @@ use nalgebra::{DMatrix, DVector};
 use super::ambient::{Ambient, darkest};
 use super::factors::Factors;
 use super::nnls::{self, Support};
-use super::objective::Given;
+use super::objective::Reference;
 
 /// Fraction of the ambient irradiance that counts as 0.
 const ZERO: f64 = 1e-7;
@@ -41,10 +41,15 @@ pub struct Radiances {
 }
 
 /// The best values; the search for those that are not 0 starts from those of `guess`, if any.
-pub fn solve(given: &Given, gram: &DMatrix<f64>, right: &DMatrix<f64>, guess: &[Arc<Support>]) -> Radiances {
-    let (x, supports) = nnls::solve(gram, right, given.free(), guess);
+pub fn solve(
+    reference: &Reference,
+    gram: &DMatrix<f64>,
+    right: &DMatrix<f64>,
+    guess: &[Arc<Support>],
+) -> Radiances {
+    let (x, supports) = nnls::solve(gram, right, reference.free(), guess);
     let mut radiances = Radiances { x, supports, dark: vec![Vec::new(); right.ncols()] };
-    if given.ambient == Ambient::Sh2 {
+    if reference.ambient == Ambient::Sh2 {
         let is_negative = |&channel: &usize| negative(&radiances.x.column(channel).into_owned()).is_some();
         let channels: Vec<usize> = (0..right.ncols()).filter(is_negative).collect();
         let factors = if channels.is_empty() { None } else { Factors::new(with_ridge(gram)) };
@@ -195,7 +200,7 @@ mod tests {
             let probe = Probe::new(Samples::new(normals.view(), weights.view(), irradiance.view()).unwrap(), Ambient::Sh2);
             let moments = probe.moments(&[DVec3::Y, DVec3::X]);
             let (gram, right) = (&moments.gram, &moments.rhs);
-            let x = solve(probe.given(), gram, right, &[]).x.column(0).into_owned();
+            let x = solve(probe.reference(), gram, right, &[]).x.column(0).into_owned();
             let cost = |x: &DVector<f64>| (gram * x).dot(x) - 2.0 * right.column(0).dot(x);
             prop_assert!(x.rows_range(9..).min() >= 0.0);
             prop_assert!(darkest(&x.as_slice()[..9]).1 >= -1e-12);

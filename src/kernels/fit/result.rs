@@ -19,11 +19,11 @@ pub struct FitResult {
     /// Angular radius of each light, in radians: 0 for a point.
     pub radii: Vec<f64>,
     /// Error of the rig.
-    pub judged: Judged,
+    pub probe_error: Judged,
     /// Relative RMS error of the irradiance with shadows, under a map: `discs/`.
     pub shadow_error: f64,
     /// Number of normals at which the error is evaluated.
-    pub judging: usize,
+    pub evaluation_normals: usize,
     /// Relative RMS error by number of lights: of points, unless an error ended the search.
     pub errors: Vec<(usize, f64)>,
     /// Number of fitted channels: neither black nor the same as another.
@@ -53,53 +53,54 @@ impl Evaluator<'_> {
         if self.options.has_goal() {
             return self.sized(problem, state, &[]).0;
         }
-        let error = self.samples.error(&state.rig(problem.objective.given()));
+        let error = self.samples.error(&state.rig(problem.objective.reference()));
         Trial { state, others: Vec::new(), error, shadow_error: 0.0 }
     }
 
     /// A set with its errors, and the rig with sizes if the options ask for them.
     fn sized(&self, problem: &Problem<'_>, state: State, others: &[State]) -> (Trial, Sized, Judged) {
-        let given = problem.objective.given();
-        let rig = state.rig(given);
+        let reference = problem.objective.reference();
+        let rig = state.rig(reference);
         let sized = match (&self.sizes, self.options.sizes) {
             (Some(sizes), Some(_)) => {
-                let rigs: Vec<Rig> = once(rig).chain(others.iter().map(|other| other.rig(given))).collect();
-                sizes.fitted(given, &rigs, problem.fixed, problem.max_steps)
+                let rigs: Vec<Rig> =
+                    once(rig).chain(others.iter().map(|other| other.rig(reference))).collect();
+                sizes.fit(reference, &rigs, problem.fixed, problem.max_steps)
             }
             _ => Sized::points(rig),
         };
-        let judged = match self.options.sizes {
-            Some(_) => discs::judged(self.samples, &sized.rig, &sized.radii),
-            None => self.samples.judged(&sized.rig),
+        let probe_error = match self.options.sizes {
+            Some(_) => discs::evaluate(self.samples, &sized.rig, &sized.radii),
+            None => self.samples.evaluate(&sized.rig),
         };
         let shadow_error =
-            self.sizes.as_ref().map_or(0.0, |sizes| sizes.shadow_error(given, &sized.rig, &sized.radii));
-        (Trial { state, others: Vec::new(), error: judged.error, shadow_error }, sized, judged)
+            self.sizes.as_ref().map_or(0.0, |sizes| sizes.shadow_error(reference, &sized.rig, &sized.radii));
+        (Trial { state, others: Vec::new(), error: probe_error.error, shadow_error }, sized, probe_error)
     }
 
     /// The best of the sets in `path`, with its sizes and errors.
     pub fn best(&self, problem: &Problem<'_>, path: Vec<Trial>) -> FitResult {
-        let chosen = light_count::chosen(problem, self.options, &path);
-        let state = problem.descent().polished(path[chosen].state.clone());
+        let chosen = light_count::choose(problem, self.options, &path);
+        let state = problem.descent().polish(path[chosen].state.clone());
         let state = state.without_black(problem.objective.base(), problem.fixed).unwrap_or(state);
-        let (trial, sized, judged) = self.sized(problem, state, &path[chosen].others);
+        let (trial, sized, probe_error) = self.sized(problem, state, &path[chosen].others);
         let mut errors: Vec<(usize, f64)> =
             path.iter().map(|trial| (trial.state.lights(), trial.error)).collect();
         // The errors of other numbers are those of points.
         if self.options.has_goal() || self.options.sizes.is_none() || sized.radii.is_empty() {
-            errors[chosen].1 = judged.error;
+            errors[chosen].1 = probe_error.error;
         }
-        let cost = judged.error.powi(2) * problem.objective.given().energy;
+        let cost = probe_error.error.powi(2) * problem.objective.reference().energy;
         let of_points = || self.sizes.as_ref().map(|_| tolerances(&problem.descent(), &trial.state, cost));
         let tolerances = sized.tolerances.or_else(of_points).unwrap_or_default();
         FitResult {
             rig: sized.rig,
             radii: sized.radii,
-            judged,
+            probe_error,
             shadow_error: trial.shadow_error,
-            judging: self.samples.normals.len(),
+            evaluation_normals: self.samples.normals.len(),
             errors,
-            channels: problem.objective.given().channels.len(),
+            channels: problem.objective.reference().channels.len(),
             steps: trial.state.steps + sized.steps,
             stop: sized.stop.or(trial.state.stop).unwrap_or(StopReason::Converged),
             tolerances,

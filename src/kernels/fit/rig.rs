@@ -20,7 +20,7 @@ pub struct Rig {
     pub directions: Vec<DVec3>,
     /// Irradiance of each light at normal incidence, RGB.
     pub irradiance: Vec<DVec3>,
-    /// Whether it stands over a floor, which hides the lower half of a constant environment.
+    /// True over a floor, which hides the lower half of a constant environment.
     pub has_floor: bool,
 }
 
@@ -55,7 +55,7 @@ impl Rig {
     }
 }
 
-/// Irradiance of `rig` at `normals`, (n, 3), its lights taken for points: what tests measure.
+/// Irradiance of `rig` at `normals`, (n, 3), as if all lights were points.
 #[cfg(test)]
 pub fn irradiance(rig: &Rig, normals: ArrayView2<'_, f64>) -> Result<Array2<f64>> {
     let normals = unit_vectors("normal", normals)?;

@@ -35,15 +35,15 @@ impl<'a> Search<'a> {
     }
 
     /// The best sets with one light more than those of `beam`, best first; empty if no light helps.
-    pub fn grown(&self, beam: &[State]) -> Vec<State> {
+    pub fn grow(&self, beam: &[State]) -> Vec<State> {
         let SearchSettings { beam: width, added, rough, .. } = self.settings;
         let added = |state: &State| {
-            let moves = moves::added(&self.candidates, state, added);
+            let moves = moves::additions(&self.candidates, state, added);
             moves.iter().map(|one| one.from(self.problem.objective, state)).collect::<Vec<State>>()
         };
         let grown = best_of(beam.par_iter().flat_map_iter(added).collect(), 2 * width);
-        let mut grown: Vec<State> = grown.into_par_iter().map(|state| self.descended(state, rough)).collect();
-        let noise = self.problem.objective.noise() * self.problem.objective.given().energy;
+        let mut grown: Vec<State> = grown.into_par_iter().map(|state| self.descend(state, rough)).collect();
+        let noise = self.problem.objective.noise() * self.problem.objective.reference().energy;
         grown.retain(|state| state.cost < beam[0].cost - noise);
         best_of(grown, width)
     }
@@ -54,14 +54,14 @@ impl<'a> Search<'a> {
         let SearchSettings { minima, sized_minima, near: nearest, same, .. } = self.settings;
         let mut starts = self.even(lights)?;
         starts.extend(self.likely(lights).into_iter().chain(beam));
-        let close = starts.into_par_iter().map(|state| self.descended(state, same)).collect();
-        let exchanged = distinct(close, minima, same).into_par_iter().map(|state| self.exchanged(state));
+        let close = starts.into_par_iter().map(|state| self.descend(state, same)).collect();
+        let exchanged = distinct(close, minima, same).into_par_iter().map(|state| self.exchange(state));
         let minima = best_of(exchanged.collect(), minima);
         let least = minima[0].cost;
         let near = minima.par_iter().filter(|state| state.cost <= least * (1.0 + nearest));
         let finest = near.map(|state| self.problem.descent().run(state.clone(), FINE));
         let best: Result<Vec<State>> =
-            finest.collect::<Vec<State>>().into_iter().map(|state| self.perturbed_on(state)).collect();
+            finest.collect::<Vec<State>>().into_iter().map(|state| self.perturb(state)).collect();
         let mut best = best_of(best?, 1);
         let least = best[0].clone();
         best.extend(minima.into_iter().filter(|state| is_lower(&least, state, same)));
@@ -81,23 +81,23 @@ impl<'a> Search<'a> {
         let Problem { objective, start, fixed, .. } = *self.problem;
         let (count, rough) = (self.settings.starts(lights), self.settings.rough);
         let descend = |even: &Vec<DVec3>| {
-            let placed = even.iter().map(|&l| objective.placed(l));
+            let placed = even.iter().map(|&l| objective.place(l));
             let directions: Vec<DVec3> = start[..fixed].iter().copied().chain(placed).collect();
-            self.descended(State::new(objective, &directions), rough)
+            self.descend(State::new(objective, &directions), rough)
         };
         let ends = multistart::even(count, lights - fixed)?.par_iter().map(descend).collect();
         Ok(best_of(ends, count.div_ceil(2)))
     }
 
-    /// The set after exchanges of single lights, each of which lowers its cost.
-    fn exchanged(&self, mut best: State) -> State {
+    /// The set after exchanges of single lights while these lower the cost.
+    fn exchange(&self, mut best: State) -> State {
         let Problem { objective, fixed, .. } = *self.problem;
         let SearchSettings { exchanges, rough, same, .. } = self.settings;
         loop {
-            let moves = moves::exchanged(&self.candidates, &best, fixed, NEAR, exchanges);
-            let tried = moves.par_iter().map(|one| self.descended(one.from(objective, &best), rough));
+            let moves = moves::exchanges(&self.candidates, &best, fixed, NEAR, exchanges);
+            let tried = moves.par_iter().map(|one| self.descend(one.from(objective, &best), rough));
             let near = tried.filter(|state| state.cost < NEAR * best.cost);
-            let exchanged = near.map(|state| self.descended(state, same)).collect();
+            let exchanged = near.map(|state| self.descend(state, same)).collect();
             match best_of(exchanged, 1).pop() {
                 Some(next) if is_lower(&next, &best, same) => best = next,
                 _ => return best,
@@ -106,19 +106,19 @@ impl<'a> Search<'a> {
     }
 
     /// A descent that may be continued.
-    fn descended(&self, state: State, tolerance: f64) -> State {
-        self.problem.descent().run(state, tolerance).resumed()
+    fn descend(&self, state: State, tolerance: f64) -> State {
+        self.problem.descent().run(state, tolerance).resume()
     }
 
-    /// The set after perturbations of all lights, each of which lowers its cost.
-    fn perturbed_on(&self, mut best: State) -> Result<State> {
+    /// The set after perturbations of all lights while these lower the cost.
+    fn perturb(&self, mut best: State) -> Result<State> {
         /// Relative decrease of the cost for which lights are perturbed once more.
         const WORTH_A_ROUND: f64 = 1e-6;
         for round in 0.. {
             if self.settings.perturbations == 0 || best.stop == Some(StopReason::Exact) {
                 break;
             }
-            match self.perturbed_once(&best, round)? {
+            match self.perturb_once(&best, round)? {
                 Some(next) if is_lower(&next, &best, WORTH_A_ROUND) => best = next,
                 _ => break,
             }
@@ -127,12 +127,12 @@ impl<'a> Search<'a> {
     }
 
     /// The lowest minimum that a perturbation of all lights leads to.
-    fn perturbed_once(&self, best: &State, round: usize) -> Result<Option<State>> {
+    fn perturb_once(&self, best: &State, round: usize) -> Result<Option<State>> {
         let Problem { objective, fixed, .. } = *self.problem;
-        let starts = multistart::perturbed(best, fixed, self.settings.perturbations, round)?;
+        let starts = multistart::perturb(best, fixed, self.settings.perturbations, round)?;
         let ends = starts
             .into_par_iter()
-            .map(|directions| self.descended(best.turned_to(objective, directions), self.settings.same));
+            .map(|directions| self.descend(best.turn_to(objective, directions), self.settings.same));
         let lowest = best_of(ends.collect(), 1).pop();
         Ok(lowest.map(|lowest| self.problem.descent().run(lowest, FINE)))
     }
@@ -159,8 +159,7 @@ fn is_lower(next: &State, best: &State, worth: f64) -> bool {
     next.cost < best.cost * (1.0 - worth)
 }
 
-/// The cost in the digits of single precision: costs that differ by rounding alone, as those of mirror images do, are
-/// equal and keep their order.
+/// The cost in the digits of single precision, so that costs that differ by rounding alone are equal.
 fn rounded_cost(state: &State) -> u64 {
     const SPARE_DIGITS: u32 = f64::MANTISSA_DIGITS - f32::MANTISSA_DIGITS;
     // The bits of numbers that are not negative are in the order of the numbers.
@@ -196,7 +195,7 @@ mod tests {
         let sphere = Sphere::new(&lamps(&PLACES[2..]), Ambient::Constant, false);
         let problem = problem(&sphere, 1);
         let search = Search::new(&problem);
-        let grown = search.grown(&[State::new(&sphere, &[])]);
+        let grown = search.grow(&[State::new(&sphere, &[])]);
         let lamp = sphere.likely()[0];
         assert!(grown[0].moments.directions[0].dot(lamp) > 0.999, "{:?} {lamp}", grown[0].moments.directions);
     }
@@ -206,7 +205,7 @@ mod tests {
         let sphere = Sphere::new(&lamps(&PLACES[2..]), Ambient::Constant, false);
         let problem = problem(&sphere, 2);
         let best = problem.descent().run(State::new(&sphere, sphere.likely()), FINE);
-        assert!(Search::new(&problem).grown(&[best]).is_empty());
+        assert!(Search::new(&problem).grow(&[best]).is_empty());
     }
 
     /// Two lamps near each other share a light, and another light is where there is no lamp.
@@ -217,8 +216,8 @@ mod tests {
         let search = Search::new(&problem);
         let between = (sphere.likely()[0] + sphere.likely()[1]).normalize();
         let start = State::new(&sphere, &[between, sphere.likely()[2], -between]);
-        let stuck = search.descended(start, search.settings.same);
-        let free = search.exchanged(stuck.clone());
+        let stuck = search.descend(start, search.settings.same);
+        let free = search.exchange(stuck.clone());
         assert!(free.cost < 0.1 * stuck.cost, "{} {}", free.cost, stuck.cost);
     }
 

@@ -1,4 +1,4 @@
-//! One place of the search: directions, their best radiances, and what that costs.
+//! A set of lights: directions, their best radiances, and the cost.
 
 use std::sync::Arc;
 
@@ -7,19 +7,19 @@ use nalgebra::{DMatrix, DMatrixView, Dyn, U1};
 
 use super::factors::column_of;
 use super::nnls::Support;
-use super::objective::{Given, Moments, Objective, PointObjective};
+use super::objective::{Moments, Objective, PointObjective, Reference};
 use super::radiances::{self, Radiances};
 use super::rig::Rig;
 use crate::interrupt;
 
-/// Relative cost of rounding alone, where the cost is summed from residuals.
+/// Relative cost of rounding alone if the cost is summed from residuals.
 const EXACT: f64 = 1e-26;
-/// The same where it is a difference of inner products.
+/// Relative cost of rounding alone if the cost is a difference of inner products.
 pub const RESOLUTION: f64 = 1e-13;
-/// Relative cost below which it is summed from the residuals, where that can be.
+/// Relative cost below which it is summed from residuals, if the objective can.
 const SMALL: f64 = 1e-5;
 
-/// Why the solver stopped.
+/// Reason for the end of a descent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StopReason {
     /// The error stopped falling.
@@ -30,7 +30,7 @@ pub enum StopReason {
     OutOfSteps,
 }
 
-/// One place of the search.
+/// A set of lights with its best radiances.
 #[derive(Clone, Debug)]
 pub struct State {
     pub moments: Moments,
@@ -38,13 +38,13 @@ pub struct State {
     pub x: DMatrix<f64>,
     /// For each channel, the columns that it uses.
     pub supports: Vec<Arc<Support>>,
-    /// For each channel, the normals at which the ambient term is kept from turning negative.
+    /// For each channel, the normals at which the ambient irradiance is held at 0.
     pub dark: Vec<Vec<DVec3>>,
-    /// Weighted sum of squares of what is left unexplained.
+    /// Weighted sum of the squared residuals.
     pub cost: f64,
-    /// Steps that led here, from wherever the search began.
+    /// Number of steps of all descents that led here.
     pub steps: usize,
-    /// Why no step leads on, once that is so.
+    /// Reason for the end of the descent, if it has ended.
     pub stop: Option<StopReason>,
 }
 
@@ -58,31 +58,31 @@ impl State {
     /// those of `guess`.
     pub fn at(objective: &dyn Objective, moments: Moments, steps: usize, guess: &[Arc<Support>]) -> Self {
         interrupt::check();
-        let given = objective.given();
-        let Radiances { x, supports, dark } = radiances::solve(given, &moments.gram, &moments.rhs, guess);
-        let cost = cost(given, &moments.gram, &moments.rhs, &x);
+        let reference = objective.reference();
+        let Radiances { x, supports, dark } = radiances::solve(reference, &moments.gram, &moments.rhs, guess);
+        let cost = cost(reference, &moments.gram, &moments.rhs, &x);
         let mut state = Self { moments, x, supports, dark, cost, steps, stop: None };
         let exact_cost =
-            (cost <= SMALL * given.energy).then(|| objective.exact_cost(&state.rig(given))).flatten();
+            (cost <= SMALL * reference.energy).then(|| objective.exact_cost(&state.rig(reference))).flatten();
         // Rounding may leave less than nothing.
         state.cost = exact_cost.unwrap_or(cost).max(0.0);
-        if state.cost <= given.energy * if exact_cost.is_some() { EXACT } else { RESOLUTION } {
+        if state.cost <= reference.energy * if exact_cost.is_some() { EXACT } else { RESOLUTION } {
             state.stop = Some(StopReason::Exact);
         }
         state
     }
 
-    /// The same lights in other `directions`, with the best radiances for these.
-    pub fn turned_to(&self, objective: &dyn PointObjective, directions: Vec<DVec3>) -> Self {
-        Self::at(objective.base(), objective.turned(&self.moments, directions), self.steps, &self.supports)
+    /// The lights turned to other `directions`, with the best radiances there.
+    pub fn turn_to(&self, objective: &dyn PointObjective, directions: Vec<DVec3>) -> Self {
+        Self::at(objective.base(), objective.turn_to(&self.moments, directions), self.steps, &self.supports)
     }
 
     /// The lights `kept`, and others in the directions `new`.
-    pub fn exchanged(&self, objective: &dyn PointObjective, kept: &[usize], new: &[DVec3]) -> Self {
-        Self::at(objective.base(), objective.exchanged(&self.moments, kept, new), self.steps, &[])
+    pub fn exchange(&self, objective: &dyn PointObjective, kept: &[usize], new: &[DVec3]) -> Self {
+        Self::at(objective.base(), objective.exchange(&self.moments, kept, new), self.steps, &[])
     }
 
-    /// How many lights there are.
+    /// Number of lights.
     pub fn lights(&self) -> usize {
         self.moments.directions.len()
     }
@@ -92,7 +92,7 @@ impl State {
         self.x.rows(self.x.nrows() - self.lights(), self.lights())
     }
 
-    /// The state without the lights that no channel uses, but for the first `fixed`; none if all are used.
+    /// The state without the lights that no channel uses, but for the first `fixed`; absent if all are used.
     ///
     /// A light of radiance 0 has no gradient, so it would stay where it started.
     pub fn without_black(&self, objective: &dyn Objective, fixed: usize) -> Option<Self> {
@@ -105,28 +105,28 @@ impl State {
     }
 
     /// All three channels of the lights.
-    pub fn rig(&self, given: &Given) -> Rig {
+    pub fn rig(&self, reference: &Reference) -> Rig {
         let rgb = |row: usize| {
-            DVec3::from_array(given.like.map(|like| like.map_or(0.0, |channel| self.x[(row, channel)])))
+            DVec3::from_array(reference.like.map(|like| like.map_or(0.0, |channel| self.x[(row, channel)])))
         };
-        let ambient = given.ambient.coefficients();
+        let ambient = reference.ambient.coefficients();
         Rig {
             ambient: (0..ambient).map(rgb).collect(),
             directions: self.moments.directions.clone(),
             irradiance: (ambient..self.x.nrows()).map(rgb).collect(),
-            has_floor: given.has_floor,
+            has_floor: reference.has_floor,
         }
     }
 
-    /// Ready for finer steps, unless nothing is left to explain.
-    pub fn resumed(mut self) -> Self {
+    /// Allow finer steps, unless the residual is 0.
+    pub fn resume(mut self) -> Self {
         self.stop = self.stop.filter(|&stop| stop == StopReason::Exact);
         self
     }
 }
 
-/// What the values `x` leave unexplained, from inner products: good to about 1e-15 of the energy.
-pub fn cost(given: &Given, gram: &DMatrix<f64>, rhs: &DMatrix<f64>, x: &DMatrix<f64>) -> f64 {
+/// The cost of the values `x` from inner products, right to about 1e-15 of the energy.
+pub fn cost(reference: &Reference, gram: &DMatrix<f64>, rhs: &DMatrix<f64>, x: &DMatrix<f64>) -> f64 {
     let explained = |c: usize| {
         let (rhs, x) = (column_of(rhs, c), column_of(x, c));
         let of_row = |(row, (rhs, own)): (usize, (&f64, &f64))| {
@@ -135,5 +135,5 @@ pub fn cost(given: &Given, gram: &DMatrix<f64>, rhs: &DMatrix<f64>, x: &DMatrix<
         };
         rhs.iter().zip(x).enumerate().map(of_row).sum::<f64>()
     };
-    given.energy - (0..x.ncols()).map(|c| given.copies(c) * explained(c)).sum::<f64>()
+    reference.energy - (0..x.ncols()).map(|c| reference.copies(c) * explained(c)).sum::<f64>()
 }

@@ -24,7 +24,7 @@ use glam::{DMat3, DVec3};
 use nalgebra::{DMatrix, DVector};
 
 use super::damped_newton::Descent;
-use super::objective::{Given, Objective, PointObjective};
+use super::objective::{Objective, PointObjective, Reference};
 use super::rig::Rig;
 use super::samples::{Probe, Samples};
 use super::state::State;
@@ -36,7 +36,7 @@ use super::variable_projection::{Quadratic, Subspace};
 pub fn tolerances(descent: &Descent<'_>, state: &State, cost: f64) -> Vec<f64> {
     let model = Quadratic::around(descent.objective, state, true);
     let space = Subspace::new(model.gradient.len(), model.each, &descent.constraints(state, &model));
-    let Some(factor) = space.reduced(&model).0.cholesky() else {
+    let Some(factor) = space.reduce(&model).0.cholesky() else {
         return (0..state.lights()).map(|light| if light < descent.fixed { 0.0 } else { PI }).collect();
     };
     let inverse = space.full_covariance(factor.inverse());
@@ -75,7 +75,7 @@ pub fn uncertainty(probe: &Probe, rig: &Rig, fixed: usize) -> Uncertainty {
     let is_off_horizons =
         |normal: DVec3| rig.directions[fixed..].iter().all(|l| l.dot(normal).abs() > HORIZON);
     match probe.samples.only(is_off_horizons) {
-        Some(samples) => errors_from(&Probe::new(samples, probe.given().ambient), rig, fixed),
+        Some(samples) => errors_from(&Probe::new(samples, probe.reference().ambient), rig, fixed),
         None => errors_from(probe, rig, fixed),
     }
 }
@@ -83,7 +83,7 @@ pub fn uncertainty(probe: &Probe, rig: &Rig, fixed: usize) -> Uncertainty {
 /// Uncertainty from a probe without normals on the horizon of a free light.
 fn errors_from(probe: &Probe, rig: &Rig, fixed: usize) -> Uncertainty {
     let columns = ModelColumns::new(probe, rig);
-    let unknowns = columns.unknowns(probe.given(), rig, fixed);
+    let unknowns = columns.unknowns(probe.reference(), rig, fixed);
     let count = unknowns.len();
     let products = |noise: DMat3| {
         DMatrix::from_fn(count, count, |i, k| columns.inner(rig, unknowns[i], unknowns[k], noise))
@@ -105,7 +105,7 @@ fn errors_from(probe: &Probe, rig: &Rig, fixed: usize) -> Uncertainty {
     let lights = rig.directions.len();
     let mut out = Uncertainty { condition, direction: vec![0.0; lights], irradiance: vec![[0.0; 3]; lights] };
     for (i, unknown) in unknowns.iter().enumerate() {
-        out.set(&columns, probe.given(), *unknown, error[i] / length[i]);
+        out.set(&columns, probe.reference(), *unknown, error[i] / length[i]);
     }
     out
 }
@@ -123,15 +123,15 @@ fn noise(samples: &Samples, rig: &Rig, unknowns: usize) -> DMat3 {
 
 impl Uncertainty {
     /// Store the standard error of one unknown.
-    fn set(&mut self, columns: &ModelColumns, given: &Given, unknown: Unknown, error: f64) {
+    fn set(&mut self, columns: &ModelColumns, reference: &Reference, unknown: Unknown, error: f64) {
         let Unknown { column, channel } = unknown;
         match channel {
             None => {
                 let direction = &mut self.direction[(column - columns.model) / 2];
                 *direction = direction.hypot(error);
             }
-            Some(channel) if column >= given.ambient.coefficients() => {
-                self.irradiance[column - given.ambient.coefficients()][channel] = error;
+            Some(channel) if column >= reference.ambient.coefficients() => {
+                self.irradiance[column - reference.ambient.coefficients()][channel] = error;
             }
             Some(_) => (),
         }
@@ -175,12 +175,14 @@ impl ModelColumns {
         Self { model, gram }
     }
 
-    fn unknowns(&self, given: &Given, rig: &Rig, fixed: usize) -> Vec<Unknown> {
-        let value = |channel: usize, column: usize| match column.checked_sub(given.ambient.coefficients()) {
+    fn unknowns(&self, reference: &Reference, rig: &Rig, fixed: usize) -> Vec<Unknown> {
+        let value = |channel: usize, column: usize| match column.checked_sub(reference.ambient.coefficients())
+        {
             None => rig.ambient[column][channel],
             Some(light) => rig.irradiance[light][channel],
         };
-        let is_free = |channel: usize, column: usize| column < given.free() || value(channel, column) > 0.0;
+        let is_free =
+            |channel: usize, column: usize| column < reference.free() || value(channel, column) > 0.0;
         let radiances = (0..3).flat_map(|channel| {
             let free = (0..self.model).filter(move |&column| is_free(channel, column));
             free.map(move |column| Unknown { column, channel: Some(channel) })

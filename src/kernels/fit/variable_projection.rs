@@ -62,7 +62,8 @@ impl WithSimd for Projection<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Quadratic {
         let Self { objective, state, derivatives } = self;
-        let (given, size, each) = (objective.given(), derivatives.gram.nrows(), objective.coordinates());
+        let (reference, size, each) =
+            (objective.reference(), derivatives.gram.nrows(), objective.coordinates());
         let mut sum = Quadratic {
             gradient: DVector::zeros(size),
             hessian: DMatrix::zeros(size, size),
@@ -70,8 +71,8 @@ impl WithSimd for Projection<'_> {
             is_exact: derivatives.second.is_some(),
         };
         for channel in 0..state.x.ncols() {
-            let part = ChannelPart::new(derivatives, state, channel, given.ambient.coefficients(), each);
-            part.add_to(&mut sum, derivatives, given.copies(channel));
+            let part = ChannelPart::new(derivatives, state, channel, reference.ambient.coefficients(), each);
+            part.add_to(&mut sum, derivatives, reference.copies(channel));
         }
         if let Some(second) = &derivatives.second {
             add_blocks(&mut sum.hessian, second, each);
@@ -205,7 +206,7 @@ impl Subspace {
     }
 
     /// The Hessian and the gradient of a quadratic by the free coordinates.
-    pub fn reduced(&self, quadratic: &Quadratic) -> (DMatrix<f64>, DVector<f64>) {
+    pub fn reduce(&self, quadratic: &Quadratic) -> (DMatrix<f64>, DVector<f64>) {
         let Quadratic { gradient, hessian, .. } = quadratic;
         let Some(basis) = &self.basis else { return (hessian.clone(), gradient.clone()) };
         (basis.tr_mul(&(hessian * basis)), basis.tr_mul(&(gradient + hessian * &self.origin)))
@@ -298,7 +299,7 @@ pub mod tests {
         let cost = |moves: [(usize, f64); 2]| {
             let mut along = vec![0.0; size];
             moves.iter().for_each(|&(i, by)| along[i] += by * step);
-            State::at(objective, objective.moved(&state.moments, &along), 0, &state.supports).cost
+            State::at(objective, objective.after_step(&state.moments, &along), 0, &state.supports).cost
         };
         let scale = model.hessian.amax();
         for i in 0..size {
@@ -336,7 +337,7 @@ pub mod tests {
             let sphere = Sphere::new(&map, ambient, has_floor);
             for comparison in [Comparison::Probe, Comparison::Shadows, Comparison::Mixed] {
                 let target = target(&map, comparison, ambient, has_floor);
-                let shadows = Shadows::new(&target, sphere.given());
+                let shadows = Shadows::new(&target, sphere.reference());
                 let discs = [(1.0, 1.8, 0.05), (0.8, 4.4, 0.3), (1.1, 2.5, 0.4)];
                 let discs = discs.map(|(theta, phi, radius)| shadows.disc(direction(theta, phi), radius));
                 assert_derivatives_are_measured(&shadows, &shadows.state(discs.to_vec()), 1e-3);

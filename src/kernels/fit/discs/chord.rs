@@ -7,8 +7,8 @@
 //!   Q^2 = 2 - 2 (1 - A) (1 - B) c
 //! ```
 //!
-//! The mean itself is Q, but for what the spread of the distance takes away. Far apart that is the second term of
-//! a Taylor series; near each other a number rho of the order of 1 stands in:
+//! The mean itself is Q less a term for the spread of the distance. For discs far apart, this is the second term of a
+//! Taylor series; for near ones, it has a correction rho of the order of 1:
 //!
 //! ```text
 //!   M = Q - p/2 (1 - Q^2/4 - rho) / Q
@@ -214,9 +214,9 @@ static TABLE: LazyLock<Vec<f64>> = LazyLock::new(|| {
         plane.iter().enumerate().for_each(|(i, value)| values[i * NODES[2] + k] = *value);
     }
     let along_p = through(&values, NODES[2]);
-    let along_r = through(&turned(&along_p, SPLINES[2]), NODES[1]);
-    let along_w = through(&turned(&along_r, SPLINES[1]), NODES[0]);
-    let mut table = turned(&along_w, SPLINES[0]);
+    let along_r = through(&last_axis_first(&along_p, SPLINES[2]), NODES[1]);
+    let along_w = through(&last_axis_first(&along_r, SPLINES[1]), NODES[0]);
+    let mut table = last_axis_first(&along_w, SPLINES[0]);
     // A vector may be longer than what is taken from the end.
     table.extend([0.0; LANES]);
     table
@@ -269,8 +269,8 @@ fn through(values: &[f64], count: usize) -> Vec<f64> {
     matrix.lu().solve(&rhs).map_or_else(Vec::new, |solved| solved.as_slice().to_vec())
 }
 
-/// With the last axis, of that many values, in front.
-fn turned(values: &[f64], count: usize) -> Vec<f64> {
+/// The values with their last axis, of length `count`, in front.
+fn last_axis_first(values: &[f64], count: usize) -> Vec<f64> {
     let rows = values.len() / count;
     (0..values.len()).map(|i| values[i % rows * count + i / rows]).collect()
 }
@@ -366,7 +366,7 @@ mod tests {
             }
         }
 
-        /// Of the table and all that is around it, first and second ones.
+        /// First and second derivatives of the table and its terms, against differences.
         #[test]
         fn derivatives_are_the_slopes_that_are_measured(
             c in -0.99..0.999_f64,

@@ -13,12 +13,7 @@ use crate::kernels::sampling::even_sphere;
 use crate::kernels::sphere::to_vectors;
 
 /// A lower state than `best`, if an exchange of one light leads to one, after descents to these tolerances.
-pub fn exchanged(
-    shadows: &Shadows<'_>,
-    descent: &Descent<'_>,
-    best: State,
-    [rough, fine]: [f64; 2],
-) -> State {
+pub fn exchange(shadows: &Shadows<'_>, descent: &Descent<'_>, best: State, [rough, fine]: [f64; 2]) -> State {
     /// Steps after which a local minimum has shown itself: five known ones took 4 to 12.
     const STEPS: usize = 16;
     if best.lights() <= descent.fixed {
@@ -68,7 +63,7 @@ mod tests {
         {
             let sphere = Sphere::new(&map, ambient, has_floor);
             let target = target(&map, Comparison::Mixed, ambient, has_floor);
-            let shadows = Shadows::new(&target, sphere.given());
+            let shadows = Shadows::new(&target, sphere.reference());
             let disc = |theta, phi, radius| shadows.disc(direction(theta, phi), radius);
             let state = shadows.state(vec![disc(1.2, 4.0, 0.3)]);
             let candidates = [disc(0.5, 2.2, 0.2), disc(0.8, 1.8, 0.4), disc(1.3, 5.0, 0.2)];
@@ -83,7 +78,7 @@ mod tests {
                     };
                     let [here, one, two] = [0.0, 1.0, 2.0].map(cost);
                     let (second, slope) = (two - 2.0 * one + here, 2.0 * one - 0.5 * two - 1.5 * here);
-                    shadows.given().copies(c) * slope.min(0.0).powi(2) / (2.0 * second)
+                    shadows.reference().copies(c) * slope.min(0.0).powi(2) / (2.0 * second)
                 };
                 let expected: f64 = (0..state.x.ncols()).map(of_channel).sum();
                 assert!((decrease - expected).abs() < 1e-6 * state.cost, "{decrease} {expected}");

@@ -1,7 +1,7 @@
 //! Lights with a size: discs of uniform radiance, fitted so that the rig is right where things stand in the way.
 //!
 //! The error is `<D, D>` of the difference D of two distributions of radiance, under the map and under the rig, with a
-//! kernel that sees shadows (`zonal.rs`). [`Sizes::fitted`] starts from lights without a size:
+//! kernel that sees shadows (`zonal.rs`). [`Sizes::fit`] starts from lights without a size:
 //!
 //! | step                                                  | file            |
 //! |-------------------------------------------------------|-----------------|
@@ -14,21 +14,21 @@
 //! | radii to start from                                   | `start.rs`      |
 //! | the objective of a descent                            | `shadows.rs`    |
 //! | escape from a local minimum                           | `exchange.rs`   |
-//! | the error at normals                                  | `judge.rs`      |
+//! | the error at normals                                  | `evaluate.rs`   |
 
 mod chord;
 mod disc;
+mod evaluate;
 mod exchange;
 mod far;
 mod jet;
-mod judge;
 mod patches;
 mod shadows;
 mod start;
 pub mod target;
 mod zonal;
 
-pub use judge::judged;
+pub use evaluate::evaluate;
 pub use zonal::Comparison;
 
 use glam::DVec3;
@@ -36,12 +36,12 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 pub use self::disc::Disc;
-use self::exchange::exchanged;
+use self::exchange::exchange;
 use self::shadows::LEAST_RADIUS;
 pub use self::shadows::Shadows;
 use self::target::{Picture, Target};
 use super::damped_newton::Descent;
-use super::objective::Given;
+use super::objective::Reference;
 use super::options::FitOptions;
 use super::relative_rms::relative_error;
 use super::rig::Rig;
@@ -50,20 +50,20 @@ use super::uncertainty;
 use crate::kernels::expansion::Expansion;
 use crate::kernels::image::WorkingMap;
 
-/// Relative fall of the cost in one step at which a start has shown what it is worth, and at which an answer is final:
-/// what steps would still gain there is less than 1e-7 of the error, on real maps.
+/// Relative decrease of the cost in one step that ends the descent of a start.
 const ROUGH: f64 = 1e-2;
+/// Relative decrease that ends the last descent: further steps gain less than 1e-7 of the error, on real maps.
 const FINE: f64 = 1e-6;
 
-/// A rig whose lights have angular radii, and how it was found.
+/// A rig whose lights have angular radii.
 #[derive(Clone, Debug)]
 pub struct Sized {
     pub rig: Rig,
     pub radii: Vec<f64>,
-    /// How far each light may stand elsewhere; none where that was not asked here.
+    /// Direction tolerances in radians; absent for points.
     pub tolerances: Option<Vec<f64>>,
     pub steps: usize,
-    /// Why the descent ended, where there was one.
+    /// Reason for the end of the descent, if there was one.
     pub stop: Option<StopReason>,
 }
 
@@ -94,7 +94,7 @@ impl<'a> Sizes<'a> {
 
     /// Relative RMS error of the irradiance behind every plane, under a rig whose lights have these radii. A pixel of
     /// the map is the square that it is.
-    pub fn shadow_error(&self, given: &Given, rig: &Rig, radii: &[f64]) -> f64 {
+    pub fn shadow_error(&self, reference: &Reference, rig: &Rig, radii: &[f64]) -> f64 {
         let lights = rig.directions.iter().zip(radii);
         let discs: Vec<Disc> =
             lights.map(|(&direction, radius)| Disc::new(direction, radius.max(LEAST_RADIUS))).collect();
@@ -107,18 +107,18 @@ impl<'a> Sizes<'a> {
         let left = |c: usize| {
             self.shadows.energy[c] + used.column(c).dot(&x.column(c)) - 2.0 * rhs.column(c).dot(&x.column(c))
         };
-        let counted = |c: &usize| given.like[*c].is_some();
+        let counted = |c: &usize| reference.like[*c].is_some();
         let left: f64 = (0..3).filter(counted).map(left).sum();
         let energy: f64 = (0..3).filter(counted).map(|c| self.shadows.energy[c]).sum();
         relative_error(left.max(0.0), energy)
     }
 
     /// The best rig near those without sizes in `rigs`, whose first `fixed` lights keep their directions.
-    pub fn fitted(&self, given: &Given, rigs: &[Rig], fixed: usize, max_steps: usize) -> Sized {
-        let shadows = Shadows::new(self.other.as_ref().unwrap_or(&self.shadows), given);
+    pub fn fit(&self, reference: &Reference, rigs: &[Rig], fixed: usize, max_steps: usize) -> Sized {
+        let shadows = Shadows::new(self.other.as_ref().unwrap_or(&self.shadows), reference);
         let descent = Descent { objective: &shadows, fixed, max_steps };
         let starts = rigs.par_iter().flat_map(|rig| start::starts(&shadows, self.map, rig, fixed));
-        let rough: Vec<State> = starts.map(|state| descent.run(state, ROUGH).resumed()).collect();
+        let rough: Vec<State> = starts.map(|state| descent.run(state, ROUGH).resume()).collect();
         let steps: usize = rough.iter().map(|state| state.steps).sum();
         let Some(best) = rough.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost)) else {
             return Sized::points(Rig::default());
@@ -126,29 +126,28 @@ impl<'a> Sizes<'a> {
         let steps = steps - best.steps;
         let state = descent.run(best, FINE);
         // Other ambient terms leave few local minima that an exchange escapes.
-        let has_harmonics = given.free() > 0;
-        let state = if has_harmonics { exchanged(&shadows, &descent, state, [ROUGH, FINE]) } else { state };
+        let has_harmonics = reference.free() > 0;
+        let state = if has_harmonics { exchange(&shadows, &descent, state, [ROUGH, FINE]) } else { state };
         let steps = steps + state.steps;
         let state = state.without_black(&shadows, fixed).unwrap_or(state);
         let tolerances = Some(uncertainty::tolerances(&descent, &state, state.cost));
         let stop = state.stop;
-        let (rig, radii) = rig_of(given, &state, self.map);
+        let (rig, radii) = rig_of(reference, &state, self.map);
         Sized { rig, radii, tolerances, steps, stop }
     }
 }
 
 /// The rig of a state.
 ///
-/// A pixel is a mean over its square, and shows it as a square: what stands in the map is blurred, by twice the spread of
-/// a pixel. The disc that is nearest to a blurred one is less spread than that. Under the cone of the kernel, which counts
-/// the spatial frequency k with `k^-3`, it is spread by what was seen and 1.25 pixels more where that is wide, 1.34 where it
-/// is a disc of two pixels in radius, 1.46 where it is one of one pixel.
-fn rig_of(given: &Given, state: &State, map: &WorkingMap) -> (Rig, Vec<f64>) {
-    /// In spreads of a pixel: that of small discs, of which pixels are a large part.
+/// A pixel is the mean over its square and is drawn as a square, so a map blurs its lights by twice the spread of a pixel.
+/// Under the cone of the kernel, which weights the spatial frequency k by `k^-3`, the disc nearest to a blurred one is wider
+/// than the original by 1.25 spreads of a pixel if that is wide, 1.34 for a radius of two pixels and 1.46 for one pixel.
+fn rig_of(reference: &Reference, state: &State, map: &WorkingMap) -> (Rig, Vec<f64>) {
+    /// Blur of small discs, in spreads of a pixel: without it, suns are up to a pixel too wide.
     const BLUR: f64 = 1.4;
-    let ambient = given.ambient.coefficients();
+    let ambient = reference.ambient.coefficients();
     let rgb = |row: usize| {
-        DVec3::from_array(given.like.map(|like| like.map_or(0.0, |channel| state.x[(row, channel)])))
+        DVec3::from_array(reference.like.map(|like| like.map_or(0.0, |channel| state.x[(row, channel)])))
     };
     let shares: Vec<f64> = state
         .moments
@@ -156,13 +155,13 @@ fn rig_of(given: &Given, state: &State, map: &WorkingMap) -> (Rig, Vec<f64>) {
         .iter()
         .map(|disc| (disc.share - BLUR * map.pixel_spread(disc.direction)).max(0.0))
         .collect();
-    // A disc seen from the front gives less than its flux: what it gives does not depend on its size.
+    // The irradiance at normal incidence is less than the flux by the factor 1 - A.
     let irradiance = |(light, disc): (usize, &Disc)| rgb(ambient + light) * (1.0 - disc.share);
     let rig = Rig {
         ambient: (0..ambient).map(rgb).collect(),
         directions: state.moments.discs.iter().map(|disc| disc.direction).collect(),
         irradiance: state.moments.discs.iter().enumerate().map(irradiance).collect(),
-        has_floor: given.has_floor,
+        has_floor: reference.has_floor,
     };
     (rig, shares.iter().map(|share| 2.0 * share.sqrt().asin()).collect())
 }

@@ -76,8 +76,9 @@ impl Patches {
         Self { blocks: patches.chunks(LANES).map(block).collect() }
     }
 
-    /// The mean distance between the points of a disc and of patches, times the fluxes of these; if N is 2, with derivatives,
-    /// second ones of the channels with these `weights`.
+    /// The mean distance between the points of a disc and of patches, times the fluxes of the patches.
+    ///
+    /// If N is 2, it has derivatives: second ones of the sum of the channels by `weights`.
     pub fn distances_to<const N: usize>(&self, cap: &Cap, weights: [f64; 3]) -> DiscSum {
         Arch::new().dispatch(PatchDistances::<N> { cap, patches: self, weights })
     }

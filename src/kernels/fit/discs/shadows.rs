@@ -1,7 +1,7 @@
-//! Lights with a size: the products of discs with each other and with the map, under a kernel that sees shadows.
+//! Lights with a size: the products of discs with each other and with the map, under a kernel of shadows.
 //!
-//! The coordinates of a disc are two along the tangents of its direction, and the logarithm of its radius a. Kernels know
-//! `A = sin^2(a/2)` in place of that.
+//! The coordinates of a disc are two along the tangents of its direction, and the logarithm of its radius a. Kernels take
+//! `A = sin^2(a/2)` instead.
 
 use glam::{DMat3, DVec3};
 use nalgebra::DMatrix;
@@ -9,13 +9,15 @@ use nalgebra::DMatrix;
 use super::disc::Disc;
 use super::jet::Jet;
 use super::target::Target;
-use crate::kernels::fit::objective::{Constraint, Derivatives, Given, Moments, Objective, column_weights};
+use crate::kernels::fit::objective::{
+    Constraint, Derivatives, Moments, Objective, Reference, column_weights,
+};
 use crate::kernels::fit::state::State;
 use crate::kernels::sphere::exponential_map;
 
 /// The greatest radius, in radians: 75 degrees.
 pub const GREATEST_RADIUS: f64 = 75.0 / 180.0 * std::f64::consts::PI;
-/// The least radius: 0.003 degrees. A smaller one changes nothing that can be seen.
+/// The least radius: 0.003 degrees. A smaller one changes no shadow visibly.
 pub const LEAST_RADIUS: f64 = 5e-5;
 /// Error of the products, as a fraction of the energy: without it, costs below 0 end a descent at once.
 const NOISE: f64 = 1e-7;
@@ -24,15 +26,16 @@ const NOISE: f64 = 1e-7;
 #[derive(Debug)]
 pub struct Shadows<'a> {
     target: &'a Target,
-    given: Given,
+    reference: Reference,
 }
 
 impl<'a> Shadows<'a> {
-    /// With the channels and the ambient term of the search before.
-    pub fn new(target: &'a Target, given: &Given) -> Self {
-        let energy: f64 =
-            (0..given.channels.len()).map(|c| given.copies(c) * target.energy[given.channels[c]]).sum();
-        Self { target, given: Given { energy: (1.0 + NOISE) * energy, ..given.clone() } }
+    /// The objective for the channels and the ambient term of a search for points.
+    pub fn new(target: &'a Target, reference: &Reference) -> Self {
+        let energy: f64 = (0..reference.channels.len())
+            .map(|c| reference.copies(c) * target.energy[reference.channels[c]])
+            .sum();
+        Self { target, reference: Reference { energy: (1.0 + NOISE) * energy, ..reference.clone() } }
     }
 
     /// The best fluxes of `discs`.
@@ -42,7 +45,7 @@ impl<'a> Shadows<'a> {
 
     /// Decrease of the cost that each of some discs, alone, adds to a state whose other radiances stay.
     pub fn decreases(&self, candidates: &[Disc], state: &State) -> Vec<f64> {
-        self.target.falls(&self.given, candidates, &state.moments.discs, &state.x)
+        self.target.falls(&self.reference, candidates, &state.moments.discs, &state.x)
     }
 
     /// The disc nearest to one of that direction and radius.
@@ -50,43 +53,43 @@ impl<'a> Shadows<'a> {
         Disc::new(direction, radius.clamp(LEAST_RADIUS, self.greatest_radius(direction)))
     }
 
-    /// The greatest radius of a light in a direction: over a floor, the whole disc stands above the horizon.
+    /// The greatest radius of a light in a direction: over a floor, the whole disc is above the horizon.
     fn greatest_radius(&self, direction: DVec3) -> f64 {
         let elevation = direction.y.clamp(0.0, 1.0).asin();
-        let most = if self.given.has_floor { GREATEST_RADIUS.min(elevation) } else { GREATEST_RADIUS };
+        let most = if self.reference.has_floor { GREATEST_RADIUS.min(elevation) } else { GREATEST_RADIUS };
         most.max(LEAST_RADIUS)
     }
 
     fn moments(&self, discs: Vec<Disc>) -> Moments {
         let (gram, rgb) = self.target.products(&discs);
-        let channels = &self.given.channels;
+        let channels = &self.reference.channels;
         let rhs = DMatrix::from_fn(rgb.nrows(), channels.len(), |i, c| rgb[(i, channels[c])]);
         let directions = discs.iter().map(|disc| disc.direction).collect();
         Moments { directions, gram, rhs, discs, sides: Vec::new(), pairs: Vec::new(), visible: Vec::new() }
     }
 
     /// The disc after a step in its three coordinates.
-    fn moved_disc(&self, disc: &Disc, step: &[f64; 3]) -> Disc {
+    fn step_disc(&self, disc: &Disc, step: &[f64; 3]) -> Disc {
         let [s, t] = disc.frame();
         let direction = exponential_map(disc.direction, s * step[0] + t * step[1]);
-        let is_below = self.given.has_floor && direction.y < 0.0;
+        let is_below = self.reference.has_floor && direction.y < 0.0;
         let direction = if is_below { direction.with_y(0.0).normalize_or(DVec3::X) } else { direction };
         self.disc(direction, disc.radius * step[2].exp())
     }
 }
 
 impl Objective for Shadows<'_> {
-    fn given(&self) -> &Given {
-        &self.given
+    fn reference(&self) -> &Reference {
+        &self.reference
     }
 
     fn coordinates(&self) -> usize {
         3
     }
 
-    fn moved(&self, before: &Moments, step: &[f64]) -> Moments {
+    fn after_step(&self, before: &Moments, step: &[f64]) -> Moments {
         let moved = before.discs.iter().zip(step.as_chunks::<3>().0);
-        self.moments(moved.map(|(disc, step)| self.moved_disc(disc, step)).collect())
+        self.moments(moved.map(|(disc, step)| self.step_disc(disc, step)).collect())
     }
 
     fn subset(&self, before: &Moments, kept: &[usize]) -> Moments {
@@ -94,13 +97,13 @@ impl Objective for Shadows<'_> {
     }
 
     fn derivatives(&self, Moments { discs, .. }: &Moments, x: &DMatrix<f64>, _: bool) -> Derivatives {
-        let mut sums = Sums::new(&self.given, discs, x);
+        let mut sums = Sums::new(&self.reference, discs, x);
         sums.add_map(self.target, discs, x);
         for (j, disc) in discs.iter().enumerate() {
             sums.add_ambient(self.target, disc, j);
             sums.add_square(self.target, disc, j);
             for (k, other) in discs[..j].iter().enumerate() {
-                sums.add_pair(&Pair::new(&self.target.pair(disc, other), disc, other), j, k);
+                sums.add_pair(&DiscPair::new(&self.target.pair(disc, other), disc, other), j, k);
             }
         }
         Derivatives { second: Some(sums.second), ..sums.first }
@@ -128,7 +131,7 @@ impl Objective for Shadows<'_> {
 
 /// Derivatives by the coordinates of all discs.
 struct Sums<'a> {
-    given: &'a Given,
+    reference: &'a Reference,
     first: Derivatives,
     second: Vec<DMat3>,
     /// Weight of the product of two columns.
@@ -136,21 +139,26 @@ struct Sums<'a> {
 }
 
 impl<'a> Sums<'a> {
-    fn new(given: &'a Given, discs: &[Disc], x: &DMatrix<f64>) -> Self {
-        let first = Derivatives::zeros(given, discs.len(), 3);
-        Self { given, first, second: vec![DMat3::ZERO; discs.len()], weights: column_weights(given, x) }
+    fn new(reference: &'a Reference, discs: &[Disc], x: &DMatrix<f64>) -> Self {
+        let first = Derivatives::zeros(reference, discs.len(), 3);
+        Self {
+            reference,
+            first,
+            second: vec![DMat3::ZERO; discs.len()],
+            weights: column_weights(reference, x),
+        }
     }
 
     fn column(&self, light: usize) -> usize {
-        self.given.ambient.coefficients() + light
+        self.reference.ambient.coefficients() + light
     }
 
     /// Products with the map.
     fn add_map(&mut self, target: &Target, discs: &[Disc], x: &DMatrix<f64>) {
         let weights = |light: usize| {
             let mut weights = [0.0; 3];
-            for (c, &channel) in self.given.channels.iter().enumerate() {
-                weights[channel] = self.given.copies(c) * x[(self.column(light), c)];
+            for (c, &channel) in self.reference.channels.iter().enumerate() {
+                weights[channel] = self.reference.copies(c) * x[(self.column(light), c)];
             }
             weights
         };
@@ -161,7 +169,7 @@ impl<'a> Sums<'a> {
             self.second[j] -= by_logarithm(Jet { value: 0.0, first, second: sum.second }, by_radius).1;
             for i in 0..3 {
                 let scale = if i == 2 { by_radius[0] } else { 1.0 };
-                for (c, &channel) in self.given.channels.iter().enumerate() {
+                for (c, &channel) in self.reference.channels.iter().enumerate() {
                     self.first.rhs[(3 * j + i, c)] = scale * sum.first[i][channel];
                 }
             }
@@ -188,7 +196,7 @@ impl<'a> Sums<'a> {
     }
 
     /// The product of the discs j and k.
-    fn add_pair(&mut self, pair: &Pair, j: usize, k: usize) {
+    fn add_pair(&mut self, pair: &DiscPair, j: usize, k: usize) {
         let weight = self.weights[(self.column(j), self.column(k))];
         for (light, other, side) in [(j, k, 0), (k, j, 1)] {
             let column = self.column(other);
@@ -224,13 +232,13 @@ fn by_logarithm(product: Jet<3>, [slope, bend]: [f64; 2]) -> ([f64; 3], DMat3) {
 }
 
 /// A product of two discs by the coordinates of both.
-struct Pair {
+struct DiscPair {
     first: [[f64; 3]; 2],
     own: [[[f64; 3]; 3]; 2],
     mixed: [[f64; 3]; 3],
 }
 
-impl Pair {
+impl DiscPair {
     /// From its derivatives by the cosine between them and by the A of each. Along a tangent t of the one, the cosine
     /// changes by `t.other`, and by `-cosine / 2` to second order; along tangents of both, by their product.
     fn new(product: &Jet<3>, one: &Disc, other: &Disc) -> Self {

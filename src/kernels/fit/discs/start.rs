@@ -1,6 +1,6 @@
-//! Discs to start from: lights without a size, as wide as the light is spread that each stands for.
+//! Discs to start from: lights without a size, as wide as the light of the map around each.
 //!
-//! Above the ambient radiance, each direction of the map is given to its nearest light. The disc of the same mean of
+//! Above the ambient radiance, each direction of the map belongs to its nearest light. The disc of the same mean of
 //! 1 - cos of the angle to its centre has `cos a = 1 - 2 mean(1 - cos)`.
 //!
 //! Beside harmonics, this says little: they hold some of the spread light, and the probe hardly tells a light from
@@ -18,25 +18,29 @@ use crate::kernels::image::WorkingMap;
 
 /// States to start from, near a `rig` of lights without a size.
 pub fn starts(shadows: &Shadows<'_>, map: &WorkingMap, rig: &Rig, fixed: usize) -> Vec<State> {
-    /// Less than the spread, for a sun in a bright sky counts more than the sky.
+    /// Fraction of the spread that a disc starts with, because a sun in a bright sky counts more than the sky.
     const PART: f64 = 0.65;
     /// Radii of small discs.
     const SMALL: [f64; 2] = [0.05, 0.3];
     let spread = spread(map, rig).into_iter().map(|radius| PART * radius).collect();
     let mut starts: Vec<Vec<f64>> = vec![spread];
-    if shadows.given().ambient == Ambient::Sh2 {
+    if shadows.reference().ambient == Ambient::Sh2 {
         starts.extend(SMALL.map(|radius| vec![radius; rig.directions.len()]));
     }
     let state = |radii: &Vec<f64>| {
         let lights = rig.directions.iter().zip(radii);
         let discs = lights.map(|(&direction, &radius)| shadows.disc(direction, radius)).collect();
         let state = shadows.state(discs);
-        if shadows.given().ambient == Ambient::Sh2 { on_better_sides(shadows, state, fixed) } else { state }
+        if shadows.reference().ambient == Ambient::Sh2 {
+            on_better_sides(shadows, state, fixed)
+        } else {
+            state
+        }
     };
     starts.iter().map(state).collect()
 }
 
-/// With each light, one after the other, on the opposite side where that is better.
+/// Turn each light, one after the other, to the opposite direction if that lowers the cost.
 fn on_better_sides(shadows: &Shadows<'_>, mut state: State, fixed: usize) -> State {
     for light in fixed..state.lights() {
         let mut discs = state.moments.discs.clone();

@@ -13,7 +13,7 @@ use super::patches::{Patch, Patches, distances, patches};
 use super::zonal::{Comparison, Kernel};
 use crate::kernels::expansion::{Cap, DEGREE, DiscSum, Expansion, Harmonics};
 use crate::kernels::fit::ambient::Ambient;
-use crate::kernels::fit::objective::Given;
+use crate::kernels::fit::objective::Reference;
 use crate::kernels::harmonics::{cosine_lobe, irradiance_of_moments, radiance};
 use crate::kernels::image::{MOST_PARTS, WorkingMap};
 
@@ -141,17 +141,23 @@ impl Target {
     }
 
     /// The fall of the cost if one of some candidates, alone, joins the `discs` with the coefficients `x`, which stay.
-    pub fn falls(&self, given: &Given, candidates: &[Disc], discs: &[Disc], x: &DMatrix<f64>) -> Vec<f64> {
+    pub fn falls(
+        &self,
+        reference: &Reference,
+        candidates: &[Disc],
+        discs: &[Disc],
+        x: &DMatrix<f64>,
+    ) -> Vec<f64> {
         let fall = |(candidate, sides): (&Disc, DiscSum)| {
             let with_ambient = self.with_ambient(candidate).into_iter().map(|product| product.value);
             let with_discs = discs.iter().map(|disc| self.pair::<0>(candidate, disc).value);
             let products: Vec<f64> = with_ambient.chain(with_discs).collect();
             let square = |c: usize| {
                 let explained: f64 = products.iter().zip(&x.column(c)).map(|(product, x)| product * x).sum();
-                given.copies(c) * (sides.value[given.channels[c]] - explained).max(0.0).powi(2)
+                reference.copies(c) * (sides.value[reference.channels[c]] - explained).max(0.0).powi(2)
             };
             let own = self.pair::<0>(candidate, candidate).value;
-            (0..given.channels.len()).map(square).sum::<f64>() / own
+            (0..reference.channels.len()).map(square).sum::<f64>() / own
         };
         candidates.iter().zip(self.values(candidates)).map(fall).collect()
     }

@@ -60,8 +60,9 @@ impl Kernel {
         Self { whole, smooth: from_fn(|k| whole[k] + cone * chord_factor(k)), cone }
     }
 
-    /// The smooth part between two discs, from the cosine of their centres and their factors; if N is 3, with derivatives by
-    /// the cosine and by both A.
+    /// The smooth part between two discs, from the cosine between their centres and their factors.
+    ///
+    /// If N is 3, it has derivatives by the cosine and by both A.
     pub fn smooth_product<const N: usize>(&self, cosine: f64, a: &DiscFactors, b: &DiscFactors) -> Jet<N> {
         let legendre = legendre_derivatives::<3>(cosine, DEGREES);
         let mut out = Jet::constant(0.0);

@@ -20,25 +20,25 @@ use nalgebra::DMatrix;
 pub use self::probe::Probe;
 pub use self::probe_samples::{ProbeError as Judged, Samples};
 use super::objective::{
-    Constraint, Derivatives, Directions, Given, Moments, Objective, PointObjective, turned_by,
+    Constraint, Derivatives, Directions, Moments, Objective, PointObjective, Reference, turn_by,
 };
 use super::rig::Rig;
 
 impl Objective for Probe {
-    fn given(&self) -> &Given {
-        &self.given
+    fn reference(&self) -> &Reference {
+        &self.reference
     }
 
-    fn moved(&self, before: &Moments, step: &[f64]) -> Moments {
-        self.turned(before, turned_by(&before.directions, step))
+    fn after_step(&self, before: &Moments, step: &[f64]) -> Moments {
+        self.turn_to(before, turn_by(&before.directions, step))
     }
 
     fn subset(&self, before: &Moments, kept: &[usize]) -> Moments {
-        self.exchanged(before, kept, &[])
+        self.exchange(before, kept, &[])
     }
 
     fn derivatives(&self, moments: &Moments, _: &DMatrix<f64>, _: bool) -> Derivatives {
-        pairs::derivatives(&self.given, moments)
+        pairs::derivatives(&self.reference, moments)
     }
 
     fn kinks(&self, from: &Moments, to: &Moments) -> Vec<Constraint> {
@@ -56,11 +56,11 @@ impl PointObjective for Probe {
         self
     }
 
-    fn exchanged(&self, before: &Moments, kept: &[usize], new: &[DVec3]) -> Moments {
+    fn exchange(&self, before: &Moments, kept: &[usize], new: &[DVec3]) -> Moments {
         visible::exchange(self, before, kept, new)
     }
 
-    fn turned(&self, before: &Moments, directions: Vec<DVec3>) -> Moments {
+    fn turn_to(&self, before: &Moments, directions: Vec<DVec3>) -> Moments {
         visible::turn(self, before, directions)
     }
 

@@ -8,7 +8,7 @@
 
 use glam::{DMat3, DVec3};
 
-use crate::kernels::fit::objective::{Derivatives, Given, Moments, Pair};
+use crate::kernels::fit::objective::{Derivatives, Moments, PointPair, Reference};
 use crate::kernels::sphere::tangents;
 
 /// Index of the pair k <= j.
@@ -17,9 +17,14 @@ pub fn pair(j: usize, k: usize) -> usize {
 }
 
 /// The moments of lights in `directions`, from `sides` and `pairs`.
-pub fn moments(given: &Given, directions: Vec<DVec3>, sides: Vec<DVec3>, pairs: Vec<DMat3>) -> Moments {
-    let mut moments = Moments::with_sides(given, directions, sides);
-    let ambient = given.ambient.coefficients();
+pub fn moments(
+    reference: &Reference,
+    directions: Vec<DVec3>,
+    sides: Vec<DVec3>,
+    pairs: Vec<DMat3>,
+) -> Moments {
+    let mut moments = Moments::with_sides(reference, directions, sides);
+    let ambient = reference.ambient.coefficients();
     for (j, &l) in moments.directions.iter().enumerate() {
         for (k, &other) in moments.directions[..=j].iter().enumerate() {
             let product = (pairs[pair(j, k)] * other).dot(l);
@@ -31,9 +36,9 @@ pub fn moments(given: &Given, directions: Vec<DVec3>, sides: Vec<DVec3>, pairs: 
 }
 
 /// Inner products of the derivatives of all lights.
-pub fn derivatives(given: &Given, moments: &Moments) -> Derivatives {
-    let ambient = given.ambient.coefficients();
-    let mut derivatives = Derivatives::with_sides(given, moments);
+pub fn derivatives(reference: &Reference, moments: &Moments) -> Derivatives {
+    let ambient = reference.ambient.coefficients();
+    let mut derivatives = Derivatives::with_sides(reference, moments);
     let frame = |&l: &DVec3| {
         let [s, t] = tangents(l);
         DMat3::from_cols(l, s, t)
@@ -45,7 +50,7 @@ pub fn derivatives(given: &Given, moments: &Moments) -> Derivatives {
             // Each row is an axis of j, each column one of k.
             let [[_, own @ ..], s, t] = (transpose * moments.pairs[pair(j, k)] * *other).to_cols_array_2d();
             let both = [[s[1], t[1]], [s[2], t[2]]];
-            derivatives.set(ambient, [j, k], &Pair { own, other: [s[0], t[0]], both });
+            derivatives.set(ambient, [j, k], &PointPair { own, other: [s[0], t[0]], both });
         }
     }
     derivatives

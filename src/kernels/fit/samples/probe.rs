@@ -5,13 +5,13 @@ use nalgebra::DMatrix;
 
 use super::probe_samples::Samples;
 use crate::kernels::fit::ambient::Ambient;
-use crate::kernels::fit::objective::{Given, distinct_channels};
+use crate::kernels::fit::objective::{Reference, distinct_channels};
 
 /// Irradiance at known normals, with its products with the ambient term.
 #[derive(Clone, Debug)]
 pub struct Probe {
     pub(crate) samples: Samples,
-    pub(super) given: Given,
+    pub(super) reference: Reference,
     /// `w n n^T` of each normal.
     pub(super) outer: Vec<DMat3>,
     /// `w n y` of each normal and each side y, an ambient column or a channel of the irradiance.
@@ -27,8 +27,8 @@ impl Probe {
             |a, b| irradiance.iter().all(|e| e[a].to_bits() == e[b].to_bits()),
         );
         let energy = samples.energy;
-        let given = Given { channels, like, energy, ..Given::nothing(ambient, false) };
-        let mut probe = Self { samples, given, outer: Vec::new(), by_side: Vec::new() };
+        let reference = Reference { channels, like, energy, ..Reference::nothing(ambient, false) };
+        let mut probe = Self { samples, reference, outer: Vec::new(), by_side: Vec::new() };
         let sides = probe.side_columns();
         let Samples { normals, weights, .. } = &probe.samples;
         let weighted =
@@ -38,18 +38,18 @@ impl Probe {
         let products = weighted.row_iter().zip(normals);
         probe.by_side =
             products.flat_map(|(row, &n)| row.iter().map(|y| n * *y).collect::<Vec<_>>()).collect();
-        probe.given.ambient_products = sides.columns(0, ambient.coefficients()).tr_mul(&weighted);
+        probe.reference.ambient_products = sides.columns(0, ambient.coefficients()).tr_mul(&weighted);
         probe
     }
 
     /// The sides, a row for each normal.
     pub(super) fn side_columns(&self) -> DMatrix<f64> {
-        let ambient = self.given.ambient.coefficients();
-        DMatrix::from_fn(self.samples.normals.len(), self.given.sides(), |i, side| {
+        let ambient = self.reference.ambient.coefficients();
+        DMatrix::from_fn(self.samples.normals.len(), self.reference.sides(), |i, side| {
             if side < ambient {
-                self.given.ambient.irradiance(self.samples.normals[i])[side]
+                self.reference.ambient.irradiance(self.samples.normals[i])[side]
             } else {
-                self.samples.irradiance[i][self.given.channels[side - ambient]]
+                self.samples.irradiance[i][self.reference.channels[side - ambient]]
             }
         })
     }

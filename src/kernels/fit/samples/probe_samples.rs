@@ -67,7 +67,7 @@ impl Samples {
     }
 
     /// Errors of `rig`.
-    pub fn judged(&self, rig: &Rig) -> ProbeError {
+    pub fn evaluate(&self, rig: &Rig) -> ProbeError {
         let (residual, all) = (self.blocks.residual(rig), self.blocks.residual(&Rig::default()));
         let [difference, whole] = [residual, all].map(|residual| DVec3::from_array(residual.squares));
         ProbeError::of(difference, whole, residual.largest, self.weights.iter().sum())

@@ -17,7 +17,7 @@ use crate::kernels::fit::objective::Moments;
 
 /// The moments of the lights `kept` of `before`, and of others in the directions `new` after them.
 pub fn exchange(probe: &Probe, before: &Moments, kept: &[usize], new: &[DVec3]) -> Moments {
-    let (words, sides) = (probe.samples.blocks.words(), probe.given.sides());
+    let (words, sides) = (probe.samples.blocks.words(), probe.reference.sides());
     let lights = kept.len() + new.len();
     let directions = kept.iter().map(|&j| before.directions[j]).chain(new.iter().copied()).collect();
     let mut sums = VisibleSums {
@@ -67,7 +67,7 @@ struct VisibleSums {
 impl VisibleSums {
     /// Add and subtract the normals whose bits in `visible` differ from the old ones.
     fn update(&mut self, probe: &Probe, visible: Vec<u64>) {
-        let (words, sides) = (probe.samples.blocks.words(), probe.given.sides());
+        let (words, sides) = (probe.samples.blocks.words(), probe.reference.sides());
         let lights = visible.len() / words.max(1);
         let bits = |from: &[u64], j: usize, word: usize| from[j * words + word];
         for j in 0..lights {
@@ -90,7 +90,7 @@ impl VisibleSums {
     }
 
     fn moments(self, probe: &Probe, directions: Vec<DVec3>) -> Moments {
-        let moments = pairs::moments(&probe.given, directions, self.sides, self.pairs);
+        let moments = pairs::moments(&probe.reference, directions, self.sides, self.pairs);
         Moments { visible: self.visible, ..moments }
     }
 }

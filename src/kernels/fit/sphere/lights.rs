@@ -10,7 +10,7 @@ use nalgebra::DMatrix;
 use pulp::{Simd, WithSimd};
 
 use super::kernel::{Angles, Block, mixed_derivatives, splat};
-use crate::kernels::fit::objective::{Derivatives, Pair};
+use crate::kernels::fit::objective::{Derivatives, PointPair};
 use crate::kernels::lanes::{LANES, Lanes, Number};
 use crate::kernels::sphere::tangents;
 
@@ -70,7 +70,7 @@ impl WithSimd for DerivativeProducts<'_> {
                     let first = block * LANES + vector * S::F64_LANES;
                     for (i, k) in (first..=j).take(S::F64_LANES).enumerate() {
                         let both = mixed.both;
-                        let pair = Pair {
+                        let pair = PointPair {
                             own: [mixed.own[0].lane(i), mixed.own[1].lane(i)],
                             other: [mixed.other[0].lane(i), mixed.other[1].lane(i)],
                             both: [

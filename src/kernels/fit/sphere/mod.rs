@@ -47,8 +47,8 @@ use self::lights::{DerivativeProducts, LightProducts};
 use self::points::Points;
 use super::ambient::Ambient;
 use super::objective::{
-    Constraint, Derivatives, Given, Moments, Objective, PointObjective, column_weights, distinct_channels,
-    turned_by,
+    Constraint, Derivatives, Moments, Objective, PointObjective, Reference, column_weights,
+    distinct_channels, turn_by,
 };
 use crate::kernels::expansion::{DEGREES, Expansion, Harmonics, PointLight, bright_cells};
 use crate::kernels::image::WorkingMap;
@@ -58,7 +58,7 @@ use crate::kernels::sphere::tangents;
 /// The probe under a map, at every normal.
 #[derive(Clone, Debug)]
 pub struct Sphere {
-    given: Given,
+    reference: Reference,
     columns: AmbientColumns,
     points: Points,
     /// Directions of the points, brightest first.
@@ -87,16 +87,17 @@ impl Sphere {
         let field =
             Field::new(&rest.scaled_sum(&kernel, &Harmonics::zero(), &[0.0; DEGREES]), rest.azimuth());
         let columns = AmbientColumns::new(ambient, has_floor);
-        let given = Given::nothing(ambient, has_floor);
+        let reference = Reference::nothing(ambient, has_floor);
         let likely = points.iter().map(|point| point.direction).collect();
         let (first, widest) = ([0, 1, 2].map(|channel| rest.moments(channel).1), Arch::new());
-        let mut sphere = Self { given, columns, points: Points::new(&points), likely, first, field, widest };
-        sphere.given = sphere.fixed_part(&rest, &points);
+        let mut sphere =
+            Self { reference, columns, points: Points::new(&points), likely, first, field, widest };
+        sphere.reference = sphere.fixed_part(&rest, &points);
         sphere
     }
 
     /// The part of the cost that lights do not change.
-    fn fixed_part(&self, rest: &Harmonics, points: &[PointLight]) -> Given {
+    fn fixed_part(&self, rest: &Harmonics, points: &[PointLight]) -> Reference {
         let moments = [0, 1, 2].map(|channel| moments(rest, points, channel));
         let smooth = rest.product(rest, &even_factors());
         let energy = [0, 1, 2].map(|channel| self.energy(smooth[channel], points, channel));
@@ -118,7 +119,7 @@ impl Sphere {
                 }
             });
         let energy = energy.iter().sum();
-        Given { channels: used, like, ambient_products, energy, ..self.given.clone() }
+        Reference { channels: used, like, ambient_products, energy, ..self.reference.clone() }
     }
 
     /// `<E, E>` of a channel, where the `even` degrees of the map without the points have this product.
@@ -156,7 +157,7 @@ impl Sphere {
     fn sides_at<S: Simd>(&self, simd: S, l: DVec3, sides: &mut Vec<DVec3>) {
         let probe = self.probe_at(simd, l);
         self.columns.gradients(l, sides);
-        for &channel in &self.given.channels {
+        for &channel in &self.reference.channels {
             sides.push(probe[channel]);
         }
     }
@@ -165,19 +166,19 @@ impl Sphere {
 impl Sphere {
     fn moments_of(&self, directions: Vec<DVec3>) -> Moments {
         let sides = self.widest.dispatch(Sides { sphere: self, directions: &directions });
-        let mut moments = Moments::with_sides(&self.given, directions, sides);
+        let mut moments = Moments::with_sides(&self.reference, directions, sides);
         self.widest.dispatch(LightProducts { directions: &moments.directions, gram: &mut moments.gram });
         moments
     }
 
     /// `-<d^2 a_j, r>` along the tangents of each light, for lights with the radiances `x`.
     fn second_derivatives(&self, directions: &[DVec3], x: &DMatrix<f64>) -> Vec<DMat3> {
-        let ambient = self.given.ambient.coefficients();
-        let weights = column_weights(&self.given, x);
+        let ambient = self.reference.ambient.coefficients();
+        let weights = column_weights(&self.reference, x);
         let of_light = |(j, &l): (usize, &DVec3)| {
             let own = weights.column(ambient + j);
             let (columns, lights) = own.as_slice().split_at(ambient);
-            let probe = |c: usize| -self.given.copies(c) * x[(ambient + j, c)];
+            let probe = |c: usize| -self.reference.copies(c) * x[(ambient + j, c)];
             let sides: Vec<f64> = columns.iter().copied().chain((0..x.ncols()).map(probe)).collect();
             let second =
                 SecondDerivative { sphere: self, l, lights: directions, weights: lights, sides: &sides };
@@ -195,12 +196,12 @@ impl Sphere {
 }
 
 impl Objective for Sphere {
-    fn given(&self) -> &Given {
-        &self.given
+    fn reference(&self) -> &Reference {
+        &self.reference
     }
 
-    fn moved(&self, before: &Moments, step: &[f64]) -> Moments {
-        let mut directions = turned_by(&before.directions, step);
+    fn after_step(&self, before: &Moments, step: &[f64]) -> Moments {
+        let mut directions = turn_by(&before.directions, step);
         for direction in directions.iter_mut().filter(|direction| !self.allows(**direction)) {
             *direction = direction.with_y(0.0).normalize_or(DVec3::X);
         }
@@ -208,12 +209,12 @@ impl Objective for Sphere {
     }
 
     fn subset(&self, before: &Moments, kept: &[usize]) -> Moments {
-        self.exchanged(before, kept, &[])
+        self.exchange(before, kept, &[])
     }
 
     fn derivatives(&self, moments: &Moments, x: &DMatrix<f64>, is_exact: bool) -> Derivatives {
-        let mut derivatives = Derivatives::with_sides(&self.given, moments);
-        let (ambient, directions) = (self.given.ambient.coefficients(), &moments.directions);
+        let mut derivatives = Derivatives::with_sides(&self.reference, moments);
+        let (ambient, directions) = (self.reference.ambient.coefficients(), &moments.directions);
         self.widest.dispatch(DerivativeProducts { directions, ambient, derivatives: &mut derivatives });
         derivatives.second = is_exact.then(|| self.second_derivatives(directions, x));
         derivatives
@@ -242,7 +243,7 @@ impl WithSimd for Sides<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let mut sides = Vec::with_capacity(self.directions.len() * self.sphere.given.sides());
+        let mut sides = Vec::with_capacity(self.directions.len() * self.sphere.reference.sides());
         for &l in self.directions {
             self.sphere.sides_at(simd, l, &mut sides);
         }
@@ -268,10 +269,11 @@ impl WithSimd for SecondDerivative<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> DMat3 {
-        let Self { sphere: Sphere { given, columns, points, field, .. }, l, lights, weights, sides } = self;
-        let (ambient, channels) = sides.split_at(given.ambient.coefficients());
+        let Self { sphere: Sphere { reference, columns, points, field, .. }, l, lights, weights, sides } =
+            self;
+        let (ambient, channels) = sides.split_at(reference.ambient.coefficients());
         let mut by_channel = [0.0; 3];
-        given.channels.iter().zip(channels).for_each(|(&channel, weight)| by_channel[channel] = *weight);
+        reference.channels.iter().zip(channels).for_each(|(&channel, weight)| by_channel[channel] = *weight);
         let map = field.second_derivative(l, by_channel) + points.second_derivative(simd, l, by_channel);
         let sides = columns.second_derivative(l, ambient) + map;
         lights.chunks(LANES).zip(weights.chunks(LANES)).fold(sides, |sum, (lights, weights)| {
@@ -338,7 +340,7 @@ mod tests {
             for ambient in [Ambient::None, Ambient::Constant, Ambient::Sh2] {
                 let (closed, summed) =
                     (Sphere::new(&map, ambient, false), Probe::new(samples.clone(), ambient));
-                let energy = closed.given.energy / summed.given().energy - 1.0;
+                let energy = closed.reference.energy / summed.reference().energy - 1.0;
                 assert!(energy.abs() < 1e-4, "{energy:e}");
                 let [a, b] = [&closed as &dyn PointObjective, &summed].map(|o| o.moments(&directions()));
                 assert_near(&a.gram, &b.gram, &b.gram, 1e-4);
@@ -366,7 +368,7 @@ mod tests {
             let sphere = Sphere::new(&map, ambient, has_floor);
             let others = [DVec3::new(2.0, 3.0, 6.0) / 7.0, DVec3::NEG_Z];
             let light_weights = [0.7, -0.4];
-            let weights: Vec<f64> = (0..sphere.given.sides()).map(|i| 0.3 + 0.1 * i as f64).collect();
+            let weights: Vec<f64> = (0..sphere.reference.sides()).map(|i| 0.3 + 0.1 * i as f64).collect();
             let value = |l: DVec3| -> f64 {
                 let at = sphere.directions(vec![l]);
                 let (sides, lights) = (sphere.side_products(&at), sphere.light_products(&at, &others));

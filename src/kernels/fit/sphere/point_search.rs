@@ -20,11 +20,11 @@ impl PointObjective for Sphere {
         self
     }
 
-    fn exchanged(&self, before: &Moments, kept: &[usize], new: &[DVec3]) -> Moments {
+    fn exchange(&self, before: &Moments, kept: &[usize], new: &[DVec3]) -> Moments {
         self.moments_of(kept.iter().map(|&j| before.directions[j]).chain(new.iter().copied()).collect())
     }
 
-    fn turned(&self, _: &Moments, directions: Vec<DVec3>) -> Moments {
+    fn turn_to(&self, _: &Moments, directions: Vec<DVec3>) -> Moments {
         self.moments_of(directions)
     }
 
@@ -38,7 +38,7 @@ impl PointObjective for Sphere {
 
     fn side_products(&self, at: &Directions) -> DMatrix<f64> {
         let sides = self.widest.dispatch(Sides { sphere: self, directions: &at.directions });
-        let count = self.given.sides();
+        let count = self.reference.sides();
         let value = |i: usize, side: usize| sides[i * count + side].dot(at.directions[i]);
         DMatrix::from_fn(at.directions.len(), count, value)
     }
@@ -47,7 +47,7 @@ impl PointObjective for Sphere {
         vec![SQUARE; at.directions.len()]
     }
 
-    fn placed(&self, direction: DVec3) -> DVec3 {
+    fn place(&self, direction: DVec3) -> DVec3 {
         let in_map = self.field.outward(direction);
         if self.allows(in_map) { in_map } else { in_map.with_y(-in_map.y) }
     }

@@ -9,7 +9,7 @@ use crate::kernels::fit::samples::{Judged, Samples};
 
 /// Irradiance of one disc at a normal, over that at normal incidence, as a function of the cosine.
 ///
-/// Where the horizon cuts the disc, a cubic through a table of the closed form: thousands of normals ask.
+/// If the horizon cuts the disc, it is a cubic through a table of the closed form.
 #[derive(Clone, Debug)]
 struct Profile {
     sine: f64,
@@ -42,11 +42,11 @@ impl Profile {
     }
 }
 
-/// Normals that are looked at in one task.
+/// Normals of one task.
 const NORMALS_OF_A_PART: usize = 1280;
 
-/// How far `rig`, whose lights have these radii, is from `samples`.
-pub fn judged(samples: &Samples, rig: &Rig, radii: &[f64]) -> Judged {
+/// The error of a rig, whose lights have these radii, at the normals of `samples`.
+pub fn evaluate(samples: &Samples, rig: &Rig, radii: &[f64]) -> Judged {
     let profiles: Vec<Profile> = radii.iter().map(|&radius| Profile::new(radius)).collect();
     let ambient = Rig { directions: Vec::new(), irradiance: Vec::new(), ..rig.clone() };
     let at = |i: usize| {
@@ -75,9 +75,9 @@ mod tests {
     use super::*;
     use crate::kernels::sphere::direction;
 
-    /// In parts, the last one shorter than the others.
+    /// 3000 normals are two full tasks and a shorter one.
     #[test]
-    fn discs_of_radius_0_are_judged_as_points_are() {
+    fn discs_of_radius_0_have_the_error_of_points() {
         let normals: Vec<DVec3> =
             (0..3000).map(|i| direction(3.1 * f64::from(i) / 3000.0, 2.4 * f64::from(i))).collect();
         let irradiance = normals.iter().map(|n| DVec3::new(2.0, 1.0 + n.x, 1.5 + n.y * n.z)).collect();
@@ -89,7 +89,7 @@ mod tests {
             irradiance: vec![DVec3::ONE, DVec3::new(0.1, 2.0, 0.3)],
             ..Rig::default()
         };
-        let (discs, points) = (judged(&samples, &rig, &[0.0; 2]), samples.judged(&rig));
+        let (discs, points) = (evaluate(&samples, &rig, &[0.0; 2]), samples.evaluate(&rig));
         assert!((discs.error / points.error - 1.0).abs() < 1e-12, "{} {}", discs.error, points.error);
         assert!((discs.largest / points.largest - 1.0).abs() < 1e-12, "{} {}", discs.largest, points.largest);
     }
