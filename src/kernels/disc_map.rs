@@ -43,7 +43,7 @@ pub fn draw(discs: &Discs, height: usize) -> Result<Array3<f64>> {
     let mut radiance = Array3::zeros((height, 2 * height, 3));
     let positions = discs.directions.iter().zip(&discs.radii);
     for ((&direction, &radius), irradiance) in positions.zip(&discs.irradiance) {
-        let disc = Disc { direction, radius: radius.max(PI / height as f64) };
+        let disc = PixelDisc { direction, radius: radius.max(PI / height as f64) };
         let unit = disc.radiance(&map);
         radiance.outer_iter_mut().into_par_iter().zip(&unit).for_each(|(mut row, unit)| {
             interrupt::check();
@@ -91,12 +91,12 @@ impl Map {
     }
 }
 
-struct Disc {
+struct PixelDisc {
     direction: DVec3,
     radius: f64,
 }
 
-impl Disc {
+impl PixelDisc {
     /// Radiance of each pixel, rows of columns, for an irradiance of 1 at normal incidence.
     fn radiance(&self, map: &Map) -> Vec<Vec<f64>> {
         let uniform = 1.0 / (PI * self.radius.sin().powi(2));

@@ -21,15 +21,15 @@
 
 pub mod clipped;
 pub mod clipping;
+pub mod detection_options;
 pub mod loghin;
-pub mod options;
 pub mod segment;
 
 use ndarray::ArrayView3;
 
 use clipped::{ClippedLights, ClippedMap};
 use clipping::Ceiling;
-pub use options::DetectionOptions;
+pub use detection_options::DetectionOptions;
 use segment::adjacency::Adjacency;
 use segment::components::{self, Segments};
 use segment::light_moments::LightMoments;

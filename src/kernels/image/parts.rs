@@ -82,7 +82,7 @@ pub fn parts(mut cells: Vec<BrightCell>) -> Vec<Part> {
 
 /// A block of pixels.
 #[derive(Clone, Debug)]
-pub struct Block {
+pub struct PixelBlock {
     pub rows: Range<usize>,
     pub columns: Range<usize>,
 }
@@ -96,7 +96,13 @@ struct Sum {
 
 impl BrightCell {
     /// The cell of a `block`: its parts are the sixteenths with more than a `flux`, and the remainder.
-    pub fn new(block: &Block, radiance: ArrayView3<'_, f32>, pixels: &Grid, flux: f64, pixel: Pixel) -> Self {
+    pub fn new(
+        block: &PixelBlock,
+        radiance: ArrayView3<'_, f32>,
+        pixels: &Grid,
+        flux: f64,
+        pixel: Pixel,
+    ) -> Self {
         let theta = 0.5 * (pixels.theta_edges[block.rows.start] + pixels.theta_edges[block.rows.end]);
         let part =
             |sum: &Sum| Part { irradiance: sum.irradiance, spread: sum.spread() + pixel.spread(theta) };
@@ -112,7 +118,7 @@ impl BrightCell {
     }
 }
 
-impl Block {
+impl PixelBlock {
     /// Light of its sixteenths: parts with a fourth of its sides, rounded up to pixels.
     ///
     /// With the width `w` and the azimuth of each pixel, a row of a part has the sums of `L w sin phi`, `L w cos phi` and

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::block_rows::BlockRow;
 use super::grid::Grid;
-use super::parts::{Block, BrightCell, PART_SHARE, Part, Pixel, parts};
+use super::parts::{BrightCell, PART_SHARE, Part, Pixel, PixelBlock, parts};
 use super::samples::check_samples;
 use crate::error::Result;
 use crate::kernels::sphere::{Registration, angles, band_heights};
@@ -74,7 +74,7 @@ pub fn reduce(
     let apart = |&(row, column): &(usize, usize)| {
         let rows = row * block..((row + 1) * block).min(height);
         let columns = column * block..((column + 1) * block).min(width);
-        BrightCell::new(&Block { rows, columns }, radiance, &pixels, worth, pixel)
+        BrightCell::new(&PixelBlock { rows, columns }, radiance, &pixels, worth, pixel)
     };
     let apart_cells: Vec<BrightCell> = cells.par_iter().chain(&bright).map(apart).collect();
     let is_seen = |part: &Part| !has_floor || part.is_up();

@@ -23,9 +23,9 @@ use crate::kernels::sphere::{self, Registration};
 
 /// Settings of a rotation.
 struct RotationSettings {
-    /// Samples along each side of a cell.
+    /// RotatedGrid along each side of a cell.
     side: usize,
-    /// Samples along each side of a cell that may hold a part of a bright cell.
+    /// RotatedGrid along each side of a cell that may hold a part of a bright cell.
     fine_side: usize,
     /// A bright cell has more than this fraction of the flux of any channel.
     bright_fraction: f64,
@@ -44,7 +44,7 @@ const ROTATION: RotationSettings = RotationSettings {
 };
 
 impl RotationSettings {
-    /// Samples of a cell that may hold a part of a bright cell.
+    /// RotatedGrid of a cell that may hold a part of a bright cell.
     const fn fine(&self) -> f64 {
         (self.fine_side * self.fine_side) as f64
     }
@@ -81,8 +81,8 @@ pub fn rotate(radiance: ArrayView3<'_, f32>, rotation: DMat3) -> Result<Array3<f
     Ok(Array3::from_shape_vec((height, width, 3), new.into_flattened()).expect("three samples a pixel"))
 }
 
-/// Samples of the cells after a rotation, and the cells before it that hold them.
-struct Samples<'a> {
+/// RotatedGrid of the cells after a rotation, and the cells before it that hold them.
+struct RotatedGrid<'a> {
     cells: &'a Cells,
     side: usize,
     /// Directions before the rotation of the new pole and of the azimuths on the new equator.
@@ -91,7 +91,7 @@ struct Samples<'a> {
     widest: Arch,
 }
 
-impl<'a> Samples<'a> {
+impl<'a> RotatedGrid<'a> {
     fn new(cells: &'a Cells, rotation: DMat3, side: usize) -> Self {
         let back = rotation.transpose();
         let azimuths = Registration::CellCentred.phis(cells.width * side);
@@ -138,7 +138,7 @@ fn parallel([x, y, z]: [&[f64]; 3], sine: f64, pole: [f64; 3], angles: &mut [[f6
 
 /// The mean of `old` over each new cell, from a few samples.
 fn means(old: &[Rgb], cells: &Cells, rotation: DMat3) -> Vec<Rgb> {
-    let samples = Samples::new(cells, rotation, ROTATION.side);
+    let samples = RotatedGrid::new(cells, rotation, ROTATION.side);
     let mut new = vec![[0.0; 3]; old.len()];
     new.par_chunks_mut(cells.width).enumerate().for_each(|(row, line)| {
         interrupt::check();
@@ -189,7 +189,7 @@ fn add_bright(new: &mut [Rgb], old: &[Rgb], bright: &[usize], cells: &Cells, rot
     }
     let new_cells = new_cells_of(bright, cells, rotation);
     // Count the samples in each bright cell, and sum their solid angle.
-    let samples = Samples::new(cells, rotation, ROTATION.fine_side);
+    let samples = RotatedGrid::new(cells, rotation, ROTATION.fine_side);
     let met: Vec<Vec<(usize, u64)>> =
         new_cells.par_iter().map(|&new_cell| bright_counts(&samples, new_cell, bright)).collect();
     let (mut hits, mut measured) = (vec![0; bright.len()], vec![0.0; bright.len()]);
@@ -213,7 +213,7 @@ fn add_bright(new: &mut [Rgb], old: &[Rgb], bright: &[usize], cells: &Cells, rot
     if few.is_empty() {
         return;
     }
-    let forward = Samples::new(cells, rotation.transpose(), ROTATION.fine_side);
+    let forward = RotatedGrid::new(cells, rotation.transpose(), ROTATION.fine_side);
     for cell in few.into_iter().map(|number| bright[number]) {
         for (new_cell, count) in forward.counts(cell) {
             let factor = cells.area(cell) / cells.area(new_cell) * count as f64 / ROTATION.fine();
@@ -225,7 +225,7 @@ fn add_bright(new: &mut [Rgb], old: &[Rgb], bright: &[usize], cells: &Cells, rot
 }
 
 /// Numbers of the bright cells in a new cell, each with its number of samples.
-fn bright_counts(samples: &Samples<'_>, new_cell: usize, bright: &[usize]) -> Vec<(usize, u64)> {
+fn bright_counts(samples: &RotatedGrid<'_>, new_cell: usize, bright: &[usize]) -> Vec<(usize, u64)> {
     interrupt::check();
     let counts = samples.counts(new_cell).into_iter();
     counts.filter_map(|(cell, count)| Some((bright.binary_search(&cell).ok()?, count))).collect()

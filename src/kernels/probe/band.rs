@@ -102,7 +102,7 @@ fn middle(phi_edges: &[f64], block: usize, width: f64) -> Option<[f32; 3]> {
 }
 
 /// Rows that share one horizon, and the prefix sums over their columns.
-pub struct Band<'a> {
+pub struct HorizonBand<'a> {
     columns: &'a BlockColumns<'a>,
     pairs: Vec<Rows<'a, 2>>,
     /// The last row of an odd number.
@@ -113,7 +113,7 @@ pub struct Band<'a> {
     middles: Vec<Option<[f32; 3]>>,
 }
 
-impl<'a> Band<'a> {
+impl<'a> HorizonBand<'a> {
     /// A band without rows; [`Self::set`] fills it repeatedly.
     pub fn new(columns: &'a BlockColumns<'a>) -> Self {
         Self { columns, pairs: Vec::new(), last: None, prefix: Vec::new(), middles: Vec::new() }

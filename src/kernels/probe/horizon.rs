@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use super::band::{Band, weigh};
+use super::band::{HorizonBand, weigh};
 use super::opposite::VectorFlux;
 use super::rows::Weight;
 use crate::kernels::cell_integrals::RowIntegrals;
@@ -91,7 +91,7 @@ impl Normal {
 
     /// `weights . flux` of the interval of `half_width`, `acos(c)`, around the normal's azimuth.
     #[inline]
-    fn between(&self, c: f64, half_width: f64, weights: DVec3, band: &Band<'_>) -> DVec3 {
+    fn between(&self, c: f64, half_width: f64, weights: DVec3, band: &HorizonBand<'_>) -> DVec3 {
         let s = (1.0 - c * c).sqrt();
         let (cos_n, sin_n) = (self.cos_azimuth, self.sin_azimuth);
         let (start, end) = (self.azimuth - half_width, self.azimuth + half_width);
@@ -170,7 +170,7 @@ pub fn cut(theta_edges: &[f64], steps: Steps) -> (Vec<Weight>, Vec<Slice>) {
 impl Slice {
     /// Irradiance at `normal` from the visible interval of this slice, `half_width` to both sides.
     #[inline]
-    pub fn irradiance(&self, normal: &Normal, half_width: f64, band: &Band<'_>) -> DVec3 {
+    pub fn irradiance(&self, normal: &Normal, half_width: f64, band: &HorizonBand<'_>) -> DVec3 {
         let (c, weights) = (normal.cosine(self), normal.weights(self));
         if c >= 1.0 {
             DVec3::ZERO
@@ -182,7 +182,7 @@ impl Slice {
     }
 
     /// Add the vector flux of the slice to `flux`.
-    pub fn add_whole(&self, band: &Band<'_>, flux: &mut VectorFlux) {
+    pub fn add_whole(&self, band: &HorizonBand<'_>, flux: &mut VectorFlux) {
         let [cos, sin, one] = *band.total();
         flux[0] += sin * self.equatorial;
         flux[1] += one * self.polar;

@@ -44,7 +44,7 @@ use super::image::{self, Grid, WorkingMap};
 use super::sphere::{self, Registration, check_lengths, check_rows, unit_vectors};
 use crate::error::{Error, Result};
 use crate::interrupt;
-use band::{Band, BlockColumns};
+use band::{BlockColumns, HorizonBand};
 use bright::Limits;
 use horizon::{Normal, ROWS_OF_A_RUN, Steps};
 use opposite::VectorFlux;
@@ -181,12 +181,12 @@ fn under_cells(
 }
 
 /// Irradiance at some normals, and the vector flux of the summed rows.
-struct Sums {
+struct PartialIrradiance {
     irradiance: Vec<DVec3>,
     flux: VectorFlux,
 }
 
-impl Sums {
+impl PartialIrradiance {
     fn new(normals: usize) -> Self {
         Self { irradiance: vec![DVec3::ZERO; normals], flux: [DVec3::ZERO; 3] }
     }
@@ -207,8 +207,8 @@ fn sum_batches(
     columns: &BlockColumns<'_>,
     steps: Steps,
     normals: &[DVec3],
-) -> Sums {
-    let mut sums = Sums::new(0);
+) -> PartialIrradiance {
+    let mut sums = PartialIrradiance::new(0);
     for normals in normals.chunks(NORMALS_AT_ONCE) {
         let normals: Vec<Normal> = normals.iter().map(|&n| Normal::new(n)).collect();
         let batch = sum_rows(rows, grid, columns, steps, &normals);
@@ -225,30 +225,30 @@ fn sum_rows(
     columns: &BlockColumns<'_>,
     steps: Steps,
     normals: &[Normal],
-) -> Sums {
+) -> PartialIrradiance {
     let runs = (rows.len() / ROWS_OF_A_RUN).clamp(1, MOST_RUNS);
-    let sums: Vec<Sums> = (0..runs)
+    let sums: Vec<PartialIrradiance> = (0..runs)
         .into_par_iter()
         .map_init(
-            || Band::new(columns),
+            || HorizonBand::new(columns),
             |band, run| {
                 let (first, last) = (run * rows.len() / runs, (run + 1) * rows.len() / runs);
                 sum_run(band, &rows[first..last], &grid.theta_edges[first..=last], steps, normals)
             },
         )
         .collect();
-    sums.into_iter().fold(Sums::new(normals.len()), Sums::plus)
+    sums.into_iter().fold(PartialIrradiance::new(normals.len()), PartialIrradiance::plus)
 }
 
 /// Sum of a run of rows at each normal, band by band.
 fn sum_run<'a>(
-    band: &mut Band<'a>,
+    band: &mut HorizonBand<'a>,
     rows: &[&'a [[f32; 3]]],
     theta_edges: &[f64],
     steps: Steps,
     normals: &[Normal],
-) -> Sums {
-    let mut sums = Sums::new(normals.len());
+) -> PartialIrradiance {
+    let mut sums = PartialIrradiance::new(normals.len());
     let mut half_widths = Vec::with_capacity(normals.len());
     for (i, rows) in rows.chunks(steps.rows).enumerate() {
         interrupt::check();

@@ -34,7 +34,7 @@ pub fn ring_pixels(
     threshold: f32,
 ) -> Vec<(usize, u32)> {
     let lights = members.iter().map(|&(_, light)| light + 1).max().unwrap_or(0);
-    let mut profiles = vec![Profile::default(); lights];
+    let mut profiles = vec![RingProfile::default(); lights];
     let mut front = Front::new(map, members);
     let mut pixels: Vec<(usize, u32, usize)> = Vec::new();
     for ring in 0..front.rings.len() {
@@ -59,7 +59,7 @@ pub fn ring_pixels(
 
 /// Luminance of the rings of one light, from the inside out.
 #[derive(Clone, Default)]
-struct Profile {
+struct RingProfile {
     /// Luminance of the pixels of the growing ring.
     growing: Vec<f32>,
     /// Median luminance of the closed rings.
@@ -68,7 +68,7 @@ struct Profile {
     width: Option<usize>,
 }
 
-impl Profile {
+impl RingProfile {
     /// Close the growing ring, and end the light at the first ring after which luminance no longer falls.
     fn close_ring(&mut self, threshold: f32) {
         self.medians.push(median(&mut self.growing));
