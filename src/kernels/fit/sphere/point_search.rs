@@ -9,9 +9,9 @@ use glam::DVec3;
 use nalgebra::DMatrix;
 use pulp::{Simd, WithSimd};
 
+use super::closed_form::{Sides, Sphere};
 use super::kernel::{Block, SQUARE};
 use super::lights::values;
-use super::{Sides, Sphere};
 use crate::kernels::fit::objective::{Directions, Moments, Objective, PointObjective};
 use crate::kernels::lanes::LANES;
 
