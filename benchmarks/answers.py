@@ -184,7 +184,7 @@ def lights_summary(rows):
     """Describe lights without a counterpart, and how far the others moved."""
     lost, angles, ratios, suns = [], [], [], []
     for key, (one, other) in rows.items():
-        pairs = list(matched(one, other))
+        pairs = list(pairs_of_lights(one, other))
         lost += [(key[0], round(share, 4)) for share, match in pairs if match is None]
         angles += [match[0] for _, match in pairs if match]
         ratios += [match[1] for _, match in pairs if match]
@@ -198,7 +198,7 @@ def lights_summary(rows):
     )
 
 
-def matched(one, other):
+def pairs_of_lights(one, other):
     """Yield the flux fraction of each light, with the angle and flux ratio of its counterpart."""
     towards = np.reshape(other["direction"], (-1, 3))
     columns = (one["direction"], one["flux"], one["flux_share"], one["solid_angle"])

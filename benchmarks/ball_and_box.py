@@ -1,4 +1,4 @@
-"""The still life of `plot.scene` from all sides, as it is chance where a shadow falls from one."""
+"""Scene of `plot.scene` from all sides, because the shadows from one side depend on chance."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Detection on 8-bit twins of real HDR maps: what is left of the lights when white cuts them off.
+"""Detection on 8-bit versions of HDR maps, compared with the lights of the HDR maps.
 
 Usage: ENVLIGHTS_MAPS=maps python benchmarks/clipped_maps.py [--width 1024] [--maps N]
 
@@ -55,7 +55,7 @@ def median_at(level):
 
 
 def clipped(share):
-    """Linear, with the luminance above white on this share of the sphere."""
+    """Linear, with this fraction of the sphere above the clip level."""
     return lambda radiance: radiance / quantile(radiance, 1 - share)
 
 
@@ -213,16 +213,16 @@ def line(scores):
 
 
 def families():
-    """Lines on the generated maps that are pictures clipped at white, as 8 bits."""
+    """Lines on the generated maps as clipped 8-bit pictures."""
     for name in ("plain", "hard"):
-        worlds = [getattr(synthetic, name)(seed) for seed in synthetic.JUDGING]
+        worlds = [getattr(synthetic, name)(seed) for seed in synthetic.EVALUATION]
         worlds = [world for world in worlds if "clipped" in world.note or "8 bit" in world.note]
         found = [el.detect(eight_bits(world.radiance)) for world in worlds]
         results = zip(worlds, found, strict=True)
-        judged = synthetic.judge([(world, e.direction, e.flux) for world, e in results])
+        score = synthetic.evaluate([(world, e.direction, e.flux) for world, e in results])
         yield (
-            f"{name}: {len(worlds)} maps, precision {judged.precision:.2f}, recall"
-            f" {judged.recall:.2f}, {judged.false_on_lightless} false on maps without lights"
+            f"{name}: {len(worlds)} maps, precision {score.precision:.2f}, recall"
+            f" {score.recall:.2f}, {score.false_on_lightless} false on maps without lights"
         )
 
 

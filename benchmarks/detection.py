@@ -28,7 +28,7 @@ def main():
     parser.add_argument("--tuning", action="store_true", help="the seeds that thresholds may see")
     parser.add_argument("--only", nargs="+", choices=DETECTORS, default=list(DETECTORS))
     options = parser.parse_args()
-    seeds = synthetic.TUNING if options.tuning else synthetic.JUDGING
+    seeds = synthetic.TUNING if options.tuning else synthetic.EVALUATION
     for family, make in FAMILIES.items():
         worlds = [make(seed) for seed in seeds]
         lightless = sum(not len(world.lights) for world in worlds)
@@ -52,7 +52,7 @@ def row(name, worlds):
         found = DETECTORS[name](world.radiance)
         seconds.append(time.perf_counter() - start)
         results.append((world, *found))
-    score = synthetic.judge(results)
+    score = synthetic.evaluate(results)
     median, high = np.percentile(score.angles_deg, [50, 95]) if len(score.angles_deg) else (90, 90)
     error = np.median(score.flux_errors) if len(score.flux_errors) else 1.0
     return (

@@ -1,4 +1,4 @@
-"""Detectors to compare: ours, and what one would build from general image libraries.
+"""Detectors to compare: ours, and simple ones from general image libraries.
 
 Each takes radiance, (height, 2 * height, 3), and returns unit directions and RGB irradiance, both
 (n, 3). The peers get the same fair chance: they know the seam and the poles, count by solid angle
@@ -28,7 +28,7 @@ def ours(**options):
 
 @cache
 def sphere(height, width):
-    """Direction and solid angle of each pixel, which anyone would compute once."""
+    """Direction and solid angle of each pixel, computed once for all maps."""
     directions = el.kernels.pixel_directions(height, width)
     return directions, el.kernels.pixel_solid_angles(height, width)
 

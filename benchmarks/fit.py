@@ -1,4 +1,4 @@
-"""The fit beside scipy's and jaxopt's, in one run: how good, how fast, how steady.
+"""Error, run time and stability of the fit, beside SciPy and JAXopt, in one run.
 
 Usage: python benchmarks/fit.py [tradeoff] [starts] [search] [speed] [stability]
            [--every N] [--starts N] [--scipy N] [--before PYTHON]

@@ -1,4 +1,4 @@
-"""A ball and a box on a floor, rendered by Mitsuba: what a fit gains that knows of the floor.
+"""A ball and a box on a floor, rendered by Mitsuba: the gain of `floor=True`.
 
 The truth is the image under the map itself, from eight sides. `worst` is the ratio of the worst
 side. `noise` is that of the mean of the two images, relative RMS. Lights are points: what is

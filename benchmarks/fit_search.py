@@ -20,7 +20,7 @@ AMBIENTS = ("constant", "none", "sh2")
 #: Errors below this count as equal: the working map of `fit` has no smaller one.
 FLOOR = 1e-4
 #: Normals of scipy's problem, of the descents to the bottom, and of the errors.
-ROUGH, DENSE, JUDGING = (kernels.icosphere(count) for count in (1280, 5120, 20480))
+ROUGH, DENSE, EVALUATION = (kernels.icosphere(count) for count in (1280, 5120, 20480))
 
 
 def table(every, starts, scipy_starts):
@@ -47,10 +47,10 @@ class Case:
 
     def __init__(self, env, lights, ambient):
         self.env, self.lights, self.ambient = env, lights, ambient
-        self.dense, self.judging = env.probe(DENSE[0]), env.probe(JUDGING[0])
+        self.dense, self.irradiance = env.probe(DENSE[0]), env.probe(EVALUATION[0])
 
     def compared(self, rng, starts, scipy_starts):
-        """Our error over the lowest, and who found that."""
+        """Ratio of our error to the lowest, and the search that found it."""
         ours = el.fit(self.env, self.lights, ambient=self.ambient, sizes=False)
         rigs = {"fit": [ours], "fit_probe": [self.on_dense(), self.on_dense(ours)]}
         rigs["random"] = [
@@ -85,7 +85,7 @@ class Case:
 
     def error(self, rig):
         """Relative error at the evaluation normals."""
-        return kernels.relative_rms(rig.probe(JUDGING[0]), self.judging, JUDGING[1])
+        return kernels.relative_rms(rig.probe(EVALUATION[0]), self.irradiance, EVALUATION[1])
 
 
 def directions(towards):

@@ -1,4 +1,4 @@
-"""A ball and a box on a floor, rendered by Mitsuba: what sizes of the lights gain.
+"""A ball and a box on a floor, rendered by Mitsuba: the gain of lights with a size.
 
 The truth is the image under the map itself, from eight sides. Each rig is that of `fit` without
 sizes, or with sizes for an objective. For each the table has the error of the probe, the error with

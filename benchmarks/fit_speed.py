@@ -151,7 +151,7 @@ def by_lights():
 
 
 def run(python, code, arguments, **environment):
-    """Run `code` in a new process; return what it prints as JSON."""
+    """Run `code` in a new process; return its JSON output."""
     environment = os.environ | {name: str(value) for name, value in environment.items()}
     command = [python, "-c", code, *map(str, arguments)]
     return json.loads(subprocess.check_output(command, env=environment, text=True))

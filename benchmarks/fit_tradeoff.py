@@ -9,7 +9,7 @@ from zlib import crc32
 
 import numpy as np
 import probes
-from fit_search import FLOOR, JUDGING
+from fit_search import EVALUATION, FLOOR
 from stopwatch import least_seconds
 from tests.helpers import NORMALS, SOLID_ANGLES
 from tests.reference import peers
@@ -47,7 +47,7 @@ class Case:
     def __init__(self, name, env, lights):
         self.env, self.lights = env, lights
         self.scale = env.probe(NORMALS).max()
-        self.judging = env.probe(JUDGING[0])
+        self.irradiance = env.probe(EVALUATION[0])
         self.problem = peers.Problem(NORMALS, SOLID_ANGLES, probes.probe(env), lights)
         self.rng = np.random.default_rng([crc32(name.encode()), lights])
 
@@ -67,8 +67,8 @@ class Case:
             seconds = least_seconds(methods, rounds=3)
         first, second, *unknowns = answers
         errors = {
-            first: self.error(answers[first].probe(JUDGING[0])),
-            second: self.error(self.scale * answers[second].probe(JUDGING[0])),
+            first: self.error(answers[first].probe(EVALUATION[0])),
+            second: self.error(self.scale * answers[second].probe(EVALUATION[0])),
             **{method: self.error_of_unknowns(answers[method]) for method in unknowns},
         }
         return {method: (errors[method], seconds[method]) for method in methods} | self.by_random()
@@ -90,11 +90,11 @@ class Case:
         """Relative error; infinite where a radiance is negative."""
         if not self.problem.is_possible(x):
             return np.inf
-        return self.error(self.scale * kernels.probe_model(self.problem.whole(x), JUDGING[0]))
+        return self.error(self.scale * kernels.probe_model(self.problem.whole(x), EVALUATION[0]))
 
     def error(self, irradiance):
         """Relative error of the irradiance at the evaluation normals."""
-        return kernels.relative_rms(irradiance, self.judging, JUDGING[1])
+        return kernels.relative_rms(irradiance, self.irradiance, EVALUATION[1])
 
 
 def by_scipy(problem, start):

@@ -1,4 +1,4 @@
-"""Draw every figure for every map of a folder, to look at: python benchmarks/gallery.py MAPS OUT.
+"""Draw all figures for all maps of a folder: python benchmarks/gallery.py MAPS OUT.
 
 MAPS is searched with its folders; OUT gets a PNG for each map and figure. Prints the seconds of
 processor time that each takes.

@@ -46,7 +46,7 @@ def write_map(path, height):
 
 
 def growth(path, work):
-    """By how many bytes a call grows a process at most."""
+    """Largest number of bytes by which a call grows a process."""
     with tempfile.TemporaryDirectory() as folder:
         tiny = Path(folder) / path.name
         write_map(tiny, 512)

@@ -6,13 +6,13 @@ from pathlib import Path
 
 
 def alone(function, *arguments):
-    """Run a function in a fresh process; what ends that is raised here."""
+    """Run a function in a new process; its errors are raised here."""
     with ProcessPoolExecutor(1, get_context("spawn")) as pool:
         return pool.submit(function, *arguments).result()
 
 
 def peak(work):
-    """By how many bytes `work` makes this process grow at most."""
+    """Largest number of bytes by which `work` grows this process."""
     before = _bytes("VmRSS")
     # From now on the peak is counted anew.
     Path("/proc/self/clear_refs").write_text("5")

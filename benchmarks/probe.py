@@ -30,7 +30,7 @@ def megabytes():
 
 
 def memory(radiance):
-    """Print the memory that each call adds; what the calls need on any map is there already."""
+    """Print the memory that each call adds, beyond what the calls need on any map."""
     tiny = sunny_map(64)
     work = {
         "env.probe, 320 normals": lambda array: el.EnvMap(array).probe(NORMALS),

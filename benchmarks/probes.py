@@ -1,4 +1,4 @@
-"""Maps of all kinds, and white probes under them: what the fits are compared on."""
+"""Maps of all kinds, and white probes under them, for comparisons of fits."""
 
 from tests.helpers import EQUIRECTANGULAR, NORMALS, paths_of_real_maps
 
@@ -23,7 +23,7 @@ def paths():
 def generated_maps():
     """The hall of the demo, and some of each family of random maps."""
     worlds = {"hall": synthetic.hall(256)}
-    for seed in synthetic.JUDGING[:GENERATED]:
+    for seed in synthetic.EVALUATION[:GENERATED]:
         for make in (synthetic.plain, synthetic.hard):
             worlds[f"{make.__name__} {seed}"] = make(seed, 256)
     return {name: el.EnvMap(world.radiance) for name, world in worlds.items()}
@@ -35,6 +35,6 @@ def real_and_generated():
 
 
 def probe(env):
-    """Its greatest irradiance 1, so that one kind of start suits all."""
+    """Probe scaled to a largest irradiance of 1, so that one kind of start suits all."""
     irradiance = env.probe(NORMALS)
     return irradiance / irradiance.max()

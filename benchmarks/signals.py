@@ -212,7 +212,7 @@ def measure(name):
 
 
 def _interrupt(call, given, seconds):
-    """Seconds between the signal and KeyboardInterrupt; None if the call was over before."""
+    """Seconds between the signal and KeyboardInterrupt; None if the call ended earlier."""
     sent, is_over = [], False
 
     def send():

@@ -1,4 +1,4 @@
-"""Lights and rest of real maps beside the maps themselves: closure, images, noise and time.
+"""Split maps beside the maps themselves: closure, images, noise and time.
 
     ENVLIGHTS_MAPS=folder python benchmarks/split.py
 
@@ -42,7 +42,7 @@ def main():
 
 
 def _image(env, parts):
-    """The azimuth from which the scene is seen, that of the brightest light, and its image."""
+    """Azimuth of the brightest light, from which the scene is viewed, and its image."""
     azimuth = 2 * np.pi * el.kernels.direction_to_uv(parts.lights.direction[:1])[0, 0]
     return azimuth, _still(env, azimuth, _EXACT, 1)
 

@@ -1,4 +1,4 @@
-"""Comparable run times: pieces of work take turns, and the least of many rounds counts."""
+"""Comparable run times: pieces of work alternate, and the least of many rounds counts."""
 
 import time
 

@@ -127,7 +127,7 @@ def compressed_frames(threads):
 
 
 def errors(name, direct, indirect, learnt, rank):
-    """Relative errors of the pairs after the first `learnt`, and what the report says of them."""
+    """Relative errors of the pairs after the first `learnt`, and the errors in the report."""
     print(f"\n{name}: {learnt} pairs, rank {rank}, {len(direct) - learnt} unseen")
     new = slice(learnt, None)
     truth = np.linalg.norm(indirect[new].reshape(len(direct) - learnt, -1), axis=1)

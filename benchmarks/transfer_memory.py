@@ -1,4 +1,4 @@
-"""Memory that learning from files takes, beside the size of the images.
+"""Memory of learning from files, beside the size of the images.
 
 Each line is a process of its own. Allocated: pages that only more memory can make room for. Mapped:
 pages of the file that the images are kept in, which the system drops as soon as it needs them.

@@ -1,1 +1,1 @@
-"""Tests, beside the names of what they test; `reference` holds slow, plain versions of it."""
+"""Tests, in the folders of the package; `reference` has slow, plain versions of its methods."""

@@ -1,4 +1,4 @@
-"""Public functions, and what they may be given: a table from which calls are generated.
+"""Table of public functions with their arguments, from which calls are generated.
 
 To add a function, add a row: its name, the function, and a strategy for each of its parameters.
 Arguments that it should take are drawn from those strategies; in every second call one of them is

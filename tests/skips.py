@@ -60,7 +60,7 @@ def _sunny(height):
 
 
 def _clutter(height):
-    return synthetic.hard(synthetic.JUDGING[0], height).radiance.astype(np.float32)
+    return synthetic.hard(synthetic.EVALUATION[0], height).radiance.astype(np.float32)
 
 
 #: Radiance of each scene, made for a number of rows.

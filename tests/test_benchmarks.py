@@ -1,4 +1,4 @@
-"""Errors that the benchmarks measure, and the peers that they compare."""
+"""Errors and peers of the benchmarks."""
 
 import json
 import subprocess
@@ -23,10 +23,15 @@ def curves():
     sys.path.insert(0, str(ROOT / "benchmarks"))
     try:
         import stopwatch
-        from curves import judge, page, peers_of_lights, results, scale
+        from curves import errors_of_rigs, page, peers_of_lights, results, scale
         from tables import second_run
 
-        found = {"judge": judge, "page": page, "peers": peers_of_lights, "stopwatch": stopwatch}
+        found = {
+            "errors": errors_of_rigs,
+            "page": page,
+            "peers": peers_of_lights,
+            "stopwatch": stopwatch,
+        }
         yield found | {"results": results, "scale": scale, "second_run": second_run}
     finally:
         sys.path.remove(str(ROOT / "benchmarks"))
@@ -38,11 +43,11 @@ def env():
 
 
 def test_the_judge_agrees_with_the_closed_forms_of_a_report(curves, env):
-    judge = curves["judge"].Judge(env)
+    evaluation = curves["errors"].Evaluation(env)
     for sizes in (True, False):
         rig = el.fit(env, lights=3, sizes=sizes)
-        assert judge.probe_error(rig) == pytest.approx(rig.error, rel=0.02)
-        assert judge.shadow_error(rig) == pytest.approx(rig.report.shadow_error, rel=0.02)
+        assert evaluation.probe_error(rig) == pytest.approx(rig.error, rel=0.02)
+        assert evaluation.shadow_error(rig) == pytest.approx(rig.report.shadow_error, rel=0.02)
 
 
 @pytest.mark.parametrize("name", ["median_cut", "variance_cuts", "k_means"])
@@ -54,8 +59,8 @@ def test_peers_keep_all_flux(curves, env, name):
 
 @pytest.mark.parametrize("name", ["median_cut", "variance_cuts", "k_means", "importance_samples"])
 def test_more_lights_of_a_peer_have_less_error(curves, env, name):
-    judge, find = curves["judge"].Judge(env), getattr(curves["peers"], name)
-    few, many = (judge.probe_error(find(env.radiance, count)) for count in (4, 256))
+    evaluation, find = curves["errors"].Evaluation(env), getattr(curves["peers"], name)
+    few, many = (evaluation.probe_error(find(env.radiance, count)) for count in (4, 256))
     assert many < few / 4
 
 

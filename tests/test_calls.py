@@ -1,4 +1,4 @@
-"""Whatever a public function is given, it answers or refuses: nothing else gets out."""
+"""Public functions return a result or raise `EnvLightsError`, for any arguments."""
 
 import collections
 import inspect

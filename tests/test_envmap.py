@@ -1,4 +1,4 @@
-"""Maps from arrays: what is taken as it is, what is cleaned, what is refused."""
+"""Maps from arrays: values that are unchanged, cleaned or refused."""
 
 import numpy as np
 import pytest
@@ -51,14 +51,14 @@ def test_codes_are_read_in_either_byte_order():
     codes = np.arange(4 * 8 * 3).reshape(4, 8, 3) * 600
     little, big = (el.EnvMap(codes.astype(order)) for order in ("<u2", ">u2"))
     np.testing.assert_array_equal(little.radiance, big.radiance)
-    assert little.notes == big.notes == ("uint16 samples were taken as sRGB-coded and linearised",)
+    assert little.notes == big.notes == ("uint16 samples were decoded from sRGB",)
 
 
 def test_integer_arrays_are_taken_as_srgb_and_noted():
     codes = np.full((4, 8, 3), 188, np.uint8)
     env = el.EnvMap(codes)
     np.testing.assert_allclose(env.radiance, ((188 / 255 + 0.055) / 1.055) ** 2.4, rtol=1e-6)
-    assert env.notes == ("uint8 samples were taken as sRGB-coded and linearised",)
+    assert env.notes == ("uint8 samples were decoded from sRGB",)
 
 
 def test_unusable_samples_are_cleaned_and_counted():
@@ -111,8 +111,8 @@ def test_unknown_choices_are_refused(name, wanted):
     ("array", "note"),
     [
         (np.dstack([RADIANCE, np.full(RADIANCE.shape[:2], 0.5)]), "alpha was ignored"),
-        (RADIANCE[..., 0], "the only channel was taken as grey"),
-        (RADIANCE[..., :1], "the only channel was taken as grey"),
+        (RADIANCE[..., 0], "the only channel was read as grey"),
+        (RADIANCE[..., :1], "the only channel was read as grey"),
     ],
 )
 def test_other_channels_are_taken_as_those_of_files_with_a_note(array, note):

@@ -17,7 +17,7 @@ def tree_of(source: Path) -> Tree:
     for file in source.rglob("*.rs"):
         name = "::".join(file.relative_to(source).with_suffix("").parts)
         text = re.sub(r"//.*", "", file.read_text())
-        test_only = r"#\[cfg\(test\)\]\s*(#\[[^\n]*\]\s*)*mod \w+"
+        test_only = r"#\[cfg\(test\)\]\s*(#\[[^\n]*\]\s*)*(pub )?mod \w+"
         code[name.removesuffix("::mod")] = re.sub(test_only + r"(;|\s*\{.*)", "", text, flags=re.S)
     declared = {
         f"{module}::{child}".removeprefix("lib::")

@@ -1,4 +1,4 @@
-"""The package as a whole: what `import envlights` brings, and what imports what."""
+"""The package as a whole: the names and the imports of `import envlights`."""
 
 import ast
 import subprocess

@@ -1,4 +1,4 @@
-"""Progress bars: where they show, and that they change nothing."""
+"""Progress bars: their places, and results without a change."""
 
 import subprocess
 import sys

@@ -76,7 +76,7 @@ def results():
         "Learnt": model().learnt,
         "Room": room(),
         "Scene": scene,
-        "Score": el.synthetic.judge([(scene, nothing, nothing)]),
+        "Score": el.synthetic.evaluate([(scene, nothing, nothing)]),
     }
 
 

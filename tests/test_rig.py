@@ -138,7 +138,7 @@ def test_the_table_says_where_each_light_is_and_how_wrong_the_rig_is():
     assert "note: alpha was ignored" in text
     report = a_rig().report.verbose()
     assert "error by number of lights, as points: 0: 50 %  1: 30 %; with sizes: 25 %" in report
-    assert "\nwith shadows 3.1 %\n" in report
+    assert "\nerror with shadows 3.1 %\n" in report
     assert "error in red, green, blue: 20 %  25 %  30 %; largest 50 %" in report
     assert (
         "ambient term 'constant' selected from  none: 3 lights, 50 %  constant: 2 lights, 25 %"

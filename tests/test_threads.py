@@ -1,4 +1,4 @@
-"""The threads of the kernels: where the system gives none, and how many there are."""
+"""Threads of the kernels: their number, and systems without threads."""
 
 import os
 import subprocess

@@ -1,4 +1,4 @@
-"""The checks of words find what they should, and nothing else."""
+"""Checks of words: violations that they report, and text that they accept."""
 
 import re
 import subprocess

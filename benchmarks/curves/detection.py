@@ -52,7 +52,7 @@ def are_comparable(our, their):
 def points(_, effort):
     """Yield a point for each family, method and setting."""
     count = FEW_MAPS if effort.is_quick else MAPS if effort.is_judged else TIMED_MAPS
-    seeds = synthetic.JUDGING[:count]
+    seeds = synthetic.EVALUATION[:count]
     for make in (synthetic.plain, synthetic.hard):
         worlds = [make(seed) for seed in seeds]
         yield from _on(make.__name__, worlds, [world.radiance for world in worlds], 1.0, effort)
@@ -71,7 +71,9 @@ def _on(case, worlds, images, whites, effort):
     whites, errors = np.broadcast_to(whites, len(worlds)), {}
     for key, (find, seen) in methods.items():
         rows = zip(worlds, _all(find, seen), whites, strict=True)
-        score = synthetic.judge([(w, towards, flux * white) for w, (towards, flux), white in rows])
+        score = synthetic.evaluate(
+            [(w, towards, flux * white) for w, (towards, flux), white in rows]
+        )
         errors[key] = _errors(score)
     few = images[:TIMED_MAPS]
     seconds = run_times(

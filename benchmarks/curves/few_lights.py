@@ -10,7 +10,7 @@ from functools import partial
 
 import numpy as np
 from curves import peers_of_lights as peers
-from curves.judge import Judge
+from curves.errors_of_rigs import Evaluation
 from curves.results import point, run_times, those_installed, warm_up
 
 import envlights as el
@@ -75,8 +75,8 @@ def points(maps, effort):
 
 def errors_of(env, work, is_quick):
     """Both errors of each method, the medians of those that draw anew."""
-    judge, found = Judge(env), {}
-    kinds = {"probe": judge.probe_error, "shadows": judge.shadow_error}
+    evaluation, found = Evaluation(env), {}
+    kinds = {"probe": evaluation.probe_error, "shadows": evaluation.shadow_error}
     for key, find in work.items():
         answers = [find() for _ in range(DRAWS if key[0] in DRAWN and not is_quick else 1)]
         errors = {name: [error(each) for each in answers] for name, error in kinds.items()}

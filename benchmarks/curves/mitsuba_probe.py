@@ -1,4 +1,4 @@
-"""A white probe that Mitsuba renders at any normals, as a user would who has no probe."""
+"""A white probe at any normals, rendered by Mitsuba."""
 
 import numpy as np
 from tests.reference.mitsuba_images import film, rgb

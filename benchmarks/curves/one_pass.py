@@ -29,7 +29,7 @@ def maps(quick):
     found = {name: env for name, env in found.items() if env.height % 128 == 0}
     generated = {} if quick and found else {"hall": el.synthetic.hall(512)}
     if not quick:
-        generated["hard"] = el.synthetic.hard(el.synthetic.JUDGING[0])
+        generated["hard"] = el.synthetic.hard(el.synthetic.EVALUATION[0])
     for name, world in generated.items():
         found[name] = el.EnvMap(np.ascontiguousarray(world.radiance, np.float32))
     return found

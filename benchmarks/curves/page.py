@@ -131,7 +131,7 @@ def _is_matched(our, their, error):
 
 
 def _slopes(part, points):
-    """For what grows, a table of run times with their slopes; and the memory, where it is there."""
+    """Tables of run time by size with exponents, and of memory if it was measured."""
     text = []
     for case in dict.fromkeys(point.case for point in points):
         found = [point for point in points if point.case == case]

@@ -9,7 +9,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
-from curves.judge import Surroundings
+from curves.errors_of_rigs import Surroundings
 from scipy.special import sph_harm_y
 from tests.helpers import NORMALS, SOLID_ANGLES
 from tests.reference import peers
@@ -26,7 +26,7 @@ THRESHOLDS = (0.5, 2.0, 8.0)
 
 @cache
 def sphere(height):
-    """Directions and solid angles of pixels, which anyone would compute once."""
+    """Directions and solid angles of pixels, computed once for all maps."""
     return kernels.pixel_directions(height, 2 * height), kernels.pixel_solid_angles(
         height, 2 * height
     )
@@ -244,7 +244,7 @@ def _sources(text):
 
 
 def _with_the_rest(radiance, towards, colours, radii):
-    """Discs, and an ambient term of all the flux that they leave."""
+    """Discs, and an ambient term with the remaining flux."""
     flux = colours * (np.pi * np.sin(radii) ** 2)[:, None]
     _, solid_angles = sphere(len(radiance))
     left = (radiance * solid_angles[..., None]).sum(axis=(0, 1)) - flux.sum(axis=0)

@@ -99,7 +99,7 @@ def _panels(part, points):
 
 
 def _best(lines, across):
-    """For some errors the method that reaches each with the least of what the axis shows."""
+    """Method that reaches each of some errors at the least value of the axis."""
     rows = [(*row, method) for method, rows in lines.items() for row in rows]
     low, high = min(row[1] for row in rows), max(row[1] for row in rows)
     # The wider the range, the fewer the steps.

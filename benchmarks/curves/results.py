@@ -102,7 +102,7 @@ def point(part, case, method, setting, errors, **rounds):
 
 
 def _round_numbers(processes):
-    """To four digits, which is more than any of them tells."""
+    """Four digits of each number, which is more than their accuracy."""
     return [[float(f"{seconds:.4g}") for seconds in process] for process in processes]
 
 

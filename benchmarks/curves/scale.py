@@ -107,7 +107,7 @@ def hall(height):
 
 
 def peak(method, pixels):
-    """Megabytes that a call takes at most, beyond those of its process before it."""
+    """Peak megabytes of a call, beyond those of its process before it."""
     return memory.alone(_memory_growth, method, pixels) / 2**20
 
 

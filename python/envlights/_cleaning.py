@@ -20,7 +20,7 @@ def linear(array: NDArray[Any], notes: list[str]) -> NDArray[np.float32]:
         # A float64 sample beyond float32 becomes infinite, and `cleaned` replaces it.
         with np.errstate(over="ignore"):
             return for_kernels(array, np.float32)
-    notes.append(f"{array.dtype.name} samples were taken as sRGB-coded and linearised")
+    notes.append(f"{array.dtype.name} samples were decoded from sRGB")
     return decode_codes(array)
 
 

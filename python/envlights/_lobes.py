@@ -41,7 +41,7 @@ def lobes(
 
 
 def _sharpness(spread: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Sharpness of lobes whose mean of 1 - cos is `spread`, below 1: 1 + 1/k - coth k, inverted."""
+    """Sharpness k of lobes with the mean 1 - cos `spread`, below 1: inverse of 1 + 1/k - coth k."""
     # Start near the solution (Banerjee et al. 2005, equation 4.4), and take Newton's steps.
     mean = 1 - spread
     k = mean * (3 - mean**2) / (spread * (1 + mean))

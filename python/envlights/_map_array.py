@@ -1,4 +1,4 @@
-"""Arrays that stand for a map, as RGB."""
+"""Arrays of maps as RGB."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from envlights._native import EnvLightsError
 
 
 def map_array(radiance: ArrayLike, notes: list[str]) -> NDArray[Any]:
-    """`radiance` as an array (height, 2 * height, 3), or a refusal of what can be no map.
+    """`radiance` as an array (height, 2 * height, 3), or a refusal of other shapes.
 
-    Grey arrays and those with alpha are taken as files are; `notes` says so.
+    Grey arrays and arrays with alpha are converted like files; `notes` says so.
     """
     try:
         array = np.asarray(radiance)
@@ -46,7 +46,7 @@ def _rgb(array: NDArray[Any], notes: list[str]) -> NDArray[Any]:
         notes.append("alpha was ignored")
         return array[..., :3]
     if channels == 1:
-        notes.append("the only channel was taken as grey")
+        notes.append("the only channel was read as grey")
         return np.repeat(array.reshape(*array.shape[:2], 1), 3, axis=2)
     raise EnvLightsError(
         "a map must have the shape (height, width, 3), or (height, width) for grey;"

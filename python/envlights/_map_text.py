@@ -1,4 +1,4 @@
-"""Text that a map shows of itself."""
+"""Text of a map."""
 
 from __future__ import annotations
 

@@ -26,8 +26,8 @@ __all__ = [
     "clipped_depth",
     "clipped_light_shares",
     "clipped_share",
-    "decoded_8",
-    "decoded_16",
+    "decode_8",
+    "decode_16",
     "detect_tree",
     "direction_to_uv",
     "disc_map",
@@ -56,7 +56,7 @@ __all__ = [
     "relative_rms",
     "resize_bilinear",
     "rig_irradiance",
-    "rotated",
+    "rotate_map",
     "split_map",
     "sum_over_sources",
     "suppress",
@@ -173,8 +173,8 @@ def clipped_light_shares(
 def clipped_share(
     radiance: _Image, border_sampled: bool, white: float | None
 ) -> tuple[float, float]: ...
-def decoded_16(codes: NDArray[np.uint16], table: NDArray[np.float32]) -> _Image: ...
-def decoded_8(codes: NDArray[np.uint8], table: NDArray[np.float32]) -> _Image: ...
+def decode_16(codes: NDArray[np.uint16], table: NDArray[np.float32]) -> _Image: ...
+def decode_8(codes: NDArray[np.uint8], table: NDArray[np.float32]) -> _Image: ...
 def detect_tree(radiance: _Image, border_sampled: bool, options: TreeOptions) -> TreeDetection: ...
 def direction_to_uv(direction: _Reals) -> _Reals: ...
 def disc_map(height: int, directions: _Reals, irradiance: _Reals, radii: _Reals) -> _Reals: ...
@@ -238,7 +238,7 @@ def rig_irradiance(
     radii: _Reals,
     floor: bool,
 ) -> _Reals: ...
-def rotated(radiance: _Image, matrix: _Reals) -> _Image: ...
+def rotate_map(radiance: _Image, matrix: _Reals) -> _Image: ...
 def split_map(radiance: _Image, border_sampled: bool, lights: _LightPixels) -> MapSplit: ...
 def sum_over_sources(
     normals: _Reals,

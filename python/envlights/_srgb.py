@@ -32,8 +32,8 @@ def decode_srgb(coded: NDArray[np.floating]) -> NDArray[np.float32]:
 def decode_codes(codes: NDArray[Any]) -> NDArray[np.float32]:
     """Linear values of sRGB codes of 8 or 16 bits, (h, w, 3); the largest code is 1."""
     if codes.dtype.itemsize == 1:
-        return _native.decoded_8(np.ascontiguousarray(codes, dtype=np.uint8), _values(8))
-    return _native.decoded_16(np.ascontiguousarray(codes, dtype=np.uint16), _values(16))
+        return _native.decode_8(np.ascontiguousarray(codes, dtype=np.uint8), _values(8))
+    return _native.decode_16(np.ascontiguousarray(codes, dtype=np.uint16), _values(16))
 
 
 @cache

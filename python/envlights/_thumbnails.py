@@ -66,7 +66,7 @@ def expose(radiance: NDArray[np.floating], white: float) -> NDArray[np.uint8]:
 
 
 def of_map(radiance: NDArray[np.floating]) -> NDArray[np.uint8]:
-    """Codes of a picture of a map, exposed so that lamps stand out."""
+    """Codes of a picture of a map, exposed so that its lamps are visible."""
     small = shrink(radiance, _COLUMNS)
     return expose(small, white_of(small)[0])
 

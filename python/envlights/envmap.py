@@ -223,7 +223,7 @@ class EnvMap(MapPixels):
         )
 
     def rotated(self, matrix: ArrayLike) -> EnvMap:
-        """Rotate the map: the radiance from d then comes from ``matrix @ d``.
+        """Rotate the map, so that the radiance from d comes from ``matrix @ d``.
 
         Parameters
         ----------

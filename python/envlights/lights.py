@@ -256,7 +256,7 @@ class Lights(Result):
         return self
 
     def rotated(self, matrix: ArrayLike) -> Lights:
-        """Rotate the lights: one from the direction d then comes from ``matrix @ d``.
+        """Rotate the lights, so that a light from d comes from ``matrix @ d``.
 
         Parameters
         ----------

@@ -135,8 +135,8 @@ class _Light:
         )
         low, high = _true_factors(1 + missing / self.flux)
         return missing, (
-            f"an estimate, with the ground as light meter; the true factor is {low:.2g} to"
-            f" {high:.2g} in two of three maps"
+            "an estimate from the brightness of the ground (in two of three maps, the true factor"
+            f" is between {low:.2g} and {high:.2g})"
         )
 
     def up_to(self, irradiance: float | None, ratio: float | None) -> tuple[float, str]:

@@ -203,11 +203,11 @@ class FitReport(Result):
     def _details(self) -> list[str]:
         """Lines for authors."""
         return [
-            f"measured on {self.measured_on}" if self.measured_on else "",
+            f"errors measured at {self.measured_on}" if self.measured_on else "",
             *self._by_channel(),
-            self.with_shadows(),
+            f"error {self.with_shadows()}" if self.with_shadows() else "",
             *self._accuracy(),
-            f"{self.steps} steps" if self.steps else "",
+            f"{self.steps} steps of the solver" if self.steps else "",
             self.stop_reason.value if self.errors else "",
             *self.skipped,
         ]

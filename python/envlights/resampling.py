@@ -24,7 +24,7 @@ def rotate(
     if shifted is not None:
         return shifted, border_sampled
     cells = cells_of_borders(radiance) if border_sampled else radiance
-    return _native.rotated(cells, matrix), False
+    return _native.rotate_map(cells, matrix), False
 
 
 def turned_by_columns(

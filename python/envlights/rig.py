@@ -128,7 +128,7 @@ class Rig(Result):
         return EnvMap(in_blocks(discs.shape, lambda rows: discs[rows] + sky(rows)))
 
     def rotated(self, matrix: ArrayLike) -> Rig:
-        """Rotate the rig: a light from the direction d then comes from ``matrix @ d``.
+        """Rotate the rig, so that a light from d comes from ``matrix @ d``.
 
         Parameters
         ----------

@@ -7,14 +7,14 @@ use pyo3::prelude::*;
 use super::pool::{in_pool, interruptible};
 use super::sphere::registration;
 use crate::kernels::detect::clipped::{ClipLevel, ClippedLights};
-use crate::kernels::detect::segment::bars::{WIDEST_ANGLE, WIDEST_BAR};
+use crate::kernels::detect::segment::bars::BARS;
 use crate::kernels::detect::segment::light_moments::LightMoments;
 use crate::kernels::detect::segment::run::{Run, runs};
 use crate::kernels::detect::segment::threshold::Rule;
 use crate::kernels::detect::segment::working_image::WorkingImage;
 use crate::kernels::detect::{self, Detection, DetectionOptions};
 
-/// Options of `detect_tree`, as `envlights.detection.component_tree` gives them.
+/// Options of `detect_tree`: the named tuple of `envlights.detection.component_tree`.
 #[derive(FromPyObject)]
 pub struct TreeOptions {
     working_columns: usize,
@@ -113,8 +113,9 @@ pub fn detect_tree(
     TreeDetection::new(py, detection, options.white)
 }
 
-/// Factor and share of the rule that set a threshold, and for the rule below the cut the share of the sphere that is
-/// light; `None` for a threshold of the caller.
+/// Factor and fraction of the rule that set a threshold, and the bright fraction of the sphere if that is itself light.
+///
+/// `None` for a threshold of the caller.
 fn rule(rule: Rule) -> Option<(f64, f64, Option<f64>)> {
     match rule {
         Rule::Background { factor, share } => Some((factor, share, None)),
@@ -168,7 +169,7 @@ impl TreeDetection {
             light_of_pixel: indices(detection.light_of_pixel.iter().map(|&light| i64::from(light)).collect()),
             luminance: detection.luminance.into_pyarray(py).unbind(),
             panes: detection.panes,
-            widest_bar: (WIDEST_BAR, WIDEST_ANGLE),
+            widest_bar: (BARS.widest, BARS.widest_angle),
             threshold: report.threshold.luminance,
             threshold_rule: rule(report.threshold.rule),
             working_size: report.working_size,

@@ -15,38 +15,38 @@ pub fn unusable(py: Python<'_>, radiance: PyReadonlyArray3<'_, f32>) -> PyResult
     Ok((counts.nan, counts.infinite, counts.negative))
 }
 
-/// See `envlights.EnvMap`: codes of 8 bits by a table of their values.
+/// See `envlights.EnvMap`: decode 8-bit codes with a table of values.
 #[pyfunction]
-pub fn decoded_8<'py>(
+pub fn decode_8<'py>(
     py: Python<'py>,
     codes: PyReadonlyArray3<'py, u8>,
     table: PyReadonlyArray1<'py, f32>,
 ) -> PyResult<Bound<'py, PyArray3<f32>>> {
     let (codes, table) = (codes.as_array(), table.as_slice()?);
-    let values = interruptible(py, || Ok(image::decoded(codes, table)))?;
+    let values = interruptible(py, || Ok(image::decode(codes, table)))?;
     Ok(values.into_pyarray(py))
 }
 
-/// See `envlights.EnvMap`: codes of 16 bits by a table of their values.
+/// See `envlights.EnvMap`: decode 16-bit codes with a table of values.
 #[pyfunction]
-pub fn decoded_16<'py>(
+pub fn decode_16<'py>(
     py: Python<'py>,
     codes: PyReadonlyArray3<'py, u16>,
     table: PyReadonlyArray1<'py, f32>,
 ) -> PyResult<Bound<'py, PyArray3<f32>>> {
     let (codes, table) = (codes.as_array(), table.as_slice()?);
-    let values = interruptible(py, || Ok(image::decoded(codes, table)))?;
+    let values = interruptible(py, || Ok(image::decode(codes, table)))?;
     Ok(values.into_pyarray(py))
 }
 
-/// See `envlights.EnvMap.rotated`; `matrix` row by row.
+/// See `envlights.EnvMap.rotated`; `matrix` has its rows in order.
 #[pyfunction]
-pub fn rotated<'py>(
+pub fn rotate_map<'py>(
     py: Python<'py>,
     radiance: PyReadonlyArray3<'py, f32>,
     matrix: [[f64; 3]; 3],
 ) -> PyResult<Bound<'py, PyArray3<f32>>> {
     let (radiance, rotation) = (radiance.as_array(), DMat3::from_cols_array_2d(&matrix).transpose());
-    let turned = interruptible(py, || image::rotated(radiance, rotation))?;
-    Ok(turned.into_pyarray(py))
+    let radiance = interruptible(py, || image::rotate(radiance, rotation))?;
+    Ok(radiance.into_pyarray(py))
 }

@@ -4,7 +4,7 @@ use numpy::ndarray::{Array1, Array2};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 
-use super::pool::{by_size, detached, interruptible};
+use super::pool::{by_size, interruptible, without_gil};
 use crate::kernels::detect::loghin::bresenham::{self, LineRule};
 use crate::kernels::detect::loghin::{
     blur as smoothing, map_luminance, means, merge_samples, neighbours, resize, suppress as suppression,
@@ -109,7 +109,7 @@ pub fn suppress<'py>(
 /// See `envlights.kernels.bresenham_line`.
 #[pyfunction]
 pub fn bresenham_line(py: Python<'_>, start: [i64; 2], end: [i64; 2]) -> PyResult<Bound<'_, PyArray2<i64>>> {
-    let pixels = detached(py, || bresenham::line(start, end))?;
+    let pixels = without_gil(py, || bresenham::line(start, end))?;
     Ok(Array2::from(pixels).into_pyarray(py))
 }
 

@@ -3,7 +3,7 @@
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 
-use super::pool::{detached, interruptible};
+use super::pool::{interruptible, without_gil};
 use super::sphere::registration;
 use crate::kernels::madsen::{self, Parameters, ProbeValues, Surface};
 
@@ -30,7 +30,7 @@ pub fn pack_lights<'py>(
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let (ambient, directions) = (ambient.as_array(), directions.as_array());
     let irradiance = irradiance.as_array();
-    let out = detached(py, || madsen::pack(ambient, directions, irradiance))?;
+    let out = without_gil(py, || madsen::pack(ambient, directions, irradiance))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -40,7 +40,7 @@ type Lights<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>, Bound<
 #[pyfunction]
 pub fn unpack_lights<'py>(py: Python<'py>, x: PyReadonlyArray1<'py, f64>) -> PyResult<Lights<'py>> {
     let x = x.as_array();
-    let (ambient, directions, irradiance) = detached(py, || {
+    let (ambient, directions, irradiance) = without_gil(py, || {
         let parts = Parameters::unpack(x)?;
         Ok((parts.ambient, parts.directions(), parts.irradiance()))
     })?;

@@ -1,8 +1,8 @@
 //! The border between Python and the kernels: borrow arrays, release the GIL, call one kernel, wrap its result.
 //!
-//! [`pool::detached`] runs a kernel in the calling thread, [`pool::by_size`] does so if there are few numbers,
+//! [`pool::without_gil`] runs a kernel in the calling thread, [`pool::by_size`] does so if there are few numbers,
 //! [`pool::in_pool`] uses several threads, and [`pool::interruptible`] also checks for Ctrl-C, for kernels that may
-//! take seconds. All of them turn a panic into an error.
+//! last seconds. All of them turn a panic into an error.
 
 mod detect;
 mod error;
@@ -45,7 +45,7 @@ mod _native {
     #[pymodule_export]
     use super::harmonics::{harmonic_irradiance, harmonic_radiance};
     #[pymodule_export]
-    use super::image::{decoded_8, decoded_16, rotated, unusable};
+    use super::image::{decode_8, decode_16, rotate_map, unusable};
     #[pymodule_export]
     use super::loghin::{
         are_clipped, blur, bresenham_line, luminance, merge_along_lines, neighbour_maximum, resize_bilinear,

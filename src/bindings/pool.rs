@@ -36,7 +36,7 @@ fn run<T: Send>(
     start: impl Fn(&ThreadPool) -> (Outcome<T>, Option<PyErr>) + Send + Sync,
 ) -> PyResult<T> {
     let Some(threads) = py.detach(current) else {
-        return detached(py, || in_this_thread(work));
+        return without_gil(py, || in_this_thread(work));
     };
     loop {
         let (done, signal) = py.detach(|| start(threads));
@@ -50,9 +50,9 @@ fn run<T: Send>(
     }
 }
 
-/// Run single-threaded `work` over that many `numbers`: [`detached`] if they are few, else [`interruptible`].
+/// Run single-threaded `work` over that many `numbers`: [`without_gil`] if they are few, else [`interruptible`].
 ///
-/// Entering the pool takes about 50 microseconds, more than such a kernel needs for few numbers.
+/// Entry into the pool costs about 50 microseconds, more than such a kernel needs for few numbers.
 pub fn by_size<T: Send>(
     py: Python<'_>,
     numbers: usize,
@@ -60,13 +60,13 @@ pub fn by_size<T: Send>(
 ) -> PyResult<T> {
     /// Numbers that any such kernel processes within a few milliseconds.
     const FEW: usize = 1 << 16;
-    if numbers <= FEW { detached(py, work) } else { interruptible(py, work) }
+    if numbers <= FEW { without_gil(py, work) } else { interruptible(py, work) }
 }
 
 /// Run `work` without the GIL in this thread, for kernels that are too short to be interrupted.
 ///
 /// If the interruption of another Python thread stops it, it runs again.
-pub fn detached<T: Send>(py: Python<'_>, work: impl Fn() -> Result<T> + Send + Sync) -> PyResult<T> {
+pub fn without_gil<T: Send>(py: Python<'_>, work: impl Fn() -> Result<T> + Send + Sync) -> PyResult<T> {
     loop {
         match py.detach(|| catch(&work)) {
             Err(payload) if payload.is::<Interruption>() => {}
@@ -138,7 +138,7 @@ fn in_this_thread<T>(work: impl FnOnce() -> T) -> T {
 /// Requested number of threads; 0 means `RAYON_NUM_THREADS` or the number of cores.
 static REQUESTED: AtomicUsize = AtomicUsize::new(0);
 
-/// Set the number of threads from the next call on, if `wanted` is given; return the number in use.
+/// Set the number of threads from the next call on, unless `wanted` is `None`; return the number in use.
 #[pyfunction]
 pub fn threads(py: Python<'_>, wanted: Option<usize>) -> usize {
     if let Some(wanted) = wanted {
@@ -161,18 +161,18 @@ fn current() -> Option<&'static ThreadPool> {
     of_process(std::process::id(), REQUESTED.load(Ordering::Relaxed), &FIRST)
 }
 
-/// First pool from `place` on that belongs to this process and number, created if there is none.
+/// First pool from `link` on that belongs to this process and number of threads, created if there is none.
 fn of_process(
     process: u32,
     wanted: usize,
-    place: &'static OnceLock<Box<Pool>>,
+    link: &'static OnceLock<Box<Pool>>,
 ) -> Option<&'static ThreadPool> {
-    if place.get().is_none() {
+    if link.get().is_none() {
         let threads = ThreadPoolBuilder::new().num_threads(wanted).build().ok()?;
         // If another thread was faster, use its pool.
-        let _ = place.set(Box::new(Pool { process, wanted, threads, next: OnceLock::new() }));
+        let _ = link.set(Box::new(Pool { process, wanted, threads, next: OnceLock::new() }));
     }
-    let pool = place.get()?;
+    let pool = link.get()?;
     let fits = pool.process == process && pool.wanted == wanted;
     if fits { Some(&pool.threads) } else { of_process(process, wanted, &pool.next) }
 }

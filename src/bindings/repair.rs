@@ -7,7 +7,7 @@ use super::pool::{in_pool, interruptible};
 use super::sphere::registration;
 use crate::kernels::repair::{clipped_share as share, missing_light};
 
-/// See `envlights.EnvMap.clipped_share`: of the sphere, and of the flux.
+/// See `envlights.EnvMap.clipped_share`: clipped fractions of the sphere and of the flux.
 #[pyfunction]
 pub fn clipped_share(
     py: Python<'_>,
@@ -20,7 +20,7 @@ pub fn clipped_share(
     Ok((share.sphere, share.flux))
 }
 
-/// Share of each pixel in the light that was cut off; see `envlights.repair`.
+/// Density of the light that was cut off, for each pixel; see `envlights.repair`.
 #[pyfunction]
 pub fn clipped_light_shares<'py>(
     py: Python<'py>,

@@ -23,7 +23,7 @@ pub struct MapSplit {
     vectors: Py<PyArray3<f64>>,
 }
 
-/// Pixels of detected lights: the NamedTuple of the same name in `envlights.detection.split`.
+/// Pixels of detected lights: the named tuple of the same name in `envlights.detection.split`.
 #[derive(FromPyObject)]
 pub struct LightPixels<'py> {
     pixel: PyReadonlyArray2<'py, i64>,
@@ -35,7 +35,7 @@ pub struct LightPixels<'py> {
 }
 
 impl LightPixels<'_> {
-    fn borrowed(&self) -> PyResult<split::LightPixels<'_>> {
+    fn views(&self) -> PyResult<split::LightPixels<'_>> {
         Ok(split::LightPixels {
             pixels: self.pixel.as_array(),
             light_of_pixel: self.light_of_pixel.as_array(),
@@ -55,7 +55,7 @@ pub fn split_map(
     border_sampled: bool,
     lights: LightPixels<'_>,
 ) -> PyResult<MapSplit> {
-    let (radiance, lights) = (radiance.as_array(), lights.borrowed()?);
+    let (radiance, lights) = (radiance.as_array(), lights.views()?);
     let parts = interruptible(py, || split::split(radiance, registration(border_sampled), &lights))?;
     let numbers = |of: fn(&RemovedLight) -> f64| {
         parts.lights.iter().map(of).collect::<Array1<f64>>().into_pyarray(py).unbind()

@@ -93,16 +93,16 @@ impl Discs {
         }
     }
 
-    /// Irradiance of all at `normal`, on top of `sky`.
+    /// Irradiance of all discs at `normal`, plus that of the `sky`.
     fn add_at(&self, normal: DVec3, sky: DVec3) -> DVec3 {
-        let places = self.directions.iter().zip(&self.radii);
-        places.zip(&self.irradiance).fold(sky, |sum, ((direction, &radius), irradiance)| {
+        let positions = self.directions.iter().zip(&self.radii);
+        positions.zip(&self.irradiance).fold(sky, |sum, ((direction, &radius), irradiance)| {
             sum + irradiance * irradiance_share(normal.dot(*direction), radius)
         })
     }
 }
 
-/// Irradiance at `normals`, (n, 3), of `discs` and of a `sky`, which gives its own at a normal.
+/// Irradiance at `normals`, (n, 3), of `discs` and of a `sky`: a function of the normal.
 ///
 /// # Errors
 ///
@@ -130,43 +130,43 @@ mod tests {
 
     use super::*;
 
-    /// The sum of the cosine over a disc, in rings of the same solid angle around its centre. Each ring is
-    /// turned by a golden section of a sector, so that the horizon meets all parts of sectors alike.
+    /// The sum of the cosine over a disc, in rings of the same solid angle around its centre.
+    ///
+    /// Each ring is rotated by a golden section of a sector, so that the horizon crosses sectors at all positions.
     fn brute_force(cosine: f64, radius: f64) -> f64 {
-        const RINGS: usize = 1500;
-        const SECTORS: usize = 3000;
+        let (rings, sectors) = (1500, 3000);
         let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
         // 1 - cos a, without the cancellation for a small radius.
         let cap = 2.0 * (radius / 2.0).sin().powi(2);
-        let (mut seen, mut whole) = (0.0, 0.0);
-        for ring in 0..RINGS {
-            let depth = cap * (ring as f64 + 0.5) / RINGS as f64;
+        let (mut visible, mut whole) = (0.0, 0.0);
+        for ring in 0..rings {
+            let depth = cap * (f64::from(ring) + 0.5) / f64::from(rings);
             let (along, across) = (1.0 - depth, (depth * (2.0 - depth)).sqrt());
-            whole += along * SECTORS as f64;
-            let turn = (ring as f64 * 0.618_033_988_749_894_9).fract();
-            for sector in 0..SECTORS {
-                let azimuth = TAU * (sector as f64 + turn) / SECTORS as f64;
-                seen += (along * cosine + across * sine * azimuth.cos()).max(0.0);
+            whole += along * f64::from(sectors);
+            let turn = (f64::from(ring) * 0.618_033_988_749_894_9).fract();
+            for sector in 0..sectors {
+                let azimuth = TAU * (f64::from(sector) + turn) / f64::from(sectors);
+                visible += (along * cosine + across * sine * azimuth.cos()).max(0.0);
             }
         }
-        seen / whole
+        visible / whole
     }
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(24))]
         #[test]
         fn the_share_is_the_integral_over_the_disc(cosine in -1.0..=1.0_f64, radius in 1e-3..=FRAC_PI_2) {
-            let (seen, wanted) = (irradiance_share(cosine, radius), brute_force(cosine, radius));
-            prop_assert!((seen - wanted).abs() < 1e-6, "{seen} {wanted}");
+            let (measured, expected) = (irradiance_share(cosine, radius), brute_force(cosine, radius));
+            prop_assert!((measured - expected).abs() < 1e-6, "{measured} {expected}");
         }
 
-        /// Discs cut by the horizon, which random small discs rarely are.
+        /// The horizon cuts most of these discs, but rarely a random small one.
         #[test]
         fn a_disc_on_the_horizon_is_integrated_too(q in -1.2..=1.2_f64, radius in -16.0..=0.4_f64) {
             let radius = radius.exp();
             let cosine = (q * radius.sin()).clamp(-1.0, 1.0);
-            let (seen, wanted) = (irradiance_share(cosine, radius), brute_force(cosine, radius));
-            prop_assert!((seen - wanted).abs() < 1e-6 * radius.max(1e-3), "{seen} {wanted}");
+            let (measured, expected) = (irradiance_share(cosine, radius), brute_force(cosine, radius));
+            prop_assert!((measured - expected).abs() < 1e-6 * radius.max(1e-3), "{measured} {expected}");
         }
     }
 
@@ -178,11 +178,11 @@ mod tests {
     }
 
     #[test]
-    fn half_the_sky_lights_by_how_much_of_it_is_seen() {
+    fn half_the_sky_has_an_irradiance_of_its_visible_part() {
         for step in -100..=100 {
             let cosine = f64::from(step) / 100.0;
-            let seen = irradiance_share(cosine, FRAC_PI_2);
-            assert!((seen - f64::midpoint(1.0, cosine)).abs() < 1e-15, "{cosine}: {seen}");
+            let measured = irradiance_share(cosine, FRAC_PI_2);
+            assert!((measured - f64::midpoint(1.0, cosine)).abs() < 1e-15, "{cosine}: {measured}");
         }
     }
 
@@ -194,23 +194,24 @@ mod tests {
                 let q = f64::from(step) / 10.0;
                 let s = (1.0 - q * q).sqrt();
                 let flat = radius * (q * (-q).acos() + s - s.powi(3) / 3.0) / PI;
-                let seen = irradiance_share(q * radius.sin(), radius);
+                let measured = irradiance_share(q * radius.sin(), radius);
                 assert!(
-                    (seen / flat - 1.0).abs() < 10.0 * radius * radius + 1e-12,
-                    "{radius} {q}: {seen} {flat}"
+                    (measured / flat - 1.0).abs() < 10.0 * radius * radius + 1e-12,
+                    "{radius} {q}: {measured} {flat}"
                 );
             }
         }
     }
 
-    /// Both sides of every border agree: those of the horizon, and that of the series.
+    /// Both sides agree at the borders of the horizon, and at that of the series.
     #[test]
-    fn borders_do_not_show() {
+    fn the_cases_agree_at_their_borders() {
         for step in 1..=900 {
             let radius = (f64::from(step) / 10.0).to_radians();
-            for border in [radius.sin(), -radius.sin()] {
-                let seen = irradiance_share(border.next_toward_zero(), radius);
-                assert!((seen - border.max(0.0)).abs() < 1e-14, "{radius} {border}: {seen}");
+            let sine = radius.sin();
+            for (border, inside) in [(sine, sine.next_down()), (-sine, (-sine).next_up())] {
+                let measured = irradiance_share(inside, radius);
+                assert!((measured - border.max(0.0)).abs() < 1e-14, "{radius} {border}: {measured}");
             }
         }
         for step in 0..=100 {
@@ -220,28 +221,18 @@ mod tests {
         }
     }
 
-    trait NextTowardZero {
-        fn next_toward_zero(self) -> Self;
-    }
-
-    impl NextTowardZero for f64 {
-        fn next_toward_zero(self) -> Self {
-            if self > 0.0 { self.next_down() } else { self.next_up() }
-        }
-    }
-
-    /// Each direction of the disc lights all normals together by pi, so they tell its solid angle.
+    /// Each direction of the disc contributes pi to the integral over all normals, so the integral is the solid angle.
     #[test]
     fn all_normals_together_receive_the_solid_angle() {
-        const NORMALS: usize = 200_000;
+        let normals = 200_000;
         for degrees in [0.01_f64, 0.27, 5.0, 30.0, 75.0, 90.0] {
             let radius = degrees.to_radians();
-            let sum: f64 = (0..NORMALS)
-                .map(|k| irradiance_share(2.0 * (k as f64 + 0.5) / NORMALS as f64 - 1.0, radius))
+            let sum: f64 = (0..normals)
+                .map(|k| irradiance_share(2.0 * (f64::from(k) + 0.5) / f64::from(normals) - 1.0, radius))
                 .sum();
-            let wanted = TAU / (1.0 + radius.cos());
-            let seen = 2.0 * TAU * sum / NORMALS as f64;
-            assert!((seen / wanted - 1.0).abs() < 1e-9, "{degrees}: {seen} {wanted}");
+            let expected = TAU / (1.0 + radius.cos());
+            let measured = 2.0 * TAU * sum / f64::from(normals);
+            assert!((measured / expected - 1.0).abs() < 1e-9, "{degrees}: {measured} {expected}");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Discs of uniform radiance, drawn into an equirectangular map.
+//! Drawing of discs of uniform radiance into an equirectangular map.
 //!
 //! On the parallel theta, a disc of radius a around (`theta_0`, `phi_0`) covers the azimuths `phi_0 -+ D`, with
 //!
@@ -6,13 +6,12 @@
 //!   cos D = (cos a - cos theta cos theta_0) / (sin theta sin theta_0)
 //! ```
 //!
-//! all of the parallel for `cos D <= -1` and nothing of it for `cos D >= 1`. So the share of each pixel that a
-//! disc covers is exact along a row, and a sum over a few parallels from row to row.
+//! all of the parallel for `cos D <= -1` and nothing of it for `cos D >= 1`. So the covered fraction of
+//! each pixel is exact along a row, and a sum over a few parallels from row to row.
 //!
-//! Pixels on the rim are as bright as their share. That moves the light of the rim to whole pixels, and with it
-//! the vector irradiance of the disc, `integral of L(w) w dw`. A radiance that is linear in the direction, small
-//! beside that of the disc, puts it right: at every normal that has the disc before it, the map has the
-//! irradiance of the light.
+//! The radiance of pixels on the rim is proportional to their covered fraction. That moves the light of the rim to whole
+//! pixels, and changes the vector irradiance of the disc, `integral of L(w) w dw`. A small radiance that is linear in the
+//! direction corrects it: at every normal with all of the disc in front of it, the map has the irradiance of the light.
 
 use std::f64::consts::{PI, TAU};
 
@@ -20,21 +19,21 @@ use glam::{DMat3, DVec3};
 use ndarray::{Array3, Axis};
 use rayon::prelude::*;
 
+use super::cell_integrals::{ColumnIntegrals, RowIntegrals};
 use super::disc::Discs;
-use super::sphere::{self, Registration, angles, band_heights};
+use super::sphere::{self, Registration, angles, direction_of};
 use crate::error::Result;
 use crate::interrupt;
 
-/// Parallels in each row at which its pixels are measured.
+/// Parallels in each row at which the covered fractions are measured.
 const PARALLELS: usize = 16;
-/// Radius of the smallest disc, in rows. Its pixels surround its centre, so that they determine its direction.
-const SMALLEST: f64 = 1.0;
-/// Smallest covered fraction of a pixel that is drawn. Below it a detector sees noise, and misses several per cent of
+/// Smallest covered fraction of a pixel that is drawn. Below it, a detector measures noise and misses several per cent of
 /// the smallest discs.
-const LEAST_SHARE: f64 = 0.08;
+const LEAST_FRACTION: f64 = 0.08;
 
-/// Radiance, (height, 2 x height, 3), of `discs` before a black sky; points as the smallest discs that keep
-/// their irradiance and direction.
+/// Radiance, (height, 2 x height, 3), of `discs` before a black sky.
+///
+/// Points become discs with a radius of one row: their pixels surround the centre, so that they have its direction.
 ///
 /// # Errors
 ///
@@ -42,14 +41,14 @@ const LEAST_SHARE: f64 = 0.08;
 pub fn draw(discs: &Discs, height: usize) -> Result<Array3<f64>> {
     let map = Map::new(height)?;
     let mut radiance = Array3::zeros((height, 2 * height, 3));
-    let places = discs.directions.iter().zip(&discs.radii);
-    for ((&direction, &radius), irradiance) in places.zip(&discs.irradiance) {
-        let disc = Disc { direction, radius: radius.max(SMALLEST * PI / height as f64) };
+    let positions = discs.directions.iter().zip(&discs.radii);
+    for ((&direction, &radius), irradiance) in positions.zip(&discs.irradiance) {
+        let disc = PixelDisc { direction, radius: radius.max(PI / height as f64) };
         let unit = disc.radiance(&map);
         radiance.outer_iter_mut().into_par_iter().zip(&unit).for_each(|(mut row, unit)| {
             interrupt::check();
-            for (mut pixel, share) in row.axis_iter_mut(Axis(0)).zip(unit) {
-                pixel.iter_mut().zip(irradiance.to_array()).for_each(|(sum, e)| *sum += share * e);
+            for (mut pixel, fraction) in row.axis_iter_mut(Axis(0)).zip(unit) {
+                pixel.iter_mut().zip(irradiance.to_array()).for_each(|(sum, e)| *sum += fraction * e);
             }
         });
     }
@@ -59,10 +58,8 @@ pub fn draw(discs: &Discs, height: usize) -> Result<Array3<f64>> {
 /// Rows and columns of a map, twice as wide as high.
 struct Map {
     theta_edges: Vec<f64>,
-    /// `cos theta_top - cos theta_bottom` of each row.
-    bands: Vec<f64>,
-    /// Width of a column in radians.
-    column: f64,
+    rows: Vec<RowIntegrals>,
+    columns: Vec<ColumnIntegrals>,
     /// Sine and cosine of the azimuth of each column.
     azimuths: Vec<(f64, f64)>,
 }
@@ -73,51 +70,49 @@ impl Map {
         sphere::check_size(height, width)?;
         sphere::check_memory(&[height, width, 6])?;
         let theta_edges = Registration::CellCentred.theta_edges(height);
-        let bands = band_heights(&theta_edges);
+        let rows = RowIntegrals::of_rows(&theta_edges);
+        let columns = ColumnIntegrals::of_columns(&Registration::CellCentred.phi_edges(width));
         let azimuths = Registration::CellCentred.phis(width).into_iter().map(f64::sin_cos).collect();
-        Ok(Self { theta_edges, bands, column: TAU / width as f64, azimuths })
+        Ok(Self { theta_edges, rows, columns, azimuths })
     }
 
     /// The integral of the direction over each pixel of a row, and the direction of its centre.
     fn row(&self, row: usize) -> impl Iterator<Item = (DVec3, DVec3)> {
-        let (top, bottom) = (self.theta_edges[row], self.theta_edges[row + 1]);
-        let (middle, half) = (0.5 * (top + bottom), 0.5 * (bottom - top));
-        let (sin, cos) = middle.sin_cos();
-        // Integrals of sin^2 theta and of sin theta cos theta over the row.
-        let across = half - 0.5 * (2.0 * middle).cos() * (2.0 * half).sin();
-        let along = self.bands[row] * cos * half.cos();
-        // Integral of the cosine of the azimuth around the centre of a pixel.
-        let chord = 2.0 * (0.5 * self.column).sin();
-        self.azimuths.iter().map(move |&(sin_phi, cos_phi)| {
-            let towards = DVec3::new(sin_phi, 0.0, -cos_phi);
-            let integral = chord * across * towards + self.column * along * DVec3::Y;
-            (integral, sin * towards + cos * DVec3::Y)
-        })
+        let theta = (0.5 * (self.theta_edges[row] + self.theta_edges[row + 1])).sin_cos();
+        self.columns
+            .iter()
+            .zip(&self.azimuths)
+            .map(move |(column, &azimuth)| (self.rows[row].direction(column), direction_of(theta, azimuth)))
+    }
+
+    /// Width of a column in radians.
+    fn column(&self) -> f64 {
+        TAU / self.columns.len() as f64
     }
 }
 
-struct Disc {
+struct PixelDisc {
     direction: DVec3,
     radius: f64,
 }
 
-impl Disc {
+impl PixelDisc {
     /// Radiance of each pixel, rows of columns, for an irradiance of 1 at normal incidence.
     fn radiance(&self, map: &Map) -> Vec<Vec<f64>> {
         let uniform = 1.0 / (PI * self.radius.sin().powi(2));
         let mut rows: Vec<Vec<f64>> =
-            (0..map.bands.len()).into_par_iter().map(|row| self.covered_fractions(map, row)).collect();
+            (0..map.rows.len()).into_par_iter().map(|row| self.covered_fractions(map, row)).collect();
         // Sum the covered pixels, and their products with the linear radiance, in the order of rows.
         let moments: Vec<(DVec3, DMat3)> =
-            rows.par_iter().enumerate().map(|(row, shares)| moments(map, row, shares)).collect();
+            rows.par_iter().enumerate().map(|(row, fractions)| moments(map, row, fractions)).collect();
         let (vector, products) =
             moments.into_iter().fold((DVec3::ZERO, DMat3::ZERO), |sum, row| (sum.0 + row.0, sum.1 + row.1));
-        // Find the linear radiance that is missing, and add it.
-        let slope = products.inverse() * (self.direction - uniform * vector);
-        rows.par_iter_mut().enumerate().for_each(|(row, shares)| {
+        // Find the linear radiance that corrects the vector irradiance, and add it.
+        let gradient = products.inverse() * (self.direction - uniform * vector);
+        rows.par_iter_mut().enumerate().for_each(|(row, fractions)| {
             interrupt::check();
-            for (share, (_, centre)) in shares.iter_mut().zip(map.row(row)) {
-                *share *= uniform + slope.dot(centre);
+            for (fraction, (_, centre)) in fractions.iter_mut().zip(map.row(row)) {
+                *fraction *= uniform + gradient.dot(centre);
             }
         });
         rows
@@ -131,20 +126,23 @@ impl Disc {
         if bottom <= theta - self.radius || top >= theta + self.radius {
             return Vec::new();
         }
-        let mut shares = vec![0.0; map.azimuths.len()];
+        let mut fractions = vec![0.0; map.azimuths.len()];
         let parallels: [f64; PARALLELS] =
             std::array::from_fn(|k| top + (bottom - top) * (k as f64 + 0.5) / PARALLELS as f64);
         let whole: f64 = parallels.iter().map(|theta| theta.sin()).sum();
         for parallel in parallels {
             let half = self.half_width(theta, parallel);
-            let (left, right) = ((phi - half) / map.column, (phi + half) / map.column);
-            add_interval(&mut shares, left, right, parallel.sin() / whole);
+            let (left, right) = ((phi - half) / map.column(), (phi + half) / map.column());
+            add_interval(&mut fractions, left, right, parallel.sin() / whole);
         }
-        shares.iter_mut().filter(|share| **share < LEAST_SHARE).for_each(|share| *share = 0.0);
-        shares
+        fractions
+            .iter_mut()
+            .filter(|fraction| **fraction < LEAST_FRACTION)
+            .for_each(|fraction| *fraction = 0.0);
+        fractions
     }
 
-    /// Half the azimuths of a parallel that a disc around `theta` covers.
+    /// Half the width in azimuth that a disc around `theta` covers on a parallel.
     fn half_width(&self, theta: f64, parallel: f64) -> f64 {
         let above = self.radius.cos() - parallel.cos() * theta.cos();
         let scale = parallel.sin() * theta.sin();
@@ -159,20 +157,20 @@ impl Disc {
 }
 
 /// Add `weight` times the part of each column between `left` and `right`, in columns, across the seam.
-fn add_interval(shares: &mut [f64], left: f64, right: f64, weight: f64) {
-    let width = shares.len() as i64;
+fn add_interval(fractions: &mut [f64], left: f64, right: f64, weight: f64) {
+    let width = fractions.len() as i64;
     for column in left.floor() as i64..right.ceil() as i64 {
         let inside = right.min((column + 1) as f64) - left.max(column as f64);
-        shares[column.rem_euclid(width) as usize] += weight * inside;
+        fractions[column.rem_euclid(width) as usize] += weight * inside;
     }
 }
 
 /// Integral of the direction over the covered part of a row, and of its product with the centres of pixels.
-fn moments(map: &Map, row: usize, shares: &[f64]) -> (DVec3, DMat3) {
+fn moments(map: &Map, row: usize, fractions: &[f64]) -> (DVec3, DMat3) {
     interrupt::check();
     let mut sums = (DVec3::ZERO, DMat3::ZERO);
-    for (&share, (integral, centre)) in shares.iter().zip(map.row(row)) {
-        let integral = share * integral;
+    for (&fraction, (integral, centre)) in fractions.iter().zip(map.row(row)) {
+        let integral = fraction * integral;
         sums.0 += integral;
         sums.1 += DMat3::from_cols(integral * centre.x, integral * centre.y, integral * centre.z);
     }
@@ -202,7 +200,7 @@ mod tests {
         for (row, pixels) in radiance.outer_iter().enumerate() {
             for (pixel, (integral, _)) in pixels.outer_iter().zip(map.row(row)) {
                 sums.0 += pixel[0] * integral;
-                sums.1 += pixel[0] * map.bands[row] * map.column;
+                sums.1 += pixel[0] * map.rows[row].band * map.column();
             }
         }
         sums
@@ -211,9 +209,9 @@ mod tests {
     #[test]
     fn pixels_add_up_to_the_sphere_and_its_second_moment() {
         let map = Map::new(64).unwrap();
-        let shares = vec![1.0; 128];
+        let fractions = vec![1.0; 128];
         let sums = (0..64)
-            .map(|row| moments(&map, row, &shares))
+            .map(|row| moments(&map, row, &fractions))
             .fold((DVec3::ZERO, DMat3::ZERO), |sum, row| (sum.0 + row.0, sum.1 + row.1));
         assert!(sums.0.length() < 1e-12);
         let third = DMat3::from_diagonal(DVec3::splat(4.0 * PI / 3.0));
@@ -234,19 +232,19 @@ mod tests {
             prop_assert!(vector.distance(direction) < 1e-10, "{vector}");
             prop_assert!(radiance.iter().all(|&value| value >= 0.0));
             // The flux follows, as the vector of a disc is the mean cosine times it.
-            let radius = radius.max(SMALLEST * PI / height as f64);
-            let wanted = 2.0 / (1.0 + radius.cos());
-            prop_assert!((whole / wanted - 1.0).abs() < 0.2 / height as f64, "{whole} {wanted}");
+            let radius = radius.max(PI / height as f64);
+            let expected = 2.0 / (1.0 + radius.cos());
+            prop_assert!((whole / expected - 1.0).abs() < 0.2 / height as f64, "{whole} {expected}");
         }
 
-        /// Pixels inside are uniform, but for the small linear part; those outside are black.
+        /// Pixels inside are uniform up to the small linear part; those outside are black.
         #[test]
         fn a_disc_is_uniform(y in -1.0..=1.0_f64, azimuth in 0.0..TAU, radius in 0.2..=1.5_f64) {
             let across = (1.0 - y * y).sqrt();
             let direction = DVec3::new(across * azimuth.sin(), y, -across * azimuth.cos());
             let radiance = draw(&one(direction, radius), 64).unwrap();
             let map = Map::new(64).unwrap();
-            let wanted = 1.0 / (PI * radius.sin().powi(2));
+            let expected = 1.0 / (PI * radius.sin().powi(2));
             for (row, pixels) in radiance.outer_iter().enumerate() {
                 for (pixel, (_, centre)) in pixels.outer_iter().zip(map.row(row)) {
                     let away = centre.dot(direction).clamp(-1.0, 1.0).acos();
@@ -254,7 +252,7 @@ mod tests {
                         prop_assert!(pixel.iter().all(|value| *value <= 0.0));
                     } else if away < radius - 0.04 {
                         for (value, colour) in pixel.iter().zip([1.0, 2.0, 4.0]) {
-                            let ratio = value / (wanted * colour);
+                            let ratio = value / (expected * colour);
                             prop_assert!((ratio - 1.0).abs() < 4e-3 / radius, "{ratio}");
                         }
                     }

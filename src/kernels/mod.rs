@@ -5,21 +5,23 @@
 //! | a value cached for the last key                | `cache.rs`     |
 //! | vectors of the processor's width               | `lanes.rs`     |
 //! | directions, pixels, solid angles               | `sphere.rs`    |
+//! | integrals of the direction over a cell         | `cell_integrals.rs` |
 //! | low-discrepancy points, icospheres             | `sampling.rs`  |
 //! | spherical harmonics, and irradiance under them | `harmonics.rs` |
 //! | irradiance of a disc of uniform radiance       | `disc.rs`      |
-//! | such discs drawn into a map                    | `disc_map.rs`  |
-//! | unusable samples, reduction to a working size  | `image/`       |
+//! | drawing of discs into a map                    | `disc_map.rs`  |
+//! | unusable samples, reduction, rotation          | `image/`       |
 //! | exact irradiance of a white probe              | `probe/`       |
 //! | a map in spherical harmonics                   | `expansion/`   |
-//! | bright places of a map                         | `detect/`      |
+//! | lights of a map                                | `detect/`      |
 //! | clipped part of a map, and its missing light   | `repair/`      |
-//! | lights taken out of a map                      | `split/`       |
+//! | lights removed from a map                      | `split/`       |
 //! | ambient + directional lights from the probe    | `fit/`         |
-//! | the same, in the paper's own equations         | `madsen/`      |
+//! | equations of Madsen et al. (2003)              | `madsen/`      |
 //! | indirect light from direct light               | `transfer/`    |
 
 mod cache;
+mod cell_integrals;
 pub mod detect;
 pub mod disc;
 pub mod disc_map;

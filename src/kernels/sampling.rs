@@ -159,8 +159,7 @@ impl FaceSearch {
 
 /// Index of the quarter of a triangle that contains `direction`.
 ///
-/// It is a corner if the direction lies beyond the side
-/// that the corner shares with the middle, else the middle.
+/// A corner contains the direction if it lies beyond the side between the corner and the middle; else the middle does.
 fn quarter_of(quarters: &[[DVec3; 3]; 4], direction: DVec3) -> usize {
     let [ab, bc, ca] = quarters[3];
     let is_beyond = |from: DVec3, to: DVec3, corner: DVec3| {
@@ -209,21 +208,20 @@ fn spherical_area([a, b, c]: &[DVec3; 3]) -> f64 {
 /// Newton's method on the Legendre polynomial P, with `P' = n (x P_n - P_(n-1)) / (x^2 - 1)`; the weight is
 /// `2 / ((1 - x^2) P'^2)`.
 pub(crate) fn gauss_legendre(count: usize) -> (Vec<f64>, Vec<f64>) {
-    /// Newton steps. Each doubles the number of correct digits, so 4 reach double precision.
-    const STEPS: usize = 6;
     let node = |i: usize| {
         let mut x = (PI * (i as f64 + 0.75) / (count as f64 + 0.5)).cos();
-        let mut slope = 1.0;
-        for _ in 0..STEPS {
+        let mut derivative = 1.0;
+        // Take 6 Newton steps. Each doubles the number of correct digits, so 4 reach double precision.
+        for _ in 0..6 {
             let (mut before, mut value) = (1.0, x);
             for k in 2..=count {
                 let k = k as f64;
                 (before, value) = (value, ((2.0 * k - 1.0) * x * value - (k - 1.0) * before) / k);
             }
-            slope = count as f64 * (x * value - before) / (x * x - 1.0);
-            x -= value / slope;
+            derivative = count as f64 * (x * value - before) / (x * x - 1.0);
+            x -= value / derivative;
         }
-        (x, 2.0 / ((1.0 - x * x) * slope * slope))
+        (x, 2.0 / ((1.0 - x * x) * derivative * derivative))
     };
     (0..count).map(node).unzip()
 }
@@ -250,8 +248,8 @@ mod tests {
                 nodes.iter().zip(&weights).map(|(x, weight)| weight * x.powi(power)).sum()
             };
             for power in [0, 1, 2, 3] {
-                let wanted = if power % 2 == 0 { 2.0 / f64::from(power + 1) } else { 0.0 };
-                assert!((integral(power) - wanted).abs() < 1e-13, "{count} nodes, power {power}");
+                let expected = if power % 2 == 0 { 2.0 / f64::from(power + 1) } else { 0.0 };
+                assert!((integral(power) - expected).abs() < 1e-13, "{count} nodes, power {power}");
             }
             let last = 2 * count as i32 - 2;
             assert!((integral(last) - 2.0 / f64::from(last + 1)).abs() < 1e-13, "{count} nodes");
@@ -268,7 +266,7 @@ mod tests {
         assert!(icosphere(100).is_err());
     }
 
-    /// Includes directions near the corners of a face, where the nearest centroid belongs to another face.
+    /// Near the corners of a face, the nearest centroid may belong to another face.
     #[test]
     fn a_face_is_found_from_anywhere_inside() {
         for faces in [20, 320, 5120] {

@@ -85,7 +85,7 @@ pub fn direction(theta: f64, phi: f64) -> DVec3 {
 }
 
 /// [`direction`] of sine and cosine of both angles.
-fn direction_of((sin_theta, cos_theta): (f64, f64), (sin_phi, cos_phi): (f64, f64)) -> DVec3 {
+pub(crate) fn direction_of((sin_theta, cos_theta): (f64, f64), (sin_phi, cos_phi): (f64, f64)) -> DVec3 {
     DVec3::new(sin_phi * sin_theta, cos_theta, -cos_phi * sin_theta)
 }
 
@@ -264,7 +264,7 @@ pub(crate) fn check_rows(what: &'static str, rows: ArrayView2<'_, f64>, columns:
     Ok(())
 }
 
-/// Refuse an array whose number of rows differs from that of `other`, `wanted`.
+/// Refuse an array whose number of rows is not `wanted`, that of `other`.
 pub(crate) fn check_lengths<const N: usize>(
     other: &'static str,
     wanted: usize,

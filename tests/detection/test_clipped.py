@@ -1,4 +1,4 @@
-"""Detection on maps that end at a known white, by generated lights behind it."""
+"""Detection on clipped maps with generated lights."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ import envlights as el
 from envlights import kernels
 from envlights._srgb import encode_srgb
 from envlights.fitting import wording
-from envlights.synthetic import Disc, Rectangle, judge, scene, suite
+from envlights.synthetic import Disc, Rectangle, evaluate, scene, suite
 from tests.helpers import angle_deg, printed_by_threads
 
 
@@ -117,10 +117,10 @@ def test_a_lamp_that_is_smaller_than_a_working_pixel_is_found():
 
 @pytest.mark.parametrize("name", ["plain", "hard"])
 def test_known_lights_are_found_in_pictures_of_eight_bits(name):
-    worlds = [getattr(suite, name)(seed, 256) for seed in suite.JUDGING[::2]]
+    worlds = [getattr(suite, name)(seed, 256) for seed in suite.EVALUATION[::2]]
     worlds = [world for world in worlds if "clipped" in world.note or "8 bit" in world.note]
     found = [(world, el.detect(eight_bits(world.radiance))) for world in worlds]
-    score = judge([(world, lights.direction, lights.flux) for world, lights in found])
+    score = evaluate([(world, lights.direction, lights.flux) for world, lights in found])
     assert score.recall >= 0.85
     assert score.precision >= 0.7
     assert score.false_on_lightless == 0
@@ -206,7 +206,7 @@ def test_without_a_white_nothing_changes():
     ("largest", "words"),
     [
         (9.0, "the map is clipped at 1;"),
-        (0.9, "the map is clipped at 0.9, a small peak below the largest possible value;"),
+        (0.9, "the map is clipped at 0.9, below its largest possible value;"),
         (0.4, None),
     ],
 )

@@ -14,7 +14,7 @@ COMPRESSIONS = ("NO_COMPRESSION", "RLE_COMPRESSION", "ZIP_COMPRESSION", "PIZ_COM
 
 @pytest.fixture(scope="module")
 def radiance():
-    return el.synthetic.hard(el.synthetic.JUDGING[0], 128).radiance.astype(np.float32)
+    return el.synthetic.hard(el.synthetic.EVALUATION[0], 128).radiance.astype(np.float32)
 
 
 def read(path):

@@ -1,4 +1,4 @@
-"""Runs in a process of its own with `bpy`: what Blender makes of exported scripts.
+"""Exported scripts in Blender, run by `bpy` in a new process.
 
 ``in_blender.py irradiance NORMALS.npy SCRIPT.py ...`` writes SCRIPT.npy, irradiance on surfaces
 with these normals; ``in_blender.py balls CAMERA.npy SCRIPT.py`` writes an image, SCRIPT.exr.

@@ -1,4 +1,4 @@
-"""Which suffix is which target."""
+"""Suffixes and their targets."""
 
 import numpy as np
 import pytest

@@ -9,19 +9,9 @@ import pytest
 import envlights as el
 from envlights import _native, kernels
 from tests.conftest import real_maps
-from tests.helpers import EQUIRECTANGULAR
+from tests.fitting.worst_cases import known_rig
+from tests.helpers import EQUIRECTANGULAR, NORMALS, SOLID_ANGLES
 from tests.reference.madsen import Problem, best_of_random_starts
-from tests.reference.peers import even
-
-NORMALS, SOLID_ANGLES = kernels.icosphere(320)
-
-
-def known_rig():
-    direction = np.array([[0.2, 0.9, 0.3], [-0.8, 0.1, 0.5], [0.4, -0.3, -0.8]])
-    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
-    return el.Rig(
-        [0.3, 0.2, 0.1], el.Lights(direction, [[5, 4, 3], [1, 2, 3], [0.5, 0.5, 0.4]]), error=0.0
-    )
 
 
 @pytest.mark.parametrize("scale", [1.0, 1e-9, 1e9])
@@ -249,93 +239,13 @@ def test_an_error_out_of_reach_is_said():
     assert "note: the requested error was not reached" in str(rig)
 
 
-# Ambient and starts
-
-
-def test_without_ambient_the_lights_do_it_alone():
-    rig = known_rig()
-    alone = el.Rig([0, 0, 0], rig.lights, error=0.0)
-    found = el.fit_probe(NORMALS, alone.probe(NORMALS), lights=3, ambient="none")
-    np.testing.assert_allclose(found.lights.irradiance, rig.lights.irradiance, rtol=1e-6)
-    hall = el.synthetic.hall(128).radiance
-    for lights in (0, 1, 4):
-        lit = el.fit(hall, lights=lights, ambient="none")
-        assert not lit.ambient.any()
-        assert lit.error >= el.fit(hall, lights=lights).error * (1 - 1e-3)
-    assert el.fit(hall, lights=0, ambient="none").error == 1.0
-
-
-def test_without_ambient_it_is_as_good_as_scipy_without_it():
-    env = el.EnvMap(el.synthetic.hall(256).radiance)
-    wanted = env.probe(NORMALS)
-    rig = el.fit_probe(NORMALS, wanted, lights=3, weights=SOLID_ANGLES, ambient="none")
-    problem = Problem(NORMALS, SOLID_ANGLES, wanted, 3)
-
-    def without_ambient(x):
-        return problem.residual(np.concatenate([np.zeros(3), x]))
-
-    optimize = pytest.importorskip("scipy.optimize")
-    theta, phi = np.pi, 2 * np.pi
-    uv = kernels.direction_to_uv(rig.lights.direction) * (phi, theta)
-    start = np.column_stack([rig.lights.irradiance, uv[:, 1], uv[:, 0]]).ravel()
-    lower = np.tile([0, 0, 0, -np.inf, -np.inf], 3)
-    best = optimize.least_squares(without_ambient, start, bounds=(lower, np.inf), ftol=1e-12)
-    # A polish by another solver from our answer finds nothing to gain.
-    assert np.sum(without_ambient(start) ** 2) <= 2 * best.cost * (1 + 1e-6)
-
-
-@pytest.mark.parametrize("start", ["greedy", "detect", "even"])
-def test_every_start_gives_lights_none_negative(start):
-    rig = el.fit(el.synthetic.hall(256).radiance, lights=4, start=start)
-    assert 1 <= len(rig.lights) <= 4
-    assert (rig.lights.irradiance >= 0).all()
-    assert rig.error < 0.03
-
-
-def test_named_starts_are_those_places():
-    """On a map where they end elsewhere than the search."""
-    env = el.EnvMap(el.synthetic.hall(128).radiance)
-    places = {"even": even(6), "detect": el.detect(env, max_lights=6).direction}
-    searched = el.fit(env, lights=6)
-    for start, directions in places.items():
-        lights = el.Lights(directions, np.linspace(2, 1, len(directions))[:, None] * [1, 1, 1])
-        named, given = el.fit(env, lights=6, start=start), el.fit(env, lights=6, start=lights)
-        assert named.to_dict()["lights"] == given.to_dict()["lights"]
-        assert named.report.steps == given.report.steps
-        assert named.to_dict()["lights"] != searched.to_dict()["lights"]
+# Notes, options and limits
 
 
 def test_notes_of_the_map_are_those_of_the_rig():
     radiance = np.array(el.synthetic.hall(64).radiance)
     radiance[3, 5, 1] = np.nan
     assert el.fit(radiance, lights=1).notes == ("1 NaN sample set to 0",)
-
-
-def test_an_earlier_rig_is_followed():
-    """A frame later the sun has moved by a degree: each light stays the one it was."""
-    suns = [(0.6, 0.8, 0.0), (-0.5, 0.6, 0.6)]
-    turned = [(0.6 * np.cos(0.02), 0.8, 0.6 * np.sin(0.02)), suns[1]]
-
-    def frame(directions):
-        discs = [el.synthetic.Disc(d, 3, (90, 80, 70)) for d in directions]
-        return el.synthetic.scene(128, background=[0.2] * 3, shapes=discs).radiance
-
-    before = el.fit(frame(suns), lights=2, sizes=False)
-    after = el.fit(frame(turned), lights=2, start=before, sizes=False)
-    fresh = el.fit(frame(turned), lights=2, sizes=False)
-    assert after.error <= fresh.error * (1 + 1e-6)
-    # A search reports the steps of the best start alone.
-    assert after.report.steps < 10
-    moved = np.rad2deg(np.arccos((after.lights.direction * before.lights.direction).sum(axis=1)))
-    assert sorted(moved.round(1)) == pytest.approx([0.0, np.rad2deg(0.02) * 0.6], abs=0.3)
-
-
-def test_a_light_that_starts_where_it_is_black_starts_again():
-    two = el.Rig([0.1] * 3, el.Lights([[0, 1, 0], [1, 0, 0]], [[1] * 3, [0.5] * 3]), 0)
-    start = el.Rig([0] * 3, el.Lights([[0, 1, 0], [0, -1, 0]], np.ones((2, 3))), 0)
-    found = el.fit_probe(NORMALS, two.probe(NORMALS), start=start, weights=SOLID_ANGLES)
-    assert found.error < 1e-9
-    np.testing.assert_allclose(found.lights.direction, two.lights.direction, atol=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -353,147 +263,6 @@ def test_a_light_that_starts_where_it_is_black_starts_again():
 def test_bad_options_are_refused_by_name(options, message):
     with pytest.raises(el.EnvLightsError, match=message):
         el.fit(np.ones((8, 16, 3)), **options)
-
-
-def harmonics(normals):
-    """Irradiance of each harmonic, from scipy's own polynomials on the sphere."""
-    from scipy.special import sph_harm_y
-
-    # The paper's pole is z; scipy's real and imaginary parts make the real harmonics.
-    theta, phi = np.arccos(normals[:, 2].clip(-1, 1)), np.arctan2(normals[:, 1], normals[:, 0])
-    columns = []
-    for n, m in [(0, 0), (1, -1), (1, 0), (1, 1), (2, -2), (2, -1), (2, 0), (2, 1), (2, 2)]:
-        y = sph_harm_y(n, abs(m), theta, phi)
-        part = y.real if m == 0 else np.sqrt(2) * (-1) ** m * (y.imag if m < 0 else y.real)
-        columns.append([np.pi, 2 * np.pi / 3, np.pi / 4][n] * part)
-    return np.stack(columns, axis=1)
-
-
-def test_harmonics_are_those_of_an_independent_library():
-    rng = np.random.default_rng(3)
-    coefficients = rng.normal(size=(9, 3))
-    nothing = np.zeros((0, 3))
-    seen = kernels.rig_irradiance(NORMALS, coefficients, nothing, nothing)
-    np.testing.assert_allclose(seen, harmonics(NORMALS) @ coefficients, atol=1e-12)
-
-
-def test_an_environment_of_harmonics_and_a_light_comes_back():
-    rig = known_rig()
-    coefficients = np.zeros((9, 3))
-    coefficients[0], coefficients[1], coefficients[8] = 1.0, (0.3, 0.2, 0.1), 0.2
-    one = el.Rig(coefficients, rig.lights[:1], 0)
-    found = el.fit_probe(NORMALS, one.probe(NORMALS), lights=1, ambient="sh2")
-    np.testing.assert_allclose(found.ambient, coefficients, atol=1e-6)
-    np.testing.assert_allclose(found.lights.direction, one.lights.direction, atol=1e-6)
-
-
-@real_maps(*EQUIRECTANGULAR)
-def test_harmonics_and_one_light_do_well_and_are_nowhere_negative(path):
-    env = el.EnvMap.open(path)
-    rig = el.fit(env, lights=1, ambient="sh2")
-    assert rig.error <= el.fit(env, lights=1).error
-    assert rig.error < 0.03
-    dense, _ = kernels.icosphere(20480)
-    nothing = np.zeros((0, 3))
-    ambient = kernels.rig_irradiance(dense, rig.ambient, nothing, nothing)
-    assert ambient.min() >= -1e-12 * ambient.max()
-
-
-@pytest.mark.parametrize("spread", [1e-3, 0.0])
-def test_harmonics_are_never_worse_than_the_constant_that_they_hold(spread):
-    """All normals are nearly parallel, so the harmonics are nearly indistinguishable."""
-    rng = np.random.default_rng(0)
-    normals = [0, 1, 0] + spread * rng.normal(size=(40, 3))
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    seen = 1 + 0.1 * rng.normal(size=(40, 3))
-    constant, harmonics = (
-        el.fit_probe(normals, seen, 0, ambient=ambient) for ambient in ("constant", "sh2")
-    )
-    assert 0.1 < harmonics.error <= constant.error * (1 + 1e-9)
-
-
-def test_harmonics_under_their_bound_are_the_best_there_are():
-    """Against scipy on the same problem, the bound imposed at 1280 normals."""
-    optimize = pytest.importorskip("scipy.optimize")
-    # A sun that harmonics ring around: unbounded they would be negative.
-    wanted = kernels.rig_irradiance(NORMALS, [0, 0, 0], [[0, 1, 0]], [[1, 1, 1]])
-    rig = el.fit_probe(NORMALS, wanted, lights=0, weights=SOLID_ANGLES, ambient="sh2")
-    root = np.sqrt(SOLID_ANGLES)[:, None]
-    columns, target = root * harmonics(NORMALS), root[:, 0] * wanted[:, 0]
-    bound = harmonics(kernels.icosphere(1280)[0])
-    best = optimize.minimize(
-        lambda c: np.sum((columns @ c - target) ** 2),
-        rig.ambient[:, 0] + 0.05,
-        jac=lambda c: 2 * columns.T @ (columns @ c - target),
-        constraints={"type": "ineq", "fun": lambda c: bound @ c, "jac": lambda c: bound},
-        method="SLSQP",
-        options={"ftol": 1e-14, "maxiter": 500},
-    )
-    ours = np.sum((columns @ rig.ambient[:, 0] - target) ** 2)
-    free = np.linalg.lstsq(columns, target)[0]
-    assert (bound @ free).min() < 0
-    assert best.fun * (1 - 1e-6) <= ours <= best.fun * (1 + 2e-3)
-
-
-def test_fixed_lights_stay_and_get_their_radiances():
-    rig = known_rig()
-    fixed = rig.lights.direction
-    found = el.fit_probe(NORMALS, rig.probe(NORMALS), fixed=fixed)
-    np.testing.assert_array_equal(found.lights.direction, fixed)
-    np.testing.assert_allclose(found.lights.irradiance, rig.lights.irradiance, rtol=1e-9)
-    assert found.report.direction_errors == (0.0, 0.0, 0.0)
-    away = el.fit_probe(NORMALS, rig.probe(NORMALS), lights=3, fixed=[[0.6, -0.8, 0.0]])
-    assert len(away.lights) >= 3
-    assert (away.lights.direction == [0.6, -0.8, 0.0]).all(axis=1).any()
-
-
-@pytest.mark.parametrize("ambient", ["constant", "sh2"])
-def test_a_normal_on_the_horizon_of_a_fixed_light_tells_how_bright_it_is(ambient):
-    """Each of these normals is on the horizon of one of three lights along the axes."""
-    angle = np.linspace(0.1, 6.2, 12)
-    ring = np.column_stack([np.zeros(12), np.cos(angle), np.sin(angle)])
-    normals = np.concatenate([ring, np.roll(ring, 1, axis=1), np.roll(ring, 2, axis=1)])
-    strength = np.array([[3, 2, 1], [1, 2, 3], [1, 1, 1]])
-    seen = kernels.rig_irradiance(normals, [0.1, 0.1, 0.1], np.eye(3), strength)
-    found = el.fit_probe(normals, seen, fixed=np.eye(3), ambient=ambient)
-    np.testing.assert_allclose(found.lights.irradiance, strength, rtol=1e-12)
-    assert found.report.condition < 100
-    assert np.max(found.report.irradiance_errors) < 1e-12
-
-
-def test_the_report_says_which_lights_were_fixed():
-    """Given with the weakest first, and with one that is found between them."""
-    rig = known_rig()
-    given = rig.lights.direction[[2, 0]]
-    found = el.fit_probe(NORMALS, rig.probe(NORMALS), lights=3, fixed=given)
-    rows = list(found.report.fixed)
-    assert rows == [2, 0]
-    np.testing.assert_array_equal(found.lights.direction[rows], given)
-    assert el.fit_probe(NORMALS, rig.probe(NORMALS), lights=3).report.fixed == ()
-
-
-def test_lights_are_taken_where_directions_are():
-    rig = known_rig()
-    seen = rig.probe(NORMALS)
-    held = el.fit_probe(NORMALS, seen, fixed=rig.lights)
-    np.testing.assert_array_equal(held.lights.direction, rig.lights.direction)
-    started = el.fit_probe(NORMALS, seen, start=rig.lights)
-    assert started.to_dict()["lights"] == el.fit_probe(NORMALS, seen, start=rig).to_dict()["lights"]
-
-
-def test_a_fixed_light_that_is_not_needed_comes_back_black():
-    one = known_rig().lights[:1]
-    rig = el.Rig([0, 0, 0], one, 0)
-    found = el.fit_probe(NORMALS, rig.probe(NORMALS), fixed=[one.direction[0], -one.direction[0]])
-    np.testing.assert_allclose(found.lights.irradiance[1], 0, atol=1e-12)
-    assert len(found.lights) == 2
-
-
-def test_fixed_lights_come_back_from_a_black_map():
-    found = el.fit(np.zeros((16, 32, 3)), fixed=[[0, 1, 0], [1, 0, 0]], error=0.1)
-    assert len(found.lights) == 2
-    assert not found.lights.irradiance.any()
-    assert found.report.stop_reason is el.StopReason.NOTHING_TO_FIT
 
 
 def test_lights_that_only_follow_the_pattern_of_the_normals_are_not_tried():

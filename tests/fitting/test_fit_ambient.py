@@ -1,10 +1,14 @@
-"""Lights only where they pay, and the environment that leaves the fewest to be needed."""
+"""Ambient terms, and the number of lights that each leaves necessary."""
 
 import numpy as np
 import pytest
 
 import envlights as el
 from envlights import kernels
+from tests.conftest import real_maps
+from tests.fitting.worst_cases import known_rig
+from tests.helpers import EQUIRECTANGULAR, NORMALS, SOLID_ANGLES
+from tests.reference.madsen import Problem
 
 
 def gradient(slope=0.8):
@@ -104,3 +108,118 @@ def test_what_was_asked_for_is_not_called_a_choice():
     assert "chosen" not in str(rig.report)
     with pytest.raises(el.EnvLightsError, match="ambient must be 'none' or 'constant' or 'sh2';"):
         el.fit_probe(np.eye(3), np.eye(3), 0, ambient="auto")
+
+
+def test_without_ambient_the_lights_do_it_alone():
+    rig = known_rig()
+    alone = el.Rig([0, 0, 0], rig.lights, error=0.0)
+    found = el.fit_probe(NORMALS, alone.probe(NORMALS), lights=3, ambient="none")
+    np.testing.assert_allclose(found.lights.irradiance, rig.lights.irradiance, rtol=1e-6)
+    hall = el.synthetic.hall(128).radiance
+    for lights in (0, 1, 4):
+        lit = el.fit(hall, lights=lights, ambient="none")
+        assert not lit.ambient.any()
+        assert lit.error >= el.fit(hall, lights=lights).error * (1 - 1e-3)
+    assert el.fit(hall, lights=0, ambient="none").error == 1.0
+
+
+def test_without_ambient_it_is_as_good_as_scipy_without_it():
+    env = el.EnvMap(el.synthetic.hall(256).radiance)
+    wanted = env.probe(NORMALS)
+    rig = el.fit_probe(NORMALS, wanted, lights=3, weights=SOLID_ANGLES, ambient="none")
+    problem = Problem(NORMALS, SOLID_ANGLES, wanted, 3)
+
+    def without_ambient(x):
+        return problem.residual(np.concatenate([np.zeros(3), x]))
+
+    optimize = pytest.importorskip("scipy.optimize")
+    theta, phi = np.pi, 2 * np.pi
+    uv = kernels.direction_to_uv(rig.lights.direction) * (phi, theta)
+    start = np.column_stack([rig.lights.irradiance, uv[:, 1], uv[:, 0]]).ravel()
+    lower = np.tile([0, 0, 0, -np.inf, -np.inf], 3)
+    best = optimize.least_squares(without_ambient, start, bounds=(lower, np.inf), ftol=1e-12)
+    # A polish by another solver from our answer finds nothing to gain.
+    assert np.sum(without_ambient(start) ** 2) <= 2 * best.cost * (1 + 1e-6)
+
+
+# Harmonics
+
+
+def harmonics(normals):
+    """Irradiance of each harmonic, from scipy's own polynomials on the sphere."""
+    from scipy.special import sph_harm_y
+
+    # The paper's pole is z; scipy's real and imaginary parts make the real harmonics.
+    theta, phi = np.arccos(normals[:, 2].clip(-1, 1)), np.arctan2(normals[:, 1], normals[:, 0])
+    columns = []
+    for n, m in [(0, 0), (1, -1), (1, 0), (1, 1), (2, -2), (2, -1), (2, 0), (2, 1), (2, 2)]:
+        y = sph_harm_y(n, abs(m), theta, phi)
+        part = y.real if m == 0 else np.sqrt(2) * (-1) ** m * (y.imag if m < 0 else y.real)
+        columns.append([np.pi, 2 * np.pi / 3, np.pi / 4][n] * part)
+    return np.stack(columns, axis=1)
+
+
+def test_harmonics_are_those_of_an_independent_library():
+    rng = np.random.default_rng(3)
+    coefficients = rng.normal(size=(9, 3))
+    nothing = np.zeros((0, 3))
+    seen = kernels.rig_irradiance(NORMALS, coefficients, nothing, nothing)
+    np.testing.assert_allclose(seen, harmonics(NORMALS) @ coefficients, atol=1e-12)
+
+
+def test_an_environment_of_harmonics_and_a_light_comes_back():
+    rig = known_rig()
+    coefficients = np.zeros((9, 3))
+    coefficients[0], coefficients[1], coefficients[8] = 1.0, (0.3, 0.2, 0.1), 0.2
+    one = el.Rig(coefficients, rig.lights[:1], 0)
+    found = el.fit_probe(NORMALS, one.probe(NORMALS), lights=1, ambient="sh2")
+    np.testing.assert_allclose(found.ambient, coefficients, atol=1e-6)
+    np.testing.assert_allclose(found.lights.direction, one.lights.direction, atol=1e-6)
+
+
+@real_maps(*EQUIRECTANGULAR)
+def test_harmonics_and_one_light_do_well_and_are_nowhere_negative(path):
+    env = el.EnvMap.open(path)
+    rig = el.fit(env, lights=1, ambient="sh2")
+    assert rig.error <= el.fit(env, lights=1).error
+    assert rig.error < 0.03
+    dense, _ = kernels.icosphere(20480)
+    nothing = np.zeros((0, 3))
+    ambient = kernels.rig_irradiance(dense, rig.ambient, nothing, nothing)
+    assert ambient.min() >= -1e-12 * ambient.max()
+
+
+@pytest.mark.parametrize("spread", [1e-3, 0.0])
+def test_harmonics_are_never_worse_than_the_constant_that_they_hold(spread):
+    """All normals are nearly parallel, so the harmonics are nearly indistinguishable."""
+    rng = np.random.default_rng(0)
+    normals = [0, 1, 0] + spread * rng.normal(size=(40, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    seen = 1 + 0.1 * rng.normal(size=(40, 3))
+    constant, harmonics = (
+        el.fit_probe(normals, seen, 0, ambient=ambient) for ambient in ("constant", "sh2")
+    )
+    assert 0.1 < harmonics.error <= constant.error * (1 + 1e-9)
+
+
+def test_harmonics_under_their_bound_are_the_best_there_are():
+    """Against scipy on the same problem, the bound imposed at 1280 normals."""
+    optimize = pytest.importorskip("scipy.optimize")
+    # A sun that harmonics ring around: unbounded they would be negative.
+    wanted = kernels.rig_irradiance(NORMALS, [0, 0, 0], [[0, 1, 0]], [[1, 1, 1]])
+    rig = el.fit_probe(NORMALS, wanted, lights=0, weights=SOLID_ANGLES, ambient="sh2")
+    root = np.sqrt(SOLID_ANGLES)[:, None]
+    columns, target = root * harmonics(NORMALS), root[:, 0] * wanted[:, 0]
+    bound = harmonics(kernels.icosphere(1280)[0])
+    best = optimize.minimize(
+        lambda c: np.sum((columns @ c - target) ** 2),
+        rig.ambient[:, 0] + 0.05,
+        jac=lambda c: 2 * columns.T @ (columns @ c - target),
+        constraints={"type": "ineq", "fun": lambda c: bound @ c, "jac": lambda c: bound},
+        method="SLSQP",
+        options={"ftol": 1e-14, "maxiter": 500},
+    )
+    ours = np.sum((columns @ rig.ambient[:, 0] - target) ** 2)
+    free = np.linalg.lstsq(columns, target)[0]
+    assert (bound @ free).min() < 0
+    assert best.fun * (1 - 1e-6) <= ours <= best.fun * (1 + 2e-3)

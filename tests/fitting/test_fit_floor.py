@@ -112,7 +112,7 @@ def assert_none_below(radiance):
 
 def test_no_light_stands_below_the_horizon():
     assert_none_below(hall())
-    for seed in el.synthetic.JUDGING[:4]:
+    for seed in el.synthetic.EVALUATION[:4]:
         assert_none_below(el.synthetic.hard(seed, 128).radiance)
 
 

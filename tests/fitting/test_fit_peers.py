@@ -36,7 +36,7 @@ HALL = probe_of_world(el.synthetic.hall(128))
 @cache
 def some_generated():
     probes = {"hall": HALL}
-    for seed in el.synthetic.JUDGING[:3]:
+    for seed in el.synthetic.EVALUATION[:3]:
         probes[f"plain {seed}"] = probe_of_world(el.synthetic.plain(seed, 128))
         probes[f"hard {seed}"] = probe_of_world(el.synthetic.hard(seed, 128))
     return probes

@@ -1,4 +1,4 @@
-"""Lights with a size, and the error that sees shadows."""
+"""Lights with a size, and the error with shadows."""
 
 import numpy as np
 import pytest

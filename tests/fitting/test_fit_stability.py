@@ -1,4 +1,4 @@
-"""The fit where numbers are extreme, lights coincide or nothing is to be found."""
+"""The fit to extreme numbers, coincident lights and black maps."""
 
 import numpy as np
 import pytest

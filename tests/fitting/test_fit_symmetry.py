@@ -18,7 +18,7 @@ EXACT = 1e-9
 def maps(height):
     """Maps whose lights are well determined: four leave more than the error of the rendering."""
     yield el.synthetic.hall(height).radiance
-    for seed in el.synthetic.JUDGING[:3]:
+    for seed in el.synthetic.EVALUATION[:3]:
         yield el.synthetic.hard(seed, height).radiance
 
 

@@ -35,7 +35,7 @@ def arrays(lights):
     return lights.direction, lights.irradiance
 
 
-@pytest.mark.parametrize("seed", el.synthetic.JUDGING[:3])
+@pytest.mark.parametrize("seed", el.synthetic.EVALUATION[:3])
 @pytest.mark.parametrize("options", [{"sizes": False}, {"sizes": False, "ambient": "sh2"}])
 def test_moved_by_its_tolerance_a_light_costs_a_tenth_of_the_error(seed, options):
     """On maps that three lights leave far above the error of the rendering."""
@@ -49,7 +49,7 @@ def test_moved_by_its_tolerance_a_light_costs_a_tenth_of_the_error(seed, options
             assert 0.05 < least < 0.15, f"light {light}: {least}"
 
 
-@pytest.mark.parametrize("seed", el.synthetic.JUDGING[:2])
+@pytest.mark.parametrize("seed", el.synthetic.EVALUATION[:2])
 def test_of_discs_it_is_the_error_that_was_fitted(seed):
     radiance = el.synthetic.hard(seed, 128).radiance
     rig = el.fit(radiance, 3, objective="shadows")

@@ -1,4 +1,4 @@
-"""Probes that are hard on a fit: for its tests and for its benchmark."""
+"""Worst cases of a fit, for its tests and its benchmark."""
 
 import numpy as np
 
@@ -42,3 +42,12 @@ def cases():
         "black": 0 * room,
         "even": np.ones_like(room),
     }
+
+
+def known_rig():
+    """An ambient term and three lights."""
+    direction = np.array([[0.2, 0.9, 0.3], [-0.8, 0.1, 0.5], [0.4, -0.3, -0.8]])
+    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+    return el.Rig(
+        [0.3, 0.2, 0.1], el.Lights(direction, [[5, 4, 3], [1, 2, 3], [0.5, 0.5, 0.4]]), error=0.0
+    )

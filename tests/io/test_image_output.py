@@ -1,4 +1,4 @@
-"""Maps out, and back in."""
+"""Saved maps, read again."""
 
 import time
 from types import SimpleNamespace

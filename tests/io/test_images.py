@@ -1,4 +1,4 @@
-"""Maps in: files of every kind, what is cleaned, what is refused."""
+"""Image files of all kinds: read, cleaned or refused."""
 
 import os
 import struct
@@ -106,7 +106,7 @@ def test_a_single_channel_is_grey(tmp_path):
     path = write(tmp_path / "y.exr", RADIANCE[..., :1], channelnames=("Y",))
     env = el.EnvMap.open(path)
     np.testing.assert_array_equal(env.radiance, np.repeat(RADIANCE[..., :1], 3, axis=2))
-    assert "the only channel, Y, was taken as grey" in env.notes
+    assert "the only channel, Y, was read as grey" in env.notes
 
 
 def test_only_the_first_of_several_images_is_read_and_noted(tmp_path):

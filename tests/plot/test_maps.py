@@ -1,4 +1,4 @@
-"""Pictures of a map with its lights: what they take, and that any notebook shows them."""
+"""Pictures of a map with its lights: arguments, and display in notebooks."""
 
 import io
 from dataclasses import replace
@@ -215,7 +215,7 @@ def test_every_light_is_one_entry_of_the_same_few_artists():
 
 def test_the_exposure_is_stated_and_leaves_the_lamps_brighter_than_the_sky():
     figure = plot.map_picture(el.synthetic.hall(64).radiance)
-    assert "white is a luminance of" in figure.get_suptitle()
+    assert "white is luminance" in figure.get_suptitle()
     pixels = figure.axes[0].images[0].get_array()
     assert 0.005 < (pixels >= 250).any(axis=2).mean() < 0.05
 
@@ -277,7 +277,7 @@ def test_false_colours_say_which_luminance_is_white():
     figure = plot.map_picture(HALL, stops=True)
     white = float(figure.get_suptitle().split()[-1])
     exposed = plot.map_picture(HALL).get_suptitle()
-    assert f"white is a luminance of {white:.3g};" in exposed
+    assert f"white is luminance {white:.3g};" in exposed
     # A pixel at white lies at 0 stops.
     (image,) = figure.axes[0].images
     luminance = HALL.radiance @ np.array([0.2126, 0.7152, 0.0722])

@@ -1,4 +1,4 @@
-"""The notebook's figure: what it shows and the errors that it tells."""
+"""The notebook's figure: its images and its errors."""
 
 from functools import partial
 

@@ -1,4 +1,4 @@
-"""The component tree with prominence, pixel by pixel: no basins, no tiles, no cleverness."""
+"""The component tree with prominence, pixel by pixel, without tiles."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Maps after any rotation, in NumPy: slow, and plain about what is sampled where."""
+"""Maps after any rotation, in NumPy, slow and plain."""
 
 import numpy as np
 

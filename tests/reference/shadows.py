@@ -1,4 +1,4 @@
-"""The error of a rig where things stand in the way, from its definition and from its kernel."""
+"""The error of a rig with shadows, from its definition and from its kernel."""
 
 from itertools import pairwise
 
@@ -19,7 +19,7 @@ def shadow_error(
     planes=320,
     border=False,
 ):
-    """Relative RMS error of the irradiance at normals, all that is behind a plane hidden.
+    """Relative RMS error of the irradiance at normals, with everything behind a plane hidden.
 
     Sums over the pixels of the map, over points of each disc, over normals and over planes. The
     ambient term is one radiance, or nine harmonics.

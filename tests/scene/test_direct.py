@@ -199,7 +199,7 @@ def test_a_ray_tracer_may_answer_with_numbers_and_nothing_else():
     np.testing.assert_array_equal(as_numbers, as_flags)
     np.testing.assert_array_equal(as_flags.any(axis=-1), [[True, False]])
     for answer in (lambda o, _: 2 * np.ones(len(o), int), lambda o, _: [True], lambda *_: None):
-        with pytest.raises(el.EnvLightsError, match="blocked must answer true or false"):
+        with pytest.raises(el.EnvLightsError, match="blocked must return true or false"):
             image_for(answer)
 
 

@@ -1,4 +1,4 @@
-"""Maps and lights at the ends of what numbers and places there are."""
+"""Maps and lights at the limits of numbers and directions."""
 
 from functools import cache, partial
 

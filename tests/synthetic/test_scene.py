@@ -1,4 +1,4 @@
-"""Synthetic maps have the lights that they say."""
+"""Synthetic maps and their known lights."""
 
 import numpy as np
 import pytest

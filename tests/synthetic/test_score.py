@@ -1,4 +1,4 @@
-"""The score of what a detector finds in maps with known lights."""
+"""Score of a detector on maps with known lights."""
 
 import numpy as np
 import pytest
@@ -18,7 +18,7 @@ def empty():
 
 def test_the_truth_scores_1():
     world = two_lamps()
-    score = synthetic.judge([(world, world.lights.direction, world.irradiance_with_background)])
+    score = synthetic.evaluate([(world, world.lights.direction, world.irradiance_with_background)])
     assert (score.precision, score.recall, score.f1) == (1, 1, 1)
     np.testing.assert_allclose(score.angles_deg, 0, atol=1e-12)
     np.testing.assert_allclose(score.flux_errors, 0, atol=1e-12)
@@ -27,7 +27,7 @@ def test_the_truth_scores_1():
 def test_the_order_of_what_is_found_does_not_matter():
     world = two_lamps()
     swapped = world.lights.direction[::-1], world.irradiance_with_background[::-1]
-    score = synthetic.judge([(world, *swapped)])
+    score = synthetic.evaluate([(world, *swapped)])
     assert score.f1 == 1
     np.testing.assert_allclose(score.flux_errors, 0, atol=1e-12)
 
@@ -35,10 +35,10 @@ def test_the_order_of_what_is_found_does_not_matter():
 def test_a_missed_and_a_false_light_are_counted():
     world = two_lamps()
     direction, irradiance = world.lights.direction, world.irradiance_with_background
-    missed = synthetic.judge([(world, direction[:1], irradiance[:1])])
+    missed = synthetic.evaluate([(world, direction[:1], irradiance[:1])])
     assert (missed.precision, missed.recall) == (1, 0.5)
     more = np.vstack([direction, [[0, 1, 0]]]), np.vstack([irradiance, [[1, 1, 1]]])
-    false = synthetic.judge([(world, *more)])
+    false = synthetic.evaluate([(world, *more)])
     assert (false.precision, false.recall) == (pytest.approx(2 / 3), 1)
     assert false.f1 == pytest.approx(0.8)
 
@@ -61,7 +61,9 @@ def test_a_hit_lies_within_2_degrees_or_the_radius(off_deg, hits):
 
 def test_nothing_found_where_nothing_is_is_right():
     nothing = np.zeros((0, 3))
-    score = synthetic.judge([(empty(), nothing, nothing)])
+    score = synthetic.evaluate([(empty(), nothing, nothing)])
     assert (score.precision, score.recall, score.f1, score.false_on_lightless) == (1, 1, 1, 0)
-    score = synthetic.judge([(empty(), [[0, 1, 0]], [[1, 1, 1]]), (two_lamps(), nothing, nothing)])
+    score = synthetic.evaluate(
+        [(empty(), [[0, 1, 0]], [[1, 1, 1]]), (two_lamps(), nothing, nothing)]
+    )
     assert (score.precision, score.recall, score.f1, score.false_on_lightless) == (0, 0, 0, 1)

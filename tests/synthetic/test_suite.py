@@ -1,4 +1,4 @@
-"""The families of maps with known lights, and the score of what is found in them."""
+"""Families of maps with known lights, and the score of detectors on them."""
 
 import numpy as np
 import pytest
@@ -30,7 +30,7 @@ def test_a_seed_gives_one_map(family):
 
 
 def test_no_seed_is_for_tuning_and_for_judging():
-    assert not set(synthetic.TUNING) & set(synthetic.JUDGING)
+    assert not set(synthetic.TUNING) & set(synthetic.EVALUATION)
 
 
 def test_the_families_share_no_map():

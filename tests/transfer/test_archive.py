@@ -1,4 +1,4 @@
-"""Models as files: what comes back, what is refused, and what a full disk leaves."""
+"""Models as files: round trips, refusals and full disks."""
 
 import json
 import tracemalloc

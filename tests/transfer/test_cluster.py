@@ -102,7 +102,7 @@ def nan_at_row_17(indirect):
     [
         (nan_at_row_17, r"^indirect must be finite; image 3 holds nan at row 17, column 2$"),
         (lambda images: 0 * da.from_array(images), r"indirect is black in every image"),
-        (lambda images: da.from_array(images)[:31], r"as many images; got 40 and 31"),
+        (lambda images: da.from_array(images)[:31], r"the same number of images; got 40 and 31"),
         (lambda images: da.from_array(images)[0], r"indirect must have the shape"),
         (lambda images: da.from_array(images).astype(int), r"floating point; got the dtype int64"),
         (lambda images: (whole := da.from_array(images))[whole[:, 0, 0, 0] > 0], r"got \(nan, 32"),

@@ -337,7 +337,7 @@ def test_what_cannot_be_is_refused_in_a_sentence(model, both):
         (lambda: model.predict(new(), region=(slice(0.5), slice(3))), "region must be two slices"),
         (lambda: model.predict(new(), region=(slice(0, 3, 0), slice(3))), "region must be two"),
         (lambda: model.compressed(-0.1), "error must be a finite number, 0 or more; got -0.1"),
-        (lambda: both[0].compressed(), "a compressed model cannot be compressed again; take"),
+        (lambda: both[0].compressed(), "a compressed model cannot be compressed again; use"),
         (lambda: both[0].add(new(), new()), "a compressed model cannot take more pairs"),
         (lambda: both[0].predict(new() * np.nan), "direct must be finite; image 0 holds nan"),
         (lambda: both[0].predict(new()[:, :4]), "direct must be 16x16 pixels"),

@@ -44,7 +44,7 @@ SMALL, LARGE = oblong(4)
         (SMALL[0], LARGE, {}, r"direct must have the shape \(k, height, width, 3 or 4\); got \(3"),
         (SMALL, LARGE[..., :2], {}, r"indirect must have the shape .* got \(4, 7, 11, 2\)"),
         (SMALL[:0], LARGE[:0], {}, r"got \(0, "),
-        (SMALL[:3], LARGE, {}, r"as many images; got 3 and 4"),
+        (SMALL[:3], LARGE, {}, r"the same number of images; got 3 and 4"),
         ([[[[1, 2, 3]]], [[[1, 2]]]], LARGE, {}, r"images of one size"),
         (SMALL, LARGE.astype(np.uint8), {}, r"floating point; got the dtype uint8"),
         (
@@ -125,7 +125,7 @@ def test_pairs_that_do_not_fit_a_model_are_not_added(model):
         model.add(scene()[0], scene()[1][:, :8])
     with pytest.raises(el.EnvLightsError, match="direct must have the shape"):
         model.add(1.0, 2.0)
-    with pytest.raises(el.EnvLightsError, match="notebook=True takes no more pairs"):
+    with pytest.raises(el.EnvLightsError, match="notebook=True cannot grow"):
         el.TransferModel.fit(*scene(), notebook=True).add(*scene())
 
 

@@ -29,14 +29,14 @@ from envlights.io.files import PICTURES
     "-n",
     "--max-lights",
     type=int,
-    help="Largest number of lights; tree merges neighbours, article drops the dimmest.",
+    help="Largest number of lights; more are merged (tree) or dropped (article).",
 )
 @click.option(
     "--method",
     type=click.Choice(list(METHODS)),
     default=default_of(detect, "method"),
     show_default=True,
-    help="Method of detection; article: Loghin (2021).",
+    help="Method of detection; article: the steps of Loghin (2021).",
 )
 @output_option(OUTPUTS)
 @verbose_option()

@@ -29,7 +29,7 @@ from envlights.rig import Rig
 @click.option(
     "--error",
     type=float,
-    help="Largest error, such as 0.01; the fewest lights that reach it are used.",
+    help="Largest error, such as 0.01 for 1 %; the fewest lights that reach it are used.",
 )
 @click.option(
     "--shadow-error",
@@ -39,14 +39,15 @@ from envlights.rig import Rig
 @click.option(
     "--sizes/--points",
     default=default_of(fit, "sizes"),
-    help="Lights are discs with a size, or points.",
+    help="Lights with a size, for soft shadows, or points.",
+    show_default=True,
 )
 @click.option(
     "--ambient",
     type=click.Choice([*AMBIENTS, AUTO]),
     default=default_of(fit, "ambient"),
     show_default=True,
-    help="Light from everywhere; sh2: 9 spherical harmonics; auto: the best for the error.",
+    help="Light from all directions; sh2: smooth, 9 spherical harmonics; auto: the best of them.",
 )
 @click.option(
     "--floor", is_flag=True, help="The scene has a floor, which hides light from below the horizon."

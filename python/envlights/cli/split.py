@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from envlights.cli.outputs import check_output, output_option, say_written
+from envlights.cli.outputs import check_output, output_option, say_written, verbose_option
 from envlights.detection.split import Split, split
 from envlights.envmap import EnvMap
 from envlights.export.targets import SUFFIXES
@@ -29,18 +29,20 @@ MAPS = (".exr", ".hdr")
 @click.option(
     "--share",
     type=float,
-    help="Remove the fewest lights that hold this fraction of the light, such as 0.9.",
+    help="Remove the fewest lights with this fraction of the light of all lights, such as 0.9.",
 )
 @output_option(
     "File to write: the map without the lights (.exr, .hdr), the lights for the program of the"
     " suffix (list: envlights export -h) or a picture (.png, .pdf, .svg). Can be repeated."
 )
+@verbose_option()
 @click.option("--json", "as_json", is_flag=True, help="Print the lights as JSON.")
 def command(
     map_path: str,
     lights: int | None,
     share: float | None,
     outputs: Sequence[str],
+    verbose: bool,
     as_json: bool,
 ) -> None:
     """Remove the lights from MAP (.hdr, .exr, .png, .jpg, .tif)."""
@@ -51,7 +53,8 @@ def command(
     for output in outputs:
         _write(env, parts, output)
     removed = parts.lights
-    click.echo(json.dumps(removed.to_dict(), indent=2) if as_json else str(removed))
+    text = removed.verbose() if verbose else str(removed)
+    click.echo(json.dumps(removed.to_dict(), indent=2) if as_json else text)
     say_written(outputs)
 
 

@@ -1,4 +1,4 @@
-"""Lights whose peak has a black channel: of saturated colour, or damaged."""
+"""Lights with a black channel at their peak, which is rare in undamaged maps."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from envlights.kernels import image as images
 from envlights.kernels.sphere import direction_to_uv
 from envlights.light import place_of
 
-#: A pixel of this share of the peak's luminance is the peak.
+#: Least fraction of the peak luminance of a pixel that counts as the peak.
 _AT_PEAK = 0.99
 
 _CHANNELS = ("red", "green", "blue")
@@ -21,25 +21,26 @@ def cast_notes(
 ) -> list[str]:
     """A sentence for each light whose peak has no red, green or blue.
 
-    Few real lights have none: the channel was below zero, not a number, or outside of the colours
-    that the file can hold, and was set to 0.
+    Few real lights lack a channel. More often its value was negative, not a number, or outside the
+    colour range of the file, and was set to 0.
     """
-    # Find the pixels of the peaks. A top of several pixels may have its centroid beside them.
+    # Find the pixels of the peaks. The centroid of a flat top may lie outside its pixels.
     radiance = _pixels(world, peak_direction).astype(np.float64)
     is_peak = radiance @ images.LUMINANCE >= _AT_PEAK * peak_luminance
     is_black = (radiance == 0) & is_peak[:, None]
     lights = np.flatnonzero(is_black.any(axis=1) & (radiance > 0).any(axis=1))
     return [
-        f"the light with its peak at {place_of(peak_direction[light])} has no"
-        f" {_names(is_black[light])} there: its colour may be wrong"
+        f"the light at {place_of(peak_direction[light])} has no {_names(is_black[light])} at its"
+        " peak, so its colour may be wrong"
         for light in lights
     ]
 
 
 def _pixels(world: EnvMap, directions: NDArray[np.float64]) -> NDArray[np.float32]:
-    """The radiance of the pixels that directions point to.
+    """Radiance of the pixels in the given directions.
 
-    In border-sampled maps too: pixel k of n lies at k / (n - 1), and k n / (n - 1) is below k + 1.
+    This holds for border-sampled maps too: pixel k of n lies at k / (n - 1), and k n / (n - 1) is
+    below k + 1.
     """
     uv = direction_to_uv(directions)
     row, column = images.uv_to_pixel(uv, world.height, world.width).T

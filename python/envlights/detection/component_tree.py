@@ -19,7 +19,7 @@ from envlights.detection.lights import DetectedLights, DetectionReport
 from envlights.detection.members import Members
 from envlights.envmap import AnyMap, EnvMap, apply_to_map
 
-#: Fewest columns of the working image.
+#: Smallest number of columns of the reduced map.
 _LEAST_COLUMNS = 16
 
 
@@ -65,8 +65,8 @@ def detect_tree(
     env : EnvMap, path-like or array_like, shape (height, 2 * height, 3)
         The map.
     max_lights : int, optional
-        Most lights. Neighbours are merged until there are that many, the pair with the least
-        cost first (Ward 1963); no flux is dropped. `detect_article` drops lights instead.
+        Largest number of lights. Neighbours are merged until it is reached, the pair with the
+        least cost first (Ward 1963); no flux is dropped. `detect_article` drops lights instead.
     min_flux_share : float
         Lights with a smaller fraction of the map's flux are dropped.
     min_worth : float
@@ -74,8 +74,8 @@ def detect_tree(
         peak to the local background. 0 lists all lights. Clipped maps have a rule of their own;
         see Notes.
     threshold : float, optional
-        Luminance above which a pixel is bright. By default it is chosen from the map; give that of
-        another map, ``other.report.threshold``, to judge both alike.
+        Luminance above which a pixel is bright. By default it is chosen from the map. To use the
+        threshold of another map, give ``other.report.threshold``.
     rise : float
         Least ratio of a light's peak to the threshold. A light extends down to the threshold.
     prominence : float
@@ -86,8 +86,8 @@ def detect_tree(
     extent : float
         A light ends where its luminance has fallen to this fraction of its peak.
     working_width : int
-        Most columns of the reduced map in which lights are searched. A clipped map is searched in
-        half of them, and in fewer still if more than 12 % of the sphere is bright.
+        Largest number of columns of the reduced map in which lights are searched. A clipped map is
+        reduced to half of them, and further if more than 12 % of the sphere is bright.
     white : float, optional
         Largest value that the map can hold, in place of `EnvMap.white`.
 
@@ -103,28 +103,33 @@ def detect_tree(
 
     Notes
     -----
-    Two lights are panes of one window if they touch nowhere, the bar between them is at most half
-    as wide as they are deep and at most 2.5 degrees, lies along a quarter of their sides and is
-    darker, at most 0.8 of them, and their mean luminances are within a factor of 4. The joined
-    light holds the flux of its panes. The rule is ours.
+    Two lights that do not touch are panes of one window if the bar between them
 
-    One threshold for the whole map misses a window that is three times as bright as the wall around
-    it if the sky is brighter.
+    - is at most 2.5 degrees wide, and at most half as wide as the panes,
+    - lies along at least a quarter of their sides, and
+    - has at most 0.8 of their luminance,
 
-    Clipped maps, such as 8-bit pictures, are treated differently, because their threshold would
+    and if their mean luminances differ by at most a factor of 4. The joined light has the flux of
+    its panes. The rule is ours.
+
+    The threshold is the same everywhere in the map. A window that is three times as bright as the
+    wall around it is missed if the sky is brighter.
+
+    Clipped maps, such as 8-bit pictures, have rules of their own, because their threshold would
     often lie above the clip level. Luminance :math:`y`, in units of the clip level, is expanded to
     :math:`y / (1.02 - y)` first, so that the clip level becomes 50. Pixels of 0.985 and more form
     clipped regions; the depth of a pixel is its angle to the rim. A light is divided where its
     clipped region has a neck of less than half its depth, and points to the centroid of its region,
-    weighted by the square of the depth. Lights are ordered by `DetectedLights.weight`, expanded
-    flux over the 3/4 power of the solid angle times :math:`e^{1.5 \sin}` of the elevation, because
-    clipping has made their flux alike. Those with less than 1 % of all weight and clipped floors
-    are dropped. Their `direction_uncertainty` is calibrated on pictures of HDR maps. Irradiance
-    and flux are lower bounds. The rule is ours; the expansion is that of Schlick (1994), backwards.
+    weighted by the square of the depth. Clipping makes the fluxes of lights similar, so lights are
+    ordered by `DetectedLights.weight` instead: the expanded flux, divided by the 3/4 power of the
+    solid angle, times :math:`e^{1.5 \sin}` of the elevation. Lights with less than 1 % of the
+    total weight are dropped, and so are clipped floors. The `direction_uncertainty` is calibrated
+    on pictures of HDR maps. Irradiance and flux are lower bounds. The rules are ours; the expansion
+    inverts that of Schlick (1994).
 
-    A picture that ends in a small peak between 0.7 of its largest possible value and that value was
-    tone-mapped to end there, and that peak is its clip level. A picture that ends lower, or in an
-    even top, has lost nothing to clipping and is treated as any other map.
+    Some pictures are tone-mapped so that their brightest pixels pile up between 0.7 of the largest
+    possible value and that value. This pile is then the clip level. Other pictures whose
+    maximum is below the largest possible value are not clipped, and are treated as any other map.
 
     Examples
     --------
@@ -138,7 +143,7 @@ def detect_tree(
     array([[ 0.71,  0.71,  0.  ],
            [ 0.  ,  0.  , -1.  ]])
     """
-    lights, _ = _searched(
+    lights, _ = _detect(
         env,
         max_lights=max_lights,
         min_flux_share=min_flux_share,
@@ -154,15 +159,17 @@ def detect_tree(
     return lights
 
 
-def searched(env: AnyMap, **options: Any) -> tuple[DetectedLights, NDArray[np.float32]]:
+def detect_with_luminance(
+    env: AnyMap, **options: Any
+) -> tuple[DetectedLights, NDArray[np.float32]]:
     """Lights of `detect_tree`, and the luminance of the reduced map."""
     arguments = inspect.signature(detect_tree).bind(env, **options)
     arguments.apply_defaults()
     env, *_ = arguments.args
-    return _searched(env, **arguments.kwargs)
+    return _detect(env, **arguments.kwargs)
 
 
-def _searched(env: AnyMap, **arguments: Any) -> tuple[DetectedLights, NDArray[np.float32]]:
+def _detect(env: AnyMap, **arguments: Any) -> tuple[DetectedLights, NDArray[np.float32]]:
     start = time.perf_counter()
     options = _options(**arguments)
 

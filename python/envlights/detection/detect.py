@@ -12,14 +12,14 @@ from envlights.detection.lights import DetectedLights
 from envlights.detection.loghin import detect_article
 from envlights.envmap import AnyMap
 
-#: The detectors by name.
+#: Detectors by name.
 METHODS: dict[str, Callable[..., DetectedLights]] = {
     "tree": detect_tree,
     "article": detect_article,
 }
 
 
-# The options for type checkers. What runs passes them on, and takes the defaults from there.
+# Declare the options for type checkers; `detect` itself only passes them on.
 @overload
 def detect(
     env: AnyMap,
@@ -72,22 +72,20 @@ def detect(env: AnyMap, method: str = "tree", **options: Any) -> DetectedLights:
     env : EnvMap, path-like or array_like, shape (height, 2 * height, 3)
         The map.
     method : {"tree", "article"}
-        "tree": the component tree, which follows every bright path and measures each light on the
-        sphere; see `detect_tree`. "article": the method of Loghin (2021), on samples; see
-        `detect_article`.
+        "tree": a component tree, with each light measured on the sphere; see `detect_tree`.
+        "article": the method of Loghin (2021), on samples; see `detect_article`.
     max_lights : int, optional
-        Most lights. The tree merges neighbours; the article drops the dimmest.
+        Largest number of lights. The tree merges neighbours; the article drops the dimmest.
     working_width : int
-        Most columns of the reduced map in which lights are searched.
+        Largest number of columns of the reduced map in which lights are searched.
     min_flux_share, min_worth, rise, prominence, gap_deg, extent, white
-        Options of the tree: which lights count, where they end and what divides them; see
-        `detect_tree`.
+        Options of the tree: the limits and the extent of lights; see `detect_tree`.
     threshold : float, optional
-        Luminance above which a pixel is bright. The tree chooses it from the map by default; for
-        the article it is 0.8.
+        Luminance above which a pixel is bright. By default the tree chooses it from the map, and
+        the article has 0.8.
     reduction, blur_px, samples_per_pixel, window_px, suppression_deg, tolerance, \
 ceiling, merge_cap_deg, relative, move_to_maximum, sphere
-        Options of the article: its samples, its levels and its merging; see `detect_article`.
+        Options of the article: samples, levels and merging; see `detect_article`.
 
     Returns
     -------
@@ -113,7 +111,7 @@ ceiling, merge_cap_deg, relative, move_to_maximum, sphere
 
 
 def _options(method: str) -> dict[str, inspect.Parameter]:
-    """The parameters of a detector, without the map."""
+    """Parameters of a detector, without the map."""
     _, *options = inspect.signature(METHODS[method]).parameters.values()
     return {option.name: option for option in options}
 

@@ -1,4 +1,4 @@
-"""Lights found in a map, the measurements of each, and the report on how they were found."""
+"""Detected lights with their measurements, and the report of the detection."""
 
 from __future__ import annotations
 
@@ -43,22 +43,22 @@ _BROAD = 0.5
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DetectionReport(Result):
-    """How lights were found, and what was left out."""
+    """Report of a detection: its threshold, and the lights that are not listed."""
 
     method: str
     """The detector: "tree" or "article"."""
 
     threshold: float
-    """Luminance above which a place is bright."""
+    """Luminance above which a pixel is bright."""
 
     reason: str
-    """Why the threshold has this value."""
+    """Rule that set the threshold."""
 
     working_size: tuple[int, int]
-    """Height and width of the image that was searched for lights."""
+    """Height and width of the reduced map that was searched for lights."""
 
     clip_level: float | None = None
-    """Luminance at which a clipped map was cut off; None for other maps and for the article."""
+    """Luminance at which the map is clipped; None for other maps and for the article."""
 
     skipped: tuple[str, ...] = ()
     """Lights that were dropped or merged, with numbers."""
@@ -73,7 +73,7 @@ class DetectionReport(Result):
     """Wall time of each stage."""
 
     def to_dict(self) -> dict[str, Any]:
-        """All but the times as plain numbers, lists and strings: the same for the same map."""
+        """All fields except the times as plain numbers, lists and strings."""
         return {
             "method": self.method,
             "threshold": self.threshold,
@@ -87,7 +87,7 @@ class DetectionReport(Result):
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> DetectionReport:
-        """The report that `to_dict` wrote."""
+        """Report that `to_dict` wrote."""
         height, width = counts("working_size", data["working_size"])
         level = data["clip_level"]
         (method,), (reason,) = texts("method", data["method"]), texts("reason", data["reason"])
@@ -103,11 +103,14 @@ class DetectionReport(Result):
         )
 
     def in_short(self) -> str:
-        """The method, and its threshold."""
+        """Method and threshold."""
         return f"{self.method}, threshold {self.threshold:.4g}"
 
     def __str__(self) -> str:
-        clipped = "; clipped map: lights are separated by the depth of their clipped regions"
+        clipped = (
+            "; clipped map: lights are separated by the depth of their clipped regions, and ordered"
+            " by an estimate of their brightness"
+        )
         lines = [
             f"threshold {self.threshold:.3g} ({self.reason}){clipped if self.clip_level else ''}",
             *(f"not listed: {line}" for line in self.skipped),
@@ -116,11 +119,11 @@ class DetectionReport(Result):
         return "\n".join(lines)
 
     def verbose(self) -> str:
-        """The report with the lines for authors of detectors."""
+        """Text with the lines for authors of detectors."""
         height, width = self.working_size
         lines = [
             str(self),
-            f"method: {self.method}, on the map reduced to {width}x{height} pixels",
+            f"method: {self.method}, on a working map of {width}x{height} pixels",
             *self.details,
             *(f"{stage}: {1e3 * seconds:.1f} ms" for stage, seconds in self.seconds.items()),
         ]
@@ -132,11 +135,11 @@ class DetectedLights(Lights):
     r"""Lights of a map, brightest first, and the measurements of each.
 
     `irradiance` is that of a surface facing the light, above the local background :math:`B`:
-    :math:`|\int (L - B)\, \omega\, d\omega|`, as in all `Lights`. With the background as ambient, a
-    rig of these lights gives what the map gives.
+    :math:`|\int (L - B)\, \omega\, d\omega|`, as in all `Lights`. A rig of these lights, with the
+    background as its ambient term, has the irradiance of the map.
 
-    Every array holds one row for each light. `lights[:4]` keeps the first four and their members;
-    `report` still describes all that were found.
+    Each array has a row for each light. `lights[:4]` holds the first four with their members;
+    `report` still describes the whole detection.
 
     Examples
     --------
@@ -150,17 +153,17 @@ class DetectedLights(Lights):
     angular_radius: NDArray[np.float64] = field(init=False)
     """Radius in radians of a disc of the same solid angle, shape (n,).
 
-    Within 5 % for discs that are two pixels wide and more. The pixels of a narrower one tell less:
-    where they lie within two rows and two columns, a smaller and brighter disc has the same."""
+    The error is below 5 % for discs that are at least two pixels wide. The pixels of a narrower
+    disc do not determine its radius: a smaller and brighter disc can have the same pixels."""
 
     peak_direction: NDArray[np.float64]
-    """Unit vectors towards the brightest place of each light, shape (n, 3)."""
+    """Unit vectors towards the peak of each light, shape (n, 3)."""
 
     solid_angle: NDArray[np.float64]
-    """In steradians, shape (n,)."""
+    """Solid angle of each light in steradians, shape (n,)."""
 
     elongation: NDArray[np.float64]
-    """Length over breadth, 1 for a disc, shape (n,)."""
+    """Length divided by width, shape (n,); 1 for a disc."""
 
     orientation: NDArray[np.float64]
     """Unit vectors along each light, at right angles to its direction, shape (n, 3)."""
@@ -169,24 +172,24 @@ class DetectedLights(Lights):
     """Luminance at the peak, shape (n,)."""
 
     flux_share: NDArray[np.float64]
-    """Share of the luminance flux of the whole map, shape (n,)."""
+    """Fraction of the luminance flux of the whole map, shape (n,)."""
 
     is_clipped: NDArray[np.bool_]
-    """True for a light that was cut off: at the map's largest possible value, or as a flat top.
+    """True for a light that is clipped at the map's largest possible value, or has a flat top.
 
     Its irradiance is then a lower bound."""
 
     flux: NDArray[np.float64]
     r"""Integral of the radiance over each light, :math:`\int L\, d\omega`, shape (n, 3).
 
-    The background that the light covers is not subtracted; of pixels on its rim, the part that the
-    light covers counts."""
+    The background behind the light is included. Pixels on the rim count by the part that the light
+    covers."""
 
     members: Members
-    """The pixels or samples that make up the lights."""
+    """Pixels or samples of the lights."""
 
     report: DetectionReport
-    """How the lights were found."""
+    """Report of the detection."""
 
     weight: NDArray[np.float64] | None = None
     """Weights that order the lights of a clipped map, shape (n,); see `detect_tree`.
@@ -194,12 +197,12 @@ class DetectedLights(Lights):
     None for other maps, whose lights are ordered by flux."""
 
     direction_uncertainty: NDArray[np.float64] | None = None
-    """Angles in radians that two thirds of such lights are off at most, shape (n,).
+    """Direction errors in radians that two thirds of clipped lights stay below, shape (n,).
 
-    None for maps that are not clipped: the direction is the flux centroid."""
+    None for other maps, where the direction is the flux centroid."""
 
     def __post_init__(self) -> None:
-        arrays = {name: np.asarray(getattr(self, name)) for name in self._given()}
+        arrays = {name: np.asarray(getattr(self, name)) for name in self._array_names()}
         direction, irradiance = light_arrays(self.direction, self.irradiance)
         arrays |= {"direction": direction, "irradiance": irradiance}
         order = self._order(np.asarray(self.flux))
@@ -228,11 +231,11 @@ class DetectedLights(Lights):
     def __getitem__(self, which: Rows) -> Self: ...
 
     def __getitem__(self, which: int | Rows) -> DetectedLight | Self:
-        """One light, or those of a slice, of a list of numbers or of a mask."""
+        """One light, or the lights of a slice, of a list of numbers or of a mask."""
         kept = rows_of(which, len(self))
         if kept is None:
             return self._light(row_of(which, len(self)))
-        arrays: dict[str, Any] = {name: getattr(self, name)[kept] for name in self._given()}
+        arrays: dict[str, Any] = {name: getattr(self, name)[kept] for name in self._array_names()}
         members = self.members.of(kept, len(self))
         return type(self)(**arrays, members=members, report=self.report)
 
@@ -246,11 +249,11 @@ class DetectedLights(Lights):
 
     @property
     def share(self) -> NDArray[np.float64]:
-        """Share of each light in the flux of the whole map: `flux_share`, (n,)."""
+        """Fraction of the flux of the whole map in each light: `flux_share`, (n,)."""
         return self.flux_share
 
     def rotated(self, matrix: ArrayLike) -> Self:
-        """The lights after a rotation; members and report still tell of the map as it was."""
+        """The lights after a rotation; members and report still describe the map before it."""
         turn = rotation(matrix)
         return replace(
             self,
@@ -269,13 +272,15 @@ class DetectedLights(Lights):
 
     @property
     def is_broad(self) -> NDArray[np.bool_]:
-        """True for a bright part of the sphere rather than a lamp: above 0.5 sr."""
+        """True for a light of more than 0.5 sr: a bright part of the sphere rather than a lamp."""
         broad: NDArray[np.bool_] = self.solid_angle > _BROAD
         return broad
 
     def to_dict(self) -> dict[str, Any]:
-        """Everything but the times as plain numbers, lists and strings: what `save` writes."""
-        arrays = {name: getattr(self, name).tolist() for name in (*self._given(), "angular_radius")}
+        """All fields except the times as plain numbers, lists and strings; `save` writes them."""
+        arrays = {
+            name: getattr(self, name).tolist() for name in (*self._array_names(), "angular_radius")
+        }
         return {
             "format": f"envlights {_KIND}",
             "version": _VERSION,
@@ -288,12 +293,12 @@ class DetectedLights(Lights):
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> DetectedLights:
-        """Read detected lights that `save` wrote as ``.json``; times are not kept.
+        """Read detected lights that `save` wrote as ``.json``, without their times.
 
         Raises
         ------
         EnvLightsError
-            If the file is missing, of another kind or version, or holds impossible lights.
+            If the file is missing, has another kind or version, or holds impossible lights.
         """
         return read_json(path, _KIND, (_VERSION,), _from_dict)
 
@@ -337,15 +342,15 @@ class DetectedLights(Lights):
         return "  ".join(remarks)
 
     def _columns(self) -> dict[str, NDArray[Any]]:
-        arrays = {name: getattr(self, name) for name in (*self._given(), "is_broad")}
+        arrays = {name: getattr(self, name) for name in (*self._array_names(), "is_broad")}
         scalars = {name: array for name, array in arrays.items() if array.ndim == 1}
         if "direction_uncertainty" in scalars:
             radians = scalars.pop("direction_uncertainty")
             scalars["direction_uncertainty_deg"] = np.rad2deg(radians)
         return {**super()._columns(), **scalars}
 
-    def _given(self) -> tuple[str, ...]:
-        """Names of the arrays with a row for each light, as the constructor takes them."""
+    def _array_names(self) -> tuple[str, ...]:
+        """Names of the constructor's arrays with a row for each light."""
         names = (each.name for each in fields(self) if each.init)
         arrays = (name for name in names if name not in ("members", "report"))
         return tuple(name for name in arrays if getattr(self, name) is not None)
@@ -367,5 +372,5 @@ def _from_dict(data: dict[str, Any]) -> DetectedLights:
 
 
 def _plain(value: Any) -> Any:
-    """A number of Python for one of NumPy; arrays and None as they are."""
+    """`value` as a number of Python if it is one of NumPy."""
     return value.item() if isinstance(value, np.generic) else value

@@ -1,4 +1,4 @@
-"""Detection by the steps of Loghin (2021), in order."""
+"""Detection by the steps of Loghin (2021)."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from envlights.kernels import image as images
 from envlights.kernels import loghin, sampling
 from envlights.kernels.sphere import direction_to_uv, pixel_solid_angles, uv_to_direction
 
-#: Flux of a light without any, to divide by.
+#: Divisor in place of a flux of 0.
 _TINY = np.finfo(float).tiny
 
 
@@ -32,10 +32,10 @@ class _Samples:
     pixel: NDArray[np.int64]
     luminance: NDArray[np.float32]
     own_pixel: NDArray[np.int64]
-    """The pixel where each was taken, before it moved to a maximum."""
+    """Pixel of each sample before it moved to a maximum."""
 
-    taken: int
-    """Number of all samples, dark ones too."""
+    total: int
+    """Number of all samples, dark ones included."""
 
 
 def detect_article(
@@ -56,57 +56,57 @@ def detect_article(
     move_to_maximum: bool = False,
     sphere: bool = False,
 ) -> DetectedLights:
-    """Lights of a map by the steps of Loghin (2021): the compatibility mode.
+    """Lights of a map by the steps of Loghin (2021).
 
-    The sphere is sampled with Hammersley points. Samples near a bright pixel are kept, samples near
-    a brighter one are suppressed, and samples that a bright line joins are merged. The defaults are
-    those that the article intends; its slips are corrected (32-bit masks, a line check that ends,
-    ``sum(w p) / sum(w)``, only survivors suppress and merge, pixel centres, the frame of
-    `EnvMap`). `relative`, `move_to_maximum`, `sphere` and `merge_cap_deg` are improvements.
+    The sphere is sampled with Hammersley points. Samples near a bright pixel are retained, samples
+    near a brighter sample are suppressed, and samples that a bright line joins are merged. The
+    defaults are those of the article, with its errors corrected: 32-bit masks, a line check that
+    ends, ``sum(w p) / sum(w)``, only survivors suppress and merge, pixel centres, the frame of
+    `EnvMap`. `relative`, `move_to_maximum`, `sphere` and `merge_cap_deg` improve on the article.
 
     Parameters
     ----------
     env : EnvMap, path-like or array_like, shape (height, 2 * height, 3)
         The map.
     max_lights : int, optional
-        Lights, at most: those with the most flux are kept, and nothing is merged.
+        Largest number of lights. The dimmest are dropped; nothing is merged.
     working_width : int
-        Columns of the working image, at most; a map is not enlarged.
+        Largest number of columns of the reduced map; a map is not enlarged.
     reduction : {"bilinear", "area"}
-        How the map is reduced. Bilinear, the article's, skips pixels.
+        Reduction of the map. Bilinear, as in the article, skips pixels.
     blur_px : float
-        Standard deviation of a blur; 1 to 2 in the article, where it is optional.
+        Standard deviation of a blur; optional in the article, with 1 to 2.
     samples_per_pixel : float
-        Number of samples over the number of pixels of the working image.
+        Number of samples divided by the number of pixels of the reduced map.
     window_px : int
-        Width of the window around a sample, at 1024 columns, less one.
+        Width of the window around a sample, less one, in a map of 1024 columns.
     threshold : float
-        Luminance that the brightest pixel of a window exceeds. It is linear, as the map is: 8-bit
-        pictures are decoded from sRGB when they are opened, so 0.8 is the code 0.91 (231 of 255).
+        Luminance that the brightest pixel of a window must exceed. It is linear: 8-bit pictures
+        are decoded from sRGB when they are opened, so 0.8 is the code 231 of 255.
     suppression_deg : float
-        Samples closer to a brighter one are suppressed. The article names no number of pixels; this
-        is 1.5 times the distance between its samples.
+        Samples closer to a brighter sample are suppressed. The article gives no number; the
+        default is 1.5 times the distance between samples.
     tolerance, ceiling : float
-        Of the line check; see `kernels.merge_along_lines`.
+        Limits of the line check; see `kernels.merge_along_lines`.
     merge_cap_deg : float, optional
-        Samples farther apart are not merged. The article has no cap.
+        Samples farther apart are not merged. The article has no such limit.
     relative : bool
-        Whether the threshold is that of `detect_tree`, from the map's histogram; all levels of the
-        line check then keep their ratio to it. The article's are absolute.
+        If true, the threshold is that of `detect_tree`, from the map's histogram, and the levels of
+        the line check are relative to it. In the article all are absolute.
     move_to_maximum : bool
-        Whether a sample moves to the brightest pixel of its window. In the article it stays.
+        If true, a sample moves to the brightest pixel of its window. In the article it stays.
     sphere : bool
-        Whether windows, distances, lines and means are taken on the sphere, across the seam. In the
-        article they are taken on the image.
+        If true, windows, distances, lines and means are those on the sphere, across the seam. In
+        the article they are those on the image.
 
     Returns
     -------
     DetectedLights
-        Brightest first. Each sample has ``4 pi / n`` steradians at the position where it was taken.
-        The flux of a light is the sum over its samples: right on average, rough for a light that is
-        smaller than the distance between samples (3.6 degrees at 1024 columns). Its irradiance is
-        that of the same samples; the article knows no background, so none is subtracted. Its solid
-        angle is that of its samples above the threshold, at least one.
+        Brightest first. Each of n samples has ``4 pi / n`` steradians at its first position. The
+        flux of a light is the sum over its samples: right on average, and inaccurate for lights
+        smaller than the distance between samples (3.6 degrees at 1024 columns). The irradiance
+        comes from the same samples, without subtraction of a background, because the article has
+        none. The solid angle is that of the samples above the threshold, at least one.
 
     Raises
     ------
@@ -151,7 +151,7 @@ def detect_article(
     )
     means = loghin.weighted_means(points[survivors], samples.luminance[survivors], merged_into)
     peaks, light = np.unique(merged_into, return_inverse=True)
-    found = _Found(
+    merged = _MergedSamples(
         direction=_directions(means, image.shape),
         peak=samples.pixel[survivors[peaks]],
         light=light[np.searchsorted(survivors, survivor_of)],
@@ -161,17 +161,17 @@ def detect_article(
         threshold=level,
         reason=_reason(env, level, relative),
         working_size=(height, width),
-        details=(f"{samples.taken - len(samples.pixel)} of {samples.taken} samples are dark",),
+        details=(f"{samples.total - len(samples.pixel)} of {samples.total} samples are dark",),
         notes=(*env.notes, *_registration_notes(env)),
         seconds={"detect": time.perf_counter() - start},
     )
-    lights = _lights(env, image, samples, found, report, reach, sphere)
+    lights = _lights(env, image, samples, merged, report, reach, sphere)
     return lights if max_lights is None else lights[: count("max_lights", max_lights, least=1)]
 
 
 @dataclass(frozen=True)
-class _Found:
-    """The lights, and the light to which each sample belongs."""
+class _MergedSamples:
+    """Lights as groups of samples, and the light of each sample."""
 
     direction: NDArray[np.float64]
     peak: NDArray[np.int64]
@@ -193,7 +193,7 @@ def _working_image(env: EnvMap, width: int, reduction: str, blur_px: float) -> N
 
 
 def _reason(env: EnvMap, level: float, relative: bool) -> str:
-    """Source of the threshold, in words."""
+    """Rule that set the threshold."""
     share = 0.0 if env.white is None else min(level / env.white, 1.0)
     code = 255 * float(encode_srgb(np.array(share)))
     return wording.reason_of_article(relative, level, env.white, code)
@@ -202,11 +202,14 @@ def _reason(env: EnvMap, level: float, relative: bool) -> str:
 def _registration_notes(env: EnvMap) -> tuple[str, ...]:
     if env.registration == "cell-centred":
         return ()
-    return ("the article's steps take each pixel as a cell: lights are up to half a pixel off",)
+    return (
+        "the map is border-sampled, but the article treats pixels as cells, so directions may be"
+        " wrong by up to half a pixel",
+    )
 
 
 def _unit_of_luminance(env: EnvMap, threshold: float) -> float:
-    """The luminance that takes the place of the article's 1: its threshold becomes the tree's."""
+    """Luminance that replaces the article's 1, so that its threshold becomes the tree's."""
     level = detect_tree(env).report.threshold
     return level / threshold if level > 0 and threshold > 0 else 1.0
 
@@ -221,15 +224,15 @@ def _bright_samples(
 ) -> _Samples:
     """Steps 3 to 6: samples whose window holds a pixel above the threshold, brightest first."""
     height, width = image.shape
-    taken = int(amount("samples_per_pixel", samples_per_pixel, most=1.0) * width * height)
-    directions = sampling.uniform_sphere(sampling.hammersley(taken))
+    total = int(amount("samples_per_pixel", samples_per_pixel, most=1.0) * width * height)
+    directions = sampling.uniform_sphere(sampling.hammersley(total))
     pixel = images.uv_to_pixel(direction_to_uv(directions), height, width)
     brightest, place = loghin.neighbour_maximum(image, pixel, reach, sphere=sphere)
-    kept = brightest > threshold
-    own_pixel, pixel = pixel[kept], (place if move_to_maximum else pixel)[kept]
+    is_bright = brightest > threshold
+    own_pixel, pixel = pixel[is_bright], (place if move_to_maximum else pixel)[is_bright]
     luminance = image[pixel[:, 0], pixel[:, 1]]
     order = np.argsort(-luminance, kind="stable")
-    return _Samples(pixel[order], luminance[order], own_pixel[order], taken)
+    return _Samples(pixel[order], luminance[order], own_pixel[order], total)
 
 
 def _points(pixel: NDArray[np.int64], size: tuple[int, ...], sphere: bool) -> NDArray[np.float64]:
@@ -240,7 +243,7 @@ def _points(pixel: NDArray[np.int64], size: tuple[int, ...], sphere: bool) -> ND
 
 
 def _distance(name: str, angle_deg: float, width: int, sphere: bool) -> float:
-    """The distance between two `_points` that are an angle apart."""
+    """Distance between two `_points` that are an angle apart."""
     angle = amount(name, angle_deg, most=180.0)
     return float(2 * np.sin(np.deg2rad(angle) / 2)) if sphere else angle * width / 360
 
@@ -256,51 +259,51 @@ def _lights(
     env: EnvMap,
     image: NDArray[np.float32],
     samples: _Samples,
-    found: _Found,
+    merged: _MergedSamples,
     report: DetectionReport,
     reach: int,
     sphere: bool,
 ) -> DetectedLights:
-    """Measure each light on its samples, each of which stands for 4 pi / n steradians."""
-    lights, each = len(found.direction), 4 * np.pi / max(samples.taken, 1)
-    # Measure where a sample was taken. All samples around a lamp may have moved to its maximum,
-    # where one of 2 degrees would count four times.
-    taken_at = _points(samples.own_pixel, image.shape, sphere=True)
-    place = images.uv_to_pixel(direction_to_uv(taken_at), env.height, env.width)
+    """Measure each light on its samples; each has 4 pi / n steradians."""
+    lights, each = len(merged.direction), 4 * np.pi / max(samples.total, 1)
+    # Measure each sample at its first position. All samples around a lamp may have moved to its
+    # maximum, where a lamp of 2 degrees would count four times.
+    first = _points(samples.own_pixel, image.shape, sphere=True)
+    place = images.uv_to_pixel(direction_to_uv(first), env.height, env.width)
     radiance = env.radiance[place[:, 0], place[:, 1]].astype(np.float64)
-    flux = each * _sums(radiance, found.light, lights)
-    vectors = _sums((radiance @ images.LUMINANCE)[:, None] * taken_at, found.light, lights)
+    flux = each * _sums(radiance, merged.light, lights)
+    vectors = _sums((radiance @ images.LUMINANCE)[:, None] * first, merged.light, lights)
     towards = each * np.linalg.norm(vectors, axis=1) / np.maximum(flux @ images.LUMINANCE, _TINY)
     is_bright = image[samples.own_pixel[:, 0], samples.own_pixel[:, 1]] > report.threshold
-    bright = np.bincount(found.light, is_bright, minlength=lights)
-    elongation, orientation = _shapes(taken_at, found)
+    bright = np.bincount(merged.light, is_bright, minlength=lights)
+    elongation, orientation = _shapes(first, merged)
     bands = pixel_solid_angles(image.shape[0], 2)[:, 0] * 2 / image.shape[1]
     total = float(image.sum(axis=1) @ bands) or 1.0
     return DetectedLights(
-        found.direction,
+        merged.direction,
         flux * towards[:, None],
         flux=flux,
-        peak_direction=_points(found.peak, image.shape, sphere=True),
+        peak_direction=_points(merged.peak, image.shape, sphere=True),
         solid_angle=each * np.maximum(bright, 1.0),
         elongation=elongation,
         orientation=orientation,
-        peak_luminance=image[found.peak[:, 0], found.peak[:, 1]].astype(np.float64),
+        peak_luminance=image[merged.peak[:, 0], merged.peak[:, 1]].astype(np.float64),
         flux_share=flux @ images.LUMINANCE / total,
-        is_clipped=_are_clipped(env, image.shape, found, reach, sphere),
-        members=Members(samples.pixel, found.light),
+        is_clipped=_are_clipped(env, image.shape, merged, reach, sphere),
+        members=Members(samples.pixel, merged.light),
         report=report,
     )
 
 
 def _are_clipped(
-    env: EnvMap, size: tuple[int, ...], found: _Found, reach: int, sphere: bool
+    env: EnvMap, size: tuple[int, ...], merged: _MergedSamples, reach: int, sphere: bool
 ) -> NDArray[np.bool_]:
-    """Whether each light is a flat top at the maximum, in the window of its brightest sample.
+    """True for each light with a flat top at the maximum, in the window of its brightest sample.
 
-    As in `detect_tree`, the pixels of the map count, not those of its reduction.
+    As in `detect_tree`, the pixels of the full map count.
     """
     height, width = size
-    uv = (found.peak[:, ::-1] + 0.5) / (width, height)
+    uv = (merged.peak[:, ::-1] + 0.5) / (width, height)
     place = images.uv_to_pixel(uv, env.height, env.width)
     reach_in_map = math.ceil((reach + 0.5) * env.width / width)
     return _native.are_clipped(env.radiance, place, reach_in_map, sphere, env.white)
@@ -315,17 +318,17 @@ def _sums(
 
 
 def _shapes(
-    taken_at: NDArray[np.float64], found: _Found
+    first: NDArray[np.float64], merged: _MergedSamples
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Elongation and long axis of each light, from the second moments of its samples."""
-    offset = taken_at - found.direction[found.light]
+    offset = first - merged.direction[merged.light]
     moments = (offset[:, :, None] * offset[:, None, :]).reshape(-1, 9)
-    matrices = _sums(moments, found.light, len(found.direction)).reshape(-1, 3, 3)
+    matrices = _sums(moments, merged.light, len(merged.direction)).reshape(-1, 3, 3)
     values, axes = np.linalg.eigh(matrices)
     with np.errstate(invalid="ignore", divide="ignore"):
         elongation = np.sqrt(values[:, 2] / values[:, 1])
     along = axes[:, :, 2]
-    along = along - np.sum(along * found.direction, axis=1, keepdims=True) * found.direction
+    along = along - np.sum(along * merged.direction, axis=1, keepdims=True) * merged.direction
     return np.where(values[:, 1] > 1e-12, elongation, 1.0), _unit(along)
 
 

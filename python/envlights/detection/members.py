@@ -1,4 +1,4 @@
-"""The pixels that make up the lights."""
+"""Pixels of the lights."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from envlights.io.images import MOST_PIXELS
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Members(Result):
-    """The pixels or samples that make up the lights, in the working image of the report."""
+    """Pixels or samples of the lights, in the reduced map of the report."""
 
     pixel: NDArray[np.int64]
-    """Row and column in the working image, shape (k, 2)."""
+    """Row and column in the reduced map, shape (k, 2)."""
 
     light: NDArray[np.int64]
-    """Index of the light that each belongs to, shape (k,)."""
+    """Index of the light of each pixel, shape (k,)."""
 
     others: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 2), int), compare=False)
-    """Those of the lights that a slice has left out, shape (j, 2); files do not keep them."""
+    """Pixels of lights outside a slice, shape (j, 2); files do not hold them."""
 
     def in_short(self) -> str:
-        """How many there are."""
+        """Number of pixels or samples."""
         return f"{len(self.pixel)} pixels or samples"
 
     def of(self, kept: NDArray[np.intp], lights: int) -> Members:
-        """Those of the `kept` of that many lights, in their order, and all the others."""
+        """Members of the `kept` lights, in this order, out of `lights` lights."""
         place = np.full(lights, -1)
         place[kept] = np.arange(len(kept))
         light = place[self.light]
@@ -38,14 +38,14 @@ class Members(Result):
         return Members(self.pixel[light >= 0], light[light >= 0], others)
 
     def to_runs(self) -> list[list[int]]:
-        """Light, row, first column and length of each run of pixels, in the order they stand in.
+        """Light, row, first column and length of each run of pixels, in their order.
 
         See Also
         --------
         from_runs : the inverse.
         """
         row, column = self.pixel.T
-        # A run goes on where light and row stay and the column is the next one.
+        # Continue a run while light and row stay the same and the column is the next one.
         steps = np.diff(self.light), np.diff(row), np.diff(column) - 1
         starts = np.flatnonzero(np.append(True, np.any(steps, axis=0))) if len(row) else row
         lengths = np.diff(np.append(starts, len(row)))
@@ -55,7 +55,7 @@ class Members(Result):
 
     @classmethod
     def from_runs(cls, runs: list[list[int]], lights: int, size: tuple[int, int]) -> Members:
-        """Members of that many lights, in an image of that height and width."""
+        """Members of `lights` lights in an image of the given height and width."""
         light, row, column, length = np.reshape(np.asarray(runs, np.int64), (-1, 4)).T
         if length.sum() > MOST_PIXELS:
             raise EnvLightsError(

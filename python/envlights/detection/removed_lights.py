@@ -13,7 +13,7 @@ from envlights._check import rotation
 from envlights.detection.lights import DetectedLights
 from envlights.lights import Lights
 
-#: Least share of a channel across the direction of a light that is printed.
+#: Smallest `off_axis` that is printed.
 _PRINTED = 1e-3
 
 
@@ -22,8 +22,8 @@ class RemovedLights(DetectedLights):
     r"""Lights that `split` has removed from a map, brightest first.
 
     `irradiance` is that at normal incidence, :math:`|\int T \omega\, d\omega|` for the removed
-    radiance :math:`T`. `direction`, `solid_angle` and `flux_share` are those of T too; the other
-    measurements are those of `detect`.
+    radiance :math:`T`. `direction`, `solid_angle` and `flux_share` also belong to T. The remaining
+    measurements come from `detect`.
 
     Examples
     --------
@@ -39,17 +39,17 @@ class RemovedLights(DetectedLights):
     r""":math:`\int T \omega\, d\omega` of each channel, shape (n, 3 channels, 3 axes)."""
 
     reach: NDArray[np.float64] = None  # type: ignore[assignment]
-    """Angles in radians from the directions to the farthest removed radiance, shape (n,).
+    """Angles in radians from each direction to the farthest removed radiance, shape (n,).
 
     A surface faces all of a light if its normal is less than pi / 2 - reach from the direction."""
 
     @property
     def off_axis(self) -> NDArray[np.float64]:
-        """Share of each channel's vector irradiance across the direction, shape (n, 3).
+        """Fraction of each channel's vector irradiance across the direction, shape (n, 3).
 
         A light has one direction, that of its luminance. In a channel with another direction, as in
         a window that is blue above and green below, the rest and the lights together differ from
-        the map by at most this share of the light.
+        the map by at most this fraction of the light.
         """
         lengths = np.linalg.norm(self.vector_irradiance, axis=2)
         across = np.cross(self.vector_irradiance, self.direction[:, None])
@@ -58,19 +58,14 @@ class RemovedLights(DetectedLights):
         )
         return shares
 
-    def discs(self) -> Lights:
-        """The lights as discs of the same irradiance and solid angle."""
-        radius = np.minimum(self.angular_radius, np.pi / 2)
-        return Lights(self.direction, self.irradiance, radius)
-
     def rotated(self, matrix: ArrayLike) -> RemovedLights:
         """The lights after a rotation; members and report still describe the map before it."""
         vectors = self.vector_irradiance @ rotation(matrix).T
         return replace(super().rotated(matrix), vector_irradiance=vectors)
 
     def to_dict(self) -> dict[str, Any]:
-        """Everything but the times as plain numbers, lists and strings."""
-        # Leave out the header of detected lights: files of removed lights are those of `Lights`.
+        """All fields except the times as plain numbers, lists and strings."""
+        # Leave out the header of detected lights; files of removed lights are files of `Lights`.
         header = ("format", "version", "frame", "units")
         return {name: value for name, value in super().to_dict().items() if name not in header}
 
@@ -80,7 +75,7 @@ class RemovedLights(DetectedLights):
         return Lights.load(path)
 
     def _together(self) -> str:
-        return f"the removed lights held {100 * self.flux_share.sum():.3g} % of the flux"
+        return f"removed: {100 * self.flux_share.sum():.3g} % of all light in the map"
 
     def _remarks(self, row: int) -> str:
         remarks = super()._remarks(row)

@@ -12,17 +12,17 @@ from numpy.typing import NDArray
 from envlights import _native
 from envlights._check import amount, count, describe
 from envlights._native import EnvLightsError
-from envlights.detection.component_tree import searched
+from envlights.detection.component_tree import detect_with_luminance
 from envlights.detection.lights import DetectedLights, DetectionReport
 from envlights.detection.removed_lights import RemovedLights
 from envlights.envmap import AnyMap, EnvMap, as_envmap
 from envlights.kernels.image import LUMINANCE
 
-#: Options of `detect` here: they find what would be a light once the others are gone, because then
-#: the threshold falls (by less than a tenth for most maps) and each share of the flux rises.
+#: Options of `detect` here. Without the removed lights, the threshold is lower (by less than a
+#: tenth for most maps), so weak lights would be detected in the remainder. Remove them too.
 _OPTIONS: dict[str, Any] = {"rise": 2.25, "min_worth": 0.0}
 
-#: Largest relative difference between the peaks of a light in its own map: the rounding of files.
+#: Largest relative difference of a light's peak from that of its map; files round it.
 _PEAK_TOLERANCE = 1e-3
 
 
@@ -33,7 +33,7 @@ class LightPixels(NamedTuple):
     """Row and column of each pixel, shape (k, 2)."""
 
     light_of_pixel: NDArray[np.int64]
-    """Index of the light of each pixel; lights without a direction stay in the map."""
+    """Index of the light of each pixel; a light without a direction stays in the map."""
 
     direction: NDArray[np.float64]
     """Unit vectors towards the lights to remove, shape (n, 3)."""
@@ -49,7 +49,7 @@ class LightPixels(NamedTuple):
 
 
 class Split(NamedTuple):
-    """Lights, and the rest of their map."""
+    """Lights, and the map without them."""
 
     lights: RemovedLights
     """Lights that were removed, brightest first."""
@@ -76,38 +76,38 @@ def split(
 ) -> Split:
     r"""Split a map into lights and the rest: a sun as a lamp, and the sky without it.
 
-    Each light is removed with its rim and its glare, and its region is filled from the
-    surroundings by a solution of Laplace's equation on the sphere, wherever the map is brighter
-    than that. So map = rest + lights in every pixel. For a surface that faces all of a light,
-    the light gives the same luminance as the removed pixels, to rounding; a channel differs by at
-    most `RemovedLights.off_axis` of the light.
+    Each light is removed with its rim and its glare. Its pixels are filled smoothly from around
+    it, by Laplace's equation on the sphere; a pixel that is darker than the fill stays. In every
+    pixel, the map is the rest plus the removed radiance. A surface that faces the whole light
+    receives the same luminance from the light as from the removed pixels, up to rounding. One
+    channel may differ by `RemovedLights.off_axis` of the light.
 
     Parameters
     ----------
     env : EnvMap, path or array_like, shape (height, 2 * height, 3)
         The map.
     lights : int or DetectedLights, optional
-        Largest number of lights to remove, the brightest first: 1 for the sun. Or lights that
-        `detect_tree` has found in this map, such as ``found[[0, 2]]``. All lights when left out.
+        Largest number of lights to remove, the brightest first: 1 for the sun. Or lights of
+        `detect_tree` for this map, such as ``detected[[0, 2]]``. By default, all lights.
     share : float, optional
-        Remove the fewest lights, the brightest first, that give this share of the flux of all
+        Remove the fewest lights, the brightest first, that have this fraction of the flux of all
         lights.
     **options
-        Those of `detect_tree`. Here `rise` is 2.25 and `min_worth` is 0 unless given: weak lights
-        would be found in the rest.
+        Options of `detect_tree`. Here `rise` is 2.25 and `min_worth` is 0 by default, so that
+        weak lights do not remain in the rest.
 
     Returns
     -------
     lights : RemovedLights
         The removed lights, with their irradiance at normal incidence.
     rest : EnvMap
-        A map like any other; its `notes` say what was removed.
+        A map like any other; its `notes` name the removed lights.
 
     Raises
     ------
     EnvLightsError
-        If `env` is not a map, an option is out of its range, or `lights` were found by another
-        method or in another map.
+        If `env` is not a map, an option is out of its range, or `lights` are from another
+        method or another map.
 
     See Also
     --------
@@ -117,18 +117,19 @@ def split(
     -----
     At normal n the removed radiance T gives :math:`n \cdot V` in each channel, with
     :math:`V = \int T \omega\, d\omega`, and the light gives :math:`E\, n \cdot d`. The direction
-    d is that of the luminance of V. Suns differ in one channel by 0.01 to 11 % of that channel,
-    because a lens refracts red and blue differently and because of haze; windows that are blue
-    above and green below differ more. Where the horizon of a surface cuts a light, the difference
-    is that of its shape from a disc.
+    d is that of the luminance of V. For suns, one channel differs by 0.01 to 11 %, because of haze
+    and because a lens refracts red and blue differently. Windows that are blue above and green
+    below differ more. If the horizon of a surface cuts a light, the shape of the light matters,
+    which is not exactly a disc.
 
-    Rings are added around a light as long as their median luminance falls by 1.1 to 1.25 from one
-    to the next but one, and for at most 15 degrees. Glare falls like this, a sky does not. Bright
-    surroundings that are connected to the light, up to 45 degrees away, are dimmed: the clouds
-    around a sun, or the dim part of a softbox. Of y thresholds there remain 2 - 1/4 / (y - 1) if y
-    is above 1.5. So the sky stays, and the light points to the sun.
+    The glare around a light is removed in rings. Rings are added while their median luminance falls
+    by a factor of 1.1 to 1.25 over two rings, up to 15 degrees from the light. Glare falls like
+    this, a sky does not. Bright surroundings that are connected to the light, up to 45 degrees
+    away, are dimmed: the clouds around a sun, or the dim part of a softbox. A luminance of y
+    thresholds, with y above 1.5, becomes 2 - 1/4 / (y - 1) thresholds.
 
-    The irradiance of a clipped light is a lower bound: a map that ends at white has lost the rest.
+    The irradiance of a clipped light is a lower bound, because the map has lost the radiance above
+    its clip level.
 
     References
     ----------
@@ -152,28 +153,28 @@ def split(
     True
     """
     env = as_envmap(env)
-    found, chosen, luminance = _chosen(env, lights, share, options)
+    found, chosen, luminance = _choose(env, lights, share, options)
     start = perf_counter()
     pixels = _light_pixels(env, chosen, luminance)
     if chosen is lights:
         _check_peaks(chosen, pixels)
     is_border = env.registration == "border-sampled"
     parts = _native.split_map(env.radiance, is_border, pixels)
-    removed = _removed(chosen, parts, _report(chosen, len(found), perf_counter() - start))
+    removed = _removed_lights(chosen, parts, _report(chosen, len(found), perf_counter() - start))
     notes = (*env.notes, *_notes(removed))
     rest = EnvMap.unchecked(parts.rest, registration=env.registration, notes=notes, white=env.white)
     return Split(removed, rest)
 
 
-def _chosen(
+def _choose(
     env: EnvMap, lights: int | DetectedLights | None, share: float | None, options: dict[str, Any]
 ) -> tuple[DetectedLights, DetectedLights, NDArray[np.float32]]:
-    """All lights that were found, those to remove, and the luminance of the searched image."""
+    """All lights of the map, the ones to remove, and the luminance of the reduced map."""
     if isinstance(lights, DetectedLights):
         given = [*options, *(["share"] if share is not None else [])]
         if given:
             raise EnvLightsError(
-                f"{given[0]} has no meaning for lights that were found before; give one of both"
+                f"{given[0]} has no effect on lights that are already detected; give only one"
             )
         _check_origin(env, lights.report)
         is_border = env.registration == "border-sampled"
@@ -182,7 +183,7 @@ def _chosen(
         return lights, lights, image.ravel()
     most = None if lights is None else _count(lights)
     part = None if share is None else amount("share", share, most=1.0)
-    found, luminance = searched(env, **_OPTIONS | options)
+    found, luminance = detect_with_luminance(env, **_OPTIONS | options)
     if part is not None:
         together = np.cumsum(found.flux_share)
         enough = int(np.searchsorted(together, part * (1 - 1e-12) * found.flux_share.sum())) + 1
@@ -193,7 +194,7 @@ def _chosen(
 def _count(lights: object) -> int:
     if isinstance(lights, bool) or not isinstance(lights, int | np.integer):
         raise EnvLightsError(
-            "lights must be a number, or lights from `detect`, such as found[[0, 2]]; got"
+            "lights must be a number, or lights from `detect`, such as detected[[0, 2]]; got"
             f" {describe(lights)}"
         )
     return count("lights", int(lights))
@@ -203,19 +204,19 @@ def _check_origin(env: EnvMap, report: DetectionReport) -> None:
     """Refuse lights of another method or of a map of another size."""
     if report.method != "tree":
         raise EnvLightsError(
-            f'split needs lights that `detect` found by method="tree"; got "{report.method}"'
+            f'split needs lights of `detect` with method="tree"; got "{report.method}"'
         )
     height, width = report.working_size
     block = -(-env.width // width)
     if (height, width) != (-(-env.height // block), -(-env.width // block)):
         raise EnvLightsError(
-            f"the lights must be those of this map, of {env.width}x{env.height} pixels; they were"
-            f" found in one that was reduced to {width}x{height}"
+            f"the lights must be those of this map of {env.width}x{env.height} pixels; they are"
+            f" from a map that was reduced to {width}x{height}"
         )
 
 
 def _check_peaks(lights: DetectedLights, pixels: LightPixels) -> None:
-    """Refuse lights whose pixels cannot hold the peak with which they were found.
+    """Refuse lights whose peak differs from the map at their pixels.
 
     A peak is one pixel of the map, which has at least 1 / block^3 of the weight in its block.
     """
@@ -228,15 +229,15 @@ def _check_peaks(lights: DetectedLights, pixels: LightPixels) -> None:
     is_other = (seen > most * peak) | (seen < least * peak / pixels.block**3)
     for light in np.flatnonzero(is_other)[:1]:
         raise EnvLightsError(
-            f"the lights must be those of this map: light {light} was found with a peak luminance"
-            f" of {peak[light]:.4g}, and its brightest pixel here has {seen[light]:.4g}"
+            f"the lights must be those of this map: light {light} has a peak luminance of"
+            f" {peak[light]:.4g}, but its brightest pixel here has {seen[light]:.4g}"
         )
 
 
 def _light_pixels(
     env: EnvMap, lights: DetectedLights, luminance: NDArray[np.float32]
 ) -> LightPixels:
-    """Pixels of all lights; those that stay have the index after the last one to remove."""
+    """Pixels of all lights; lights that stay have the index after the last one to remove."""
     members, report = lights.members, lights.report
     pixel = np.concatenate([members.others, members.pixel])
     light = np.concatenate([np.full(len(members.others), len(lights)), members.light])
@@ -244,10 +245,10 @@ def _light_pixels(
     return LightPixels(pixel, light, lights.direction, block, report.threshold, luminance)
 
 
-def _removed(
+def _removed_lights(
     chosen: DetectedLights, parts: _native.MapSplit, report: DetectionReport
 ) -> RemovedLights:
-    """The removed lights, with the other measurements of the detected ones."""
+    """Removed lights, with the remaining measurements of the detected lights."""
     detected = {each.name: getattr(chosen, each.name) for each in fields(chosen) if each.init}
     measured = {
         "direction": parts.direction,
@@ -266,7 +267,8 @@ def _report(chosen: DetectedLights, found: int, seconds: float) -> DetectionRepo
     """The report of the detection, with the lights that stay."""
     report = chosen.report
     stay = found - len(chosen)
-    skipped = (*report.skipped, f"{stay} lights, which stay in the map") if stay else report.skipped
+    others = "1 light, which stays" if stay == 1 else f"{stay} lights, which stay"
+    skipped = (*report.skipped, f"{others} in the map") if stay else report.skipped
     return replace(report, skipped=skipped, seconds={**report.seconds, "split": seconds})
 
 

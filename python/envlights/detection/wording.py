@@ -23,7 +23,7 @@ def dropped_by_tree(detection: _native.TreeDetection) -> tuple[str, ...]:
     """Lights that are not listed."""
     lines = []
     if not len(detection.flux_share) and not detection.dropped:
-        lines.append("everything: nothing is much brighter than the threshold")
+        lines.append("the whole map, because nothing is much brighter than the threshold")
     if detection.dropped:
         lights = "light that is" if detection.dropped == 1 else "lights that are"
         lines.append(f"{detection.dropped} {lights} too weak (options min_flux_share, min_worth)")
@@ -43,7 +43,7 @@ def joined_panes(detection: _native.TreeDetection) -> list[str]:
 
 
 def details_of_tree(detection: _native.TreeDetection) -> tuple[str, ...]:
-    """Numbers for authors of detectors."""
+    """Details for authors of detectors."""
     return (*_rules(detection), *_clipping(detection), *_tiles(detection))
 
 
@@ -52,8 +52,8 @@ def _rules(detection: _native.TreeDetection) -> list[str]:
     if detection.threshold_rule is not None and detection.threshold_rule[2] is not None:
         share = 100 * detection.threshold_rule[2]
         lines.append(
-            f"the brightest {share:.3g} % of the sphere is itself light, so the quantile is that"
-            " of luminance below the flux-weighted Otsu cut"
+            f"the brightest {share:.3g} % of the sphere counts as light, so the quantile is taken"
+            " below the flux-weighted Otsu threshold"
         )
     if any(detection.panes):
         ratio, widest = detection.widest_bar
@@ -70,7 +70,7 @@ def _clipping(detection: _native.TreeDetection) -> list[str]:
         return []
     level = f"the map is clipped at {clipped.clip_level:.3g}"
     if clipped.is_below_white:
-        level += ", a small peak below the largest possible value"
+        level += ", below its largest possible value"
     share = f"{100 * clipped.clipped_share:.2g} % of the sphere is clipped"
     return [f"{level}; {share}", "the threshold was chosen from expanded luminance"]
 
@@ -81,8 +81,8 @@ def _tiles(detection: _native.TreeDetection) -> list[str]:
 
 
 def reason_of_article(is_relative: bool, level: float, white: float | None, code: float) -> str:
-    """Source of the article's threshold, and its position among the codes of a file."""
-    reason = "that of the tree" if is_relative else "the article's, which is absolute"
+    """Origin of the article's threshold, and its code in an 8-bit file."""
+    reason = "chosen as by the tree" if is_relative else "a fixed value, as in the article"
     if white is None:
         return reason
     if level >= white:

@@ -13,19 +13,19 @@ from numpy.typing import ArrayLike, NDArray
 Matrix = tuple[tuple[int, int, int], ...]
 
 _SAME: Matrix = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
-#: Our x, y, z are y, z, x there: a turn that puts +y on +z, and the centre of the map on +x.
+#: Our x, y, z become y, z, x: +y becomes +z, and the centre of the map +x.
 _CYCLE: Matrix = ((0, 0, 1), (1, 0, 0), (0, 1, 0))
 
 
-#: As three.js reads an equirectangular map: its centre along +x, its left quarter along -z.
+#: Axes of an equirectangular map in three.js: its centre along +x, its left quarter along -z.
 _THREE: Matrix = ((0, 0, 1), (0, 1, 0), (-1, 0, 0))
 
-#: As pbrt's `imgtool makeequiarea` reads one: +z up, the centre along -x, the left quarter along
-#: +y. It is a mirror, because pbrt's frame is left-handed.
+#: Axes of a map in pbrt's `imgtool makeequiarea`: +z up, the centre along -x, the left quarter
+#: along +y. The matrix mirrors, because pbrt's frame is left-handed.
 _PBRT: Matrix = ((0, 0, -1), (1, 0, 0), (0, 1, 0))
-#: Unity: x to the right, where our +x is on the left of the map.
+#: Unity: +x to the right; our +x is on the left of the map.
 _MIRRORED_X: Matrix = ((-1, 0, 0), (0, 1, 0), (0, 0, 1))
-#: Its Skybox/Panoramic: u = 0.5 - atan2(z, x) / 2 pi, so the centre looks along +x.
+#: Unity's Skybox/Panoramic: u = 0.5 - atan2(z, x) / 2 pi, so the centre looks along +x.
 _PANORAMIC: Matrix = ((0, 0, 1), (0, 1, 0), (1, 0, 0))
 #: Unreal: x forward, y to the right, z up.
 _UNREAL: Matrix = ((0, 0, 1), (-1, 0, 0), (0, 1, 0))
@@ -41,7 +41,7 @@ class Axes(NamedTuple):
     """
 
     matrix: Matrix
-    """Rows: each axis of the target in ours. Column 0, 1, 2: our +x, +y, +z in the target."""
+    """Rows: each axis of the target in our frame. Columns: our +x, +y, +z in the target."""
 
     map: Matrix | None = None
     """Directions of an unrotated equirectangular image in the target, or None without such maps.
@@ -72,7 +72,7 @@ class Axes(NamedTuple):
         return turn
 
 
-#: By the name of the target.
+#: Axes by the name of the target.
 AXES = {
     "csv": Axes(_SAME),
     "mitsuba": Axes(_SAME, _SAME),

@@ -1,4 +1,4 @@
-"""Blender: a Python script, and the same where `bpy` is there."""
+"""Blender: a Python script, or the same lights in a running Blender."""
 
 from __future__ import annotations
 
@@ -71,13 +71,13 @@ def beside(name):
     places = [os.path.join(os.path.dirname(path), name) for path in (__file__, *texts)]
     found = [path for path in places if os.path.isfile(path)]
     if not found:
-        raise FileNotFoundError(f"{name} must stand beside this script")
+        raise FileNotFoundError(f"{name} must be in the folder of this script")
     return os.path.abspath(found[0])
 
 
 def main():
     old = bpy.data.collections.get("envlights")
-    if old:  # what an earlier run has made
+    if old:  # from an earlier run
         for thing in list(old.objects):
             bpy.data.objects.remove(thing)
         bpy.data.collections.remove(old)
@@ -98,13 +98,14 @@ def blender(
 ) -> str:
     """A Python script that makes sun lamps and a world; it replaces those of its last run.
 
-    Axes: our x, y, z are y, z, x there, +z up, so that the lights agree with the panorama as an
-    environment texture that is not turned. Blender's import of glTF and OBJ puts +y up to +z up in
-    another way: what came by that way is turned by 90 degrees about the vertical.
+    Axes: our x, y, z are y, z, x in Blender, +z up. So the lights fit the panorama as an
+    environment texture without rotation. Blender's importers of glTF and OBJ convert +y up in
+    another way: rotate imported objects by 90 degrees about the vertical.
 
     Units: the strength of a sun lamp is irradiance at normal incidence in W/m², its colour is a
-    factor, and `angle` is the full angle of the disc. The background is radiance. Exposure is the
-    scene's, in Color Management; the view transform "Standard" shows what the map holds.
+    factor, and `angle` is the full angle of the disc. The background is radiance. Exposure is a
+    setting of the scene, in Color Management; the view transform "Standard" shows the map's colours
+    unchanged.
 
     Kept: directions, irradiances, sizes; a constant ambient term as background, harmonics and an
     ambient term over a floor as a small map. Lost: harmonics where they are negative.
@@ -113,9 +114,9 @@ def blender(
     ----------
     rig : Rig or Lights
     environment : EnvMap or array_like, optional
-        A map in place of the ambient term.
+        Map that replaces the ambient term.
     texture : str
-        The file of a map, where there is one, beside the script; `save_blender` writes it.
+        Name of the map's file beside the script, if there is a map; `save_blender` writes it.
 
     Returns
     -------
@@ -123,7 +124,7 @@ def blender(
 
     See Also
     --------
-    add_to_blender : the same in this process, where `bpy` is there.
+    add_to_blender : add the lights to a running Blender.
 
     Examples
     --------
@@ -140,7 +141,7 @@ def save_blender(
     path: str | os.PathLike[str],
     environment: EnvMap | ArrayLike | None = None,
 ) -> None:
-    """Write `blender` at `path`, and a map, where there is one, beside it."""
+    """Write `blender` at `path`, and its map beside it, if it has one."""
     scene, name = scene_of(rig, environment), texture_name(path)
     save_scene(path, _script(scene, name), _textures(scene, name))
 
@@ -154,12 +155,12 @@ def add_to_blender(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = N
     ----------
     rig : Rig or Lights
     environment : EnvMap or array_like, optional
-        A map in place of the ambient term.
+        Map that replaces the ambient term.
 
     Raises
     ------
     EnvLightsError
-        If there is no `bpy` to import.
+        If `bpy` cannot be imported.
     """
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "lights.py"

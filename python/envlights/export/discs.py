@@ -12,8 +12,8 @@ from envlights.export.scene import Scene
 from envlights.kernels import sphere
 from envlights.lights import Lights
 
-#: Rows in the radius of the smallest disc, and limits on the rows of its map. With 64 rows,
-#: Radiance lost 0.9 % of a disc of 46 degrees at its rim.
+#: Rows in the radius of the smallest disc, and limits on the rows of the map. With 64 rows,
+#: Radiance loses 0.9 % of a disc of 46 degrees at its rim.
 _DISC_ROWS, _LEAST_ROWS, MOST_ROWS = 8, 256, 1024
 
 
@@ -24,14 +24,14 @@ def split_by_size(lights: Lights, least: float) -> tuple[Lights, Lights]:
 
 
 def with_discs(scene: Scene, discs: Lights) -> Scene:
-    """Scene without lights, whose constant or map has the `discs` drawn on it."""
+    """Scene without lights, with the `discs` drawn into its map."""
     others = scene._replace(lights=discs[:0])
     if not len(discs):
         return others
     rows = rows_for(discs)
     around: Any = np.zeros(3) if scene.ambient is None else scene.ambient
     if scene.environment is not None:
-        # Cut pixels into whole ones.
+        # Divide each pixel into a whole number of pixels.
         times = -(-rows // scene.environment.height)
         rows = times * scene.environment.height
         around = scene.environment.radiance.repeat(times, axis=0).repeat(times, axis=1)

@@ -1,8 +1,8 @@
 """Game engines: JSON in the axes of the engine, with the angles that its editor shows.
 
-An engine is described by the axes along which its right, its up and its forward lie: "+x", "+y"
-and "+z" for Unity. Its forward is where the centre of our map looks, +z; its left is our +x.
-Whether it is left-handed follows from that.
+An engine is described by its axes for right, up and forward: "+x", "+y" and "+z" for Unity. The
+engine's forward is our +z, the centre of the map; its left is our +x. These axes also determine if
+it is left-handed.
 """
 
 from __future__ import annotations
@@ -46,11 +46,11 @@ def engine(
     ----------
     rig : Rig or Lights
     environment : EnvMap or array_like, optional
-        A map in place of the ambient term.
+        Map that replaces the ambient term.
     right, up, forward : str
-        Where these lie in the engine: "+x", "-x", "+y", "-y", "+z" or "-z", one of each letter.
+        Axes of the engine: "+x", "-x", "+y", "-y", "+z" or "-z", each letter once.
     texture : str
-        The name of the file with the map, if there is one.
+        Name of the map's file, if there is a map.
 
     Returns
     -------
@@ -95,10 +95,10 @@ def unity(
 ) -> dict[str, Any]:
     """`engine` for Unity: left-handed, +x right, +y up, +z forward; our x is mirrored.
 
-    That is how importers of glTF bring y-up scenes to Unity, so lights fit geometry. Each light has
-    `euler_angles`, the rotation that the inspector of a directional light shows, and `lux`, its
-    intensity in the high definition pipeline. The other pipelines leave out the pi of a white
-    surface: there, intensity is `intensity_without_pi`. For a panorama, `skybox_rotation` is the
+    Unity's importers of glTF do the same, so the lights fit imported geometry. Each light has
+    `euler_angles`, the rotation in the inspector of a directional light, and `lux`, its intensity
+    in the high definition pipeline. The other pipelines do not divide by pi for a white surface:
+    use `intensity_without_pi` for them. For a panorama, `skybox_rotation` is the
     Rotation of the material Skybox/Panoramic.
 
     Examples
@@ -111,7 +111,7 @@ def unity(
     scene = engine(rig, environment, right="+x", up="+y", forward="+z", texture=texture)
     for light in scene["lights"]:
         x, y, z = light["forward"]
-        # Unity turns about z, then x, then y; the light shines along its own +z.
+        # Unity rotates about z, then x, then y; the light shines along its own +z.
         pitch, yaw = np.arcsin(np.clip(-y, -1, 1)), np.arctan2(x, z)
         light["euler_angles"] = (np.rad2deg([pitch, yaw, 0.0]) + 0.0).tolist()
         light["lux"] = light["intensity"]
@@ -129,8 +129,8 @@ def unreal(
     """`engine` for Unreal: left-handed, +x forward, +y right, +z up.
 
     Each light has `rotator`, pitch, yaw and roll as the editor shows them, `lux`, and
-    `angular_diameter`, which is its Source Angle. Where the centre of a panorama looks in Unreal is
-    not documented; turn its cubemap until it fits.
+    `angular_diameter`, which is its Source Angle. Unreal does not document the direction of
+    a panorama's centre: rotate its cubemap until it fits.
 
     Examples
     --------
@@ -185,7 +185,7 @@ def save_unreal(
 
 
 def matrix_of(right: str, up: str, forward: str) -> Matrix:
-    """Rows: each axis of an engine in ours, where right is -x, up is +y and forward is +z."""
+    """Rows: each axis of an engine in our frame, where right is -x, up is +y and forward is +z."""
     columns = np.zeros((3, 3), int)
     ours = {"right": (right, 0, -1), "up": (up, 1, 1), "forward": (forward, 2, 1)}
     for name, (axis, column, sign) in ours.items():

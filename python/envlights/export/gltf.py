@@ -16,7 +16,7 @@ from envlights.lights import Lights
 from envlights.rig import Rig
 
 _EXTENSION = "KHR_lights_punctual"
-#: Where a light of glTF shines when its node is not turned.
+#: Direction in which a light of glTF shines if its node has no rotation.
 _SHINES = np.array([0.0, 0.0, -1.0])
 _NOTE = (
     "glTF has no ambient light: set one of this radiance (irradiance: times pi), or an environment"
@@ -28,17 +28,16 @@ _NOTE = (
 def gltf(rig: Rig | Lights) -> dict[str, Any]:
     """A glTF 2.0 asset: a node for each light.
 
-    Axes: glTF's own, +y up and front +z, which are ours. A directional light shines along the local
-    -z of its node.
+    Axes: +y up and front +z, as in envlights. A directional light shines along the local -z of its
+    node.
 
-    Units: `intensity` times `color` is irradiance at normal incidence. glTF counts it in lux. The
-    numbers are those of the rig, on the scale of its map. Where that is in W/m² and your viewer
-    counts in lux, multiply the intensities by 683 lm/W, or by what your white is worth. Blender's
-    import divides by 683 unless its lighting mode is "Unitless"; three.js takes the numbers as they
-    are.
+    Units: `intensity` times `color` is irradiance at normal incidence. In glTF its unit is lux. The
+    numbers here have the scale of the map. If that is W/m² and your viewer expects lux, multiply
+    the intensities by 683 lm/W, or by the luminous efficacy of your white. Blender's importer
+    divides by 683 unless its lighting mode is "Unitless"; three.js uses the numbers unchanged.
 
-    Kept: directions, irradiances. Lost: glTF has neither sizes nor an ambient light. They stand in
-    `extras`, for readers that know them: `angular_radius` in radians, `ambient` in radiance.
+    Kept: directions, irradiances. Lost: glTF has neither sizes nor an ambient light. The `extras`
+    hold them for programs that read them: `angular_radius` in radians, `ambient` in radiance.
 
     Parameters
     ----------
@@ -91,7 +90,7 @@ def save_gltf(rig: Rig | Lights, path: str | os.PathLike[str]) -> None:
 
 
 def _light(j: int, irradiance: NDArray[np.float64], radius: float) -> dict[str, Any]:
-    """A light whose colour is within 0 and 1, as glTF has it."""
+    """A light with a colour between 0 and 1, as glTF requires."""
     most = float(irradiance.max())
     return {
         "name": f"light_{j}",
@@ -107,10 +106,10 @@ def _extras(rig: Any) -> dict[str, Any]:
 
 
 def _turn(start: NDArray[np.float64], end: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The shortest turn from one unit vector to another, as the quaternion x, y, z, w."""
+    """Shortest rotation from one unit vector to another, as a quaternion x, y, z, w."""
     half = start + end
     length = np.linalg.norm(half)
-    # Opposite vectors: half a turn about any axis across them.
+    # For opposite vectors, rotate by 180 degrees about any perpendicular axis.
     if length < 1e-12:
         return np.array([0.0, 1.0, 0.0, 0.0])
     half = half / length

@@ -1,8 +1,8 @@
 """Mitsuba 3: emitters as a dictionary for `load_dict`, or as an XML file.
 
-Mitsuba has our axes and units. Three things differ: the direction of its directional light is the
-one in which light travels; a scene has one environment, so lights with a size share a map with what
-is around them; and the first and last row of that map lie on the poles.
+Mitsuba has our axes and units. Three things differ. The direction of a directional light is the one
+in which light travels. A scene has one environment, so lights with a size are drawn into the map of
+the ambient term. The first and the last row of that map lie on the poles.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def mitsuba(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) ->
     ----------
     rig : Rig or Lights
     environment : EnvMap or array_like, optional
-        A map in place of the ambient term.
+        Map that replaces the ambient term.
 
     Returns
     -------
@@ -114,7 +114,7 @@ def constant(radiance: NDArray[np.float64]) -> dict[str, Any]:
 def envmap(radiance: NDArray[Any]) -> dict[str, Any]:
     """An emitter of a map whose first and last row lie on the poles."""
     try:
-        # Looked up when it is needed: the extra `bake` brings it.
+        # Import it only when needed: it is in the extra `bake`.
         bitmap = importlib.import_module("mitsuba").Bitmap
     except ImportError as error:
         raise EnvLightsError(
@@ -125,9 +125,9 @@ def envmap(radiance: NDArray[Any]) -> dict[str, Any]:
 
 
 def discs_on_poles(lights: Lights, least_rows: int = 0) -> NDArray[np.float64] | None:
-    """A map of the lights with a size as Mitsuba reads it, (rows + 1, 2 * rows, 3), or None.
+    """A map of the lights with a size, rows on the poles, (rows + 1, 2 * rows, 3), or None.
 
-    Of what Mitsuba has for a disc at infinity, a map is the most accurate. A far sphere as an area
+    A map is the most accurate form of a disc at infinity in Mitsuba. A far sphere as an area
     light has the same noise, but it was off by 0.4 % at a radius of 0.27 degrees and by half at
     89.5, and it hides the lights behind it.
     """
@@ -138,9 +138,9 @@ def discs_on_poles(lights: Lights, least_rows: int = 0) -> NDArray[np.float64] |
 
 
 def rows_on_poles(radiance: NDArray[Any]) -> NDArray[np.float64]:
-    """A map of cells as Mitsuba reads it: its rows lie on the edges of ours, two on the poles.
+    """A map of cells with its rows on the edges of ours, two on the poles, as Mitsuba reads it.
 
-    Read row by row, a light would move by half a row at the poles, and by none at the horizon.
+    Without this change, a light would move by half a row at the poles.
     """
     edges = np.concatenate([radiance[:1], radiance, radiance[-1:]]).astype(np.float64)
     halves: NDArray[np.float64] = (edges[1:] + edges[:-1]) / 2
@@ -154,7 +154,7 @@ def sharp_rows_on_poles(env: EnvMap) -> NDArray[np.float64]:
 
 
 def _map_of(scene: Scene, *, is_sharp: bool) -> NDArray[np.float64] | None:
-    """The map of a scene: its discs before its environment; None where it needs none."""
+    """Map of a scene, with its discs before its environment; None if it needs no map."""
     if scene.environment is None:
         discs = discs_on_poles(scene.lights)
         if discs is None or scene.ambient is None:

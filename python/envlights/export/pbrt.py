@@ -16,8 +16,8 @@ from envlights.export.scene import Scene, scene_of
 from envlights.lights import Lights
 from envlights.rig import Rig
 
-#: Angular radius in radians under which a light has no size in pbrt: 0.7 degrees, which the
-#: largest map of discs would show with a radius of four pixels.
+#: Angular radius in radians below which a light has no size in pbrt: 0.7 degrees, which is four
+#: pixels in the largest map of discs.
 _NARROW = 4 * np.pi / 1024
 #: Pixels along a side of pbrt's map for each row of ours: about the same at the horizon.
 _SIDE = 1.25
@@ -33,25 +33,25 @@ def pbrt(
 ) -> str:
     """Light sources for pbrt-v4, to be included after ``WorldBegin``.
 
-    Axes: our x, y, z are y, z, -x there: +z up, and left-handed, as pbrt is. So the lights agree
-    with the panorama that ``imgtool makeequiarea`` makes an infinite light of. Where a scene is
-    mirrored to be right-handed (``Scale -1 1 1``), the lights are mirrored with it.
+    Axes: our x, y, z are y, z, -x in pbrt, with +z up; pbrt is left-handed. So the lights fit the
+    infinite light that ``imgtool makeequiarea`` makes of the panorama. If a scene is mirrored to be
+    right-handed (``Scale -1 1 1``), the lights are mirrored with it.
 
-    Units: ``rgb L`` of a distant light is irradiance at normal incidence, that of an infinite light
-    and the pixels of its map are radiance; exposure is that of the film, ``iso`` and
+    Units: ``rgb L`` of a distant light is irradiance at normal incidence; that of an infinite light
+    is radiance, and so are the pixels of its map. The film sets the exposure with ``iso`` and
     ``exposuretime``.
 
     Kept: directions, irradiances; a constant ambient term; harmonics, an ambient term over a floor,
-    and lights with a radius of 0.7 degrees or more in an equal-area map. Lost: smaller sizes, as
-    that of the sun, because a distant light of pbrt has none; harmonics where they are negative.
+    and lights with a radius of 0.7 degrees or more in an equal-area map. Lost: smaller sizes, such
+    as that of the sun, because pbrt's distant lights have none; negative parts of harmonics.
 
     Parameters
     ----------
     rig : Rig or Lights
     environment : EnvMap or array_like, optional
-        A map in place of the ambient term.
+        Map that replaces the ambient term.
     texture : str
-        The map of an infinite light, where there is one; `save_pbrt` writes it.
+        Name of the map's file, if there is an infinite light with a map; `save_pbrt` writes it.
 
     Returns
     -------
@@ -71,7 +71,7 @@ def save_pbrt(
     path: str | os.PathLike[str],
     environment: EnvMap | ArrayLike | None = None,
 ) -> None:
-    """Write `pbrt` at `path`, and the map of an infinite light, where there is one, beside it."""
+    """Write `pbrt` at `path`, and the map of an infinite light beside it, if there is one."""
     lights, scene = _parts(scene_of(rig, environment))
     name = texture_name(path, "ambient.pbrt")
     textures = {} if scene.environment is None else {name: _equal_area(scene.environment)}
@@ -79,7 +79,7 @@ def save_pbrt(
 
 
 def _parts(scene: Scene) -> tuple[Lights, Scene]:
-    """Distant lights, and a scene of what is around, lights with a size included."""
+    """Distant lights, and the scene around them with the larger lights in its map."""
     narrow, wide = split_by_size(scene.lights, least=_NARROW)
     return narrow, with_discs(scene, wide)
 
@@ -99,7 +99,7 @@ def _sources(lights: Lights, scene: Scene, name: str) -> str:
 
 
 def _equal_area(env: EnvMap) -> NDArray[np.float32]:
-    """A map as pbrt reads it: a square of pixels that all have the same solid angle."""
+    """A map in the form of pbrt: a square of pixels with equal solid angles."""
     side = int(np.ceil(_SIDE * env.height))
     centres = (np.arange(side * _SAMPLES) + 0.5) / (side * _SAMPLES)
     found = np.empty((side, side, 3), np.float32)

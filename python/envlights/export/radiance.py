@@ -18,12 +18,12 @@ from envlights.export.scene import Scene, scene_of
 from envlights.lights import Lights
 from envlights.rig import Rig
 
-#: Angular radius in radians above which a light is part of the sky. Radiance samples a source as
-#: if all of it stood near its centre: at 0.25 that is off by 0.9 %, at 0.6 by 2.2 %.
+#: Angular radius in radians above which a light is drawn into the sky. Radiance samples a source
+#: near its centre only: the error is 0.9 % for a radius of 0.25, and 2.2 % for 0.6.
 _WIDE = 0.2
 #: Angular radius of a point; a source must have one.
 _POINT = 1e-4
-#: Columns and rows of a picture for a direction of the sky: the centre looks along +x.
+#: Column and row of the picture in a direction of the sky; the centre looks along +x.
 _LOOK_UP = "1-atan2(Dy,Dx)/PI 0.5+atan2(Dz,sqrt(Dx*Dx+Dy*Dy))/PI"
 _HEADER = """\
 # Lights of envlights, z up. Irradiance and radiance on the scale of the map.
@@ -38,26 +38,26 @@ def radiance(
 ) -> str:
     r"""A description with a `source` for each light, and one for the sky.
 
-    Axes: our x, y, z are y, z, x there, +z up as is the custom, as in Blender: the centre of a map
-    is in the east, along +x.
+    Axes: our x, y, z are y, z, x in Radiance, +z up, as in Blender; the centre of a map is in the
+    east, along +x.
 
     Units: a source has radiance and the full angle of its disc in degrees; the radiance is
-    irradiance over :math:`\pi \sin^2 a` for the angular radius a. The numbers are on the scale of
-    the map. Radiance takes them for W/m²/sr; exposure is that of the picture (`pfilt`, `ximage`).
+    irradiance over :math:`\pi \sin^2 a` for the angular radius a. The numbers have the scale of
+    the map. Radiance reads them as W/m²/sr; `pfilt` and `ximage` set the exposure of a picture.
 
     Kept: directions, irradiances, sizes; a constant ambient term as `glow`; harmonics, an ambient
     term over a floor, and lights wider than 11 degrees in radius as a picture on a `glow`, which is
-    sampled with the ambient light. A source hides the sky behind it: its radiance has that of the
-    sky added. Lost: harmonics where they are negative, and up to 0.4 % in each sample of a picture.
+    sampled with the ambient light. A source hides the sky behind it, so the radiance of the sky
+    is added to it. Lost: negative parts of harmonics, and up to 0.4 % in each sample of a picture.
 
     Parameters
     ----------
     rig : Rig or Lights
     environment : EnvMap or array_like, optional
-        A map in place of the ambient term.
+        Map that replaces the ambient term.
     texture : str
-        The picture of a sky, where there is one; `save_radiance` writes it. Radiance looks for it
-        in the folder in which it runs, then in those of RAYPATH.
+        Name of the picture of the sky, if there is one; `save_radiance` writes it. Radiance looks
+        for it in the working directory, then in the folders of RAYPATH.
 
     Returns
     -------
@@ -85,7 +85,7 @@ def save_radiance(
     path: str | os.PathLike[str],
     environment: EnvMap | ArrayLike | None = None,
 ) -> None:
-    """Write `radiance` at `path`, and a picture of the sky, where there is one, beside it."""
+    """Write `radiance` at `path`, and the picture of the sky beside it, if there is one."""
     lights, scene = _parts(scene_of(rig, environment))
     name = str(PurePath(texture_name(path)).with_suffix(".hdr"))
     textures = {} if scene.environment is None else {name: scene.environment.radiance}
@@ -93,7 +93,7 @@ def save_radiance(
 
 
 def _parts(scene: Scene) -> tuple[Lights, Scene]:
-    """Lights that are sampled one by one, and a scene of the sky alone, wide lights included."""
+    """Lights that are sampled one by one, and the sky with the wide lights."""
     narrow, wide = split_by_size(scene.lights, least=_WIDE)
     return narrow, with_discs(scene, wide)
 
@@ -119,7 +119,7 @@ def _sky(scene: Scene, lights: Lights) -> NDArray[np.float64]:
 
 
 def _glow(scene: Scene, name: str) -> list[str]:
-    """A source all around, lit by a constant or a picture; none for a black sky."""
+    """A source in all directions with a constant or a picture; none for a black sky."""
     up, around = np.array([0, 0, 1]), 2 * np.pi
     if scene.environment is not None:
         picture = f"void colorpict sky_map\n7 red green blue {name} . {_LOOK_UP}\n0\n0\n"
@@ -137,7 +137,7 @@ def _source(
     angle: float,
     pattern: str = "void",
 ) -> str:
-    """A material and a disc of it at infinity; `glow` has no reach, so it is not a direct light."""
+    """A material and a disc of it at infinity; `glow` is not sampled as a direct light."""
     values = np.append(values, [0.0] if kind == "glow" else [])
     disc = [*direction, np.rad2deg(angle)]
     material = f"{pattern} {kind} {name}_colour\n0\n0\n{len(values)} {_numbers(values)}\n"

@@ -26,14 +26,14 @@ class Scene(NamedTuple):
     """Discs and points, brightest first; irradiance at normal incidence."""
 
     ambient: NDArray[np.float64] | None
-    """Radiance of a constant environment, (3,); None where there is none, or a map."""
+    """Radiance of a constant environment, (3,); None if there is none, or if there is a map."""
 
     environment: EnvMap | None
-    """A map in place of the constant, its pixels cell-centred."""
+    """Cell-centred map that replaces the constant."""
 
 
 def scene_of(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) -> Scene:
-    """The parts of a rig, or of lights alone.
+    """Parts of a rig, or of lights alone.
 
     Parameters
     ----------

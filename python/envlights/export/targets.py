@@ -41,7 +41,7 @@ TARGETS = (
         save_gltf,
         False,
         "lights",
-        "sizes and the ambient term, which stand in extras",
+        "sizes and the ambient term (they are in the extras)",
     ),
     Target(
         "three",
@@ -50,7 +50,7 @@ TARGETS = (
         save_three,
         True,
         "lights, ambient, harmonics, floor, map",
-        "sizes, which stand in userData",
+        "sizes (they are in userData)",
     ),
     Target(
         "usd",
@@ -113,7 +113,7 @@ TARGETS = (
         save_unreal,
         True,
         "lights, sizes, ambient, harmonics, floor (as a map), map",
-        "where the map looks: turn it by hand",
+        "rotation of the map (set it by hand)",
     ),
 )
 

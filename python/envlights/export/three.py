@@ -20,7 +20,7 @@ from envlights.export.scene import scene_of
 from envlights.lights import Lights
 from envlights.rig import Rig
 
-#: Where lights stand, for their shadow cameras; their light does not depend on it.
+#: Distance of lights from the origin, for their shadow cameras; it does not change their light.
 _DISTANCE = 10.0
 #: Constants of three.js: EquirectangularReflectionMapping, FloatType, RGBAFormat, LinearFilter,
 #: and wrapping: repeated along a row, clamped at the poles.
@@ -41,23 +41,24 @@ _VERSION = {"version": 4.7, "type": "Object", "generator": "envlights"}
 def three(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) -> dict[str, Any]:
     """A scene of lights, for ``new THREE.ObjectLoader().parse(json)``.
 
-    Axes: our +x, +y, +z are -z, +y, +x there, so that the lights agree with the panorama as an
-    equirectangular background, not turned. With a glTF of the same rig, turn the one or the other.
+    Axes: our +x, +y, +z are -z, +y, +x in three.js, so the lights fit the panorama as an
+    equirectangular background without rotation. A glTF of the same rig has other axes: rotate one
+    of them.
 
-    Units: a directional light's colour times intensity is irradiance at normal incidence, as ours.
-    `AmbientLight` and `HemisphereLight` count irradiance too, pi times our radiance; `LightProbe`
-    and environments count radiance. Since release 155 this needs no setting; exposure is the
-    renderer's, ``toneMappingExposure``.
+    Units: colour times intensity of a directional light is irradiance at normal incidence.
+    `AmbientLight` and `HemisphereLight` have irradiance too, pi times our radiance; `LightProbe`
+    and environments have radiance. Since release 155 this needs no setting. The renderer's
+    ``toneMappingExposure`` sets the exposure.
 
     Kept: directions, irradiances; a constant ambient term as `AmbientLight`, harmonics as
     `LightProbe`, an ambient term over a floor as `HemisphereLight`; a map as the scene's
-    environment and background. Lost: sizes, which stand in `userData.angular_radius` (radians).
+    environment and background. Lost: sizes; `userData.angular_radius` has them, in radians.
 
     Parameters
     ----------
     rig : Rig or Lights
     environment : EnvMap or array_like, optional
-        A map in place of the ambient term. Each sample of it is written as text: reduce large ones.
+        Map that replaces the ambient term. It is written as text: reduce large maps.
 
     Returns
     -------
@@ -107,7 +108,7 @@ def _light(
 
 
 def _ambient(rig: Any) -> dict[str, Any]:
-    """The light of three.js that has the irradiance of an ambient term."""
+    """Light of three.js with the irradiance of an ambient term."""
     if rig.ambient.ndim == 2:
         # three.js has our order, signs and lengths of harmonics.
         harmonics = turned_ambient(rig.ambient, AXES["three"].matrix)
@@ -121,8 +122,8 @@ def _ambient(rig: Any) -> dict[str, Any]:
 def _colour(values: NDArray[np.float64]) -> dict[str, Any]:
     """Colour and intensity with the product `values`.
 
-    A colour in hexadecimal has eight bits; as hue, saturation and lightness it has as many digits
-    as one writes. three.js decodes it from sRGB.
+    A hexadecimal colour has only 8 bits, so the colour is given as hue, saturation and lightness.
+    three.js decodes it from sRGB.
     """
     most = float(values.max())
     codes = encode_srgb(values / (most or 1.0))
@@ -132,7 +133,7 @@ def _colour(values: NDArray[np.float64]) -> dict[str, Any]:
 
 
 def _map(env: EnvMap) -> tuple[dict[str, Any], dict[str, Any]]:
-    """An image and a texture, both as `DataTexture` writes them."""
+    """Image and texture in the form of `DataTexture`."""
     opaque = np.ones((env.height, env.width, 1), np.float32)
     samples = np.concatenate([env.radiance, opaque], axis=2)
     data = [float(f"{sample:.7g}") for sample in samples.ravel().tolist()]

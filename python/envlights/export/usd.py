@@ -38,23 +38,23 @@ def usd(
     *,
     texture: str = "ambient.exr",
 ) -> str:
-    r"""A stage of lights as text, to be referenced or to be loaded as it is.
+    r"""A stage of lights as text, to be referenced or opened.
 
     Parameters
     ----------
     rig : Rig or Lights
     environment : EnvMap or array_like, optional
-        A map in place of the ambient term.
+        Map that replaces the ambient term.
     texture : str
-        The file that the text names, beside it, if there is a map: `save_usd` writes it.
+        Name of the map's file beside the stage, if there is a map; `save_usd` writes it.
 
     Returns
     -------
     str
         ``DistantLight``: along its local -z, `angle` is the full angle in degrees, and `normalize`
         makes intensity times color our irradiance, in W m\ :sup:`-2`, whatever the angle.
-        ``DomeLight``: intensity times color is our radiance; or a latlong texture, whose
-        orientation is ours. The stage has +y up.
+        ``DomeLight``: intensity times color is our radiance; or a latlong texture with our
+        orientation. The stage has +y up.
 
     Examples
     --------
@@ -103,7 +103,7 @@ def _light(
 ) -> str:
     """A distant light whose local +z points towards the light."""
     z = AXES["usd"].to_target(direction)
-    # Any turn about its own axis will do.
+    # The rotation about the light's own axis is arbitrary.
     x = np.cross([0.0, 1.0, 0.0] if abs(z[1]) < 0.9 else [1.0, 0.0, 0.0], z)
     x /= np.linalg.norm(x)
     rows = [(*axis.tolist(), 0.0) for axis in (x, np.cross(z, x), z)]
@@ -139,7 +139,7 @@ def _prim(kind: str, name: str, lines: list[str]) -> str:
 def _crate(text: str) -> bytes:
     """The binary form of a stage, which only the library of OpenUSD writes."""
     try:
-        # Looked up when it is needed: the extra `usd` brings it.
+        # Import it only when needed: it is in the extra `usd`.
         sdf = importlib.import_module("pxr.Sdf")
     except ImportError as error:
         raise EnvLightsError(

@@ -17,9 +17,9 @@ def working_map(env: EnvMap, points: int, rendering_error: float) -> tuple[str, 
     """Note on a map that was reduced for the fit."""
     if env.width <= WORKING_COLUMNS:
         return ()
-    cells = f"{points} bright cell{'' if points == 1 else 's'} kept exact"
+    cells = f", {points} bright cell{'' if points == 1 else 's'} kept exact" if points else ""
     return (
-        f"fitted on the map reduced to {WORKING_COLUMNS} columns, {cells}"
+        f"fitted on the map reduced to {WORKING_COLUMNS} columns{cells}"
         f" (adds about {_power(rendering_error)} to the error)",
     )
 

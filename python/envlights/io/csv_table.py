@@ -30,7 +30,7 @@ class Table(NamedTuple):
     """Linear RGB at normal incidence, (n, 3)."""
 
     angular_radius: NDArray[np.float64]
-    """In radians, (n,)."""
+    """Angular radius in radians, (n,)."""
 
     ambient: NDArray[np.float64] | None
     """Radiance, (3,), or its harmonics, (9, 3)."""

@@ -22,7 +22,7 @@ PICTURES = (".png", ".pdf", ".svg")
 
 
 def as_path(path: object) -> Path:
-    """`path` as a `Path`, or a refusal of what names no file."""
+    """`path` as a `Path`, or a refusal of anything that names no file."""
     try:
         result = Path(path)  # type: ignore[arg-type]
         is_name = b"\0" not in os.fsencode(result)

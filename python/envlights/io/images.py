@@ -129,7 +129,7 @@ def _read(name: str, file: oiio.ImageInput) -> Image:
     is_coded = _is_coded(name, spec, channels)
     pixels = _pixels(name, file, channels)
     if is_coded:
-        notes.append("integer samples were taken as sRGB-coded and linearised")
+        notes.append("integer samples were decoded from sRGB")
     pixels = _upright(_in_display_window(pixels, spec, notes), spec, notes)
     _note_primaries(spec, notes)
     if spec.get_int_attribute("oiio:subimages", 1) > 1:
@@ -216,7 +216,7 @@ def _colour_channels(name: str, spec: oiio.ImageSpec) -> tuple[list[int], list[s
     notes = []
     if rgb_names is None and len(colours) == 1:
         rgb_names = colours * 3
-        notes.append(f"the only channel, {colours[0]}, was taken as grey")
+        notes.append(f"the only channel, {colours[0]}, was read as grey")
     elif rgb_names is None:
         raise EnvLightsError(
             f"{name} has the channels {', '.join(names)}; it needs R, G and B, or a single channel"

@@ -1,4 +1,4 @@
-"""Gray images: luminance, resize, blur, and the pixels of image coordinates."""
+"""Grey images: luminance, resize, blur, and the pixels of image coordinates."""
 
 from __future__ import annotations
 

@@ -98,8 +98,8 @@ def _parameters() -> dict[str, inspect.Parameter]:
 def _steps(env: EnvMap, lights: DetectedLights, options: dict[str, Any]) -> _Steps:
     """Recompute the intermediate directions of `detect_article`."""
     height, width = lights.report.working_size
-    taken = int(options["samples_per_pixel"] * width * height)
-    samples = sampling.uniform_sphere(sampling.hammersley(taken))
+    total = int(options["samples_per_pixel"] * width * height)
+    samples = sampling.uniform_sphere(sampling.hammersley(total))
     # The members are the bright samples; find the brightest pixel around each.
     pixel = lights.members.pixel
     luminance = images.resize_bilinear(images.luminance(env.radiance), height, width)
@@ -134,7 +134,7 @@ def _draw_bright(axes: Axes, steps: _Steps) -> None:
     _draw_links(axes, at, maxima, _LEFT)
     axes.plot(*at.T, ".", ms=4, color=_KEPT)
     axes.plot(*maxima.T, "x", ms=4, mew=0.8, color=RIM)
-    axes.set_title(f"2. bright samples: {len(at)}, and the maximum near each")
+    axes.set_title(f"2. bright samples: {len(at)}, with the brightest pixel near each")
 
 
 def _draw_survivors(axes: Axes, steps: _Steps) -> None:
@@ -143,7 +143,7 @@ def _draw_survivors(axes: Axes, steps: _Steps) -> None:
     _draw_links(axes, at, at[steps.survivor], _LEFT)
     axes.plot(*at.T, ".", ms=3, color=_LEFT)
     axes.plot(*at[kept].T, "o", ms=5, mec="black", mew=0.5, color=_KEPT)
-    axes.set_title(f"3. survivors: {len(kept)}, and the samples they suppress")
+    axes.set_title(f"3. survivors: {len(kept)}, with the samples that they suppress")
 
 
 def _draw_lights(axes: Axes, lights: DetectedLights, steps: _Steps) -> None:

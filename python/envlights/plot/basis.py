@@ -54,7 +54,7 @@ def basis_picture(model: TransferModel, directions: int = 16) -> Picture:
             limit = float(np.abs(images[number]).max())
             axes.imshow(images[number], cmap="RdBu_r", vmin=-limit, vmax=limit)
             axes.set_title(f"{number + 1}: {100 * share[number]:.2g} %", fontsize="small")
-    figure.suptitle("directions of the basis, and the energy that each holds")
+    figure.suptitle("directions of the basis, and the energy of each")
     return figure
 
 
@@ -89,17 +89,17 @@ def spectrum_picture(model: TransferModel) -> Picture:
     for number, share in enumerate(SHARES):
         needed = int(np.searchsorted(held, share)) + 1
         is_reached = needed <= len(held)
-        told = f"{needed} directions" if is_reached else f"more than {len(held)} directions"
+        words = f"{needed} directions" if is_reached else f"more than {len(held)} directions"
         axes.plot(
             *([needed if is_reached else len(held)] * 2, [100 * (1 - share), left.min()]),
             color=f"C{number}",
             ls="--" if is_reached else ":",
-            label=f"{100 * share:g} %: {told}",
+            label=f"{100 * share:g} %: {words}",
         )
-    axes.set(xlabel="directions", ylabel="energy left out (%)", yscale="log")
+    axes.set(xlabel="directions", ylabel="residual energy (%)", yscale="log")
     axes.yaxis.set_major_formatter("{x:g}")
     axes.grid(which="both", alpha=0.25)
-    axes.legend(title="energy held")
+    axes.legend(title="energy in the basis")
     return figure
 
 

@@ -19,7 +19,7 @@ _POINTS = 0.95
 def rigs_picture(env: AnyMap, *rigs: Rig) -> Picture:
     """Draw several rigs of one map, a row for each: lights, probes and the difference.
 
-    All probes are seen from beside the brightest light of the first rig.
+    All probes are viewed from beside the brightest light of the first rig.
 
     Parameters
     ----------
@@ -94,11 +94,11 @@ def error_picture(*rigs: Rig) -> Picture:
 
 def _draw_curve(axes: Axes, rig: Rig, colour: str) -> None:
     """Errors of all numbers of lights in the search, and of the rig."""
-    ambient = rig.report.ambient or "given"
+    ambient = rig.report.ambient or "fixed"
     tried = {lights: 100 * error for lights, error in rig.report.errors.items() if error > 0}
     points = "points" if rig.report.sized_error is not None else "lights"
-    told = f"ambient {ambient}: {points} that were tried"
-    axes.plot(list(tried), list(tried.values()), ".-", color=colour, label=told)
+    label = f"ambient {ambient}: {points} in the search"
+    axes.plot(list(tried), list(tried.values()), ".-", color=colour, label=label)
     sizes = " with sizes" if rig.lights.angular_radius.any() else ""
     label = f"the rig: {rig.lights.in_short()}{sizes}, {100 * rig.error:.3g} %"
     error = 100 * rig.error or float("nan")  # a logarithmic axis has no 0

@@ -48,8 +48,10 @@ class Ground(NamedTuple):
 def expose(radiance: NDArray[np.float32]) -> Ground:
     """Expose a map, in the form of `working`, so that its lamps are visible."""
     white, darker = _thumbnails.white_of(radiance)
-    told = f"white is a luminance of {white:.3g}; {100 * darker:.3g} % of the sphere is darker"
-    return Ground(_thumbnails.expose(radiance, white), white, told)
+    words = (
+        f"exposure: white is luminance {white:.3g}; {100 * darker:.3g} % of the sphere is darker"
+    )
+    return Ground(_thumbnails.expose(radiance, white), white, words)
 
 
 def draw_ground(axes: Axes, codes: NDArray[np.uint8]) -> None:
@@ -86,9 +88,9 @@ def draw_luminance(axes: Axes, env: EnvMap) -> str:
     )
     _draw_frame(axes)
     bar = axes.figure.colorbar(image, ax=axes, extend="both", shrink=0.7)
-    bar.set_label("stops from white")
+    bar.set_label("stops")
     bar.set_ticks(range(-_BELOW, _ABOVE + 1, _STEP))
-    return f"luminance in stops, powers of two, from a white of {white:.3g}"
+    return f"luminance in stops (powers of 2) above and below {white:.3g}"
 
 
 def _draw_frame(axes: Axes) -> None:

@@ -42,9 +42,9 @@ def map_picture(env: AnyMap, *, stops: bool = False) -> Picture:
     env : EnvMap, path-like or array_like, shape (height, 2 * height, 3)
         The map.
     stops : bool
-        False: the map, exposed so that its lamps stand out; the title has the exposure. True: its
-        luminance in false colours, in stops (powers of two) above and below that white, which shows
-        all values at once.
+        False: the map, exposed so that its lamps are visible; the title has the exposure. True: the
+        luminance in false colours, in stops (powers of two) above and below the white of that
+        exposure.
 
     Returns
     -------
@@ -63,17 +63,17 @@ def map_picture(env: AnyMap, *, stops: bool = False) -> Picture:
     figure = Picture(figsize=(10, 5.1 if stops else 5.6))
     axes = figure.add_subplot()
     draw = draw_luminance if stops else draw_map
-    told = draw(axes, env)
-    figure.suptitle(f"{env.width}x{env.height} pixels\n{told}")
+    exposure = draw(axes, env)
+    figure.suptitle(f"{env.width}x{env.height} pixels\n{exposure}")
     return figure
 
 
 def picture(env: AnyMap, rig: Rig) -> Picture:
     """Draw the map with the lights on it, the probe under map and rig, and their difference.
 
-    The probe is viewed from beside the brightest light, so that its lit and its dark side show; the
-    map has a mark at that position. Both probes have the same exposure; the difference is of
-    luminance, in percent of the mean.
+    The probe is viewed from beside the brightest light, so that its lit and its dark side are
+    visible; the map has a mark at the position of the viewer. Both probes have the same exposure;
+    the difference is that of the luminance, in percent of the mean.
 
     Parameters
     ----------
@@ -154,12 +154,12 @@ def detection_picture(env: AnyMap, lights: DetectedLights) -> Picture:
         Line2D([], [], ls="", marker="+", color="deepskyblue", label="peak"),
     )
     if lights.report.method == "article":
-        outline.set_label("samples, and the light of each")
+        outline.set_label("samples, linked to their light")
     draw_legend(axes, [outline, cross])
     report = lights.report
-    told = f"{lights.in_short()}: brighter than {report.threshold:.3g}, {report.reason}"
+    title = f"{lights.in_short()}; threshold {report.threshold:.3g} ({report.reason})"
     # Matplotlib leaves no room for lines that it wraps itself.
-    figure.suptitle(f"{fill(told, _LETTERS)}\n{exposure}")
+    figure.suptitle(f"{fill(title, _LETTERS)}\n{exposure}")
     return figure
 
 
@@ -170,7 +170,7 @@ def _draw_eye(axes: Axes, eye: NDArray[np.float64]) -> Line2D:
     axes.scatter(
         [azimuth], [elevation], s=81, marker="^", c="deepskyblue", edgecolors="black", zorder=6
     )
-    label = f"eye of the probe ({azimuth:.0f}°, {elevation:+.0f}°)"
+    label = f"viewer of the probe ({azimuth:.0f}°, {elevation:+.0f}°)"
     return Line2D([], [], ls="", marker="^", ms=9, mfc="deepskyblue", mec="black", label=label)
 
 

@@ -105,13 +105,13 @@ def draw_numbers(
     radii = np.sqrt(_ring(areas) / np.pi) / points
     size = np.array([_LETTER, _LINE]) / points
     reach = np.minimum(radii, 12)[:, None]
-    taken = np.hstack([at - reach, at + reach])
+    occupied = np.hstack([at - reach, at + reach])
     for k in range(min(len(at), _MOST_NUMBERS)):
-        others = np.delete(taken, k, axis=0)
+        others = np.delete(occupied, k, axis=0)
         box = _free_box(f"{k + 1}", size, at[k], radii[k], others)
         if box is None:
             continue
-        taken = np.vstack([taken, box])
+        occupied = np.vstack([occupied, box])
         axes.text(
             (box[0] + box[2]) / 2,
             (box[1] + box[3]) / 2,
@@ -130,7 +130,7 @@ def _free_box(
     size: NDArray[np.float64],
     at: NDArray[np.float64],
     radius: float,
-    taken: NDArray[np.float64],
+    occupied: NDArray[np.float64],
 ) -> NDArray[np.float64] | None:
     """Left, bottom, right and top of free space for `text` beside a disc, or None.
 
@@ -141,7 +141,7 @@ def _free_box(
         middle = at + np.array([across, up]) * (radius + half + 0.8)
         box = np.concatenate([middle - half, middle + half])
         inside = box[0] >= EXTENT[0] and box[2] <= EXTENT[1] and box[1] >= EXTENT[2]
-        apart = (box[2:] <= taken[:, :2]).any(axis=1) | (box[:2] >= taken[:, 2:]).any(axis=1)
+        apart = (box[2:] <= occupied[:, :2]).any(axis=1) | (box[:2] >= occupied[:, 2:]).any(axis=1)
         if inside and box[3] <= EXTENT[3] and apart.all():
             return box
     return None

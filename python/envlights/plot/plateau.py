@@ -87,12 +87,12 @@ def plateau_picture(env: AnyMap, lights: DetectedLights) -> Picture:
         draw_discs(axes, at, areas, lights.irradiance)
         draw_numbers(axes, at, areas, _POINTS)
     clipped = Patch(color=_CLIPPED, label="clipped")
-    circle = Line2D([], [], color=RIM, lw=1.4, label="two thirds of such lights are within")
+    circle = Line2D([], [], color=RIM, lw=1.4, label="uncertainty of the direction")
     draw_legend(below, [clipped, circle])
     sphere, flux = 100 * env.clipped_share, 100 * env.clipped_flux_share
     figure.suptitle(
         f"{lights.in_short()} in clipped regions\n"
-        f"{sphere:.2g} % of the sphere is clipped and holds {flux:.2g} % of the flux"
+        f"{sphere:.2g} % of the sphere is clipped, with {flux:.2g} % of the light"
     )
     return figure
 

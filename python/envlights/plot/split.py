@@ -56,14 +56,14 @@ def split_picture(env: AnyMap, parts: Split) -> Picture:
     draw_ground(on_removed, _thumbnails.expose(np.maximum(whole - rest, 0), ground.white))
     _draw_marks(on_removed, lights)
     brightest, left = _brightest(env), _brightest(parts.rest)
-    told = (
-        f"the map: white is a luminance of {ground.white:.3g}, the brightest pixel has {brightest}"
+    title = f"the map; white is luminance {ground.white:.3g}, the brightest pixel has {brightest}"
+    on_map.set_title(title, fontsize="small")
+    on_rest.set_title(
+        f"the map without the lights; the brightest pixel has {left}", fontsize="small"
     )
-    on_map.set_title(told, fontsize="small")
-    on_rest.set_title(f"remainder: largest luminance {left}", fontsize="small")
-    on_removed.set_title("removed light, and its lights", fontsize="small")
+    on_removed.set_title("the removed radiance, and the lights", fontsize="small")
     share = 100 * lights.flux_share.sum()
-    figure.suptitle(f"{lights.in_short()} with {share:.3g} % of the flux, removed from the map")
+    figure.suptitle(f"{lights.in_short()} removed, with {share:.3g} % of all light in the map")
     return figure
 
 

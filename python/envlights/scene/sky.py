@@ -61,14 +61,14 @@ def sky_transfer(surface: Surface, blocked: Blocked, directions: int) -> NDArray
 def are_blocked(
     blocked: Blocked, origins: NDArray[np.float64], directions: NDArray[np.float64]
 ) -> NDArray[np.bool_]:
-    """The answer of a ray tracer as bool, where 0 and 1 are taken too, or a refusal."""
+    """Result of a ray tracer as bool, also from 0 and 1, or a refusal."""
     answer = np.asarray(blocked(origins, directions))
     is_flag = answer.dtype == np.bool_
     if answer.dtype.kind in "iu":
         is_flag = bool(np.isin(answer, (0, 1)).all())
     if answer.shape != (len(origins),) or not is_flag:
         raise EnvLightsError(
-            f"blocked must answer true or false for each of {len(origins)} rays;"
+            f"blocked must return true or false for each of {len(origins)} rays;"
             f" got the dtype {answer.dtype} and the shape {answer.shape}"
         )
     return answer.astype(np.bool_, copy=False)

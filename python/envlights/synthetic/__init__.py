@@ -21,12 +21,12 @@ from envlights.synthetic.hall import hall
 from envlights.synthetic.openings import openings
 from envlights.synthetic.room import Room, room, room_charts
 from envlights.synthetic.scene import SyntheticMap, scene
-from envlights.synthetic.score import Score, judge, match
+from envlights.synthetic.score import Score, evaluate, match
 from envlights.synthetic.shapes import Disc, PixelSun, Rectangle, Shape
-from envlights.synthetic.suite import JUDGING, TUNING, hard, plain
+from envlights.synthetic.suite import EVALUATION, TUNING, hard, plain
 
 __all__ = [
-    "JUDGING",
+    "EVALUATION",
     "TUNING",
     "Disc",
     "PixelSun",
@@ -36,9 +36,9 @@ __all__ = [
     "Shape",
     "SyntheticMap",
     "courtyard",
+    "evaluate",
     "hall",
     "hard",
-    "judge",
     "match",
     "openings",
     "plain",

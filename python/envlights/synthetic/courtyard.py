@@ -120,7 +120,7 @@ def _smooth_sky(rng: np.random.Generator) -> NDArray[np.float64]:
 
 
 def _box(least: NDArray[np.float64], most: NDArray[np.float64]) -> dict[str, _Face]:
-    """The faces of a box except that on the floor."""
+    """Faces of a box, without the face on the floor."""
     centre, half = (least + most) / 2, np.diag((most - least) / 2)
     x, y, z = half
     return {

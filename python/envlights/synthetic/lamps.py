@@ -30,7 +30,7 @@ def draw(
     contrast: tuple[float, float],
     gap_deg: float,
 ) -> tuple[list[Lamp], list[str]]:
-    """One to five lights or groups that stand apart, the first of a given kind.
+    """One to five separate lights or groups, the first of a given kind.
 
     Parameters
     ----------

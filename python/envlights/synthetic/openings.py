@@ -1,4 +1,4 @@
-"""A family of maps with openings behind bars or leaves, each one light, and with rows of lamps."""
+"""A family of maps: windows behind bars or leaves, and rows of lamps."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _NARROWEST_BAR_DEG, _WIDEST_BAR_DEG, _WIDEST_SHARE = 0.5, 2.2, 0.3
 #: Rows of the smallest map that shows the narrowest bar.
 _LEAST_HEIGHT = 256
 
-#: Narrowest gap between two lamps of a row; what is narrower, `detect` bridges by its `gap_deg`.
+#: Narrowest gap between two lamps of a row, in degrees; `detect` bridges narrower gaps (`gap_deg`).
 _NARROWEST_GAP_DEG = 1.5
 
 
@@ -53,16 +53,16 @@ _Draw = Callable[[np.random.Generator, NDArray[np.float64]], tuple[list[Shape], 
 
 
 def openings(seed: int, height: int = 512) -> SyntheticMap:
-    """A map with one opening behind bars or leaves, or with one row of lamps.
+    """A map with one window behind bars or leaves, or with one row of lamps.
 
     Windows and skylights have 2 to 40 panes, and bars of at most 0.3 of a pane. Lamps of a row are
-    discs, square panels or tubes, at least 0.6 of their breadth and 1.5 degrees apart. All are 8
-    to 60 times as bright as the brightest surroundings.
+    discs, square panels or tubes, with gaps of at least 0.6 of their width and 1.5 degrees. All are
+    8 to 60 times as bright as the brightest surroundings.
 
     Parameters
     ----------
     seed : int
-        Which map; see `TUNING` and `JUDGING`.
+        Number of the map; see `TUNING` and `EVALUATION`.
     height : int
         Rows, 256 or more; the map is twice as wide.
 
@@ -95,7 +95,7 @@ def _towards(rng: np.random.Generator, lowest: float, highest: float) -> NDArray
 def _panes(
     rng: np.random.Generator, direction: NDArray[np.float64], radiance: NDArray[np.float64]
 ) -> tuple[list[Shape], str]:
-    # Draw how many panes there are, then how large each is.
+    # Draw the number of panes, then the size of each.
     across, along = int(rng.integers(2, 9)), int(rng.integers(1, 6))
     pane = rng.uniform(2.5, min(10.0, 90 / max(across, along)))
     bar = np.clip(pane * rng.uniform(0.1, _WIDEST_SHARE), _NARROWEST_BAR_DEG, _WIDEST_BAR_DEG)
@@ -123,7 +123,7 @@ def _leaves(rng: np.random.Generator, radiance: NDArray[np.float64]) -> tuple[li
 
 
 def _row(rng: np.random.Generator, radiance: NDArray[np.float64]) -> tuple[list[Shape], str]:
-    # Draw the lamps, then how far apart they stand, in their breadths.
+    # Draw the lamps, then the distance between them.
     lamps, kind = int(rng.integers(3, 9)), rng.integers(3)
     breadth = rng.uniform(0.8, 5.0) if kind < 2 else rng.uniform(0.8, 1.5)
     pitch = breadth + max(breadth * rng.uniform(0.6, 2.0), _NARROWEST_GAP_DEG)
@@ -141,5 +141,5 @@ def _row(rng: np.random.Generator, radiance: NDArray[np.float64]) -> tuple[list[
     return shapes, f"a row of {lamps} {('discs', 'panels', 'tubes')[kind]}"
 
 
-#: What each map in turn shows.
+#: Kinds of maps, in the order of the seeds.
 _KINDS: tuple[_Draw, ...] = (_window, _row, _skylight, _leaves)

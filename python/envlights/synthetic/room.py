@@ -1,6 +1,6 @@
 """A closed room under many lights, without noise, for models of indirect light.
 
-Two boxes stand in a cube. Their 16 faces are the charts of the lightmap, four by four. Light
+Two boxes are in a cube. Their 16 faces are the charts of the lightmap, four by four. Light
 bounces between patches (radiosity), so the indirect light is exact for those patches, and linear in
 the direct light.
 """
@@ -51,13 +51,13 @@ class Chart(NamedTuple):
     """The corner of the face at the first row and column, (3,)."""
 
     rows: NDArray[np.float64]
-    """From there down all rows, (3,)."""
+    """Edge of the face along the rows, (3,)."""
 
     columns: NDArray[np.float64]
-    """From there along all columns, (3,)."""
+    """Edge of the face along the columns, (3,)."""
 
     normal: NDArray[np.float64]
-    """Unit normal on the side that is seen, (3,)."""
+    """Unit normal on the visible side, (3,)."""
 
 
 def room_charts() -> list[Chart]:
@@ -221,7 +221,7 @@ def _free_place(rng: np.random.Generator) -> NDArray[np.float64]:
 
 
 def _cone(cosine: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Share of the light of a spot: all up to 25 degrees from its axis, none from 40 degrees on."""
+    """Fraction of a spot's light: 1 up to 25 degrees from its axis, 0 from 40 degrees on."""
     outer, inner = np.cos(np.deg2rad([40, 25]))
     return smoothstep(cosine, outer, inner)
 

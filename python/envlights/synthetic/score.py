@@ -13,7 +13,7 @@ from envlights._result import Result
 from envlights.kernels.image import LUMINANCE
 from envlights.synthetic.scene import SyntheticMap
 
-#: Largest angle of a hit; for a larger light its own radius.
+#: Largest angle of a hit in degrees; for a larger light, its own radius.
 TOLERANCE_DEG = 2.0
 
 
@@ -21,7 +21,7 @@ TOLERANCE_DEG = 2.0
 class Score(Result):
     """Score of a detector on a family of maps.
 
-    A ratio with the denominator 0 is 1: a detector that finds nothing where there is no light makes
+    A ratio with the denominator 0 is 1: a detector that finds nothing in a map without lights makes
     no mistake.
     """
 
@@ -29,7 +29,7 @@ class Score(Result):
     """Number of lights in all maps."""
 
     found: int
-    """Number of detected lights, with those on maps without lights."""
+    """Number of detected lights, maps without lights included."""
 
     angles_deg: NDArray[np.float64]
     """Angle from each hit to its light."""
@@ -47,17 +47,17 @@ class Score(Result):
         angle, flux = np.median(self.angles_deg), 100 * np.median(np.abs(self.flux_errors))
         return (
             f"precision {100 * self.precision:.3g} %, recall {100 * self.recall:.3g} %;"
-            f" median {angle:.2g}° and {flux:.2g} % of flux off"
+            f" median error {angle:.2g}° and {flux:.2g} % of the flux"
         )
 
     @property
     def precision(self) -> float:
-        """Share of the detected lights that are hits."""
+        """Fraction of the detected lights that are hits."""
         return len(self.angles_deg) / self.found if self.found else 1.0
 
     @property
     def recall(self) -> float:
-        """Share of the known lights that were hit."""
+        """Fraction of the known lights that were hit."""
         return len(self.angles_deg) / self.known if self.known else 1.0
 
     @property
@@ -67,14 +67,14 @@ class Score(Result):
         return 2 * len(self.angles_deg) / both if both else 1.0
 
 
-def judge(results: Iterable[tuple[SyntheticMap, ArrayLike, ArrayLike]]) -> Score:
+def evaluate(results: Iterable[tuple[SyntheticMap, ArrayLike, ArrayLike]]) -> Score:
     """Score a detector on a family of maps.
 
     Parameters
     ----------
-    results : iterable of (SyntheticMap, directions, irradiance)
-        The lights detected in each map: unit vectors, shape (n, 3), and the RGB integral of the
-        radiance over each light, with the background, shape (n, 3).
+    results : iterable of (SyntheticMap, directions, flux)
+        Lights detected in each map: unit vectors, shape (n, 3), and their `DetectedLights.flux`,
+        shape (n, 3).
 
     Returns
     -------
@@ -84,17 +84,17 @@ def judge(results: Iterable[tuple[SyntheticMap, ArrayLike, ArrayLike]]) -> Score
     --------
     >>> from envlights.synthetic import Disc, scene
     >>> lamp = scene(64, shapes=[Disc((1, 0, 0), 5, (2, 2, 2))])
-    >>> score = judge([(lamp, [[1, 0, 0], [0, 1, 0]], [[0.05, 0.05, 0.05], [1, 1, 1]])])
+    >>> score = evaluate([(lamp, [[1, 0, 0], [0, 1, 0]], [[0.05, 0.05, 0.05], [1, 1, 1]])])
     >>> score.precision, score.recall
     (0.5, 1.0)
     """
     known = found = false_on_lightless = 0
     angles: list[float] = []
     flux_errors: list[float] = []
-    for world, directions, irradiance in results:
+    for world, directions, rgb_flux in results:
         # Count lights, known and detected.
         detected = np.reshape(directions, (-1, 3))
-        flux = np.reshape(irradiance, (-1, 3)) @ LUMINANCE
+        flux = np.reshape(rgb_flux, (-1, 3)) @ LUMINANCE
         truth = world.irradiance_with_background @ LUMINANCE
         known, found = known + len(world.lights), found + len(detected)
         false_on_lightless += len(detected) * (len(world.lights) == 0)

@@ -23,10 +23,10 @@ class Shape(Protocol):
 
     @property
     def radiance(self) -> ArrayLike:
-        """RGB."""
+        """Linear RGB."""
 
     def coverage(self, height: int) -> NDArray[np.float64]:
-        """Share of each pixel that the shape covers, (height, 2 * height)."""
+        """Fraction of each pixel that the shape covers, (height, 2 * height)."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Disc:
     """Angle from the centre to the rim, in degrees."""
 
     radiance: ArrayLike
-    """RGB."""
+    """Linear RGB."""
 
     @property
     def reach_deg(self) -> float:
@@ -52,7 +52,7 @@ class Disc:
         return np.maximum(_angle_deg(directions, unit(self.direction)) - self.reach_deg, 0)
 
     def coverage(self, height: int) -> NDArray[np.float64]:
-        """Share of each pixel inside the rim."""
+        """Fraction of each pixel inside the rim."""
         centre = unit(self.direction)
         rim = np.cos(np.deg2rad(self.angular_radius_deg))
         return supersample(
@@ -74,10 +74,10 @@ class Rectangle:
     """Opening angle from top to bottom, in degrees, below 180."""
 
     radiance: ArrayLike
-    """RGB."""
+    """Linear RGB."""
 
     tilt_deg: float = 0.0
-    """Turn about the direction: 0 is upright, 90 swaps the sides."""
+    """Rotation about the direction in degrees; 0 is upright, 90 swaps the sides."""
 
     panes: tuple[int, int] = (1, 1)
     """Panes from side to side and from top to bottom, with a bar between neighbours."""
@@ -102,7 +102,7 @@ class Rectangle:
         return _angle_deg(directions, nearest)
 
     def coverage(self, height: int) -> NDArray[np.float64]:
-        """Share of each pixel inside the frame, without the bars."""
+        """Fraction of each pixel inside the frame, without the bars."""
         centre = unit(self.direction)
         return supersample(height, centre, self.reach_deg, self._glass)
 
@@ -167,9 +167,9 @@ def supersample(
     reach_deg: float,
     inside: Callable[[NDArray[np.float64]], NDArray[np.bool_]],
 ) -> NDArray[np.float64]:
-    """Share of each pixel's samples that are inside, weighted by solid angle from row to row.
+    """Fraction of each pixel's samples that are inside, weighted by solid angle from row to row.
 
-    Pixels farther than `reach_deg` from the centre are taken to be outside.
+    Pixels farther than `reach_deg` from the centre count as outside.
     """
     # Find the pixels within reach.
     n = _SUPERSAMPLING

@@ -1,7 +1,7 @@
 """Two families of random maps with known lights, for the evaluation of detectors.
 
 The same seed always gives the same map. Use the seeds `TUNING` to choose a threshold, and the seeds
-`JUDGING` only for final numbers.
+`EVALUATION` only for final numbers.
 
 Gaps of some degrees separate the lights. They are at least 8 times as bright as the brightest
 surroundings, and at least 2.5 times in pictures clipped to 1.
@@ -24,7 +24,7 @@ from envlights.synthetic.shapes import Lamp, PixelSun
 #: Seeds for choosing thresholds.
 TUNING = range(0, 60)
 #: Seeds for published numbers, never for the choice of a threshold.
-JUDGING = range(1000, 1060)
+EVALUATION = range(1000, 1060)
 
 #: Rows of the smallest map whose samples are close enough to show a disc of 0.25 degrees.
 _LEAST_HEIGHT = 128
@@ -57,9 +57,9 @@ def plain(seed: int, height: int = 512) -> SyntheticMap:
     Parameters
     ----------
     seed : int
-        Which map; see `TUNING` and `JUDGING`.
+        Number of the map; see `TUNING` and `EVALUATION`.
     height : int
-        Rows, 128 or more, for smaller maps do not show all lights; the map is twice as wide.
+        Rows, 128 or more, so that all lights are visible; the map is twice as wide.
 
     Returns
     -------
@@ -96,9 +96,9 @@ def hard(seed: int, height: int = 512) -> SyntheticMap:
     Parameters
     ----------
     seed : int
-        Which map; see `TUNING` and `JUDGING`.
+        Number of the map; see `TUNING` and `EVALUATION`.
     height : int
-        Rows, 128 or more, for smaller maps do not show all lights; the map is twice as wide.
+        Rows, 128 or more, so that all lights are visible; the map is twice as wide.
 
     Returns
     -------
@@ -115,7 +115,7 @@ def hard(seed: int, height: int = 512) -> SyntheticMap:
     name = _nth(_HARD_BACKDROPS, seed) if has_lights else _CLUTTER[seed // 8 % 2]
     background = _HARD_BACKDROPS[name](rng, height)
     has_glare = has_lights and rng.random() < 0.4
-    # Draw the lights, farther apart and brighter if they must stand out from glare.
+    # Draw the lights, farther apart and brighter if there is glare.
     shapes: list[Lamp] = []
     words: list[str] = []
     if has_lights:
@@ -125,7 +125,7 @@ def hard(seed: int, height: int = 512) -> SyntheticMap:
         clear, halos = background, backdrops.glare(rng, height, shapes)
         background = in_blocks(halos.shape, lambda rows: clear[rows] + halos[rows])
         name += ", glare"
-    # Take the picture. Clipped glare would widen the lights, so that their rims were not known.
+    # Take the picture without clipping of glare, which would widen the lights.
     may_clip = _is_large(shapes) and not has_glare
     camera, picture = _camera(rng, height, 0.02 * (rng.random() < 0.6), may_clip)
     note = _note(words, name, picture)
@@ -177,7 +177,7 @@ def _camera(
 
 
 def _eight_bits(radiance: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Radiance up to 1 after it was sRGB-coded in 8 bits and linearised."""
+    """Radiance up to 1 after rounding to 8 bits of sRGB."""
     levels = decode_srgb(np.arange(256) / 255)
     between = decode_srgb((np.arange(255) + 0.5) / 255)
     nearest: NDArray[np.float64] = levels[np.searchsorted(between, radiance)].astype(np.float64)

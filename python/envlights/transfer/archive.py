@@ -105,7 +105,7 @@ def load(path: str | os.PathLike[str], model: Callable[..., _Model]) -> _Model:
 
 
 def _read(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
-    """The arrays of a model; others that the file may hold are not unpacked."""
+    """Arrays of a model; other arrays of the file are not unpacked."""
     try:
         with as_path(path).open("rb") as file, zipfile.ZipFile(file) as archive:
             _check_version(path, archive)
@@ -121,7 +121,7 @@ def _read(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
 
 
 def _check_version(path: object, archive: zipfile.ZipFile) -> None:
-    """Refuse another file than a model, or an unknown version, before all else is read."""
+    """Refuse files without a model and unknown versions, before anything else is read."""
     said = {}
     for name in ("format", "version"):
         is_there = f"{name}.npy" in archive.namelist()
@@ -146,15 +146,16 @@ def _check_size(path: object, archive: zipfile.ZipFile, names: list[str]) -> Non
 
 
 def _array(archive: zipfile.ZipFile, name: str) -> NDArray[Any]:
-    """A member, where it holds as many bytes as its own header says."""
+    """Array of a member whose size agrees with its header."""
     member = f"{name}.npy"
     with archive.open(member) as file:
         version = np.lib.format.read_magic(file)
         head = {(1, 0): read_array_header_1_0, (2, 0): read_array_header_2_0}
         shape, _, dtype = head[version](file)
-        said, held = dtype.itemsize * math.prod(shape), archive.getinfo(member).file_size
-        if said != held - file.tell():
-            raise ValueError(f"{name} says that it holds {said} bytes, and holds others")
+        expected = dtype.itemsize * math.prod(shape)
+        actual = archive.getinfo(member).file_size - file.tell()
+        if actual != expected:
+            raise ValueError(f"{name} must hold {expected} bytes by its header; it holds {actual}")
     with archive.open(member) as file:
         array: NDArray[Any] = np.lib.format.read_array(file, allow_pickle=False)
     return array

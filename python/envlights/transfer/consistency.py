@@ -81,7 +81,7 @@ def _pixels(size: tuple[int, int]) -> int:
 def _check_array(
     name: str, array: object, shape: tuple[int, ...], dtypes: Collection[str] = _FLOATS
 ) -> None:
-    """Refuse what is not an array of NumPy of this shape and one of these types."""
+    """Refuse anything but an array of NumPy of this shape and one of these types."""
     wanted = f"{name} must hold {' or '.join(dtypes)} in the shape {shape}"
     if not isinstance(array, np.ndarray):
         raise EnvLightsError(f"{wanted}; got an object of the type {type(array).__name__}")

@@ -69,7 +69,7 @@ def gram(pairs: Pairs, centred: bool, progress: bool | None = False) -> Gram:
 
 
 def is_for_kernels(pairs: Pairs) -> bool:
-    """True for large images in float32; small ones are not worth the buffers of the kernels."""
+    """True for large images in float32, which are worth the buffers of the kernels."""
     _, height, width, _ = pairs.indirect.shape
     return bool(pairs.dtype == np.float32 and height * width >= _FEW)
 

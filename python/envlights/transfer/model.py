@@ -242,7 +242,7 @@ class TransferModel(Result):
             raise EnvLightsError(f"a model with notebook=True cannot {what}; fit without it")
 
     def compressed(self, error: float = 0.005) -> TransferModel:
-        """A model whose frames are faster: its basis takes a third or half of the bytes.
+        """Model with a smaller basis, a third or half of the bytes, for faster frames.
 
         The basis is stored in the most compact type that keeps the bound: int8, float16, or
         unchanged. The notes of the report name the type and its error. Single frames gain most,
@@ -280,7 +280,7 @@ class TransferModel(Result):
         """Uncompressed basis, or a refusal."""
         if isinstance(self.basis, CompactBasis):
             raise EnvLightsError(
-                f"a compressed model cannot {what}; take the one that it was made from"
+                f"a compressed model cannot {what}; use the model before the compression"
             )
         return self.basis
 
@@ -304,7 +304,7 @@ class TransferModel(Result):
         return projected[0] if is_one else projected
 
     def add(self, direct: ArrayLike, indirect: ArrayLike) -> TransferModel:
-        """Add pairs to those of the model; only the new ones are read.
+        """Add pairs to those of the model; only the new pairs are read.
 
         The model holds only the part of its earlier pairs inside the basis. So the new basis is
         slightly worse than that of a fit to all pairs, and errors of earlier pairs are estimates.
@@ -322,7 +322,7 @@ class TransferModel(Result):
             Of all pairs, with the same parameters.
         """
         if self.is_notebook:
-            raise EnvLightsError("a model with notebook=True takes no more pairs; fit all again")
+            raise EnvLightsError("a model with notebook=True cannot grow; fit all pairs again")
         basis = self._dense("take more pairs")
         start = perf_counter()
         # Check the sizes by one image of each, before the work on all.

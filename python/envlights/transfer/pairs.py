@@ -21,7 +21,7 @@ class Pairs:
     """Direct light, (k, 3, h * w), each image at norm 1; a black one stays black."""
 
     indirect: Any
-    """Indirect light as it was given, without alpha, (k, H, W, 3): an array of NumPy or Dask."""
+    """Indirect light at its own scale, without alpha, (k, H, W, 3): an array of NumPy or Dask."""
 
     scale: NDArray[np.float64]
     """Factor of each pair, (k,): one over the norm of its direct image, or 0 where that is black.
@@ -45,13 +45,14 @@ class Pairs:
 
 
 def pairs_of(direct: ArrayLike, indirect: ArrayLike) -> Pairs:
-    """The pairs of two stacks of images, or a refusal that names what does not fit."""
+    """Pairs of two stacks of images, or a refusal."""
     # Check both stacks; only the small images are read here.
     large, dropped = images("indirect", indirect)
     small, dropped_too = images("direct", direct)
     if len(small) != len(large):
         raise EnvLightsError(
-            f"direct and indirect must hold as many images; got {len(small)} and {len(large)}"
+            "direct and indirect must hold the same number of images; got"
+            f" {len(small)} and {len(large)}"
         )
     small = np.asarray(small)
     check_finite("direct", small)

@@ -1,7 +1,7 @@
 //! Lights of a map. [`detect`] finds them with the component tree of Salembier et al. (1998); `loghin/` holds the
-//! steps of Loghin (2021), which Python puts together.
+//! steps of Loghin (2021), which Python combines.
 //!
-//! One pipeline serves maps that show all radiance and maps that were cut off at a clip level, such as 8-bit
+//! One pipeline serves maps that hold all radiance and maps that were cut off at a clip level, such as 8-bit
 //! pictures. Two front ends supply the image in which bright pixels are connected, and its threshold:
 //!
 //! | step of [`detect`]                                  | unclipped map               | clipped map                   |
@@ -21,15 +21,15 @@
 
 pub mod clipped;
 pub mod clipping;
+pub mod detection_options;
 pub mod loghin;
-pub mod options;
 pub mod segment;
 
 use ndarray::ArrayView3;
 
 use clipped::{ClippedLights, ClippedMap};
 use clipping::Ceiling;
-pub use options::DetectionOptions;
+pub use detection_options::DetectionOptions;
 use segment::adjacency::Adjacency;
 use segment::components::{self, Segments};
 use segment::light_moments::LightMoments;
@@ -102,7 +102,7 @@ struct Scene {
     working: WorkingImage,
     /// Threshold of the searched image.
     threshold: Threshold,
-    /// Searched image of a clipped map; that of others is `working`.
+    /// Image that is searched in a clipped map; `working` is searched in others.
     clipped: Option<ClippedMap>,
 }
 
@@ -126,7 +126,7 @@ impl Scene {
     }
 
     /// Image in which bright pixels are connected.
-    fn searched(&self) -> &WorkingImage {
+    fn searched_image(&self) -> &WorkingImage {
         self.clipped.as_ref().map_or(&self.working, |map| &map.expanded)
     }
 
@@ -137,7 +137,8 @@ impl Scene {
         registration: Registration,
         options: &DetectionOptions,
     ) -> Detection {
-        let (working, searched, adjacency) = (&self.working, self.searched(), Adjacency::of(&self.working));
+        let (working, searched, adjacency) =
+            (&self.working, self.searched_image(), Adjacency::of(&self.working));
         // Find the segments of lights.
         let bright = bright_pixels::bright_pixels(searched, self.threshold.luminance);
         let rule = options.tree_rule();
@@ -146,7 +147,7 @@ impl Scene {
         let (segments, positions) = match &self.clipped {
             Some(map) => {
                 let (segments, positions) =
-                    map.divided(working, &adjacency, &bright.indices, segments, options.gap);
+                    map.divide(working, &adjacency, &bright.indices, segments, options.gap);
                 (segments, Some(positions))
             }
             None => (segments, None),
@@ -167,10 +168,10 @@ impl Scene {
                 && (positions.is_some() || options.is_worth_a_line(light, background, working.flux))
         };
         let (selection, panes) = windows.select(is_listed, options.max_lights);
-        let clipped = positions.map(|positions| positions.joined(&selection));
+        let clipped = positions.map(|positions| positions.join(&selection));
         let mut numbers = self.numbers(bright.opened_tiles, &selection);
         if let Some(map) = &self.clipped {
-            numbers.threshold = map.compressed(numbers.threshold);
+            numbers.threshold = map.compress(numbers.threshold);
         }
         Detection::new(&segments, selection, panes, numbers, self.working.luminance, clipped)
     }
@@ -190,8 +191,7 @@ impl Scene {
 }
 
 impl Detection {
-    /// For each light, true if a camera or a file cut it off: at `white` if that is known, else at the map's largest
-    /// sample.
+    /// For each light, true if a camera or a file cut it off: at `white` if that is known, else at the largest sample.
     pub fn are_clipped(&self, white: Option<f64>) -> impl Iterator<Item = bool> {
         let maximum = self.lights.iter().map(|light| light.largest.sample).fold(0.0, f32::max);
         let ceiling = white.map_or(Ceiling::Maximum(maximum), |white| Ceiling::White(white as f32));

@@ -15,8 +15,13 @@
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-use super::DEGREES;
 use crate::kernels::lanes::Number;
+
+/// Highest degree of the harmonics. The kernels of the fit fall off as `degree^-5`, so the cells of the working map limit
+/// the error, not the harmonics.
+pub const DEGREE: usize = 40;
+/// Number of degrees, and of orders.
+pub const DEGREES: usize = DEGREE + 1;
 
 /// `P_lm` at one height, order by order.
 ///

@@ -27,7 +27,8 @@ mod synthesis;
 pub use addition::Cap;
 pub use bright_parts::{PointLight, bright_cells, sources_of};
 pub use legendre::{
-    AssociatedLegendre, DiscFactors, disc_factors, disc_series, legendre_derivatives, legendre_values,
+    AssociatedLegendre, DEGREE, DEGREES, DiscFactors, disc_factors, disc_series, legendre_derivatives,
+    legendre_values,
 };
 pub use spherical_harmonics::{Harmonics, Rgb2};
 pub use synthesis::DiscSum;
@@ -36,12 +37,6 @@ use ndarray::{Array3, s};
 
 use self::azimuthal::Azimuthal;
 use crate::kernels::image::WorkingMap;
-
-/// Highest degree of the harmonics. The kernels of the fit fall off as `degree^-5`, so the cells of the working map limit
-/// the error, not the harmonics.
-pub const DEGREE: usize = 40;
-/// Number of degrees, and of orders.
-pub const DEGREES: usize = DEGREE + 1;
 
 /// The cells of a working map without its bright ones, in harmonics.
 #[derive(Clone, Debug)]

@@ -171,16 +171,16 @@ fn retreat(
     loop {
         let support = Support::new(gram, active)?;
         let goal = support.solve(right);
-        let share = support
+        let step = support
             .columns
             .iter()
             .filter(|&&column| column >= free && goal[column] <= 0.0)
             .map(|&column| x[column] / (x[column] - goal[column]))
             .fold(f64::INFINITY, f64::min);
-        if share == f64::INFINITY {
+        if step == f64::INFINITY {
             return Some((goal, support));
         }
-        x.iter_mut().zip(&goal).for_each(|(x, goal)| *x += (goal - *x) * share);
+        x.iter_mut().zip(&goal).for_each(|(x, goal)| *x += (goal - *x) * step);
         active = support.columns;
         active
             .retain(|&column| column < free || goal[column] > 0.0 || x[column] > 1e-15 * goal[column].abs());

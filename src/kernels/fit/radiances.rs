@@ -26,6 +26,9 @@ use super::factors::Factors;
 use super::nnls::{self, Support};
 use super::objective::Reference;
 
+/// Fraction of the ambient irradiance that counts as 0.
+const ZERO: f64 = 1e-7;
+
 /// The values of each channel.
 #[derive(Clone, Debug)]
 pub struct Radiances {
@@ -50,8 +53,8 @@ pub fn solve(
         let is_negative = |&channel: &usize| negative(&radiances.x.column(channel).into_owned()).is_some();
         let channels: Vec<usize> = (0..right.ncols()).filter(is_negative).collect();
         let factors = if channels.is_empty() { None } else { Factors::new(with_ridge(gram)) };
-        if let Some(factors) = factors {
-            channels.iter().for_each(|&channel| radiances.constrain(gram, &factors, right, channel));
+        for channel in channels {
+            radiances.constrain(gram, factors.as_ref(), right, channel);
         }
     }
     radiances
@@ -59,21 +62,35 @@ pub fn solve(
 
 impl Radiances {
     /// Solve one channel again with conditions on the ambient irradiance; `factors` are those of `gram` with a ridge.
-    fn constrain(&mut self, gram: &DMatrix<f64>, factors: &Factors, right: &DMatrix<f64>, channel: usize) {
-        let (x, dark) = cutting_planes(factors, &right.column(channel).into_owned());
+    fn constrain(
+        &mut self,
+        gram: &DMatrix<f64>,
+        factors: Option<&Factors>,
+        right: &DMatrix<f64>,
+        channel: usize,
+    ) {
+        let right = right.column(channel).into_owned();
+        let cost = |x: &DVector<f64>| (gram * x).dot(x) - 2.0 * right.dot(x);
+        let (x, dark) = match factors.map(|factors| cutting_planes(factors, &right)) {
+            Some((x, dark, lifted)) if lifted <= ZERO * x.rows(0, 9).amax() => (x, dark),
+            // Normals that are nearly parallel do not determine the harmonics.
+            unfinished => {
+                let constant = constant(gram, &right);
+                let better = unfinished.filter(|(x, ..)| cost(x) <= cost(&constant));
+                better.map_or((constant, Vec::new()), |(x, dark, _)| (x, dark))
+            }
+        };
         let used = (0..x.len()).filter(|&i| i < 9 || x[i] > 0.0).collect();
         if let Some(support) = Support::new(gram, used) {
             self.supports[channel] = Arc::new(support);
+            self.dark[channel] = dark;
         }
         self.x.set_column(channel, &x);
-        self.dark[channel] = dark;
     }
 }
 
 /// The normal at which the ambient irradiance is most negative, if it is negative anywhere.
 fn negative(x: &DVector<f64>) -> Option<DVec3> {
-    /// Fraction of the ambient irradiance that counts as 0.
-    const ZERO: f64 = 1e-7;
     let (normal, least) = darkest(&x.as_slice()[..9]);
     (least < -ZERO * x.rows(0, 9).amax()).then_some(normal)
 }
@@ -87,8 +104,19 @@ struct Condition {
     normal: Option<DVec3>,
 }
 
-/// The best values of one channel, and the normals at which conditions hold its ambient irradiance at 0.
-fn cutting_planes(factors: &Factors, right: &DVector<f64>) -> (DVector<f64>, Vec<DVec3>) {
+/// The best values without the harmonics of order 1 and 2.
+fn constant(gram: &DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
+    let used: Vec<usize> = (0..right.len()).filter(|&i| i == 0 || i >= 9).collect();
+    let gram = DMatrix::from_fn(used.len(), used.len(), |i, j| gram[(used[i], used[j])]);
+    let (values, _) = nnls::solve(&gram, &DMatrix::from_fn(used.len(), 1, |i, _| right[used[i]]), 0, &[]);
+    let mut x = DVector::zeros(right.len());
+    used.into_iter().zip(&values).for_each(|(i, &value)| x[i] = value);
+    x
+}
+
+/// The best values of one channel, the normals at which conditions hold its ambient irradiance at 0, and its increase
+/// after the last round.
+fn cutting_planes(factors: &Factors, right: &DVector<f64>) -> (DVector<f64>, Vec<DVec3>, f64) {
     /// Greatest number of rounds.
     const ROUNDS: usize = 40;
     let solution = |mut right: DVector<f64>| {
@@ -117,8 +145,8 @@ fn cutting_planes(factors: &Factors, right: &DVector<f64>) -> (DVector<f64>, Vec
         let mut holds = multipliers.iter().map(|&multiplier| multiplier > 0.0);
         conditions.retain(|_| holds.next() == Some(true));
     }
-    lift(&mut x);
-    (x, conditions.into_iter().filter_map(|condition| condition.normal).collect())
+    let lifted = lift(&mut x);
+    (x, conditions.into_iter().filter_map(|condition| condition.normal).collect(), lifted)
 }
 
 /// Conditions that `x` violates: each negative light, and the darkest normal of the ambient term.
@@ -134,17 +162,19 @@ fn violations(x: &DVector<f64>) -> Vec<(DVector<f64>, Option<DVec3>)> {
     lights.chain(ambient).collect()
 }
 
-/// Raise negative lights to 0, and the constant coefficient until no ambient irradiance is negative.
-fn lift(x: &mut DVector<f64>) {
+/// Raise negative lights to 0, and the ambient irradiance by the returned amount until it is negative nowhere.
+fn lift(x: &mut DVector<f64>) -> f64 {
     x.rows_range_mut(9..).apply(|value| *value = value.max(0.0));
-    let (_, least) = darkest(&x.as_slice()[..9]);
-    x[0] += (-least).max(0.0) / Ambient::Sh2.irradiance(DVec3::Z)[0];
+    let lifted = (-darkest(&x.as_slice()[..9]).1).max(0.0);
+    x[0] += lifted / Ambient::Sh2.irradiance(DVec3::Z)[0];
+    lifted
 }
 
-/// `gram` with a small multiple of the unit matrix, so that its columns may depend on each other or be 0.
+/// `gram` with a slightly larger diagonal, so that its columns may depend on each other.
 fn with_ridge(gram: &DMatrix<f64>) -> DMatrix<f64> {
-    let ridge = 1e-12 * gram.diagonal().amax();
-    gram + DMatrix::from_diagonal_element(gram.nrows(), gram.ncols(), ridge)
+    let mut gram = gram.clone();
+    (0..gram.nrows()).for_each(|i| gram[(i, i)] *= 1.0 + 1e-12);
+    gram
 }
 
 #[cfg(test)]

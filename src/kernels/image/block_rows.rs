@@ -1,7 +1,7 @@
 //! The visitor of rows of blocks: every reduction of a map to means over square blocks of pixels.
 //!
-//! The mean of a block takes two steps: down the rows of a row of blocks, here, and then across the columns of each
-//! block, where the reductions differ.
+//! The mean of a block has two steps: down the rows of a row of blocks, here, and then across the columns of each block,
+//! where the reductions differ.
 
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
@@ -14,8 +14,7 @@ use pulp::{Arch, Simd, WithSimd};
 use super::grid::Grid;
 use crate::kernels::sphere::band_heights;
 
-/// Pixels of a row whose means are taken at once: few enough that the means stay in the first cache, many enough that
-/// memory is read in long runs.
+/// Pixels of a row in one strip: their means fit in the first-level cache, and memory is read in long runs.
 const PIXELS_AT_ONCE: usize = 1024;
 
 /// The rows of a map behind one row of blocks.
@@ -23,7 +22,7 @@ pub(crate) struct BlockRow<'a> {
     samples: Cow<'a, [f32]>,
     /// Pixels along each side of a block.
     block: usize,
-    /// Share of each row of pixels in the height of the row of blocks.
+    /// Fraction of each row of pixels in the height of the row of blocks.
     weights: Vec<f32>,
     /// `cos theta_top - cos theta_bottom` of the row of blocks.
     pub height: f64,
@@ -39,8 +38,15 @@ impl<'a> BlockRow<'a> {
         Self { samples: samples_of(radiance, rows), block, weights, height }
     }
 
-    /// Visit strips of whole blocks: the columns of a strip, and the RGB mean of each pixel column, weighted by the
-    /// heights of the rows. True if a sample has a minus sign.
+    /// The rows of pixels, each with its fraction of the height of the row of blocks.
+    pub fn pixels(&self) -> impl Iterator<Item = (&[[f32; 3]], f32)> {
+        let pixels = self.samples.as_chunks::<3>().0;
+        pixels.chunks_exact(pixels.len() / self.weights.len()).zip(self.weights.iter().copied())
+    }
+
+    /// Visit strips of whole blocks; return true if a sample has a minus sign.
+    ///
+    /// The visitor gets the columns of a strip, and the RGB mean of each pixel column, weighted by the heights of the rows.
     pub fn mean(&self, mut visit: impl FnMut(Range<usize>, &mut [f32])) -> bool {
         let rows: Vec<&[f32]> = self.samples.chunks_exact(self.samples.len() / self.weights.len()).collect();
         let width = rows[0].len() / 3;
@@ -67,8 +73,7 @@ pub(crate) fn block_fractions(pixels: &Grid, block: usize) -> [Vec<f32>; 2] {
         };
         sizes.chunks(block).flat_map(fractions_of_block).collect()
     };
-    let widths: Vec<f64> = pixels.phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect();
-    [fractions(&band_heights(&pixels.theta_edges)), fractions(&widths)]
+    [fractions(&band_heights(&pixels.theta_edges)), fractions(&pixels.widths())]
 }
 
 /// The samples of some rows of a map, row after row.
@@ -76,13 +81,14 @@ pub(crate) fn samples_of(radiance: ArrayView3<'_, f32>, rows: Range<usize>) -> C
     in_order(radiance.slice_move(s![rows, .., ..]))
 }
 
-/// The samples of a part of a map, row after row; where they do not lie in this order, a copy.
+/// The samples of a part of a map, row after row; a copy if they have another order.
 pub(super) fn in_order(part: ArrayView3<'_, f32>) -> Cow<'_, [f32]> {
     part.to_slice().map_or_else(|| Cow::Owned(part.iter().copied().collect()), Cow::Borrowed)
 }
 
-/// Mean of the same `samples` of some rows, four rows at a time for fewer passes over the sums; true if a sample has a
-/// minus sign.
+/// Write the weighted `mean` of the same `samples` of some rows; true if a sample has a minus sign.
+///
+/// Four rows at a time, for fewer passes over the sums.
 struct WeightedMean<'a> {
     rows: &'a [&'a [f32]],
     weights: &'a [f32],

@@ -1,10 +1,11 @@
 //! The lines that cut the sphere into the cells of an image.
 
+use glam::DVec3;
 use ndarray::ArrayView3;
 
 use super::samples::check_rgb;
 use crate::error::Result;
-use crate::kernels::sphere::Registration;
+use crate::kernels::sphere::{Registration, direction_of};
 
 /// The lines that cut the sphere into the cells of an image.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,14 +14,14 @@ pub struct Grid {
     pub theta_edges: Vec<f64>,
     /// Azimuths between the columns, from 0 to 2 pi.
     pub phi_edges: Vec<f64>,
-    /// Column of the azimuth phi: the whole part of `phi * columns_per_radian + first_column`.
+    /// Factor of the column of an azimuth phi: the whole part of `phi * columns_per_radian + first_column`.
     pub columns_per_radian: f64,
     /// 0, or half a column where the first column is cut by the seam.
     pub first_column: f64,
 }
 
 impl Grid {
-    /// Every pixel a cell.
+    /// A grid whose cells are the pixels.
     pub fn of_pixels(height: usize, width: usize, registration: Registration) -> Self {
         let (columns, first_column) = match registration {
             Registration::CellCentred => (width as f64, 0.0),
@@ -34,7 +35,12 @@ impl Grid {
         }
     }
 
-    /// Every pixel of a map a cell, and the cells of at most `columns` columns, with the pixels along their sides.
+    /// Width of each column in radians.
+    pub fn widths(&self) -> Vec<f64> {
+        self.phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect()
+    }
+
+    /// The grid of a map's pixels, the grid of blocks in at most `columns` columns, and the pixels along a block.
     pub(crate) fn of_map(
         radiance: ArrayView3<'_, f32>,
         registration: Registration,
@@ -48,12 +54,12 @@ impl Grid {
         Ok((pixels, cells, block))
     }
 
-    /// Every `block` x `block` pixels a cell; what is left over at the far edges makes smaller ones.
+    /// The grid of blocks of `block` x `block` cells; those at the far edges may be smaller.
     pub(crate) fn in_blocks(&self, block: usize) -> Self {
         let every = |edges: &[f64]| {
-            let mut kept: Vec<f64> = edges[..edges.len() - 1].iter().copied().step_by(block).collect();
-            kept.extend(edges.last());
-            kept
+            let mut outer: Vec<f64> = edges[..edges.len() - 1].iter().copied().step_by(block).collect();
+            outer.extend(edges.last());
+            outer
         };
         Self {
             theta_edges: every(&self.theta_edges),
@@ -61,5 +67,32 @@ impl Grid {
             columns_per_radian: self.columns_per_radian / block as f64,
             first_column: self.first_column / block as f64,
         }
+    }
+}
+
+/// Directions of the centres of the cells of a grid.
+pub struct CellCentres {
+    /// Sine and cosine of the polar angle of each row.
+    pub rows: Vec<(f64, f64)>,
+    /// Sine and cosine of the azimuth of each column.
+    pub columns: Vec<(f64, f64)>,
+}
+
+impl CellCentres {
+    /// Directions of the centres of the cells of this grid.
+    pub fn new(grid: &Grid) -> Self {
+        let centres =
+            |edges: &[f64]| edges.windows(2).map(|edge| (0.5 * (edge[0] + edge[1])).sin_cos()).collect();
+        Self { rows: centres(&grid.theta_edges), columns: centres(&grid.phi_edges) }
+    }
+
+    /// Unit vector towards a cell, by its flat index.
+    pub fn direction(&self, cell: usize) -> DVec3 {
+        self.at(cell / self.columns.len(), cell % self.columns.len())
+    }
+
+    /// Unit vector towards the cell of a row and a column.
+    pub fn at(&self, row: usize, column: usize) -> DVec3 {
+        direction_of(self.rows[row], self.columns[column])
     }
 }

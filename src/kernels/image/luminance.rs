@@ -4,7 +4,7 @@
 /// Weights of linear Rec.709 red, green and blue in luminance.
 pub const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
 
-/// The same weights in single precision.
+/// Weights of luminance in single precision.
 pub const LUMINANCE_F32: [f32; 3] = [LUMINANCE[0] as f32, LUMINANCE[1] as f32, LUMINANCE[2] as f32];
 
 /// Luminance of linear Rec.709 RGB.

@@ -1,17 +1,19 @@
-//! The map before anything is fitted to it: its samples, its cells, and fewer of them.
+//! Preparation of a map: samples, cells, reduction, rotation.
 //!
 //! | step                                          | file           |
 //! |-----------------------------------------------|----------------|
-//! | codes of integer images, decoded              | `codes.rs`     |
-//! | samples that no light can have                | `samples.rs`   |
+//! | decoding of integer images                    | `codes.rs`     |
+//! | unusable samples                              | `samples.rs`   |
 //! | the cells of an image on the sphere           | `grid.rs`      |
 //! | luminance                                     | `luminance.rs` |
 //! | a smaller working map, bright cells as points | `reduce.rs`    |
-//! | - and these in parts                          | `parts.rs`     |
-//! | means over blocks of pixels                   | `block_rows.rs`|
+//! | - bright cells in parts                       | `parts.rs`     |
+//! | means over blocks of pixels                   | `block_rows.rs` |
 //! | a map after a rotation                        | `rotate.rs`    |
+//! | - the cell that holds a direction             | `cells.rs`     |
 
 mod block_rows;
+mod cells;
 mod codes;
 mod grid;
 mod luminance;
@@ -21,11 +23,11 @@ mod rotate;
 mod samples;
 
 pub(crate) use block_rows::{BlockRow, block_fractions, samples_of};
-pub use codes::decoded;
-pub use grid::Grid;
+pub use codes::decode;
+pub use grid::{CellCentres, Grid};
 pub use luminance::{LUMINANCE, LUMINANCE_F32, luminance, luminance_f32};
 pub use parts::{MOST_PARTS, Part};
 pub use reduce::{WorkingMap, reduce};
-pub use rotate::rotated;
+pub use rotate::rotate;
 pub use samples::{Unusable, unusable};
 pub(crate) use samples::{check_rgb, check_samples};

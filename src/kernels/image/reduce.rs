@@ -1,4 +1,4 @@
-//! A map in fewer cells, for probes that need not be exact.
+//! Reduction of a map to fewer cells, for approximate probes.
 
 use std::array::from_fn;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -9,12 +9,12 @@ use rayon::prelude::*;
 
 use super::block_rows::BlockRow;
 use super::grid::Grid;
-use super::parts::{Apart, Block, PART_SHARE, Part, Pixel, parts};
+use super::parts::{BrightCell, PART_SHARE, Part, Pixel, PixelBlock, parts};
 use super::samples::check_samples;
 use crate::error::Result;
 use crate::kernels::sphere::{Registration, angles, band_heights};
 
-/// A map in fewer cells, for probes that need not be exact.
+/// A map in fewer cells, for approximate probes.
 #[derive(Clone, Debug)]
 pub struct WorkingMap {
     /// Mean radiance of each cell by solid angle, (rows, columns, 3); 0 where the cell became a source.
@@ -38,20 +38,19 @@ impl WorkingMap {
     }
 }
 
-/// `radiance` reduced to at most `columns` columns, its bright cells kept as point sources.
+/// Reduce `radiance` to at most `columns` columns, with its bright cells as point sources.
 ///
-/// A cell that the horizon of a normal cuts is smeared by its width, which matters only where one
-/// cell holds much light. So each cell with more than `source_share` of the flux of any channel
-/// is taken out and kept as the vector `F = integral of L w dw` over its pixels: `max(0, n.F)` is
-/// exact for a sun of one pixel wherever it stands in its cell. Shadows see the shape of a light as well, so parts of
-/// these and of other bright cells are kept beside them.
+/// The light of a cell on the horizon of a normal is smeared over the width of the cell, which matters only for a cell with
+/// much light. So each cell with more than `source_share` of the flux of any channel becomes a source with the vector
+/// `F = integral of L w dw` over its pixels. `max(0, n.F)` is exact for a sun of one pixel at any position in its cell.
+/// Shadows depend on the shape of a light as well, so the map also has parts of these and of other bright cells.
 ///
-/// A floor hides all light from below the horizon. A row that the horizon cuts keeps half of its flux.
+/// A floor hides all light from below the horizon. A row on the horizon keeps the part of its flux that is above it.
 ///
 /// # Errors
 ///
 /// [`crate::error::Error::NotAMap`] when the array is not (height, width, 3) or smaller than 2 x 2;
-/// [`crate::error::Error::UnusableSamples`]: this pass sees all samples.
+/// [`crate::error::Error::UnusableSamples`]: this pass reads all samples.
 pub fn reduce(
     radiance: ArrayView3<'_, f32>,
     registration: Registration,
@@ -68,25 +67,28 @@ pub fn reduce(
     let whole = flux.whole();
     let cells = flux.sources(whole, source_share);
     for &cell in &cells {
-        flux.take(cell);
+        flux.remove(cell);
     }
     let (means, bright) = flux.means(&grid);
     let (pixel, worth) = (Pixel::of(&pixels), PART_SHARE * whole.iter().sum::<f64>());
     let apart = |&(row, column): &(usize, usize)| {
         let rows = row * block..((row + 1) * block).min(height);
         let columns = column * block..((column + 1) * block).min(width);
-        Apart::new(&Block { rows, columns }, radiance, &pixels, worth, pixel)
+        BrightCell::new(&PixelBlock { rows, columns }, radiance, &pixels, worth, pixel)
     };
-    let apart_cells: Vec<Apart> = cells.par_iter().chain(&bright).map(apart).collect();
+    let apart_cells: Vec<BrightCell> = cells.par_iter().chain(&bright).map(apart).collect();
     let is_seen = |part: &Part| !has_floor || part.is_up();
     let sources = Array3::from_shape_fn((cells.len(), 3, 3), |(i, axis, c)| {
-        let Apart { whole, .. } = &apart_cells[i];
+        let BrightCell { whole, .. } = &apart_cells[i];
         if is_seen(whole) { whole.irradiance[axis][c] } else { 0.0 }
     });
     let mut parts = parts(apart_cells);
     parts.retain(is_seen);
     Ok(WorkingMap { radiance: means, grid, sources, bright, parts, pixel })
 }
+
+/// Least ratio of a bright cell to the mean of all cells.
+const CONTRAST: f64 = 8.0;
 
 /// Integral of the radiance over each cell.
 struct Flux {
@@ -100,7 +102,7 @@ impl Flux {
     /// Integrals over the blocks of a map's pixels.
     fn new(radiance: ArrayView3<'_, f32>, pixels: &Grid, block: usize) -> Result<Self> {
         let (height, width, _) = radiance.dim();
-        let widths = widths(&pixels.phi_edges);
+        let widths = pixels.widths();
         let mut cells = Array3::zeros((height.div_ceil(block), width.div_ceil(block), 3));
         let rows = rows_mut(&mut cells).enumerate().map(|(row, cells)| {
             let has_signs =
@@ -108,7 +110,7 @@ impl Flux {
             (has_signs, sum(cells))
         });
         let (signs, rows): (Vec<bool>, Vec<[f64; 3]>) = rows.unzip();
-        // What is no number, or infinite, stays so in every sum.
+        // NaN and infinity persist in every sum.
         if signs.contains(&true) || !rows.as_flattened().iter().all(|sum| sum.is_finite()) {
             check_samples(radiance)?;
         }
@@ -119,9 +121,9 @@ impl Flux {
     fn hide_below(&mut self, grid: &Grid) {
         let rows = self.cells.outer_iter_mut().zip(&mut self.rows);
         for ((mut cells, sum), edges) in rows.zip(grid.theta_edges.windows(2)) {
-            let kept = ((FRAC_PI_2 - edges[0]) / (edges[1] - edges[0])).clamp(0.0, 1.0);
-            cells.mapv_inplace(|value| kept * value);
-            *sum = sum.map(|value| kept * value);
+            let visible = ((FRAC_PI_2 - edges[0]) / (edges[1] - edges[0])).clamp(0.0, 1.0);
+            cells.mapv_inplace(|value| visible * value);
+            *sum = sum.map(|value| visible * value);
         }
     }
 
@@ -131,18 +133,16 @@ impl Flux {
     }
 
     /// Remove a cell.
-    fn take(&mut self, (row, column): (usize, usize)) {
+    fn remove(&mut self, (row, column): (usize, usize)) {
         self.cells.slice_mut(s![row, column, ..]).fill(0.0);
-        let left = self.cells.index_axis(Axis(0), row);
-        self.rows[row] = from_fn(|channel| left.column(channel).sum());
+        let others = self.cells.index_axis(Axis(0), row);
+        self.rows[row] = from_fn(|channel| others.column(channel).sum());
     }
 
-    /// Cells that hold more than `share` of the `whole` flux of a channel, and stand out: of few cells each holds much.
+    /// Cells with more than a `share` of the `whole` flux of a channel, and with [`CONTRAST`] times the mean flux of a cell.
     fn sources(&self, whole: [f64; 3], share: f64) -> Vec<(usize, usize)> {
-        /// Times the flux of a usual cell.
-        const STANDS_OUT: f64 = 8.0;
         let (rows, columns, _) = self.cells.dim();
-        let share = share.max(STANDS_OUT / (rows * columns) as f64);
+        let share = share.max(CONTRAST / (rows * columns) as f64);
         let least = whole.map(|whole| share * whole);
         let is_source = |cell: &[f64; 3]| (0..3).any(|c| cell[c] > least[c]);
         let in_row = |(row, cells): (usize, &[[f64; 3]])| {
@@ -152,21 +152,21 @@ impl Flux {
         rows_of(&self.cells).enumerate().flat_map_iter(in_row).collect()
     }
 
-    /// Mean radiance of the cells, and those of them that are too bright for harmonics to be sharp enough, by what they
-    /// give and by how far they stand out: with the flux F of the map's `F_0` and the radiance L over its mean `L_0`, where
-    /// `F / F_0 * L / L_0 > .012` and `L > 8 L_0`. That is each cell that stands out with 1.5e-3 of the flux, and one beside
-    /// a sun with less.
+    /// Mean radiance of the cells, and the bright cells, for which harmonics are not sharp enough.
+    ///
+    /// A cell with the flux F and the radiance L is bright if `F / F_0 * L / L_0 > 0.012` and `L > 8 L_0`, with the flux
+    /// `F_0` and the mean radiance `L_0` of the map. So 1.5e-3 of the flux is enough at 8 times the mean radiance, and less
+    /// beside a sun.
     fn means(&self, grid: &Grid) -> (Array3<f32>, Vec<(usize, usize)>) {
-        const STANDS_OUT: f64 = 8.0;
         const WORTH: f64 = 0.012;
-        // Divide nothing: `L / L_0` is the share over the solid angle, in units of the whole sphere.
+        // Avoid divisions: `L / L_0` is the fraction of the flux over the fraction of the sphere.
         let over_whole = 1.0 / self.whole().iter().sum::<f64>();
         let is_bright = |cell: &[f64; 3], solid_angle: f64| {
             let share = cell.iter().sum::<f64>() * over_whole;
             let dense = share * 4.0 * PI;
-            dense > STANDS_OUT * solid_angle && share * dense > WORTH * solid_angle
+            dense > CONTRAST * solid_angle && share * dense > WORTH * solid_angle
         };
-        let widths = widths(&grid.phi_edges);
+        let widths = grid.widths();
         let of_row = |row: usize, means: &mut [[f32; 3]], cells: &[[f64; 3]], band: f64| {
             let mut bright = Vec::new();
             for (column, ((mean, cell), width)) in means.iter_mut().zip(cells).zip(&widths).enumerate() {
@@ -221,10 +221,6 @@ fn rows_mut<T: Send>(cells: &mut Array3<T>) -> impl IndexedParallelIterator<Item
     samples.as_chunks_mut::<3>().0.par_chunks_mut(columns)
 }
 
-fn widths(phi_edges: &[f64]) -> Vec<f64> {
-    phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect()
-}
-
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
@@ -254,7 +250,7 @@ mod tests {
         }
     }
 
-    /// A disc of 1.7 degrees before black: its cells are few, and its rim cuts most of them.
+    /// A disc of 1.7 degrees before black, in few cells: its rim cuts most of them.
     fn lamp(row: usize, column: usize) -> Array3<f32> {
         Array3::from_shape_fn((512, 1024, 3), |(y, x, c)| {
             let away = (y as f64 - row as f64).hypot(x as f64 - column as f64);
@@ -286,9 +282,9 @@ mod tests {
         }
     }
 
-    /// A lamp with little of the flux of a map with a sun, and much of what is left without it.
+    /// A lamp has little of the flux of a map with a sun, and much of the flux without the sun.
     #[test]
-    fn bright_cells_stand_out_from_what_is_left_without_sources() {
+    fn bright_cells_are_compared_with_the_map_without_its_sources() {
         let mut map = Array3::from_elem((64, 128, 3), 0.05_f32);
         map.slice_mut(s![20, 30, ..]).fill(1e6);
         map.slice_mut(s![40, 90, ..]).fill(50.0);
@@ -296,9 +292,9 @@ mod tests {
         assert_eq!((working.sources.dim().0, working.bright), (1, vec![(40, 90)]));
     }
 
-    /// Sixteen lamps of which each alone would have some fifteen parts.
+    /// Each of sixteen lamps would have about fifteen parts by itself.
     #[test]
-    fn many_lamps_have_no_more_parts_than_there_may_be() {
+    fn many_lamps_have_at_most_the_largest_number_of_parts() {
         let lamps = |count: usize| {
             (0..count).fold(Array3::zeros((512, 1024, 3)), |sum, i| {
                 sum + lamp(150 + 50 * (i % 4), 40 + 60 * i) * (1.0 + i as f32)
@@ -312,7 +308,7 @@ mod tests {
         assert!(few.len() > 2 * cells, "{} {cells}", few.len());
         let (cells, many) = parts(16);
         assert!(cells < many.len() && many.len() <= MOST_PARTS, "{cells} {}", many.len());
-        // The brightest are those that are cut.
+        // The brightest cells are divided.
         let most = many.iter().map(|part| part.spread).fold(0.0, f64::max);
         assert!(many[0].spread < 0.1 * most, "{} {most}", many[0].spread);
     }

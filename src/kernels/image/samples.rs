@@ -1,4 +1,4 @@
-//! Samples of a map, and those that no light can have.
+//! Unusable samples of a map: values that no light can have.
 
 use ndarray::ArrayView3;
 use rayon::prelude::*;
@@ -19,9 +19,8 @@ pub struct Unusable {
 
 /// Count the samples of `radiance` that are NaN, infinite or negative.
 ///
-/// The bits of a finite `f32` that is not negative, read as `i32`, lie in `0 ..= 0x7f7f_ffff`:
-/// one OR over a row tells whether its samples must be looked at one by one. (A -0.0 asks for that too, and
-/// then counts as 0.)
+/// The bits of a finite `f32` that is not negative, read as `i32`, lie in `0 ..= 0x7f7f_ffff`. So one OR over a row
+/// finds the rows whose samples must be checked one by one. (A -0.0 triggers this check, too, and then counts as 0.)
 ///
 /// # Errors
 ///
@@ -43,10 +42,10 @@ pub fn unusable(radiance: ArrayView3<'_, f32>) -> Result<Unusable> {
 }
 
 fn all_usable(samples: &[f32]) -> bool {
-    const LARGEST_FINITE: i32 = 0x7f7f_ffff;
+    let largest_finite = f32::MAX.to_bits().cast_signed();
     let sign = samples.iter().fold(0_i32, |signs, sample| {
         let bits = sample.to_bits().cast_signed();
-        signs | bits | LARGEST_FINITE.wrapping_sub(bits)
+        signs | bits | largest_finite.wrapping_sub(bits)
     });
     sign >= 0
 }
@@ -70,8 +69,7 @@ impl Unusable {
 
 /// Refuse samples that no light can have, and count them.
 ///
-/// A second look, where a sum or a sign has shown that there may be some. A minus sign may be that of -0,
-/// which is as good as 0.
+/// Callers use it after a sum or a sign has indicated such samples. The minus sign may be that of -0, which is valid.
 pub(crate) fn check_samples(radiance: ArrayView3<'_, f32>) -> Result<()> {
     let Unusable { nan, infinite, negative } = unusable(radiance)?;
     let is_unusable = |value: &&f32| !value.is_finite() || **value < 0.0;
@@ -107,9 +105,9 @@ mod tests {
         map[[2, 0, 0]] = -0.0;
         assert_eq!(unusable(map.view()).unwrap(), Unusable { nan: 1, infinite: 1, negative: 2 });
         let refusal = check_samples(map.slice(ndarray::s![1.., .., ..])).unwrap_err();
-        let wanted =
+        let expected =
             Error::UnusableSamples { row: 0, value: f32::INFINITY, nan: 0, infinite: 1, negative: 2 };
-        assert_eq!(refusal, wanted);
+        assert_eq!(refusal, expected);
         assert_eq!(check_samples(map.slice(ndarray::s![2..4, .., ..])), Ok(()));
     }
 }

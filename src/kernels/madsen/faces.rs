@@ -107,11 +107,11 @@ mod tests {
             let solid_angles = sphere::pixel_solid_angles(33, 66, registration).unwrap();
             for faces in [20, 5120] {
                 let (_, areas) = sampling::icosphere(faces).unwrap();
-                let found = face_radiance(map.view(), registration, faces).unwrap();
+                let result = face_radiance(map.view(), registration, faces).unwrap();
                 for channel in 0..3 {
                     let pixels = map.index_axis(ndarray::Axis(2), channel).mapv(f64::from);
                     let flux = (&pixels * &solid_angles).sum();
-                    assert_relative_eq!(found.column(channel).dot(&areas), flux, max_relative = 1e-12);
+                    assert_relative_eq!(result.column(channel).dot(&areas), flux, max_relative = 1e-12);
                 }
             }
         }

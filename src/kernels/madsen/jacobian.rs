@@ -84,11 +84,11 @@ fn fill(
         }
         // Write those by the irradiance and the angles of the light.
         let at = OF_AMBIENT + OF_LIGHT * index;
-        let slopes = light.by_angles.map(|by_angle| normal.dot(by_angle));
+        let derivatives = light.by_angles.map(|by_angle| normal.dot(by_angle));
         for channel in 0..3 {
             rows[[channel, at + channel]] = diffuse[channel] * cosine;
-            for (angle, slope) in slopes.iter().enumerate() {
-                rows[[channel, at + 3 + angle]] = diffuse[channel] * light.irradiance[channel] * slope;
+            for (angle, derivative) in derivatives.iter().enumerate() {
+                rows[[channel, at + 3 + angle]] = diffuse[channel] * light.irradiance[channel] * derivative;
             }
         }
     }

@@ -44,8 +44,8 @@ mod tests {
         let surface = Surface { k_a: 2.0, k_d: 3.0, colour: DVec3::new(1.0, 0.5, 0.0) };
         let normals = array![[0.0, 1.0, 0.0], [0.8, 0.6, 0.0], [0.0, -1.0, 0.0]];
         let zenith = array![0.1, 0.2, 0.3, 1.0, 2.0, 4.0, 0.0, 5.0];
-        let found = model(zenith.view(), normals.view(), &surface).unwrap();
+        let result = model(zenith.view(), normals.view(), &surface).unwrap();
         let expected = array![[3.2, 3.2, 0.0], [2.0, 2.0, 0.0], [0.2, 0.2, 0.0]];
-        assert!((&found - &expected).iter().all(|d| d.abs() < 1e-14), "{found}");
+        assert!((&result - &expected).iter().all(|d| d.abs() < 1e-14), "{result}");
     }
 }

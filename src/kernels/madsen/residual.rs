@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::interrupt;
 use crate::kernels::sphere::check_weighted;
 
-/// ProbeValues probe values and their weights.
+/// Measured probe values and their weights.
 #[derive(Clone, Debug)]
 pub struct ProbeValues<'a> {
     rows: ArrayView2<'a, f64>,
@@ -77,7 +77,7 @@ mod tests {
         let normals = array![[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]];
         let probe = array![[2.0, 3.0, 4.0], [5.0, 6.0, 7.0]];
         let measured = ProbeValues::new(normals.view(), probe.view(), array![1.0, 4.0].view()).unwrap();
-        let found = residual(array![1.0, 1.0, 1.0].view(), &measured, &surface).unwrap();
-        assert_eq!(found, array![1.0, 2.0, 3.0, 8.0, 10.0, 12.0]);
+        let result = residual(array![1.0, 1.0, 1.0].view(), &measured, &surface).unwrap();
+        assert_eq!(result, array![1.0, 2.0, 3.0, 8.0, 10.0, 12.0]);
     }
 }

@@ -15,18 +15,18 @@
 //!
 //! all of the row for c <= -1, nothing for c >= 1, else `phi_n -+ acos c`. Prefix sums over the
 //! columns of `L (integral of cos phi, sin phi, 1)` give the flux of any interval from two look-ups:
-//! O(pixels + normals x rows) instead of O(pixels x normals). Pixels are integrated whole, where a
-//! sum over their centres stands for them by one direction.
+//! O(pixels + normals x rows) instead of O(pixels x normals). Pixels are integrated
+//! exactly, while a sum over their centres replaces each by one direction.
 //!
 //! | step                                    | file          |
 //! |-----------------------------------------|---------------|
-//! | normals that need a sum of their own    | `opposite.rs` |
+//! | normals that need a separate sum        | `opposite.rs` |
 //! | sums over a few columns of a row or two | `rows.rs`     |
-//! | how bright a block in f32 may be        | `bright.rs`   |
+//! | limits of radiance for sums in f32      | `bright.rs`   |
 //! | flux of a band of rows up to an azimuth | `band.rs`     |
 //! | the part of a band before a normal      | `horizon.rs`  |
 //! | the same for many normals, few cells    | `table.rs`    |
-//! | lights that are kept as points          | `sources.rs`  |
+//! | lights that are points                  | `sources.rs`  |
 
 mod band;
 mod bright;
@@ -44,29 +44,27 @@ use super::image::{self, Grid, WorkingMap};
 use super::sphere::{self, Registration, check_lengths, check_rows, unit_vectors};
 use crate::error::{Error, Result};
 use crate::interrupt;
-use band::{Band, Columns};
+use band::{BlockColumns, HorizonBand};
 use bright::Limits;
-use horizon::{Normal, Steps};
+use horizon::{Normal, ROWS_OF_A_RUN, Steps};
 use opposite::VectorFlux;
 use sources::under_sources;
 
-/// Rows are summed in runs of their own, whatever the number of threads: the same bits everywhere.
+/// Largest number of runs of rows. They do not depend on the number of threads, so the result has the same bits.
 const MOST_RUNS: usize = 64;
-/// Rows that are worth sums of their own.
-const ROWS_OF_A_RUN: usize = 8;
-/// Normals that share one pass over the map; bounds the memory of the runs' sums.
+/// Normals of one pass over the map; limits the memory of the runs' sums.
 const NORMALS_AT_ONCE: usize = 4096;
 
 /// Exact irradiance, (n, 3), of a map of radiance at `normals`, (n, 3).
 ///
-/// The horizon bends within a row: with the row's middle latitude alone a constant map is off by
-/// 2.4e-4 at 64 rows and by 8e-7 at 1024. A few Gauss nodes in theta for maps of few rows take that
-/// away; the counts are the fewest that pass the constant-map tests below. From 2048 rows on, bands
-/// of several rows share a horizon: a constant map is then off by 8e-7. Fewer than 64 rows are cut into
-/// strips: the result is within 1e-4 of the exact integral over the cells, down to 2 rows.
+/// The horizon is curved within a row: with the row's middle latitude alone, a constant map has an error of 2.4e-4 at 64
+/// rows and of 8e-7 at 1024. A few Gauss nodes in theta remove it for maps of few rows; their numbers are the smallest
+/// that pass the constant-map tests below. From 2048 rows on, bands
+/// of several rows share a horizon: a constant map then has an error of 8e-7. Fewer than 64 rows are cut into strips: the
+/// result is within 1e-4 of the exact integral over the cells, down to 2 rows.
 ///
-/// What lies behind the horizon adds rounding alone, at most 1e-15 of its flux: the irradiance on the dark
-/// side of a sun is right to 1e-6 of itself up to a sun of 1e9 times the radiance of the room.
+/// Light behind the horizon adds only rounding, at most 1e-15 of its flux. So the irradiance on the dark side of a sun has
+/// a relative error of 1e-6 at most, for suns of up to 1e9 times the radiance of the room.
 ///
 /// # Inputs
 ///
@@ -88,24 +86,24 @@ pub fn irradiance(
     under_cells(radiance, &Grid::of_pixels(height, width, registration), Steps::of(height), &normals)
 }
 
-/// Irradiance, (n, 3), under a reduced map and the sources taken out of it.
+/// Irradiance, (n, 3), under a reduced map and its sources.
 ///
 /// # Errors
 ///
 /// [`Error::WrongColumns`], [`Error::NotFinite`], [`Error::NotUnit`],
 /// [`Error::TooBright`].
 pub fn working_irradiance(map: &WorkingMap, normals: ArrayView2<'_, f64>) -> Result<Array2<f64>> {
-    // Leave out normals whose opposite is there; the axes tell the flux as the table sees it.
+    // Leave out normals whose opposite is present; the axes determine the flux of the table.
     let pairs = opposite::pairs(&unit_vectors("normal", normals)?);
-    let asked = [pairs.kept.as_slice(), &opposite::AXES].concat();
+    let evaluated = [pairs.distinct.as_slice(), &opposite::AXES].concat();
     // Add up cells and sources.
-    let cells = table::under_cells(map, &asked)?;
-    let sources = under_sources(&map.sources, &asked);
+    let cells = table::under_cells(map, &evaluated)?;
+    let sources = under_sources(&map.sources, &evaluated);
     let irradiance: Vec<DVec3> = cells.iter().zip(sources).map(|(cells, sources)| cells + sources).collect();
-    // Get the opposites back.
-    let (kept, axes) = irradiance.split_at(pairs.kept.len());
+    // Restore the opposites.
+    let (distinct, axes) = irradiance.split_at(pairs.distinct.len());
     let flux = opposite::flux_of_axes(axes);
-    Ok(sphere::from_vectors(pairs.restore(kept, &flux).into_iter()))
+    Ok(sphere::from_vectors(pairs.restore(distinct, &flux).into_iter()))
 }
 
 /// Equations 1 to 3 of Madsen et al. 2003: `R_i = sum_j k_d C L_j (n_i . l_j)` over K sources.
@@ -162,33 +160,33 @@ fn under_cells(
     let samples = radiance.as_standard_layout();
     let pixels = samples.as_slice().expect("standard layout").as_chunks::<3>().0;
     let rows: Vec<&[[f32; 3]]> = pixels.chunks(radiance.dim().1).collect();
-    let columns = Columns::new(grid, Limits::of(&rows));
+    let columns = BlockColumns::new(grid, Limits::of(&rows));
     let sum = |normals: &[DVec3]| sum_batches(&rows, grid, &columns, steps, normals);
-    // Leave out normals whose opposite is there.
+    // Leave out normals whose opposite is present.
     let pairs = opposite::pairs(normals);
-    let sums = sum(&pairs.kept);
-    // Name the sample that spoilt a sum, if there is one.
+    let sums = sum(&pairs.distinct);
+    // Report the sample that made a sum infinite or NaN, if there is one.
     if !sums.irradiance.iter().chain(&sums.flux).all(|sum| sum.is_finite()) {
         image::check_samples(radiance)?;
         return Err(Error::TooBright);
     }
-    // Get the opposites back; sum anew those of which the difference leaves little but rounding.
+    // Restore the opposites; repeat the sum if a difference is mostly rounding.
     let mut irradiance = pairs.restore(&sums.irradiance, &sums.flux);
-    let cancelled = opposite::cancelled(&irradiance, &sums.flux);
-    let normals: Vec<DVec3> = cancelled.iter().map(|&i| normals[i]).collect();
-    for (i, anew) in cancelled.into_iter().zip(sum(&normals).irradiance) {
-        irradiance[i] = anew.max(DVec3::ZERO);
+    let repeated = opposite::rounding_only(&irradiance, &sums.flux);
+    let normals: Vec<DVec3> = repeated.iter().map(|&i| normals[i]).collect();
+    for (i, sum) in repeated.into_iter().zip(sum(&normals).irradiance) {
+        irradiance[i] = sum.max(DVec3::ZERO);
     }
     Ok(sphere::from_vectors(irradiance.into_iter()))
 }
 
-/// Irradiance at some normals, and the vector flux of all that was summed.
-struct Sums {
+/// Irradiance at some normals, and the vector flux of the summed rows.
+struct PartialIrradiance {
     irradiance: Vec<DVec3>,
     flux: VectorFlux,
 }
 
-impl Sums {
+impl PartialIrradiance {
     fn new(normals: usize) -> Self {
         Self { irradiance: vec![DVec3::ZERO; normals], flux: [DVec3::ZERO; 3] }
     }
@@ -202,15 +200,15 @@ impl Sums {
     }
 }
 
-/// Sum of all rows at each normal, a batch of normals at a time; the flux comes out the same each time.
+/// Sum of all rows at each normal, a batch of normals at a time; each batch has the same flux.
 fn sum_batches(
     rows: &[&[[f32; 3]]],
     grid: &Grid,
-    columns: &Columns<'_>,
+    columns: &BlockColumns<'_>,
     steps: Steps,
     normals: &[DVec3],
-) -> Sums {
-    let mut sums = Sums::new(0);
+) -> PartialIrradiance {
+    let mut sums = PartialIrradiance::new(0);
     for normals in normals.chunks(NORMALS_AT_ONCE) {
         let normals: Vec<Normal> = normals.iter().map(|&n| Normal::new(n)).collect();
         let batch = sum_rows(rows, grid, columns, steps, &normals);
@@ -224,52 +222,52 @@ fn sum_batches(
 fn sum_rows(
     rows: &[&[[f32; 3]]],
     grid: &Grid,
-    columns: &Columns<'_>,
+    columns: &BlockColumns<'_>,
     steps: Steps,
     normals: &[Normal],
-) -> Sums {
+) -> PartialIrradiance {
     let runs = (rows.len() / ROWS_OF_A_RUN).clamp(1, MOST_RUNS);
-    let sums: Vec<Sums> = (0..runs)
+    let sums: Vec<PartialIrradiance> = (0..runs)
         .into_par_iter()
         .map_init(
-            || Band::new(columns),
+            || HorizonBand::new(columns),
             |band, run| {
                 let (first, last) = (run * rows.len() / runs, (run + 1) * rows.len() / runs);
                 sum_run(band, &rows[first..last], &grid.theta_edges[first..=last], steps, normals)
             },
         )
         .collect();
-    sums.into_iter().fold(Sums::new(normals.len()), Sums::plus)
+    sums.into_iter().fold(PartialIrradiance::new(normals.len()), PartialIrradiance::plus)
 }
 
 /// Sum of a run of rows at each normal, band by band.
 fn sum_run<'a>(
-    band: &mut Band<'a>,
+    band: &mut HorizonBand<'a>,
     rows: &[&'a [[f32; 3]]],
     theta_edges: &[f64],
     steps: Steps,
     normals: &[Normal],
-) -> Sums {
-    let mut sums = Sums::new(normals.len());
+) -> PartialIrradiance {
+    let mut sums = PartialIrradiance::new(normals.len());
     let mut half_widths = Vec::with_capacity(normals.len());
     for (i, rows) in rows.chunks(steps.rows).enumerate() {
         interrupt::check();
-        // Skip what is black.
+        // Skip black bands.
         if rows.iter().all(|row| row.as_flattened().iter().all(|&sample| sample == 0.0)) {
             continue;
         }
-        // Take the prefix sums of the band over its columns.
+        // Compute the prefix sums of the band over its columns.
         let (weights, slices) = horizon::cut(&theta_edges[i * steps.rows..][..=rows.len()], steps);
         band.set(rows, &weights);
         for slice in slices {
             // Add the flux of the whole band.
             slice.add_whole(band, &mut sums.flux);
-            // Find where all horizons cut the band before the first look-up, which then need not wait.
+            // Compute all half-widths before the first look-up, so that it does not wait for them.
             half_widths.clear();
             half_widths.extend(normals.iter().map(|normal| normal.half_width(&slice)));
-            // Add what each normal sees of the band.
+            // Add the visible part of the band for each normal.
             for ((sum, normal), &half_width) in sums.irradiance.iter_mut().zip(normals).zip(&half_widths) {
-                *sum += slice.seen_by(normal, half_width, band);
+                *sum += slice.irradiance(normal, half_width, band);
             }
         }
     }
@@ -287,8 +285,8 @@ mod tests {
     fn largest_difference_from_pi(height: usize, registration: Registration) -> f64 {
         let sky = Array3::from_elem((height, 2 * height, 3), 1.0_f32);
         let (normals, _) = sampling::icosphere(320).unwrap();
-        let found = irradiance(sky.view(), registration, normals.view()).unwrap();
-        found.iter().map(|value| (value / PI - 1.0).abs()).fold(0.0, f64::max)
+        let result = irradiance(sky.view(), registration, normals.view()).unwrap();
+        result.iter().map(|value| (value / PI - 1.0).abs()).fold(0.0, f64::max)
     }
 
     /// White furnace: under a constant sky of radiance L, every surface receives exactly pi L.
@@ -302,9 +300,9 @@ mod tests {
         }
     }
 
-    /// A normal by itself gets a sum of its own; with its opposite, one of the two does not.
+    /// A single normal has its own sum; one of two opposite normals has none.
     #[test]
-    fn opposite_normals_get_what_each_gets_alone() {
+    fn opposite_normals_have_the_irradiance_of_single_ones() {
         let map = Array3::from_shape_fn((64, 128, 3), |(y, x, c)| ((y * 7 + x * 3 + c) % 11) as f32);
         let (normals, _) = sampling::icosphere(80).unwrap();
         let together = irradiance(map.view(), Registration::CellCentred, normals.view()).unwrap();

@@ -1,13 +1,12 @@
-//! Opposite normals share one sum.
+//! One sum for two opposite normals.
 //!
-//! The half of the sphere behind `n` is that in front of `-n`. So their irradiances differ by the vector
-//! flux of the whole map,
+//! The half of the sphere behind `n` is in front of `-n`. So their irradiances differ by the vector flux of the map,
 //!
 //! ```text
 //!   E(n) - E(-n) = integral of L n.w dw = n.F,   F = integral of L w dw
 //! ```
 //!
-//! and the faces of an icosphere, which lie opposite each other, need half of the look-ups.
+//! and the faces of an icosphere, which are opposite each other, need half of the look-ups.
 
 use glam::DVec3;
 use rustc_hash::FxHashMap;
@@ -15,37 +14,37 @@ use rustc_hash::FxHashMap;
 /// The vector flux `F`: for each axis of the frame, RGB.
 pub type VectorFlux = [DVec3; 3];
 
-/// Normals without those that lie opposite another, and how to get those back.
+/// Normals without those opposite to another one, and the origin of each normal.
 pub struct Pairs {
     /// One normal of each pair, and those without an opposite.
-    pub kept: Vec<DVec3>,
-    /// For each normal the index of its kept one, and whether that is its opposite.
+    pub distinct: Vec<DVec3>,
+    /// For each normal, the index of its distinct one, and true if that is its opposite.
     origins: Vec<(usize, bool)>,
 }
 
-/// Opposite up to the rounding of a unit vector; a pair that is missed costs time, not accuracy.
+/// Find pairs of normals that are opposite up to rounding; a missed pair costs time, not accuracy.
 pub fn pairs(normals: &[DVec3]) -> Pairs {
-    const CELLS: f64 = (1_u64 << 40) as f64;
-    let cell = |n: DVec3| (n * CELLS).round().to_array().map(|x| x as i64);
-    let mut kept = Vec::new();
+    let cells = (1_u64 << 40) as f64;
+    let cell = |n: DVec3| (n * cells).round().to_array().map(|x| x as i64);
+    let mut distinct = Vec::new();
     let mut indices = FxHashMap::default();
     let mut find = |&normal: &DVec3| {
         if let Some(&index) = indices.get(&cell(-normal)) {
             return (index, true);
         }
-        indices.insert(cell(normal), kept.len());
-        kept.push(normal);
-        (kept.len() - 1, false)
+        indices.insert(cell(normal), distinct.len());
+        distinct.push(normal);
+        (distinct.len() - 1, false)
     };
     let origins = normals.iter().map(&mut find).collect();
-    Pairs { kept, origins }
+    Pairs { distinct, origins }
 }
 
 impl Pairs {
-    /// Irradiance at all normals from that at the kept ones and the vector flux of the map.
+    /// Irradiance at all normals, from that at the distinct ones and the vector flux of the map.
     pub fn restore(&self, irradiance: &[DVec3], flux: &VectorFlux) -> Vec<DVec3> {
         let restore = |&(index, is_opposite): &(usize, bool)| {
-            let difference = if is_opposite { dot(self.kept[index], flux) } else { DVec3::ZERO };
+            let difference = if is_opposite { dot(self.distinct[index], flux) } else { DVec3::ZERO };
             // Rounding must not make darkness negative.
             (irradiance[index] - difference).max(DVec3::ZERO)
         };
@@ -53,11 +52,11 @@ impl Pairs {
     }
 }
 
-/// Indices of the normals that are left with less than 1e-8 of the vector flux: a difference has lost that
-/// many digits. Normals with a sum of their own may be among them.
-pub fn cancelled(restored: &[DVec3], flux: &VectorFlux) -> Vec<usize> {
-    const KEPT: f64 = 1e-8;
-    let least = KEPT * (flux[0].abs() + flux[1].abs() + flux[2].abs());
+/// Indices of the normals with an irradiance of less than 1e-8 of the vector flux: a difference is mostly rounding.
+///
+/// Normals with a sum of their own may be among them.
+pub fn rounding_only(restored: &[DVec3], flux: &VectorFlux) -> Vec<usize> {
+    let least = 1e-8 * (flux[0].abs() + flux[1].abs() + flux[2].abs());
     (0..restored.len()).filter(|&i| restored[i].cmplt(least).any()).collect()
 }
 
@@ -67,7 +66,7 @@ pub fn dot(n: DVec3, flux: &VectorFlux) -> DVec3 {
     z.mul_add(DVec3::splat(n.z), y.mul_add(DVec3::splat(n.y), x * n.x))
 }
 
-/// The three axes of the frame, then their opposites: at these [`flux_of_axes`] needs the irradiance.
+/// The three axes of the frame, then their opposites: the normals of [`flux_of_axes`].
 pub const AXES: [DVec3; 6] = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z];
 
 /// The vector flux of a map from its irradiance at [`AXES`].
@@ -79,7 +78,7 @@ pub fn flux_of_axes(irradiance: &[DVec3]) -> VectorFlux {
 mod tests {
     use super::*;
 
-    /// A source in the direction d of the flux 1: `E(n) = max(0, n.d)` and `F = d`.
+    /// A source of the flux 1 in the direction d has `E(n) = max(0, n.d)` and `F = d`.
     #[test]
     fn opposites_come_back_from_the_flux() {
         let source = DVec3::new(0.48, 0.6, -0.64);
@@ -87,10 +86,10 @@ mod tests {
         let one = DVec3::new(0.6, -0.8, 0.0);
         let normals = [one, DVec3::Y, -one, DVec3::NEG_Y, DVec3::X, one];
         let pairs = pairs(&normals);
-        assert_eq!(pairs.kept, [one, DVec3::Y, DVec3::X, one]);
-        let kept: Vec<DVec3> = pairs.kept.iter().map(irradiance).collect();
+        assert_eq!(pairs.distinct, [one, DVec3::Y, DVec3::X, one]);
+        let distinct: Vec<DVec3> = pairs.distinct.iter().map(irradiance).collect();
         let flux = flux_of_axes(&AXES.map(|axis| irradiance(&axis)));
-        for (normal, restored) in normals.iter().zip(pairs.restore(&kept, &flux)) {
+        for (normal, restored) in normals.iter().zip(pairs.restore(&distinct, &flux)) {
             assert!((restored - irradiance(normal)).length() < 1e-15, "{normal}: {restored}");
         }
     }

@@ -1,6 +1,6 @@
-//! One row of a band, or two, summed over columns in wide vectors.
+//! PartialIrradiance over columns of one or two rows of a band, in wide vectors.
 //!
-//! L cos phi and L sin phi of a row count e times, its L counts p times. For two rows, with
+//! L cos phi and L sin phi of a row have the weight e, and its L has the weight p. For two rows, with
 //! `S = L_0 + L_1 e_1 / e_0`,
 //!
 //! ```text
@@ -8,14 +8,14 @@
 //!   p_0 L_0 + p_1 L_1 = p_0 S + q L_1,   q = p_1 - p_0 e_1 / e_0
 //! ```
 //!
-//! so that only S meets cos and sin, and `L_1` is summed as it is.
+//! so that only S is multiplied with cos and sin, and `L_1` is summed directly.
 
 use glam::{DVec3, Vec3, Vec4};
 
-/// Four pixels are twelve samples, three vectors of four, whatever the channels within them.
+/// Four pixels: twelve samples in three vectors of four, in any order of the channels.
 pub type FourPixels = [Vec4; 3];
 
-/// A number for each of four pixels, beside each of their samples.
+/// Four pixels of gray values: the number of each pixel, once for each of its samples.
 pub fn four(number: impl Fn(usize) -> f32) -> FourPixels {
     [0, 4, 8].map(|first| Vec4::from_array(std::array::from_fn(|lane| number((first + lane) / 3))))
 }
@@ -50,8 +50,8 @@ pub struct Rows<'a, const N: usize> {
     polar: [f32; N],
 }
 
-/// Weights that a normal gives L cos o, L sin o and L of a column, o being its offset in the block.
-pub struct Pull {
+/// Weights of L cos o, L sin o and L of a column for a normal; o is the offset of the column.
+pub struct ColumnWeights {
     pub cos: f32,
     pub sin: f32,
     pub one: f32,
@@ -72,7 +72,7 @@ impl<'a, const N: usize> Rows<'a, N> {
         }
     }
 
-    /// The rows from column `first` on, in fours.
+    /// The rows from column `first` on, in groups of four pixels.
     #[inline]
     fn fours<const PIXELS: usize>(&self, first: usize) -> [&'a [[f32; 12]]; N] {
         self.samples.map(|row| row[first..first + PIXELS].as_flattened().as_chunks().0)
@@ -86,13 +86,12 @@ impl<'a, const N: usize> Rows<'a, N> {
         (further.fold(samples[0], |sum, (&samples, share)| sum + samples * share), samples)
     }
 
-    /// Sums of L cos o, L sin o and L by channel over a block of `PIXELS` columns, `offsets` being cos o
-    /// and sin o.
+    /// PartialIrradiance of L cos o, L sin o and L by channel over a block of `PIXELS` columns; `offsets` are cos o and sin o.
     #[inline]
     pub fn sums<const PIXELS: usize>(&self, first: usize, offsets: &[[FourPixels; 2]]) -> [Vec4; 3] {
         let rows = self.fours::<PIXELS>(first);
         let [mut cosines, mut sines] = [[Vec4::ZERO; 3]; 2];
-        // Sums of S, then of each further row.
+        // PartialIrradiance of S, then of each further row.
         let mut ones = [[Vec4::ZERO; 3]; N];
         // Add up the pixels, four at a time.
         for (i, [cos, sin]) in offsets.iter().enumerate() {
@@ -111,41 +110,41 @@ impl<'a, const N: usize> Rows<'a, N> {
         [by_channel(cosines) * self.equatorial, by_channel(sines) * self.equatorial, one]
     }
 
-    /// Sum of the `counted` ones of `PIXELS` columns, weighted by `pull`, by channel.
+    /// Sum of `PIXELS` columns by channel, with these weights and signs.
     #[inline]
-    pub fn pulled<const PIXELS: usize>(
+    pub fn weighted_sum<const PIXELS: usize>(
         &self,
         first: usize,
-        pull: &Pull,
+        weights: &ColumnWeights,
         offsets: &[[FourPixels; 2]],
-        counted: &[FourPixels],
+        signs: &[FourPixels],
     ) -> Vec4 {
-        // Weight the pull for S, and for each row.
+        // Multiply the weights of the columns with those of S and of each row.
         let rows = self.fours::<PIXELS>(first);
-        let (along, across) = (pull.cos * self.equatorial, pull.sin * self.equatorial);
-        let polar = self.polar.map(|polar| polar * pull.one);
+        let (along, across) = (weights.cos * self.equatorial, weights.sin * self.equatorial);
+        let polar = self.polar.map(|polar| polar * weights.one);
         // Add up the pixels, four at a time.
         let mut sums = [Vec4::ZERO; 3];
-        for (i, ([cos, sin], counted)) in offsets.iter().zip(counted).enumerate() {
+        for (i, ([cos, sin], signs)) in offsets.iter().zip(signs).enumerate() {
             for part in 0..3 {
                 let (sum, samples) = self.four_samples(rows.map(|row| &row[i]), part);
-                let mut pulled = sum * (cos[part] * along + sin[part] * across + polar[0]);
+                let mut weighted = sum * (cos[part] * along + sin[part] * across + polar[0]);
                 for (&samples, polar) in samples.iter().zip(polar).skip(1) {
-                    pulled += samples * polar;
+                    weighted += samples * polar;
                 }
-                sums[part] += pulled * counted[part];
+                sums[part] += weighted * signs[part];
             }
         }
         by_channel(sums)
     }
 
-    /// One column, `equatorial` being the pull on cos and sin there and `polar` that on 1.
+    /// Sum of one column; `equatorial` is the weight of cos and sin there, `polar` that of 1.
     #[inline]
     pub fn pixel(&self, column: usize, equatorial: f64, polar: f64) -> DVec3 {
         let mut sum = DVec3::ZERO;
         for (row, weight) in self.samples.iter().zip(self.weights) {
-            let pull = equatorial * weight.equatorial + polar * weight.polar;
-            sum += Vec3::from_array(row[column]).as_dvec3() * pull;
+            let factor = equatorial * weight.equatorial + polar * weight.polar;
+            sum += Vec3::from_array(row[column]).as_dvec3() * factor;
         }
         sum
     }
@@ -157,21 +156,17 @@ mod tests {
     use approx::assert_relative_eq;
     use proptest::prelude::*;
 
-    const COLUMNS: usize = 8;
-    /// Some roundings of single precision of 8 columns of 10, which S counts up to 9 times.
-    const ROUNDING: f64 = 5e-7 * 8.0 * 10.0 * 9.0;
-
     fn row() -> impl Strategy<Value = Vec<[f32; 3]>> {
-        prop::collection::vec(prop::array::uniform3(0.0_f32..10.0), COLUMNS)
+        prop::collection::vec(prop::array::uniform3(0.0_f32..10.0), 8)
     }
 
-    /// At a pole the second row of a band counts seven times as much as the first.
+    /// Weights of a row: at a pole the second row of a band has seven times the weight of the first.
     fn weight() -> impl Strategy<Value = Weight> {
         (0.25..2.0, -1.0..1.0).prop_map(|(equatorial, polar)| Weight { equatorial, polar })
     }
 
     proptest! {
-        /// The same sums column by column, in f64 and with a weight for each row.
+        /// Wide sums agree with sums column by column, in f64 and with a weight for each row.
         #[test]
         fn wide_sums_are_those_of_the_columns(
             rows in [row(), row()], weights in [weight(), weight()], counts in prop::array::uniform8(-1_i8..=1)
@@ -181,22 +176,24 @@ mod tests {
             let offsets = [0, 4].map(|first| {
                 [f64::cos, f64::sin].map(|f| four(|pixel| f(offset(first + pixel)) as f32))
             });
-            let counted = [0, 4].map(|first| four(|pixel| f32::from(counts[first + pixel])));
-            let pull = Pull { cos: 0.3, sin: -0.7, one: 0.4 };
-            let (mut sums, mut pulled) = ([DVec3::ZERO; 3], DVec3::ZERO);
+            let signs = [0, 4].map(|first| four(|pixel| f32::from(counts[first + pixel])));
+            let weights_of_columns = ColumnWeights { cos: 0.3, sin: -0.7, one: 0.4 };
+            let (mut sums, mut weighted) = ([DVec3::ZERO; 3], DVec3::ZERO);
             for (column, &count) in counts.iter().enumerate() {
                 let (sin, cos) = offset(column).sin_cos();
                 sums[0] += rows.pixel(column, cos, 0.0);
                 sums[1] += rows.pixel(column, sin, 0.0);
                 sums[2] += rows.pixel(column, 0.0, 1.0);
-                pulled += rows.pixel(column, 0.3 * cos - 0.7 * sin, 0.4) * f64::from(count);
+                weighted += rows.pixel(column, 0.3 * cos - 0.7 * sin, 0.4) * f64::from(count);
             }
-            let found = rows.sums::<COLUMNS>(0, &offsets).map(|sum| sum.truncate().as_dvec3());
-            let found_pull = rows.pulled::<COLUMNS>(0, &pull, &offsets, &counted).truncate().as_dvec3();
-            for (found, sum) in found.into_iter().chain([found_pull]).zip(sums.into_iter().chain([pulled])) {
-                assert_relative_eq!(found.x, sum.x, epsilon = ROUNDING);
-                assert_relative_eq!(found.y, sum.y, epsilon = ROUNDING);
-                assert_relative_eq!(found.z, sum.z, epsilon = ROUNDING);
+            let result = rows.sums::<8>(0, &offsets).map(|sum| sum.truncate().as_dvec3());
+            let weighted_result = rows.weighted_sum::<8>(0, &weights_of_columns, &offsets, &signs).truncate().as_dvec3();
+            // Allow for some roundings of 8 columns of up to 10, with a weight of up to 9 in S.
+            let rounding = 5e-7 * 8.0 * 10.0 * 9.0;
+            for (result, sum) in result.into_iter().chain([weighted_result]).zip(sums.into_iter().chain([weighted])) {
+                assert_relative_eq!(result.x, sum.x, epsilon = rounding);
+                assert_relative_eq!(result.y, sum.y, epsilon = rounding);
+                assert_relative_eq!(result.z, sum.z, epsilon = rounding);
             }
         }
     }

@@ -4,8 +4,7 @@ use glam::DVec3;
 use ndarray::{Array3, ArrayView2};
 use rayon::prelude::*;
 
-/// Irradiance of point sources, (n, 3 axes, 3 channels): `E(n) = sum of max(0, n.F)`, for each channel its
-/// own F.
+/// Irradiance of point sources, (n, 3 axes, 3 channels): `E(n) = sum of max(0, n.F)`, with an F for each channel.
 pub fn under_sources(sources: &Array3<f64>, normals: &[DVec3]) -> Vec<DVec3> {
     let flux = |source: ArrayView2<'_, f64>| {
         [0, 1, 2].map(|channel| DVec3::new(source[[0, channel]], source[[1, channel]], source[[2, channel]]))

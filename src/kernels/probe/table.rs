@@ -1,15 +1,15 @@
 //! Irradiance under a working map: few cells, many normals.
 //!
-//! The sums of `band.rs` kept for every column, in single precision. Between two columns, `d` radians
-//! apart, the flux is a straight line. The irradiance from it bends: at the horizon of the normal the cosine
-//! falls to 0, with the slope `k = |pull| sin(half-width)`. From the cell that the horizon cuts at the share s,
+//! Prefix sums as in `band.rs`, but for every column, in single precision. Between two columns, `d` radians apart, the
+//! flux is linear. The irradiance from it is quadratic: at the horizon of the normal the cosine falls to 0, with the
+//! derivative `k = |weights| sin(half-width)`. If the horizon cuts a cell at the fraction s of its width, it gets
 //!
 //! ```text
 //!   L k (s d)^2 / 2  =  s L k d^2 (s - 1/2)  +  L k d^2 s (1 - s) / 2
-//!   irradiance          the straight line       the bend
+//!   irradiance          linear part             quadratic part
 //! ```
 //!
-//! Look-ups cost less than two thirds of those of `band.rs`, where they outnumber the cells.
+//! A look-up costs less than two thirds of one in `band.rs`, which matters if there are more look-ups than cells.
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
 use std::f64::consts::TAU;
@@ -20,15 +20,10 @@ use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 use wide::f32x8;
 
-use super::horizon::{Normal, Slice, Steps, cut};
+use super::horizon::{Normal, ROWS_OF_A_RUN, Slice, Steps, cut};
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::kernels::image::{Grid, WorkingMap};
-
-/// Rows of the map that one task sums.
-const ROWS_OF_A_RUN: usize = 8;
-/// Normals whose half-widths are taken side by side.
-const LANES: usize = 8;
 
 /// Integrals of L cos phi, L sin phi and L from the seam, for three channels.
 type Flux = [Vec4; 3];
@@ -36,30 +31,30 @@ type Flux = [Vec4; 3];
 /// The flux of a row up to each edge of its columns.
 struct Table<'a> {
     map: &'a WorkingMap,
-    columns: &'a Columns,
+    columns: &'a ColumnEdges,
     prefix: Vec<Flux>,
     /// Half the width of the part of the row in front of each normal.
     half_widths: Vec<f32>,
 }
 
-/// Places that all rows have in common.
-struct Columns {
+/// Columns of a map of few cells; all rows share them.
+struct ColumnEdges {
     /// cos and sin of each edge.
     edges: Vec<[f64; 2]>,
     /// Left edge of each column, and one over its width.
-    places: Vec<[f32; 2]>,
-    /// Place of an azimuth: the number of columns per radian, and the place of the seam.
+    left_edges: Vec<[f32; 2]>,
+    /// Columns per radian, and the column of the azimuth 0.
     per_radian: f32,
     first: f32,
 }
 
-impl Columns {
+impl ColumnEdges {
     fn new(grid: &Grid) -> Self {
         let phi = &grid.phi_edges;
-        let place = |edge: &[f64]| [edge[0] as f32, (1.0 / (edge[1] - edge[0])) as f32];
+        let left_edge = |edge: &[f64]| [edge[0] as f32, (1.0 / (edge[1] - edge[0])) as f32];
         Self {
             edges: phi.iter().map(|phi| [phi.cos(), phi.sin()]).collect(),
-            places: phi.windows(2).map(place).collect(),
+            left_edges: phi.windows(2).map(left_edge).collect(),
             per_radian: grid.columns_per_radian as f32,
             first: grid.first_column as f32,
         }
@@ -68,9 +63,9 @@ impl Columns {
 
 /// Irradiance at `normals` of the cells of `map`, without its sources.
 pub fn under_cells(map: &WorkingMap, normals: &[DVec3]) -> Result<Vec<DVec3>> {
-    // Prepare what all rows share.
+    // Prepare the columns, which all rows share.
     let normals: Vec<Normal> = normals.iter().map(|&n| Normal::new(n)).collect();
-    let columns = Columns::new(&map.grid);
+    let columns = ColumnEdges::new(&map.grid);
     let rows: Vec<usize> = (0..map.radiance.dim().0).collect();
     // Sum some rows in each task.
     let sums: Vec<Vec<DVec3>> = rows
@@ -106,7 +101,7 @@ impl Table<'_> {
         }
     }
 
-    /// Sums in f64, for they grow; kept in f32.
+    /// Fill the prefix sums of a row: f64 while they grow, stored as f32.
     fn fill(&mut self, row: usize) {
         let phi = &self.map.grid.phi_edges;
         let mut sum = [DVec3::ZERO; 3];
@@ -123,12 +118,12 @@ impl Table<'_> {
         }
     }
 
-    /// Irradiance at `normal` from what it sees of the row, `half_width` to both sides.
+    /// Irradiance at `normal` from the visible interval of the row, `half_width` to both sides.
     #[inline(always)]
-    fn seen_by(&self, normal: &Normal, half_width: f32, slice: &Slice) -> DVec3 {
-        // Find the flux in front of the normal, and what its horizon bends.
+    fn irradiance(&self, normal: &Normal, half_width: f32, slice: &Slice) -> DVec3 {
+        // Find the flux in front of the normal, and the quadratic part at its horizon.
         let c = normal.cosine(slice);
-        let (flux, bend) = if c >= 1.0 {
+        let (flux, quadratic) = if c >= 1.0 {
             return DVec3::ZERO;
         } else if c <= -1.0 {
             (self.prefix[self.prefix.len() - 1], Vec4::ZERO)
@@ -136,41 +131,41 @@ impl Table<'_> {
             self.around(normal.azimuth as f32, half_width)
         };
         // Weight both for the normal.
-        let [x, y, one] = normal.pull(slice).as_vec3().to_array();
-        let slope = ((x * x + y * y) * (1.0 - c * c).max(0.0) as f32).sqrt();
-        (flux[0] * x + flux[1] * y + flux[2] * one + bend * slope).truncate().as_dvec3()
+        let [x, y, one] = normal.weights(slice).as_vec3().to_array();
+        let derivative = ((x * x + y * y) * (1.0 - c * c).max(0.0) as f32).sqrt();
+        (flux[0] * x + flux[1] * y + flux[2] * one + quadratic * derivative).truncate().as_dvec3()
     }
 
-    /// Flux of the interval of `half_width` around `azimuth`, and the bends at its ends.
+    /// Flux of the interval of `half_width` around `azimuth`, and the quadratic parts at its ends.
     #[inline(always)]
     fn around(&self, azimuth: f32, half_width: f32) -> (Flux, Vec4) {
         let turn = TAU as f32;
         let (start, end) = (azimuth - half_width, azimuth + half_width);
-        let (first, first_bend) = self.up_to(if start < 0.0 { start + turn } else { start });
-        let (last, last_bend) = self.up_to(if end >= turn { end - turn } else { end });
+        let (first, first_quadratic) = self.up_to(if start < 0.0 { start + turn } else { start });
+        let (last, last_quadratic) = self.up_to(if end >= turn { end - turn } else { end });
         let between = [last[0] - first[0], last[1] - first[1], last[2] - first[2]];
-        let bend = first_bend + last_bend;
+        let quadratic = first_quadratic + last_quadratic;
         if start >= 0.0 && end < turn {
-            return (between, bend);
+            return (between, quadratic);
         }
         let [cos, sin, one] = self.prefix[self.prefix.len() - 1];
-        ([between[0] + cos, between[1] + sin, between[2] + one], bend)
+        ([between[0] + cos, between[1] + sin, between[2] + one], quadratic)
     }
 
-    /// Flux between the seam and the azimuth `phi`, and the bend there for a slope of 1.
+    /// Flux between the seam and the azimuth `phi`, and the quadratic part there for a derivative of 1.
     #[inline(always)]
     fn up_to(&self, phi: f32) -> (Flux, Vec4) {
-        let Columns { places, per_radian, first, .. } = self.columns;
-        let column = ((phi * per_radian + first) as u32 as usize).min(places.len() - 1);
-        let [left, per_width] = places[column];
-        let share = ((phi - left) * per_width).clamp(0.0, 1.0);
+        let ColumnEdges { left_edges, per_radian, first, .. } = self.columns;
+        let column = ((phi * per_radian + first) as u32 as usize).min(left_edges.len() - 1);
+        let [left, per_width] = left_edges[column];
+        let fraction = ((phi - left) * per_width).clamp(0.0, 1.0);
         let (before, after) = (&self.prefix[column], &self.prefix[column + 1]);
-        let straight = [0, 1, 2].map(|i| before[i] + (after[i] - before[i]) * share);
-        (straight, (after[2] - before[2]) * (0.5 * share * (1.0 - share) / per_width))
+        let linear = [0, 1, 2].map(|i| before[i] + (after[i] - before[i]) * fraction);
+        (linear, (after[2] - before[2]) * (0.5 * fraction * (1.0 - fraction) / per_width))
     }
 }
 
-/// Adds the irradiance from a slice of a row to the sum of each normal.
+/// Addition of the irradiance from a slice of a row to the sum of each normal.
 struct LookUps<'a, 'b> {
     table: &'a mut Table<'b>,
     slice: Slice,
@@ -186,8 +181,8 @@ impl WithSimd for LookUps<'_, '_> {
         let Self { table, slice, normals, sums } = self;
         // Find all half-widths before the first look-up, which then need not wait.
         table.half_widths.resize(normals.len(), 0.0);
-        for (half_widths, normals) in table.half_widths.chunks_mut(LANES).zip(normals.chunks(LANES)) {
-            let mut cosines = [0.0; LANES];
+        let mut cosines = [0.0; 8];
+        for (half_widths, normals) in table.half_widths.chunks_mut(8).zip(normals.chunks(8)) {
             for (cosine, normal) in cosines.iter_mut().zip(normals) {
                 *cosine = (normal.cosine(&slice) as f32).clamp(-1.0, 1.0);
             }
@@ -195,7 +190,7 @@ impl WithSimd for LookUps<'_, '_> {
         }
         // Look up and add.
         for ((sum, normal), &half_width) in sums.iter_mut().zip(normals).zip(&table.half_widths) {
-            *sum += table.seen_by(normal, half_width, &slice);
+            *sum += table.irradiance(normal, half_width, &slice);
         }
     }
 }
@@ -213,9 +208,9 @@ mod tests {
     use crate::kernels::{fit, image};
     use ndarray::Array3;
 
-    /// Against the exact look-ups on the same cells.
+    /// The exact look-ups on the same cells are the reference.
     #[test]
-    fn straight_lines_between_columns_are_near_the_exact_sum() {
+    fn linear_flux_between_columns_is_near_the_exact_sum() {
         let wave = |y: usize, x: usize| ((0.1 * x as f64).sin() + (0.2 * y as f64).cos() + 2.0) as f32;
         let map = Array3::from_shape_fn((64, 128, 3), |(y, x, c)| wave(y, x) * (c + 1) as f32);
         let (normals, weights) = sampling::icosphere(1280).unwrap();

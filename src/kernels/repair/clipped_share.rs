@@ -5,10 +5,10 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::kernels::detect::clipping::{Ceiling, LEAST_WHITE, Top};
-use crate::kernels::image::{check_rgb, luminance_f32, samples_of};
+use crate::kernels::image::{Grid, check_rgb, luminance_f32, samples_of};
 use crate::kernels::sphere::{Registration, band_heights};
 
-/// A largest sample on more than this share of the sphere is no top.
+/// A largest sample on more than this fraction of the sphere is not a flat top.
 const MOSTLY_EVEN: f64 = 0.5;
 
 /// The part of a map that is clipped.
@@ -20,8 +20,9 @@ pub struct ClippedShare {
     pub flux: f64,
 }
 
-/// The part of an equirectangular map, (height, width, 3), that is clipped: at `white` where that is known, else
-/// at a flat top at the map's largest sample.
+/// The clipped part of an equirectangular map, (height, width, 3).
+///
+/// A map is clipped at `white` if that is known, else at a flat top of its largest sample.
 ///
 /// # Errors
 ///
@@ -46,8 +47,8 @@ pub fn clipped_share(
         top.sample
     };
     // Sum row by row: clipped solid angle, clipped flux, flux.
-    let widths: Vec<f64> = registration.phi_edges(width).windows(2).map(|edge| edge[1] - edge[0]).collect();
-    let bands = band_heights(&registration.theta_edges(height));
+    let grid = Grid::of_pixels(height, width, registration);
+    let (bands, widths) = (band_heights(&grid.theta_edges), grid.widths());
     let sums_of_row = |row: usize| {
         let samples = samples_of(radiance, row..row + 1);
         let mut sums = [0.0; 3];

@@ -1,14 +1,13 @@
 //! Distribution of the light that was cut off over the clipped pixels.
 //!
-//! A picture tells where light is missing, not how much of it is missing where. With the solid angle W of a part
-//! of the plateau and the elevation e of its centre, a part gets
+//! A picture contains the positions where light is missing, but not the amounts. With the solid angle W of a part of
+//! the plateau and the elevation e of its centre, each part gets the weight
 //!
 //! ```text
 //!   weight = W^(1/2) exp(1.5 sin e)
 //! ```
 //!
-//! and hands it to its pixels by the square of their depth, as [`super::position`] does: a sun is in the middle of
-//! its glow. The power of W is chosen on pictures of HDR maps, by the irradiance of a probe.
+//! and distributes it over its pixels by the square of their depth: a sun is in the middle of its glow. The power of W is chosen on pictures of HDR maps, by the irradiance of a probe.
 
 use std::f64::consts::TAU;
 
@@ -18,19 +17,18 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::interrupt;
-use crate::kernels::detect::clipped::depth::{self, PixelDirections};
+use crate::kernels::detect::clipped::depth;
 use crate::kernels::detect::clipped::{expand, necks, order, plateau};
 use crate::kernels::detect::clipping::LEAST_WHITE;
 use crate::kernels::detect::segment::run::Run;
 use crate::kernels::detect::segment::working_image::WorkingImage;
-use crate::kernels::image::samples_of;
+use crate::kernels::image::{CellCentres, samples_of};
 use crate::kernels::sphere::{Registration, band_heights};
 
-/// The share of each pixel of a map, (height, width, 3), in the light that was cut off at `white`, for each
-/// steradian: the integral over the sphere is 1, and only pixels with a channel at white have any. 0 everywhere if
-/// there are none.
+/// Density, per steradian, of the light that was cut off at `white`, for each pixel of a map, (height, width, 3).
 ///
-/// Parts are told apart in at most `columns` columns; gaps of up to `gap` radians do not divide them.
+/// The integral over the sphere is 1, and only pixels with a clipped channel have any; 0 everywhere if there are none.
+/// Parts are separated in at most `columns` columns; gaps of up to `gap` radians do not divide them.
 ///
 /// # Errors
 ///
@@ -44,13 +42,13 @@ pub fn shares(
 ) -> Result<Array2<f32>> {
     // Find the parts of the plateau.
     let working = WorkingImage::of(radiance, registration, columns)?;
-    let clipped = Clipped { radiance, block: working.block, least: (LEAST_WHITE * white) as f32 };
+    let clipped = ClippedPixels { radiance, block: working.block, least: (LEAST_WHITE * white) as f32 };
     let plateau = clipped.plateau(&working, gap);
     let depth = depth::depths(&working, &plateau);
     let parts = necks::parts(&working, &plateau, &depth);
     // Weigh them.
     let bands = band_heights(&registration.theta_edges(radiance.dim().0));
-    let per_depth = per_squared_depth(&clipped, &working, &parts, &depth, &bands);
+    let per_depth = weights_per_squared_depth(&clipped, &working, &parts, &depth, &bands);
     // Share by the square of the depth.
     let mut share = Array2::zeros((radiance.dim().0, radiance.dim().1));
     share.axis_iter_mut(Axis(0)).into_par_iter().enumerate().for_each(|(row, mut out)| {
@@ -58,14 +56,14 @@ pub fn shares(
         let first = row / working.block * working.size.1;
         for column in clipped.columns(row) {
             let pixel = first + column / working.block;
-            let weight = per_depth[parts[pixel] as usize] * squared(depth[pixel], &working);
+            let weight = per_depth[parts[pixel] as usize] * squared_depth(depth[pixel], &working);
             out[column] = weight as f32;
         }
     });
     Ok(share)
 }
 
-/// The depth of the plateau of such a map in radians, in at most `columns` columns; 0 outside of it.
+/// The depth of the plateau of a clipped map in radians, in at most `columns` columns; 0 outside of it.
 ///
 /// # Errors
 ///
@@ -78,21 +76,21 @@ pub fn clipped_depth(
     gap: f64,
 ) -> Result<Array2<f32>> {
     let working = WorkingImage::of(radiance, registration, columns)?;
-    let clipped = Clipped { radiance, block: working.block, least: (LEAST_WHITE * white) as f32 };
+    let clipped = ClippedPixels { radiance, block: working.block, least: (LEAST_WHITE * white) as f32 };
     let depth = depth::depths(&working, &clipped.plateau(&working, gap));
     let (_, width) = working.size;
     Ok(Array2::from_shape_fn(working.size, |(row, column)| depth[row * width + column]))
 }
 
-/// The pixels of a map that are clipped.
-struct Clipped<'a> {
+/// A map with a known least clipped sample.
+struct ClippedPixels<'a> {
     radiance: ArrayView3<'a, f32>,
     block: usize,
     /// The least clipped sample.
     least: f32,
 }
 
-impl Clipped<'_> {
+impl ClippedPixels<'_> {
     /// The columns of a row that are clipped.
     fn columns(&self, row: usize) -> Vec<usize> {
         let samples = samples_of(self.radiance, row..row + 1);
@@ -100,18 +98,18 @@ impl Clipped<'_> {
         pixels.filter(|(_, rgb)| rgb.iter().any(|&y| y >= self.least)).map(|(column, _)| column).collect()
     }
 
-    /// The plateau: the pixels of a working image that hold any, with gaps closed.
+    /// The plateau: the working pixels that hold a clipped pixel, with gaps filled.
     fn plateau(&self, working: &WorkingImage, gap: f64) -> Vec<Run> {
-        let covered = self.covered(working.size);
+        let covered = self.working_pixels(working.size);
         let mut luminance = vec![0.0; working.luminance.len()];
         for &pixel in &covered {
             luminance[pixel as usize] = expand(1.0);
         }
-        plateau::closed(&working.with_luminance(luminance), &covered, gap)
+        plateau::plateau(&working.with_luminance(luminance), &covered, gap)
     }
 
-    /// Flat indices of the pixels of a working image that hold any, in ascending order.
-    fn covered(&self, (height, width): (usize, usize)) -> Vec<u32> {
+    /// Flat indices of the working pixels that hold a clipped pixel, in ascending order.
+    fn working_pixels(&self, (height, width): (usize, usize)) -> Vec<u32> {
         let in_row = |row: usize| {
             interrupt::check();
             let mut is_covered = vec![false; width];
@@ -127,21 +125,21 @@ impl Clipped<'_> {
     }
 }
 
-/// The square of a depth, but of half a pixel at least: a lamp of one pixel has a share too.
-fn squared(depth: f32, working: &WorkingImage) -> f64 {
+/// The square of a depth plus half a pixel: a lamp of one pixel gets light too.
+fn squared_depth(depth: f32, working: &WorkingImage) -> f64 {
     (f64::from(depth) + 0.5 * working.row_height()).powi(2)
 }
 
-/// For each part of the plateau its weight over the integral of the squared depth of its clipped pixels.
-fn per_squared_depth(
-    clipped: &Clipped<'_>,
+/// For each part of the plateau, its weight over the integral of the squared depth of its clipped pixels.
+fn weights_per_squared_depth(
+    clipped: &ClippedPixels<'_>,
     working: &WorkingImage,
     parts: &[u32],
     depth: &[f32],
     bands: &[f64],
 ) -> Vec<f64> {
     // Sum solid angle, squared depth and direction over each part.
-    let sphere = PixelDirections::new(working);
+    let sphere = CellCentres::new(&working.grid);
     let count = parts.iter().copied().max().unwrap_or(0) as usize + 1;
     let (mut solid_angle, mut squares) = (vec![0.0; count], vec![0.0; count]);
     let mut towards = vec![DVec3::ZERO; count];
@@ -151,10 +149,10 @@ fn per_squared_depth(
         for column in clipped.columns(row) {
             let pixel = first + column / working.block;
             let part = parts[pixel] as usize;
-            let square = band * per_column * squared(depth[pixel], working);
+            let square = band * per_column * squared_depth(depth[pixel], working);
             solid_angle[part] += band * per_column;
             squares[part] += square;
-            towards[part] += square * sphere.direction(pixel as u32);
+            towards[part] += square * sphere.direction(pixel);
         }
     }
     // Weigh each part; floors only if there is nothing else.
@@ -200,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn all_of_it_is_shared_among_the_clipped_pixels() {
+    fn all_light_is_distributed_over_the_clipped_pixels() {
         for columns in [32, 128, 1000] {
             let map = caps(64, &[(DVec3::new(0.1, 0.3, -1.0), 0.3), (DVec3::Y, 0.2)]);
             let (share, solid_angles) = shares_of(&map, columns);
@@ -241,13 +239,13 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_shared_where_nothing_is_clipped() {
+    fn an_unclipped_map_gets_no_light() {
         let (share, _) = shares_of(&Array3::from_elem((16, 32, 3), 0.5), 32);
         assert!(share.iter().all(|&share| share == 0.0));
     }
 
     #[test]
-    fn a_white_sphere_and_a_white_floor_are_shared_too() {
+    fn a_white_sphere_and_a_white_floor_get_light_too() {
         for map in [Array3::from_elem((32, 64, 3), 1.0), caps(32, &[(-DVec3::Y, 0.8)])] {
             let (share, solid_angles) = shares_of(&map, 64);
             let sum: f64 = share.iter().zip(&solid_angles).map(|(&share, dw)| f64::from(share) * dw).sum();

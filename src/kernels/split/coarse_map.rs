@@ -6,10 +6,10 @@ use glam::{DVec3, Vec3A};
 
 use super::light_pixels::LightPixels;
 use crate::error::Result;
-use crate::kernels::image::{Grid, block_fractions};
+use crate::kernels::image::{CellCentres, Grid, block_fractions};
 use crate::kernels::sphere::{self, Registration};
 
-/// A map averaged over square blocks of pixels, each of which is one coarse pixel.
+/// A map averaged over square blocks of pixels; each block is one coarse pixel.
 pub struct CoarseMap<'a> {
     /// Pixels of the map, row after row.
     pub pixels: &'a [[f32; 3]],
@@ -26,9 +26,7 @@ pub struct CoarseMap<'a> {
     luminance: &'a [f32],
     /// Fraction of each row and column of the map in the coarse pixel that holds it.
     fractions: [Vec<f32>; 2],
-    /// Sine and cosine at the middle of each row and column of coarse pixels.
-    rows: Vec<(f64, f64)>,
-    columns: Vec<(f64, f64)>,
+    centres: CellCentres,
 }
 
 impl<'a> CoarseMap<'a> {
@@ -46,15 +44,12 @@ impl<'a> CoarseMap<'a> {
         let block = lights.block.max(1);
         let pixel_grid = Grid::of_pixels(map_size.0, map_size.1, registration);
         let grid = pixel_grid.in_blocks(block);
-        let middles = |edges: &[f64]| -> Vec<(f64, f64)> {
-            edges.windows(2).map(|edge| (0.5 * (edge[0] + edge[1])).sin_cos()).collect()
-        };
-        let (rows, columns) = (middles(&grid.theta_edges), middles(&grid.phi_edges));
-        let size = (rows.len(), columns.len());
+        let centres = CellCentres::new(&grid);
+        let size = (centres.rows.len(), centres.columns.len());
         sphere::check_lengths("pixels", size.0 * size.1, [("luminance", lights.luminance.len())])?;
         let fractions = block_fractions(&pixel_grid, block);
         let luminance = lights.luminance;
-        Ok(Self { pixels, map_size, pixel_grid, size, grid, block, luminance, fractions, rows, columns })
+        Ok(Self { pixels, map_size, pixel_grid, size, grid, block, luminance, fractions, centres })
     }
 
     /// Mean radiance of a coarse pixel by solid angle: exact if all its pixels are equal.
@@ -80,7 +75,7 @@ impl<'a> CoarseMap<'a> {
 
     /// Integral of the luminance over the sphere.
     pub fn flux(&self) -> f64 {
-        let widths: Vec<f64> = self.grid.phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect();
+        let widths = self.grid.widths();
         let sum = |row: &[f32]| row.iter().zip(&widths).map(|(&y, width)| f64::from(y) * width).sum::<f64>();
         let rows = self.luminance.chunks(self.size.1).zip(sphere::band_heights(&self.grid.theta_edges));
         rows.map(|(row, band)| band * sum(row)).sum()
@@ -88,9 +83,7 @@ impl<'a> CoarseMap<'a> {
 
     /// Direction of the middle of a coarse pixel.
     pub fn centre(&self, pixel: usize) -> DVec3 {
-        let ((sin, cos), (sin_phi, cos_phi)) =
-            (self.rows[pixel / self.size.1], self.columns[pixel % self.size.1]);
-        DVec3::new(sin_phi * sin, cos, -cos_phi * sin)
+        self.centres.direction(pixel)
     }
 
     /// Upper bound of the angle from the middle of a coarse pixel to its corners.

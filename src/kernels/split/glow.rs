@@ -1,14 +1,14 @@
 //! The glow of a light: bright surroundings that are connected to it.
 //!
-//! Without the light, detection would find the clouds around a sun or the dim part of a softbox in its place. They are
-//! no part of the light and may lie far to one side, so only the excess is removed with it. Of a luminance of `y`
-//! thresholds there remains
+//! Without the light, detection would find the clouds around a sun or the dim part of a softbox instead. They are no part
+//! of the light and may lie far to one side, so only the excess is removed with it. A luminance of `y` thresholds is
+//! reduced to
 //!
 //! ```text
 //!   y' = 2 - 1/4 / (y - 1)        above y = 3/2
 //! ```
 //!
-//! which continues `y` smoothly, keeps clouds distinct, and stays below 2 thresholds.
+//! which continues `y` smoothly, preserves the contrast of clouds, and stays below 2 thresholds.
 
 use glam::DVec3;
 
@@ -20,7 +20,7 @@ use crate::interrupt;
 /// removed as one light.
 const FARTHEST: f64 = std::f64::consts::FRAC_PI_4;
 
-/// Extend the lights of `light_of` by connected pixels above the threshold; each goes to the light fewest steps away.
+/// Extend the lights of `light_of` by connected pixels above the threshold; each joins the light that is the fewest steps away.
 pub fn add_glow(map: &CoarseMap<'_>, light_of: &mut [u32], threshold: f32) {
     let farthest = (2.0 * (FARTHEST / 2.0).sin()).powi(2);
     // Start at the outlines of all lights; each pixel inherits the outline pixel from which it was reached.
@@ -44,7 +44,7 @@ pub fn add_glow(map: &CoarseMap<'_>, light_of: &mut [u32], threshold: f32) {
     }
 }
 
-/// Fraction of the radiance of a glow that remains, by its luminance in thresholds. Up to 1.5, all remains.
+/// Remaining fraction of the radiance of a glow, by its luminance in thresholds. Pixels up to 1.5 are not dimmed.
 pub fn remaining_fraction(thresholds: f32) -> f32 {
     let excess = thresholds.max(1.5);
     (2.0 - 0.25 / (excess - 1.0)) / excess
@@ -60,8 +60,8 @@ mod tests {
         for y in [1.0, 1.5] {
             assert!((remaining_fraction(y) - 1.0).abs() < 1e-6);
         }
-        let slope = (remains(1.51) - remains(1.5)) / 0.01;
-        assert!((slope - 1.0).abs() < 0.05, "{slope}");
+        let derivative = (remains(1.51) - remains(1.5)) / 0.01;
+        assert!((derivative - 1.0).abs() < 0.05, "{derivative}");
         let values: Vec<f32> = (0..100).map(|i| remains(1.5 * 1.1_f32.powi(i))).collect();
         assert!(values.windows(2).all(|pair| pair[0] <= pair[1] && pair[1] <= 2.0));
     }

@@ -1,4 +1,4 @@
-//! The harmonic fill: radiance in the holes that continues smoothly what surrounds them.
+//! The harmonic fill: a smooth continuation of the surrounding radiance into holes.
 //!
 //! It solves Laplace's equation on the sphere for each channel, so it lies between the darkest and the brightest pixel
 //! around its hole. The coarsest image in which no hole is left starts the next finer one, and so on (cascadic multigrid:
@@ -26,13 +26,13 @@ pub fn harmonic_fill(grid: Grid, holes: Vec<usize>, known: impl Fn(usize) -> Vec
         levels.push(levels[levels.len() - 1].coarser());
     }
     // Average the known pixels that a hole needs, from the finest level to the coarsest.
-    let needed = needed(&levels);
-    let pixels = needed[0].par_iter().filter(|&&pixel| !levels[0].is_hole(pixel));
+    let required = required_pixels(&levels);
+    let pixels = required[0].par_iter().filter(|&&pixel| !levels[0].is_hole(pixel));
     let values: Vec<_> = pixels.map(|&pixel| (pixel, known(pixel))).collect();
     for (pixel, value) in values {
         levels[0].values[pixel] = value;
     }
-    for (number, pixels) in needed.iter().enumerate().skip(1) {
+    for (number, pixels) in required.iter().enumerate().skip(1) {
         let (finer, coarser) = levels.split_at_mut(number);
         coarser[0].average(&finer[number - 1], pixels);
     }
@@ -52,31 +52,31 @@ pub fn harmonic_fill(grid: Grid, holes: Vec<usize>, known: impl Fn(usize) -> Vec
     solved
 }
 
-/// Pixels of each level on which its holes and those of finer levels depend.
-fn needed(levels: &[Level]) -> Vec<Vec<usize>> {
-    let mut needed: Vec<Vec<usize>> = Vec::new();
+/// Pixels of each level that its holes and those of finer levels depend on.
+fn required_pixels(levels: &[Level]) -> Vec<Vec<usize>> {
+    let mut required: Vec<Vec<usize>> = Vec::new();
     for (number, level) in levels.iter().enumerate().rev() {
-        let mut is_needed = vec![false; level.values.len()];
+        let mut is_required = vec![false; level.values.len()];
         // A hole depends on the pixels around it, and starts from those around the coarser pixel that it is in.
-        level.mark_around(&level.holes, &mut is_needed);
+        level.mark_around(&level.holes, &mut is_required);
         if let Some(finer) = number.checked_sub(1).map(|finer| &levels[finer]) {
             let mut started: Vec<usize> =
                 finer.holes.iter().map(|&hole| finer.outside(level.size.1, hole)).collect();
             started.dedup();
-            level.mark_around(&started, &mut is_needed);
+            level.mark_around(&started, &mut is_required);
         }
         // A coarser pixel depends on those inside of it.
-        if let (Some(coarser), Some(pixels)) = (levels.get(number + 1), needed.last()) {
+        if let (Some(coarser), Some(pixels)) = (levels.get(number + 1), required.last()) {
             pixels
                 .iter()
                 .flat_map(|&pixel| level.inside(coarser.size.1, pixel))
-                .for_each(|pixel| is_needed[pixel] = true);
+                .for_each(|pixel| is_required[pixel] = true);
         }
         // Keep the order of memory.
-        needed.push((0..is_needed.len()).filter(|&pixel| is_needed[pixel]).collect());
+        required.push((0..is_required.len()).filter(|&pixel| is_required[pixel]).collect());
     }
-    needed.reverse();
-    needed
+    required.reverse();
+    required
 }
 
 #[cfg(test)]
@@ -86,11 +86,8 @@ mod tests {
 
     const SIZE: (usize, usize) = (64, 128);
 
-    /// An image of this radiance at each row and column, in which the holes were filled.
-    fn filled(
-        radiance: impl Fn(usize, usize) -> f32,
-        is_hole: impl Fn(usize, usize) -> bool,
-    ) -> Vec<[f32; 3]> {
+    /// An image with this radiance at each row and column, after its holes are filled.
+    fn fill(radiance: impl Fn(usize, usize) -> f32, is_hole: impl Fn(usize, usize) -> bool) -> Vec<[f32; 3]> {
         let pixels = || (0..SIZE.0).flat_map(|row| (0..SIZE.1).map(move |column| (row, column)));
         let mut image: Vec<[f32; 3]> = pixels().map(|(row, column)| [radiance(row, column); 3]).collect();
         let grid = Grid::of_pixels(SIZE.0, SIZE.1, Registration::CellCentred);
@@ -120,7 +117,8 @@ mod tests {
     #[test]
     fn an_even_sky_stays_as_it_is() {
         let wild = |row: usize, column: usize| row < 5 || (row * 31 + column * 17) % 7 < 4 || row > 60;
-        assert!(filled(|_, _| 0.3, wild).iter().all(|value| *value == [0.3; 3]));
+        let bits = 0.3_f32.to_bits();
+        assert!(fill(|_, _| 0.3, wild).as_flattened().iter().all(|value| value.to_bits() == bits));
     }
 
     /// A linear function of the azimuth solves Laplace's equation on the sphere.
@@ -128,23 +126,24 @@ mod tests {
     fn a_ramp_along_the_azimuth_is_continued() {
         let ramp = |_, column| column as f32;
         let hole = |row, column| (16..32).contains(&row) && (48..64).contains(&column);
-        let expected = filled(ramp, |_, _| false);
-        let error = difference(&filled(ramp, hole), &expected);
+        let expected = fill(ramp, |_, _| false);
+        let error = difference(&fill(ramp, hole), &expected);
         assert!(error < 1e-3, "{error} of a ramp of 16");
     }
 
-    /// So does the logarithm of the tangent of half the polar angle.
+    /// The logarithm of the tangent of half the polar angle solves Laplace's equation, too.
     #[test]
     fn a_harmonic_fall_along_the_polar_angle_is_continued() {
         let theta = |row| std::f32::consts::PI * (row as f32 + 0.5) / SIZE.0 as f32;
         let fall = |row, _| 9.0 + (0.5 * theta(row)).tan().ln();
         let hole = |row, column| (16..32).contains(&row) && (48..64).contains(&column);
-        let error = difference(&filled(fall, hole), &filled(fall, |_, _| false));
+        let error = difference(&fill(fall, hole), &fill(fall, |_, _| false));
         assert!(error < 1e-2, "{error} of a fall of 1");
     }
 
-    /// And the powers of that tangent times waves along the azimuth, here three of them around a cap of 45 degrees: the
-    /// inside of a wide hole comes from the coarser levels alone.
+    /// Powers of that tangent times waves along the azimuth solve it as well: here three waves around a cap of 45 degrees.
+    ///
+    /// The inside of such a wide hole comes from the coarser levels alone.
     #[test]
     fn waves_around_a_wide_cap_fade_towards_its_middle() {
         let (height, width) = (256, 512);
@@ -166,12 +165,12 @@ mod tests {
     fn a_hole_on_the_seam_is_filled_as_elsewhere() {
         let hole = |row, column: usize| (20..37).contains(&row) && (50..75).contains(&column);
         let turn = |column| (column + SIZE.1 / 2) % SIZE.1;
-        let there = filled(|row, column| uneven(row, turn(column)), |row, column| hole(row, turn(column)));
+        let there = fill(|row, column| uneven(row, turn(column)), |row, column| hole(row, turn(column)));
         let mut back = there.clone();
         for (index, value) in there.iter().enumerate() {
             back[index / SIZE.1 * SIZE.1 + turn(index % SIZE.1)] = *value;
         }
-        let error = difference(&back, &filled(uneven, hole));
+        let error = difference(&back, &fill(uneven, hole));
         assert!(error < 1e-2, "{error}");
     }
 
@@ -179,18 +178,17 @@ mod tests {
     fn a_hole_at_one_pole_is_filled_as_at_the_other() {
         let hole = |row: usize, _| row < 9;
         let turn = |row| SIZE.0 - 1 - row;
-        let mut there =
-            filled(|row, column| uneven(turn(row), column), |row, column| hole(turn(row), column));
+        let mut there = fill(|row, column| uneven(turn(row), column), |row, column| hole(turn(row), column));
         there = there.chunks(SIZE.1).rev().flatten().copied().collect();
-        let error = difference(&there, &filled(uneven, hole));
+        let error = difference(&there, &fill(uneven, hole));
         assert!(error < 1e-2, "{error}");
     }
 
     #[test]
     fn a_fill_lies_between_the_pixels_around_its_hole() {
         let hole = |row: usize, column: usize| row < 12 || (20..37).contains(&row) && column % 40 < 30;
-        let rim = filled(uneven, |_, _| false).into_iter().map(|value| value[0]);
+        let rim = fill(uneven, |_, _| false).into_iter().map(|value| value[0]);
         let (low, high) = rim.fold((f32::MAX, 0.0_f32), |(low, high), y| (low.min(y), high.max(y)));
-        assert!(filled(uneven, hole).iter().all(|value| (low..=high).contains(&value[0])));
+        assert!(fill(uneven, hole).iter().all(|value| (low..=high).contains(&value[0])));
     }
 }

@@ -57,7 +57,7 @@ impl Level {
         }
     }
 
-    /// The pixel that holds another one, in a level with `columns` columns of twice the width.
+    /// The pixel of a level with `columns` columns of twice the width that holds a pixel.
     pub fn outside(&self, columns: usize, pixel: usize) -> usize {
         pixel / self.size.1 / 2 * columns + pixel % self.size.1 / 2
     }
@@ -93,7 +93,7 @@ impl Level {
 
     /// Start the holes from the values of a coarser level.
     pub fn start_from(&mut self, coarser: &Self) {
-        let (start, width) = (Enlarged::new(coarser, 2, self.size), self.size.1);
+        let (start, width) = (Enlargement::new(coarser, 2, self.size), self.size.1);
         for row in self.holes.chunk_by(|one, other| one / width == other / width) {
             let values = start.row(row[0] / width);
             for &hole in row {
@@ -102,7 +102,7 @@ impl Level {
         }
     }
 
-    /// The holes inside pixels of a `coarser` level that are at most `steps` steps from a rim there.
+    /// Holes inside pixels of a `coarser` level that are at most `steps` steps from a rim there.
     pub fn near_rim(&self, coarser: &Self, steps: usize) -> Vec<usize> {
         let mut is_far = coarser.is_hole.clone();
         let beside = |&hole: &usize| coarser.around(hole).iter().any(|&at| !coarser.is_hole[at]);
@@ -147,7 +147,7 @@ impl Level {
         let (height, width) = self.size;
         let theta = &self.grid.theta_edges;
         let middles: Vec<f64> = theta.windows(2).map(|edge| 0.5 * (edge[0] + edge[1])).collect();
-        let widths: Vec<f64> = self.grid.phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect();
+        let widths = self.grid.widths();
         // Compute the conductance of the upper side of each row for a width of 1, and of its left and right sides.
         let up: Vec<f64> = (0..=height)
             .map(|row| match row {
@@ -200,7 +200,7 @@ impl Stencil {
 }
 
 /// A level in pixels smaller by a whole factor, linear between the centres of the level's pixels.
-pub struct Enlarged<'a> {
+pub struct Enlargement<'a> {
     level: &'a Level,
     rows: Vec<Neighbours>,
     columns: Vec<Neighbours>,
@@ -210,13 +210,13 @@ pub struct Enlarged<'a> {
 type Neighbours = (usize, usize, f32);
 
 /// One row of smaller pixels.
-pub struct EnlargedRow<'a> {
+pub struct FineRow<'a> {
     rows: [&'a [Vec3A]; 2],
     weight: f32,
     columns: &'a [Neighbours],
 }
 
-impl<'a> Enlarged<'a> {
+impl<'a> Enlargement<'a> {
     /// A level in pixels that are `factor` times as small, with this number of rows and columns.
     pub fn new(level: &'a Level, factor: usize, (height, width): (usize, usize)) -> Self {
         let (last_row, last_column) = (level.size.0 - 1, level.size.1 - 1);
@@ -233,22 +233,22 @@ impl<'a> Enlarged<'a> {
     }
 
     /// One row of smaller pixels.
-    pub fn row(&self, row: usize) -> EnlargedRow<'_> {
+    pub fn row(&self, row: usize) -> FineRow<'_> {
         let (above, below, weight) = self.rows[row];
         let width = self.level.size.1;
         let rows = [above, below].map(|row| &self.level.values[row * width..(row + 1) * width]);
-        EnlargedRow { rows, weight, columns: &self.columns }
+        FineRow { rows, weight, columns: &self.columns }
     }
 }
 
-impl EnlargedRow<'_> {
+impl FineRow<'_> {
     /// Value at a column.
     #[inline]
     pub fn at(&self, column: usize) -> Vec3A {
         let (left, right, weight) = self.columns[column];
         let [above, below] = self.rows;
-        let between = |column: usize| interpolated(above[column], below[column], self.weight);
-        interpolated(between(left), between(right), weight)
+        let between = |column: usize| interpolate(above[column], below[column], self.weight);
+        interpolate(between(left), between(right), weight)
     }
 }
 
@@ -260,7 +260,7 @@ fn second(small: usize, factor: usize) -> (usize, f32) {
 
 /// Linear interpolation that is exact between equal values.
 #[inline]
-fn interpolated(first: Vec3A, second: Vec3A, weight: f32) -> Vec3A {
+fn interpolate(first: Vec3A, second: Vec3A, weight: f32) -> Vec3A {
     first + weight * (second - first)
 }
 
@@ -279,12 +279,13 @@ mod tests {
         let near = fine.near_rim(&fine.coarser(), 2);
         for &hole in &fine.holes {
             let (row, column) = (hole / 128, (hole + 64) % 128);
-            // Count pixels to the rim from 1 on; coarser pixels hold two of them.
+            // Count pixels to the rim from 1 on; a coarser pixel is two pixels wide.
             let steps = (row - 9).min(54 - row).min(column - 39).min(88 - column);
             assert_eq!(near.contains(&hole), steps <= 6, "row {row}, column {column}");
         }
     }
-    /// Linear in the row and in the column, and another in each channel.
+
+    /// A value linear in the row and in the column, different in each channel.
     fn ramp(row: f32, column: f32) -> Vec3A {
         3.0 * row + 5.0 * column + Vec3A::new(0.0, 100.0, 200.0)
     }
@@ -296,7 +297,7 @@ mod tests {
             *value = ramp((at / 16) as f32, (at % 16) as f32);
         }
         for factor in [1, 2, 3, 4, 5, 8] {
-            let enlarged = Enlarged::new(&level, factor, (8 * factor, 16 * factor));
+            let enlarged = Enlargement::new(&level, factor, (8 * factor, 16 * factor));
             let position = |small: usize| (small as f32 + 0.5) / factor as f32 - 0.5;
             for row in factor..7 * factor {
                 for column in factor..15 * factor {
@@ -312,8 +313,9 @@ mod tests {
         let mut level = Level::new(Grid::of_pixels(8, 16, Registration::CellCentred), Vec::new());
         level.values[..16].fill(Vec3A::ONE);
         level.values[15] = 9.0 * Vec3A::ONE;
-        let enlarged = Enlarged::new(&level, 2, (16, 32));
+        let enlarged = Enlargement::new(&level, 2, (16, 32));
         let row = enlarged.row(0);
-        assert_eq!([0, 1, 30, 31].map(|column| row.at(column).x), [3.0, 1.0, 7.0, 7.0]);
+        let values = [0, 1, 30, 31].map(|column| row.at(column).x.to_bits());
+        assert_eq!(values, [3.0_f32, 1.0, 7.0, 7.0].map(f32::to_bits));
     }
 }

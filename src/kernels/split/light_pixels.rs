@@ -5,7 +5,7 @@ use ndarray::{ArrayView1, ArrayView2};
 use crate::error::{Error, Result};
 use crate::kernels::sphere;
 
-/// Light of a pixel that belongs to none: lights are counted from 1.
+/// Number of no light: lights are counted from 1.
 pub const NO_LIGHT: u32 = 0;
 
 /// Pixels of detected lights in the image in which they were detected, a map averaged over square blocks.

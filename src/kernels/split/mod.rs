@@ -10,20 +10,18 @@
 //! | radiance that solves Laplace's equation in the region    | `harmonic_fill.rs`   |
 //! | - one image of its multigrid                             | `level.rs`           |
 //! | the rest of the map, and the light that was removed      | `removal.rs`         |
-//! | - integrals of the direction over pixels                 | `cell_integrals.rs`  |
 //!
-//! In the region of a light, each channel of the rest is the smaller of the map and the fill. So map = rest + light, both
-//! nowhere negative. A surface that faces all of a light receives from the removed radiance `T`
+//! In the region of a light, each channel of the rest is the smaller one of the map and the fill. So map = rest + light,
+//! and both are nowhere negative. A surface that faces all of a light receives from the removed radiance `T`
 //!
 //! ```text
 //!   n . V,   V = integral of T(w) w dw        (one vector for each channel)
 //! ```
 //!
-//! A light has one direction `d` and an RGB irradiance `E`, and gives `E n.d`. `d` is the direction of the luminance of V,
+//! A light has one direction `d` and an RGB irradiance `E`; a surface receives `E n.d`. `d` is the direction of the luminance of V,
 //! so luminance is exact. A channel whose vector has another direction differs by its component across `d`: red and blue
 //! are refracted differently by a lens, and a halo has another colour than its lamp. Callers get all three vectors.
 
-mod cell_integrals;
 mod coarse_map;
 mod glow;
 mod harmonic_fill;
@@ -77,21 +75,20 @@ pub fn split(
     let members = lights.members(map.size)?;
     let mut rest = Array3::zeros(radiance.dim());
     let rest_pixels = rest.as_slice_mut().unwrap_or_default().as_chunks_mut::<3>().0;
-    // The fill takes as long as a copy of the map: two threads do both.
+    // Copy the map on one thread while another one fills the region: both last equally long.
     let fill = || {
         let region = Region::new(&map, &members, directions.len(), lights.threshold as f32);
-        let fill = harmonic_fill(map.grid.clone(), region.filled(), |pixel| region.rest(&map, pixel));
+        let fill = harmonic_fill(map.grid.clone(), region.pixels_to_fill(), |pixel| region.rest(&map, pixel));
         (region, fill)
     };
-    let ((), (region, fill)) = rayon::join(|| copy(pixels, rest_pixels), fill);
+    let ((), (region, fill)) = rayon::join(|| copy(pixels, rest_pixels, width), fill);
     let lights = removal::remove(&map, &region, &fill, &directions, rest_pixels);
     Ok(MapSplit { rest, map_flux: map.flux(), lights })
 }
 
-/// Copy the pixels of a map in interruptible parts.
-fn copy(map: &[[f32; 3]], rest: &mut [[f32; 3]]) {
-    const PIXELS_AT_ONCE: usize = 1 << 18;
-    rest.par_chunks_mut(PIXELS_AT_ONCE).zip(map.par_chunks(PIXELS_AT_ONCE)).for_each(|(rest, map)| {
+/// Copy the pixels of a map of this `width` row by row, so that the copy can be interrupted.
+fn copy(map: &[[f32; 3]], rest: &mut [[f32; 3]], width: usize) {
+    rest.par_chunks_mut(width).zip(map.par_chunks(width)).for_each(|(rest, map)| {
         interrupt::check();
         rest.copy_from_slice(map);
     });

@@ -36,7 +36,7 @@ impl Region {
     }
 
     /// Flat indices of the pixels to fill, in ascending order.
-    pub fn filled(&self) -> Vec<usize> {
+    pub fn pixels_to_fill(&self) -> Vec<usize> {
         let is_filled = |&pixel: &usize| self.is_filled[pixel] && self.light_of[pixel] != NO_LIGHT;
         (0..self.light_of.len()).filter(is_filled).collect()
     }
@@ -44,11 +44,11 @@ impl Region {
     /// Mean radiance of a pixel outside the fill, after the glow is dimmed.
     pub fn rest(&self, map: &CoarseMap<'_>, pixel: usize) -> Vec3A {
         let mean = map.radiance(pixel);
-        if self.light_of[pixel] == NO_LIGHT { mean } else { self.dimmed(mean) }
+        if self.light_of[pixel] == NO_LIGHT { mean } else { self.dim(mean) }
     }
 
-    /// The part of a glow's radiance that remains.
-    pub fn dimmed(&self, radiance: Vec3A) -> Vec3A {
+    /// Remaining radiance of a glow.
+    pub fn dim(&self, radiance: Vec3A) -> Vec3A {
         radiance * glow::remaining_fraction(luminance_f32(radiance.to_array()) / self.threshold)
     }
 }

@@ -1,19 +1,19 @@
 //! The rest of a map without the radiance of its lights, and the lights that were removed.
 //!
-//! In the region of a light, each channel of the rest is the smaller of the map and the fill, and a glow is dimmed. So a
-//! red lamp on a white wall takes no negative blue with it. Integrals of the difference make the light.
+//! In the region of a light, each channel of the rest is the smaller one of the map and the fill, and a glow is dimmed.
+//! So the light of a red lamp on a white wall has no negative blue. The light is the integral of the difference.
 
 use std::ops::{Add, Range};
 
 use glam::{DMat3, DVec3, Vec3A};
 use rayon::prelude::*;
 
-use super::cell_integrals::{ColumnIntegrals, RowIntegrals, column_integrals, row_integrals};
 use super::coarse_map::CoarseMap;
-use super::level::{Enlarged, Level};
+use super::level::{Enlargement, Level};
 use super::light_pixels::NO_LIGHT;
 use super::region::Region;
 use crate::interrupt;
+use crate::kernels::cell_integrals::{ColumnIntegrals, RowIntegrals};
 use crate::kernels::image::LUMINANCE;
 
 /// A light that was removed from a map.
@@ -60,8 +60,7 @@ impl Add for Removal {
     }
 }
 
-/// Remove the lights of a region from `rest`, a copy of the map. A light without radiance keeps its direction among the
-/// `detected` ones.
+/// Remove the lights of a region from `rest`, a copy of the map; a light without radiance has its `detected` direction.
 pub fn remove(
     map: &CoarseMap<'_>,
     region: &Region,
@@ -72,9 +71,9 @@ pub fn remove(
     let remover = Remover {
         map,
         region,
-        fill: Enlarged::new(fill, map.block, map.map_size),
-        rows: row_integrals(&map.pixel_grid),
-        columns: column_integrals(&map.pixel_grid),
+        fill: Enlargement::new(fill, map.block, map.map_size),
+        rows: RowIntegrals::of_rows(&map.pixel_grid.theta_edges),
+        columns: ColumnIntegrals::of_columns(&map.pixel_grid.phi_edges),
     };
     // Sum the rows in their order: the same bits for any number of threads.
     let rows = rest.par_chunks_mut(map.block * map.map_size.1).enumerate();
@@ -122,7 +121,7 @@ fn reaches(map: &CoarseMap<'_>, region: &Region, directions: &[DVec3]) -> Vec<f6
 struct Remover<'a> {
     map: &'a CoarseMap<'a>,
     region: &'a Region,
-    fill: Enlarged<'a>,
+    fill: Enlargement<'a>,
     rows: Vec<RowIntegrals>,
     columns: Vec<ColumnIntegrals>,
 }
@@ -149,7 +148,7 @@ impl Remover<'_> {
         removals
     }
 
-    /// Remove light from some columns of a few rows, of which `first` is the number of the first.
+    /// Remove light from some columns of a few rows from row `first` on.
     fn run(&self, first: usize, columns: Range<usize>, is_filled: bool, rest: &mut [[f32; 3]]) -> Removal {
         let width = self.map.map_size.1;
         let rows = rest.chunks_exact_mut(width).zip(first..);
@@ -160,7 +159,7 @@ impl Remover<'_> {
                 let fill = self.fill.row(row);
                 remove_pixels(rest, integrals, |x, map| map.min(fill.at(columns.start + x)))
             } else {
-                remove_pixels(rest, integrals, |_, map| self.region.dimmed(map))
+                remove_pixels(rest, integrals, |_, map| self.region.dim(map))
             };
             sums.integrals(&self.rows[row])
         });
@@ -177,7 +176,7 @@ struct AzimuthSums {
     squares: f64,
 }
 
-/// Replace pixels by what remains of each, and sum the difference.
+/// Replace pixels by their `remaining` radiance, and sum the removed radiance.
 #[inline]
 fn remove_pixels(
     pixels: &mut [[f32; 3]],

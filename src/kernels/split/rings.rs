@@ -1,8 +1,8 @@
 //! Rings of glare around lights.
 //!
-//! Detection assigns to a light the pixels above a tenth of its peak. Around a sun of 10^5 times the sky, that leaves
-//! glare that is brighter than most lamps. So each light gets rings of one pixel as long as their median luminance falls
-//! from ring to ring faster than that of a lit wall or of the sky.
+//! Detection assigns to a light the pixels above a tenth of its peak. Around a sun of 10^5 times the sky, the remaining
+//! glare is brighter than most lamps. So each light gets rings of one pixel as long as their median luminance falls from
+//! ring to ring faster than that of a lit wall or of the sky.
 
 use std::f64::consts::PI;
 
@@ -10,15 +10,21 @@ use super::coarse_map::CoarseMap;
 use super::light_pixels::NO_LIGHT;
 use crate::interrupt;
 
-/// Rings of every light. Its rim is partly its own, and partly what a lens or a reduction has blurred into it.
-const LEAST_RINGS: usize = 2;
-/// Largest angle from a light to its last ring: 15 degrees, in radians.
-const FARTHEST: f64 = PI / 12.0;
-/// Distance between rings that are compared, in rings.
-const STRIDE: usize = 2;
-/// Least ratios of the medians of compared rings, above and below the detection threshold. Glare of suns falls by 1.1 to
-/// 3, skies and lit ceilings by less than 1.1.
-const LEAST_FALLS: [f32; 2] = [1.1, 1.25];
+/// Settings of the rings.
+struct RingSettings {
+    /// Rings of every light. Its rim belongs partly to the light, and a lens or a reduction has blurred light into it.
+    least: usize,
+    /// Largest angle from a light to its last ring, in radians.
+    farthest: f64,
+    /// Distance between rings that are compared, in rings.
+    stride: usize,
+    /// Least ratios of the medians of compared rings, above and below the detection threshold. Glare of suns falls by
+    /// 1.1 to 3, skies and lit ceilings by less than 1.1.
+    least_falls: [f32; 2],
+}
+
+const RINGS: RingSettings =
+    RingSettings { least: 2, farthest: PI / 12.0, stride: 2, least_falls: [1.1, 1.25] };
 
 /// Ring pixels around all lights, each with its light as in `light_of`: counted from 1.
 pub fn ring_pixels(
@@ -28,13 +34,15 @@ pub fn ring_pixels(
     threshold: f32,
 ) -> Vec<(usize, u32)> {
     let lights = members.iter().map(|&(_, light)| light + 1).max().unwrap_or(0);
-    let mut profiles = vec![Profile::default(); lights];
+    let mut profiles = vec![RingProfile::default(); lights];
     let mut front = Front::new(map, members);
     let mut pixels: Vec<(usize, u32, usize)> = Vec::new();
     for ring in 0..front.rings.len() {
         interrupt::check();
         if ring > 0 {
-            profiles.iter_mut().for_each(|profile| profile.close_ring(threshold));
+            for profile in &mut profiles {
+                profile.close_ring(threshold);
+            }
         }
         let grows = |source: usize| profiles[light_of[source] as usize - 1].width.is_none();
         for (pixel, source, number) in front.grow(ring, grows) {
@@ -51,7 +59,7 @@ pub fn ring_pixels(
 
 /// Luminance of the rings of one light, from the inside out.
 #[derive(Clone, Default)]
-struct Profile {
+struct RingProfile {
     /// Luminance of the pixels of the growing ring.
     growing: Vec<f32>,
     /// Median luminance of the closed rings.
@@ -60,15 +68,15 @@ struct Profile {
     width: Option<usize>,
 }
 
-impl Profile {
+impl RingProfile {
     /// Close the growing ring, and end the light at the first ring after which luminance no longer falls.
     fn close_ring(&mut self, threshold: f32) {
         self.medians.push(median(&mut self.growing));
         self.growing.clear();
-        let Some(ring) = self.medians.len().checked_sub(1 + STRIDE) else { return };
-        let (inner, outer) = (self.medians[ring], self.medians[ring + STRIDE]);
-        let fall = LEAST_FALLS[usize::from(inner <= threshold)];
-        if self.width.is_none() && ring >= LEAST_RINGS && (inner <= fall * outer || inner <= 0.0) {
+        let Some(ring) = self.medians.len().checked_sub(1 + RINGS.stride) else { return };
+        let (inner, outer) = (self.medians[ring], self.medians[ring + RINGS.stride]);
+        let fall = RINGS.least_falls[usize::from(inner <= threshold)];
+        if self.width.is_none() && ring >= RINGS.least && (inner <= fall * outer || inner <= 0.0) {
             self.width = Some(ring);
         }
     }
@@ -76,7 +84,7 @@ impl Profile {
 
 /// Member of a light from which a pixel was reached, and the square of its distance.
 #[derive(Clone, Copy)]
-struct Reached {
+struct Step {
     /// Counted from 1; [`UNREACHED`] or [`DONE`].
     source: u32,
     square: f32,
@@ -89,7 +97,7 @@ const DONE: u32 = u32::MAX;
 /// Pixels that the rings have reached, each from the nearest member of a light.
 struct Front<'a> {
     map: &'a CoarseMap<'a>,
-    reached: Vec<Reached>,
+    reached: Vec<Step>,
     /// Steps to the pixels of each ring: the pixel, and the member from which it was reached.
     rings: Vec<Vec<(u32, u32)>>,
     /// Height of a row in radians, and the square of the largest distance.
@@ -100,8 +108,8 @@ struct Front<'a> {
 impl<'a> Front<'a> {
     fn new(map: &'a CoarseMap<'a>, members: &[(usize, usize)]) -> Self {
         let height = PI / map.size.0 as f64;
-        let farthest = FARTHEST.max((LEAST_RINGS + STRIDE) as f64 * height);
-        let mut reached = vec![Reached { source: UNREACHED, square: 0.0 }; map.size.0 * map.size.1];
+        let farthest = RINGS.farthest.max((RINGS.least + RINGS.stride) as f64 * height);
+        let mut reached = vec![Step { source: UNREACHED, square: 0.0 }; map.size.0 * map.size.1];
         for &(pixel, _) in members {
             reached[pixel].source = DONE;
         }
@@ -132,7 +140,7 @@ impl<'a> Front<'a> {
         }
         let mut pixels = Vec::with_capacity(visited.len());
         for pixel in visited {
-            let Reached { source, square } = self.reached[pixel];
+            let Step { source, square } = self.reached[pixel];
             if source != DONE {
                 self.reached[pixel].source = DONE;
                 pixels.push((pixel, source as usize - 1, self.ring_of(square)));
@@ -153,7 +161,7 @@ impl<'a> Front<'a> {
             let square = self.map.centre(other).distance_squared(middle);
             let is_nearer = known.source == UNREACHED || (square as f32) < known.square;
             if square < self.farthest && is_nearer {
-                self.reached[other] = Reached { source: counted, square: square as f32 };
+                self.reached[other] = Step { source: counted, square: square as f32 };
                 let number = self.ring_of(square as f32);
                 self.rings[number.max(ring)].push((other as u32, source as u32));
             }

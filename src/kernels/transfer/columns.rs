@@ -4,7 +4,7 @@ use ndarray::linalg::general_mat_mul;
 use ndarray::{Array2, ArrayView2, ArrayView3, Axis, s};
 use rayon::prelude::*;
 
-use super::rows;
+use super::texels;
 use crate::error::{Error, Result};
 use crate::interrupt;
 
@@ -37,7 +37,7 @@ pub fn columns(
     non_black: &[bool],
     weights: ArrayView2<'_, f32>,
 ) -> Result<Array2<f32>> {
-    rows::check(images, scale)?;
+    texels::check(images, scale)?;
     let (width, rank) = weights.dim();
     check_length("non_black", non_black.len(), "images have texels", images.dim().1)?;
     check_length("weights", width, "images have channels in all", 3 * scale.len())?;
@@ -58,8 +58,8 @@ pub fn columns(
         |block, (span, (mut out, non_black))| {
             interrupt::check();
             let rows = &mut block.as_slice_mut().unwrap_or_default()[..width * non_black.len()];
-            rows::fill(rows, images, scale, SPAN * span);
-            keep(rows, width, non_black);
+            texels::fill(rows, images, scale, SPAN * span);
+            compact(rows, width, non_black);
             general_mat_mul(1.0, &block.slice(s![..out.nrows(), ..]), &weights, 0.0, &mut out);
         },
     );
@@ -71,7 +71,7 @@ fn check_length(what: &'static str, seen: usize, other: &'static str, wanted: us
 }
 
 /// Move the rows that are not black to the front.
-fn keep(block: &mut [f32], width: usize, non_black: &[bool]) {
+fn compact(block: &mut [f32], width: usize, non_black: &[bool]) {
     for (to, from) in (0..non_black.len()).filter(|&from| non_black[from]).enumerate() {
         if to < from {
             block.copy_within(width * from..width * (from + 1), width * to);
@@ -85,9 +85,9 @@ mod tests {
 
     use super::*;
 
-    /// A weight of 1 takes one row; dark texels are left out, and so is every other pixel of a view.
+    /// A weight of 1 selects one row; black texels are left out.
     #[test]
-    fn one_weight_takes_one_row() {
+    fn a_weight_of_1_selects_a_row() {
         let whole = Array3::from_shape_fn((5, 2 * SPAN + 6, 4), |(k, t, c)| (100 * t + 10 * k + c) as f32);
         let images = whole.slice(s![.., ..;2, ..3]);
         let non_black: Vec<bool> = (0..SPAN + 3).map(|t| t % 3 != 1).collect();
@@ -95,16 +95,16 @@ mod tests {
         let mut weights = Array2::zeros((15, 2));
         weights[[3 + 2, 0]] = 1.0;
         weights[[12, 1]] = 1.0;
-        let found = columns(images, &scale, &non_black, weights.view()).expect("they fit");
-        let wanted = (0..non_black.len()).filter(|&t| non_black[t]);
-        assert_eq!(found.nrows(), wanted.clone().count());
-        for (row, t) in found.outer_iter().zip(wanted) {
+        let result = columns(images, &scale, &non_black, weights.view()).expect("they fit");
+        let expected = (0..non_black.len()).filter(|&t| non_black[t]);
+        assert_eq!(result.nrows(), expected.clone().count());
+        for (row, t) in result.outer_iter().zip(expected) {
             assert_eq!(row, arr2(&[[2.0 * images[[1, t, 2]], 0.5 * images[[4, t, 0]]]]).row(0));
         }
     }
 
     #[test]
-    fn what_does_not_fit_is_refused() {
+    fn wrong_lengths_are_refused() {
         let images = Array3::zeros((1, 2, 3));
         let weights = Array2::zeros((3, 1));
         assert!(columns(images.view(), &[1.0], &[true; 2], weights.view()).is_ok());
@@ -112,11 +112,11 @@ mod tests {
             let weights = Array2::zeros((width, 1));
             columns(images.view(), scale, non_black, weights.view()).map_err(|error| error.to_string())
         };
-        let wanted = "non_black must have as many rows as images have texels (2); got 3";
-        assert_eq!(refusal(&[1.0], &[true; 3], 3), Err(wanted.to_owned()));
-        let wanted = "weights must have as many rows as images have channels in all (3); got 2";
-        assert_eq!(refusal(&[1.0], &[true; 2], 2), Err(wanted.to_owned()));
-        let wanted = "scale must have as many rows as images (1); got 2";
-        assert_eq!(refusal(&[1.0; 2], &[true; 2], 3), Err(wanted.to_owned()));
+        let expected = "non_black must have as many rows as images have texels (2); got 3";
+        assert_eq!(refusal(&[1.0], &[true; 3], 3), Err(expected.to_owned()));
+        let expected = "weights must have as many rows as images have channels in all (3); got 2";
+        assert_eq!(refusal(&[1.0], &[true; 2], 2), Err(expected.to_owned()));
+        let expected = "scale must have as many rows as images (1); got 2";
+        assert_eq!(refusal(&[1.0; 2], &[true; 2], 3), Err(expected.to_owned()));
     }
 }

@@ -1,7 +1,7 @@
 //! Frames from a basis of one or two bytes a value.
 //!
-//! Predicting a frame takes the time of reading the basis, so a basis with a quarter of the bytes is four
-//! times as fast. Its values are stored in tiles of 32 texels, (tiles, rank, 32). Each half of a tile has its
+//! The prediction of a frame is limited by reading the basis, so a basis with a quarter of the bytes is four times as
+//! fast. Its values are stored in tiles of 32 texels, (tiles, rank, 32). Each half of a tile has its
 //! own scale for each component:
 //!
 //! ```text
@@ -23,9 +23,9 @@ use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::kernels::sphere::check_memory;
 
-/// Texels of a tile. With more, the sums no longer fit in registers and a frame takes longer.
+/// Texels of a tile. With more, the sums no longer fit in registers and a frame is slower.
 pub const TILE: usize = 32;
-/// Texels that share a scale. Fewer cost more memory, more cost accuracy.
+/// Texels with a common scale. Fewer cost more memory, more cost accuracy.
 pub const SHARE: usize = 16;
 /// Scales of one component of a tile.
 type Scales = [f32; TILE / SHARE];
@@ -56,7 +56,7 @@ impl BasisValue for f16 {
     }
 }
 
-/// Images with the given `coefficients`, in tiles.
+/// Images with these `coefficients`, in tiles.
 ///
 /// # Inputs
 ///
@@ -236,11 +236,11 @@ mod tests {
     #[test]
     fn halves_are_widened_exactly() {
         let kept = [0x3c00, 0xc000, 0x0400, 0x7bff, 0x0001, 0x83ff, 0x0000, 0x8000].map(f16::from_bits);
-        let wanted =
+        let expected =
             [1.0, -2.0, 2f32.powi(-14), 65504.0, 2f32.powi(-24), -1023.0 * 2f32.powi(-24), 0.0, -0.0];
         let mut wide = [f32::NAN; 8];
         f16::widen(&kept, &mut wide);
-        assert_eq!(wide.map(f32::to_bits), wanted.map(f32::to_bits));
+        assert_eq!(wide.map(f32::to_bits), expected.map(f32::to_bits));
     }
 
     /// Small whole numbers: the sums are exact. One tile is black, one image stops at two components.
@@ -254,9 +254,9 @@ mod tests {
         places[7] = -1;
         for components in [rank, 2, 0] {
             let coefficients = coefficients.slice(s![.., ..components, ..]);
-            let found = frames(values.view(), scales.view(), coefficients, &places).expect("they fit");
-            for ((n, t, c), &found) in found.indexed_iter() {
-                let wanted = usize::try_from(places[t / TILE]).map_or(0.0, |tile| {
+            let result = frames(values.view(), scales.view(), coefficients, &places).expect("they fit");
+            for ((n, t, c), &result) in result.indexed_iter() {
+                let expected = usize::try_from(places[t / TILE]).map_or(0.0, |tile| {
                     let term = |r| {
                         coefficients[[n, r, c]]
                             * scales[[tile, r, t % TILE / SHARE]]
@@ -265,15 +265,15 @@ mod tests {
                     (0..components).map(term).sum()
                 });
                 assert!(
-                    (found - wanted).abs() < 1e-9,
-                    "image {n}, texel {t}, channel {c}: {found}, {wanted}"
+                    (result - expected).abs() < 1e-9,
+                    "image {n}, texel {t}, channel {c}: {result}, {expected}"
                 );
             }
         }
     }
 
     #[test]
-    fn what_does_not_fit_is_refused() {
+    fn wrong_shapes_are_refused() {
         let values = Array3::<i8>::zeros((2, 1, TILE));
         let scales = Array3::ones((2, 1, 2));
         let call = |values: &Array3<i8>, components, places: &[i64]| {
@@ -290,8 +290,8 @@ mod tests {
         assert_eq!(call(&Array3::zeros((2, 2, TILE)), 1, &[0]), scaled);
         let two = Array3::zeros((1, 1, 2));
         let refusal = frames(values.view(), scales.view(), two.view(), &[0]).map_err(|e| e.to_string());
-        let wanted = "coefficients must have the shape (n, components, 3); got [1, 1, 2]";
-        assert_eq!(refusal, Err(wanted.to_owned()));
+        let expected = "coefficients must have the shape (n, components, 3); got [1, 1, 2]";
+        assert_eq!(refusal, Err(expected.to_owned()));
     }
 
     /// Arrays in Fortran order, as `numpy` saves a transposed array.

@@ -5,7 +5,7 @@ use ndarray::parallel::prelude::*;
 use ndarray::{Array1, Array2, ArrayView2, ArrayView3, Axis, Zip, s};
 use rayon::slice::ParallelSliceMut;
 
-use super::rows;
+use super::texels;
 use crate::error::Result;
 use crate::interrupt;
 
@@ -37,7 +37,7 @@ const PANEL: usize = 32;
 ///
 /// [`crate::error::Error::WrongShape`], [`crate::error::Error::LengthMismatch`].
 pub fn gram(images: ArrayView3<'_, f32>, scale: &[f32]) -> Result<(Array2<f64>, Array1<bool>)> {
-    rows::check(images, scale)?;
+    texels::check(images, scale)?;
     let width = 3 * scale.len();
     let texels = images.dim().1;
     if images.is_empty() {
@@ -54,7 +54,7 @@ pub fn gram(images: ArrayView3<'_, f32>, scale: &[f32]) -> Result<(Array2<f64>, 
         let step = count.div_ceil(rayon::current_num_threads());
         rows.par_chunks_mut(width * step)
             .enumerate()
-            .for_each(|(i, rows)| rows::fill(rows, images, scale, first + i * step));
+            .for_each(|(i, rows)| texels::fill(rows, images, scale, first + i * step));
         // Note which texels are not black, and add the products of the block.
         non_black.extend(rows.chunks_exact(width).map(|row| row.iter().any(|&value| value != 0.0)));
         add_products(&mut products, block.slice(s![..count, ..]));
@@ -104,16 +104,16 @@ mod tests {
             let sum: f64 = (0..images.dim().1)
                 .map(|t| f64::from(images[[one.0, t, one.1]]) * f64::from(images[[two.0, t, two.1]]))
                 .sum();
-            let wanted = sum * f64::from(scale[one.0]) * f64::from(scale[two.0]);
+            let expected = sum * f64::from(scale[one.0]) * f64::from(scale[two.0]);
             // Rounding of f32 over one block.
-            approx::assert_relative_eq!(products[[a, b]], wanted, max_relative = 1e-5);
+            approx::assert_relative_eq!(products[[a, b]], expected, max_relative = 1e-5);
         }
         let black: Vec<usize> = (0..non_black.len()).filter(|&t| !non_black[t]).collect();
         assert_eq!(black, [5, BLOCK + 3]);
     }
 
     #[test]
-    fn what_does_not_fit_is_refused_and_nothing_has_no_products() {
+    fn wrong_shapes_are_refused_and_no_images_have_no_products() {
         let images = Array3::zeros((2, 5, 3));
         assert!(gram(images.view(), &[1.0; 3]).is_err());
         assert!(gram(images.slice(s![.., .., ..2]), &[1.0; 2]).is_err());

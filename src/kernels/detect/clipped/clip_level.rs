@@ -7,12 +7,17 @@
 use super::super::clipping::LEAST_WHITE;
 use super::super::segment::working_image::{TILE, WorkingImage};
 
-/// A map whose maximum is below this fraction of the largest possible value is not clipped.
-const LEAST_END: f64 = 0.7;
-/// Pixels of this fraction of the largest luminance and more form the top of a map.
-const TOP: f64 = 0.9;
-/// A top that covers more than this fraction of the sphere is not a peak.
-const MOST_OF_THE_SPHERE: f64 = 0.05;
+/// Settings of the clip level of a map that ends below the largest possible value.
+struct PeakSettings {
+    /// A map whose maximum is below this fraction of the largest possible value is not clipped.
+    least_end: f64,
+    /// Pixels of this fraction of the largest luminance and more form the top of a map.
+    top: f64,
+    /// A top that covers more than this fraction of the sphere is not a peak.
+    largest_top: f64,
+}
+
+const PEAK: PeakSettings = PeakSettings { least_end: 0.7, top: 0.9, largest_top: 0.05 };
 
 /// Luminance at which a map was cut off, in the units of the map.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,14 +29,15 @@ pub enum ClipLevel {
 }
 
 impl ClipLevel {
-    /// Clip level of a map that can hold values up to `white`; `None` if nothing was cut off. `maximum` is the largest
-    /// luminance of the map's own pixels: a lamp that is smaller than a working pixel is clipped too.
+    /// Clip level of a map that can hold values up to `white`; `None` if nothing was cut off.
+    ///
+    /// `maximum` is the largest luminance of the map's own pixels: a lamp smaller than a working pixel is clipped too.
     pub fn of(working: &WorkingImage, maximum: f64, white: f64) -> Option<Self> {
         if maximum >= LEAST_WHITE * white {
             return Some(Self::White(white));
         }
-        let is_peak = || share_above(working, TOP * maximum) < MOST_OF_THE_SPHERE;
-        (maximum >= LEAST_END * white && is_peak()).then_some(Self::Peak(maximum))
+        let is_peak = || share_above(working, PEAK.top * maximum) < PEAK.largest_top;
+        (maximum >= PEAK.least_end * white && is_peak()).then_some(Self::Peak(maximum))
     }
 
     /// Luminance at which values are cut off.

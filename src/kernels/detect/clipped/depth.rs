@@ -1,4 +1,4 @@
-//! The depth of a pixel of a clipped region: the angle to the nearest pixel outside of it.
+//! Depth of the pixels of a clipped region: the angle to the nearest pixel outside of it.
 //!
 //! The nearest outer pixel of the pixel's own row is one of the two at the ends of its run. In another row, it is the
 //! one at the smallest difference D of azimuths:
@@ -17,17 +17,18 @@ use rayon::prelude::*;
 use super::super::segment::run::Run;
 use super::super::segment::working_image::WorkingImage;
 use crate::interrupt;
+use crate::kernels::image::CellCentres;
 
 /// The depth of each pixel of a `plateau`, in ascending order, in radians, as an image; 0 outside.
 pub fn depths(working: &WorkingImage, plateau: &[Run]) -> Vec<f32> {
     let (height, width) = working.size;
-    let sphere = PixelDirections::new(working);
+    let sphere = CellCentres::new(&working.grid);
     // Find the nearest outer pixel of each row.
-    let (mut outer, mut turns) = (vec![0.0; height * width], Vec::new());
+    let (mut outer, mut versines) = (vec![0.0; height * width], Vec::new());
     for row in plateau.chunk_by(|one, other| one.row == other.row) {
         for (run, ends) in row.iter().zip(ends(row, width)) {
-            sphere.fill_turns(run.columns.clone(), ends, &mut turns);
-            outer[run.pixels(width)].copy_from_slice(&turns);
+            fill_versines(&sphere, run.columns.clone(), ends, &mut versines);
+            outer[run.pixels(width)].copy_from_slice(&versines);
         }
     }
     // Find that of all rows.
@@ -37,7 +38,7 @@ pub fn depths(working: &WorkingImage, plateau: &[Run]) -> Vec<f32> {
         for (column, depth) in
             out.iter_mut().enumerate().filter(|(column, _)| outer[row * width + column] > 0.0)
         {
-            *depth = angle(sphere.nearest(&outer, row, column));
+            *depth = angle(nearest(&sphere, &outer, row, column));
         }
     });
     depth
@@ -62,68 +63,44 @@ fn angle(cosine: f64) -> f32 {
     2.0 * ((0.5 * (1.0 - cosine)).max(0.0).sqrt() as f32).min(1.0).asin()
 }
 
-/// In place of the turn to an outer pixel: the row has none.
+/// Versine to the outer pixel of a row without any.
 const NO_OUTER: f32 = f32::INFINITY;
 
-/// The directions of pixels, by row and column.
-pub struct PixelDirections {
-    width: usize,
-    /// Sine and cosine of the polar angle of each row.
-    rows: Vec<(f64, f64)>,
-    /// Sine and cosine of the azimuth of each column.
-    columns: Vec<(f64, f64)>,
+/// Cosine of the angle to the nearest outer pixel; -1 without any.
+///
+/// `outer` holds for each pixel the outer pixel of its row: 1 - cos of the difference of azimuths.
+fn nearest(sphere: &CellCentres, outer: &[f32], row: usize, column: usize) -> f64 {
+    let (sin, cos) = sphere.rows[row];
+    let mut largest = -1.0;
+    // Try rows until they are farther than the nearest outer pixel so far.
+    let mut is_within = |other: usize| {
+        let (other_sin, other_cos) = sphere.rows[other];
+        let is_within = cos * other_cos + sin * other_sin > largest;
+        if is_within {
+            let versine = f64::from(outer[other * sphere.columns.len() + column]);
+            largest = f64::max(largest, cos * other_cos + sin * other_sin * (1.0 - versine));
+        }
+        is_within
+    };
+    (0..=row).rev().all(&mut is_within);
+    (row + 1..sphere.rows.len()).all(&mut is_within);
+    largest
 }
 
-impl PixelDirections {
-    /// The centres of the pixels of an image.
-    pub fn new(working: &WorkingImage) -> Self {
-        let centres =
-            |edges: &[f64]| edges.windows(2).map(|edge| (0.5 * (edge[0] + edge[1])).sin_cos()).collect();
-        let grid = &working.grid;
-        Self { width: working.size.1, rows: centres(&grid.theta_edges), columns: centres(&grid.phi_edges) }
-    }
-
-    /// Unit vector towards a pixel, in the frame of [`crate::kernels::sphere`].
-    pub fn direction(&self, pixel: u32) -> glam::DVec3 {
-        let pixel = pixel as usize;
-        self.at(pixel / self.width, pixel % self.width)
-    }
-
-    /// Unit vector towards a pixel.
-    pub fn at(&self, row: usize, column: usize) -> glam::DVec3 {
-        let ((sin, cos), (sin_phi, cos_phi)) = (self.rows[row], self.columns[column]);
-        glam::DVec3::new(sin * sin_phi, cos, -sin * cos_phi)
-    }
-
-    /// Cosine of the angle to the nearest outer pixel; -1 without any. `outer` holds the turns to those of each row.
-    fn nearest(&self, outer: &[f32], row: usize, column: usize) -> f64 {
-        let (sin, cos) = self.rows[row];
-        let mut largest = -1.0;
-        // Try rows until they are farther than the nearest outer pixel so far.
-        let mut is_within = |other: usize| {
-            let (other_sin, other_cos) = self.rows[other];
-            let is_within = cos * other_cos + sin * other_sin > largest;
-            if is_within {
-                let turn = f64::from(outer[other * self.width + column]);
-                largest = f64::max(largest, cos * other_cos + sin * other_sin * (1.0 - turn));
-            }
-            is_within
-        };
-        (0..=row).rev().all(&mut is_within);
-        (row + 1..self.rows.len()).all(&mut is_within);
-        largest
-    }
-
-    /// For each of some columns, 1 - cos of the azimuth between it and the nearer one of its run's `ends`.
-    fn fill_turns(&self, columns: Range<usize>, ends: Option<[usize; 2]>, turns: &mut Vec<f32>) {
-        turns.clear();
-        let Some(ends) = ends else { return turns.resize(columns.len(), NO_OUTER) };
-        let [before, after] = ends.map(|end| self.columns[end]);
-        turns.extend(self.columns[columns].iter().map(|(sin, cos)| {
-            let turn = |end: (f64, f64)| 1.0 - (sin * end.0 + cos * end.1);
-            turn(before).min(turn(after)) as f32
-        }));
-    }
+/// For each of some columns, 1 - cos of the azimuth between it and the nearer one of its run's `ends`.
+fn fill_versines(
+    sphere: &CellCentres,
+    columns: Range<usize>,
+    ends: Option<[usize; 2]>,
+    versines: &mut Vec<f32>,
+) {
+    versines.clear();
+    let Some(ends) = ends else { return versines.resize(columns.len(), NO_OUTER) };
+    let [before, after] = ends.map(|end| sphere.columns[end]);
+    versines.extend(sphere.columns[columns].iter().map(|(sin, cos)| {
+        let versine = |end: (f64, f64)| 1.0 - (sin * end.0 + cos * end.1);
+        versine(before).min(versine(after)) as f32
+    }));
 }
 
 #[cfg(test)]
@@ -150,28 +127,32 @@ mod tests {
     }
 
     /// Pixels within `radius` of `centre`.
-    fn cap(sphere: &PixelDirections, centre: DVec3, radius: f64) -> Vec<u32> {
+    fn cap(sphere: &CellCentres, centre: DVec3, radius: f64) -> Vec<u32> {
         let all = 0..(2 * HEIGHT * HEIGHT) as u32;
-        all.filter(|&pixel| sphere.direction(pixel).angle_between(centre) < radius).collect()
+        all.filter(|&pixel| sphere.direction(pixel as usize).angle_between(centre) < radius).collect()
     }
 
     /// The nearest outer pixel of each, by trying all of them.
     #[test]
     fn depths_are_the_angles_to_the_nearest_outer_pixel_across_seam_and_pole_too() {
         let working = image();
-        let sphere = PixelDirections::new(&working);
+        let sphere = CellCentres::new(&working.grid);
         for centre in [DVec3::new(0.3, 0.4, 1.0), DVec3::new(0.05, 0.3, -1.0), DVec3::new(0.1, -1.0, 0.1)] {
             let mut plateau = cap(&sphere, centre.normalize(), 0.35);
             plateau.retain(|pixel| pixel % 41 != 0); // some holes
-            let found = depths_of(&working, &plateau);
-            let outer: Vec<DVec3> = (0..found.len() as u32)
+            let result = depths_of(&working, &plateau);
+            let outer: Vec<DVec3> = (0..result.len() as u32)
                 .filter(|pixel| plateau.binary_search(pixel).is_err())
-                .map(|pixel| sphere.direction(pixel))
+                .map(|pixel| sphere.direction(pixel as usize))
                 .collect();
             for &pixel in &plateau {
-                let own = sphere.direction(pixel);
+                let own = sphere.direction(pixel as usize);
                 let cosine = outer.iter().map(|other| own.dot(*other)).fold(-1.0, f64::max);
-                assert_relative_eq!(f64::from(found[pixel as usize]), cosine.min(1.0).acos(), epsilon = 1e-6);
+                assert_relative_eq!(
+                    f64::from(result[pixel as usize]),
+                    cosine.min(1.0).acos(),
+                    epsilon = 1e-6
+                );
             }
         }
     }
@@ -179,7 +160,7 @@ mod tests {
     #[test]
     fn the_centre_of_a_cap_is_as_deep_as_its_radius() {
         let working = image();
-        let plateau = cap(&PixelDirections::new(&working), DVec3::Y, 0.5);
+        let plateau = cap(&CellCentres::new(&working.grid), DVec3::Y, 0.5);
         let deepest = depths_of(&working, &plateau).into_iter().fold(0.0, f32::max);
         assert_relative_eq!(f64::from(deepest), 0.5, epsilon = working.row_height());
     }

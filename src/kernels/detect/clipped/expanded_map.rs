@@ -1,7 +1,7 @@
 //! A map in fewer pixels: its luminance, and its expanded luminance, in one pass over the samples.
 //!
-//! Each pixel of the map is expanded before blocks are averaged: a lamp that is smaller than a block stays as
-//! bright as its share of the block.
+//! Each pixel of the map is expanded before blocks are averaged: a lamp smaller than a block counts by the fraction of
+//! the block that it covers.
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
 use ndarray::ArrayView3;
@@ -10,8 +10,8 @@ use rayon::prelude::*;
 
 use super::super::segment::working_image::WorkingImage;
 use super::expansion::expand;
-use crate::error::{Error, Result};
-use crate::kernels::image::{Grid, block_fractions, check_samples, luminance_f32, samples_of};
+use crate::error::Result;
+use crate::kernels::image::{BlockRow, Grid, block_fractions, luminance_f32};
 use crate::kernels::sphere::Registration;
 
 /// A map in fewer pixels.
@@ -38,38 +38,29 @@ impl ExpandedMap {
     ) -> Result<Self> {
         // Cut the map into blocks, one for each working pixel.
         let (pixels, grid, block) = Grid::of_map(radiance, registration, columns)?;
-        let (height, width, _) = radiance.dim();
-        let [row_fractions, column_fractions] = block_fractions(&pixels, block);
+        let [_, fractions] = block_fractions(&pixels, block);
         // Average each block.
         let columns = grid.phi_edges.len() - 1;
         let count = columns * (grid.theta_edges.len() - 1);
         let (mut luminance, mut expanded) = (vec![0.0; count], vec![0.0; count]);
         let rows = luminance.par_chunks_mut(columns).zip(expanded.par_chunks_mut(columns)).enumerate();
         let reduce = |(row, (luminance, expanded)): (usize, (&mut [f32], &mut [f32]))| {
-            let rows = row * block..((row + 1) * block).min(height);
-            let mut sums = ExpandedSums::new(width, (1.0 / end) as f32);
-            for row in rows.clone() {
-                sums.add(samples_of(radiance, row..row + 1).as_chunks::<3>().0, row_fractions[row]);
-            }
-            across(&mut sums.luminance, &column_fractions, block, luminance);
-            across(&mut sums.expanded, &column_fractions, block, expanded);
+            let mut sums = ExpandedSums::new(fractions.len(), (1.0 / end) as f32);
+            let pixels = BlockRow::new(radiance, &pixels.theta_edges, block, row);
+            pixels.pixels().for_each(|(pixels, weight)| sums.add(pixels, weight));
+            across(&mut sums.luminance, &fractions, block, luminance);
+            across(&mut sums.expanded, &fractions, block, expanded);
             (sums.largest, sums.bits)
         };
-        let seen = rows.map(reduce).reduce(Default::default, |a, b| (a.0.max(b.0), a.1 | b.1));
-        // Refuse what no light can have: it shows as a minus sign or in the sum over the sphere.
+        let (largest, bits) = rows.map(reduce).reduce(Default::default, |a, b| (a.0.max(b.0), a.1 | b.1));
         let working = WorkingImage::of_luminance(grid, block, luminance);
-        if seen.1 >> 31 == 1 || !working.flux.is_finite() {
-            check_samples(radiance)?;
-        }
-        if !working.flux.is_finite() {
-            return Err(Error::TooBright);
-        }
+        working.check(radiance, bits >> 31 == 1)?;
         let expanded = working.with_luminance(expanded);
-        Ok(Self { working, expanded, maximum: f64::from(f32::from_bits(seen.0)) })
+        Ok(Self { working, expanded, maximum: f64::from(f32::from_bits(largest)) })
     }
 }
 
-/// Write the mean of each block of some columns. The usual sizes are known when this is compiled: no loop in a loop.
+/// Write the mean of each block of some columns; the usual sizes of blocks are compiled without an inner loop.
 fn across(columns: &mut [f32], weights: &[f32], block: usize, out: &mut [f32]) {
     columns.iter_mut().zip(weights).for_each(|(value, weight)| *value *= weight);
     match block {
@@ -109,6 +100,7 @@ impl ExpandedSums {
     }
 }
 
+/// Addition of a row of pixels to the sums.
 struct AddRow<'a> {
     sums: &'a mut ExpandedSums,
     pixels: &'a [[f32; 3]],
@@ -141,6 +133,7 @@ mod tests {
     use ndarray::Array3;
 
     use super::*;
+    use crate::error::Error;
     use crate::kernels::sphere::band_heights;
 
     #[test]
@@ -163,15 +156,15 @@ mod tests {
             for (height, width, columns) in [(30, 60, 60), (30, 60, 16), (37, 74, 10), (150, 300, 1)] {
                 let map =
                     Array3::from_shape_fn((height, width, 3), |(y, x, c)| ((y * 7 + x * 3 + c) % 11) as f32);
-                let wanted = WorkingImage::of(map.view(), registration, columns).unwrap();
-                let found = ExpandedMap::of(map.view(), registration, columns, 11.0).unwrap();
-                assert_eq!((found.working.size, found.working.block), (wanted.size, wanted.block));
-                assert_relative_eq!(found.working.flux, wanted.flux, max_relative = 1e-6);
-                for (found, wanted) in found.working.luminance.iter().zip(&wanted.luminance) {
-                    assert_relative_eq!(found, wanted, max_relative = 1e-5);
+                let expected = WorkingImage::of(map.view(), registration, columns).unwrap();
+                let result = ExpandedMap::of(map.view(), registration, columns, 11.0).unwrap();
+                assert_eq!((result.working.size, result.working.block), (expected.size, expected.block));
+                assert_relative_eq!(result.working.flux, expected.flux, max_relative = 1e-6);
+                for (result, expected) in result.working.luminance.iter().zip(&expected.luminance) {
+                    assert_relative_eq!(result, expected, max_relative = 1e-5);
                 }
                 assert_relative_eq!(
-                    found.maximum,
+                    result.maximum,
                     map.rows()
                         .into_iter()
                         .map(|p| f64::from(luminance_f32([p[0], p[1], p[2]])))

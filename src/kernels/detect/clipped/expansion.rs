@@ -8,11 +8,11 @@
 //! ```
 #![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
 
-/// The clip level becomes one over this. Larger values merge lamps with the white walls around them.
+/// Inverse of the expanded clip level. Larger values merge lamps with the white walls around them.
 const DISTANCE: f32 = 0.02;
 /// The threshold is at most the expansion of this fraction of the clip level.
 const HIGHEST_THRESHOLD: f32 = 0.97;
-/// On a sphere with more than this fraction clipped, no light stands out.
+/// On a sphere with more than this fraction clipped, no light is brighter than its surroundings.
 const MOSTLY_WHITE: f64 = 0.5;
 
 /// Expand a fraction of the clip level.
@@ -28,9 +28,9 @@ pub fn below_white(threshold: f64, share_at_white: f64) -> f64 {
     if share_at_white < MOSTLY_WHITE { threshold.min(highest) } else { threshold }
 }
 
-/// The luminance that became `expanded`.
+/// Compress an expanded luminance: the inverse of [`expand`], for the clip level `end`.
 #[inline(always)]
-pub fn compressed(expanded: f32, end: f32) -> f32 {
+pub fn compress(expanded: f32, end: f32) -> f32 {
     end * (1.0 + DISTANCE) * (expanded / (1.0 + expanded))
 }
 
@@ -45,7 +45,7 @@ mod tests {
         assert_relative_eq!(expand(1.0), 50.0, max_relative = 1e-4);
         assert_relative_eq!(expand(7.0), 50.0, max_relative = 1e-4);
         for share in [0.0_f32, 0.01, 0.3, 0.9, 0.99, 1.0] {
-            let back = compressed(expand(share), 3.0);
+            let back = compress(expand(share), 3.0);
             assert_relative_eq!(back, 3.0 * share, max_relative = 1e-4, epsilon = 1e-9);
         }
     }

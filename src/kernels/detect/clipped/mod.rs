@@ -28,7 +28,7 @@ use ndarray::ArrayView3;
 
 pub use clip_level::ClipLevel;
 use expanded_map::ExpandedMap;
-pub use expansion::{compressed, expand};
+pub use expansion::{compress, expand};
 pub use position::LightPosition;
 
 use super::clipping::LEAST_WHITE;
@@ -41,13 +41,18 @@ use super::segment::working_image::WorkingImage;
 use crate::error::Result;
 use crate::kernels::sphere::Registration;
 
-/// Columns of an unclipped map's working image over those of a clipped map: clipped regions have no fine detail.
-/// Without it, detection in a picture takes about three times as long.
-const FEWER_COLUMNS: usize = 2;
-/// Least number of columns of the working image.
-const LEAST_COLUMNS: usize = 16;
-/// Bright fraction of the sphere above which the working image gets fewer columns: time grows with bright pixels.
-const MOST_BRIGHT: f64 = 0.12;
+/// Settings of the working image of a clipped map.
+struct WorkingSettings {
+    /// Columns of an unclipped map's working image over those of a clipped map: clipped regions have no fine detail.
+    /// Without it, detection in a picture takes about three times as long.
+    fewer_columns: usize,
+    /// Least number of columns.
+    least_columns: usize,
+    /// Bright fraction of the sphere above which the image gets fewer columns: time grows with bright pixels.
+    most_bright: f64,
+}
+
+const WORKING: WorkingSettings = WorkingSettings { fewer_columns: 2, least_columns: 16, most_bright: 0.12 };
 
 /// A clipped map, reduced.
 pub struct ClippedMap {
@@ -72,7 +77,8 @@ pub struct ClippedLights {
 }
 
 impl ClippedMap {
-    /// Reduced luminance, its expansion, and the threshold of the expansion, of a map that can hold values up to `white`.
+    /// Reduced luminance of a map that can hold values up to `white`, its expansion, and the threshold of the expansion.
+    ///
     /// `None` if nothing was cut off.
     ///
     /// # Errors
@@ -85,7 +91,7 @@ impl ClippedMap {
         white: f64,
         threshold: Option<f64>,
     ) -> Result<Option<(WorkingImage, Self, Threshold)>> {
-        let columns = (columns / FEWER_COLUMNS).max(LEAST_COLUMNS);
+        let columns = (columns / WORKING.fewer_columns).max(WORKING.least_columns);
         let reduced = |columns, level| ExpandedMap::of(radiance, registration, columns, level);
         let first = reduced(columns, white)?;
         let Some(level) = ClipLevel::of(&first.working, first.maximum, white) else { return Ok(None) };
@@ -95,9 +101,9 @@ impl ClippedMap {
         let mut level_of_bright = threshold_of(&map, end, threshold);
         // Reduce the map further if much of it is bright.
         let bright = clip_level::share_above(&map.expanded, level_of_bright.luminance);
-        let factor = (bright / MOST_BRIGHT).sqrt().ceil() as usize;
-        if factor > 1 && map.working.size.1 > LEAST_COLUMNS {
-            map = reduced((map.working.size.1 / factor).max(LEAST_COLUMNS), end)?;
+        let factor = (bright / WORKING.most_bright).sqrt().ceil() as usize;
+        if factor > 1 && map.working.size.1 > WORKING.least_columns {
+            map = reduced((map.working.size.1 / factor).max(WORKING.least_columns), end)?;
             level_of_bright = threshold_of(&map, end, threshold);
         }
         let ExpandedMap { working, expanded, .. } = map;
@@ -105,14 +111,15 @@ impl ClippedMap {
     }
 
     /// Threshold in luminance instead of expanded luminance.
-    pub fn compressed(&self, threshold: Threshold) -> Threshold {
+    pub fn compress(&self, threshold: Threshold) -> Threshold {
         let end = self.level.luminance() as f32;
-        Threshold { luminance: f64::from(compressed(threshold.luminance as f32, end)), ..threshold }
+        Threshold { luminance: f64::from(compress(threshold.luminance as f32, end)), ..threshold }
     }
 
-    /// Divide segments at the necks of the clipped region, and drop those of little weight. `bright` are the pixels
-    /// above the threshold; gaps of up to `gap` radians in the clipped region are filled.
-    pub fn divided(
+    /// Divide segments at the necks of the clipped region, and drop those of little weight.
+    ///
+    /// `bright` are the pixels above the threshold. Gaps of up to `gap` radians in the clipped region are filled.
+    pub fn divide(
         &self,
         working: &WorkingImage,
         adjacency: &Adjacency,
@@ -121,13 +128,13 @@ impl ClippedMap {
         gap: f64,
     ) -> (Segments, ClippedLights) {
         let expanded = &self.expanded;
-        let plateau = plateau::closed(expanded, bright, gap);
+        let plateau = plateau::plateau(expanded, bright, gap);
         let depth = depth::depths(working, &plateau);
         let parts = necks::parts(working, &plateau, &depth);
         let segments = necks::divide(adjacency, segments, &parts, &working.luminance);
         let positions = position::positions(working, expanded, &segments, &depth);
         let weights = order::weights(expanded, &segments, &positions);
-        let (segments, positions, weights) = order::without_the_least(segments, positions, weights);
+        let (segments, positions, weights) = order::drop_least(segments, positions, weights);
         let (level, clipped_share) = (self.level, self.clipped_share);
         (segments, ClippedLights { positions, weights, level, clipped_share })
     }
@@ -143,9 +150,9 @@ impl ClippedLights {
 
     /// Positions and weights of the selected lights.
     #[must_use]
-    pub fn joined(self, selection: &Selection) -> Self {
+    pub fn join(self, selection: &Selection) -> Self {
         let (positions, weights) =
-            order::joined(&selection.lights, &selection.part_of, &self.positions, &self.weights);
+            order::join(&selection.lights, &selection.part_of, &self.positions, &self.weights);
         Self { positions, weights, ..self }
     }
 }

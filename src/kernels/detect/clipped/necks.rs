@@ -1,8 +1,8 @@
 //! Necks: narrow parts of a clipped region, which divide lights that have run into one another.
 //!
-//! The glow of a sun runs into a clipped horizon, a window into a clipped wall. The component tree of depth finds
-//! the deepest places and the narrowest neck on the widest way between two of them. They are parts of their
-//! own if, with the depths of the shallower one and of the neck,
+//! The glow of a sun runs into a clipped horizon, a window into a clipped wall. The component tree of depth finds the
+//! deepest points, and the narrowest neck on the widest path between two of them. They belong to two parts if the
+//! depths of the shallower one and of the neck fulfil
 //!
 //! ```text
 //!   (depth + 1 degree) / (neck + 1 degree) >= 2
@@ -17,12 +17,12 @@ use super::super::segment::run::{Run, runs};
 use super::super::segment::threshold::Threshold;
 use super::super::segment::working_image::WorkingImage;
 
-/// Depth over neck, at least; both one degree deeper than they are.
+/// Least ratio of a depth to its neck, after one degree is added to both.
 const PROMINENCE: f64 = 2.0;
-/// Angle added to depths, in radians: a plateau of a few pixels has no necks.
+/// Angle added to depths, in radians. Without it, a plateau of a few pixels has necks.
 const MORE_DEPTH: f32 = std::f32::consts::PI / 180.0;
 
-/// For each pixel its part of the `plateau` plus 1, 0 outside.
+/// For each pixel, the part of the `plateau` that holds it, counted from 1; 0 outside.
 pub fn parts(working: &WorkingImage, plateau: &[Run], depth: &[f32]) -> Vec<u32> {
     let mut level = vec![0.0; depth.len()];
     let mut indices = Vec::new();
@@ -39,45 +39,50 @@ pub fn parts(working: &WorkingImage, plateau: &[Run], depth: &[f32]) -> Vec<u32>
     components::segments(&level, &Adjacency::of(&level), &pixels, &none, &rule).label
 }
 
-/// Divide each segment among the parts of the plateau that it holds. A pixel outside of them joins the part that
-/// is nearest on a way through the segment. New peaks are those of `luminance`.
+/// Divide each segment among the parts of the plateau that it holds.
+///
+/// A pixel outside of them joins the part with the shortest path through the segment. New peaks are those of
+/// `luminance`.
 pub fn divide(adjacency: &Adjacency, segments: Segments, parts: &[u32], luminance: &[f32]) -> Segments {
-    let mut divided = Segments { pixels: Vec::new(), peaks: Vec::new(), label: segments.label };
+    let mut divided = Segments::empty(segments.label);
+    let peak = |pixels: &[u32]| pixels.iter().map(|&pixel| luminance[pixel as usize]).fold(0.0, f32::max);
     let mut owner = vec![0; parts.len()];
     let mut numbers = vec![0; parts.iter().copied().max().unwrap_or(0) as usize + 1];
     for pixels in segments.pixels {
         // Number the parts of the segment, in the order of their first pixels.
-        let mut held: Vec<u32> = Vec::new();
+        let mut parts_inside: Vec<u32> = Vec::new();
         for &pixel in pixels.iter().filter(|&&pixel| divided.label[pixel as usize] != 0) {
             let part = parts[pixel as usize];
             if part != 0 && numbers[part as usize] == 0 {
-                held.push(part);
-                numbers[part as usize] = held.len() as u32;
+                parts_inside.push(part);
+                numbers[part as usize] = parts_inside.len() as u32;
             }
         }
-        let first = divided.pixels.len() as u32 + 1;
-        if held.len() < 2 {
-            divided.push(pixels, luminance, |_| first);
+        if parts_inside.len() < 2 {
+            let peak = peak(&pixels);
+            divided.push(pixels, peak);
         } else {
             grow(adjacency, &pixels, &divided.label, parts, &numbers, &mut owner);
-            let mut own = vec![Vec::new(); held.len()];
+            let mut own = vec![Vec::new(); parts_inside.len()];
             for pixel in pixels {
                 own[owner[pixel as usize] as usize - 1].push(pixel);
                 owner[pixel as usize] = 0;
             }
-            for (part, pixels) in own.into_iter().enumerate() {
-                divided.push(pixels, luminance, |_| first + part as u32);
+            for pixels in own {
+                let peak = peak(&pixels);
+                divided.push(pixels, peak);
             }
         }
-        for part in held {
+        for part in parts_inside {
             numbers[part as usize] = 0;
         }
     }
     divided
 }
 
-/// Write into `owner` the number of the part that each pixel joins; `numbers` are those of all parts, 0 where a part
-/// is not in the segment.
+/// Write into `owner` the number of the part that each pixel joins.
+///
+/// `numbers` are those of all parts, 0 for a part outside of the segment.
 fn grow(
     adjacency: &Adjacency,
     pixels: &[u32],
@@ -92,7 +97,7 @@ fn grow(
         let part = if label[pixel as usize] == 0 { 0 } else { parts[pixel as usize] };
         owner[pixel as usize] = if part == 0 { FREE } else { numbers[part as usize] };
     }
-    // Start from the rim of the plateau: from the pixels beside a free one.
+    // Start from the rim of the plateau: from its pixels with a free neighbour.
     let (mut front, mut columns) = (VecDeque::new(), Vec::new());
     for run in runs(pixels, adjacency.width()) {
         let is_near = adjacency.around_each(&run, &mut columns, |pixel| owner[pixel] == FREE, |a, b| a | b);
@@ -108,7 +113,7 @@ fn grow(
             }
         }
     }
-    // Give what lies behind a gap to the first part.
+    // Give pixels behind a gap to the first part.
     for &pixel in pixels {
         if owner[pixel as usize] == FREE {
             owner[pixel as usize] = 1;
@@ -116,43 +121,29 @@ fn grow(
     }
 }
 
-impl Segments {
-    /// Add a segment of these `pixels`; those that are labelled get a new label.
-    fn push(&mut self, pixels: Vec<u32>, luminance: &[f32], new: impl Fn(u32) -> u32) {
-        let mut peak = 0.0_f32;
-        for &pixel in &pixels {
-            peak = peak.max(luminance[pixel as usize]);
-            let label = &mut self.label[pixel as usize];
-            *label = if *label == 0 { 0 } else { new(pixel) };
-        }
-        self.pixels.push(pixels);
-        self.peaks.push(peak);
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::super::segment::test_maps::{drawn, segments};
+    use super::super::super::segment::test_maps::{segments, working_image_of};
     use super::*;
 
-    /// Sizes of the parts into which the one segment of `row` falls, where the digits are parts of the plateau.
+    /// Sizes of the parts of the one segment of `row`; digits are parts of the plateau.
     fn sizes(row: &str) -> Vec<usize> {
         let dark = ".".repeat(row.len());
         let mut rows = vec![dark.as_str(); row.len() / 2];
         let glow: String = row.chars().map(|c| if c == '.' { '.' } else { '3' }).collect();
         rows[row.len() / 4] = &glow;
-        let working = drawn(&rows);
+        let working = working_image_of(&rows);
         let mut parts = vec![0; working.luminance.len()];
         for (place, c) in row.char_indices() {
             parts[row.len() / 4 * row.len() + place] = c.to_digit(10).unwrap_or(0);
         }
-        let found = segments(&working, 0.0);
+        let result = segments(&working, 0.0);
         let adjacency = Adjacency::of(&working);
-        divide(&adjacency, found, &parts, &working.luminance).pixels.iter().map(Vec::len).collect()
+        divide(&adjacency, result, &parts, &working.luminance).pixels.iter().map(Vec::len).collect()
     }
 
     #[test]
-    fn each_part_takes_the_glow_that_is_nearest() {
+    fn each_part_gets_the_nearest_glow() {
         assert_eq!(sizes("....g11gggg2g..."), [5, 4]);
         assert_eq!(sizes("....g11gggg1g..."), [9]);
         assert_eq!(sizes("....ggggggggg..."), [9]);
@@ -162,7 +153,7 @@ mod tests {
     fn parts_of_two_discs(bridge: f64) -> usize {
         let dark = ".".repeat(128);
         let rows = vec![dark.as_str(); 64];
-        let working = drawn(&rows);
+        let working = working_image_of(&rows);
         let inside = |&pixel: &u32| {
             let (y, x) = (f64::from(pixel / 128) - 31.5, f64::from(pixel % 128) - 64.0);
             (x + 8.0).hypot(y) < 6.0 || (x - 8.0).hypot(y) < 3.0 || (x.abs() < 8.0 && y.abs() < bridge)

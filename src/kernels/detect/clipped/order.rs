@@ -2,14 +2,14 @@
 //!
 //! Clipping makes all lights equal, so their flux says little about which one is the strongest. A small clipped light is
 //! more often a lamp, a large one a wall; and light comes from above. With the expanded flux F', the
-//! solid angle W and the elevation e,
+//! solid angle W and the elevation e, the weight
 //!
 //! ```text
 //!   weight = F' / W^(3/4) exp(1.5 sin e)
 //! ```
 //!
-//! lies between the flux and the mean radiance. The powers are chosen on pictures of HDR maps, by the lights
-//! that are found, and by the flux in those that are none.
+//! lies between the flux and the mean radiance. The powers are chosen on pictures of HDR maps: by the lights that are
+//! found, and by the flux in wrong lights.
 
 use std::f64::consts::TAU;
 
@@ -19,21 +19,27 @@ use super::super::segment::run::runs;
 use super::super::segment::working_image::WorkingImage;
 use super::position::LightPosition;
 
-/// The power of the solid angle.
-const SMALLNESS: f64 = 0.75;
-/// Logarithm of the weight of a light at the zenith over that of one on the horizon.
-const UPWARDS: f64 = 1.5;
-/// Lights with a smaller share of the sum of all weights are left out.
-const LEAST_SHARE: f64 = 0.01;
-/// A clipped region of more steradians, below the horizon, is a floor.
-const FLOOR: f64 = 0.5;
-/// Sine of the elevation below which a floor may lie.
-const FLOOR_BELOW: f64 = -0.3;
+/// Settings of the weights, chosen on pictures of HDR maps.
+struct WeightSettings {
+    /// The power of the solid angle.
+    smallness: f64,
+    /// Logarithm of the weight of a light at the zenith over that of one on the horizon.
+    upwards: f64,
+    /// Lights with a smaller fraction of the sum of all weights are left out.
+    least_fraction: f64,
+    /// A clipped region of more steradians, below the horizon, is a floor.
+    floor: f64,
+    /// Sine of the elevation below which a floor may lie.
+    floor_below: f64,
+}
 
-/// The weight of each segment; 0 for a floor. The segment of larger weight is more likely the stronger light.
-pub fn weights(expanded: &WorkingImage, segments: &Segments, places: &[LightPosition]) -> Vec<f64> {
+const WEIGHTS: WeightSettings =
+    WeightSettings { smallness: 0.75, upwards: 1.5, least_fraction: 0.01, floor: 0.5, floor_below: -0.3 };
+
+/// The weight of each segment; 0 for a floor. A larger weight means that the light is more likely the strongest.
+pub fn weights(expanded: &WorkingImage, segments: &Segments, positions: &[LightPosition]) -> Vec<f64> {
     let width = expanded.size.1;
-    let weight = |(pixels, place): (&Vec<u32>, &LightPosition)| {
+    let weight = |(pixels, position): (&Vec<u32>, &LightPosition)| {
         // Sum solid angle and expanded flux.
         let (mut solid_angle, mut flux) = (0.0, 0.0);
         for run in runs(pixels, width) {
@@ -44,63 +50,58 @@ pub fn weights(expanded: &WorkingImage, segments: &Segments, places: &[LightPosi
             }
         }
         // Weigh them.
-        flux / solid_angle.powf(SMALLNESS) * from_above(solid_angle, place.direction.y)
+        flux / solid_angle.powf(WEIGHTS.smallness) * from_above(solid_angle, position.direction.y)
     };
-    segments.pixels.iter().zip(places).map(weight).collect()
+    segments.pixels.iter().zip(positions).map(weight).collect()
 }
 
-/// Factor of the weight for the `sine` of an elevation: light comes from above, and a floor gives none.
+/// Factor of the weight for the `sine` of an elevation: light comes from above, and a floor emits none.
 pub fn from_above(solid_angle: f64, sine: f64) -> f64 {
-    let is_floor = solid_angle > FLOOR && sine < FLOOR_BELOW;
-    if is_floor { 0.0 } else { (UPWARDS * sine).exp() }
+    let is_floor = solid_angle > WEIGHTS.floor && sine < WEIGHTS.floor_below;
+    if is_floor { 0.0 } else { (WEIGHTS.upwards * sine).exp() }
 }
 
 /// Least weight of a light that is listed; many equal lights all have it.
 fn least_weight(weights: &[f64]) -> f64 {
     let largest = weights.iter().copied().fold(0.0, f64::max);
-    (LEAST_SHARE * weights.iter().sum::<f64>()).min(largest)
+    (WEIGHTS.least_fraction * weights.iter().sum::<f64>()).min(largest)
 }
 
-/// Segments, positions and weights without those of little weight.
-pub fn without_the_least(
+/// Drop segments of little weight, with their positions.
+pub fn drop_least(
     segments: Segments,
-    places: Vec<LightPosition>,
+    positions: Vec<LightPosition>,
     weights: Vec<f64>,
 ) -> (Segments, Vec<LightPosition>, Vec<f64>) {
     let least = least_weight(&weights);
-    let mut kept = Segments { pixels: Vec::new(), peaks: Vec::new(), label: segments.label };
-    let (mut kept_places, mut kept_weights) = (Vec::new(), Vec::new());
+    let mut listed = Segments::empty(segments.label);
+    let (mut listed_positions, mut listed_weights) = (Vec::new(), Vec::new());
     let segments = segments.pixels.into_iter().zip(segments.peaks);
-    for (((pixels, peak), place), weight) in segments.zip(places).zip(weights) {
-        // Give its pixels the label of its new place, or none.
-        let label = if weight < least { 0 } else { kept.pixels.len() as u32 + 1 };
-        for &pixel in &pixels {
-            let own = &mut kept.label[pixel as usize];
-            *own = if *own == 0 { 0 } else { label };
-        }
-        if label != 0 {
-            kept.pixels.push(pixels);
-            kept.peaks.push(peak);
-            kept_places.push(place);
-            kept_weights.push(weight);
+    for (((pixels, peak), position), weight) in segments.zip(positions).zip(weights) {
+        if weight < least {
+            listed.relabel(&pixels, 0);
+        } else {
+            listed.push(pixels, peak);
+            listed_positions.push(position);
+            listed_weights.push(weight);
         }
     }
-    (kept, kept_places, kept_weights)
+    (listed, listed_positions, listed_weights)
 }
 
-/// Join the places and the weights of the `lights` that were joined or merged, of which those are a `part_of`.
-pub fn joined(
+/// Join the positions and add the weights of segments; `part_of` holds the light of each segment.
+pub fn join(
     lights: &[LightMoments],
     part_of: &[Option<usize>],
-    places: &[LightPosition],
+    positions: &[LightPosition],
     weights: &[f64],
 ) -> (Vec<LightPosition>, Vec<f64>) {
     let mut joined: Vec<Option<LightPosition>> = vec![None; lights.len()];
     let mut sums = vec![0.0; lights.len()];
-    for ((place, weight), light) in places.iter().zip(weights).zip(part_of) {
+    for ((position, weight), light) in positions.iter().zip(weights).zip(part_of) {
         let Some(light) = *light else { continue };
-        let whole = joined[light].get_or_insert_with(|| place.clone());
-        *whole = whole.and(place, lights[light].direction());
+        let whole = joined[light].get_or_insert_with(|| position.clone());
+        *whole = whole.and(position, lights[light].direction());
         sums[light] += weight;
     }
     (joined.into_iter().flatten().collect(), sums)

@@ -1,4 +1,4 @@
-//! The plateau: clipped pixels, with the bars across them filled.
+//! The plateau: the clipped pixels of a map, with the bars across them filled.
 
 use std::f64::consts::{PI, TAU};
 
@@ -7,122 +7,122 @@ use super::super::segment::run::{Run, runs};
 use super::super::segment::working_image::WorkingImage;
 use super::expansion::expand;
 
-/// The plateau of an `expanded` image, as runs in ascending order. `bright` are the pixels that may lie on it.
+/// The plateau of an `expanded` image, as runs in ascending order; `bright` are the pixels that may lie on it.
 ///
-/// Bars of up to `gap` radians between two of its pixels, along a row or a column, are closed: else a window
+/// Gaps of up to `gap` radians between two of its pixels, along a row or a column, are filled: else a window
 /// falls into panes.
-pub fn closed(expanded: &WorkingImage, bright: &[u32], gap: f64) -> Vec<Run> {
+pub fn plateau(expanded: &WorkingImage, bright: &[u32], gap: f64) -> Vec<Run> {
     // The centres of the pixels on both sides of a bar are its width and one pixel apart.
     let reach = gap + expanded.row_height();
-    let rows = close_rows(expanded, &white(expanded, bright), reach);
-    close_columns(expanded, rows, reach)
+    let rows = fill_rows(expanded, &clipped_runs(expanded, bright), reach);
+    fill_columns(expanded, rows, reach)
 }
 
-/// The runs of `bright` pixels that are at white.
-fn white(expanded: &WorkingImage, bright: &[u32]) -> Vec<Run> {
+/// The runs of `bright` pixels that are clipped.
+fn clipped_runs(expanded: &WorkingImage, bright: &[u32]) -> Vec<Run> {
     let least = expand(LEAST_WHITE as f32);
     let width = expanded.size.1;
-    let mut white = Vec::new();
+    let mut clipped = Vec::new();
     for run in runs(bright, width) {
-        push_runs(&mut white, &run, &expanded.luminance[run.pixels(width)], |&level| level >= least);
+        push_runs(&mut clipped, &run, &expanded.luminance[run.pixels(width)], |&level| level >= least);
     }
-    white
+    clipped
 }
 
-/// Add the parts of a `run` in which the values of its pixels are `wanted`.
-fn push_runs<T>(found: &mut Vec<Run>, run: &Run, values: &[T], wanted: impl Fn(&T) -> bool) {
+/// Add the parts of a `run` in which the condition holds for the values of its pixels.
+fn push_runs<T>(parts: &mut Vec<Run>, run: &Run, values: &[T], holds: impl Fn(&T) -> bool) {
     let mut start = run.columns.start;
-    for part in values.chunk_by(|one, other| wanted(one) == wanted(other)) {
-        if wanted(&part[0]) {
-            found.push(Run { row: run.row, columns: start..start + part.len() });
+    for part in values.chunk_by(|one, other| holds(one) == holds(other)) {
+        if holds(&part[0]) {
+            parts.push(Run { row: run.row, columns: start..start + part.len() });
         }
         start += part.len();
     }
 }
 
-/// Close the gaps between runs of a row, across the seam too.
-fn close_rows(working: &WorkingImage, white: &[Run], reach: f64) -> Vec<Run> {
+/// Fill the gaps between runs of a row, across the seam too.
+fn fill_rows(working: &WorkingImage, clipped: &[Run], reach: f64) -> Vec<Run> {
     let width = working.size.1;
     let theta = &working.grid.theta_edges;
-    let mut closed: Vec<Run> = Vec::new();
-    for row in white.chunk_by(|one, other| one.row == other.row) {
+    let mut filled: Vec<Run> = Vec::new();
+    for row in clipped.chunk_by(|one, other| one.row == other.row) {
         let sine = (0.5 * (theta[row[0].row] + theta[row[0].row + 1])).sin();
         let most = ((reach / (TAU * sine) * width as f64) as usize).min(width / 2);
-        let first = closed.len();
+        let first = filled.len();
         for run in row {
-            match closed[first..].last_mut() {
+            match filled[first..].last_mut() {
                 Some(last) if run.columns.start <= last.columns.end - 1 + most => {
                     last.columns.end = run.columns.end;
                 }
-                _ => closed.push(run.clone()),
+                _ => filled.push(run.clone()),
             }
         }
-        let last = closed.len() - 1;
-        if closed[first].columns.start + width <= closed[last].columns.end - 1 + most {
-            closed[first].columns.start = 0;
-            closed[last].columns.end = width;
+        let last = filled.len() - 1;
+        if filled[first].columns.start + width <= filled[last].columns.end - 1 + most {
+            filled[first].columns.start = 0;
+            filled[last].columns.end = width;
         }
     }
-    closed
+    filled
 }
 
-/// Close the gaps between pixels of a column.
-fn close_columns(working: &WorkingImage, rows: Vec<Run>, reach: f64) -> Vec<Run> {
+/// Fill the gaps between pixels of a column.
+fn fill_columns(working: &WorkingImage, rows: Vec<Run>, reach: f64) -> Vec<Run> {
     let (height, width) = working.size;
     let most = (reach / PI * height as f64) as usize;
-    let mut is_white = vec![false; height * width];
+    let mut is_clipped = vec![false; height * width];
     for run in &rows {
-        is_white[run.pixels(width)].fill(true);
+        is_clipped[run.pixels(width)].fill(true);
     }
-    let mut is_closed = false;
+    let mut is_any_filled = false;
     for pixel in rows.iter().filter(|run| run.row + 2 < height).flat_map(|run| run.pixels(width)) {
-        if is_white[pixel + width] {
+        if is_clipped[pixel + width] {
             continue; // no gap below
         }
         let below = (2..=most).map(|rows| pixel + rows * width).take_while(|&other| other < height * width);
-        let Some(other) = below.into_iter().find(|&other| is_white[other]) else { continue };
-        (pixel + width..other).step_by(width).for_each(|between| is_white[between] = true);
-        is_closed = true;
+        let Some(other) = below.into_iter().find(|&other| is_clipped[other]) else { continue };
+        (pixel + width..other).step_by(width).for_each(|between| is_clipped[between] = true);
+        is_any_filled = true;
     }
-    if !is_closed {
+    if !is_any_filled {
         return rows;
     }
-    let mut closed = Vec::new();
-    for (row, is_white) in is_white.chunks_exact(width).enumerate() {
-        push_runs(&mut closed, &Run { row, columns: 0..width }, is_white, |&is_white| is_white);
+    let mut filled = Vec::new();
+    for (row, is_clipped) in is_clipped.chunks_exact(width).enumerate() {
+        push_runs(&mut filled, &Run { row, columns: 0..width }, is_clipped, |&is_clipped| is_clipped);
     }
-    closed
+    filled
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::segment::test_maps::drawn;
+    use super::super::super::segment::test_maps::working_image_of;
     use super::*;
 
-    /// The plateau of a drawing, of which 9 is expanded luminance above white; `gap` in pixel heights.
-    fn closed_pixels(rows: &[&str], gap: f64) -> Vec<usize> {
-        let working = drawn(rows);
+    /// Pixels of the plateau of a drawing in which 9 is clipped; `gap` in pixel heights.
+    fn plateau_pixels(rows: &[&str], gap: f64) -> Vec<usize> {
+        let working = working_image_of(rows);
         let luminance = working.luminance.iter().map(|&y| if y > 8.0 { 50.0 } else { y }).collect();
         let working = working.with_luminance(luminance);
         let all: Vec<u32> = (0..working.luminance.len() as u32).collect();
         let width = working.size.1;
-        closed(&working, &all, gap * working.row_height()).iter().flat_map(|run| run.pixels(width)).collect()
+        plateau(&working, &all, gap * working.row_height()).iter().flat_map(|run| run.pixels(width)).collect()
     }
 
     #[test]
-    fn bars_along_rows_and_columns_are_closed_up_to_their_gap() {
+    fn bars_along_rows_and_columns_are_filled_up_to_their_gap() {
         let dark = "................";
         let window = [dark, dark, dark, "...99.99........", dark, "...99.99........", dark, dark];
-        assert_eq!(closed_pixels(&window, 0.5).len(), 8);
-        // The cross between the panes is closed too: its upright first, then its bar.
-        assert_eq!(closed_pixels(&window, 1.2).len(), 15);
+        assert_eq!(plateau_pixels(&window, 0.5).len(), 8);
+        // The cross between the panes is filled too: its upright first, then its bar.
+        assert_eq!(plateau_pixels(&window, 1.2).len(), 15);
     }
 
     #[test]
-    fn a_bar_on_the_seam_is_closed() {
+    fn a_bar_on_the_seam_is_filled() {
         let dark = "................";
         let rows = [dark, dark, dark, ".9............99", "9..............9", dark, dark, dark];
-        let found = closed_pixels(&rows, 1.2);
-        assert_eq!(found, [48, 49, 62, 63, 64, 79]);
+        let result = plateau_pixels(&rows, 1.2);
+        assert_eq!(result, [48, 49, 62, 63, 64, 79]);
     }
 }

@@ -9,9 +9,9 @@ use glam::DVec3;
 use super::super::segment::components::Segments;
 use super::super::segment::run::{Run, runs};
 use super::super::segment::working_image::WorkingImage;
-use super::depth::PixelDirections;
+use crate::kernels::image::CellCentres;
 
-/// Pixels below this fraction of the largest depth are not the light's: spurs, and a clipped horizon.
+/// Pixels below this fraction of the largest depth do not count: spurs, and a clipped horizon.
 const SHALLOW: f32 = 0.5;
 
 /// Direction of a light of a clipped map.
@@ -19,9 +19,9 @@ const SHALLOW: f32 = 0.5;
 pub struct LightPosition {
     /// Unit vector.
     pub direction: DVec3,
-    /// Angle from the deepest place of its plateau to the rim, in radians; 0 without a plateau.
+    /// Angle from the deepest point of its plateau to the rim, in radians; 0 without a plateau.
     pub plateau_radius: f64,
-    /// Angle in radians that two thirds of such lights are off at most.
+    /// Angle in radians that contains the error of two thirds of such lights.
     pub uncertainty: f64,
 }
 
@@ -33,7 +33,7 @@ impl LightPosition {
     /// Position of two lights joined to one that points to `direction`.
     #[must_use]
     pub fn and(&self, other: &Self, direction: DVec3) -> Self {
-        let apart = |place: &Self| place.direction.angle_between(direction);
+        let apart = |position: &Self| position.direction.angle_between(direction);
         Self {
             direction,
             plateau_radius: self.plateau_radius.max(other.plateau_radius),
@@ -42,7 +42,7 @@ impl LightPosition {
     }
 }
 
-/// The angle within which two thirds of all lights of a kind are, with the plateau's radius R and the light's r:
+/// Angle that contains the error of two thirds of all lights with the radius r and a plateau of the radius R:
 ///
 /// ```text
 ///   u = max(0.7 (R + 0.5 degrees), 0.3 r)
@@ -60,9 +60,9 @@ pub fn positions(
     segments: &Segments,
     depth: &[f32],
 ) -> Vec<LightPosition> {
-    let sphere = PixelDirections::new(working);
+    let sphere = CellCentres::new(&working.grid);
     let width = working.size.1;
-    let place = |pixels: &Vec<u32>| {
+    let position = |pixels: &Vec<u32>| {
         let runs = runs(pixels, width);
         let labelled = |run: &Run| run.pixels(width).filter(|&pixel| segments.label[pixel] != 0);
         let deepest = runs.iter().flat_map(labelled).map(|pixel| depth[pixel]).fold(0.0, f32::max);
@@ -84,5 +84,5 @@ pub fn positions(
         let radius = (1.0 - solid_angle / width as f64).max(-1.0).acos();
         LightPosition::new(sum.normalize_or(DVec3::Y), (f64::from(deepest) - rim).max(0.0), radius)
     };
-    segments.pixels.iter().map(place).collect()
+    segments.pixels.iter().map(position).collect()
 }

@@ -4,10 +4,10 @@ use super::image::{Image, Pixel};
 use crate::error::{Error, Result};
 use crate::kernels::sphere::check_memory;
 
-/// Pixels of the first line too long to list: no image that fits into memory is that wide.
+/// Pixels of the shortest line that is refused: no image that fits into memory is that wide.
 const LONGEST: u64 = 1 << 24;
 
-/// When a line is bright enough to join its ends.
+/// Condition for a line that joins its ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineRule {
     /// Samples farther apart are not joined.
@@ -16,14 +16,13 @@ pub struct LineRule {
     pub tolerance: f32,
     /// A brighter pixel counts as this bright.
     pub ceiling: f32,
-    /// A mean of this or more is bright whatever the start.
+    /// A mean of this or more is bright for any start.
     pub bright: f32,
-    /// Lines take the shorter way around the sphere.
+    /// True for lines on the shorter way around the sphere.
     pub sphere: bool,
 }
 
-/// The pixels of Bresenham's line after its start, up to its end: one for each step along the
-/// longer side.
+/// The pixels of Bresenham's line after its start, up to its end: one for each step along the longer side.
 ///
 /// The error grows by the shorter side at each step. At a tie the line moves to the next row or column
 /// only if it runs in the positive direction, so that a line and its reverse are the same pixels.
@@ -92,9 +91,9 @@ pub fn line(start: [i64; 2], end: [i64; 2]) -> Result<Vec<[i64; 2]>> {
 /// True if the line between two pixels stays as bright as its start, after each of its pixels.
 ///
 /// The mean is over the pixels after the start, each cut at the rule's ceiling. With `rule.sphere` the
-/// line takes the shorter way around.
+/// line goes the shorter way around.
 pub(super) fn is_bright(image: &Image<'_>, start: Pixel, end: Pixel, rule: &LineRule) -> bool {
-    // Unwrap the end so that the line takes the shorter way around.
+    // Unwrap the end so that the line goes the shorter way around.
     let width = image.width as i64;
     let signed = |[row, column]: Pixel| [row as i64, column as i64];
     let (from, mut to) = (signed(start), signed(end));
@@ -127,7 +126,7 @@ mod tests {
     }
 
     proptest! {
-        /// A line starts and ends where asked, and never jumps.
+        /// A line joins its two ends without a jump.
         #[test]
         fn a_line_is_connected(start in [-99_i64..99, -99_i64..99], end in [-99_i64..99, -99_i64..99]) {
             let pixels = line(start, end).unwrap();

@@ -27,7 +27,7 @@ impl<'a> Image<'a> {
         let samples = image.to_slice().unwrap_or(&[]);
         for (row, samples) in samples.chunks(width).enumerate() {
             interrupt::check();
-            // Without an early way out the row is tested eight pixels at a time.
+            // Test all of a row: without an early exit, the loop tests eight pixels at a time.
             if !samples.iter().fold(true, |all, value| all & value.is_finite()) {
                 let column = samples.iter().position(|value| !value.is_finite()).unwrap_or(0);
                 return Err(Error::BadPixel { what, row, column, value: samples[column] });

@@ -5,8 +5,9 @@ use ndarray::{Array2, ArrayView1, ArrayView2, Axis};
 use crate::error::{Error, Result};
 use crate::kernels::sphere::{check_lengths, check_rows};
 
-/// `sum(w p) / sum(w)` over the `points` of each light, (n, d), for each number that `light` holds, in
-/// rising order: (m, d). Where all `weights` of a light are 0, its points count alike.
+/// `sum(w p) / sum(w)` over the `points` of each light, (n, d), for the distinct numbers in `light`, sorted: (m, d).
+///
+/// If all `weights` of a light are 0, its points count equally.
 ///
 /// # Errors
 ///
@@ -27,12 +28,12 @@ pub fn weighted_means(
     lights.sort_unstable();
     lights.dedup();
     let rank: Vec<usize> = light.iter().map(|light| lights.partition_point(|other| other < light)).collect();
-    // Sum the weights of each; points of no weight at all count alike.
-    let given = sums(&rank, weights, lights.len());
+    // Sum the weights of each; give equal weights to the points of a light without any.
+    let weight_of = sums(&rank, weights, lights.len());
     let weights: Vec<f64> = rank
         .iter()
         .zip(weights)
-        .map(|(&rank, &weight)| if given[rank] > 0.0 { weight } else { 1.0 })
+        .map(|(&rank, &weight)| if weight_of[rank] > 0.0 { weight } else { 1.0 })
         .collect();
     let total = sums(&rank, &weights, lights.len());
     // Divide the sums of the weighted points by them.

@@ -7,14 +7,13 @@ use super::image::{Image, pixels_inside, points_in_space};
 use crate::error::{Error, Result};
 use crate::interrupt;
 
-/// For each of `pixels`, (n, 2), brightest first, the one that it is merged into: itself, or the
-/// brightest one that a bright line joins to it.
+/// For each of `pixels`, (n, 2), brightest first, the one that it is merged into.
 ///
-/// Only samples whose `points`, (n, 2) or (n, 3), are at most `rule.farthest` apart are merged.
+/// This is the brightest one that a bright line joins to it, or itself. Only samples whose `points`, (n, 2) or (n, 3),
+/// are at most `rule.farthest` apart are merged.
 ///
-/// Every light tries every sample that is still open, so the work grows with the square of their number.
-/// But a line ends at its first dark step, and survivors of the suppression are so far apart that few fit
-/// on an image: 1300 at the defaults.
+/// Every light tries every sample that is still open, so the work grows with the square of their number. But a line
+/// ends at its first dark step, and suppression leaves few samples: 1300 at the defaults.
 ///
 /// # Errors
 ///

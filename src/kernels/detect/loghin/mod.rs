@@ -1,5 +1,5 @@
-//! The steps of Loghin (2021), each for itself on a luminance image, plane or equirectangular.
-//! `envlights.detect_article` puts them together for a map.
+//! The separate steps of Loghin (2021), on a luminance image, plane or equirectangular.
+//! `envlights.detect_article` applies them to a map.
 //!
 //! | step                                          | file            |
 //! |-----------------------------------------------|-----------------|

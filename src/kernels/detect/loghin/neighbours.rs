@@ -13,7 +13,7 @@ use crate::kernels::sphere::check_memory;
 /// The brightest pixel within `reach` rows and columns of each of `pixels`, (n, 2), and its value.
 ///
 /// On a `sphere`, the window crosses the seam and widens towards the poles, so that it spans the
-/// same angle everywhere: `reach / sin theta` columns. Of equal pixels the first one counts, row by
+/// same angle everywhere: `reach / sin theta` columns. The first one of equal pixels counts, row by
 /// row, left to right.
 ///
 /// # Errors
@@ -42,7 +42,7 @@ pub fn neighbour_maximum(
     Ok(brightest_around_all(&image, &pixels, &windows))
 }
 
-/// Maxima around all pixels of an image take as long as reading it about this often, window by window.
+/// Number of passes over an image that last as long as maxima around all of its pixels.
 const READS: usize = 80;
 
 /// The brightest pixel of the window around `pixel`, and its value.
@@ -63,8 +63,10 @@ fn brightest_around(image: &Image<'_>, pixel: Pixel, windows: &Windows) -> (f32,
     best
 }
 
-/// Brightest neighbours of all `pixels`, at a cost that does not grow with the windows: how far a window reaches in a row depends
-/// on the row alone, so maxima run along each row first, and then down the columns.
+/// Brightest neighbours of all `pixels`, at a cost that does not grow with the windows.
+///
+/// The width of a window in a row depends on the row alone, so maxima run along each row first, and then down the
+/// columns.
 fn brightest_around_all(image: &Image<'_>, pixels: &[Pixel], windows: &Windows) -> Vec<(f32, Pixel)> {
     let along = |row: usize| {
         interrupt::check();

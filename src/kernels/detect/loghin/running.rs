@@ -1,7 +1,8 @@
-//! The maximum of a window that runs along a line, by van Herk (1992) and by Gil and Werman (1993): the work does not
-//! grow with the window.
+//! Maximum of a window that runs along a line (van Herk 1992; Gil and Werman 1993).
+//!
+//! The work does not grow with the window.
 
-/// For each value the index of the largest one within `reach` on either side; of equal ones the first in the window.
+/// For each value, the index of the first largest one within `reach` on either side.
 ///
 /// On a `circle` the last value lies beside the first; a window that reaches all around starts at the first.
 pub fn first_maxima(values: &[f32], reach: usize, circle: bool) -> Vec<u32> {
@@ -10,7 +11,7 @@ pub fn first_maxima(values: &[f32], reach: usize, circle: bool) -> Vec<u32> {
         let best = (1..size).fold(0, |best, i| if values[i] > values[best] { i } else { best });
         return vec![best as u32; size];
     }
-    // Extend the line by what lies beyond its ends.
+    // Extend the line beyond its ends.
     let reach = reach.min(size);
     let beyond = |part: &[f32]| if circle { part.to_vec() } else { vec![f32::NEG_INFINITY; part.len()] };
     let extended = [&beyond(&values[size - reach..]), values, &beyond(&values[..reach])].concat();

@@ -11,24 +11,23 @@ use crate::error::Result;
 use crate::interrupt;
 use crate::kernels::sphere::check_memory;
 
-/// For each of `points`, (n, 2) or (n, 3), brightest first, the survivor that it belongs to: itself,
-/// or the brightest survivor closer than `distance`.
+/// For each of `points`, (n, 2) or (n, 3), brightest first, the survivor that it belongs to.
 ///
-/// Only survivors suppress. They are kept in cells of the size of `distance`, so a point is compared with
-/// those in its own and the touching cells alone: few, for survivors are far apart.
+/// This is the brightest survivor closer than `distance`, or the point itself. Survivors lie in cells of the size of
+/// `distance`, so a point is compared only with the few survivors in its own and the adjacent cells.
 ///
 /// # Errors
 ///
 /// [`crate::error::Error::WrongColumns`], [`crate::error::Error::NotFinite`], [`crate::error::Error::NoMemory`].
 pub fn suppress(points: ArrayView2<'_, f64>, distance: f64) -> Result<Vec<usize>> {
-    // Each point in space, its survivor, and its place in a cell.
+    // A point in space, its survivor, and its entry in a cell.
     check_memory(&[points.nrows(), 72])?;
     let in_space = points_in_space(points)?;
     if distance.is_nan() || distance <= 0.0 {
         return Ok((0..in_space.len()).collect());
     }
     let layers: &[f64] = if points.ncols() == 3 { &[-1.0, 0.0, 1.0] } else { &[0.0] };
-    // The last survivor of each cell, and for each the one before it: lists of their own would take long to be dropped.
+    // The last survivor of each cell, and for each the one before it: freeing a list for each cell would be slow.
     let mut last: FxHashMap<Cell, usize> = FxHashMap::default();
     let mut before: Vec<Option<usize>> = vec![None; in_space.len()];
     let mut survivors = Vec::with_capacity(in_space.len());
@@ -49,12 +48,12 @@ pub fn suppress(points: ArrayView2<'_, f64>, distance: f64) -> Result<Vec<usize>
     Ok(survivors)
 }
 
-/// The place of a cell, as the bits of its floats: whole numbers would overflow for a tiny `distance`.
+/// Coordinates of a cell, as the bits of its floats: integers would overflow for a tiny `distance`.
 type Cell = (u64, u64, u64);
 
 fn key(cell: DVec3) -> Cell {
-    // Minus zero becomes zero. The last bits of a whole number's float are all 0, and the hash, a product,
-    // keeps them so: the bytes are swapped.
+    // Minus zero becomes zero. Swap the bytes: the last bits of a whole number's float are 0, and would stay 0 in the
+    // hash, a product.
     let [x, y, z] = (cell + 0.0).to_array().map(|at| at.to_bits().swap_bytes());
     (x, y, z)
 }

@@ -6,8 +6,7 @@ use crate::error::Result;
 use crate::interrupt;
 use crate::kernels::sphere::check_rows;
 
-/// Hammersley points lie on the very borders of pixels. This much of a pixel more, and rounding does not
-/// decide on which side.
+/// Shift of all points in pixels. Without it, rounding decides about Hammersley points, which lie on borders of pixels.
 const BORDER: f64 = 1e-9;
 
 /// Row and column, (n, 2), of the image coordinates `uv`, (n, 2), in an image of `height` x `width` pixels.

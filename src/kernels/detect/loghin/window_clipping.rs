@@ -10,9 +10,9 @@ use crate::interrupt;
 use crate::kernels::detect::clipping::{Ceiling, Top, largest};
 use crate::kernels::image::check_rgb;
 
-/// For each light, true if it is clipped: at `white` if that is known, else at the map's largest sample. Its pixels are
-/// those of the window around each of `pixels`, (n, 2), one for each light: the steps see the map through such
-/// windows.
+/// For each light, true if it is clipped: at `white` if that is known, else at the map's largest sample.
+///
+/// The pixels of a light are those of the window around its one of `pixels`, (n, 2).
 ///
 /// # Errors
 ///
@@ -38,8 +38,8 @@ pub fn are_clipped(
     if let Some(white) = white {
         return Ok(at(Ceiling::White(white)));
     }
-    // Compare each with the largest of them. What is not clipped beside them is not beside a larger sample, so
-    // the map is read only for the others.
+    // Compare each with the largest of them. Lights that are not clipped at this level are not clipped at a higher one,
+    // so the map is read only for the others.
     let clipped = at(Ceiling::Maximum(tops.iter().map(|top| top.sample).fold(0.0, f32::max)));
     if !clipped.contains(&true) {
         return Ok(clipped);

@@ -10,7 +10,7 @@ pub struct Windows {
     width: usize,
     /// Rows on either side of the centre.
     pub reach: usize,
-    /// For each row its columns on either side of the centre.
+    /// For each row, the columns on either side of the centre.
     pub reach_in_row: Vec<usize>,
     pub sphere: bool,
 }
@@ -25,7 +25,7 @@ impl Windows {
         Self { height, width, reach: reach.min(height), reach_in_row, sphere }
     }
 
-    /// Pixels of a window in the middle of the image, about.
+    /// Approximate number of pixels of a window in the middle of the image.
     pub fn area(&self) -> usize {
         let side = |reach: usize, size: usize| (2 * reach + 1).min(size);
         side(self.reach, self.height) * side(self.reach_in_row[self.height / 2], self.width)

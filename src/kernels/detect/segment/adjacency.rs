@@ -1,4 +1,4 @@
-//! Adjacency: which pixels of an equirectangular image are neighbours on the sphere.
+//! Adjacency: neighbours on the sphere of the pixels of an equirectangular image.
 
 use std::iter::once;
 use std::ops::Range;
@@ -6,8 +6,10 @@ use std::ops::Range;
 use super::run::Run;
 use super::working_image::WorkingImage;
 
-/// Each pixel has eight neighbours, across the seam too. At a pole all pixels of the row touch: each is a
-/// neighbour of the brightest of its row, the pole's *hub*, and through it connected to the others.
+/// Neighbours of each pixel: eight, across the seam too.
+///
+/// At a pole all pixels of the row touch. Each is a neighbour of the brightest one of its row, the pole's *hub*, and
+/// through it connected to the others.
 pub struct Adjacency {
     height: usize,
     width: usize,
@@ -29,9 +31,10 @@ impl Adjacency {
         Self { height, width, per_width, hubs: [brightest(0), brightest(height - 1)] }
     }
 
-    /// Row and column of a flat index, by a multiplication: a division would take a fifth of the time of
-    /// [`Self::around`]. Exact as long as `height * width^2 < 2^48`.
-    fn place(&self, index: usize) -> (usize, usize) {
+    /// Row and column of a flat index, by a multiplication; exact for `height * width^2 < 2^48`.
+    ///
+    /// A division would need a fifth of the time of [`Self::around`].
+    fn row_and_column(&self, index: usize) -> (usize, usize) {
         let row = ((index as u64 * self.per_width) >> 48) as usize;
         (row, index - row * self.width)
     }
@@ -46,9 +49,9 @@ impl Adjacency {
         run.pixels(self.width)
     }
 
-    /// The neighbours of a pixel; the pixel itself where there is none.
+    /// The neighbours of a pixel; the pixel itself for a missing one.
     pub fn around(&self, index: usize) -> [usize; 9] {
-        let (row, column) = self.place(index);
+        let (row, column) = self.row_and_column(index);
         let hub = self.hub(index, row);
         let [left, here, right] = self.columns(column);
         let (up, row, down) = self.rows(row);
@@ -65,8 +68,7 @@ impl Adjacency {
         ]
     }
 
-    /// For each pixel of a `run`, the `value`s of the pixel and its neighbours, joined. `columns` is
-    /// scratch memory.
+    /// For each pixel of a `run`, the joined values of the pixel and its neighbours; `columns` is scratch memory.
     pub fn around_each<'a, T: Copy>(
         &self,
         run: &Run,
@@ -91,7 +93,7 @@ impl Adjacency {
 
     /// The pixels to the left, to the right, above and below; the pixel itself beyond the first and last row.
     pub fn sides(&self, index: usize) -> [usize; 4] {
-        let (row, column) = self.place(index);
+        let (row, column) = self.row_and_column(index);
         let [left, here, right] = self.columns(column);
         let (up, row, down) = self.rows(row);
         [row + left, row + right, up + here, down + here]
@@ -99,7 +101,7 @@ impl Adjacency {
 
     /// The pixels `columns` to the left and right, `rows` above and below; at a pole the one in the last row.
     pub fn beyond(&self, index: usize, rows: usize, columns: usize) -> [usize; 4] {
-        let (row, column) = self.place(index);
+        let (row, column) = self.row_and_column(index);
         let at = |row: usize, column: usize| row * self.width + column % self.width;
         let (up, down) = (row.saturating_sub(rows), (row + rows).min(self.height - 1));
         [at(row, column + self.width - columns), at(row, column + columns), at(up, column), at(down, column)]
@@ -142,9 +144,8 @@ mod tests {
     }
 
     proptest! {
-        /// Except at the poles.
         #[test]
-        fn adjacency_is_mutual(row in 1_usize..7, column in 0_usize..16) {
+        fn adjacency_is_mutual_except_at_the_poles(row in 1_usize..7, column in 0_usize..16) {
             let (adjacency, pixel) = (adjacency(), row * 16 + column);
             for other in adjacency.around(pixel).into_iter().filter(|other| (16..112).contains(other)) {
                 prop_assert!(adjacency.around(other).contains(&pixel), "{pixel} {other}");
@@ -162,19 +163,19 @@ mod tests {
             let mut columns = Vec::new();
             let joined = adjacency.around_each(&run, &mut columns, bit, |a, b| a | b);
             for (pixel, joined) in pixels.zip(joined) {
-                let wanted = adjacency.around(pixel).into_iter().fold(bit(pixel), |all, other| all | bit(other));
-                prop_assert_eq!(joined, wanted);
+                let expected = adjacency.around(pixel).into_iter().fold(bit(pixel), |all, other| all | bit(other));
+                prop_assert_eq!(joined, expected);
             }
         }
     }
 
     proptest! {
         #[test]
-        fn a_place_is_a_quotient_and_a_remainder(height in 1_usize..=1 << 15, width in 1_usize..=1 << 16, at in 0.0..1.0_f64) {
+        fn row_and_column_are_quotient_and_remainder(height in 1_usize..=1 << 15, width in 1_usize..=1 << 16, at in 0.0..1.0_f64) {
             let adjacency = Adjacency { height, width, per_width: (1 << 48) / width as u64 + 1, hubs: [0; 2] };
             let index = (at * (height * width) as f64) as usize;
             for index in [index, index / width * width, index / width * width + width - 1] {
-                prop_assert_eq!(adjacency.place(index), (index / width, index % width));
+                prop_assert_eq!(adjacency.row_and_column(index), (index / width, index % width));
             }
         }
     }

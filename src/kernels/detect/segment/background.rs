@@ -1,8 +1,8 @@
 //! The local background of a light: the radiance just outside of it, glare included.
 //!
-//! Its luminance is the median of the pixels three rows or columns straight out from the outline: the nearest ones
-//! are often cut by the light's edge. A median ignores what stands on one side of the light alone. Its colour is that
-//! of the middle half of these pixels.
+//! Its luminance is the median of the pixels three rows or columns straight out from the outline, because the light's
+//! edge often cuts the nearest ones. A median ignores an object on one side of the light. The colour is that of the
+//! middle half of these pixels.
 
 use ndarray::ArrayView3;
 
@@ -13,7 +13,7 @@ use crate::kernels::image::luminance;
 
 /// Heights of a row from the outline to the pixels of the background.
 const DISTANCE: usize = 3;
-/// The background is at most this share of the light's peak.
+/// Largest ratio of the background to the light's peak.
 const MOST_OF_THE_PEAK: f64 = 0.5;
 
 /// The radiance around a light.
@@ -34,7 +34,7 @@ pub fn local_backgrounds(
     outline: &[u32],
 ) -> Vec<LocalBackground> {
     let width = working.size.1;
-    // Find how many columns of each row are as wide as `DISTANCE` rows are high.
+    // Find the number of columns of each row that are as wide as `DISTANCE` rows are high.
     let columns: Vec<usize> = (0..working.size.0).map(|row| working.columns_across(row, DISTANCE)).collect();
     // Collect the pixels straight out from each outline, where they are outside the segment.
     let mut outside: Vec<Vec<u32>> = vec![Vec::new(); segments.pixels.len()];
@@ -52,7 +52,7 @@ pub fn local_backgrounds(
     outside.into_iter().zip(most).map(|(outside, most)| of_pixels(radiance, working, outside, most)).collect()
 }
 
-/// The background of some pixels of the working image, of the luminance `most` at most.
+/// The background from some pixels of the working image, with a luminance of at most `most`.
 fn of_pixels(
     radiance: ArrayView3<'_, f32>,
     working: &WorkingImage,
@@ -68,7 +68,7 @@ fn of_pixels(
     let median = f64::from(level(&pixels[pixels.len() / 2])).min(most);
     // Sum the colours in the middle of the pixels of the middle half.
     let (height, width, _) = radiance.dim();
-    let middle = |place: usize, size: usize| (place * working.block + working.block / 2).min(size - 1);
+    let middle = |index: usize, size: usize| (index * working.block + working.block / 2).min(size - 1);
     let mut sum = [0.0; 3];
     for &pixel in &pixels[pixels.len() / 4..pixels.len() - pixels.len() / 4] {
         let (row, column) = (pixel as usize / working.size.1, pixel as usize % working.size.1);
@@ -85,7 +85,7 @@ fn of_pixels(
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::super::outline::outline;
-    use super::super::test_maps::{drawn, map_of, segments};
+    use super::super::test_maps::{map_of, segments, working_image_of};
     use super::*;
     use approx::assert_relative_eq;
 
@@ -95,7 +95,7 @@ mod tests {
         let rows: Vec<String> =
             (0..16).map(|y| (0..32).map(|x| if is_lamp(y, x) { '9' } else { pixel(x) }).collect()).collect();
         let rows: Vec<&str> = rows.iter().map(String::as_str).collect();
-        let (map, working) = (map_of(&rows), drawn(&rows));
+        let (map, working) = (map_of(&rows), working_image_of(&rows));
         let (adjacency, mut segments) = (Adjacency::of(&working), segments(&working, 0.7));
         assert_eq!(segments.pixels.len(), 1);
         segments.pixels[0].retain(|&pixel| segments.label[pixel as usize] != 0);

@@ -1,23 +1,22 @@
-//! Bars: segments that are panes of one opening become one light, as a roof behind mullions.
+//! Window bars: the panes of one window become one light, as a glass roof behind mullions.
 //!
-//! [`super::bridging`] joins across gaps that no light has. A wider gap may be a bar, or the dark between two
-//! lamps of a row: what tells them apart is how wide it is beside what it divides. Panes face each other along
-//! their sides, over a bar that is narrow; lamps face each other at a point, or over a gap like themselves. With
-//! the length `l` along which two segments of the solid angles `W` face each other, and the mean width `g` of
-//! the gap between them, they are panes of one opening where
+//! [`super::bridging`] joins across gaps that no light has. A wider gap is either a bar, or the dark between two lamps
+//! of a row; its width, compared with the segments that it divides, decides. Panes face each other along their sides,
+//! over a narrow bar. Lamps face each other at a point, or over a gap as wide as they are. Two segments of the solid
+//! angles `W` face each other along a length `l`, over a gap of the mean width `g`. They are panes of one window if
 //!
 //! ```text
-//!   g <= 0.5 sqrt(d_1 d_2),   d = min(W / l, sqrt W)      narrow beside the panes' depths across it
+//!   g <= 0.5 sqrt(d_1 d_2),   d = min(W / l, sqrt W)      narrow compared with the depths of the panes
 //!   g <= 2.5 degrees                                      a wider gap is a wall
 //!   l >= g / 2,   l >= sqrt(W) / 4 of the smaller         they face each other along a side
 //!   mean luminances within a factor of 4                  one source lies behind both
-//!   the gap's is at most 0.8 of either                    a bar is dark: between two clouds lies a pale sky
+//!   that of the gap is at most 0.8 of either              a bar is dark: between two clouds lies a pale sky
 //! ```
 //!
-//! Lights that touch along a side are never panes: what divides them is no bar but a saddle, and that is for prominence
-//! to judge, or for the necks of a plateau.
+//! Lights that touch are never panes: a saddle divides them, not a bar. Prominence and the necks of a clipped region
+//! decide about saddles.
 //!
-//! The lights are joined after they are measured, for moments add up: a joined light holds all flux of its panes.
+//! The lights are joined after they are measured, because moments add up: a joined light holds all flux of its panes.
 
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
@@ -30,28 +29,38 @@ use super::merge::{self, Selection};
 use super::working_image::WorkingImage;
 use crate::interrupt;
 
-/// Widest bar, as a share of the geometric mean of the depths of its two panes.
-pub const WIDEST_BAR: f64 = 0.5;
-/// Widest bar, in radians.
-pub const WIDEST_ANGLE: f64 = PI / 72.0;
-/// Panes face each other along this many widths of the bar, at least.
-const LEAST_LENGTH: f64 = 0.5;
-/// And along this share of the side of the smaller pane.
-const LEAST_SIDE: f64 = 0.25;
-/// Mean luminances of two panes differ by this factor, at most.
-const MOST_UNLIKE: f64 = 4.0;
-/// Mean luminance of a bar over that of the dimmer pane, at most. Clipped maps need it: there, all panes
-/// are alike, and the sky between two clipped clouds is little darker.
-const MOST_LUMINANCE: f64 = 0.8;
+/// Settings of the window rule.
+pub struct BarSettings {
+    /// Largest width of a bar over the geometric mean of the depths of its two panes.
+    pub widest: f64,
+    /// Largest width of a bar, in radians: a wider gap is a wall.
+    pub widest_angle: f64,
+    /// Least length along which panes face each other, in widths of the bar.
+    least_length: f64,
+    /// Least length along which panes face each other, over the side of the smaller one.
+    least_side: f64,
+    /// Largest ratio of the mean luminances of two panes.
+    most_unlike: f64,
+    /// Largest ratio of the mean luminance of a bar to that of the dimmer pane. Without it, the sky between two clipped
+    /// clouds is a bar: all panes of a clipped map are alike, and the sky is little darker.
+    most_luminance: f64,
+}
 
-/// Pixels of an outline between two looks for Ctrl-C.
-const PIXELS_AT_ONCE: usize = 4096;
+/// Settings of the window rule.
+pub const BARS: BarSettings = BarSettings {
+    widest: 0.5,
+    widest_angle: PI / 72.0,
+    least_length: 0.5,
+    least_side: 0.25,
+    most_unlike: 4.0,
+    most_luminance: 0.8,
+};
 
 /// Lights after panes were joined.
 pub struct WindowLights {
-    /// Lights, each of one window or on its own.
+    /// Lights of one window or of one segment each.
     pub lights: Vec<LightMoments>,
-    /// For each light the luminance of its local background: the least of its panes'.
+    /// For each light, the luminance of its local background: the least one of its panes.
     pub backgrounds: Vec<f64>,
     /// For each measured light, the one that it is part of.
     pub part_of: Vec<usize>,
@@ -60,7 +69,7 @@ pub struct WindowLights {
 /// Gap between two segments that face each other, along the rows and along the columns.
 #[derive(Default)]
 struct Facing {
-    /// Lengths across the view, in radians.
+    /// Lengths across the rows and across the columns, in radians.
     lengths: [f64; 2],
     /// Solid angles of the gap between.
     gaps: [f64; 2],
@@ -76,8 +85,10 @@ impl Facing {
         self.lengths[0].hypot(self.lengths[1])
     }
 
-    /// Width of the bar. At the angle a to the columns, both views see its solid angle `g L`, over the lengths
-    /// `L cos a` and `L sin a`: the mean of what each tells of g, weighted by the squares of these.
+    /// Width of the bar.
+    ///
+    /// At the angle a to the columns, the views along rows and along columns measure its solid angle `g L` over the
+    /// lengths `L cos a` and `L sin a`. The width is the mean of both, weighted by the squares of these lengths.
     fn width(&self) -> f64 {
         let [rows, columns] = [0, 1].map(|view| self.gaps[view] * self.lengths[view].powi(2));
         (rows + columns) / self.length().powi(3)
@@ -96,7 +107,7 @@ impl Facing {
     }
 }
 
-/// Join the lights that are panes of one opening; without a `gap` that may be bridged, none.
+/// Join the lights that are panes of one window; none if `gap` is 0.
 pub fn join(
     working: &WorkingImage,
     adjacency: &Adjacency,
@@ -106,7 +117,7 @@ pub fn join(
     lights: Vec<LightMoments>,
     backgrounds: Vec<f64>,
 ) -> WindowLights {
-    let mut parent = forest::apart(lights.len());
+    let mut parent = forest::singletons(lights.len());
     if lights.len() > 1 && gap > 0.0 {
         for ((one, other), facing) in facing(working, adjacency, segments, outline, &lights) {
             if are_panes(&lights[one as usize], &lights[other as usize], &facing) {
@@ -127,15 +138,16 @@ fn are_panes(one: &LightMoments, other: &LightMoments, facing: &Facing) -> bool 
     let depth = |light: &LightMoments| (light.solid_angle() / length).min(light.solid_angle().sqrt());
     let mean = |light: &LightMoments| light.flux / light.solid_angle();
     let (dimmer, brighter) = (mean(one).min(mean(other)), mean(one).max(mean(other)));
-    width <= WIDEST_BAR * (depth(one) * depth(other)).sqrt()
-        && width <= WIDEST_ANGLE
-        && length >= (LEAST_LENGTH * width).max(LEAST_SIDE * side)
-        && brighter <= MOST_UNLIKE * dimmer
-        && facing.luminance() <= MOST_LUMINANCE * dimmer
+    width <= BARS.widest * (depth(one) * depth(other)).sqrt()
+        && width <= BARS.widest_angle
+        && length >= (BARS.least_length * width).max(BARS.least_side * side)
+        && brighter <= BARS.most_unlike * dimmer
+        && facing.luminance() <= BARS.most_luminance * dimmer
 }
 
-/// Find the pairs of segments that face each other to the right or downwards. A map in order: the same joins in
-/// the same order, always.
+/// Find the pairs of segments that face each other to the right or downwards.
+///
+/// A sorted map makes the order of the joins the same in every run.
 fn facing(
     working: &WorkingImage,
     adjacency: &Adjacency,
@@ -146,15 +158,13 @@ fn facing(
     let (height, width) = working.size;
     let (reaches, high) = (reaches(lights), working.row_height());
     let mut pairs: BTreeMap<(u32, u32), Facing> = BTreeMap::new();
-    for (count, index) in outline.iter().map(|&index| index as usize).enumerate() {
-        if count.is_multiple_of(PIXELS_AT_ONCE) {
-            interrupt::check();
-        }
+    for index in outline.iter().map(|&index| index as usize) {
+        interrupt::check();
         let own = segments.label[index];
         let (row, column) = (index / width, index % width);
         let [_, right, _, down] = adjacency.sides(index);
         let reach = reaches[own as usize - 1];
-        // Find how broad the pixel is, and how many of them are within reach.
+        // Find the width of the pixel, and the number of pixels within reach.
         let broad = working.bands[row] * TAU / width as f64 / high;
         let on_the_right = ((reach / broad) as usize + 1).min(width / 2);
         let below = ((reach / high) as usize + 1).min(height - 1 - row);
@@ -205,17 +215,16 @@ impl Gap {
     }
 }
 
-/// Largest distance from each light at which a bar may end: no other light is deeper than the largest.
+/// Largest distance from each light at which a bar may end, because no other light is deeper than the largest.
 fn reaches(lights: &[LightMoments]) -> Vec<f64> {
     let sides: Vec<f64> = lights.iter().map(|light| light.solid_angle().sqrt()).collect();
     let largest = sides.iter().copied().fold(0.0, f64::max);
-    // The mean over a curved gap may be less than one ray of it: twice the widest bar.
-    sides.iter().map(|side| 2.0 * (WIDEST_BAR * (side * largest).sqrt()).min(WIDEST_ANGLE)).collect()
+    // One ray through a curved gap may be longer than the mean: look as far as twice the widest bar.
+    sides.iter().map(|side| 2.0 * (BARS.widest * (side * largest).sqrt()).min(BARS.widest_angle)).collect()
 }
 
 impl WindowLights {
-    /// Select at most `most` of the lights that are listed, with the number of their panes; each segment is part of its
-    /// opening's light.
+    /// Select at most `most` of the listed lights, and count the panes of each.
     pub fn select(
         self,
         is_listed: impl Fn(&LightMoments, f64) -> bool,
@@ -230,40 +239,41 @@ impl WindowLights {
         let Self { lights, part_of, .. } = self;
         let selection = merge::select(lights, &listed, most);
         let panes = panes(&part_of, &selection);
-        let part_of = part_of.iter().map(|&opening| selection.part_of[opening]).collect();
+        let part_of = part_of.iter().map(|&window| selection.part_of[window]).collect();
         (Selection { part_of, ..selection }, panes)
     }
 
     /// Join the lights of each tree of `parent`.
     fn of(lights: Vec<LightMoments>, backgrounds: Vec<f64>, parent: &mut [u32]) -> Self {
-        let mut openings = Self { lights: Vec::new(), backgrounds: Vec::new(), part_of: Vec::new() };
+        let mut windows = Self { lights: Vec::new(), backgrounds: Vec::new(), part_of: Vec::new() };
         for ((i, light), background) in (0..).zip(lights).zip(backgrounds) {
             let first = root(parent, i);
             if first == i {
-                openings.part_of.push(openings.lights.len());
-                openings.lights.push(light);
-                openings.backgrounds.push(background);
+                windows.part_of.push(windows.lights.len());
+                windows.lights.push(light);
+                windows.backgrounds.push(background);
             } else {
-                // The first of a tree stands before the others.
-                let whole = openings.part_of[first as usize];
-                openings.part_of.push(whole);
-                openings.lights[whole] = openings.lights[whole].and(&light);
-                openings.backgrounds[whole] = openings.backgrounds[whole].min(background);
+                // The first light of a tree comes before the others.
+                let whole = windows.part_of[first as usize];
+                windows.part_of.push(whole);
+                windows.lights[whole] = windows.lights[whole].and(&light);
+                windows.backgrounds[whole] = windows.backgrounds[whole].min(background);
             }
         }
-        openings
+        windows
     }
 }
 
-/// Number of panes that each selected light was joined from; 0 for a light without panes. Each segment is part of one
-/// opening.
+/// Number of panes that each selected light was joined from; 0 for a light without panes.
+///
+/// `part_of` holds the window of each segment.
 fn panes(part_of: &[usize], selection: &Selection) -> Vec<usize> {
-    // Count the segments of each opening.
+    // Count the segments of each window.
     let mut segments = vec![0; selection.part_of.len()];
-    for &opening in part_of {
-        segments[opening] += 1;
+    for &window in part_of {
+        segments[window] += 1;
     }
-    // Add up those of openings with bars, as lights may have been merged since.
+    // Add up those of windows with bars: lights may have been merged since.
     let mut panes = vec![0; selection.lights.len()];
     for (&segments, light) in segments.iter().zip(&selection.part_of) {
         if let Some(light) = light.filter(|_| segments > 1) {
@@ -283,13 +293,14 @@ mod tests {
     use super::*;
     use crate::kernels::sphere::Registration;
 
-    /// The lights of a drawing of 128 x 256 pixels of 1.4 degrees, with these `rows` in the middle; before they are
-    /// joined and after. A light ends at the share `extent` of its peak.
+    /// Lights before and after the join, of a drawing of 128 x 256 pixels of 1.4 degrees with these `rows` in the middle.
+    ///
+    /// A light ends at the fraction `extent` of its peak.
     fn before_and_after(rows: &[&str], extent: f64) -> (Vec<LightMoments>, WindowLights) {
         let dark = ".".repeat(256);
         let mut all = vec![dark; 128];
-        for (row, drawn) in all[60..].iter_mut().zip(rows) {
-            row.replace_range(80..80 + drawn.len(), drawn);
+        for (row, pixels) in all[60..].iter_mut().zip(rows) {
+            row.replace_range(80..80 + pixels.len(), pixels);
         }
         let all: Vec<&str> = all.iter().map(String::as_str).collect();
         let map = map_of(&all);
@@ -309,11 +320,11 @@ mod tests {
 
     #[test]
     fn panes_behind_a_narrow_bar_are_one_light_with_all_their_flux() {
-        let (panes, opening) = before_and_after(&["8888.8888.8888"; 3], 0.5);
-        assert_eq!((panes.len(), opening.lights.len()), (3, 1));
+        let (panes, window) = before_and_after(&["8888.8888.8888"; 3], 0.5);
+        assert_eq!((panes.len(), window.lights.len()), (3, 1));
         let flux: f64 = panes.iter().map(|pane| pane.flux).sum();
-        assert!((opening.lights[0].flux - flux).abs() < 1e-12 * flux, "{flux}");
-        assert_eq!(opening.part_of, [0, 0, 0]);
+        assert!((window.lights[0].flux - flux).abs() < 1e-12 * flux, "{flux}");
+        assert_eq!(window.part_of, [0, 0, 0]);
     }
 
     #[test]
@@ -322,7 +333,7 @@ mod tests {
         assert_eq!(lights_of(&["8.8", "...", "8.8"]), 4);
     }
 
-    /// The bridge between them is above the edge of both: they meet halfway, and what divides them is no bar.
+    /// The bridge between the lamps is above the edge of both: they meet halfway, without a bar.
     #[test]
     fn lamps_on_a_bridge_stay_apart_as_prominence_says() {
         let bridge = ["9999222222229999"; 6];
@@ -335,7 +346,7 @@ mod tests {
         assert_eq!(lights_of(&["9999.4444", "9999.4444", "9999.4444"]), 1);
     }
 
-    /// Panes of 4 x 4 pixels at luminance 8, and what lies between: 1.4 degrees wide.
+    /// Panes of 4 x 4 pixels at luminance 8, with a bar of 1.4 degrees.
     #[test]
     fn a_bar_is_dark_lies_along_a_side_and_is_nowhere_open() {
         let (panes, _) = before_and_after(&["8888.8888"; 4], 0.5);
@@ -354,7 +365,7 @@ mod tests {
 
     /// Two pixels are 2.8 degrees.
     #[test]
-    fn what_is_wider_than_2_5_degrees_is_a_wall() {
+    fn a_gap_wider_than_2_5_degrees_is_a_wall() {
         assert_eq!(lights_of(&["8888888888..8888888888"; 10]), 2);
         assert_eq!(lights_of(&["8888888888.8888888888"; 10]), 1);
     }

@@ -1,4 +1,4 @@
-//! Bridging: lights that only a narrow dark gap divides become one, as a window with bars.
+//! Bridging: lights that are divided only by a narrow dark gap become one, as a window with bars.
 //!
 //! The distance between two directions is the chord between their points on the sphere,
 //!
@@ -7,9 +7,8 @@
 //!           + 4 sin theta_1 sin theta_2 sin^2((phi_1 - phi_2) / 2)
 //! ```
 //!
-//! so a gap means the same at the equator, on the seam and around the poles, where many pixels of a
-//! row almost coincide. The centres of the pixels on both sides of a bar are its width and one pixel
-//! apart.
+//! so a gap is the same angle at the equator, on the seam and around the poles, where many pixels of a row almost
+//! coincide. The centres of the pixels on both sides of a bar are apart by its width plus one pixel.
 
 use std::f64::consts::PI;
 
@@ -17,12 +16,13 @@ use super::adjacency::Adjacency;
 use super::components::Segments;
 use super::forest::{self, root};
 use super::working_image::WorkingImage;
+use crate::kernels::image::CellCentres;
 
 /// Join the segments whose solid pixels are at most `gap` radians apart.
 ///
-/// A pixel is solid if its luminance times `prominence` reaches its segment's peak. Two lights that
-/// prominence keeps apart are darker than that where they meet. So they are joined across a bar,
-/// however dim, but not along the glow between two lamps.
+/// A pixel is solid if its luminance times `prominence` reaches its segment's peak. Two lights that are separated by
+/// their prominence have no solid pixel where they meet. So segments are joined across a bar, however dim, but not
+/// along the glow between two lamps.
 pub fn bridge(
     working: &WorkingImage,
     adjacency: &Adjacency,
@@ -40,8 +40,8 @@ pub fn bridge(
         label => label,
     };
     let reach = Reach::new(working, gap + working.row_height());
-    let mut parent = forest::apart(segments.pixels.len());
-    // Search from all segments but the largest: of two segments, one that searches is enough.
+    let mut parent = forest::singletons(segments.pixels.len());
+    // Search from all segments but the largest: for a pair of segments, one search is enough.
     let size = |&segment: &usize| segments.pixels[segment].len();
     let largest = (0..segments.pixels.len()).max_by_key(size);
     let searching = (0..segments.pixels.len()).filter(|&segment| Some(segment) != largest);
@@ -63,24 +63,20 @@ pub fn bridge(
 
 /// Join the segments of each tree of `parent`.
 fn join(segments: Segments, parent: &mut [u32]) -> Segments {
-    let mut place = vec![0; parent.len()];
-    let mut joined = Segments { pixels: Vec::new(), peaks: Vec::new(), label: segments.label };
+    let mut number_of = vec![None; parent.len()];
+    let mut wholes: Vec<(Vec<u32>, f32)> = Vec::new();
     for ((segment, pixels), peak) in (0..).zip(segments.pixels).zip(segments.peaks) {
-        let whole = root(parent, segment) as usize;
-        // Start a new segment for a tree that has none yet.
-        if place[whole] == 0 {
-            joined.pixels.push(Vec::new());
-            joined.peaks.push(peak);
-            place[whole] = joined.pixels.len();
+        let number = *number_of[root(parent, segment) as usize].get_or_insert(wholes.len());
+        if number == wholes.len() {
+            wholes.push((pixels, peak));
+        } else {
+            wholes[number].0.extend(pixels);
+            wholes[number].1 = wholes[number].1.max(peak);
         }
-        let whole = place[whole];
-        // Add the pixels to it, with its label.
-        for &pixel in &pixels {
-            let label = &mut joined.label[pixel as usize];
-            *label = if *label == 0 { 0 } else { whole as u32 };
-        }
-        joined.peaks[whole - 1] = joined.peaks[whole - 1].max(peak);
-        joined.pixels[whole - 1].extend(pixels);
+    }
+    let mut joined = Segments::empty(segments.label);
+    for (pixels, peak) in wholes {
+        joined.push(pixels, peak);
     }
     joined
 }
@@ -100,12 +96,11 @@ struct Reach {
 impl Reach {
     fn new(working: &WorkingImage, angle: f64) -> Self {
         let (height, width) = working.size;
-        let theta = working.grid.theta_edges.windows(2).map(|edge| (0.5 * (edge[0] + edge[1])).sin_cos());
         // Take one row more than fit, as the last row may be lower than the others.
         let rows = (angle / PI * height as f64) as usize + 1;
-        // Stop at half a turn, and let no chord fail for its last digits.
+        // Stop at half a turn, and allow for rounding of the chord.
         let chord_squared = (2.0 * (0.5 * angle.min(PI)).sin()).powi(2) * (1.0 + 1e-12);
-        Self { chord_squared, height, width, rows, theta: theta.collect() }
+        Self { chord_squared, height, width, rows, theta: CellCentres::new(&working.grid).rows }
     }
 
     /// Call `visit` with the flat index of each pixel within the angle.
@@ -113,7 +108,7 @@ impl Reach {
         let (row, column) = (pixel / self.width, pixel % self.width);
         for other in row.saturating_sub(self.rows)..(row + self.rows + 1).min(self.height) {
             let Some(columns) = self.columns_within(row, other) else { continue };
-            // Skip pixels around a pole, where they lie closer than a row is high: a quarter of that will do.
+            // Skip pixels around a pole, where they are narrow: visit one in each quarter of a row's height.
             let step = ((0.25 / self.theta[other].0) as usize).max(1);
             for offset in (0..=columns).step_by(step) {
                 for column in [column + offset, column + self.width - offset] {
@@ -123,7 +118,7 @@ impl Reach {
         }
     }
 
-    /// Columns within the angle in row `other`, on either side of a pixel of `row`; none if the row is too far.
+    /// Columns within the angle in row `other`, on either side of a pixel of `row`; `None` if the row is too far.
     fn columns_within(&self, row: usize, other: usize) -> Option<usize> {
         let ((sin, cos), (other_sin, other_cos)) = (self.theta[row], self.theta[other]);
         let along = (sin - other_sin).powi(2) + (cos - other_cos).powi(2);
@@ -136,7 +131,7 @@ impl Reach {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
-    use super::super::test_maps::{drawn, drawn_from, segments, sizes};
+    use super::super::test_maps::{rows_from, segments, sizes, working_image_of};
     use super::super::working_image::WorkingImage;
     use super::*;
     use crate::kernels::sphere::{Registration, direction};
@@ -144,57 +139,59 @@ mod tests {
     use std::f64::consts::TAU;
 
     /// Pixels of each light of a test map after gaps of `gap_px` pixel heights are bridged.
-    fn bridged(working: &WorkingImage, gap_px: f64) -> Vec<usize> {
+    fn sizes_after_bridging(working: &WorkingImage, gap_px: f64) -> Vec<usize> {
         let gap = gap_px * PI / working.size.0 as f64;
         sizes(&bridge(working, &Adjacency::of(working), segments(working, 0.0), 4.0, gap))
     }
 
     #[test]
     fn a_bar_of_one_pixel_joins_and_one_of_three_does_not() {
-        assert_eq!(bridged(&drawn_from(4, &["...99.99........"]), 1.2), [4]);
-        assert_eq!(bridged(&drawn_from(4, &["...99...99......"]), 1.2), [2, 2]);
+        assert_eq!(sizes_after_bridging(&rows_from(4, &["...99.99........"]), 1.2), [4]);
+        assert_eq!(sizes_after_bridging(&rows_from(4, &["...99...99......"]), 1.2), [2, 2]);
         assert_eq!(
-            bridged(&drawn_from(2, &["....99..........", "................", "....99.........."]), 1.2),
+            sizes_after_bridging(
+                &rows_from(2, &["....99..........", "................", "....99.........."]),
+                1.2
+            ),
             [4]
         );
     }
 
     #[test]
     fn a_bar_on_the_seam_joins() {
-        assert_eq!(bridged(&drawn_from(4, &["9..............9"]), 1.2), [2]);
-        assert_eq!(bridged(&drawn_from(4, &[".9.............9"]), 1.2), [2]);
-        assert_eq!(bridged(&drawn_from(4, &["9.............9."]), 1.2), [2]);
-        assert_eq!(bridged(&drawn_from(4, &[".9............9."]), 1.2), [1, 1]);
+        assert_eq!(sizes_after_bridging(&rows_from(4, &["9..............9"]), 1.2), [2]);
+        assert_eq!(sizes_after_bridging(&rows_from(4, &[".9.............9"]), 1.2), [2]);
+        assert_eq!(sizes_after_bridging(&rows_from(4, &["9.............9."]), 1.2), [2]);
+        assert_eq!(sizes_after_bridging(&rows_from(4, &[".9............9."]), 1.2), [1, 1]);
     }
 
     #[test]
     fn no_gap_no_bridge() {
-        assert_eq!(bridged(&drawn_from(4, &["...99.99........"]), 0.0), [2, 2]);
+        assert_eq!(sizes_after_bridging(&rows_from(4, &["...99.99........"]), 0.0), [2, 2]);
     }
 
     #[test]
     fn a_glow_between_two_lamps_is_no_bridge() {
-        assert_eq!(bridged(&drawn_from(4, &["...921298......."]), 1.2), [3, 3]);
+        assert_eq!(sizes_after_bridging(&rows_from(4, &["...921298......."]), 1.2), [3, 3]);
         // A third of the peak is solid.
-        assert_eq!(bridged(&drawn_from(4, &["...93.39........"]), 1.2), [4]);
+        assert_eq!(sizes_after_bridging(&rows_from(4, &["...93.39........"]), 1.2), [4]);
     }
 
-    /// Half a turn apart over the pole, two pixels of row 1 are 3 heights from centre to centre; those of row
-    /// 7 of 16 are almost a half circle apart.
+    /// Pixels half a turn apart in row 1 are 3 heights apart over the pole; in row 7 of 16, almost a half circle.
     #[test]
     fn around_a_pole_a_gap_is_an_angle() {
         let row = "9...............9...............";
         let dark = ".".repeat(32);
-        for (y, wanted) in [(1, vec![2]), (14, vec![2]), (2, vec![1, 1]), (7, vec![1, 1])] {
+        for (y, expected) in [(1, vec![2]), (14, vec![2]), (2, vec![1, 1]), (7, vec![1, 1])] {
             let mut rows = vec![dark.as_str(); 16];
             rows[y] = row;
-            assert_eq!(bridged(&drawn(&rows), 2.2), wanted, "row {y}");
+            assert_eq!(sizes_after_bridging(&working_image_of(&rows), 2.2), expected, "row {y}");
         }
     }
 
     #[test]
     fn a_chain_of_panes_is_one_light_with_all_pixels_and_the_highest_peak() {
-        let working = drawn_from(4, &["..5.9.7.6......."]);
+        let working = rows_from(4, &["..5.9.7.6......."]);
         let gap = 1.2 * PI / 8.0;
         let joined = bridge(&working, &Adjacency::of(&working), segments(&working, 0.0), 4.0, gap);
         assert_eq!(sizes(&joined), [4]);
@@ -206,8 +203,7 @@ mod tests {
     }
 
     proptest! {
-        /// All pixels that lie within an angle, and none that lies farther, also where the last row is
-        /// lower than the others.
+        /// All pixels within an angle and no others are visited, also if the last row is lower than the others.
         #[test]
         fn all_pixels_within_reach_are_visited(row in 0_usize..23, column in 0_usize..46, angle in 0.1..3.0) {
             let map = ndarray::Array3::zeros((45, 92, 3));

@@ -9,7 +9,7 @@ use super::working_image::{TILE, WorkingImage};
 pub struct BrightPixels {
     /// In ascending order.
     pub indices: Vec<u32>,
-    /// Tiles that hold any of them.
+    /// Tiles with a bright pixel.
     pub opened_tiles: usize,
 }
 
@@ -42,7 +42,7 @@ pub fn bright_pixels(working: &WorkingImage, threshold: f64) -> BrightPixels {
 
 #[cfg(test)]
 mod tests {
-    use super::super::test_maps::drawn;
+    use super::super::test_maps::working_image_of;
     use super::*;
 
     #[test]
@@ -51,7 +51,7 @@ mod tests {
             .map(|y| (0..80).map(|x| if y % 39 == 15 && x % 31 == 15 { '1' } else { '.' }).collect())
             .collect();
         let rows: Vec<&str> = rows.iter().map(String::as_str).collect();
-        let bright = bright_pixels(&drawn(&rows), 0.9); // 1 is only just bright
+        let bright = bright_pixels(&working_image_of(&rows), 0.9); // 1 is only just bright
         let mut indices = bright.indices;
         indices.sort_unstable();
         assert_eq!(indices, [15 * 80 + 15, 15 * 80 + 46, 15 * 80 + 77]);

@@ -2,7 +2,7 @@
 //!
 //! Lower a water level from above: peaks appear as islands, brightest first. Where two islands meet, the
 //! level is their *saddle*: the darkest pixel on the brightest path between the two peaks. The dimmer peak
-//! stays a light of its own only if
+//! remains a separate light only if
 //!
 //! ```text
 //!   peak / saddle >= prominence
@@ -17,20 +17,23 @@ use rayon::prelude::*;
 
 use super::adjacency::Adjacency;
 use super::bright_pixels::BrightPixels;
-use super::forest::{apart, root};
-use super::run::{Run, runs};
+use super::forest::{root, singletons};
+use super::run::{RUNS_OF_A_TASK, Run, runs};
 use super::threshold::Threshold;
 use super::working_image::WorkingImage;
 use crate::kernels::detect::clipping::largest;
 
-/// A clipped light rises at least this far above it.
-const CLIPPED_HYSTERESIS: f32 = 1.2;
-/// Runs that one task takes together.
-const RUNS_AT_ONCE: usize = 64;
-/// This many pixels at the map's maximum are a ceiling, where a camera saturates.
-const CEILING_PIXELS: usize = 3;
-/// Pixels that reach this share of the maximum are at the ceiling.
-const CEILING: f32 = 1.0 - 1e-5;
+/// Settings of the ceiling of a picture that a camera has clipped.
+struct CeilingSettings {
+    /// Least ratio of a clipped light's peak to the threshold.
+    least_rise: f32,
+    /// This many pixels at the map's maximum form a ceiling.
+    pixels: usize,
+    /// Pixels of this fraction of the maximum and more are at the ceiling.
+    level: f32,
+}
+
+const CEILING: CeilingSettings = CeilingSettings { least_rise: 1.2, pixels: 3, level: 1.0 - 1e-5 };
 
 /// The pixels of each light, before it is measured.
 pub struct Segments {
@@ -42,7 +45,29 @@ pub struct Segments {
     pub label: Vec<u32>,
 }
 
-/// When a peak is a light of its own, and where it ends.
+impl Segments {
+    /// Segments without any light yet, over pixels with these labels.
+    pub fn empty(label: Vec<u32>) -> Self {
+        Self { pixels: Vec::new(), peaks: Vec::new(), label }
+    }
+
+    /// Add a segment; its labelled pixels get its number, counted from 1, as their label.
+    pub fn push(&mut self, pixels: Vec<u32>, peak: f32) {
+        self.peaks.push(peak);
+        self.relabel(&pixels, self.peaks.len() as u32);
+        self.pixels.push(pixels);
+    }
+
+    /// Replace the labels of some pixels by a `new` one; pixels without a label stay without.
+    pub fn relabel(&mut self, pixels: &[u32], new: u32) {
+        for &pixel in pixels {
+            let label = &mut self.label[pixel as usize];
+            *label = if *label == 0 { 0 } else { new };
+        }
+    }
+}
+
+/// Rules for the peaks that are separate lights, and for the edges of lights.
 #[derive(Clone, Copy, Debug)]
 pub struct TreeRule {
     /// Least ratio of a peak to the threshold.
@@ -75,27 +100,26 @@ pub fn segments(
     // Collect the pixels of each light, and label those within its edge.
     let edges: Vec<f32> = peaks.iter().map(|&peak| threshold.edge(f64::from(peak), extent) as f32).collect();
     let mut segments = Segments { pixels: vec![Vec::new(); peaks.len()], peaks, label: image };
-    let mut place = 0;
+    let mut end = 0;
     for basin in basin.chunk_by(|one, other| one == other) {
-        let places = place..place + basin.len();
-        place = places.end;
+        let own = end..end + basin.len();
+        end = own.end;
         let label = label_of_basin[basin[0] as usize];
         let edge = if label == 0 { f32::INFINITY } else { edges[label as usize - 1] };
-        for (&index, &level) in bright.indices[places.clone()].iter().zip(&level[places.clone()]) {
+        for (&index, &level) in bright.indices[own.clone()].iter().zip(&level[own.clone()]) {
             segments.label[index as usize] = if level >= edge { label } else { 0 };
         }
         if label > 0 {
-            segments.pixels[label as usize - 1].extend_from_slice(&bright.indices[places]);
+            segments.pixels[label as usize - 1].extend_from_slice(&bright.indices[own]);
         }
     }
     segments
 }
 
-/// For each peak the label of its light, 0 where that does not rise to the `lowest_peak`; and the peaks of the
-/// lights.
+/// For each peak, the label of its light, 0 below the `lowest_peak`; and the peaks of the lights.
 fn labels(mut light: Vec<u32>, level: &[f32], basin: &[u32], lowest_peak: f32) -> (Vec<u32>, Vec<f32>) {
     let (mut labels, mut peaks) = (vec![0; level.len()], Vec::new());
-    for peak in (0..level.len()).filter(|&place| basin[place] as usize == place) {
+    for peak in (0..level.len()).filter(|&pixel| basin[pixel] as usize == pixel) {
         let highest = root(&mut light, peak as u32) as usize;
         if labels[highest] == 0 && level[highest] >= lowest_peak {
             peaks.push(level[highest]);
@@ -106,20 +130,21 @@ fn labels(mut light: Vec<u32>, level: &[f32], basin: &[u32], lowest_peak: f32) -
     (labels, peaks)
 }
 
-/// The luminance that a light must reach, from the levels of the bright pixels: it rises that far above the
-/// threshold, and extends down to it (hysteresis).
+/// The luminance that a light must reach, from the levels of the bright pixels.
 ///
-/// At the ceiling of a clipped picture the true luminance is unknown, so a light need not rise as far.
+/// A light rises by a factor above the threshold, and extends down to it (hysteresis). At the ceiling of a clipped
+/// picture the true luminance is unknown, so a light need not rise as far.
 fn lowest_peak(level: &[f32], threshold: &Threshold, rise: f32) -> f32 {
-    let ceiling = CEILING * largest(level);
+    let ceiling = CEILING.level * largest(level);
     let threshold = threshold.luminance as f32;
-    let is_clipped = level.iter().filter(|&&level| level >= ceiling).count() >= CEILING_PIXELS;
+    let is_clipped = level.iter().filter(|&&level| level >= ceiling).count() >= CEILING.pixels;
     let enough = rise * threshold;
-    if is_clipped { enough.min(ceiling.max(CLIPPED_HYSTERESIS * threshold)) } else { enough }
+    if is_clipped { enough.min(ceiling.max(CEILING.least_rise * threshold)) } else { enough }
 }
 
-/// The peak that each bright pixel flows to, as an index into the bright pixels; and that index plus 1 as an image, 0
-/// where it is dark.
+/// The peak that each bright pixel flows to, as an index into the bright pixels and as an image.
+///
+/// The image holds the index plus 1, and 0 for dark pixels.
 fn basins(
     adjacency: &Adjacency,
     luminance: &[f32],
@@ -141,7 +166,7 @@ fn basins(
         }
         uphill
     };
-    let mut basin: Vec<u32> = runs.par_chunks(RUNS_AT_ONCE).map(uphill).collect::<Vec<_>>().concat();
+    let mut basin: Vec<u32> = runs.par_chunks(RUNS_OF_A_TASK).map(uphill).collect::<Vec<_>>().concat();
     // Follow the pointers up to the peaks.
     for (number, &pixel) in (0..).zip(&bright.indices) {
         basin[number as usize] = root(&mut basin, number);
@@ -167,18 +192,19 @@ fn border(adjacency: &Adjacency, luminance: &[f32], runs: &[Run], basin: &[u32])
         border
     };
     // Sort them, highest first: their heights are inverted.
-    let mut border = runs.par_chunks(RUNS_AT_ONCE).map(on_border).collect::<Vec<_>>().concat();
+    let mut border = runs.par_chunks(RUNS_OF_A_TASK).map(on_border).collect::<Vec<_>>().concat();
     border.par_sort_unstable();
     border
 }
 
-/// Luminance and index as one number, in the order of luminance: the bits of floats that are not
-/// negative are in the order of the floats. Of two equal pixels the earlier one is higher.
+/// Luminance and index as one number, in the order of luminance; the earlier of two equal pixels is higher.
+///
+/// The bits of non-negative floats are in the order of the floats.
 fn height(luminance: &[f32], index: usize) -> u64 {
     (u64::from(luminance[index].to_bits()) << 32) | u64::from(!(index as u32))
 }
 
-/// Let brighter peaks absorb dimmer ones: for each peak the one whose light it is part of, as a forest.
+/// Let brighter peaks absorb dimmer ones; return a forest whose roots are the peaks of the lights.
 ///
 /// Two islands meet at the first pixel that touches both: the lower one of a pair.
 fn absorb(
@@ -189,7 +215,7 @@ fn absorb(
     level: &[f32],
     prominence: f32,
 ) -> Vec<u32> {
-    let mut island = apart(level.len());
+    let mut island = singletons(level.len());
     let mut light = island.clone();
     // Lower the level from one border pixel to the next.
     for own in border.iter().map(|inverted| !inverted) {
@@ -220,12 +246,12 @@ mod tests {
     use proptest::prelude::*;
 
     use super::super::bright_pixels::bright_pixels;
-    use super::super::test_maps::{drawn, drawn_from, segments, sizes};
+    use super::super::test_maps::{rows_from, segments, sizes, working_image_of};
     use super::*;
 
     /// Pixels of each light in one row between dark ones, the smallest light first.
     fn in_a_row(row: &str) -> Vec<usize> {
-        sizes(&segments(&drawn_from(4, &[row]), 0.0))
+        sizes(&segments(&rows_from(4, &[row]), 0.0))
     }
 
     #[test]
@@ -244,7 +270,7 @@ mod tests {
 
     #[test]
     fn the_path_between_two_lamps_is_the_brightest_not_the_straight_one() {
-        let working = drawn_from(3, &["....4444444.....", "....9.....8....."]);
+        let working = rows_from(3, &["....4444444.....", "....9.....8....."]);
         assert_eq!(sizes(&segments(&working, 0.0)), [9]);
     }
 
@@ -257,7 +283,7 @@ mod tests {
 
     #[test]
     fn corners_touch() {
-        let working = drawn_from(2, &["....9...........", ".....9..........", "....9..........."]);
+        let working = rows_from(2, &["....9...........", ".....9..........", "....9..........."]);
         assert_eq!(sizes(&segments(&working, 0.0)), [3]);
     }
 
@@ -265,15 +291,15 @@ mod tests {
     fn a_light_across_the_seam_is_one() {
         assert_eq!(in_a_row("98............79"), [4]);
         for rows in [["9...............", "...............8"], ["...............9", "8..............."]] {
-            assert_eq!(sizes(&segments(&drawn_from(3, &rows), 0.0)), [2]);
+            assert_eq!(sizes(&segments(&rows_from(3, &rows), 0.0)), [2]);
         }
     }
 
     #[test]
     fn a_light_over_a_pole_is_one_and_beside_it_two() {
         let row = "..9.......8.....";
-        for (top, wanted) in [(0, vec![2]), (7, vec![2]), (1, vec![1, 1]), (6, vec![1, 1])] {
-            assert_eq!(sizes(&segments(&drawn_from(top, &[row]), 0.0)), wanted, "row {top}");
+        for (top, expected) in [(0, vec![2]), (7, vec![2]), (1, vec![1, 1]), (6, vec![1, 1])] {
+            assert_eq!(sizes(&segments(&rows_from(top, &[row]), 0.0)), expected, "row {top}");
         }
     }
 
@@ -292,7 +318,7 @@ mod tests {
 
     #[test]
     fn labelled_pixels_are_within_the_edge() {
-        let working = drawn_from(4, &["....1295......1."]);
+        let working = rows_from(4, &["....1295......1."]);
         let segments = segments(&working, 0.5);
         assert_eq!(segments.pixels[0].len(), 4);
         let labelled: Vec<usize> = (0..128).filter(|&i| segments.label[i] == 1).collect();
@@ -301,12 +327,12 @@ mod tests {
         assert!((segments.peaks[0] - 9.0).abs() < 1e-5);
     }
 
-    /// For each pixel the first of its light, plus 1: the tree of all pixels, from the brightest down, one by one.
+    /// For each pixel, the first one of its light plus 1, by the tree of all pixels from the brightest down.
     fn plain_lights(working: &WorkingImage, prominence: f32) -> Vec<usize> {
         let (luminance, adjacency) = (&working.luminance, Adjacency::of(working));
         let mut falling: Vec<usize> = (0..luminance.len()).filter(|&pixel| luminance[pixel] > 0.5).collect();
         falling.sort_by_key(|&pixel| !height(luminance, pixel));
-        let mut island = apart(luminance.len());
+        let mut island = singletons(luminance.len());
         let mut light = island.clone();
         for &pixel in &falling {
             // Let the pixel flow to its highest neighbour, if one is higher.
@@ -341,13 +367,13 @@ mod tests {
             levels in prop::collection::vec(prop_oneof![Just(0.1_f32), Just(1.0), Just(8.0), 0.6..9.0_f32], 8 * 16),
             prominence in 1.5..5.0,
         ) {
-            let working = drawn(&["................"; 8]).with_luminance(levels);
+            let working = working_image_of(&["................"; 8]).with_luminance(levels);
             let bright = bright_pixels(&working, 0.5);
             let none = Threshold { luminance: 0.0, ..super::super::test_maps::THRESHOLD };
             let adjacency = Adjacency::of(&working);
-            let found = super::segments(&working, &adjacency, &bright, &none, &TreeRule { rise: 1.0, prominence, extent: 0.0 });
+            let result = super::segments(&working, &adjacency, &bright, &none, &TreeRule { rise: 1.0, prominence, extent: 0.0 });
             let mut first = vec![0; 8 * 16];
-            for pixels in &found.pixels {
+            for pixels in &result.pixels {
                 for &pixel in pixels {
                     first[pixel as usize] = pixels[0] as usize + 1;
                 }

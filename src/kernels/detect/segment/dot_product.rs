@@ -5,12 +5,12 @@
 #[inline(always)]
 pub fn dot<T: Copy + Into<f64>>(values: &[T], weights: &[f64]) -> f64 {
     let (most, values, weights) = in_lanes::<16, T>(values, weights);
-    let (rest, values, weights) = in_lanes::<4, T>(values, weights);
+    let (more, values, weights) = in_lanes::<4, T>(values, weights);
     let last: f64 = values.iter().zip(weights).map(|(&value, weight)| value.into() * weight).sum();
-    most + rest + last
+    most + more + last
 }
 
-/// Sum of products in `LANES` lanes, and the rest of both.
+/// Sum of products in `LANES` lanes, and the remainders of both slices.
 #[inline(always)]
 fn in_lanes<'a, const LANES: usize, T: Copy + Into<f64>>(
     values: &'a [T],

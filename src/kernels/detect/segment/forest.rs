@@ -1,7 +1,7 @@
-//! Forests: which things are joined with which, as trees of parents (union-find).
+//! Union-find: sets of joined elements, as trees of parents.
 
-/// Each of that many things on its own.
-pub fn apart(count: usize) -> Vec<u32> {
+/// A forest of this many elements, each a tree of its own.
+pub fn singletons(count: usize) -> Vec<u32> {
     (0..count as u32).collect()
 }
 
@@ -15,7 +15,7 @@ pub fn root(parent: &mut [u32], mut i: u32) -> u32 {
     i
 }
 
-/// Join the trees of two things; the first of both roots stays one.
+/// Join the trees of two elements; the smaller one of both roots stays a root.
 pub fn join(parent: &mut [u32], one: u32, other: u32) {
     let (one, other) = (root(parent, one), root(parent, other));
     parent[one.max(other) as usize] = one.min(other);
@@ -26,8 +26,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_joined_has_one_root() {
-        let mut parent = apart(6);
+    fn joined_elements_have_one_root() {
+        let mut parent = singletons(6);
         for (one, other) in [(4, 2), (5, 4), (1, 3)] {
             join(&mut parent, one, other);
         }

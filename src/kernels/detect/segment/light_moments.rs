@@ -1,4 +1,4 @@
-//! The moments of a light: sums over its pixels, and what follows from them.
+//! The moments of a light: sums over its pixels, and the properties that follow from them.
 //!
 //! With the luminance Y, the direction d and the solid angle dw of each pixel:
 //!
@@ -12,8 +12,8 @@
 //! pixel is round.
 //!
 //! The solid angle is that of a light of constant radiance with the same `F` and `Q`, so it needs no outline. But
-//! pixels that its edge cuts make it too large: see [`LightMoments::solid_angle`]. Moments add up, so lights can be merged
-//! without the map.
+//! pixels that the edge cuts make it too large: see [`LightMoments::solid_angle`]. Moments add up, so lights can be
+//! merged without the map.
 
 use std::cmp::Ordering;
 use std::f64::consts::PI;
@@ -24,9 +24,9 @@ use crate::kernels::detect::clipping::{Ceiling, Top};
 use crate::kernels::image::luminance_f32;
 use crate::kernels::sphere::{band_heights, tangents};
 
-/// Least coverage of a pixel that counts: less is noise.
+/// Least coverage of a pixel that counts; smaller values are noise.
 const LEAST_COVERAGE: f32 = 0.05;
-/// Pixels that reach this share of a light's peak are its top.
+/// Pixels of this fraction of a light's peak and more are its top.
 const TOP: f64 = 0.99;
 
 /// The moments of one light.
@@ -82,15 +82,15 @@ impl LightMoments {
         self.flux_vector = direction * self.flux_vector.length();
     }
 
-    /// Subtract the radiance of the local background from what the light adds to a surface.
+    /// Subtract the radiance of the local background from the irradiance of the light.
     pub fn subtract(&mut self, background: [f64; 3]) {
         self.above_background = [0, 1, 2].map(|c| (self.flux_rgb[c] - background[c] * self.covered).max(0.0));
     }
 
     /// RGB irradiance at normal incidence, above the local background: `|int (L - B) w dw|`.
     ///
-    /// A wide light gives less than the integral of its radiance, because parts of it are seen at an angle. That factor
-    /// is taken from the luminance, `|v| / F`, so it is exact for a light of one colour.
+    /// A wide light contributes less than the integral of its radiance, because its rays arrive at an angle. That factor
+    /// is `|v| / F` of the luminance, so it is exact for a light of one colour.
     pub fn irradiance(&self) -> [f64; 3] {
         let factor = self.flux_vector.length() / self.flux;
         self.above_background.map(|value| if self.flux > 0.0 { factor * value } else { 0.0 })
@@ -106,7 +106,7 @@ impl LightMoments {
         self.largest.is_clipped(ceiling)
     }
 
-    /// In steradians: that of a light of constant luminance Y with its edge in pixels of the side a.
+    /// Solid angle in steradians, of a light of constant luminance Y whose edge cuts pixels of the side a.
     ///
     /// Across an edge of the length l, the coverage of pixels grows from 0 to 1 evenly. With T for the sum of cubes,
     ///
@@ -114,11 +114,11 @@ impl LightMoments {
     ///   F = Y W      Q = Y^2 (W - l a / 6)      T = Y^3 (W - l a / 4)      so  F Y^2 - 3 Q Y + 2 T = 0
     /// ```
     ///
-    /// of which the smaller Y is the light's. Where it is not near the peak, the luminance varies, and W is F^2 / Q, as
-    /// it is where no pixel is cut. In any case W is no less than the edge of a disc explains.
+    /// The smaller solution Y is the light's. If it is not near the peak, the luminance varies, and W is F^2 / Q, as it
+    /// is if no pixel is cut. W is at least the solid angle of a disc with the same F and Q, see [`without_edge`].
     pub fn solid_angle(&self) -> f64 {
-        /// Share of the peak. It is .93 and more for discs of 1.4 pixels on, .87 and more for those of .8, wherever
-        /// they stand; .86 and less for evenly distributed noise of a fourth of the mean.
+        /// Least fraction of the peak. Discs of at least 1.4 pixels have 0.93 and more at any position, discs of 0.8
+        /// pixels 0.87 and more. Evenly distributed noise of a fourth of the mean has 0.86 and less.
         const NEAR: f64 = 0.87;
         let (flux, square, cube) = (self.flux, self.luminance_squared, self.luminance_cubed);
         let plain = flux * flux / square;
@@ -187,8 +187,8 @@ impl LightMoments {
 
     /// Add the covered pixels of a row.
     ///
-    /// With `d = (sin phi sin theta, cos theta, -cos phi sin theta)` each sum is one over the azimuths,
-    /// times a factor that the row has in common.
+    /// With `d = (sin phi sin theta, cos theta, -cos phi sin theta)` each sum is one over the azimuths, times a factor
+    /// of the row.
     pub fn add(&mut self, pixels: &[[f32; 3]], columns: &[ColumnAngle], row: RowAngle, edge: LightEdge) {
         let RowAngle { sin, cos, band } = row;
         // Sum over the azimuths.
@@ -196,9 +196,9 @@ impl LightMoments {
         let mut top = DVec3::ZERO;
         for (&pixel, column) in pixels.iter().zip(columns) {
             let y = luminance_f32(pixel);
-            let Some([coverage, share]) = edge.coverage_and_share(y) else { continue };
+            let Some([coverage, fraction]) = edge.coverage_and_fraction(y) else { continue };
             let (y, whole) = (f64::from(y), column.width * band);
-            let solid_angle = f64::from(share) * whole;
+            let solid_angle = f64::from(fraction) * whole;
             let own = y * solid_angle;
             flux += own;
             flux_sin += own * column.sin;
@@ -262,8 +262,8 @@ impl RowAngle {
 
 /// Luminance on both sides of a light's edge, which determines the coverage of the pixels that the edge cuts.
 ///
-/// A pixel of the luminance `y` is covered to the part `c = (y - B) / (P - B)`. The share `1 - (1 - c) B / y` of its
-/// radiance is the light's; the remainder is background.
+/// With the peak `P` and the background `B`, the light covers the fraction `c = (y - B) / (P - B)` of a pixel of the
+/// luminance `y`, and owns the fraction `1 - (1 - c) B / y` of its radiance.
 #[derive(Clone, Copy, Debug)]
 pub struct LightEdge {
     /// Peak of the light.
@@ -273,22 +273,23 @@ pub struct LightEdge {
 }
 
 impl LightEdge {
-    /// Coverage of a pixel of this luminance, and the light's share of its radiance; `None` for noise.
-    fn coverage_and_share(self, y: f32) -> Option<[f32; 2]> {
+    /// Coverage of a pixel of this luminance, and the light's fraction of its radiance; `None` for noise.
+    fn coverage_and_fraction(self, y: f32) -> Option<[f32; 2]> {
         let coverage = ((y - self.background) / (self.peak - self.background)).min(1.0);
-        let share = 1.0 - (1.0 - coverage) * self.background / y;
-        (coverage >= LEAST_COVERAGE).then_some([coverage, share])
+        let fraction = 1.0 - (1.0 - coverage) * self.background / y;
+        (coverage >= LEAST_COVERAGE).then_some([coverage, fraction])
     }
 }
 
-/// Solid angle of the disc whose F^2 / Q is `seen`, in pixels of the solid angle `pixel`.
+/// Solid angle of a disc that has this F^2 / Q, `plain`, in pixels of the solid angle `pixel`.
 ///
-/// With its radius r, and R for that of `seen`, `R^2 = r^2 / (1 - a / 3r)`: a cubic equation for r, whose largest
-/// root is below (Viete). A disc smaller than a pixel has none; there the least stands in.
-fn without_edge(seen: f64, pixel: f64) -> f64 {
-    let cosine = -(0.75 * PI * pixel / seen).sqrt();
+/// With the radius r of the disc, and R of a disc of the solid angle `plain`, `R^2 = r^2 / (1 - a / 3r)`. This is a
+/// cubic equation for r; the code has its largest root (Viete). A disc smaller than a pixel has none, and gets the
+/// smallest solid angle with a root.
+fn without_edge(plain: f64, pixel: f64) -> f64 {
+    let cosine = -(0.75 * PI * pixel / plain).sqrt();
     let radius = 2.0 / 3.0_f64.sqrt() * (cosine.max(-1.0).acos() / 3.0).cos();
-    seen * radius * radius
+    plain * radius * radius
 }
 
 #[cfg(test)]
@@ -296,13 +297,13 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// The light of a row of pixels: row by row, and pixel after pixel by the formulas above.
+    /// The light of a row of pixels, by the row and by the formulas for each pixel.
     fn both_ways(pixels: &[[f32; 3]], theta: f64) -> [LightMoments; 2] {
-        const BAND: f64 = 0.02;
+        let band = 0.02;
         let (peak, background) = (10.0_f32, 1.0_f32);
         let edges: Vec<f64> = (0..=pixels.len()).map(|i| 0.03 * i as f64 + 2.0).collect();
         let columns: Vec<ColumnAngle> = edges.windows(2).map(ColumnAngle::new).collect();
-        let row = RowAngle { sin: theta.sin(), cos: theta.cos(), band: BAND };
+        let row = RowAngle { sin: theta.sin(), cos: theta.cos(), band };
         let mut light = LightMoments::of_peak(peak);
         light.add(pixels, &columns, row, LightEdge { peak, background });
         let mut plain = LightMoments::of_peak(peak);
@@ -310,10 +311,10 @@ mod tests {
             let y = crate::kernels::image::luminance(pixel.map(f64::from));
             let coverage = ((y - 1.0) / 9.0).min(1.0);
             if coverage >= 0.05 {
-                let solid_angle = BAND * 0.03 * (y - (1.0 - coverage)) / y;
+                let solid_angle = band * 0.03 * (y - (1.0 - coverage)) / y;
                 let towards = crate::kernels::sphere::direction(theta, 0.5 * (edge[0] + edge[1]));
                 plain.add_pixel(pixel.map(f64::from), y, towards, solid_angle);
-                plain.covered += BAND * 0.03 * coverage;
+                plain.covered += band * 0.03 * coverage;
             }
         }
         [light, plain]
@@ -354,8 +355,8 @@ mod tests {
                 all.extend(vectors.iter().flat_map(DVec3::to_array));
                 all
             };
-            for (sum, wanted) in numbers(&light).into_iter().zip(numbers(&plain)) {
-                prop_assert!(near(sum, wanted), "{sum} {wanted}");
+            for (sum, expected) in numbers(&light).into_iter().zip(numbers(&plain)) {
+                prop_assert!(near(sum, expected), "{sum} {expected}");
             }
         }
     }

@@ -1,4 +1,4 @@
-//! The measurement of each light, in the pixels of the map itself.
+//! Measurement of the lights in the map's own pixels.
 
 use std::ops::Range;
 
@@ -8,14 +8,11 @@ use rayon::prelude::*;
 use super::background::LocalBackground;
 use super::components::Segments;
 use super::light_moments::{ColumnAngle, LightEdge, LightMoments, RowAngle};
-use super::run::{Run, runs};
+use super::run::{RUNS_OF_A_TASK, Run, runs};
 use super::working_image::WorkingImage;
 use crate::kernels::detect::clipping::Top;
 use crate::kernels::image::luminance_f32;
 use crate::kernels::sphere::Registration;
-
-/// Runs that one task sums. Another number would add in another order.
-const RUNS_OF_A_PART: usize = 64;
 
 /// Measure each segment against its background.
 pub fn measure(
@@ -37,7 +34,7 @@ pub fn measure(
     lights.map(|(pixels, background)| map.measure(&runs(pixels, working.size.1), background)).collect()
 }
 
-/// The map's pixels behind the working image's.
+/// The map's pixels, and their blocks in the working image.
 struct SourceMap<'a> {
     pixels: &'a [[f32; 3]],
     block: usize,
@@ -46,10 +43,9 @@ struct SourceMap<'a> {
 }
 
 impl SourceMap<'_> {
-    /// Measure a light part by part: a large one keeps all threads busy, and any number of threads adds in
-    /// the same order.
+    /// Measure a light part by part: all threads work on a large one, in the same order for any number of threads.
     fn measure(&self, runs: &[Run], local: &LocalBackground) -> LightMoments {
-        let parts = runs.par_chunks(RUNS_OF_A_PART);
+        let parts = runs.par_chunks(RUNS_OF_A_TASK);
         let (peak, largest) = parts
             .clone()
             .map(|part| self.peak(part))
@@ -80,7 +76,7 @@ impl SourceMap<'_> {
         light
     }
 
-    /// Rows of the map's pixels behind a run, each with its number and its columns.
+    /// Rows of the map's pixels inside a run, each with its number and its columns.
     fn rows_of(&self, run: &Run) -> impl Iterator<Item = (usize, Range<usize>, &[[f32; 3]])> {
         let width = self.columns.len();
         let columns = within(run.columns.clone(), self.block, width);
@@ -89,7 +85,7 @@ impl SourceMap<'_> {
     }
 }
 
-/// Pixels of a map of this `size` behind `working` pixels.
+/// Pixels of a map of this `size` inside `working` pixels.
 fn within(working: Range<usize>, block: usize, size: usize) -> Range<usize> {
     working.start * block..(working.end * block).min(size)
 }

@@ -1,24 +1,24 @@
-//! The selection of lights: the dimmest are dropped, then neighbours are merged until few enough remain.
+//! Selection of lights: the dimmest are dropped, then neighbours are merged down to the largest number of lights.
 //!
-//! Mergers follow Ward's linkage (1963) with the flux as weight. Merge the two lights of the lowest cost,
+//! Mergers follow Ward's linkage (1963) with the flux as weight. Each step merges the two lights of the lowest cost
 //!
 //! ```text
 //!   cost = F_1 F_2 / (F_1 + F_2) * |d_1 - d_2|^2
 //! ```
 //!
-//! which is what the merger adds to the flux-weighted sum of squared distances.
+//! which is the growth of the flux-weighted sum of squared distances.
 
 use super::light_moments::LightMoments;
 
-/// Lights beyond this many are merged into the nearest brighter one, for the pairs of lights grow with the
-/// square of their number.
+/// Number of lights from which on each is merged into the nearest brighter one. Without it, time grows with the square
+/// of the number of lights.
 const MOST_IN_PAIRS: usize = 2048;
 
 /// The selected lights, and the light that each measured one became part of.
 pub struct Selection {
     /// Most flux first.
     pub lights: Vec<LightMoments>,
-    /// For each light that was measured, the one that it is part of, if any.
+    /// For each measured light, the selected one that it is part of, if any.
     pub part_of: Vec<Option<usize>>,
     /// Lights that were dropped.
     pub dropped: usize,
@@ -32,8 +32,8 @@ pub fn select(measured: Vec<LightMoments>, listed: &[bool], most: usize) -> Sele
     let mut ranked: Vec<usize> = (0..measured.len()).filter(|&i| listed[i]).collect();
     ranked.sort_by(|&i, &j| LightMoments::most_flux_first(&measured[i], &measured[j]));
     // Merge neighbours.
-    let kept: Vec<LightMoments> = ranked.iter().map(|&i| measured[i].clone()).collect();
-    let (lights, merged_into) = merge(kept, most);
+    let brightest: Vec<LightMoments> = ranked.iter().map(|&i| measured[i].clone()).collect();
+    let (lights, merged_into) = merge(brightest, most);
     // Note for each measured light the one that it became part of.
     let mut part_of = vec![None; measured.len()];
     for (&i, light) in ranked.iter().zip(merged_into) {
@@ -43,8 +43,7 @@ pub fn select(measured: Vec<LightMoments>, listed: &[bool], most: usize) -> Sele
     Selection { lights, part_of, dropped, merged }
 }
 
-/// Merge `lights`, most flux first, until at most `most` are left. For each of them the one that it became
-/// part of.
+/// Merge `lights`, most flux first, down to `most`; also return for each of them the one that it became part of.
 fn merge(lights: Vec<LightMoments>, most: usize) -> (Vec<LightMoments>, Vec<usize>) {
     let mut linkage = Linkage::new(lights);
     if linkage.alive > most {
@@ -58,11 +57,11 @@ fn merge(lights: Vec<LightMoments>, most: usize) -> (Vec<LightMoments>, Vec<usiz
 }
 
 struct Linkage {
-    /// `None` once it is part of another.
+    /// Lights that are not part of another yet; `None` for the others.
     lights: Vec<Option<LightMoments>>,
     alive: usize,
     part_of: Vec<usize>,
-    /// For each light the cost of the cheapest merger with a later one, and which.
+    /// For each light, the cost of the cheapest merger with a later one, and its index.
     nearest: Vec<(f64, usize)>,
 }
 
@@ -103,8 +102,8 @@ impl Linkage {
         let Some(i) = cheapest else { return };
         let j = self.nearest[i].1;
         self.merge(i, j);
-        // Update the cheapest mergers. With Ward's cost the union is never nearer to a third light than the
-        // nearer of the two was, so only those that pointed to one of the two look again.
+        // Update the cheapest mergers of lights that pointed to one of the two. With Ward's cost, the union is never
+        // nearer to a third light than the nearer one of the two was.
         for other in 0..self.lights.len() {
             if other == i || other == j || [i, j].contains(&self.nearest[other].1) {
                 self.nearest[other] = self.nearest_after(other);
@@ -137,25 +136,25 @@ impl Linkage {
         }
     }
 
-    /// The lights that are left, most flux first; and for each light that there was, its place among them.
+    /// The remaining lights, most flux first; and for each original light, the index of its light among them.
     fn finish(self) -> (Vec<LightMoments>, Vec<usize>) {
-        // Rank the lights that are left.
-        let mut left: Vec<(usize, LightMoments)> =
+        // Rank the remaining lights.
+        let mut remaining: Vec<(usize, LightMoments)> =
             self.lights.into_iter().enumerate().filter_map(|(i, light)| Some((i, light?))).collect();
-        left.sort_by(|(_, one), (_, other)| LightMoments::most_flux_first(one, other));
-        let mut place = vec![0; self.part_of.len()];
-        for (rank, (i, _)) in left.iter().enumerate() {
-            place[*i] = rank;
+        remaining.sort_by(|(_, one), (_, other)| LightMoments::most_flux_first(one, other));
+        let mut rank_of = vec![0; self.part_of.len()];
+        for (rank, (i, _)) in remaining.iter().enumerate() {
+            rank_of[*i] = rank;
         }
-        // Follow each merger up to a light that is left.
+        // Follow each merger up to a remaining light.
         let root = |mut i: usize| {
             while self.part_of[i] != i {
                 i = self.part_of[i];
             }
-            place[i]
+            rank_of[i]
         };
         let merged_into = (0..self.part_of.len()).map(root).collect();
-        (left.into_iter().map(|(_, light)| light).collect(), merged_into)
+        (remaining.into_iter().map(|(_, light)| light).collect(), merged_into)
     }
 }
 
@@ -164,13 +163,13 @@ mod tests {
     use super::*;
     use crate::kernels::sphere::direction;
 
-    /// Further along a quarter of a circle for each of its fluxes.
+    /// A light whose position depends on its flux.
     fn light(flux: f64) -> LightMoments {
         LightMoments::towards(direction(1.0 + 0.1 * flux.sqrt(), 2.0), flux)
     }
 
     #[test]
-    fn of_two_pairs_of_neighbours_the_dimmer_is_merged_first() {
+    fn the_dimmer_of_two_pairs_of_neighbours_is_merged_first() {
         let at = |phi, flux| LightMoments::towards(direction(1.0, phi), flux);
         let far_and_near = vec![at(0.0, 3.0), at(3.0, 5.0), at(3.1, 2.0), at(0.1, 1.0)];
         let three = select(far_and_near.clone(), &[true; 4], 3);
@@ -181,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_merged_where_few_enough_are_given() {
+    fn few_lights_are_not_merged() {
         let selection = select(vec![LightMoments::default(); 3], &[true; 3], 3);
         assert_eq!(selection.lights.len(), 3);
         assert_eq!(selection.part_of, [Some(0), Some(1), Some(2)]);
@@ -206,7 +205,7 @@ mod tests {
         let selection = select(lights, &listed, 7);
         assert_eq!(selection.lights.len(), 7);
         let flux: f64 = selection.lights.iter().map(|light| light.flux).sum();
-        let wanted = (MOST_IN_PAIRS + 500) * (MOST_IN_PAIRS + 501) / 2;
-        assert!((flux - wanted as f64).abs() < 1e-3, "{flux} {wanted}");
+        let expected = (MOST_IN_PAIRS + 500) * (MOST_IN_PAIRS + 501) / 2;
+        assert!((flux - expected as f64).abs() < 1e-3, "{flux} {expected}");
     }
 }

@@ -5,8 +5,7 @@ use rayon::prelude::*;
 use super::adjacency::Adjacency;
 use super::components::Segments;
 
-/// Trim the glow from each segment: keep its labelled pixels and their neighbours, which the edge of the
-/// light may cut.
+/// Trim the glow from each segment; its labelled pixels remain, and their neighbours, which the light's edge may cut.
 pub fn trim(adjacency: &Adjacency, mut segments: Segments) -> Segments {
     let label = &segments.label;
     segments.pixels.par_iter_mut().enumerate().for_each(|(segment, pixels)| {
@@ -19,7 +18,7 @@ pub fn trim(adjacency: &Adjacency, mut segments: Segments) -> Segments {
     segments
 }
 
-/// Flat indices of the labelled pixels that share a side with a pixel of another label or of none.
+/// Flat indices of the labelled pixels beside a pixel of another label or of none.
 pub fn outline(adjacency: &Adjacency, segments: &Segments) -> Vec<u32> {
     let is_border = |&&index: &&u32| {
         let label = segments.label[index as usize];
@@ -31,11 +30,11 @@ pub fn outline(adjacency: &Adjacency, segments: &Segments) -> Vec<u32> {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
-    use super::super::test_maps::{drawn_from, segments};
+    use super::super::test_maps::{rows_from, segments};
     use super::*;
 
     fn length(top: usize, rows: &[&str]) -> usize {
-        let working = drawn_from(top, rows);
+        let working = rows_from(top, rows);
         outline(&Adjacency::of(&working), &segments(&working, 0.0)).len()
     }
 

@@ -21,17 +21,17 @@ pub fn map_of(rows: &[&str]) -> Array3<f32> {
 }
 
 /// The working image of a drawing, pixel by pixel.
-pub fn drawn(rows: &[&str]) -> WorkingImage {
-    #[allow(clippy::unwrap_used, reason = "a drawing is a map")]
+pub fn working_image_of(rows: &[&str]) -> WorkingImage {
+    #[allow(clippy::unwrap_used, reason = "a drawing is a valid map")]
     WorkingImage::of(map_of(rows).view(), Registration::CellCentred, rows[0].len()).unwrap()
 }
 
 /// `rows` of a drawing between dark ones: 8 rows of 16 pixels, the first in row `top`.
-pub fn drawn_from(top: usize, rows: &[&str]) -> WorkingImage {
+pub fn rows_from(top: usize, rows: &[&str]) -> WorkingImage {
     let dark = ".".repeat(16);
     let mut all = vec![dark.as_str(); 8];
     all[top..top + rows.len()].copy_from_slice(rows);
-    drawn(&all)
+    working_image_of(&all)
 }
 
 /// The segments of a test map, before gaps are bridged.

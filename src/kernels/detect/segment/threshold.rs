@@ -4,14 +4,14 @@
 //!   T = 2 q90                      twice the luminance that 90 % of the sphere does not exceed
 //! ```
 //!
-//! Where q90 is more than 12 times the median (a bright sky over a dark ground, a wall of windows), the
+//! If q90 is more than 12 times the median (a bright sky over a dark ground, a wall of windows), the
 //! brightest tenth of the sphere is itself light. Then the flux-weighted cut of Otsu (1979) in log
-//! luminance divides light from background, and T is twice the 95 % quantile of what lies below the cut.
+//! luminance divides light from background, and T is twice the 95 % quantile of the luminance below the cut.
 //! For the cut, luminance above 8 q90 counts as 8 q90: a sun many octaves above all else would draw the
 //! cut above the sky or the windows.
 //!
 //! The bins are the exponent and the leading bits of the mantissa of luminance over mean luminance:
-//! 1/32 of an octave, no logarithm and no sort, and the same bins whatever the map's scale.
+//! 1/32 of an octave, without a logarithm and without a sort, and the same bins for any scale of the map.
 
 use std::f64::consts::PI;
 
@@ -22,18 +22,18 @@ use super::working_image::WorkingImage;
 /// Bits of an `f32`'s mantissa that a bin ignores.
 const IGNORED_BITS: u32 = 18;
 const BINS_OF_AN_OCTAVE: usize = 1 << (23 - IGNORED_BITS);
-/// Luminance over the mean is told apart from `2^-24` to `2^24`.
+/// The bins cover luminance over the mean from `2^-24` to `2^24`.
 const OCTAVES_BELOW: u32 = 24;
 const BINS: usize = 2 * OCTAVES_BELOW as usize * BINS_OF_AN_OCTAVE;
-/// Solid angles are summed as integers, in this many parts of the sphere: any order, the same sum.
+/// Solid angles are integers, in this many parts of the sphere: any order of addition gives the same sum.
 const PARTS_OF_THE_SPHERE: f64 = (1_u64 << 52) as f64;
 
-/// Rows that are counted at once.
+/// Rows of one parallel task.
 const ROWS_AT_ONCE: usize = 64;
 
-/// The share of the sphere that is background.
+/// Background fraction of the sphere.
 const BACKGROUND: f64 = 0.9;
-/// The share of what lies below the cut that is background.
+/// Background fraction of the sphere below the cut.
 const BACKGROUND_BELOW_CUT: f64 = 0.95;
 /// A bright pixel exceeds the background by this factor.
 const FACTOR: f64 = 2.0;
@@ -42,31 +42,31 @@ const MOST_OVER_MEDIAN: f64 = 12.0;
 /// For the cut, luminance counts as at most this many times the background.
 const MOST_OVER_BACKGROUND: f64 = 8.0;
 
-/// Which rule set a threshold, with the numbers of the rule.
+/// Rule that set a threshold, with its numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rule {
     /// `factor` times the luminance that `share` of the sphere does not exceed.
     Background {
         /// Threshold over background.
         factor: f64,
-        /// The share of the sphere that is background.
+        /// Background fraction of the sphere.
         share: f64,
     },
-    /// `factor` times the luminance that `share` of what lies below the cut does not exceed, for the
-    /// brightest `light_share` of the sphere is itself light.
+    /// `factor` times the luminance that `share` of the sphere below the cut does not exceed: the brightest
+    /// `light_share` of the sphere is itself light.
     BelowCut {
         /// Threshold over background.
         factor: f64,
-        /// The share of what lies below the cut that is background.
+        /// Background fraction of the sphere below the cut.
         share: f64,
-        /// The share of the sphere that the other rule takes for light.
+        /// Bright fraction of the sphere by the other rule.
         light_share: f64,
     },
     /// Threshold that the caller has set.
     Fixed,
 }
 
-/// The luminance above which a pixel is bright, and why.
+/// Luminance above which a pixel is bright, and the rule that set it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Threshold {
     /// In units of the map's luminance.
@@ -81,11 +81,11 @@ impl Threshold {
         Self { luminance, rule: Rule::Fixed }
     }
 
-    /// The luminance at which a light of the peak `P` ends: at least its share `extent`.
+    /// Luminance at which a light of the peak `P` ends: at least the fraction `extent` of it.
     ///
-    /// The edge of a light cuts pixels. One that it covers in the share c has the luminance
-    /// `B + c (P - B)` against the background B. Counting those from `c_0` on adds the background
-    /// behind them and loses the light in the others; all c are equally frequent, so
+    /// The edge of a light cuts pixels. A pixel with a covered fraction c has the luminance `B + c (P - B)` over
+    /// the background B. If pixels count from `c_0` on, they add the background behind them, and the light in the other
+    /// pixels is lost. All c are equally frequent, so
     ///
     /// ```text
     ///   B (1 - c_0)^2 / 2 = P c_0^2 / 2   <=>   c_0 = 1 / (1 + sqrt(P / B))   <=>   level sqrt(B P)
@@ -102,14 +102,14 @@ pub fn from_histogram(working: &WorkingImage) -> Threshold {
     // Count solid angle by luminance over mean luminance.
     let mean = working.flux / (4.0 * PI);
     let histogram = Histogram::of(working, mean);
-    // Take twice the background, where that is no light itself.
+    // Take twice the background, unless that is itself light.
     let (median, background) = (histogram.quantile(0.5), histogram.quantile(BACKGROUND));
     if background <= MOST_OVER_MEDIAN * median {
         let rule = Rule::Background { factor: FACTOR, share: BACKGROUND };
         return Threshold { luminance: FACTOR * background * mean, rule };
     }
     // Else divide light from background and take twice the background below the cut.
-    let cut = histogram.clamped(MOST_OVER_BACKGROUND * background).flux_weighted_cut();
+    let cut = histogram.clamp(MOST_OVER_BACKGROUND * background).flux_weighted_cut();
     let below = histogram.up_to(cut).quantile(BACKGROUND_BELOW_CUT);
     let light_share = 1.0 - BACKGROUND;
     let rule = Rule::BelowCut { factor: FACTOR, share: BACKGROUND_BELOW_CUT, light_share };
@@ -122,7 +122,7 @@ struct Histogram {
 }
 
 impl Histogram {
-    /// Integers add up to the same sum in any order.
+    /// Histogram of a working image with this `mean` luminance.
     fn of(working: &WorkingImage, mean: f64) -> Self {
         let per_mean = if mean > 0.0 { (1.0 / mean) as f32 } else { 0.0 };
         let width = working.size.1;
@@ -133,32 +133,33 @@ impl Histogram {
         Self { parts: of_rows.reduce(|| vec![0; BINS], plus) }
     }
 
-    /// The value that `share` of the solid angle does not exceed; linear within a bin.
+    /// Value that `share` of the solid angle does not exceed; linear within a bin.
     fn quantile(&self, share: f64) -> f64 {
         let total: u64 = self.parts.iter().sum();
-        let wanted = share * total as f64;
+        let target = share * total as f64;
         let mut below = 0.0;
         for (bin, &parts) in self.parts.iter().enumerate() {
             let parts = parts as f64;
-            if below + parts >= wanted && parts > 0.0 {
+            if below + parts >= target && parts > 0.0 {
                 let (low, high) = (lower_edge(bin), lower_edge(bin + 1));
-                return low + (wanted - below) / parts * (high - low);
+                return low + (target - below) / parts * (high - low);
             }
             below += parts;
         }
         0.0
     }
 
-    /// The bin that divides the flux best into two groups of log luminance: the between-class
-    /// variance `(m w - s)^2 / (w (1 - w))` is largest, with `w` the share of flux below the
-    /// bin, `s` its first moment and `m` the mean (Otsu 1979).
+    /// Bin that divides the flux best into two groups of log luminance (Otsu 1979).
+    ///
+    /// It maximises the between-class variance `(m w - s)^2 / (w (1 - w))`, with the fraction `w` of the flux below the
+    /// bin, its first moment `s` and the mean `m`.
     fn flux_weighted_cut(&self) -> usize {
-        // Weight each bin by its flux; its number stands for its log luminance.
+        // Weight each bin by its flux; its number is proportional to its log luminance.
         let flux: Vec<f64> =
             self.parts.iter().enumerate().map(|(bin, &parts)| parts as f64 * lower_edge(bin)).collect();
         let total: f64 = flux.iter().sum();
         let mean: f64 = flux.iter().enumerate().map(|(bin, flux)| bin as f64 * flux).sum::<f64>() / total;
-        // Start below the first flux: where all flux is in one bin, darker pixels lie below the cut.
+        // Start below the first flux: if all flux is in one bin, darker pixels lie below the cut.
         let first = flux.iter().position(|&flux| flux > 0.0).unwrap_or(0);
         let (mut best, mut most) = (first, 0.0);
         // Try a cut after each bin and keep the one of the largest variance between the groups.
@@ -178,7 +179,7 @@ impl Histogram {
     }
 
     /// Histogram with luminance above `most` counted as `most`.
-    fn clamped(&self, most: f64) -> Self {
+    fn clamp(&self, most: f64) -> Self {
         let last = bin(most as f32);
         let mut parts = self.parts[..=last].to_vec();
         parts[last] += self.parts[last + 1..].iter().sum::<u64>();
@@ -193,7 +194,7 @@ impl Histogram {
 
 /// Parts of the sphere in each bin, over some rows of the heights `bands`.
 fn parts_of_rows(rows: &[f32], bands: &[f64], width: usize, per_mean: f32) -> Vec<u64> {
-    // Count in four lanes: neighbours are often alike, and counters of their own do not wait for each other.
+    // Count in four lanes: neighbours are often equal, and separate counters do not wait for each other.
     let mut parts = vec![[0; 4]; BINS];
     for (row, band) in rows.chunks_exact(width).zip(bands) {
         let share = (band / 2.0 / width as f64 * PARTS_OF_THE_SPHERE) as u64;
@@ -221,8 +222,7 @@ fn parts_of_rows(rows: &[f32], bands: &[f64], width: usize, per_mean: f32) -> Ve
 
 const FIRST_BITS: u32 = (127 - OCTAVES_BELOW) << (23 - IGNORED_BITS);
 
-/// The bin of a value that is not negative. Clamped while it is a float, which takes one instruction
-/// where integers take four.
+/// The bin of a value that is not negative. It is clamped as a float: one instruction instead of four.
 fn bin(value: f32) -> usize {
     let lowest = f32::from_bits(FIRST_BITS << IGNORED_BITS);
     let highest = f32::from_bits(((FIRST_BITS + BINS as u32) << IGNORED_BITS) - 1);
@@ -248,7 +248,7 @@ mod tests {
     const BACKGROUND_RULE: Rule = Rule::Background { factor: 2.0, share: 0.9 };
     const BELOW_CUT: Rule = Rule::BelowCut { factor: 2.0, share: 0.95, light_share: 1.0 - 0.9 };
 
-    /// The share of the sphere above the latitude of row y of 1000 is (1 - cos theta) / 2.
+    /// Threshold of a map with a cap of a luminance `above`, which covers a `share` of the sphere: (1 - cos theta) / 2.
     fn bright_cap(share: f64, above: f32) -> Threshold {
         let map = Array3::from_shape_fn((1000, 2000, 3), |(y, _, _)| {
             let theta = (y as f64 + 0.5) / 1000.0 * PI;
@@ -282,17 +282,17 @@ mod tests {
         assert_relative_eq!(threshold.luminance, 16.0, max_relative = 0.04);
     }
 
-    /// The luminance that a share of the sphere does not exceed, from all pixels in order.
+    /// Luminance that a `share` of the sphere does not exceed, by a sort of all pixels.
     fn sorted_quantile(working: &WorkingImage, share: f64) -> f64 {
         let columns = working.size.1;
         let pixels = working.luminance.iter().enumerate();
         let mut pixels: Vec<(f32, f64)> = pixels.map(|(i, &y)| (y, working.bands[i / columns])).collect();
         pixels.sort_by(|one, other| one.0.total_cmp(&other.0));
-        let wanted = share * pixels.iter().map(|(_, band)| band).sum::<f64>();
+        let expected = share * pixels.iter().map(|(_, band)| band).sum::<f64>();
         let mut below = 0.0;
         let reached = pixels.iter().find(|(_, band)| {
             below += band;
-            below >= wanted
+            below >= expected
         });
         f64::from(reached.unwrap().0)
     }
@@ -308,8 +308,8 @@ mod tests {
         let mean = working.flux / (4.0 * PI);
         let histogram = Histogram::of(&working, mean);
         for share in [0.01, 0.1, 0.5, 0.9, 0.95, 0.999] {
-            let (found, wanted) = (histogram.quantile(share) * mean, sorted_quantile(&working, share));
-            assert_relative_eq!(found, wanted, max_relative = 1.0 / 32.0); // the width of a bin
+            let (result, expected) = (histogram.quantile(share) * mean, sorted_quantile(&working, share));
+            assert_relative_eq!(result, expected, max_relative = 1.0 / 32.0); // the width of a bin
         }
     }
 

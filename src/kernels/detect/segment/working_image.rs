@@ -1,7 +1,6 @@
 //! The working image: the luminance of a map in fewer pixels, and the maximum of each tile of them.
 //!
-//! Detection is bound by memory: this pass reads every sample once, what follows reads a
-//! sixteenth of them and less.
+//! Detection is bound by memory: this pass reads every sample once, later steps read a sixteenth of them and less.
 
 use ndarray::{Array2, ArrayView3, ArrayViewMut1};
 use rayon::prelude::*;
@@ -14,7 +13,7 @@ use crate::kernels::sphere::{Registration, band_heights};
 /// Sides of a tile, in pixels of the working image.
 pub const TILE: usize = 16;
 
-/// A map in fewer pixels, each the mean of a block of the map's.
+/// A map in fewer pixels, each the mean of a block of the map's own pixels.
 #[derive(Clone, Debug)]
 pub struct WorkingImage {
     /// Rows and columns.
@@ -38,41 +37,31 @@ impl WorkingImage {
     ///
     /// # Errors
     ///
-    /// [`Error::NotAMap`]; [`Error::UnusableSamples`], with their counts, for samples that are not radiance:
-    /// this pass reads them all; [`Error::TooBright`].
+    /// [`Error::NotAMap`]; [`Error::UnusableSamples`], with their counts, for samples that are not radiance;
+    /// [`Error::TooBright`].
     pub fn of(radiance: ArrayView3<'_, f32>, registration: Registration, columns: usize) -> Result<Self> {
         // Cut the map into blocks, one for each working pixel.
         let (pixels, grid, block) = Grid::of_map(radiance, registration, columns)?;
         let reduction = Reduction::new(radiance, &pixels, &grid, block);
-        // Reduce the map, one row of tiles at a time: its luminance, the sum of each row, the maxima.
-        let bands = band_heights(&grid.theta_edges);
-        let widths: Vec<f64> = grid.phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect();
-        let size = (bands.len(), widths.len());
-        let mut luminance = vec![0.0; size.0 * size.1];
-        let mut row_sums = vec![0.0; size.0];
-        let mut tile_maxima = Array2::zeros((size.0.div_ceil(TILE), size.1.div_ceil(TILE)));
-        let mut signs = vec![false; size.0.div_ceil(TILE)];
-        luminance
-            .par_chunks_mut(TILE * size.1)
-            .zip(row_sums.par_chunks_mut(TILE))
-            .zip(tile_maxima.outer_iter_mut().into_par_iter())
-            .zip(&mut signs)
-            .enumerate()
-            .for_each(|(tile_row, (((rows, sums), maxima), signs))| {
-                for (i, row) in rows.chunks_mut(size.1).enumerate() {
-                    *signs |= reduction.fill_row(tile_row * TILE + i, row);
-                }
-                measure_tiles(rows, &widths, sums, maxima);
-            });
-        // Refuse what no light can have: it shows as a minus sign or in the sum over the sphere.
-        let flux: f64 = row_sums.iter().zip(&bands).map(|(sum, band)| sum * band).sum();
-        if signs.contains(&true) || !flux.is_finite() {
+        let (height, width) = (grid.theta_edges.len() - 1, grid.phi_edges.len() - 1);
+        let mut luminance = vec![0.0; height * width];
+        let rows = luminance.par_chunks_mut(width).enumerate();
+        let has_signs = rows.map(|(row, out)| reduction.fill_row(row, out)).reduce(|| false, |a, b| a | b);
+        let working = Self::of_luminance(grid, block, luminance);
+        working.check(radiance, has_signs)?;
+        Ok(working)
+    }
+
+    /// Refuse samples that no light can have: such a sample shows as a minus sign or in the flux.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnusableSamples`], [`Error::TooBright`].
+    pub fn check(&self, radiance: ArrayView3<'_, f32>, has_signs: bool) -> Result<()> {
+        if has_signs || !self.flux.is_finite() {
             check_samples(radiance)?;
         }
-        if !flux.is_finite() {
-            return Err(Error::TooBright);
-        }
-        Ok(Self { size, luminance, grid, bands, block, tile_maxima, flux })
+        if self.flux.is_finite() { Ok(()) } else { Err(Error::TooBright) }
     }
 
     /// Copy of the pixels with another luminance.
@@ -81,10 +70,9 @@ impl WorkingImage {
         Self::of_luminance(self.grid.clone(), self.block, luminance)
     }
 
-    /// The pixels of a `grid` with this luminance, each the mean of `block` x `block` of a map's.
+    /// The pixels of a `grid` with this luminance, each the mean of `block` x `block` pixels of a map.
     pub fn of_luminance(grid: Grid, block: usize, luminance: Vec<f32>) -> Self {
-        let bands = band_heights(&grid.theta_edges);
-        let widths: Vec<f64> = grid.phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect();
+        let (bands, widths) = (band_heights(&grid.theta_edges), grid.widths());
         let size @ (height, width) = (bands.len(), widths.len());
         let mut tile_maxima = Array2::zeros((height.div_ceil(TILE), width.div_ceil(TILE)));
         let mut row_sums = vec![0.0; height];
@@ -150,7 +138,7 @@ impl<'a> Reduction<'a> {
         Self { radiance, block, theta_edges: &pixels.theta_edges, outer_widths, per_width }
     }
 
-    /// Write the luminance of one row of the working image. Tells whether a sample of it has a minus sign.
+    /// Write the luminance of one row of the working image; true if a sample of it has a minus sign.
     fn fill_row(&self, row: usize, out: &mut [f32]) -> bool {
         if self.block == 1 {
             fill_luminance(&samples_of(self.radiance, row..row + 1), out)
@@ -159,15 +147,15 @@ impl<'a> Reduction<'a> {
         }
     }
 
-    /// Write the mean luminance of each block of a row.
+    /// Write the mean luminance of each block of a row; true if a sample of it has a minus sign.
     fn reduce(&self, pixels: &BlockRow<'_>, out: &mut [f32]) -> bool {
         let width = self.radiance.dim().1;
         pixels.mean(|columns, mean| {
             self.narrow_the_outer(mean, columns.start == 0, columns.end == width);
             let blocks = columns.start / self.block..columns.end.div_ceil(self.block);
             let (out, per_width) = (&mut out[blocks.clone()], &self.per_width[blocks]);
-            // Sum the whole blocks apart from a last one that is cut short: to ask each for its length took a
-            // tenth of the time, with blocks of two pixels a fifth.
+            // Sum the whole blocks apart from a shorter last one: a check of each length took a tenth of the time, and a
+            // fifth with blocks of two pixels.
             let whole = mean.chunks_exact(3 * self.block);
             if let ([_, ..], Some(out), Some(per_width)) =
                 (whole.remainder(), out.last_mut(), per_width.last())
@@ -192,7 +180,7 @@ impl<'a> Reduction<'a> {
     }
 }
 
-/// Luminance of the sum of RGB pixels: four of them are twelve samples, three vectors of four lanes.
+/// Luminance of the sum of RGB pixels, four pixels at a time: three vectors of four lanes.
 fn luminance_of_sum(samples: &[f32]) -> f32 {
     let [r, g, b] = LUMINANCE_F32;
     let (fours, rest) = samples.as_chunks::<12>();
@@ -209,8 +197,7 @@ fn luminance_of_sum(samples: &[f32]) -> f32 {
     (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]) + rest
 }
 
-/// Write the luminance of each pixel. Tells whether a sample has a minus sign; NaN and infinity show in the
-/// flux.
+/// Write the luminance of each pixel; true if a sample has a minus sign. NaN and infinity show in the flux.
 fn fill_luminance(samples: &[f32], out: &mut [f32]) -> bool {
     let mut bits = 0;
     for (out, &pixel) in out.iter_mut().zip(samples.as_chunks::<3>().0) {
@@ -294,8 +281,8 @@ mod tests {
             let rows = row * TILE..((row + 1) * TILE).min(50);
             let pixels =
                 rows.flat_map(|y| (column * TILE..((column + 1) * TILE).min(100)).map(move |x| y * 100 + x));
-            let wanted = pixels.map(|i| working.luminance[i]).fold(0.0, f32::max);
-            assert_relative_eq!(maximum, wanted);
+            let expected = pixels.map(|i| working.luminance[i]).fold(0.0, f32::max);
+            assert_relative_eq!(maximum, expected);
         }
     }
 

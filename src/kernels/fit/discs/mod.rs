@@ -9,7 +9,7 @@
 //! | numbers with derivatives                              | `jet.rs`        |
 //! | the cone of the kernel, between two discs             | `chord.rs`      |
 //! | - for discs that are far apart                        | `far.rs`        |
-//! | a light; bright cells of the map and their cones      | `disc.rs`, `patches.rs` |
+//! | a light; bright cells of the map and their cones      | `light_disc.rs`, `patches.rs` |
 //! | inner products of discs, the map and the ambient term | `target.rs`     |
 //! | radii to start from                                   | `start.rs`      |
 //! | the objective of a descent                            | `shadows.rs`    |
@@ -17,11 +17,11 @@
 //! | the error at normals                                  | `evaluate.rs`   |
 
 mod chord;
-mod disc;
 mod evaluate;
 mod exchange;
 mod far;
 mod jet;
+mod light_disc;
 mod patches;
 mod shadows;
 mod start;
@@ -35,8 +35,8 @@ use glam::DVec3;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-pub use self::disc::Disc;
 use self::exchange::exchange;
+pub use self::light_disc::Disc;
 use self::shadows::LEAST_RADIUS;
 pub use self::shadows::Shadows;
 use self::target::{Picture, Target};

@@ -6,8 +6,8 @@
 use glam::{DMat3, DVec3};
 use nalgebra::DMatrix;
 
-use super::disc::Disc;
 use super::jet::Jet;
+use super::light_disc::Disc;
 use super::target::Target;
 use crate::kernels::fit::objective::{
     Constraint, Derivatives, Moments, Objective, Reference, column_weights,

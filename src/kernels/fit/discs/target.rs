@@ -7,8 +7,8 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::chord::mean_distance;
-use super::disc::{Disc, on_tangents};
 use super::jet::Jet;
+use super::light_disc::{Disc, on_tangents};
 use super::patches::{Patch, Patches, distances, patches};
 use super::zonal::{Comparison, Kernel};
 use crate::kernels::expansion::{Cap, DEGREE, DiscSum, Expansion, Harmonics};

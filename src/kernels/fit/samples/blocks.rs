@@ -123,23 +123,23 @@ fn subtract_ambient(block: &SampleBlock, rig: &Rig, residual: &mut [[f64; SAMPLE
     for i in 0..block.count {
         let columns = rig.ambient_columns(DVec3::new(x[i], y[i], z[i]));
         for (coefficient, column) in rig.ambient.iter().zip(columns) {
-            for c in 0..3 {
-                residual[c][i] -= coefficient[c] * column;
+            for channel in 0..3 {
+                residual[channel][i] -= coefficient[channel] * column;
             }
         }
     }
 }
 
-/// Subtract a light of irradiance `e` from the direction `l`.
+/// Subtract a light from the direction `l`.
 #[inline(always)]
-fn subtract_light(block: &SampleBlock, l: DVec3, e: DVec3, residual: &mut [[f64; SAMPLES]; 3]) {
+fn subtract_light(block: &SampleBlock, l: DVec3, irradiance: DVec3, residual: &mut [[f64; SAMPLES]; 3]) {
     let [x, y, z] = &block.normals;
     let [red, green, blue] = residual;
     for i in 0..SAMPLES {
         let cosine = (x[i] * l.x + y[i] * l.y + z[i] * l.z).max(0.0);
-        red[i] -= e.x * cosine;
-        green[i] -= e.y * cosine;
-        blue[i] -= e.z * cosine;
+        red[i] -= irradiance.x * cosine;
+        green[i] -= irradiance.y * cosine;
+        blue[i] -= irradiance.z * cosine;
     }
 }
 

@@ -181,18 +181,6 @@ mod tests {
     use ndarray::{Array2, Array3, ArrayView1, ArrayView2};
     use std::f64::consts::PI;
 
-    /// Heights and registrations of maps, with cells of one pixel, cells of several pixels, and few cells.
-    const MAPS: [(usize, Registration); 8] = [
-        (128, CellCentred),
-        (128, BorderSampled),
-        (125, CellCentred),
-        (32, CellCentred),
-        (32, BorderSampled),
-        (256, CellCentred),
-        (9, CellCentred),
-        (2, CellCentred),
-    ];
-
     fn waves(height: usize) -> Array3<f32> {
         let wave = |y: f64, x: f64| (11.0 * x).sin() + (0.5 * (y - x) * height as f64).cos() + 2.0;
         let unit = |i: usize| i as f64 / height as f64;
@@ -218,9 +206,12 @@ mod tests {
         relative_rms(fast.view(), exact.view(), ArrayView1::from(&samples.weights)).unwrap()
     }
 
+    /// Checks cells of several pixels, cells of one pixel, and few cells.
     #[test]
     fn irradiance_is_the_sum_over_all_cells() {
-        for (height, registration) in MAPS {
+        let both = |height| [(height, CellCentred), (height, BorderSampled)];
+        for (height, registration) in [128, 125, 32, 9].into_iter().flat_map(both).chain([(256, CellCentred)])
+        {
             let map = working_map(&waves(height), registration);
             let error = error(&map, |normals| probe::irradiance(map.radiance.view(), registration, normals));
             assert!(error < 1e-4, "{height} rows, {registration:?}: {error:e}");

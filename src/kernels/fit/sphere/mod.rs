@@ -102,10 +102,11 @@ impl Sphere {
         let smooth = rest.product(rest, &even_factors());
         let energy = [0, 1, 2].map(|channel| self.energy(smooth[channel], points, channel));
         let are_same = |a: usize, b: usize| {
-            let is_same = |rgb: &[f64; 3]| rgb[a].to_bits() == rgb[b].to_bits();
-            let are_same_harmonics = |one: &[f64; 8]| one[a] == one[b] && one[4 + a] == one[4 + b];
-            rest.values.iter().all(are_same_harmonics)
-                && points.iter().all(|point| is_same(&point.irradiance))
+            let bits = |values: &[f64], i: usize| values[i].to_bits();
+            let are_same_waves =
+                |one: &[f64; 8]| bits(one, a) == bits(one, b) && bits(one, 4 + a) == bits(one, 4 + b);
+            rest.values.iter().all(are_same_waves)
+                && points.iter().all(|point| bits(&point.irradiance, a) == bits(&point.irradiance, b))
         };
         let (used, like) = distinct_channels(|channel| moments[channel].0 == 0.0, are_same);
         let ambient = self.columns.ambient.coefficients();

@@ -1,4 +1,4 @@
-//! Options of detection. Python chooses their defaults, in one place.
+//! Options of detection. Their defaults are in the Python signature.
 
 use super::segment::components::TreeRule;
 use super::segment::light_moments::LightMoments;
@@ -36,7 +36,7 @@ impl DetectionOptions {
 
     /// True if a light before this `background` is listed, in a map of the flux `whole`.
     ///
-    /// With its flux `F` of the map's `F_0`, its peak `P` and the local background `B`, it is listed if
+    /// With the light's flux `F` and peak `P`, the map's flux `F_0` and the local background `B`, it is listed if
     ///
     /// ```text
     ///   F / F_0 * P / B >= min_worth

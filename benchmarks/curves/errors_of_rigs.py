@@ -1,4 +1,4 @@
-"""Both errors of any lights for a map, by sums over points: none of the package's closed forms."""
+"""Errors of shading and of shadows of any lights for a map, by sums over points."""
 
 from typing import NamedTuple
 
@@ -12,19 +12,19 @@ from envlights import kernels
 _NORMALS, _PLANES, _ROWS = 80, 1280, 128
 #: Cells with a larger share of the flux are cut into this many parts along each side.
 _BRIGHT, _PARTS = 3e-4, 8
-#: Places that are summed together: all at once would take half a gigabyte.
+#: Directions that are summed together; all at once would take half a gigabyte.
 _AT_ONCE = 1024
 
 
 class Surroundings(NamedTuple):
-    """Light from everywhere that is no rig's: what it is at directions, and its irradiance."""
+    """Ambient light of a peer: functions for its radiance and its irradiance."""
 
     radiance: object
     irradiance: object
 
 
-class Judge:
-    """The probe and the shadows of one map."""
+class Evaluation:
+    """Evaluation of rigs under one map."""
 
     def __init__(self, env):
         self.normals, self.weights = kernels.icosphere(5120)
@@ -47,7 +47,7 @@ class Judge:
         return kernels.relative_rms(seen, self.wanted, self.weights)
 
     def shadow_error(self, rig):
-        """Relative RMS error of the irradiance at normals, all that is behind a plane hidden."""
+        """Relative RMS error of the irradiance with everything behind a plane hidden."""
         lights = rig.lights
         rows = zip(lights.direction, lights.irradiance, lights.angular_radius, strict=True)
         discs = [points_of_disc(*row, rings=8) for row in rows]
