@@ -298,7 +298,9 @@ pub mod tests {
         let size = model.gradient.len();
         let cost = |moves: [(usize, f64); 2]| {
             let mut along = vec![0.0; size];
-            moves.iter().for_each(|&(i, by)| along[i] += by * step);
+            for (i, by) in moves {
+                along[i] += by * step;
+            }
             State::at(objective, objective.after_step(&state.moments, &along), 0, &state.supports).cost
         };
         let scale = model.hessian.amax();
