@@ -7,7 +7,7 @@
 
 use std::f64::consts::{FRAC_PI_4, PI};
 
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 use super::azimuthal::Azimuthal;
@@ -22,20 +22,29 @@ impl Harmonics {
         const PARTS: usize = 4;
         static BANDS: Cache<Vec<f64>, Vec<Band>> = Cache::new();
         let bands = BANDS.get(&grid.theta_edges, || Band::all(&grid.theta_edges));
-        let part = |bands: &[Band]| Arch::new().dispatch(|| band_sum(bands, azimuthal));
+        let part = |bands: &[Band]| Arch::new().dispatch(BandSum { bands, azimuthal });
         let parts: Vec<Self> = bands.par_chunks(bands.len().div_ceil(PARTS)).map(part).collect();
         parts.iter().fold(Self::zero(), |sum, part| sum.scaled_sum(&[1.0; DEGREES], part, &[1.0; DEGREES]))
     }
 }
 
-/// The harmonics of some bands.
-#[inline(always)]
-fn band_sum(bands: &[Band], azimuthal: &Azimuthal) -> Harmonics {
-    let mut out = Harmonics::zero();
-    for band in bands {
-        band.add_to(&mut out, azimuthal);
+/// Sum of the harmonics of some bands, in the widest vectors. A closure would be compiled for the oldest processors.
+struct BandSum<'a> {
+    bands: &'a [Band],
+    azimuthal: &'a Azimuthal,
+}
+
+impl WithSimd for BandSum<'_> {
+    type Output = Harmonics;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Harmonics {
+        let mut out = Harmonics::zero();
+        for band in self.bands {
+            band.add_to(&mut out, self.azimuthal);
+        }
+        out
     }
-    out
 }
 
 /// A row of cells between two polar angles, with its mirror image below the horizon if there is one.

@@ -23,9 +23,9 @@ use crate::kernels::sphere::{self, Registration};
 
 /// Settings of a rotation.
 struct RotationSettings {
-    /// RotatedGrid along each side of a cell.
+    /// Samples along each side of a cell.
     side: usize,
-    /// RotatedGrid along each side of a cell that may hold a part of a bright cell.
+    /// Samples along each side of a cell that may hold a part of a bright cell.
     fine_side: usize,
     /// A bright cell has more than this fraction of the flux of any channel.
     bright_fraction: f64,
@@ -44,7 +44,7 @@ const ROTATION: RotationSettings = RotationSettings {
 };
 
 impl RotationSettings {
-    /// RotatedGrid of a cell that may hold a part of a bright cell.
+    /// Samples of a cell that may hold a part of a bright cell.
     const fn fine(&self) -> f64 {
         (self.fine_side * self.fine_side) as f64
     }
@@ -81,7 +81,7 @@ pub fn rotate(radiance: ArrayView3<'_, f32>, rotation: DMat3) -> Result<Array3<f
     Ok(Array3::from_shape_vec((height, width, 3), new.into_flattened()).expect("three samples a pixel"))
 }
 
-/// RotatedGrid of the cells after a rotation, and the cells before it that hold them.
+/// Samples of the cells after a rotation, and the cells before it that hold them.
 struct RotatedGrid<'a> {
     cells: &'a Cells,
     side: usize,

@@ -1,6 +1,6 @@
 //! Radiance up to which a block may be summed in single precision.
 //!
-//! A horizon cuts two half blocks in each row, 16 columns of W. PartialIrradiance in f32 are off by about 1e-7: where no
+//! A horizon cuts two half blocks in each row, 16 columns of W. Sums in f32 are off by about 1e-7: where no
 //! such block is more than W / 4 times as bright as the room, by 4e-7 of the irradiance of the room.
 //! Everything brighter is summed in f64, which is slower, but rare.
 

@@ -1,4 +1,4 @@
-//! PartialIrradiance over columns of one or two rows of a band, in wide vectors.
+//! Sums over columns of one or two rows of a band, in wide vectors.
 //!
 //! L cos phi and L sin phi of a row have the weight e, and its L has the weight p. For two rows, with
 //! `S = L_0 + L_1 e_1 / e_0`,
@@ -86,12 +86,12 @@ impl<'a, const N: usize> Rows<'a, N> {
         (further.fold(samples[0], |sum, (&samples, share)| sum + samples * share), samples)
     }
 
-    /// PartialIrradiance of L cos o, L sin o and L by channel over a block of `PIXELS` columns; `offsets` are cos o and sin o.
+    /// Sums of L cos o, L sin o and L by channel over a block of `PIXELS` columns; `offsets` are cos o and sin o.
     #[inline]
     pub fn sums<const PIXELS: usize>(&self, first: usize, offsets: &[[FourPixels; 2]]) -> [Vec4; 3] {
         let rows = self.fours::<PIXELS>(first);
         let [mut cosines, mut sines] = [[Vec4::ZERO; 3]; 2];
-        // PartialIrradiance of S, then of each further row.
+        // Sums of S, then of each further row.
         let mut ones = [[Vec4::ZERO; 3]; N];
         // Add up the pixels, four at a time.
         for (i, [cos, sin]) in offsets.iter().enumerate() {

@@ -52,8 +52,8 @@ use crate::kernels::image::WorkingMap;
 
 /// Relative decrease of the cost in one step that ends the descent of a start.
 const ROUGH: f64 = 1e-2;
-/// Relative decrease that ends the last descent: further steps gain less than 1e-7 of the error, on real maps.
-const FINE: f64 = 1e-6;
+/// Relative decrease that ends the last descent: a mirrored map then has mirrored lights.
+const FINE: f64 = 1e-9;
 
 /// A rig whose lights have angular radii.
 #[derive(Clone, Debug)]
@@ -129,7 +129,7 @@ impl<'a> Sizes<'a> {
         let has_harmonics = reference.free() > 0;
         let state = if has_harmonics { exchange(&shadows, &descent, state, [ROUGH, FINE]) } else { state };
         let steps = steps + state.steps;
-        let state = state.without_black(&shadows, fixed).unwrap_or(state);
+        let state = descent.polish(state.without_black(&shadows, fixed).unwrap_or(state));
         let tolerances = Some(uncertainty::tolerances(&descent, &state, state.cost));
         let stop = state.stop;
         let (rig, radii) = rig_of(reference, &state, self.map);

@@ -222,7 +222,9 @@ fn radius_derivatives(disc: &Disc) -> [f64; 2] {
 /// Derivatives of a product by the coordinates of a disc, from those by its tangents and A.
 fn by_logarithm(product: Jet<3>, [slope, bend]: [f64; 2]) -> ([f64; 3], DMat3) {
     let Jet { mut first, mut second, .. } = product;
-    second.iter_mut().for_each(|row| row[2] *= slope);
+    for row in &mut second {
+        row[2] *= slope;
+    }
     second[2] = second[2].map(|derivative| derivative * slope);
     second[2][2] += first[2] * bend;
     first[2] *= slope;

@@ -6,7 +6,7 @@
 #![allow(clippy::needless_range_loop, reason = "loops, not closures, become wide vectors")]
 
 use glam::DVec3;
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 use crate::kernels::fit::rig::Rig;
 
@@ -64,12 +64,12 @@ impl Blocks {
 
     /// A bit for each sample that a light reaches, in as many words for each light as there are blocks.
     pub fn visible(&self, directions: &[DVec3]) -> Vec<u64> {
-        self.widest.dispatch(|| visible(&self.blocks, directions))
+        self.widest.dispatch(VisibleSamples { blocks: &self.blocks, directions })
     }
 
     /// Difference between the samples and a rig.
     pub fn residual(&self, rig: &Rig) -> Residual {
-        self.widest.dispatch(|| residual(&self.blocks, rig))
+        self.widest.dispatch(RigResidual { blocks: &self.blocks, rig })
     }
 }
 
@@ -78,7 +78,21 @@ fn axes(vectors: &[DVec3]) -> [[f64; SAMPLES]; 3] {
     [0, 1, 2].map(|axis| std::array::from_fn(|i| vectors.get(i).map_or(0.0, |vector| vector[axis])))
 }
 
-/// See [`Blocks::visible`].
+/// See [`Blocks::visible`]. A closure would be compiled for the oldest processors.
+struct VisibleSamples<'a> {
+    blocks: &'a [SampleBlock],
+    directions: &'a [DVec3],
+}
+
+impl WithSimd for VisibleSamples<'_> {
+    type Output = Vec<u64>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Vec<u64> {
+        visible(self.blocks, self.directions)
+    }
+}
+
 #[inline(always)]
 fn visible(blocks: &[SampleBlock], directions: &[DVec3]) -> Vec<u64> {
     let mut words = Vec::with_capacity(directions.len() * blocks.len());
@@ -96,6 +110,20 @@ fn visible(blocks: &[SampleBlock], directions: &[DVec3]) -> Vec<u64> {
 }
 
 /// See [`Blocks::residual`].
+struct RigResidual<'a> {
+    blocks: &'a [SampleBlock],
+    rig: &'a Rig,
+}
+
+impl WithSimd for RigResidual<'_> {
+    type Output = Residual;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Residual {
+        residual(self.blocks, self.rig)
+    }
+}
+
 #[inline(always)]
 fn residual(blocks: &[SampleBlock], rig: &Rig) -> Residual {
     let mut out = Residual { squares: [0.0; 3], largest: 0.0 };

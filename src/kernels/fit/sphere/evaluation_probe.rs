@@ -25,7 +25,7 @@ use std::sync::LazyLock;
 
 use glam::DVec3;
 use nalgebra::DMatrix;
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 use super::kernel::clamped_cosine;
 use crate::error::{Error, Result};
@@ -61,7 +61,7 @@ pub fn evaluation_probe(map: &WorkingMap, expansion: &Expansion, fewest: usize) 
     let bright: Vec<PointLight> = sources(map).into_iter().chain(bright_cells(map)).collect();
     // Sum the part that is equal at opposite normals.
     let mut even = &*TURNS * rings.coefficients(&expansion.rest);
-    Arch::new().dispatch(|| add_bright(&rings.halves, &bright, even.as_mut_slice()));
+    Arch::new().dispatch(BrightHalves { halves: &rings.halves, bright: &bright, even: even.as_mut_slice() });
     // Add the part that changes its sign there.
     let mut whole = [0, 1, 2].map(|channel| expansion.rest.moments(channel).1);
     for (c, whole) in whole.iter_mut().enumerate() {
@@ -152,6 +152,22 @@ impl Rings {
             }
         }
         out
+    }
+}
+
+/// Arguments of [`add_bright`], for the widest vectors. A closure would be compiled for the oldest processors.
+struct BrightHalves<'a> {
+    halves: &'a [Vec<f64>; 3],
+    bright: &'a [PointLight],
+    even: &'a mut [f64],
+}
+
+impl WithSimd for BrightHalves<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        add_bright(self.halves, self.bright, self.even);
     }
 }
 
