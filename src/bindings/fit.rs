@@ -148,6 +148,7 @@ pub struct Options<'py> {
     max_steps: usize,
     floor: bool,
     error_floor: f64,
+    is_plain: bool,
 }
 
 impl Options<'_> {
@@ -164,6 +165,7 @@ impl Options<'_> {
             max_steps: self.max_steps,
             has_floor: self.floor,
             error_floor: self.error_floor,
+            is_plain: self.is_plain,
         })
     }
 }

@@ -34,3 +34,5 @@ class FitOptions(NamedTuple):
     """True if a floor hides the light from below the horizon."""
     error_floor: float = 0.0
     """Error below which no light is added."""
+    is_plain: bool = False
+    """True for forward selection and eight plain starts: the comparison of benchmarks."""

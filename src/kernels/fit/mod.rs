@@ -170,6 +170,7 @@ mod tests {
             shadow_error: None,
             sizes: None,
             max_steps: 100,
+            is_plain: false,
         }
     }
 

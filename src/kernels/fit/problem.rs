@@ -19,13 +19,15 @@ pub struct Problem<'a> {
     pub lights: usize,
     /// Greatest number of steps of one descent.
     pub max_steps: usize,
+    /// True for the plain search of benchmarks.
+    pub is_plain: bool,
 }
 
 impl<'a> Problem<'a> {
     /// The search that the options ask for.
     pub fn new(objective: &'a dyn PointObjective, options: &'a FitOptions) -> Self {
-        let FitOptions { start, fixed, lights, max_steps, .. } = options;
-        Self { objective, start, fixed: *fixed, lights: *lights, max_steps: *max_steps }
+        let &FitOptions { ref start, fixed, lights, max_steps, is_plain, .. } = options;
+        Self { objective, start, fixed, lights, max_steps, is_plain }
     }
 
     /// A descent of a set of lights.

@@ -30,7 +30,7 @@ pub struct Search<'a> {
 impl<'a> Search<'a> {
     /// A search for any number of lights.
     pub fn new(problem: &'a Problem<'a>) -> Self {
-        let settings = SearchSettings::of(problem.objective);
+        let settings = SearchSettings::of(problem.objective, problem.is_plain);
         Self { problem, candidates: Candidates::new(problem.objective), settings }
     }
 
@@ -185,7 +185,7 @@ mod tests {
     }
 
     fn problem(objective: &Sphere, lights: usize) -> Problem<'_> {
-        Problem { objective, start: &[], fixed: 0, lights, max_steps: 100 }
+        Problem { objective, start: &[], fixed: 0, lights, max_steps: 100, is_plain: false }
     }
 
     const PLACES: [((usize, usize), f32); 3] = [((8, 10), 900.0), ((10, 14), 700.0), ((20, 45), 300.0)];
@@ -240,7 +240,7 @@ mod tests {
     }
 
     fn settings() -> SearchSettings {
-        SearchSettings::of(&Sphere::new(&lamps(&[]), Ambient::Constant, false))
+        SearchSettings::of(&Sphere::new(&lamps(&[]), Ambient::Constant, false), false)
     }
 
     /// States of these costs.
