@@ -11,18 +11,39 @@ use super::objective::{Constraint, Objective};
 use super::state::{RESOLUTION, State, StopReason};
 use super::variable_projection::{Quadratic, Subspace};
 
-/// Damping of the first step of a descent, as a fraction of the curvature of each coordinate.
-const FIRST_DAMPING: f64 = 1e-2;
-/// Least damping: with less, rounding chooses the way along coordinates that the cost hardly depends on.
-const LEAST_DAMPING: f64 = 1e-6;
-/// Damping at which a step is too short to change anything.
-const GREATEST_DAMPING: f64 = 1e8;
-/// Longest step, in radians or as the logarithm of a radius: the quadratic is accurate only nearby.
-const LONGEST_STEP: f64 = 0.5;
-/// Relative decrease of the cost in one step below which second derivatives are worth their time.
-const LITTLE: f64 = 0.03;
-/// Damping from which a small decrease does not mean that a minimum is near.
-const STIFF: f64 = 0.1;
+/// Numbers of every descent.
+struct DescentSettings {
+    /// Damping of the first step, as a fraction of the curvature of each coordinate.
+    first_damping: f64,
+    /// Least damping: with less, rounding chooses the step along coordinates that the cost hardly depends on.
+    least_damping: f64,
+    /// Damping at which a step is too short to change anything.
+    greatest_damping: f64,
+    /// Damping from which a small decrease does not mean that a minimum is near.
+    stiff: f64,
+    /// Smallest factor of the damping after one step.
+    softest: f64,
+    /// Longest step, in radians or as the logarithm of a radius: the quadratic is accurate only nearby.
+    longest_step: f64,
+    /// Longest first step without damping, near the minimum.
+    longest_polish: f64,
+    /// Relative decrease of the cost in one step below which second derivatives are worth their time.
+    exact_below: f64,
+    /// Kinks for each light above which a step failed because of its length.
+    most_kinks: usize,
+}
+
+const SETTINGS: DescentSettings = DescentSettings {
+    first_damping: 1e-2,
+    least_damping: 1e-6,
+    greatest_damping: 1e8,
+    stiff: 0.1,
+    softest: 0.1,
+    longest_step: 0.5,
+    longest_polish: 1e-3,
+    exact_below: 0.03,
+    most_kinks: 2,
+};
 
 /// A descent of the lights of one objective.
 #[derive(Clone, Copy, Debug)]
@@ -39,16 +60,16 @@ impl Descent<'_> {
     ///
     /// Steps of Gauss and Newton come first: they never lead to a saddle. Where they gain little, exact ones finish.
     pub fn run(&self, mut state: State, tolerance: f64) -> State {
-        let (mut damping, mut is_exact) = (FIRST_DAMPING, false);
+        let (mut damping, mut is_exact) = (SETTINGS.first_damping, false);
         for _ in 0..self.max_steps {
             if state.stop.is_some() {
                 return state;
             }
             let next = self.step(&state, is_exact, tolerance, &mut damping);
             let gain = next.as_ref().map_or(0.0, |next| 1.0 - next.cost / state.cost);
-            let is_last = is_exact || tolerance >= LITTLE;
-            is_exact |= gain < LITTLE;
-            let has_converged = gain <= tolerance && is_last && (next.is_none() || damping < STIFF);
+            let is_last = is_exact || tolerance >= SETTINGS.exact_below;
+            is_exact |= gain < SETTINGS.exact_below;
+            let has_converged = gain <= tolerance && is_last && (next.is_none() || damping < SETTINGS.stiff);
             state = next.unwrap_or(state);
             if has_converged {
                 state.stop = state.stop.or(Some(StopReason::Converged));
@@ -70,10 +91,8 @@ impl Descent<'_> {
 
     /// The last digits of a minimum, by undamped steps while each is less than half as long as the one before.
     pub fn polish(&self, mut state: State) -> State {
-        /// The longest first step, in radians: farther from the minimum the quadratic is not accurate enough.
-        const LONGEST: f64 = 1e-3;
         let resolution = RESOLUTION * self.objective.reference().energy;
-        let mut longest = LONGEST;
+        let mut longest = SETTINGS.longest_polish;
         loop {
             let model = Quadratic::around(self.objective, &state, true);
             let constraints = self.constraints(&state, &model);
@@ -99,7 +118,7 @@ impl Descent<'_> {
     fn lower(&self, local: &Local<'_>, kinks: &[Constraint], damping: &mut f64) -> Option<State> {
         let Local { state, model, held, tolerance } = local;
         let constraints = [held.as_slice(), kinks].concat();
-        while *damping < GREATEST_DAMPING {
+        while *damping < SETTINGS.greatest_damping {
             if let Some(step) = model.step(&constraints, *damping) {
                 let step = shorten(step);
                 let predicted = model.fall(&step);
@@ -109,7 +128,8 @@ impl Descent<'_> {
                 }
                 let next = self.after_step(state, &step);
                 if next.cost < state.cost {
-                    *damping = (*damping * softer((state.cost - next.cost) / predicted)).max(LEAST_DAMPING);
+                    *damping =
+                        (*damping * softer((state.cost - next.cost) / predicted)).max(SETTINGS.least_damping);
                     return Some(next);
                 }
                 if kinks.is_empty()
@@ -125,10 +145,8 @@ impl Descent<'_> {
 
     /// A lower state on the kinks on the way to `next`, if they are few.
     fn along_kinks(&self, local: &Local<'_>, next: &State, damping: &mut f64) -> Option<State> {
-        /// A step that crosses more kinks than this for each light failed because of its length.
-        const MOST_KINKS: usize = 2;
         let kinks = self.objective.kinks(&local.state.moments, &next.moments);
-        if !(1..=MOST_KINKS * next.lights()).contains(&kinks.len()) {
+        if !(1..=SETTINGS.most_kinks * next.lights()).contains(&kinks.len()) {
             return None;
         }
         let mut own = *damping;
@@ -155,13 +173,12 @@ struct Local<'a> {
 /// The step, at most as long as the quadratic is accurate.
 fn shorten(step: DVector<f64>) -> DVector<f64> {
     let longest = step.amax();
-    if longest > LONGEST_STEP { step * (LONGEST_STEP / longest) } else { step }
+    if longest > SETTINGS.longest_step { step * (SETTINGS.longest_step / longest) } else { step }
 }
 
 /// Factor of the damping after a step whose decrease of the cost was this `ratio` of the predicted one (Nielsen 1999).
 fn softer(ratio: f64) -> f64 {
-    const LEAST: f64 = 0.1;
-    (1.0 - (2.0 * ratio - 1.0).powi(3)).max(LEAST)
+    (1.0 - (2.0 * ratio - 1.0).powi(3)).max(SETTINGS.softest)
 }
 
 impl Quadratic {
