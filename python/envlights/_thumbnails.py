@@ -18,7 +18,7 @@ _ROWS = 256
 _DARKER_THAN_WHITE = 0.98
 #: Smallest ratio of white to the median of the sphere.
 _OVER_MEDIAN = 2.5
-#: Codes of the background of lights, and of its horizon.
+#: 8-bit grey values of the background of lights, and of its horizon.
 _GROUND, _HORIZON = 40, 84
 #: Size, number and gap of the images in a strip, in pixels.
 _SIDE, _IMAGES, _GAP = 96, 4, 4
@@ -53,7 +53,10 @@ def white_of(radiance: NDArray[np.floating]) -> tuple[float, float]:
 
 
 def shrink(radiance: NDArray[np.floating], columns: int) -> NDArray[np.float64]:
-    """Means over blocks of pixels, with `columns` columns or up to twice as many."""
+    """Means over blocks of pixels: at least `columns` wide, less than twice that.
+
+    A narrower image keeps its size.
+    """
     step = max(radiance.shape[1] // columns, 1)
     height, width = (side // step * step for side in radiance.shape[:2])
     cells = radiance[:height, :width].reshape(height // step, step, width // step, step, -1)

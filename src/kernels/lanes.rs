@@ -1,9 +1,6 @@
 //! One number type for formulas: a single number, or one vector of the processor with a number in each lane.
 
-#![allow(
-    clippy::inline_always,
-    reason = "functions that are not inlined are compiled for the oldest processors"
-)]
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 
 use std::ops::{Add, Mul, Sub};
 

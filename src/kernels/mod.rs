@@ -1,8 +1,8 @@
-//! The method, in the order in which it runs. A step uses only steps above it; nothing here names a Python type.
+//! The method, in the order in which it runs. A module uses only modules above it; nothing here names a Python type.
 //!
-//! | step                                           | file           |
+//! | module                                         | file           |
 //! |------------------------------------------------|----------------|
-//! | a value cached for the last key                | `cache.rs`     |
+//! | one-entry cache                                | `cache.rs`     |
 //! | vectors of the processor's width               | `lanes.rs`     |
 //! | directions, pixels, solid angles               | `sphere.rs`    |
 //! | integrals of the direction over a cell         | `cell_integrals.rs` |

@@ -83,7 +83,7 @@ def test_oblong_images_are_not_turned_and_the_notebooks_projection_is_its_own():
 
 def test_darkness_is_drawn(model):
     titles, _ = panels(transfer_picture(model, 0 * frame()[0], 0 * frame()[1]))
-    assert titles[1:3] == ["transfer: of black", "projection: of black"]
+    assert titles[1:3] == ["transfer: reference is black", "projection: reference is black"]
 
 
 def test_frames_that_do_not_fit_are_refused(model):

@@ -18,7 +18,7 @@ from envlights.cli.outputs import print_rig, say_written, verbose_option
     "folder",
     default=".",
     metavar="FOLDER",
-    help="Folder of the files.",
+    help="Folder to write the files to.",
     show_default=True,
 )
 @verbose_option()

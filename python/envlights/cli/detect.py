@@ -29,7 +29,7 @@ from envlights.io.files import PICTURES
     "-n",
     "--max-lights",
     type=int,
-    help="Largest number of lights; more are merged (tree) or dropped (article).",
+    help="Largest number of lights; extra lights are merged (tree) or dropped (article).",
 )
 @click.option(
     "--method",

@@ -45,8 +45,8 @@ def _table() -> str:
 def command(rig_path: str, targets: Sequence[str], environment: str | None) -> None:
     """Write RIG, a file of `fit` or `detect` (.json, .csv), for other programs.
 
-    TARGET is a file, whose suffix selects the program, or the name of a target; then the file is
-    written beside RIG. Textures are written beside each file.
+    TARGET is a file, whose suffix selects the program, or the name of a target. If TARGET is only a
+    name, the file goes next to RIG. Textures go next to each file.
     """
     outputs = [_place(rig_path, target) for target in targets]
     inputs = {"the rig": rig_path, **({"the map": environment} if environment else {})}

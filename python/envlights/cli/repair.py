@@ -18,7 +18,7 @@ MAPS = (".exr", ".hdr")
 @click.option(
     "--ratio",
     type=float,
-    help="Irradiance of a horizontal surface in the open divided by that with the sun shaded.",
+    help="Irradiance in full sun divided by irradiance with the sun blocked, both horizontal.",
 )
 def command(map_path: str, output: str, irradiance: float | None, ratio: float | None) -> None:
     """Estimate the clipped light of MAP, such as a JPEG or PNG."""

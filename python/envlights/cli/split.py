@@ -29,7 +29,8 @@ MAPS = (".exr", ".hdr")
 @click.option(
     "--share",
     type=float,
-    help="Remove the fewest lights with this fraction of the light of all lights, such as 0.9.",
+    help="Remove the fewest lights that together give this fraction of the flux of all lights, such"
+    " as 0.9.",
 )
 @output_option(
     "File to write: the map without the lights (.exr, .hdr), the lights for the program of the"

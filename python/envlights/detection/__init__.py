@@ -6,7 +6,7 @@
 | detection by the component tree                        | `component_tree.py` |
 | detection by the steps of Loghin (2021)                | `loghin.py`         |
 | pixels of the lights                                   | `members.py`        |
-| lights whose colour may be damaged                     | `casts.py`          |
+| lights whose colour may be damaged                     | `colour_casts.py`   |
 | sentences of the reports                               | `wording.py`        |
 | `detect`: one of them by name                          | `detect.py`         |
 | lights that were removed from a map                    | `removed_lights.py` |

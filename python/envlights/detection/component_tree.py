@@ -14,7 +14,7 @@ from envlights import _native
 from envlights._check import LARGEST_COUNT, amount, count
 from envlights._map_pixels import checked_white
 from envlights.detection import wording
-from envlights.detection.casts import cast_notes
+from envlights.detection.colour_casts import colour_cast_notes
 from envlights.detection.lights import DetectedLights, DetectionReport
 from envlights.detection.members import Members
 from envlights.envmap import AnyMap, EnvMap, apply_to_map
@@ -57,8 +57,8 @@ def detect_tree(
     Pixels above a threshold, which is chosen from the map's histogram, are connected from the
     brightest down, across the seam and the poles. Where two regions meet, the dimmer one stays a
     light of its own if its peak is `prominence` times the level at which they meet. Each light is
-    then measured in the map's own pixels. The method goes back to Loghin (2021), whose straight
-    line between two samples approximates the path that the tree follows.
+    then measured in the map's own pixels. The method goes back to Loghin (2021).
+    Loghin tests the straight line between two samples; the tree finds the brightest path.
 
     Parameters
     ----------
@@ -123,9 +123,9 @@ def detect_tree(
     weighted by the square of the depth. Clipping makes the fluxes of lights similar, so lights are
     ordered by `DetectedLights.weight` instead: the expanded flux, divided by the 3/4 power of the
     solid angle, times :math:`e^{1.5 \sin}` of the elevation. Lights with less than 1 % of the
-    total weight are dropped, and so are clipped floors. The `direction_uncertainty` is calibrated
-    on pictures of HDR maps. Irradiance and flux are lower bounds. The rules are ours; the expansion
-    inverts that of Schlick (1994).
+    total weight are dropped; clipped regions on the floor are dropped too. The
+    `direction_uncertainty` is calibrated on pictures of HDR maps. Irradiance and flux are lower
+    bounds. The rules are ours; the expansion inverts that of Schlick (1994).
 
     Some pictures are tone-mapped so that their brightest pixels pile up between 0.7 of the largest
     possible value and that value. This pile is then the clip level. Other pictures whose
@@ -179,7 +179,7 @@ def _detect(env: AnyMap, **arguments: Any) -> tuple[DetectedLights, NDArray[np.f
         return _native.detect_tree(world.radiance, is_border, options._replace(white=white))
 
     world, detection = apply_to_map(env, detection_in)
-    casts = cast_notes(world, detection.peak_direction, detection.peak_luminance)
+    casts = colour_cast_notes(world, detection.peak_direction, detection.peak_luminance)
     notes = (*world.notes, *casts)
     return _lights(detection, notes, time.perf_counter() - start), detection.luminance
 

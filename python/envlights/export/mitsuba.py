@@ -36,15 +36,15 @@ def mitsuba(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) ->
     Returns
     -------
     dict
-        ``light_0`` and so on: points as "directional", whose `irradiance` is ours in
-        W m\ :sup:`-2`. ``ambient``: "constant" with our radiance, or an "envmap" that also holds
-        the lights with a size. Harmonics are cut off where they are negative; over a floor the
-        lower half is black.
+        ``light_0`` and so on: points as "directional", with the same irradiance values as
+        envlights, in W m\ :sup:`-2`. ``ambient``: "constant" with our radiance, or an "envmap" that
+        also holds the lights with a size. Harmonics are cut off where they are negative; over a
+        floor the lower half is black.
 
     Notes
     -----
-    Mitsuba picks one emitter at random for each path: many emitters are noisy. Rendering them one
-    by one and adding the images is not.
+    Mitsuba picks one emitter at random for each path. Many emitters give noise. Rendering each
+    alone and adding the images avoids it.
 
     Examples
     --------
@@ -128,8 +128,8 @@ def discs_on_poles(lights: Lights, least_rows: int = 0) -> NDArray[np.float64] |
     """A map of the lights with a size, rows on the poles, (rows + 1, 2 * rows, 3), or None.
 
     A map is the most accurate form of a disc at infinity in Mitsuba. A far sphere as an area
-    light has the same noise, but it was off by 0.4 % at a radius of 0.27 degrees and by half at
-    89.5, and it hides the lights behind it.
+    light has the same noise, but it was off by 0.4 % at a radius of 0.27 degrees and by 50 %
+    at 89.5 degrees, and it hides the lights behind it.
     """
     _, discs = split_by_size(lights, np.nextafter(0, 1))
     if not len(discs):
@@ -138,7 +138,7 @@ def discs_on_poles(lights: Lights, least_rows: int = 0) -> NDArray[np.float64] |
 
 
 def rows_on_poles(radiance: NDArray[Any]) -> NDArray[np.float64]:
-    """A map of cells with its rows on the edges of ours, two on the poles, as Mitsuba reads it.
+    """Resample a cell-centred map so that rows lie on cell edges, the first and last on the poles.
 
     Without this change, a light would move by half a row at the poles.
     """
@@ -154,7 +154,7 @@ def sharp_rows_on_poles(env: EnvMap) -> NDArray[np.float64]:
 
 
 def _map_of(scene: Scene, *, is_sharp: bool) -> NDArray[np.float64] | None:
-    """Map of a scene, with its discs before its environment; None if it needs no map."""
+    """Map of a scene: its discs added to its environment; None if it needs no map."""
     if scene.environment is None:
         discs = discs_on_poles(scene.lights)
         if discs is None or scene.ambient is None:

@@ -23,7 +23,7 @@ from envlights.io.images import read_image
 from envlights.io.openimageio import oiio
 from envlights.kernels.sphere import pixel_solid_angles
 
-#: Samples between these are compared: above the noise, and below the clip level.
+#: Only samples in this range are used to compare exposures.
 _LEAST_COMPARED, _MOST_COMPARED = 0.02, 0.9
 #: Ratio above which exposures contradict each other.
 _CONTRADICTION = 1.3
@@ -31,7 +31,7 @@ _CONTRADICTION = 1.3
 _DOUBT = 1.1
 #: Smallest number of pixels, well exposed in both pictures, that a check of times needs.
 _FEWEST = 16
-#: Smallest moved fraction of the sphere that a note reports.
+#: Report motion only above this fraction of the sphere.
 _LEAST_SHARE = 1e-3
 
 #: Rows of a block; the arrays for a block take more memory than its pixels.
@@ -98,11 +98,11 @@ class Exposures:
             samples = np.stack([image[rows] for image in self.images])
             merged[rows], is_moved[rows] = _merge(samples, self.times)
             is_lost |= bool((samples[0] >= _native.LEAST_WHITE).any())
-        self._doubt_times()
+        self._note_wrong_times()
         self._note_ghosts(is_moved)
         return merged, float(1 / self.times[0]) if is_lost else None
 
-    def _doubt_times(self) -> None:
+    def _note_wrong_times(self) -> None:
         """Note neighbouring exposures whose ratio differs from that of their times."""
         pairs = zip(range(len(self.times) - 1), range(1, len(self.times)), strict=True)
         for short, long in pairs:

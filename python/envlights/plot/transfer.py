@@ -19,9 +19,8 @@ from envlights.transfer.pairs import image_stack
 
 #: Inches across one image.
 _WIDTH = 2.9
-#: Fraction of the texels within the exposure and the colours of the difference; the few brightest
-#: would make the others black.
-_SHARE = 99.0
+#: Percentile that sets white and the limits of the difference.
+_PERCENTILE = 99.0
 
 
 def transfer_picture(model: TransferModel, direct: ArrayLike, indirect: ArrayLike) -> Picture:
@@ -88,7 +87,7 @@ def transfer_picture(model: TransferModel, direct: ArrayLike, indirect: ArrayLik
 
 
 def _project(model: TransferModel, lights: NDArray[Any], images: NDArray[Any]) -> NDArray[Any]:
-    """Projection of each image at the scale of the pairs, which a mean image needs."""
+    """Project each image, scaled like the pairs of the model: direct light of norm 1."""
     norm = np.linalg.norm(lights.reshape(len(lights), -1), axis=1)
     scale = np.where(norm > 0, norm, 1)[:, None, None, None]
     projected: NDArray[Any] = model.project(images / scale) * scale
@@ -97,7 +96,7 @@ def _project(model: TransferModel, lights: NDArray[Any], images: NDArray[Any]) -
 
 def _draw_direct(axes: Axes, light: NDArray[Any]) -> None:
     """Draw the input, texel by texel, at its own exposure."""
-    white = max(float(np.percentile(light, _SHARE)), np.finfo(float).tiny)
+    white = max(float(np.percentile(light, _PERCENTILE)), np.finfo(float).tiny)
     axes.imshow(encode_srgb(light / white), interpolation="nearest")
     axes.set_title(f"direct: {light.shape[1]}x{light.shape[0]} texels")
     hide_frame(axes)
@@ -107,7 +106,7 @@ def _draw_images(
     row: list[Axes], truth: NDArray[Any], predicted: NDArray[Any], projected: NDArray[Any]
 ) -> None:
     """Reference, transfer and projection at one exposure."""
-    white = max(float(np.percentile(truth, _SHARE)), np.finfo(float).tiny)
+    white = max(float(np.percentile(truth, _PERCENTILE)), np.finfo(float).tiny)
     titles = (
         "reference",
         f"transfer: {_error(predicted, truth)}",
@@ -129,7 +128,7 @@ def _draw_difference(
     wanted = truth.astype(np.float64) @ LUMINANCE
     mean = max(float(wanted[lit].mean()), np.finfo(float).tiny)
     percent = 100 * (predicted.astype(np.float64) @ LUMINANCE - wanted) / mean
-    limit = max(float(np.percentile(np.abs(percent[lit]), _SHARE)), 0.1)
+    limit = max(float(np.percentile(np.abs(percent[lit]), _PERCENTILE)), 0.1)
     # Grey where every image is black; white is no difference.
     colours = colormaps["RdBu_r"].with_extremes(bad="0.6")
     drawn = np.where(lit, percent, np.nan)
@@ -143,5 +142,5 @@ def _error(image: NDArray[Any], truth: NDArray[Any]) -> str:
     """Relative error in percent, or words for a black reference."""
     length = float(np.linalg.norm(truth.astype(np.float64)))
     if length == 0:
-        return "of black"
+        return "reference is black"
     return f"{100 * float(np.linalg.norm(image.astype(np.float64) - truth)) / length:.3g} %"

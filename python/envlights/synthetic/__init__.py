@@ -2,18 +2,18 @@
 
 Frame and units are those of `EnvMap`; pixels are cell-centred.
 
-| content                                         | file           |
-|-------------------------------------------------|----------------|
-| outlines of lights on the sphere                | `shapes.py`    |
-| shapes on a background, measured as stored      | `scene.py`     |
-| the hall of the demo                            | `hall.py`      |
-| surroundings without lights                     | `backdrops.py` |
-| lights of random kind, size and direction       | `lamps.py`     |
-| two families of random maps for detectors       | `suite.py`     |
-| openings behind bars and leaves, rows of lamps  | `openings.py`  |
-| comparison of detected and true lights          | `score.py`     |
-| a closed room under many lamps, in pairs        | `room.py`      |
-| an open courtyard for Mitsuba, and rigs for it  | `courtyard.py` |
+| content                                                              | file           |
+|----------------------------------------------------------------------|----------------|
+| outlines of lights on the sphere                                     | `shapes.py`    |
+| shapes on a background; the truth is measured from the stored pixels | `scene.py`     |
+| the hall of the demo                                                 | `hall.py`      |
+| surroundings without lights                                          | `backdrops.py` |
+| lights of random kind, size and direction                            | `lamps.py`     |
+| two families of random maps for detectors                            | `suite.py`     |
+| openings behind bars and leaves, rows of lamps                       | `openings.py`  |
+| comparison of detected and true lights                               | `score.py`     |
+| direct and indirect images of a closed room                          | `room.py`      |
+| an open courtyard for Mitsuba, and rigs for it                       | `courtyard.py` |
 """
 
 from envlights.synthetic.courtyard import courtyard, rigs

@@ -1,9 +1,6 @@
 //! Batches of discs, one for each lane of a vector, and the sum of their harmonics.
 
-#![allow(
-    clippy::inline_always,
-    reason = "functions that are not inlined are compiled for the oldest processors"
-)]
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 
 use std::f64::consts::PI;
 

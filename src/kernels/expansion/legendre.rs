@@ -6,10 +6,7 @@
 //!   d_k = (1 + x) P_k'(x) / (k (k + 1))        d_0 = 1
 //! ```
 
-#![allow(
-    clippy::inline_always,
-    reason = "functions that are not inlined are compiled for the oldest processors"
-)]
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 #![allow(clippy::needless_range_loop, reason = "loops, not closures, are inlined")]
 
 use std::f64::consts::PI;

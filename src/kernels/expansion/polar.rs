@@ -1,9 +1,6 @@
 //! Harmonics of a map, by integrals over polar angle of its integrals over azimuth.
 
-#![allow(
-    clippy::inline_always,
-    reason = "functions that are not inlined are compiled for the oldest processors"
-)]
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 
 use std::f64::consts::{FRAC_PI_4, PI};
 
@@ -28,7 +25,7 @@ impl Harmonics {
     }
 }
 
-/// Sum of the harmonics of some bands, in the widest vectors. A closure would be compiled for the oldest processors.
+/// Sum of the harmonics of some bands, in the widest vectors. A closure would not use them.
 struct BandSum<'a> {
     bands: &'a [Band],
     azimuthal: &'a Azimuthal,

@@ -1,9 +1,6 @@
 //! Products of harmonics with discs, and their derivatives.
 
-#![allow(
-    clippy::inline_always,
-    reason = "functions that are not inlined are compiled for the oldest processors"
-)]
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 #![allow(clippy::needless_range_loop, reason = "loops, not closures, are inlined")]
 
 use pulp::{Arch, Simd, WithSimd};
@@ -18,7 +15,7 @@ use crate::kernels::lanes::{Lanes, Number};
 pub struct DiscSum<T = f64> {
     /// By channel.
     pub value: [T; 3],
-    /// By theta, by phi over the sine of theta, and by A, by channel.
+    /// Derivatives by theta, by phi (divided by sin theta) and by A, for each channel.
     pub first: [[T; 3]; 3],
     /// Second derivatives on the sphere and by A, of a weighted sum of the channels.
     pub second: [[T; 3]; 3],
@@ -38,7 +35,7 @@ impl DiscSum {
 }
 
 impl<T: Number> DiscSum<T> {
-    /// Zero, like another number.
+    /// Zeros, with as many lanes as `like`.
     #[inline(always)]
     pub fn zero(like: T) -> Self {
         let zero = like.like(0.0);

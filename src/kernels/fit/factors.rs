@@ -2,10 +2,7 @@
 //!
 //! Inside [`pulp::Arch::dispatch`] the loops over columns become wide vectors. They hold no closures, which are not
 //! always inlined.
-#![allow(
-    clippy::inline_always,
-    reason = "functions that are not inlined are compiled for the oldest processors"
-)]
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 
 use nalgebra::DMatrix;
 use pulp::{Arch, Simd, WithSimd};

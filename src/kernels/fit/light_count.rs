@@ -36,7 +36,7 @@ impl FitOptions {
 
 /// The best set with each number of lights, evaluated by `evaluate`.
 ///
-/// Below the error of the rendering no light is added.
+/// The search stops when the error is at most `options.error_floor`.
 pub fn search_path(
     problem: &Problem<'_>,
     options: &FitOptions,
@@ -46,10 +46,10 @@ pub fn search_path(
     let mut beam = vec![near_start(problem, 0)];
     let mut path = vec![evaluate(beam[0].clone())];
     while beam[0].lights() < problem.lights && !is_enough(problem, options, &path) {
-        let next = next(&search, options, &beam)?;
-        let Some(best) = next.first() else { break };
+        let larger = larger_sets(&search, options, &beam)?;
+        let Some(best) = larger.first() else { break };
         path.push(evaluate(best.clone()));
-        beam = next;
+        beam = larger;
     }
     // Search for the final number of lights, unless that has happened.
     let has_search = !options.has_goal() && problem.start.len() == problem.fixed;
@@ -63,7 +63,7 @@ pub fn search_path(
 }
 
 /// The sets with more lights than those of `beam`, best first; empty if no light helps.
-fn next(search: &Search<'_>, options: &FitOptions, beam: &[State]) -> Result<Vec<State>> {
+fn larger_sets(search: &Search<'_>, options: &FitOptions, beam: &[State]) -> Result<Vec<State>> {
     let problem = search.problem;
     let count = beam[0].lights();
     if count < problem.start.len() {
@@ -89,7 +89,7 @@ fn near_start(problem: &Problem<'_>, count: usize) -> State {
     descent.run(State::new(problem.objective, &problem.start[..count]), FINE)
 }
 
-/// The state after lights that no channel uses have moved to where they help.
+/// Replace lights that are black in all channels by new lights, and descend again.
 fn refill(search: &Search<'_>, state: State) -> State {
     let lights = state.lights();
     let Some(mut state) = state.without_black(search.problem.objective.base(), search.problem.fixed) else {
@@ -123,9 +123,10 @@ fn is_enough(problem: &Problem<'_>, options: &FitOptions, path: &[Trial]) -> boo
         || lights >= best.1.max(problem.fixed) + PATIENCE
 }
 
-/// Index of the set with the fewest lights that reaches the errors of the options, or else nearly the least error.
+/// Index of the set with the fewest lights that reaches the errors of the options.
 ///
-/// It has all fixed and started lights.
+/// If no set reaches them, the set with the fewest lights and nearly the least error is chosen. Sets with fewer lights
+/// than the start are skipped.
 pub fn choose(problem: &Problem<'_>, options: &FitOptions, path: &[Trial]) -> usize {
     let least = path.iter().map(|trial| options.comparison_error(trial)).fold(f64::INFINITY, f64::min);
     let enough = (least * (1.0 + WORTH_A_LIGHT)).max(options.error_floor);

@@ -14,7 +14,7 @@
 //! coordinates of two lights. An objective without second derivatives gets the step of Gauss and Newton in Kaufman's
 //! form (1975), which leaves out Lambda and the last term.
 
-#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 
 use glam::{DMat3, DVec3};
 use nalgebra::{DMatrix, DVector};

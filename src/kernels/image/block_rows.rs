@@ -3,7 +3,7 @@
 //! The mean of a block has two steps: down the rows of a row of blocks, here, and then across the columns of each block,
 //! where the reductions differ.
 
-#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 
 use std::borrow::Cow;
 use std::ops::Range;

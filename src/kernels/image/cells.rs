@@ -1,6 +1,6 @@
 //! The cell of an equirectangular map that holds a direction, without an arc function.
 
-#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 
 use std::f64::consts::{PI, TAU};
 
@@ -50,7 +50,7 @@ impl Cells {
 struct Sectors {
     /// Diamond angles between the parts.
     edges: Vec<f64>,
-    /// The part in which each of even intervals of the diamond angle begins.
+    /// The part at the start of each interval. The intervals divide the diamond angle evenly.
     first: Vec<u32>,
     intervals_per_unit: f64,
 }

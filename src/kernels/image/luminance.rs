@@ -1,5 +1,5 @@
 //! Luminance of linear RGB, once for each float type.
-#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 
 /// Weights of linear Rec.709 red, green and blue in luminance.
 pub const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];

@@ -4,7 +4,7 @@
 //! grid of samples. Bright cells, which small lights consist of, are sampled more finely. The rest is rotated and scaled
 //! to its flux first, then the bright cells are added, each scaled to its flux.
 
-#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;

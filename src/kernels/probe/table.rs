@@ -10,7 +10,7 @@
 //! ```
 //!
 //! A look-up costs less than two thirds of one in `band.rs`, which matters if there are more look-ups than cells.
-#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 
 use std::f64::consts::TAU;
 

@@ -61,7 +61,7 @@ fn required_pixels(levels: &[Level]) -> Vec<Vec<usize>> {
         level.mark_around(&level.holes, &mut is_required);
         if let Some(finer) = number.checked_sub(1).map(|finer| &levels[finer]) {
             let mut started: Vec<usize> =
-                finer.holes.iter().map(|&hole| finer.outside(level.size.1, hole)).collect();
+                finer.holes.iter().map(|&hole| finer.parent(level.size.1, hole)).collect();
             started.dedup();
             level.mark_around(&started, &mut is_required);
         }
@@ -69,7 +69,7 @@ fn required_pixels(levels: &[Level]) -> Vec<Vec<usize>> {
         if let (Some(coarser), Some(pixels)) = (levels.get(number + 1), required.last()) {
             pixels
                 .iter()
-                .flat_map(|&pixel| level.inside(coarser.size.1, pixel))
+                .flat_map(|&pixel| level.children(coarser.size.1, pixel))
                 .for_each(|pixel| is_required[pixel] = true);
         }
         // Keep the order of memory.

@@ -37,9 +37,9 @@ impl Level {
         let is_first = |&&hole: &&usize| {
             [hole / self.size.1, hole % self.size.1].iter().all(|position| position.is_multiple_of(2))
         };
-        let outer = self.holes.iter().filter(is_first).map(|&hole| self.outside(columns, hole));
+        let outer = self.holes.iter().filter(is_first).map(|&hole| self.parent(columns, hole));
         let outer =
-            outer.filter(|&pixel| self.inside(columns, pixel).all(|fine| self.is_hole[fine])).collect();
+            outer.filter(|&pixel| self.children(columns, pixel).all(|fine| self.is_hole[fine])).collect();
         Self::new(grid, outer)
     }
 
@@ -48,7 +48,7 @@ impl Level {
         let bands = band_heights(&finer.grid.theta_edges);
         for &pixel in pixels.iter().filter(|&&pixel| !self.is_hole[pixel]) {
             let (mut sum, mut whole) = (DVec3::ZERO, 0.0);
-            for fine in finer.inside(self.size.1, pixel).filter(|&fine| !finer.is_hole[fine]) {
+            for fine in finer.children(self.size.1, pixel).filter(|&fine| !finer.is_hole[fine]) {
                 let weight = bands[fine / finer.size.1];
                 whole += weight;
                 sum += weight * finer.values[fine].as_dvec3();
@@ -57,8 +57,8 @@ impl Level {
         }
     }
 
-    /// The pixel of a level with `columns` columns of twice the width that holds a pixel.
-    pub fn outside(&self, columns: usize, pixel: usize) -> usize {
+    /// The pixel that contains `pixel` on the coarser level, which has `columns` columns.
+    pub fn parent(&self, columns: usize, pixel: usize) -> usize {
         pixel / self.size.1 / 2 * columns + pixel % self.size.1 / 2
     }
 
@@ -67,8 +67,8 @@ impl Level {
         self.is_hole[pixel]
     }
 
-    /// The pixels inside one of a level with `columns` columns of twice the width.
-    pub fn inside(&self, columns: usize, pixel: usize) -> impl Iterator<Item = usize> {
+    /// The pixels of this level inside `pixel` of the coarser level, which has `columns` columns.
+    pub fn children(&self, columns: usize, pixel: usize) -> impl Iterator<Item = usize> {
         let (row, column) = (2 * (pixel / columns), 2 * (pixel % columns));
         let (height, width) = self.size;
         let rows = row..(row + 2).min(height);
@@ -93,7 +93,7 @@ impl Level {
 
     /// Start the holes from the values of a coarser level.
     pub fn start_from(&mut self, coarser: &Self) {
-        let (start, width) = (Enlargement::new(coarser, 2, self.size), self.size.1);
+        let (start, width) = (Upsampling::new(coarser, 2, self.size), self.size.1);
         for row in self.holes.chunk_by(|one, other| one / width == other / width) {
             let values = start.row(row[0] / width);
             for &hole in row {
@@ -114,7 +114,7 @@ impl Level {
             let around = front.iter().flat_map(|&hole| coarser.around(hole));
             front = around.filter(|&hole| replace(&mut is_far[hole], false)).collect();
         }
-        let is_near = |&hole: &usize| !is_far[self.outside(coarser.size.1, hole)];
+        let is_near = |&hole: &usize| !is_far[self.parent(coarser.size.1, hole)];
         self.holes.iter().copied().filter(is_near).collect()
     }
 
@@ -131,8 +131,8 @@ impl Level {
 
     /// Relax some holes for a number of sweeps of Gauss and Seidel: each takes the mean of its neighbours.
     ///
-    /// In finite volumes on the sphere, two pixels exchange the length of their common side over the distance of their
-    /// centres. The outer side of a row at a pole has no length.
+    /// Finite volumes on the sphere give the weights. The conductance between two pixels is the length of their common
+    /// side over the distance of their centres. It is 0 at the poles.
     pub fn relax(&mut self, holes: &[usize], sweeps: usize) {
         let stencils = self.stencils(holes);
         for _ in 0..sweeps {
@@ -189,8 +189,8 @@ struct Stencil {
 }
 
 impl Stencil {
-    /// Mean of the neighbours. It is exact if they are equal, because it starts from the right one, and not negative,
-    /// because that one has a quarter of the weight at least.
+    /// Mean of the neighbours, summed as differences from the right one, so that equal neighbours give exactly their
+    /// value. Rounding cannot make it negative, because the right one has at least a quarter of the weight.
     fn mean(&self, values: &[Vec3A]) -> Vec3A {
         let [right, left, up, down] =
             [self.right, self.others[0], self.others[1], self.others[2]].map(|at| values[at as usize]);
@@ -199,8 +199,8 @@ impl Stencil {
     }
 }
 
-/// A level in pixels smaller by a whole factor, linear between the centres of the level's pixels.
-pub struct Enlargement<'a> {
+/// A level at a higher resolution, by linear interpolation between its pixel centres.
+pub struct Upsampling<'a> {
     level: &'a Level,
     rows: Vec<Neighbours>,
     columns: Vec<Neighbours>,
@@ -216,8 +216,8 @@ pub struct FineRow<'a> {
     columns: &'a [Neighbours],
 }
 
-impl<'a> Enlargement<'a> {
-    /// A level in pixels that are `factor` times as small, with this number of rows and columns.
+impl<'a> Upsampling<'a> {
+    /// Upsample a level by a whole `factor` to this number of rows and columns.
     pub fn new(level: &'a Level, factor: usize, (height, width): (usize, usize)) -> Self {
         let (last_row, last_column) = (level.size.0 - 1, level.size.1 - 1);
         let rows = (0..height).map(|row| {
@@ -252,7 +252,7 @@ impl FineRow<'_> {
     }
 }
 
-/// The first pixel whose centre is beyond that of a pixel `factor` times as small, and its weight.
+/// Index and weight of the first pixel whose centre lies after the centre of a pixel `factor` times as small.
 fn second(small: usize, factor: usize) -> (usize, f32) {
     let offset = ((small % factor) as f32 + 0.5) / factor as f32 - 0.5;
     if offset < 0.0 { (small / factor, offset + 1.0) } else { (small / factor + 1, offset) }
@@ -297,12 +297,12 @@ mod tests {
             *value = ramp((at / 16) as f32, (at % 16) as f32);
         }
         for factor in [1, 2, 3, 4, 5, 8] {
-            let enlarged = Enlargement::new(&level, factor, (8 * factor, 16 * factor));
+            let upsampled = Upsampling::new(&level, factor, (8 * factor, 16 * factor));
             let position = |small: usize| (small as f32 + 0.5) / factor as f32 - 0.5;
             for row in factor..7 * factor {
                 for column in factor..15 * factor {
                     let expected = ramp(position(row), position(column));
-                    assert!(enlarged.row(row).at(column).abs_diff_eq(expected, 1e-3));
+                    assert!(upsampled.row(row).at(column).abs_diff_eq(expected, 1e-3));
                 }
             }
         }
@@ -313,8 +313,8 @@ mod tests {
         let mut level = Level::new(Grid::of_pixels(8, 16, Registration::CellCentred), Vec::new());
         level.values[..16].fill(Vec3A::ONE);
         level.values[15] = 9.0 * Vec3A::ONE;
-        let enlarged = Enlargement::new(&level, 2, (16, 32));
-        let row = enlarged.row(0);
+        let upsampled = Upsampling::new(&level, 2, (16, 32));
+        let row = upsampled.row(0);
         let values = [0, 1, 30, 31].map(|column| row.at(column).x.to_bits());
         assert_eq!(values, [3.0_f32, 1.0, 7.0, 7.0].map(f32::to_bits));
     }

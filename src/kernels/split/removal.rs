@@ -9,7 +9,7 @@ use glam::{DMat3, DVec3, Vec3A};
 use rayon::prelude::*;
 
 use super::coarse_map::CoarseMap;
-use super::level::{Enlargement, Level};
+use super::level::{Level, Upsampling};
 use super::light_pixels::NO_LIGHT;
 use super::region::Region;
 use crate::interrupt;
@@ -71,7 +71,7 @@ pub fn remove(
     let remover = Remover {
         map,
         region,
-        fill: Enlargement::new(fill, map.block, map.map_size),
+        fill: Upsampling::new(fill, map.block, map.map_size),
         rows: RowIntegrals::of_rows(&map.pixel_grid.theta_edges),
         columns: ColumnIntegrals::of_columns(&map.pixel_grid.phi_edges),
     };
@@ -121,7 +121,7 @@ fn reaches(map: &CoarseMap<'_>, region: &Region, directions: &[DVec3]) -> Vec<f6
 struct Remover<'a> {
     map: &'a CoarseMap<'a>,
     region: &'a Region,
-    fill: Enlargement<'a>,
+    fill: Upsampling<'a>,
     rows: Vec<RowIntegrals>,
     columns: Vec<ColumnIntegrals>,
 }

@@ -10,7 +10,7 @@
 //! ```
 //!
 //! The sums of a tile stay in registers. A frame that uses only the first components reads no others.
-#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 
 use half::f16;
 use half::slice::HalfFloatSliceExt;

@@ -20,9 +20,9 @@ from envlights.transfer.model import TransferModel
 def command(model_path: str, direct_path: str, indirect_path: str, output: str) -> None:
     """Draw a predicted frame beside the truth.
 
-    Four images: INDIRECT, which is the truth; what MODEL predicts for DIRECT; the projection of
-    INDIRECT, which is the best that MODEL could do; and what the prediction misses. The titles hold
-    relative errors.
+    The five images are DIRECT; INDIRECT, the truth; the prediction of MODEL for DIRECT; the
+    projection of INDIRECT, the best that MODEL could do; and the prediction minus the truth. The
+    titles hold relative errors.
     """
     inputs = {
         "the model": model_path,

@@ -19,7 +19,9 @@ use super::super::segment::working_image::WorkingImage;
 use crate::interrupt;
 use crate::kernels::image::CellCentres;
 
-/// The depth of each pixel of a `plateau`, in ascending order, in radians, as an image; 0 outside.
+/// An image of the depth of each pixel of `plateau` in radians; other pixels are 0.
+///
+/// The runs of `plateau` are in ascending order.
 pub fn depths(working: &WorkingImage, plateau: &[Run]) -> Vec<f32> {
     let (height, width) = working.size;
     let sphere = CellCentres::new(&working.grid);
@@ -63,12 +65,12 @@ fn angle(cosine: f64) -> f32 {
     2.0 * ((0.5 * (1.0 - cosine)).max(0.0).sqrt() as f32).min(1.0).asin()
 }
 
-/// Versine to the outer pixel of a row without any.
+/// Versine for a row that has no outer pixel.
 const NO_OUTER: f32 = f32::INFINITY;
 
 /// Cosine of the angle to the nearest outer pixel; -1 without any.
 ///
-/// `outer` holds for each pixel the outer pixel of its row: 1 - cos of the difference of azimuths.
+/// `outer` holds for each pixel the versine of the azimuth to the nearest outer pixel in the same row.
 fn nearest(sphere: &CellCentres, outer: &[f32], row: usize, column: usize) -> f64 {
     let (sin, cos) = sphere.rows[row];
     let mut largest = -1.0;

@@ -2,7 +2,7 @@
 //!
 //! Each pixel of the map is expanded before blocks are averaged: a lamp smaller than a block counts by the fraction of
 //! the block that it covers.
-#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 
 use ndarray::ArrayView3;
 use pulp::{Arch, Simd, WithSimd};

@@ -6,7 +6,7 @@
 //!   y' = y / (1 + e - y)        e = 0.02:  y' = 50 at the clip level, y in the dark
 //!   y  = (1 + e) y' / (1 + y')
 //! ```
-#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 
 /// Inverse of the expanded clip level. Larger values merge lamps with the white walls around them.
 const DISTANCE: f32 = 0.02;

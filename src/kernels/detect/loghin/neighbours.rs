@@ -27,7 +27,7 @@ pub fn neighbour_maximum(
     reach: usize,
     sphere: bool,
 ) -> Result<Vec<(f32, Pixel)>> {
-    // Each pixel; the brightest around it, here and for the caller.
+    // Count 8 numbers for each pixel: its position, and two copies of its brightest neighbour.
     check_memory(&[pixels.nrows(), 8])?;
     let samples = luminance.as_standard_layout();
     let image = Image::new("luminance", samples.view())?;
@@ -42,7 +42,7 @@ pub fn neighbour_maximum(
     Ok(brightest_around_all(&image, &pixels, &windows))
 }
 
-/// Number of passes over an image that last as long as maxima around all of its pixels.
+/// Above this many reads per image pixel, the all-pixels method is faster.
 const READS: usize = 80;
 
 /// The brightest pixel of the window around `pixel`, and its value.

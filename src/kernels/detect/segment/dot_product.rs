@@ -1,5 +1,5 @@
 //! The dot product in wide vectors: sums in lanes that do not wait for one another.
-#![allow(clippy::inline_always, reason = "what is not inlined is compiled for the oldest of processors")]
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 
 /// Sum of products.
 #[inline(always)]

@@ -85,7 +85,7 @@ impl SourceMap<'_> {
     }
 }
 
-/// Pixels of a map of this `size` inside `working` pixels.
+/// Range of map pixels covered by a range of working pixels.
 fn within(working: Range<usize>, block: usize, size: usize) -> Range<usize> {
     working.start * block..(working.end * block).min(size)
 }

@@ -25,10 +25,7 @@
 //! and comes from the series of |x - y| = sqrt(2 - 2 c) in Legendre polynomials, whose factors are closed. For most
 //! discs, which are far apart for their sizes, `far.rs` replaces the table.
 
-#![allow(
-    clippy::inline_always,
-    reason = "functions that are not inlined are compiled for the oldest processors"
-)]
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 #![allow(clippy::needless_range_loop, reason = "loops, not closures, are inlined")]
 
 use std::f64::consts::PI;

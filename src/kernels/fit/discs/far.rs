@@ -13,10 +13,7 @@
 //!   rho = p ((r/2 - 3/4) c + (1 - r/2) / 6 (1/d^2 + 3/2 - 15 d^2/16) + r/8 (1/d^2 - 1/2 + 9 d^2/16))
 //! ```
 
-#![allow(
-    clippy::inline_always,
-    reason = "functions that are not inlined are compiled for the oldest processors"
-)]
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 
 use super::jet::Jet;
 use crate::kernels::lanes::Number;

@@ -2,10 +2,7 @@
 //!
 //! Loops instead of closures, which are not always inlined: so their callers choose how wide vectors are.
 
-#![allow(
-    clippy::inline_always,
-    reason = "functions that are not inlined are compiled for the oldest processors"
-)]
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 #![allow(clippy::needless_range_loop, reason = "of rows and columns at once")]
 
 use std::ops::{Add, Mul, Sub};

@@ -1,9 +1,6 @@
 //! A disc of uniform radiance, and derivatives by its coordinates.
 
-#![allow(
-    clippy::inline_always,
-    reason = "functions that are not inlined are compiled for the oldest processors"
-)]
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 
 use glam::DVec3;
 

@@ -1,9 +1,6 @@
 //! The parts of bright cells of a map as discs, and the cone of a kernel between them and the discs of lights.
 
-#![allow(
-    clippy::inline_always,
-    reason = "functions that are not inlined are compiled for the oldest processors"
-)]
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 #![allow(clippy::needless_range_loop, reason = "loops, not closures, are inlined")]
 
 use std::f64::consts::PI;

@@ -1,8 +1,5 @@
 //! Loops over all normals of a probe, in blocks that the compiler turns into wide vectors.
-#![allow(
-    clippy::inline_always,
-    reason = "functions that are not inlined are compiled for the oldest processors"
-)]
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 #![allow(clippy::needless_range_loop, reason = "loops, not closures, become wide vectors")]
 
 use glam::DVec3;
@@ -78,7 +75,7 @@ fn axes(vectors: &[DVec3]) -> [[f64; SAMPLES]; 3] {
     [0, 1, 2].map(|axis| std::array::from_fn(|i| vectors.get(i).map_or(0.0, |vector| vector[axis])))
 }
 
-/// See [`Blocks::visible`]. A closure would be compiled for the oldest processors.
+/// See [`Blocks::visible`]. A closure would not use the vectors of the processor.
 struct VisibleSamples<'a> {
     blocks: &'a [SampleBlock],
     directions: &'a [DVec3],

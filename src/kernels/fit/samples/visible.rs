@@ -1,6 +1,7 @@
 //! Moments as sums over the normals that one light, or both of two lights, reach.
 //!
-//! With `v_j(n) = n` where the light j reaches the normal n, else 0, for each side y of the probe
+//! Let `v_j(n) = n` if the light j reaches the normal n, else 0. A side y is a vector that the lights are multiplied
+//! with: an ambient column, or the irradiance in a channel. The moments are
 //!
 //! ```text
 //!   <v_j, y> = sum w v_j y        <v_j, v_k^T> = sum w v_j v_k^T
@@ -46,7 +47,7 @@ pub fn turn(probe: &Probe, before: &Moments, directions: Vec<DVec3>) -> Moments 
     sums.moments(probe, directions)
 }
 
-/// Pairs of a light and a normal that the light reaches in only one of two sets.
+/// Each light with each normal that it reaches in `from` or in `to`, but not in both.
 pub fn crossings(probe: &Probe, from: &Moments, to: &Moments) -> Vec<(usize, DVec3)> {
     let words = probe.samples.blocks.words();
     let both = from.visible.iter().zip(&to.visible).enumerate();

@@ -1,9 +1,6 @@
 //! The objective over the whole sphere of normals: the probe under a map, and lights beside it.
 
-#![allow(
-    clippy::inline_always,
-    reason = "functions that are not inlined are compiled for the oldest processors"
-)]
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 
 use glam::{DMat3, DVec3};
 use nalgebra::DMatrix;

@@ -14,10 +14,7 @@
 //! The normals lie on rings at the nodes of a Gauss-Legendre rule, evenly spaced in azimuth. Each ring is turned against
 //! the one before by the golden section of a step. With evenly spaced heights, errors scatter twice as much.
 
-#![allow(
-    clippy::inline_always,
-    reason = "functions that are not inlined are compiled for the oldest processors"
-)]
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 #![allow(clippy::needless_range_loop, reason = "loops, not closures, are inlined")]
 
 use std::f64::consts::TAU;
@@ -155,7 +152,7 @@ impl Rings {
     }
 }
 
-/// Arguments of [`add_bright`], for the widest vectors. A closure would be compiled for the oldest processors.
+/// Arguments of [`add_bright`], for the widest vectors. A closure would not use them.
 struct BrightHalves<'a> {
     halves: &'a [Vec<f64>; 3],
     bright: &'a [PointLight],

@@ -9,10 +9,7 @@
 //! Here f is a bicubic B-spline over -1 .. 1, which is twice differentiable and needs no angles. Its coefficients are
 //! linear in the spherical harmonics of F, by a matrix that is computed once.
 
-#![allow(
-    clippy::inline_always,
-    reason = "functions that are not inlined are compiled for the oldest processors"
-)]
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 
 use std::sync::LazyLock;
 

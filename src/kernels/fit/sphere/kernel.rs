@@ -18,10 +18,7 @@
 //!   mixed derivative by a, b    k' s.u + k'' (s.b) (a.u)                along the tangents s of a and u of b
 //! ```
 
-#![allow(
-    clippy::inline_always,
-    reason = "functions that are not inlined are compiled for the oldest processors"
-)]
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 
 use std::f64::consts::{FRAC_PI_3, PI};
 

@@ -1,9 +1,6 @@
 //! Inner products of lights with each other and of their derivatives, in wide vectors.
 
-#![allow(
-    clippy::inline_always,
-    reason = "functions that are not inlined are compiled for the oldest processors"
-)]
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 
 use glam::DVec3;
 use nalgebra::DMatrix;

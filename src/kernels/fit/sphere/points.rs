@@ -1,9 +1,6 @@
 //! Bright sources of a map as exact points.
 
-#![allow(
-    clippy::inline_always,
-    reason = "functions that are not inlined are compiled for the oldest processors"
-)]
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 
 use glam::{DMat3, DVec3};
 use pulp::Simd;

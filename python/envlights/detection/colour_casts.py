@@ -16,7 +16,7 @@ _AT_PEAK = 0.99
 _CHANNELS = ("red", "green", "blue")
 
 
-def cast_notes(
+def colour_cast_notes(
     world: EnvMap, peak_direction: NDArray[np.float64], peak_luminance: NDArray[np.float64]
 ) -> list[str]:
     """A sentence for each light whose peak has no red, green or blue.
