@@ -74,7 +74,7 @@ def is_vector(values: ArrayLike) -> bool:
 
 
 def one_or_more(name: str, values: ArrayLike) -> tuple[NDArray[np.float64], bool]:
-    """Vectors as rows, (n, 3), or one of them, (3,), as a row; True if it was one."""
+    """Rows of vectors, (n, 3), and True if `values` are a single vector, which becomes a row."""
     is_one = is_vector(values) and np.size(values) > 0
     array = reals(name, values, 1 if is_one else 2)
     return (array[None], True) if is_one else (array, False)

@@ -99,7 +99,7 @@ def save(
     path : path-like
         Textures are written beside it, ``scene.ambient.exr`` beside ``scene.usda``.
     environment : EnvMap or array_like, optional
-        Map that replaces the ambient term, such as the rest of a split map.
+        Map that replaces the ambient term, such as the remainder of a split map.
 
     Raises
     ------

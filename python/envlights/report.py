@@ -23,7 +23,7 @@ class StopReason(enum.Enum):
     EXACT = "exact: the lights reproduce the irradiance"
     OUT_OF_STEPS = "stopped at the step limit; a better set of lights may exist"
     ERROR_NOT_REACHED = "the requested error was not reached; allow more lights"
-    RAN_AWAY = "stopped before a step without a finite result; the lights are those before it"
+    RAN_AWAY = "stopped because the next step is not finite; the lights are those before it"
     NOTHING_TO_FIT = "the map is black, so there is no light to fit"
 
     @property
@@ -69,8 +69,9 @@ class FitReport(Result):
     """Relative RMS error in red, green and blue, each relative to its own irradiance."""
 
     max_error: float = 0.0
-    """Largest difference in any channel at the measured normals (5120 or more of a map), relative
-    to the RMS irradiance, like `Rig.error`. Between them it was up to a fifth greater."""
+    """Largest error of any channel at the measured normals, relative to the RMS irradiance.
+
+    A map is measured at 5120 or more normals. Between them the error was up to a fifth larger."""
 
     shadow_error: float | None = None
     """Relative RMS error of shadowed irradiance, or None if it was not measured.
@@ -81,15 +82,14 @@ class FitReport(Result):
     direction_tolerances: tuple[float, ...] = ()
     """Radians by which each light of a map can move before the error grows by 10 %.
 
-    The light moves in the direction that matters least, and all else is fitted again. 0 for a
-    fixed light, pi if nothing determines the direction. To second order: of a tolerance above about
-    20 degrees, only the order of magnitude is meaningful."""
+    The light moves in the direction that raises the error least, and all else is fitted again. The
+    tolerance is 0 for a fixed light, and pi if the map does not determine the direction. It uses
+    second derivatives: above about 20 degrees, only its order of magnitude is meaningful."""
 
     condition: float = 1.0
     """Condition number of the Jacobian of a measured probe, with columns of equal length.
 
-    Large if several unknowns change the probe in nearly the same way, infinite if in the same
-    way."""
+    It is large if the columns are almost linearly dependent, and infinite if they are dependent."""
 
     direction_errors: tuple[float, ...] = ()
     """Standard error of each light's direction under a measured probe, in radians.
@@ -201,7 +201,7 @@ class FitReport(Result):
         return [*self._choice(), self.fewer_lights, unfitted]
 
     def _details(self) -> list[str]:
-        """Lines for authors."""
+        """Lines for developers."""
         return [
             f"errors measured at {self.measured_on}" if self.measured_on else "",
             *self._by_channel(),

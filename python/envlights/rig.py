@@ -28,7 +28,7 @@ from envlights.report import FitReport, StopReason
 _KIND = "rig"
 _VERSION = 3
 #: Version 2 had neither sizes nor floors.
-_READ = (2, 3)
+_READABLE_VERSIONS = (2, 3)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -98,7 +98,7 @@ class Rig(Result):
         return values[0] if is_one else values
 
     def to_map(self, height: int) -> EnvMap:
-        """The rig as a map: its lights as discs before its ambient term.
+        """Draw the rig as a map: the radiance of its ambient term plus its lights as discs.
 
         Over a floor, the ambient radiance fills the upper half alone. Harmonics that are negative
         somewhere are cut off there.
@@ -114,7 +114,7 @@ class Rig(Result):
 
         See Also
         --------
-        Lights.to_map : how discs are drawn, and points.
+        Lights.to_map : method that draws the discs and points.
 
         Examples
         --------
@@ -207,7 +207,7 @@ class Rig(Result):
                 )
             lights = Lights(table.direction, table.irradiance, table.angular_radius)
             return cls(table.ambient, lights, table.error, floor=table.floor)
-        return read_json(path, _KIND, _READ, _from_dict)
+        return read_json(path, _KIND, _READABLE_VERSIONS, _from_dict)
 
     def verbose(self) -> str:
         """Text with all details of the report."""

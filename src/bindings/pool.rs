@@ -29,7 +29,7 @@ pub fn interruptible<T: Send>(py: Python<'_>, work: impl Fn() -> Result<T> + Sen
     run(py, &work, |threads| watch(threads, &work))
 }
 
-/// Run `work` in the pool by `start`, and repeat it if the interruption of another Python thread stopped it.
+/// Call `start`, which runs `work` in the pool; repeat this if a signal to another Python thread interrupted it.
 fn run<T: Send>(
     py: Python<'_>,
     work: &(impl Fn() -> Result<T> + Sync),
@@ -147,7 +147,7 @@ pub fn threads(py: Python<'_>, wanted: Option<usize>) -> usize {
     py.detach(|| current().map_or(1, ThreadPool::current_num_threads))
 }
 
-/// Threads of one process in one number, and a link to those of other processes or numbers.
+/// Thread pool of one process with one number of threads, and a link to the next such pool.
 struct Pool {
     process: u32,
     wanted: usize,

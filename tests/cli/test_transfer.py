@@ -59,7 +59,7 @@ def test_duplicates_black_images_and_a_high_rank_are_learnt_from_and_noted(tmp_p
     folder = write_pairs(tmp_path / "room", direct, indirect)
     result = run("fit", folder, "-o", tmp_path / "m.npz", "--rank", 500, "--ridge", "loo")
     assert result.exit_code == 0, result.output
-    assert "direct is black in 1 of the images (5 first): left out" in result.stdout
+    assert "1 image is left out, because direct is black: image 5" in result.stdout
     assert "the images have no more than" in result.stdout
     report = el.TransferModel.load(tmp_path / "m.npz").report
     assert len(report.unseen_errors) == 6

@@ -258,7 +258,7 @@ def test_what_gives_little_and_stands_out_little_is_listed_only_when_all_are_wan
     ]
     radiance = scene(512, background=[1.0] * 3, shapes=shapes).radiance
     assert [len(el.detect(radiance, min_worth=least)) for least in (0, 0.0005)] == [3, 2]
-    assert "1 light that is too weak" in str(el.detect(radiance).report)
+    assert "1 light is too weak" in str(el.detect(radiance).report)
 
 
 def test_minus_zero_is_as_dark_as_zero():

@@ -47,12 +47,12 @@ def test_the_report_counts_what_was_dropped_and_what_was_merged():
     assert len(lights) == 4
     np.testing.assert_allclose(lights.flux_share.sum(), share[:9].sum(), rtol=1e-9)
     report = str(lights.report)
-    assert "3 lights that are too weak" in report
+    assert "3 lights are too weak" in report
     assert "5 lights were merged into neighbours" in report
 
 
 def test_where_all_lights_are_too_dim_the_report_says_no_other_reason():
     lights = el.detect(one_pixel_suns(3, 1), min_flux_share=1.0)
     assert len(lights) == 0
-    assert "3 lights that are too weak" in str(lights.report)
+    assert "3 lights are too weak" in str(lights.report)
     assert "the whole map" not in str(lights.report)

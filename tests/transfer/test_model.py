@@ -222,7 +222,9 @@ def test_black_direct_images_are_left_out_and_noted():
     other = el.TransferModel.fit(direct[kept], indirect[kept], rank=32)
     new = room().direct[NEW]
     np.testing.assert_array_less(relative_errors(model.predict(new), other.predict(new)), 1e-4)
-    assert "direct is black in 2 of the images (3 first): left out" in model.report.notes
+    assert (
+        "2 images are left out, because direct is black; the first is image 3" in model.report.notes
+    )
     assert len(model.report.unseen_errors) == 62
 
 

@@ -61,7 +61,7 @@ class DetectionReport(Result):
     """Luminance at which the map is clipped; None for other maps and for the article."""
 
     skipped: tuple[str, ...] = ()
-    """Lights that were dropped or merged, with numbers."""
+    """Sentences on lights that were dropped or merged, or that there are none."""
 
     notes: tuple[str, ...] = ()
     """Remarks on the map and on single lights."""
@@ -113,7 +113,7 @@ class DetectionReport(Result):
         )
         lines = [
             f"threshold {self.threshold:.3g} ({self.reason}){clipped if self.clip_level else ''}",
-            *(f"not listed: {line}" for line in self.skipped),
+            *self.skipped,
             *(f"note: {note}" for note in self.notes),
         ]
         return "\n".join(lines)

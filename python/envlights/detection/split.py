@@ -267,7 +267,7 @@ def _report(chosen: DetectedLights, found: int, seconds: float) -> DetectionRepo
     """The report of the detection, with the lights that stay."""
     report = chosen.report
     stay = found - len(chosen)
-    others = "1 light, which stays" if stay == 1 else f"{stay} lights, which stay"
+    others = "1 light stays" if stay == 1 else f"{stay} lights stay"
     skipped = (*report.skipped, f"{others} in the map") if stay else report.skipped
     return replace(report, skipped=skipped, seconds={**report.seconds, "split": seconds})
 

@@ -20,13 +20,15 @@ def reason_of_tree(detection: _native.TreeDetection) -> str:
 
 
 def dropped_by_tree(detection: _native.TreeDetection) -> tuple[str, ...]:
-    """Lights that are not listed."""
+    """Sentences on lights that the result does not list."""
     lines = []
     if not len(detection.flux_share) and not detection.dropped:
-        lines.append("the whole map, because nothing is much brighter than the threshold")
+        lines.append("no lights: nothing is much brighter than the threshold")
     if detection.dropped:
-        lights = "light that is" if detection.dropped == 1 else "lights that are"
-        lines.append(f"{detection.dropped} {lights} too weak (options min_flux_share, min_worth)")
+        lights = "light is" if detection.dropped == 1 else "lights are"
+        lines.append(
+            f"{detection.dropped} {lights} too weak to list (options min_flux_share, min_worth)"
+        )
     if detection.merged:
         lights = "light was" if detection.merged == 1 else "lights were"
         lines.append(f"{detection.merged} {lights} merged into neighbours (option max_lights)")
@@ -43,7 +45,7 @@ def joined_panes(detection: _native.TreeDetection) -> list[str]:
 
 
 def details_of_tree(detection: _native.TreeDetection) -> tuple[str, ...]:
-    """Details for authors of detectors."""
+    """Details for developers of detectors."""
     return (*_rules(detection), *_clipping(detection), *_tiles(detection))
 
 
@@ -58,8 +60,8 @@ def _rules(detection: _native.TreeDetection) -> list[str]:
     if any(detection.panes):
         ratio, widest = detection.widest_bar
         lines.append(
-            f"window bars are at most {ratio:g} of a pane and {math.degrees(widest):g}° wide,"
-            " and darker than both panes"
+            f"a window bar is darker than both panes; its width is at most {ratio:g} of the mean"
+            f" depth of the panes, and at most {math.degrees(widest):g}°"
         )
     return lines
 
@@ -72,7 +74,11 @@ def _clipping(detection: _native.TreeDetection) -> list[str]:
     if clipped.is_below_white:
         level += ", below its largest possible value"
     share = f"{100 * clipped.clipped_share:.2g} % of the sphere is clipped"
-    return [f"{level}; {share}", "the threshold was chosen from expanded luminance"]
+    expanded = (
+        "the search used expanded luminance (Schlick 1994), in which values near the clip"
+        " level are up to 50 times larger"
+    )
+    return [f"{level}; {share}", expanded]
 
 
 def _tiles(detection: _native.TreeDetection) -> list[str]:
@@ -82,7 +88,9 @@ def _tiles(detection: _native.TreeDetection) -> list[str]:
 
 def reason_of_article(is_relative: bool, level: float, white: float | None, code: float) -> str:
     """Origin of the article's threshold, and its code in an 8-bit file."""
-    reason = "chosen as by the tree" if is_relative else "a fixed value, as in the article"
+    reason = (
+        "chosen by the tree method's rule" if is_relative else "a fixed value, as in the article"
+    )
     if white is None:
         return reason
     if level >= white:

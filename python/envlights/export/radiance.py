@@ -100,7 +100,7 @@ def _parts(scene: Scene) -> tuple[Lights, Scene]:
 
 def _description(lights: Lights, scene: Scene, name: str) -> str:
     if scene.environment is not None and any(letter.isspace() for letter in name):
-        raise EnvLightsError(f"Radiance reads no name with a space; got {describe(name)}")
+        raise EnvLightsError(f"Radiance cannot read a file name with a space; got {describe(name)}")
     radius = np.maximum(lights.angular_radius, _POINT)
     seen = lights.irradiance / (np.pi * np.sin(radius) ** 2)[:, None] + _sky(scene, lights)
     towards = AXES["radiance"].to_target(lights.direction)

@@ -21,7 +21,7 @@ AMBIENTS = (["ambient"], [f"ambient sh{j}" for j in range(9)])
 
 
 class Table(NamedTuple):
-    """Content of a CSV file; without an ambient term for lights alone."""
+    """Content of a CSV file; `ambient` and `error` are None if it holds lights alone."""
 
     direction: NDArray[np.float64]
     """Unit vectors towards the lights, (n, 3)."""
@@ -48,7 +48,7 @@ def read_csv(path: str | os.PathLike[str]) -> Table:
     Raises
     ------
     EnvLightsError
-        If the file is missing, or is no such table.
+        If the file cannot be read, or is not a complete table of lights.
     """
     try:
         lines = as_path(path).read_text(encoding="utf-8").splitlines()

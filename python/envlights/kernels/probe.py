@@ -112,9 +112,10 @@ def sum_over_sources(
     radiance : array_like, shape (K, 3)
         Radiance of the sources.
     solid_angles : array_like, shape (K,)
-        Solid angles of the sources; ``4 pi / K`` on the paper's even sphere.
+        Solid angles of the sources in steradians; the paper uses ``4 pi / K`` for each.
     k_d : float
-        Diffuse coefficient of the probe: 1 gives irradiance, ``1 / pi`` the radiance of white.
+        Diffuse coefficient of the probe: 1 gives irradiance, and ``1 / pi`` gives the radiance of
+        a white surface.
     C : sequence of 3 floats
         Colour of the probe.
 
@@ -178,7 +179,7 @@ def rig_irradiance(
     >>> rig_irradiance([[0, 1, 0]], [0, 0, 0], [[0, 1, 0]], [[1, 2, 3]])
     array([[1., 2., 3.]])
 
-    Of a disc on the horizon, the half above it:
+    The horizon hides the lower half of this disc:
 
     >>> rig_irradiance([[0, 1, 0]], [0, 0, 0], [[0, 0, 1]], [[1, 2, 3]], [0.5]).round(4)
     array([[0.1098, 0.2195, 0.3293]])

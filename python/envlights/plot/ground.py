@@ -26,23 +26,23 @@ _STEP = 2
 
 
 def working(env: EnvMap) -> NDArray[np.float32]:
-    """Radiance of a map in at most about 2000 columns."""
+    """Radiance of a map, averaged to fewer than 2048 columns."""
     # Skip pixels of a very large map before averaging.
     step = max(env.width // (4 * _COLUMNS), 1)
     return _thumbnails.shrink(env.radiance[::step, ::step], _COLUMNS).astype(np.float32)
 
 
 class Ground(NamedTuple):
-    """Colours and exposure of a drawn map."""
+    """Map as a picture, with its exposure."""
 
     codes: NDArray[np.uint8]
-    """Colours, (height, width, 3)."""
+    """8-bit colours of the picture, (height, width, 3)."""
 
     white: float
     """Luminance drawn as white."""
 
     exposure: str
-    """Exposure in words."""
+    """Sentence that states the exposure."""
 
 
 def expose(radiance: NDArray[np.float32]) -> Ground:
@@ -61,20 +61,20 @@ def draw_ground(axes: Axes, codes: NDArray[np.uint8]) -> None:
 
 
 def draw_small_ground(axes: Axes, codes: NDArray[np.uint8]) -> None:
-    """Draw the colours of a map that is too small for degrees beside it."""
+    """Draw the colours of a map without ticks and labels, for a small picture."""
     axes.set(xticks=[], yticks=[])
     axes.imshow(codes, extent=EXTENT, interpolation="antialiased")
 
 
 def draw_map(axes: Axes, env: EnvMap) -> str:
-    """Draw a map, and return its exposure in words."""
+    """Draw a map, and return a sentence that states its exposure."""
     ground = expose(working(env))
     draw_ground(axes, ground.codes)
     return ground.exposure
 
 
 def draw_luminance(axes: Axes, env: EnvMap) -> str:
-    """Draw luminance in stops above and below the white of `draw_map`; return that in words."""
+    """Draw luminance in stops relative to the white of `draw_map`; return a sentence on it."""
     radiance = working(env)
     white, _ = _thumbnails.white_of(radiance)
     # Black lies below every stop.

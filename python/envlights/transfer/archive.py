@@ -23,7 +23,8 @@ from envlights.transfer.compact import CompactBasis, places_of
 from envlights.transfer.pair_summary import PairSummary
 from envlights.transfer.report import TransferReport
 
-#: Errors of numpy and zipfile at damaged bytes, which may ask for a password or a compression.
+#: Errors that numpy and zipfile raise for damaged files. A damaged byte can also look like a
+#: request for a password or for an unknown compression.
 _DAMAGE = (
     AttributeError,
     EOFError,
@@ -52,8 +53,8 @@ _NAMES = (
 )
 #: Largest size of the members for format and version, in bytes.
 _LONGEST_HEAD = 4096
-#: Largest ratio of unpacked to packed size; the packing reaches 1000 at most, for zeros.
-_MOST_PACKED = 100
+#: Largest accepted ratio of unpacked to packed size. Compression of zeros reaches about 1000.
+_MAX_COMPRESSION_RATIO = 100
 
 _Model = TypeVar("_Model")
 #: Arrays of a `PairSummary`, in the order of its fields.
@@ -83,7 +84,7 @@ def _basis_arrays(basis: NDArray[Any] | CompactBasis) -> dict[str, Any]:
 
 
 def _savez(path: Path, arrays: Mapping[str, Any]) -> None:
-    # An open file keeps its name: numpy would add a suffix to one in capitals.
+    # Pass an open file: numpy would append `.npz` to a path that ends in `.NPZ`.
     with path.open("wb") as file:
         np.savez(file, **arrays)
 
@@ -130,18 +131,18 @@ def _check_version(path: object, archive: zipfile.ZipFile) -> None:
     if said["format"] != _FORMAT:
         raise EnvLightsError(f"{path} is not a model: it does not say 'format': '{_FORMAT}'")
     if said["version"] != str(_VERSION):
-        found = said["version"] or "an unknown kind"
-        raise EnvLightsError(f"{path} is a model of version {found}; this package reads {_VERSION}")
+        found = f"of version {said['version']}" if said["version"] else "without a readable version"
+        raise EnvLightsError(f"{path} is a model {found}; this package reads version {_VERSION}")
 
 
 def _check_size(path: object, archive: zipfile.ZipFile, names: list[str]) -> None:
     """Refuse arrays that would fill the memory: `save` does not compress."""
     unpacked = sum(archive.getinfo(f"{name}.npy").file_size for name in names)
     packed = sum(archive.getinfo(f"{name}.npy").compress_size for name in names)
-    if unpacked > _MOST_PACKED * packed:
+    if unpacked > _MAX_COMPRESSION_RATIO * packed:
         raise EnvLightsError(
             f"{path} does not hold a model: {packed} bytes would unpack to {unpacked}, more than"
-            f" {_MOST_PACKED} times as many, which a model never needs"
+            f" {_MAX_COMPRESSION_RATIO} times as many, which a model never needs"
         )
 
 

@@ -135,4 +135,8 @@ def check_finite(name: str, stack: NDArray[Any], first_row: int = 0) -> None:
 def _black(which: NDArray[np.intp]) -> tuple[str, ...]:
     if not len(which):
         return ()
-    return (f"direct is black in {len(which)} of the images ({which[0]} first): left out",)
+    if len(which) == 1:
+        return (f"1 image is left out, because direct is black: image {which[0]}",)
+    return (
+        f"{len(which)} images are left out, because direct is black; the first is image {which[0]}",
+    )

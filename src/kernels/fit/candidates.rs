@@ -1,20 +1,21 @@
 //! Predicted cost of a light in a new direction, for many directions at once.
 //!
-//! Let R be the inverse Gram matrix of the columns of a state. For the column of a light at d, let u be its inner
-//! products with them, `z = R u`, `o = <a_d, a_d> - u.z` what it adds to them, and `<a_d, r_c>` those with the
-//! residuals, one light more leaves at least
+//! R is the inverse Gram matrix of the columns of a state, and `r_c` is its residual in channel c. A light in the
+//! direction d has the column `a_d`, and u holds the inner products of `a_d` with the columns of the state. With
+//! `z = R u`, the part of `a_d` outside the span of these columns has the squared length `o = <a_d, a_d> - u.z`. If
+//! this light is added, the cost is at least
 //!
 //! ```text
 //!   cost - sum_c max(0, <a_d, r_c>)^2 / o
 //! ```
 //!
-//! and the light j, of radiance `x_j`, taken from its place and put at d at least
+//! If instead light j, of radiance `x_j`, moves to d, the cost is at least
 //!
 //! ```text
 //!   cost + sum_c x_jc^2 / R_jj - sum_c max(0, <a_d, r_c> + x_jc z_j / R_jj)^2 / (o + z_j^2 / R_jj)
 //! ```
 //!
-//! with equality where no radiance would turn negative.
+//! Both bounds are exact if no radiance would turn negative.
 
 use glam::DVec3;
 use nalgebra::{DMatrix, DVector};
@@ -26,7 +27,7 @@ use crate::kernels::sphere::to_vectors;
 
 /// Number of directions, about 20 degrees apart.
 const DIRECTIONS: usize = 96;
-/// Squared distance of a column from the span of the others, over its own, below which it adds nothing.
+/// Smallest squared distance of a column from the span of the others, relative to its squared length.
 const DEPENDENT: f64 = 1e-6;
 
 /// Directions for a light, and the inner products that do not depend on the other lights.
@@ -43,7 +44,7 @@ pub struct Candidates<'a> {
 /// Least cost with a light in a direction, and that direction.
 pub type Prediction = (f64, DVec3);
 
-/// Products of the candidates with the lights of a state.
+/// Inner products of the candidates with the columns and the residuals of a state.
 pub struct Beside<'a> {
     candidates: &'a Candidates<'a>,
     state: &'a State,
@@ -52,7 +53,7 @@ pub struct Beside<'a> {
     /// R, and `z = R u`: a column for each direction.
     inverse: DMatrix<f64>,
     along: DMatrix<f64>,
-    /// `o`
+    /// Values `o`, one for each direction.
     outside: Vec<f64>,
 }
 

@@ -1,4 +1,4 @@
-//! A map in fewer pixels: its luminance, and its expanded luminance, in one pass over the samples.
+//! Reduction of a map to fewer pixels: means of luminance and of expanded luminance, in one pass over the samples.
 //!
 //! Each pixel of the map is expanded before blocks are averaged: a lamp smaller than a block counts by the fraction of
 //! the block that it covers.
@@ -14,18 +14,18 @@ use crate::error::Result;
 use crate::kernels::image::{BlockRow, Grid, block_fractions, luminance_f32};
 use crate::kernels::sphere::Registration;
 
-/// A map in fewer pixels.
+/// Map reduced to fewer pixels, each the mean of a block.
 pub struct ExpandedMap {
-    /// Their luminance.
+    /// Mean luminance of each block.
     pub working: WorkingImage,
-    /// Their expanded luminance; the clip level becomes 50.
+    /// Mean expanded luminance of each block; the clip level is expanded to 50.
     pub expanded: WorkingImage,
-    /// The largest luminance of a pixel of the map itself.
+    /// Largest luminance of a pixel before the reduction.
     pub maximum: f64,
 }
 
 impl ExpandedMap {
-    /// Reduce `radiance` with the clip level `end` to at most `columns` columns.
+    /// Reduce `radiance` with the clip level `clip_level` to at most `columns` columns.
     ///
     /// # Errors
     ///
@@ -34,7 +34,7 @@ impl ExpandedMap {
         radiance: ArrayView3<'_, f32>,
         registration: Registration,
         columns: usize,
-        end: f64,
+        clip_level: f64,
     ) -> Result<Self> {
         // Cut the map into blocks, one for each working pixel.
         let (pixels, grid, block) = Grid::of_map(radiance, registration, columns)?;
@@ -45,7 +45,7 @@ impl ExpandedMap {
         let (mut luminance, mut expanded) = (vec![0.0; count], vec![0.0; count]);
         let rows = luminance.par_chunks_mut(columns).zip(expanded.par_chunks_mut(columns)).enumerate();
         let reduce = |(row, (luminance, expanded)): (usize, (&mut [f32], &mut [f32]))| {
-            let mut sums = ExpandedSums::new(fractions.len(), (1.0 / end) as f32);
+            let mut sums = ExpandedSums::new(fractions.len(), (1.0 / clip_level) as f32);
             let pixels = BlockRow::new(radiance, &pixels.theta_edges, block, row);
             pixels.pixels().for_each(|(pixels, weight)| sums.add(pixels, weight));
             across(&mut sums.luminance, &fractions, block, luminance);
@@ -82,16 +82,22 @@ struct ExpandedSums {
     luminance: Vec<f32>,
     expanded: Vec<f32>,
     /// One over the clip level.
-    per_end: f32,
-    /// Bits of the largest luminance: those of floats that are not negative are in the order of the floats.
+    inverse_clip_level: f32,
+    /// Bits of the largest luminance: the order of floats that are not negative is the order of their bits.
     largest: u32,
     /// Union of the bits of all samples.
     bits: u32,
 }
 
 impl ExpandedSums {
-    fn new(width: usize, per_end: f32) -> Self {
-        Self { luminance: vec![0.0; width], expanded: vec![0.0; width], per_end, largest: 0, bits: 0 }
+    fn new(width: usize, inverse_clip_level: f32) -> Self {
+        Self {
+            luminance: vec![0.0; width],
+            expanded: vec![0.0; width],
+            inverse_clip_level,
+            largest: 0,
+            bits: 0,
+        }
     }
 
     /// Add a row of pixels, in vectors as wide as this processor has.
@@ -113,12 +119,12 @@ impl WithSimd for AddRow<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let Self { sums, pixels, weight } = self;
-        let (per_end, mut largest, mut bits) = (sums.per_end, sums.largest, sums.bits);
+        let (inverse_clip_level, mut largest, mut bits) = (sums.inverse_clip_level, sums.largest, sums.bits);
         let means = sums.luminance.iter_mut().zip(&mut sums.expanded);
         for ((luminance, expanded), &pixel) in means.zip(pixels) {
             let y = luminance_f32(pixel);
             *luminance += weight * y;
-            *expanded += weight * expand(y * per_end);
+            *expanded += weight * expand(y * inverse_clip_level);
             largest = largest.max((y + 0.0).to_bits()); // minus zero becomes zero
             bits |= pixel[0].to_bits() | pixel[1].to_bits() | pixel[2].to_bits();
         }

@@ -5,7 +5,9 @@ use ndarray::{Array2, ArrayView1, ArrayView2, Axis};
 use crate::error::{Error, Result};
 use crate::kernels::sphere::{check_lengths, check_rows};
 
-/// `sum(w p) / sum(w)` over the `points` of each light, (n, d), for the distinct numbers in `light`, sorted: (m, d).
+/// Weighted mean `sum(w p) / sum(w)` of the `points` of each light.
+///
+/// `points` is (n, d). The result, (m, d), has a row for each distinct number in `light`, in rising order.
 ///
 /// If all `weights` of a light are 0, its points count equally.
 ///
@@ -36,7 +38,7 @@ pub fn weighted_means(
         .map(|(&rank, &weight)| if weight_of[rank] > 0.0 { weight } else { 1.0 })
         .collect();
     let total = sums(&rank, &weights, lights.len());
-    // Divide the sums of the weighted points by them.
+    // Divide the weighted sum of each light's points by its total weight.
     let mut means = Array2::zeros((lights.len(), points.ncols()));
     for ((point, &rank), weight) in points.outer_iter().zip(&rank).zip(&weights) {
         means.row_mut(rank).scaled_add(*weight, &point);

@@ -1,4 +1,4 @@
-//! Window bars: the panes of one window become one light, as a glass roof behind mullions.
+//! Window bars: panes that only narrow dark bars divide are joined to one light, such as those of a glass roof.
 //!
 //! [`super::bridging`] joins across gaps that no light has. A wider gap is either a bar, or the dark between two lamps
 //! of a row; its width, compared with the segments that it divides, decides. Panes face each other along their sides,
@@ -40,10 +40,10 @@ pub struct BarSettings {
     /// Least length along which panes face each other, over the side of the smaller one.
     least_side: f64,
     /// Largest ratio of the mean luminances of two panes.
-    most_unlike: f64,
+    max_pane_ratio: f64,
     /// Largest ratio of the mean luminance of a bar to that of the dimmer pane. Without it, the sky between two clipped
     /// clouds is a bar: all panes of a clipped map are alike, and the sky is little darker.
-    most_luminance: f64,
+    max_bar_ratio: f64,
 }
 
 /// Settings of the window rule.
@@ -52,8 +52,8 @@ pub const BARS: BarSettings = BarSettings {
     widest_angle: PI / 72.0,
     least_length: 0.5,
     least_side: 0.25,
-    most_unlike: 4.0,
-    most_luminance: 0.8,
+    max_pane_ratio: 4.0,
+    max_bar_ratio: 0.8,
 };
 
 /// Lights after panes were joined.
@@ -141,8 +141,8 @@ fn are_panes(one: &LightMoments, other: &LightMoments, facing: &Facing) -> bool 
     width <= BARS.widest * (depth(one) * depth(other)).sqrt()
         && width <= BARS.widest_angle
         && length >= (BARS.least_length * width).max(BARS.least_side * side)
-        && brighter <= BARS.most_unlike * dimmer
-        && facing.luminance() <= BARS.most_luminance * dimmer
+        && brighter <= BARS.max_pane_ratio * dimmer
+        && facing.luminance() <= BARS.max_bar_ratio * dimmer
 }
 
 /// Find the pairs of segments that face each other to the right or downwards.
@@ -156,7 +156,7 @@ fn facing(
     lights: &[LightMoments],
 ) -> BTreeMap<(u32, u32), Facing> {
     let (height, width) = working.size;
-    let (reaches, high) = (reaches(lights), working.row_height());
+    let (reaches, pixel_height) = (reaches(lights), working.row_height());
     let mut pairs: BTreeMap<(u32, u32), Facing> = BTreeMap::new();
     for index in outline.iter().map(|&index| index as usize) {
         interrupt::check();
@@ -165,9 +165,9 @@ fn facing(
         let [_, right, _, down] = adjacency.sides(index);
         let reach = reaches[own as usize - 1];
         // Find the width of the pixel, and the number of pixels within reach.
-        let broad = working.bands[row] * TAU / width as f64 / high;
-        let on_the_right = ((reach / broad) as usize + 1).min(width / 2);
-        let below = ((reach / high) as usize + 1).min(height - 1 - row);
+        let pixel_width = working.bands[row] * TAU / width as f64 / pixel_height;
+        let on_the_right = ((reach / pixel_width) as usize + 1).min(width / 2);
+        let below = ((reach / pixel_height) as usize + 1).min(height - 1 - row);
         // Look along the row and along the column for another segment.
         let mut look = |view: usize, met: Option<Gap>, length: f64, step: f64| {
             if let Some(gap) = met.filter(|gap| gap.label != own) {
@@ -177,11 +177,11 @@ fn facing(
         };
         if segments.label[right] != own {
             let pixels = (1..=on_the_right).map(|k| row * width + (column + k) % width);
-            look(0, Gap::along(working, segments, pixels), high, broad);
+            look(0, Gap::along(working, segments, pixels), pixel_height, pixel_width);
         }
         if segments.label[down] != own {
             let pixels = (1..=below).map(|k| index + k * width);
-            look(1, Gap::along(working, segments, pixels), broad, high);
+            look(1, Gap::along(working, segments, pixels), pixel_width, pixel_height);
         }
     }
     pairs
@@ -215,7 +215,7 @@ impl Gap {
     }
 }
 
-/// Largest distance from each light at which a bar may end, because no other light is deeper than the largest.
+/// Distance from each light within which facing panes are sought: twice the widest bar to the largest light.
 fn reaches(lights: &[LightMoments]) -> Vec<f64> {
     let sides: Vec<f64> = lights.iter().map(|light| light.solid_angle().sqrt()).collect();
     let largest = sides.iter().copied().fold(0.0, f64::max);

@@ -59,7 +59,7 @@ pub enum Rule {
         factor: f64,
         /// Background fraction of the sphere below the cut.
         share: f64,
-        /// Bright fraction of the sphere by the other rule.
+        /// Fraction of the sphere above the background of the other rule.
         light_share: f64,
     },
     /// Threshold that the caller has set.
@@ -84,14 +84,14 @@ impl Threshold {
     /// Luminance at which a light of the peak `P` ends: at least the fraction `extent` of it.
     ///
     /// The edge of a light cuts pixels. A pixel with a covered fraction c has the luminance `B + c (P - B)` over
-    /// the background B. If pixels count from `c_0` on, they add the background behind them, and the light in the other
-    /// pixels is lost. All c are equally frequent, so
+    /// the background B. Let the light include the pixels with c of at least `c_0`. They add their part of the background
+    /// to its flux, and it loses the light in the other pixels. All c are equally frequent, so both errors cancel at
     ///
     /// ```text
     ///   B (1 - c_0)^2 / 2 = P c_0^2 / 2   <=>   c_0 = 1 / (1 + sqrt(P / B))   <=>   level sqrt(B P)
     /// ```
     ///
-    /// cancels both: the geometric mean of background and peak.
+    /// This level is the geometric mean of background and peak.
     pub fn edge(&self, peak: f64, extent: f64) -> f64 {
         (self.luminance / FACTOR * peak).sqrt().max(extent * peak)
     }
