@@ -110,7 +110,7 @@ def test_map_and_lights_meet_on_two_balls(folder):
 
 def test_a_name_with_a_space_is_refused(folder):
     with pytest.raises(
-        el.EnvLightsError, match=r"no name with a space; got 'my rig\.ambient\.hdr'"
+        el.EnvLightsError, match=r"cannot read a file name with a space; got 'my rig\.ambient\.hdr'"
     ):
         RIGS["harmonics"].save(folder / "my rig.rad")
     RIGS["constant"].save(folder / "my rig.rad")  # names no picture
