@@ -9,7 +9,7 @@ build:
 .PHONY: test  ## The quick part of the tests: Rust, Python and doctests
 test:
 	cargo test
-	$(PYTHON) -m pytest --numprocesses auto --dist loadfile -m 'not slow'
+	$(PYTHON) -m pytest -m 'not slow'
 
 .PHONY: fuzz  ## Thousands of damaged files, generated calls and killed saves; about an hour
 fuzz:
