@@ -46,7 +46,7 @@ pub fn irradiance_share(cosine: f64, radius: f64) -> f64 {
 
 /// Last two terms of the formula, which the edges of the visible part add.
 ///
-/// With `u = s tan a`, they are `u - (u - atan u) / sin^2 a`; a small radius uses a series.
+/// For `u = s tan a`, they are `u - (u - atan u) / sin^2 a`; a small radius uses a series.
 fn along_horizon(s: f64, radius: f64) -> f64 {
     let (sin_radius, cos_radius) = radius.sin_cos();
     if radius < SMALL {

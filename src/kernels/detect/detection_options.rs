@@ -36,7 +36,7 @@ impl DetectionOptions {
 
     /// True if a light before this `background` is listed, in a map of the flux `whole`.
     ///
-    /// With the light's flux `F` and peak `P`, the map's flux `F_0` and the local background `B`, it is listed if
+    /// For the light's flux `F` and peak `P`, the map's flux `F_0` and the local background `B`, it is listed if
     ///
     /// ```text
     ///   F / F_0 * P / B >= min_worth

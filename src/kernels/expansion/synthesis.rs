@@ -111,7 +111,7 @@ const fn functions(n: usize) -> usize {
 
 /// Sums over the degrees of the order m by cosine and sine, function and channel.
 ///
-/// With the factors d of the discs and their derivatives by A, the functions are `d P`, `d P' sin`, `d_A P`,
+/// For the factors d of the discs and their derivatives by A, the functions are `d P`, `d P' sin`, `d_A P`,
 /// `-l (l + 1) d P`, `d_A P' sin` and `d_AA P`.
 #[inline(always)]
 fn order_sums<const N: usize, S: Simd>(

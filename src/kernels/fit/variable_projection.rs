@@ -1,6 +1,6 @@
 //! The cost around a state, to second order in the coordinates `t` of its lights.
 //!
-//! With the best radiances `x` for every t (variable projection: Golub and Pereyra 1973), the columns `A_c` that
+//! For the best radiances `x` for every t (variable projection: Golub and Pereyra 1973), the columns `A_c` that
 //! channel c uses, their Gram matrix `G_c`, the derivatives `da_i` of the columns of the lights and the residual
 //! `r_c`, half the gradient and half the second derivative are
 //!

@@ -121,7 +121,7 @@ impl BrightCell {
 impl PixelBlock {
     /// Light of its sixteenths: parts with a fourth of its sides, rounded up to pixels.
     ///
-    /// With the width `w` and the azimuth of each pixel, a row of a part has the sums of `L w sin phi`, `L w cos phi` and
+    /// For the width `w` and the azimuth of each pixel, a row of a part has the sums of `L w sin phi`, `L w cos phi` and
     /// `L w`. Factors of the row turn them into irradiance.
     fn sixteenths(&self, radiance: ArrayView3<'_, f32>, pixels: &Grid) -> Vec<Sum> {
         let (theta, phi) = (&pixels.theta_edges, &pixels.phi_edges);

@@ -1,6 +1,6 @@
 //! The moments of a light: sums over its pixels, and the properties that follow from them.
 //!
-//! With the luminance Y, the direction d and the solid angle dw of each pixel:
+//! For the luminance Y, the direction d and the solid angle dw of each pixel:
 //!
 //! ```text
 //!   flux         F = sum Y dw             direction    v / |v|,   v = sum Y d dw
@@ -187,7 +187,7 @@ impl LightMoments {
 
     /// Add the covered pixels of a row.
     ///
-    /// With `d = (sin phi sin theta, cos theta, -cos phi sin theta)` each sum is one over the azimuths, times a factor
+    /// For `d = (sin phi sin theta, cos theta, -cos phi sin theta)` each sum is one over the azimuths, times a factor
     /// of the row.
     pub fn add(&mut self, pixels: &[[f32; 3]], columns: &[ColumnAngle], row: RowAngle, edge: LightEdge) {
         let RowAngle { sin, cos, band } = row;
@@ -262,7 +262,7 @@ impl RowAngle {
 
 /// Luminance on both sides of a light's edge, which determines the coverage of the pixels that the edge cuts.
 ///
-/// With the peak `P` and the background `B`, the light covers the fraction `c = (y - B) / (P - B)` of a pixel of the
+/// For the peak `P` and the background `B`, the light covers the fraction `c = (y - B) / (P - B)` of a pixel of the
 /// luminance `y`, and owns the fraction `1 - (1 - c) B / y` of its radiance.
 #[derive(Clone, Copy, Debug)]
 pub struct LightEdge {
@@ -283,7 +283,7 @@ impl LightEdge {
 
 /// Solid angle of a disc that has this F^2 / Q, `plain`, in pixels of the solid angle `pixel`.
 ///
-/// With the radius r of the disc, and R of a disc of the solid angle `plain`, `R^2 = r^2 / (1 - a / 3r)`. This is a
+/// For the radius r of the disc, and R of a disc of the solid angle `plain`, `R^2 = r^2 / (1 - a / 3r)`. This is a
 /// cubic equation for r; the code has its largest root (Viete). A disc smaller than a pixel has none, and gets the
 /// smallest solid angle with a root.
 fn without_edge(plain: f64, pixel: f64) -> f64 {

@@ -1,6 +1,6 @@
 //! Inner products of lights and of their derivatives, from the moments of pairs of lights.
 //!
-//! With the frames (l, s, t) of two lights j and k, they are the entries of
+//! For the frames (l, s, t) of two lights j and k, they are the entries of
 //!
 //! ```text
 //!   (l, s, t)_j^T <v_j, v_k^T> (l, s, t)_k
