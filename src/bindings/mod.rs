@@ -11,6 +11,7 @@ mod harmonics;
 mod image;
 mod loghin;
 mod madsen;
+mod output;
 mod pool;
 mod probe;
 mod repair;
