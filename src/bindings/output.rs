@@ -1,4 +1,4 @@
-//! Large results of kernels, in memory of NumPy.
+//! Large results of kernels, in memory of `NumPy`.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -11,12 +11,12 @@ use crate::error::Result;
 
 /// Array that `work` fills on all threads, and what `work` returns. It must write every sample.
 ///
-/// NumPy asks for huge pages, with which the first write to 100 MB takes less than half the time.
-pub fn fill<'py, T: Send>(
-    py: Python<'py>,
+/// `NumPy` asks for huge pages, with which the first write to 100 MB takes less than half the time.
+pub fn fill<T: Send>(
+    py: Python<'_>,
     shape: [usize; 3],
     work: impl Fn(ArrayViewMut3<'_, f32>) -> Result<T> + Send + Sync,
-) -> PyResult<(Bound<'py, PyArray3<f32>>, T)> {
+) -> PyResult<(Bound<'_, PyArray3<f32>>, T)> {
     let array = PyArray3::zeros(py, shape, false);
     let mut access = array.readwrite();
     let samples = Mutex::new(access.as_array_mut());
