@@ -150,7 +150,8 @@ fn open(bytes: &[u8], max_pixels: usize) -> Result<Reader<Cursor<&[u8]>>> {
 
 /// Sentence about the damage that the crate found.
 fn refusal(error: &DecodingError) -> Error {
-    let is_end = matches!(error, DecodingError::IoError(error) if error.kind() == std::io::ErrorKind::UnexpectedEof);
+    let is_end =
+        matches!(error, DecodingError::IoError(error) if error.kind() == std::io::ErrorKind::UnexpectedEof);
     if is_end {
         return damaged("the PNG file is incomplete");
     }

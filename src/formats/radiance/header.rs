@@ -63,10 +63,9 @@ impl Header {
     /// Next line, without its end.
     fn line<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8]> {
         let rest = &bytes[self.start..];
-        let length = rest
-            .iter()
-            .position(|&byte| byte == b'\n')
-            .ok_or_else(|| damaged("the Radiance header is incomplete; wanted an empty line and the resolution"))?;
+        let length = rest.iter().position(|&byte| byte == b'\n').ok_or_else(|| {
+            damaged("the Radiance header is incomplete; wanted an empty line and the resolution")
+        })?;
         self.start += length + 1;
         Ok(rest[..length].strip_suffix(b"\r").unwrap_or(&rest[..length]))
     }

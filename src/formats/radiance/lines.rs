@@ -56,7 +56,9 @@ fn refusal(damage: Damage, index: usize, width: usize) -> Error {
     damaged(match damage {
         Damage::Incomplete => format!("{line} is incomplete; wanted {width} pixels"),
         Damage::Length(seen) => format!("{line} announces {seen} pixels; wanted {width}"),
-        Damage::Run => format!("{line} has an empty run or one that is too long; wanted {width} pixels in all"),
+        Damage::Run => {
+            format!("{line} has an empty run or one that is too long; wanted {width} pixels in all")
+        }
         Damage::FirstRun => format!("{line} starts with a run of a pixel before it; wanted a pixel"),
     })
 }

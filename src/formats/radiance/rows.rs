@@ -145,9 +145,8 @@ fn to_floats(planes: [&[u8]; 4], out: &mut [f32]) {
     let [red, green, blue, exponent] = planes.map(|plane| plane.as_chunks::<PIXELS>().0);
     for ((((red, green), blue), exponent), out) in red.iter().zip(green).zip(blue).zip(exponent).zip(blocks) {
         let scales = exponent.map(scale);
-        let values = [red, green, blue].map(|plane| -> [f32; PIXELS] {
-            std::array::from_fn(|i| f32::from(plane[i]) * scales[i])
-        });
+        let values = [red, green, blue]
+            .map(|plane| -> [f32; PIXELS] { std::array::from_fn(|i| f32::from(plane[i]) * scales[i]) });
         for i in 0..PIXELS {
             for channel in 0..3 {
                 out[3 * i + channel] = values[channel][i];

@@ -134,7 +134,16 @@ fn every_exponent_is_exact() {
 
 #[test]
 fn each_order_of_lines_is_an_orientation() {
-    let orders = ["-Y 1 +X 2", "-Y 1 -X 2", "+Y 1 -X 2", "+Y 1 +X 2", "+X 1 -Y 2", "-X 1 -Y 2", "-X 1 +Y 2", "+X 1 +Y 2"];
+    let orders = [
+        "-Y 1 +X 2",
+        "-Y 1 -X 2",
+        "+Y 1 -X 2",
+        "+Y 1 +X 2",
+        "+X 1 -Y 2",
+        "-X 1 -Y 2",
+        "-X 1 +Y 2",
+        "+X 1 +Y 2",
+    ];
     for (order, orientation) in orders.iter().zip(1..) {
         let picture = Radiance::open(file(order, &[9; 8]), 2).expect("a whole file");
         assert_eq!((picture.header().orientation, picture.size()), (orientation, (1, 2)), "{order}");
@@ -182,7 +191,10 @@ fn wrong_lines_are_refused() {
     assert!(Radiance::open(file("-Y 1 +X 8", &planes), 8).is_ok());
     let mut other = planes;
     other[3] = 9;
-    assert!(reason(&file("-Y 1 +X 8", &other)).contains("line 0 of the Radiance file announces 9 pixels; wanted 8"));
+    assert!(
+        reason(&file("-Y 1 +X 8", &other))
+            .contains("line 0 of the Radiance file announces 9 pixels; wanted 8")
+    );
     for length in [0, 137] {
         let mut other = planes;
         other[6] = length;
