@@ -40,3 +40,11 @@ fn check_size(height: usize, width: usize, max_pixels: usize) -> Result<()> {
 fn damaged(reason: impl Into<String>) -> Error {
     Error::DamagedFile { reason: reason.into() }
 }
+
+/// Zeros in an array of the `shape` (height, width, channels), on pages that the system clears when they are used.
+fn zeros<T: Clone + Default>(shape: (usize, usize, usize), length: usize) -> Result<Vec<T>> {
+    let no_memory = |_| Error::NoMemory { shape: vec![shape.0, shape.1, shape.2] };
+    // `vec!` clears no page by itself, but aborts without memory; this reports it.
+    Vec::<T>::new().try_reserve_exact(length).map_err(no_memory)?;
+    Ok(vec![T::default(); length])
+}

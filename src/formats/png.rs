@@ -3,9 +3,9 @@
 use std::io::Cursor;
 
 use ndarray::Array3;
-use png::{BitDepth, Decoder, DecodingError, Info, Reader, Transformations};
+use png::{BitDepth, DecodeOptions, Decoder, DecodingError, Info, Reader, Transformations};
 
-use super::{check_size, damaged};
+use super::{check_size, damaged, zeros};
 use crate::error::{Error, Result};
 
 /// Statements of a PNG file.
@@ -124,9 +124,7 @@ pub fn samples(bytes: &[u8], max_pixels: usize) -> Result<Samples> {
     let shape = (height, width, colour.samples());
     let no_memory = || Error::NoMemory { shape: vec![shape.0, shape.1, shape.2] };
     let size = reader.output_buffer_size().ok_or_else(no_memory)?;
-    let mut samples: Vec<u8> = Vec::new();
-    samples.try_reserve_exact(size).map_err(|_| no_memory())?;
-    samples.resize(size, 0);
+    let mut samples = zeros(shape, size)?;
     let frame = reader.next_frame(&mut samples).map_err(|error| refusal(&error))?;
     if (frame.width as usize, frame.height as usize) != (width, height) {
         return Err(damaged("the PNG file is damaged: its first image has another size than its header"));
@@ -141,7 +139,10 @@ pub fn samples(bytes: &[u8], max_pixels: usize) -> Result<Samples> {
 
 /// Reader in front of the pixels; palettes, transparent colours and few bits are expanded.
 fn open(bytes: &[u8], max_pixels: usize) -> Result<Reader<Cursor<&[u8]>>> {
-    let mut decoder = Decoder::new(Cursor::new(bytes));
+    let mut options = DecodeOptions::default();
+    // By default the crate passes over the checksum of the pixels.
+    options.set_ignore_adler32(false);
+    let mut decoder = Decoder::new_with_options(Cursor::new(bytes), options);
     decoder.set_transformations(Transformations::EXPAND);
     let info = decoder.read_header_info().map_err(|error| refusal(&error))?;
     check_size(info.height as usize, info.width as usize, max_pixels)?;

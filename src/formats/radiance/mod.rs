@@ -21,7 +21,7 @@ pub use header::Header;
 
 use self::lines::{Line, find_lines};
 use self::rows::Planes;
-use super::{Rows, check_size, damaged};
+use super::{Rows, check_size, damaged, zeros};
 use crate::error::{Error, Result};
 use crate::interrupt;
 
@@ -59,9 +59,7 @@ impl<Bytes: AsRef<[u8]> + Sync> Radiance<Bytes> {
     pub fn samples(&self, rows: Range<usize>) -> Result<Array3<f32>> {
         let shape = (rows.len(), self.header.width, 3);
         let no_memory = || Error::NoMemory { shape: vec![shape.0, shape.1, shape.2] };
-        let mut samples: Vec<f32> = Vec::new();
-        samples.try_reserve_exact(shape.0 * shape.1 * 3).map_err(|_| no_memory())?;
-        samples.resize(shape.0 * shape.1 * 3, 0.0);
+        let mut samples = zeros(shape, shape.0 * shape.1 * 3)?;
         self.read(rows, &mut samples)?;
         Array3::from_shape_vec(shape, samples).map_err(|_| no_memory())
     }

@@ -94,7 +94,10 @@ fn expand_plane(bytes: &[u8], width: usize, out: &mut [u8]) -> Option<usize> {
         // Select without a branch: packets are short, and their kinds are unpredictable.
         let mask = if is_run { 0xff } else { 0 };
         let first = source[0] & mask;
-        *out.get_mut(x..)?.first_chunk_mut()? = source.map(|byte| (byte & !mask) | first);
+        let packet: &mut [u8; COPIED] = out.get_mut(x..)?.first_chunk_mut()?;
+        for (packet, byte) in packet.iter_mut().zip(source) {
+            *packet = (byte & !mask) | first;
+        }
         if pixels > COPIED {
             let rest = out.get_mut(x + COPIED..x + pixels)?;
             if is_run {
@@ -144,13 +147,19 @@ fn to_floats(planes: [&[u8]; 4], out: &mut [f32]) {
     let done = blocks.len() * PIXELS;
     let [red, green, blue, exponent] = planes.map(|plane| plane.as_chunks::<PIXELS>().0);
     for ((((red, green), blue), exponent), out) in red.iter().zip(green).zip(blue).zip(exponent).zip(blocks) {
-        let scales = exponent.map(scale);
-        let values = [red, green, blue]
-            .map(|plane| -> [f32; PIXELS] { std::array::from_fn(|i| f32::from(plane[i]) * scales[i]) });
-        for i in 0..PIXELS {
-            for channel in 0..3 {
-                out[3 * i + channel] = values[channel][i];
+        let (mut scales, mut values) = ([0.0; PIXELS], [[0.0; PIXELS]; 3]);
+        for (scale_of_pixel, &exponent) in scales.iter_mut().zip(exponent) {
+            *scale_of_pixel = scale(exponent);
+        }
+        for (values, plane) in values.iter_mut().zip([red, green, blue]) {
+            for i in 0..PIXELS {
+                values[i] = f32::from(plane[i]) * scales[i];
             }
+        }
+        for i in 0..PIXELS {
+            out[3 * i] = values[0][i];
+            out[3 * i + 1] = values[1][i];
+            out[3 * i + 2] = values[2][i];
         }
     }
     for (i, pixel) in rest.as_chunks_mut::<3>().0.iter_mut().enumerate() {
