@@ -168,7 +168,7 @@ impl PngFile {
         PyBytes::new(py, &self.header.xmp)
     }
 
-    /// True for an animation, of which the first image is read.
+    /// True for an animation; its first image is read.
     #[getter]
     fn is_animated(&self) -> bool {
         self.header.is_animated

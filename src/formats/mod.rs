@@ -37,7 +37,7 @@ fn check_size(height: usize, width: usize, max_pixels: usize) -> Result<()> {
 }
 
 /// Refusal of a file for a `reason`.
-fn damaged(reason: impl Into<String>) -> Error {
+fn damage(reason: impl Into<String>) -> Error {
     Error::DamagedFile { reason: reason.into() }
 }
 

@@ -5,7 +5,7 @@ use std::io::Cursor;
 use ndarray::Array3;
 use png::{BitDepth, DecodeOptions, Decoder, DecodingError, Info, Reader, Transformations};
 
-use super::{check_size, damaged, zeros};
+use super::{check_size, damage, zeros};
 use crate::error::{Error, Result};
 
 /// Statements of a PNG file.
@@ -33,7 +33,7 @@ pub struct Header {
     pub orientation: u8,
     /// XMP packet; empty without one.
     pub xmp: Vec<u8>,
-    /// True for an animation, of which the first image is read.
+    /// True for an animation; its first image is read.
     pub is_animated: bool,
 }
 
@@ -50,7 +50,7 @@ pub enum Samples {
 ///
 /// # Errors
 ///
-/// If it is damaged, or the image has too many pixels.
+/// If it is damage, or the image has too many pixels.
 pub fn header(bytes: &[u8], max_pixels: usize) -> Result<Header> {
     let reader = open(bytes, max_pixels)?;
     let (colour, depth) = reader.output_color_type();
@@ -127,7 +127,7 @@ pub fn samples(bytes: &[u8], max_pixels: usize) -> Result<Samples> {
     let mut samples = zeros(shape, size)?;
     let frame = reader.next_frame(&mut samples).map_err(|error| refusal(&error))?;
     if (frame.width as usize, frame.height as usize) != (width, height) {
-        return Err(damaged("the PNG file is damaged: its first image has another size than its header"));
+        return Err(damage("the PNG file is damaged: its first image has another size than its header"));
     }
     reader.finish().map_err(|error| refusal(&error))?;
     if depth == BitDepth::Sixteen {
@@ -154,7 +154,7 @@ fn refusal(error: &DecodingError) -> Error {
     let is_end =
         matches!(error, DecodingError::IoError(error) if error.kind() == std::io::ErrorKind::UnexpectedEof);
     if is_end {
-        return damaged("the PNG file is incomplete");
+        return damage("the PNG file is incomplete");
     }
-    damaged(format!("the PNG file is damaged: {}", error.to_string().trim_end_matches('.')))
+    damage(format!("the PNG file is damaged: {}", error.to_string().trim_end_matches('.')))
 }

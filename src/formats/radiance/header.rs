@@ -1,7 +1,7 @@
 //! Header of a Radiance picture: lines of text, an empty line, and the resolution.
 
 use crate::error::Result;
-use crate::formats::damaged;
+use crate::formats::damage;
 
 /// Statements of a Radiance picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,7 +30,7 @@ impl Header {
     /// If it is incomplete, or its FORMAT is missing or unknown.
     pub fn read(bytes: &[u8]) -> Result<Self> {
         if !bytes.starts_with(b"#?") {
-            return Err(damaged("a Radiance file starts with #?"));
+            return Err(damage("a Radiance file starts with #?"));
         }
         let mut header = Self {
             height: 0,
@@ -64,7 +64,7 @@ impl Header {
     fn line<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8]> {
         let rest = &bytes[self.start..];
         let length = rest.iter().position(|&byte| byte == b'\n').ok_or_else(|| {
-            damaged("the Radiance header is incomplete; wanted an empty line and the resolution")
+            damage("the Radiance header is incomplete; wanted an empty line and the resolution")
         })?;
         self.start += length + 1;
         Ok(rest[..length].strip_suffix(b"\r").unwrap_or(&rest[..length]))
@@ -93,7 +93,7 @@ impl Header {
     /// Set size and orientation from a line such as `-Y 512 +X 1024`.
     fn set_resolution(&mut self, line: &[u8]) -> Result<()> {
         let wrong = || {
-            damaged(format!(
+            damage(format!(
                 "the resolution of the Radiance file is \"{}\"; wanted -Y height +X width, or another order of these",
                 line[..line.len().min(60)].escape_ascii()
             ))
@@ -124,11 +124,11 @@ fn is_xyz(format: Option<&[u8]>) -> Result<bool> {
     match format {
         Some(b"32-bit_rle_rgbe") => Ok(false),
         Some(b"32-bit_rle_xyze") => Ok(true),
-        Some(other) => Err(damaged(format!(
+        Some(other) => Err(damage(format!(
             "the FORMAT of the Radiance file is \"{}\"; wanted {KNOWN}",
             other[..other.len().min(60)].escape_ascii()
         ))),
-        None => Err(damaged(format!("the Radiance header has no FORMAT line; wanted {KNOWN}"))),
+        None => Err(damage(format!("the Radiance header has no FORMAT line; wanted {KNOWN}"))),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::Header;
 use crate::error::{Error, Result};
-use crate::formats::damaged;
+use crate::formats::damage;
 
 /// Bytes of one line of pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,7 +28,7 @@ pub(super) fn find_lines(bytes: &[u8], header: &Header) -> Result<Vec<Line>> {
     let available = bytes.len() - header.start;
     // The shortest line has one pixel of four bytes.
     if height > available / 4 {
-        return Err(damaged(format!(
+        return Err(damage(format!(
             "the Radiance file is incomplete: {available} bytes cannot hold its {height} lines"
         )));
     }
@@ -50,10 +50,10 @@ enum Damage {
     FirstRun,
 }
 
-/// Sentence about the `damage` of a line.
-fn refusal(damage: Damage, index: usize, width: usize) -> Error {
+/// Sentence about the `kind` of damage of a line.
+fn refusal(kind: Damage, index: usize, width: usize) -> Error {
     let line = format!("line {index} of the Radiance file");
-    damaged(match damage {
+    damage(match kind {
         Damage::Incomplete => format!("{line} is incomplete; wanted {width} pixels"),
         Damage::Length(seen) => format!("{line} announces {seen} pixels; wanted {width}"),
         Damage::Run => {
@@ -106,7 +106,7 @@ fn end_of_pixels(bytes: &[u8], mut at: usize, width: usize) -> std::result::Resu
             if pixels == 0 {
                 return Err(Damage::FirstRun);
             }
-            pixels = run.and_then(|run| pixels.checked_add(run)).ok_or(Damage::Run)?;
+            pixels = pixels.checked_add(run).ok_or(Damage::Run)?;
         } else {
             pixels += 1;
         }
@@ -114,14 +114,14 @@ fn end_of_pixels(bytes: &[u8], mut at: usize, width: usize) -> std::result::Resu
     if pixels > width { Err(Damage::Run) } else { Ok(at) }
 }
 
-/// Length of an old run, which is `None` inside if it is too long for any line; `None` for a pixel.
+/// Length of an old run, the largest number if no line is so long; `None` for a pixel.
 #[inline]
-pub(super) fn old_run(pixel: [u8; 4], shift: &mut u32) -> Option<Option<usize>> {
+pub(super) fn old_run(pixel: [u8; 4], shift: &mut u32) -> Option<usize> {
     let [1, 1, 1, count] = pixel else {
         *shift = 0;
         return None;
     };
-    let run = (*shift < 32).then(|| usize::try_from(u64::from(count) << *shift).ok()).flatten();
+    let run = (*shift < 32).then(|| u64::from(count) << *shift).and_then(|run| usize::try_from(run).ok());
     *shift = shift.saturating_add(8);
-    Some(run)
+    Some(run.unwrap_or(usize::MAX))
 }

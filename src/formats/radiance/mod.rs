@@ -21,7 +21,7 @@ pub use header::Header;
 
 use self::lines::{Line, find_lines};
 use self::rows::Planes;
-use super::{Rows, check_size, damaged, zeros};
+use super::{Rows, check_size, damage, zeros};
 use crate::error::{Error, Result};
 use crate::interrupt;
 
@@ -38,7 +38,7 @@ impl<Bytes: AsRef<[u8]> + Sync> Radiance<Bytes> {
     ///
     /// # Errors
     ///
-    /// If the header or a line is damaged, or the picture has too many pixels.
+    /// If the header or a line is damage, or the picture has too many pixels.
     pub fn open(bytes: Bytes, max_pixels: usize) -> Result<Self> {
         let header = Header::read(bytes.as_ref())?;
         check_size(header.height, header.width, max_pixels)?;
@@ -79,7 +79,7 @@ impl<Bytes: AsRef<[u8]> + Sync> Rows for Radiance<Bytes> {
             || Planes::new(width),
             |planes, (out, line)| {
                 interrupt::check();
-                planes.decode(self.bytes.as_ref(), line, out).ok_or_else(|| damaged("a line has wrong runs"))
+                planes.decode(self.bytes.as_ref(), line, out).ok_or_else(|| damage("a line has wrong runs"))
             },
         )
     }

@@ -47,7 +47,7 @@ impl Planes {
             if run.is_none() {
                 last = pixel;
             }
-            let end = x + run.unwrap_or(Some(1))?;
+            let end = usize::checked_add(x, run.unwrap_or(1))?;
             for (plane, value) in self.bytes.iter_mut().zip(last) {
                 plane.get_mut(x..end)?.fill(value);
             }

@@ -1,3 +1,5 @@
+#![allow(clippy::float_cmp, reason = "exact values are expected")]
+
 use proptest::prelude::*;
 
 use super::*;
@@ -153,7 +155,7 @@ fn each_order_of_lines_is_an_orientation() {
 #[test]
 fn statements_of_a_header_are_read() {
     let header = "#?RGBE\r\n# a comment\r\nFORMAT = 32-bit_rle_xyze\r\nEXPOSURE=2\r\nEXPOSURE= 0.25\r\nEXPOSURE=0\r\n\
-                  EXPOSURE=nan\r\nCOLORCORR=1 2 4\r\nCOLORCORR=1 0 1\r\nPRIMARIES=.64 .33 .3 .6 .15 .06 .3127 .329\r\n\r\n\
+                  EXPOSURE=nan\r\nCOLORCORR=1 2 4\r\nCOLORCORR=1 0 1\r\nPRIMARIES=0.64 0.33 0.3 0.6 0.15 0.06 0.3127 0.329\r\n\r\n\
                   -Y 1 +X 1\r\n";
     let picture = Radiance::open([header.as_bytes(), &[9; 4]].concat(), 1).expect("a whole file");
     let header = picture.header();
