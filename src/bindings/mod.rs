@@ -7,6 +7,7 @@
 mod detect;
 mod error;
 mod fit;
+mod formats;
 mod harmonics;
 mod image;
 mod loghin;
@@ -45,7 +46,11 @@ mod _native {
     #[pymodule_export]
     use super::harmonics::{harmonic_irradiance, harmonic_radiance};
     #[pymodule_export]
-    use super::image::{decode_8, decode_16, rotate_map, unusable};
+    use super::formats::radiance_rows;
+    #[pymodule_export]
+    use super::image::{
+        code_histogram_8, code_histogram_16, decode_8, decode_16, rotate_map, unusable, white_code,
+    };
     #[pymodule_export]
     use super::loghin::{
         are_clipped, blur, bresenham_line, luminance, merge_along_lines, neighbour_maximum, resize_bilinear,

@@ -1,0 +1,3 @@
+//! File formats that the package reads or writes itself.
+
+pub mod radiance;
