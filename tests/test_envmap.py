@@ -69,9 +69,9 @@ def test_unusable_samples_are_cleaned_and_counted():
     np.testing.assert_array_equal(env.radiance[0, 0], [0, 5, 0])
     np.testing.assert_array_equal(env.radiance[1, 1], [0, 5, 5])
     assert env.notes == (
-        "1 NaN sample set to 0",
         "2 negative samples set to 0",
-        "2 infinite samples set to 5",
+        "2 infinite samples set to 65504 and counted as clipped",
+        "1 NaN sample in the brightest light set to the mean of the neighbours",
     )
     assert np.isnan(array[0, 0, 0]), "the caller's array was changed"
 
