@@ -187,9 +187,7 @@ class MapPixels:
 
     def __reduce__(self) -> tuple[Any, ...]:
         layout = {"projection": self._projection, "registration": self._registration}
-        build = partial(
-            type(self), **layout, notes=self._notes, white=self._white, seen=self._seen
-        )
+        build = partial(type(self), **layout, notes=self._notes, white=self._white, seen=self._seen)
         return build, (self._radiance,)
 
     def _clipped_shares(self) -> tuple[float, float]:
@@ -226,9 +224,8 @@ class MapPixels:
 
     def _linear(self, array: NDArray[Any]) -> NDArray[np.float32]:
         """Linear samples of `array`; sRGB codes are clipped at 1."""
-        if array.dtype.kind != "f":
-            if self._white is None:
-                self._white = white_of_codes(array, self._notes)
+        if array.dtype.kind != "f" and self._white is None:
+            self._white = white_of_codes(array, self._notes)
         return _cleaning.linear(array, self._notes)
 
 

@@ -20,9 +20,7 @@ def checked_seen(seen: ArrayLike, shape: tuple[int, int]) -> NDArray[np.float32]
     if share.shape != shape:
         raise EnvLightsError(f"seen must have the shape {shape} of the pixels; got {share.shape}")
     if not ((share >= 0) & (share <= 1)).all():
-        raise EnvLightsError(
-            f"seen must lie from 0 to 1; got {share.min():g} to {share.max():g}"
-        )
+        raise EnvLightsError(f"seen must lie from 0 to 1; got {share.min():g} to {share.max():g}")
     if not share.any():
         raise EnvLightsError("no pixel of the map is seen; leave out its alpha, mask or `seen`")
     return None if (share == 1).all() else share

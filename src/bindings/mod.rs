@@ -44,9 +44,9 @@ mod _native {
     #[pymodule_export]
     use super::fit::{FitAnswer, fit_map, fit_samples, map_energy, relative_rms, rig_irradiance};
     #[pymodule_export]
-    use super::harmonics::{harmonic_irradiance, harmonic_radiance};
-    #[pymodule_export]
     use super::formats::radiance_rows;
+    #[pymodule_export]
+    use super::harmonics::{harmonic_irradiance, harmonic_radiance};
     #[pymodule_export]
     use super::image::{
         code_histogram_8, code_histogram_16, decode_8, decode_16, rotate_map, unusable, white_code,

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._check import check_choice, flag
 from envlights import _native
+from envlights._check import check_choice, flag
 from envlights._native import EnvLightsError
 from envlights.io.files import as_path, write_atomically
 from envlights.io.images import REC709, failure, read_image
