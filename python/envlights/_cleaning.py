@@ -87,7 +87,7 @@ def _neighbours(
 
 def _replace_infinite(radiance: NDArray[np.float32], level: float) -> None:
     """Put infinite samples at `level`, from the border of an infinite region to its middle."""
-    is_open = np.isposinf(radiance).all(axis=2)
+    is_open: NDArray[np.bool_] = np.all(np.isposinf(radiance), axis=2)
     for _ in range(_REACH):
         rows, columns = np.nonzero(is_open)
         near = _neighbours(radiance, rows, columns)

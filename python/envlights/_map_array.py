@@ -79,6 +79,6 @@ def _without_masked(
     mask = np.ma.getmask(radiance)
     if mask is np.ma.nomask or not mask.any():
         return seen
-    hidden = mask if mask.ndim == 2 else mask.any(axis=2)
+    hidden = np.asarray(mask) if mask.ndim == 2 else np.any(np.asarray(mask), axis=2)
     share = np.ones(hidden.shape, np.float32) if seen is None else seen
     return np.where(hidden, np.float32(0), share)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights import _cleaning, _html, _map_text, _native, _seen, _thumbnails, resampling
+from envlights import _cleaning, _html, _map_text, _native, _thumbnails, _visibility, resampling
 from envlights._arrays import convert
 from envlights._check import amount, check_choice, describe, texts
 from envlights._map_array import map_array
@@ -130,7 +130,7 @@ class MapPixels:
         """Fraction of the sphere that is seen."""
         if self._seen is None:
             return 1.0
-        return _seen.share_of_sphere(self._seen, self.is_border_sampled)
+        return _visibility.share_of_sphere(self._seen, self.is_border_sampled)
 
     @property
     def height(self) -> int:
@@ -206,21 +206,21 @@ class MapPixels:
         """Set the seen share, and return radiance that is black where nothing is seen."""
         self._seen: NDArray[np.float32] | None = None
         if of_array is not None:
-            linear = _seen.shown(linear, of_array)
+            linear = _visibility.multiply_by_share(linear, of_array)
         share = of_array
         if seen is not None:
-            given = _seen.checked_seen(seen, linear.shape[:2])  # type: ignore[arg-type]
+            given = _visibility.checked_seen(seen, linear.shape[:2])  # type: ignore[arg-type]
             share = given if share is None else share if given is None else share * given
         if share is None:
             return linear
-        self._seen = _seen.checked_seen(share, linear.shape[:2])  # type: ignore[arg-type]
+        self._seen = _visibility.checked_seen(share, linear.shape[:2])  # type: ignore[arg-type]
         if self._seen is None:
             return linear
         self._seen.flags.writeable = False
-        note = _seen.note_of_unseen(self.seen_share)
+        note = _visibility.note_of_unseen(self.seen_share)
         if note not in self._notes:
             self._notes.append(note)
-        return _seen.shown(linear, np.float32(1) * (self._seen > 0))
+        return _visibility.multiply_by_share(linear, np.float32(1) * (self._seen > 0))
 
     def _linear(self, array: NDArray[Any]) -> NDArray[np.float32]:
         """Linear samples of `array`; sRGB codes are clipped at 1."""

