@@ -23,7 +23,7 @@ struct SpikeSettings {
     least_ratio: f64,
     /// Largest solid angle above the spike, as a fraction of the spike: ringing at the edges of a clipped region.
     most_above: f64,
-    /// Least ratio of the two largest codes to the three below them in a picture that uses the full range. Ringing
+    /// Least ratio of the two largest codes to the two below them in a picture that uses the full range. Ringing
     /// at a lower clip level is smooth there.
     full_ratio: f64,
     /// Range of the fraction of the sphere. Fewer pixels are noise, and more are an even background.
@@ -43,7 +43,7 @@ const SPIKE: SpikeSettings = SpikeSettings {
 /// Clip level as a code, from the solid angle of each code of the largest channel; `None` if nothing is clipped.
 pub fn white_of(histogram: &[f64; CODES]) -> Option<usize> {
     let total: f64 = histogram.iter().sum();
-    let (below, full) = (&histogram[CODES - 5..CODES - 2], &histogram[CODES - 2..]);
+    let (below, full) = (&histogram[CODES - 4..CODES - 2], &histogram[CODES - 2..]);
     let (below, full): (f64, f64) = (below.iter().sum(), full.iter().sum());
     if full > SPIKE.fractions.0 * total && full >= SPIKE.full_ratio * below {
         return Some(CODES - 1);
