@@ -209,11 +209,11 @@ class MapPixels:
             linear = _visibility.multiply_by_share(linear, of_array)
         share = of_array
         if seen is not None:
-            given = _visibility.checked_seen(seen, linear.shape[:2])  # type: ignore[arg-type]
+            given = _visibility.checked_seen(seen, linear.shape[:2])
             share = given if share is None else share if given is None else share * given
         if share is None:
             return linear
-        self._seen = _visibility.checked_seen(share, linear.shape[:2])  # type: ignore[arg-type]
+        self._seen = _visibility.checked_seen(share, linear.shape[:2])
         if self._seen is None:
             return linear
         self._seen.flags.writeable = False
