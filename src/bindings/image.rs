@@ -5,6 +5,7 @@ use numpy::{IntoPyArray, PyArray1, PyArray3, PyReadonlyArray1, PyReadonlyArray3}
 use pyo3::prelude::*;
 
 use super::pool::interruptible;
+use crate::error::Error;
 use crate::kernels::image;
 
 /// See `envlights.EnvMap`: the numbers of NaN, infinite and negative samples.
@@ -53,8 +54,14 @@ pub fn rotate_map<'py>(
 
 /// Clip level of a picture as one of 256 codes, from the solid angle of each code of the largest channel.
 #[pyfunction]
-pub fn white_code(histogram: [f64; image::CODES]) -> Option<usize> {
-    image::white_of(&histogram)
+pub fn white_code(histogram: PyReadonlyArray1<'_, f64>) -> PyResult<Option<usize>> {
+    let sums = histogram.as_slice()?;
+    let sums = sums.try_into().map_err(|_| Error::WrongShape {
+        what: "histogram",
+        wanted: "(256,)",
+        shape: vec![sums.len()],
+    })?;
+    Ok(image::white_of(sums))
 }
 
 /// Weights of rows, summed over pixels by the code of their largest channel, for 8 bits.

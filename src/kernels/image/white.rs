@@ -150,6 +150,7 @@ mod tests {
         let histogram = code_histogram(codes.view(), array![0.5, 2.0].view(), 255);
         assert!((histogram[240] - 2.5).abs() < 1e-12 && (histogram[0] - 5.0).abs() < 1e-12);
         let codes = codes.map(|&code| u16::from(code) * 257);
-        assert_eq!(code_histogram(codes.view(), array![0.5, 2.0].view(), 65535), histogram);
+        let of_16_bits = code_histogram(codes.view(), array![0.5, 2.0].view(), 65535);
+        assert!(of_16_bits.iter().zip(histogram).all(|(a, b)| (a - b).abs() < 1e-12));
     }
 }
