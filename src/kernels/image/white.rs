@@ -26,6 +26,8 @@ struct SpikeSettings {
     /// Least ratio of the two largest codes to the two below them in a picture that uses the full range. Ringing
     /// at a lower clip level is smooth there.
     full_ratio: f64,
+    /// Least solid angle of the two largest codes in such a picture, as a fraction of the largest spike.
+    least_full: f64,
     /// Range of the fraction of the sphere. Fewer pixels are noise, and more are an even background.
     fractions: (f64, f64),
 }
@@ -37,20 +39,23 @@ const SPIKE: SpikeSettings = SpikeSettings {
     least_ratio: 2.5,
     most_above: 0.7,
     full_ratio: 8.0,
+    least_full: 0.1,
     fractions: (2e-5, 0.5),
 };
 
 /// Clip level as a code, from the solid angle of each code of the largest channel; `None` if nothing is clipped.
 pub fn white_of(histogram: &[f64; CODES]) -> Option<usize> {
     let total: f64 = histogram.iter().sum();
-    let (below, full) = (&histogram[CODES - 4..CODES - 2], &histogram[CODES - 2..]);
-    let (below, full): (f64, f64) = (below.iter().sum(), full.iter().sum());
-    if full > SPIKE.fractions.0 * total && full >= SPIKE.full_ratio * below {
-        return Some(CODES - 1);
-    }
     let spikes = (SPIKE.least_code..CODES).filter_map(|code| Some((code, spike(histogram, total, code)?)));
     let larger = |a: (usize, f64), b: (usize, f64)| if b.1 > a.1 { b } else { a };
-    spikes.reduce(larger).map(|(code, _)| code)
+    let largest = spikes.reduce(larger);
+    let (below, full) = (&histogram[CODES - 4..CODES - 2], &histogram[CODES - 2..]);
+    let (below, full): (f64, f64) = (below.iter().sum(), full.iter().sum());
+    let least = largest.map_or(SPIKE.fractions.0 * total, |(_, solid_angle)| SPIKE.least_full * solid_angle);
+    if full > least && full >= SPIKE.full_ratio * below {
+        return Some(CODES - 1);
+    }
+    largest.map(|(code, _)| code)
 }
 
 /// Solid angle of the spike at `code`; `None` if there is no spike.
