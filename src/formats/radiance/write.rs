@@ -45,7 +45,7 @@ fn rgbe(rgb: ArrayView1<'_, f32>) -> [u8; 4] {
         exponent += 1;
     }
     let shared = exponent + 128;
-    if shared < 1 {
+    if shared < 1 || mantissa(largest, exponent) < 1.0 {
         return [0; 4];
     }
     let byte = |channel: usize| mantissa(rgb[channel], exponent) as u8;
