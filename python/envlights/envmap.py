@@ -32,9 +32,11 @@ class EnvMap(MapPixels):
     ----------
     radiance : array_like, shape (height, 2 * height, 3)
         Floating point: linear radiance in W m\ :sup:`-2` sr\ :sup:`-1`, on any common scale.
-        uint8 and uint16: sRGB codes. A fourth channel is alpha, which is ignored; a single channel
-        is grey. NaN and negative samples become 0, infinite ones the largest finite sample. `notes`
-        lists every change. A C-contiguous float32 array without such samples is not copied, so do
+        uint8 and uint16: sRGB codes. A fourth channel is straight alpha, also of floating point:
+        radiance is multiplied by it. Masked pixels of a NumPy masked array are not seen. A single
+        channel is grey. NaN becomes the mean of its neighbours, negative samples become 0. Infinite
+        ones count as clipped, at 65504 or at twice the largest finite sample. `notes` lists every
+        change. A C-contiguous float32 array without such samples is not copied, so do
         not change it afterwards.
     projection : {"equirectangular"}
         Layout of the sphere in the image. Others are refused.
@@ -48,6 +50,9 @@ class EnvMap(MapPixels):
         Clip level: the largest value that the radiance could hold, such as 1.0 for a linearised
         picture. Known for uint8 and uint16. Detection treats pixels at the clip level as lights of
         unknown brightness; see `detect_tree`.
+    seen : array_like, shape (height, 2 * height), optional
+        Share of each pixel that the map shows, from 0 to 1. The radiance is multiplied by it
+        already; pixels of share 0 become black.
 
     Raises
     ------
@@ -106,6 +111,7 @@ class EnvMap(MapPixels):
                 registration=registration,
                 notes=image.notes,
                 white=image.white if white is None else white,
+                seen=getattr(image, "seen", None),
             )
         except EnvLightsError as refusal:
             raise EnvLightsError(f"{os.fspath(path)}: {refusal}") from None
@@ -207,12 +213,13 @@ class EnvMap(MapPixels):
         Notes
         -----
         Primaries are those of Rec.709. A border-sampled map gets the attribute ``envmap``. A .hdr
-        file cannot hold that, so such a map is converted to cells.
+        file cannot hold that, so such a map is converted to cells, and a sample above 1.7e38 is
+        refused. The notes of the map become comments of the file.
         """
         if map_suffix(path) == ".hdr":
             if half or compression != COMPRESSIONS[0]:
                 raise EnvLightsError(f"cannot save {path}: half and compression are of .exr files")
-            write_hdr(path, self.cells())
+            write_hdr(path, self.cells(), comments=self._notes)
             return
         write_exr(
             path,
@@ -220,6 +227,7 @@ class EnvMap(MapPixels):
             half=half,
             compression=compression,
             border_sampled=self.is_border_sampled,
+            comments=self._notes,
         )
 
     def rotated(self, matrix: ArrayLike) -> EnvMap:
@@ -254,7 +262,16 @@ class EnvMap(MapPixels):
             self._radiance, rotation(matrix), border_sampled=self.is_border_sampled
         )
         registration = REGISTRATIONS[is_border]
-        return EnvMap(radiance, registration=registration, notes=self._notes, white=self._white)
+        seen = self._seen
+        if seen is not None:
+            grey = np.repeat(seen[..., None], 3, axis=2)
+            turned, _ = resampling.rotate(
+                grey, rotation(matrix), border_sampled=self.is_border_sampled
+            )
+            seen = turned[..., 0].clip(0, 1)
+        return EnvMap(
+            radiance, registration=registration, notes=self._notes, white=self._white, seen=seen
+        )
 
     def repaired(self, *, irradiance: float | None = None, ratio: float | None = None) -> EnvMap:
         r"""Map with an estimate of the clipped light.
@@ -314,7 +331,9 @@ class EnvMap(MapPixels):
         )
         white = self._white if is_open else None
         notes = (*self._notes, note)
-        return EnvMap(radiance, registration=self._registration, notes=notes, white=white)
+        return EnvMap(
+            radiance, registration=self._registration, notes=notes, white=white, seen=self._seen
+        )
 
 
 #: Map, path of its file, or its radiance as an array.

@@ -4,6 +4,7 @@
 //! |-----------------------------------------------|----------------|
 //! | decoding of integer images                    | `codes.rs`     |
 //! | unusable samples                              | `samples.rs`   |
+//! | clip level of a picture of codes              | `white.rs`     |
 //! | the cells of an image on the sphere           | `grid.rs`      |
 //! | luminance                                     | `luminance.rs` |
 //! | a smaller working map, bright cells as points | `reduce.rs`    |
@@ -21,6 +22,7 @@ mod parts;
 mod reduce;
 mod rotate;
 mod samples;
+mod white;
 
 pub(crate) use block_rows::{BlockRow, block_fractions, samples_of};
 pub use codes::decode;
@@ -31,3 +33,4 @@ pub use reduce::{WorkingMap, reduce};
 pub use rotate::rotate;
 pub use samples::{Unusable, unusable};
 pub(crate) use samples::{check_rgb, check_samples};
+pub use white::{CODES, code_histogram, white_of};
