@@ -20,6 +20,7 @@ __all__ = [
     "MapSplit",
     "TreeDetection",
     "UnusableSamplesError",
+    "apply_matrix",
     "are_clipped",
     "blur",
     "bresenham_line",
@@ -28,6 +29,8 @@ __all__ = [
     "clipped_share",
     "decode_8",
     "decode_16",
+    "decode_channels_8",
+    "decode_channels_16",
     "detect_tree",
     "direction_to_uv",
     "disc_map",
@@ -159,6 +162,7 @@ class MapSplit:
     reach: _Reals
     vectors: _Reals
 
+def apply_matrix(image: _Image, matrix: list[list[float]]) -> int: ...
 def are_clipped(
     radiance: _Image, pixels: _Indices, reach: int, sphere: bool, white: float | None
 ) -> NDArray[np.bool_]: ...
@@ -175,6 +179,14 @@ def clipped_share(
 ) -> tuple[float, float]: ...
 def decode_16(codes: NDArray[np.uint16], table: NDArray[np.float32]) -> _Image: ...
 def decode_8(codes: NDArray[np.uint8], table: NDArray[np.float32]) -> _Image: ...
+def decode_channels_16(
+    codes: NDArray[np.uint16],
+    tables: tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]],
+) -> _Image: ...
+def decode_channels_8(
+    codes: NDArray[np.uint8],
+    tables: tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]],
+) -> _Image: ...
 def detect_tree(radiance: _Image, border_sampled: bool, options: TreeOptions) -> TreeDetection: ...
 def direction_to_uv(direction: _Reals) -> _Reals: ...
 def disc_map(height: int, directions: _Reals, irradiance: _Reals, radii: _Reals) -> _Reals: ...

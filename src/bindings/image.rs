@@ -1,7 +1,7 @@
 //! `kernels::image` for Python.
 
 use glam::DMat3;
-use numpy::{IntoPyArray, PyArray3, PyReadonlyArray1, PyReadonlyArray3};
+use numpy::{IntoPyArray, PyArray3, PyReadonlyArray1, PyReadonlyArray3, PyReadwriteArray3};
 use pyo3::prelude::*;
 
 use super::pool::interruptible;
@@ -37,6 +37,43 @@ pub fn decode_16<'py>(
     let (codes, table) = (codes.as_array(), table.as_slice()?);
     let values = interruptible(py, || Ok(image::decode(codes, table)))?;
     Ok(values.into_pyarray(py))
+}
+
+/// See `envlights.EnvMap`: decode 8-bit codes with a table of values for each channel.
+#[pyfunction]
+pub fn decode_channels_8<'py>(
+    py: Python<'py>,
+    codes: PyReadonlyArray3<'py, u8>,
+    tables: [PyReadonlyArray1<'py, f32>; 3],
+) -> PyResult<Bound<'py, PyArray3<f32>>> {
+    let [red, green, blue] = &tables;
+    let (codes, tables) = (codes.as_array(), [red.as_slice()?, green.as_slice()?, blue.as_slice()?]);
+    let values = interruptible(py, || image::decode_channels(codes, tables))?;
+    Ok(values.into_pyarray(py))
+}
+
+/// See `envlights.EnvMap`: decode 16-bit codes with a table of values for each channel.
+#[pyfunction]
+pub fn decode_channels_16<'py>(
+    py: Python<'py>,
+    codes: PyReadonlyArray3<'py, u16>,
+    tables: [PyReadonlyArray1<'py, f32>; 3],
+) -> PyResult<Bound<'py, PyArray3<f32>>> {
+    let [red, green, blue] = &tables;
+    let (codes, tables) = (codes.as_array(), [red.as_slice()?, green.as_slice()?, blue.as_slice()?]);
+    let values = interruptible(py, || image::decode_channels(codes, tables))?;
+    Ok(values.into_pyarray(py))
+}
+
+/// See `envlights.EnvMap`: convert the colours of `image` in place, and count the pixels outside Rec.709.
+#[pyfunction]
+pub fn apply_matrix(
+    py: Python<'_>,
+    mut image: PyReadwriteArray3<'_, f32>,
+    matrix: [[f32; 3]; 3],
+) -> PyResult<usize> {
+    let image = image.as_array_mut();
+    interruptible(py, || image::apply_matrix(image, &matrix))
 }
 
 /// See `envlights.EnvMap.rotated`; `matrix` has its rows in order.

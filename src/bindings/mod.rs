@@ -45,7 +45,9 @@ mod _native {
     #[pymodule_export]
     use super::harmonics::{harmonic_irradiance, harmonic_radiance};
     #[pymodule_export]
-    use super::image::{decode_8, decode_16, rotate_map, unusable};
+    use super::image::{
+        apply_matrix, decode_8, decode_16, decode_channels_8, decode_channels_16, rotate_map, unusable,
+    };
     #[pymodule_export]
     use super::loghin::{
         are_clipped, blur, bresenham_line, luminance, merge_along_lines, neighbour_maximum, resize_bilinear,

@@ -3,6 +3,7 @@
 //! | step                                          | file           |
 //! |-----------------------------------------------|----------------|
 //! | decoding of integer images                    | `codes.rs`     |
+//! | conversion of colours to linear Rec.709       | `colour.rs`    |
 //! | unusable samples                              | `samples.rs`   |
 //! | the cells of an image on the sphere           | `grid.rs`      |
 //! | luminance                                     | `luminance.rs` |
@@ -15,6 +16,7 @@
 mod block_rows;
 mod cells;
 mod codes;
+mod colour;
 mod grid;
 mod luminance;
 mod parts;
@@ -23,7 +25,8 @@ mod rotate;
 mod samples;
 
 pub(crate) use block_rows::{BlockRow, block_fractions, samples_of};
-pub use codes::decode;
+pub use codes::{decode, decode_channels};
+pub use colour::apply_matrix;
 pub use grid::{CellCentres, Grid};
 pub use luminance::{LUMINANCE, LUMINANCE_F32, luminance, luminance_f32};
 pub use parts::{MOST_PARTS, Part};
