@@ -1,7 +1,7 @@
 //! `kernels::image` for Python.
 
 use glam::DMat3;
-use numpy::{IntoPyArray, PyArray3, PyReadonlyArray1, PyReadonlyArray3, PyReadwriteArray3};
+use numpy::{IntoPyArray, PyArray3, PyReadonlyArray1, PyReadonlyArray3};
 use pyo3::prelude::*;
 
 use super::pool::interruptible;
@@ -44,9 +44,9 @@ pub fn decode_16<'py>(
 pub fn decode_channels_8<'py>(
     py: Python<'py>,
     codes: PyReadonlyArray3<'py, u8>,
-    tables: [PyReadonlyArray1<'py, f32>; 3],
+    tables: (PyReadonlyArray1<'py, f32>, PyReadonlyArray1<'py, f32>, PyReadonlyArray1<'py, f32>),
 ) -> PyResult<Bound<'py, PyArray3<f32>>> {
-    let [red, green, blue] = &tables;
+    let (red, green, blue) = &tables;
     let (codes, tables) = (codes.as_array(), [red.as_slice()?, green.as_slice()?, blue.as_slice()?]);
     let values = interruptible(py, || image::decode_channels(codes, tables))?;
     Ok(values.into_pyarray(py))
@@ -57,23 +57,24 @@ pub fn decode_channels_8<'py>(
 pub fn decode_channels_16<'py>(
     py: Python<'py>,
     codes: PyReadonlyArray3<'py, u16>,
-    tables: [PyReadonlyArray1<'py, f32>; 3],
+    tables: (PyReadonlyArray1<'py, f32>, PyReadonlyArray1<'py, f32>, PyReadonlyArray1<'py, f32>),
 ) -> PyResult<Bound<'py, PyArray3<f32>>> {
-    let [red, green, blue] = &tables;
+    let (red, green, blue) = &tables;
     let (codes, tables) = (codes.as_array(), [red.as_slice()?, green.as_slice()?, blue.as_slice()?]);
     let values = interruptible(py, || image::decode_channels(codes, tables))?;
     Ok(values.into_pyarray(py))
 }
 
-/// See `envlights.EnvMap`: convert the colours of `image` in place, and count the pixels outside Rec.709.
+/// See `envlights.EnvMap`: converted colours of `image`, and the number of pixels outside Rec.709.
 #[pyfunction]
-pub fn apply_matrix(
-    py: Python<'_>,
-    mut image: PyReadwriteArray3<'_, f32>,
+pub fn apply_matrix<'py>(
+    py: Python<'py>,
+    image: PyReadonlyArray3<'py, f32>,
     matrix: [[f32; 3]; 3],
-) -> PyResult<usize> {
-    let image = image.as_array_mut();
-    interruptible(py, || image::apply_matrix(image, &matrix))
+) -> PyResult<(Bound<'py, PyArray3<f32>>, usize)> {
+    let image = image.as_array();
+    let (converted, outside) = interruptible(py, || image::apply_matrix(image, &matrix))?;
+    Ok((converted.into_pyarray(py), outside))
 }
 
 /// See `envlights.EnvMap.rotated`; `matrix` has its rows in order.

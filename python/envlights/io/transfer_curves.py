@@ -39,11 +39,11 @@ _MOST_EXPONENT = 5.0
 def odd(curve: Curve) -> Curve:
     """Curve with the negative value of the positive code at negative codes."""
 
-    def extended(codes: Reals) -> Reals:
+    def extension(codes: Reals) -> Reals:
         codes = np.asarray(codes, np.float64)
         return np.asarray(np.copysign(curve(np.abs(codes)), codes))
 
-    return extended
+    return extension
 
 
 def srgb(codes: Reals) -> Reals:
@@ -69,9 +69,7 @@ def rec709(codes: Reals) -> Reals:
     """Linear values of the scene: inverse of the camera curve of ITU-R BT.709 and BT.2020."""
     # Both constants to the precision of 12 bits that BT.2020 gives.
     alpha, beta = 1.09929682680944, 0.018053968510807
-    return np.where(
-        codes < 4.5 * beta, codes / 4.5, ((codes + (alpha - 1)) / alpha) ** (1 / 0.45)
-    )
+    return np.where(codes < 4.5 * beta, codes / 4.5, ((codes + (alpha - 1)) / alpha) ** (1 / 0.45))
 
 
 @odd
@@ -103,7 +101,7 @@ def _hlg(codes: Reals) -> Reals:
     return np.where(codes <= 0.5, codes**2 / 3, bright / 12)
 
 
-class Sampled:
+class Interpolation:
     """Curve through equidistant values, which straight lines join."""
 
     def __init__(self, values: Reals) -> None:

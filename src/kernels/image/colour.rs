@@ -1,14 +1,13 @@
 //! Conversion of colours to linear Rec.709 by a matrix.
 
-use ndarray::{ArrayView1, ArrayViewMut3, Axis};
+use ndarray::{Array3, ArrayView3};
 use rayon::prelude::*;
 
 use super::samples::check_channels;
 use crate::error::Result;
 use crate::interrupt;
 
-/// Replace each pixel of a (height, width, 3) image by `matrix` times the pixel, and return the number of pixels that
-/// lay outside Rec.709.
+/// Each pixel of a (height, width, 3) image times `matrix`, and the number of pixels that lay outside Rec.709.
 ///
 /// A negative result becomes 0, because no light has negative radiance. Pixels with a sample that is infinite or not a
 /// number stay as they are: infinity minus infinity would make NaN of an infinite sun.
@@ -16,45 +15,36 @@ use crate::interrupt;
 /// # Errors
 ///
 /// [`crate::error::Error::NotAMap`] when the array is not (height, width, 3).
-pub fn apply_matrix(mut image: ArrayViewMut3<'_, f32>, matrix: &[[f32; 3]; 3]) -> Result<usize> {
-    check_channels(image.view())?;
-    let outside: Vec<usize> = image
-        .axis_iter_mut(Axis(0))
-        .into_par_iter()
-        .map(|mut row| {
+pub fn apply_matrix(image: ArrayView3<'_, f32>, matrix: &[[f32; 3]; 3]) -> Result<(Array3<f32>, usize)> {
+    check_channels(image)?;
+    let image = image.as_standard_layout();
+    let mut result = Array3::zeros(image.dim());
+    let rows = result.outer_iter_mut().into_par_iter().zip(image.outer_iter());
+    let outside: Vec<usize> = rows
+        .map(|(mut converted, row)| {
             interrupt::check();
-            match row.as_slice_mut() {
-                Some(samples) => samples.as_chunks_mut().0.iter_mut().map(|rgb| replace(rgb, matrix)).sum(),
-                None => row.outer_iter_mut().map(|mut pixel| {
-                    let mut rgb = array(pixel.view());
-                    let outside = replace(&mut rgb, matrix);
-                    pixel.assign(&ArrayView1::from(&rgb));
-                    outside
-                }).sum(),
-            }
+            let (Some(converted), Some(row)) = (converted.as_slice_mut(), row.as_slice()) else { return 0 };
+            let pixels = converted.as_chunks_mut().0.iter_mut().zip(row.as_chunks().0);
+            pixels.map(|(converted, rgb)| convert(converted, rgb, matrix)).sum()
         })
         .collect();
-    Ok(outside.into_iter().sum())
+    Ok((result, outside.into_iter().sum()))
 }
 
-/// Replace one pixel, and return 1 if a result was negative.
-fn replace(rgb: &mut [f32; 3], matrix: &[[f32; 3]; 3]) -> usize {
+/// Convert one pixel, and return 1 if a result was negative.
+fn convert(converted: &mut [f32; 3], rgb: &[f32; 3], matrix: &[[f32; 3]; 3]) -> usize {
     let [r, g, b] = *rgb;
-    let converted = matrix.map(|row| row[0] * r + row[1] * g + row[2] * b);
-    // The sum of zeros is NaN if a sample is infinite or NaN.
+    let product = matrix.map(|row| row[0] * r + row[1] * g + row[2] * b);
+    // The sum is NaN if a sample is infinite or NaN.
     let is_finite = r * 0.0 + g * 0.0 + b * 0.0 == 0.0;
-    *rgb = if is_finite { converted.map(|value| value.max(0.0)) } else { *rgb };
-    usize::from(is_finite && converted.iter().any(|&value| value < 0.0))
-}
-
-fn array(pixel: ArrayView1<'_, f32>) -> [f32; 3] {
-    [pixel[0], pixel[1], pixel[2]]
+    *converted = if is_finite { product.map(|value| value.max(0.0)) } else { *rgb };
+    usize::from(is_finite && product.iter().any(|&value| value < 0.0))
 }
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
-    use ndarray::{Array3, s};
+    use ndarray::Array3;
     use proptest::prelude::*;
 
     use super::*;
@@ -62,9 +52,9 @@ mod tests {
     const MATRIX: [[f32; 3]; 3] = [[1.5, -0.5, 0.0], [0.0, 1.0, 0.0], [0.25, 0.25, 0.5]];
 
     fn one(rgb: [f32; 3]) -> ([f32; 3], usize) {
-        let mut image = Array3::from_shape_fn((2, 3, 3), |(_, _, c)| rgb[c]);
-        let outside = apply_matrix(image.view_mut(), &MATRIX).unwrap();
-        (array(image.slice(s![1, 2, ..])), outside)
+        let image = Array3::from_shape_fn((2, 3, 3), |(_, _, c)| rgb[c]);
+        let (result, outside) = apply_matrix(image.view(), &MATRIX).unwrap();
+        ([0, 1, 2].map(|c| result[[1, 2, c]]), outside)
     }
 
     #[test]
@@ -87,20 +77,19 @@ mod tests {
 
     #[test]
     fn an_image_without_three_channels_is_refused() {
-        assert!(apply_matrix(Array3::zeros((4, 4, 4)).view_mut(), &MATRIX).is_err());
-        assert_eq!(apply_matrix(Array3::zeros((1, 1, 3)).view_mut(), &MATRIX).unwrap(), 0);
+        assert!(apply_matrix(Array3::zeros((4, 4, 4)).view(), &MATRIX).is_err());
+        assert_eq!(apply_matrix(Array3::zeros((1, 1, 3)).view(), &MATRIX).unwrap().1, 0);
     }
 
     proptest! {
         #[test]
         fn every_layout_gives_the_same_pixels(values in prop::collection::vec(-10.0_f32..1e4, 60)) {
             let image = Array3::from_shape_vec((4, 5, 3), values).unwrap();
-            let mut straight = image.clone();
-            let outside = apply_matrix(straight.view_mut(), &MATRIX).unwrap();
-            let mut turned = image.permuted_axes([1, 0, 2]).as_standard_layout().into_owned();
-            let again = apply_matrix(turned.view_mut().permuted_axes([1, 0, 2]), &MATRIX).unwrap();
-            prop_assert_eq!(outside, again);
-            prop_assert_eq!(turned.permuted_axes([1, 0, 2]), straight);
+            let (straight, outside) = apply_matrix(image.view(), &MATRIX).unwrap();
+            let turned = image.permuted_axes([1, 0, 2]).as_standard_layout().into_owned();
+            let (again, count) = apply_matrix(turned.view().permuted_axes([1, 0, 2]), &MATRIX).unwrap();
+            prop_assert_eq!(outside, count);
+            prop_assert_eq!(again, straight);
         }
     }
 }
