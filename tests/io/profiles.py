@@ -33,7 +33,7 @@ def gamma(exponent):
 IDENTITY = b"curv\0\0\0\0" + struct.pack(">I", 0)
 
 
-def sampled(values):
+def through(values):
     codes = np.round(np.asarray(values) * 65535).astype(">u2")
     return b"curv\0\0\0\0" + struct.pack(">I", len(codes)) + codes.tobytes()
 
@@ -47,7 +47,7 @@ def srgb(codes):
 
 
 SRGB = parametric(3, 2.4, 1 / 1.055, 0.055 / 1.055, 1 / 12.92, 0.04045)
-SRGB_SAMPLED = sampled(srgb(np.linspace(0, 1, 1024)))
+SRGB_SAMPLED = through(srgb(np.linspace(0, 1, 1024)))
 
 
 def assemble(tags, space=b"RGB ", kind=b"mntr"):

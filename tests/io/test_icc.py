@@ -35,7 +35,7 @@ CODES = np.linspace(0, 1, 256)
             profiles.parametric(4, 3, 0.75, 0.25, 0.5, 0.25, 0.125, 0.0625),
             lambda x: np.where(x >= 0.25, (0.75 * x + 0.25) ** 3 + 0.125, 0.5 * x + 0.0625),
         ),
-        (profiles.sampled(CODES**3), lambda x: x**3),
+        (profiles.through(CODES**3), lambda x: x**3),
     ],
 )
 def test_each_kind_of_curve_follows_its_formula(curve, formula):
@@ -55,7 +55,7 @@ def test_curves_of_srgb_are_the_table_of_srgb(curve):
 
 @pytest.mark.parametrize(
     "curve",
-    [profiles.IDENTITY, profiles.gamma(1), profiles.parametric(0, 1), profiles.sampled([0, 1])],
+    [profiles.IDENTITY, profiles.gamma(1), profiles.parametric(0, 1), profiles.through([0, 1])],
 )
 def test_linear_curves_are_none(curve):
     assert icc.parse(profiles.rgb(curve)).curve is None
@@ -128,7 +128,7 @@ def test_other_kinds_of_profiles_are_not_used(data, reason):
         profiles.parametric(0, -1),
         profiles.parametric(5, 1),
         profiles.parametric(1, 1, 0, 1),
-        profiles.sampled([0, 0]),
+        profiles.through([0, 0]),
         profiles.gamma(0)[:-2],
         b"curv\0\0\0\0" + struct.pack(">I", 2**32 - 1),
         b"none\0\0\0\0\0\0\0\0",
@@ -143,7 +143,7 @@ def test_impossible_curves_are_refused(curve):
 @given(arrays(np.float64, st.integers(2, 300), elements=st.floats(0, 1)))
 def test_a_sampled_curve_gives_its_values_back(values):
     values[-1] = 1
-    curve = icc.parse(profiles.rgb(profiles.sampled(values))).curve
+    curve = icc.parse(profiles.rgb(profiles.through(values))).curve
     codes = np.linspace(0, 1, len(values))
     found = codes if curve is None else curve(codes)
     tolerance = 1e-5 if curve is not transfer_curves.srgb else 0.01
@@ -152,7 +152,7 @@ def test_a_sampled_curve_gives_its_values_back(values):
 
 def test_every_truncation_and_500_mutants_get_an_answer_or_a_reason():
     rng = np.random.default_rng(7)
-    whole = profiles.rgb([profiles.SRGB, profiles.gamma(2), profiles.sampled(CODES)], DISPLAY_P3)
+    whole = profiles.rgb([profiles.SRGB, profiles.gamma(2), profiles.through(CODES)], DISPLAY_P3)
     mutants = [whole[:size] for size in range(len(whole))]
     for _ in range(500):
         mutant = np.frombuffer(whole, "u1").copy()

@@ -1,4 +1,4 @@
-"""Conversion of samples to linear Rec.709: choice among the statements of a file, and its use.
+"""Conversion of samples to linear Rec.709: choice among the statements of a file.
 
 | file              | statement that counts                                             |
 |-------------------|-------------------------------------------------------------------|
@@ -13,14 +13,12 @@ EXIF and names describe integers: programs copy them from a camera's picture to 
 from __future__ import annotations
 
 import os
-from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights import _native
 from envlights._check import describe
 from envlights._native import EnvLightsError
 from envlights.io import colour_spaces, icc, primaries
@@ -36,9 +34,6 @@ _LINEAR_KINDS = {"openexr", "radiance"}
 
 #: Exponents of gAMA beyond which the chunk is wrong.
 _EXPONENTS = (0.1, 10.0)
-
-#: Rows of a block of floating point samples, whose curve needs memory for double precision.
-_ROWS_AT_ONCE = 64
 
 #: Way out of a refusal.
 _BY_HAND = 'name the colour space, such as colour="srgb" or colour="linear"'
@@ -65,9 +60,9 @@ class ColourConversion(NamedTuple):
     def table(self, bits: int) -> NDArray[np.float32]:
         """Linear value of each code, (n,), or (3, n) if the channels have different curves."""
         codes = np.arange(1 << bits) / ((1 << bits) - 1)
-        return self._values(codes)
+        return self.values(codes)
 
-    def _values(self, codes: NDArray[np.float64]) -> NDArray[np.float32]:
+    def values(self, codes: NDArray[np.float64]) -> NDArray[np.float32]:
         """Linear values of (n,) codes: (n,), or (3, n) if the channels have different curves."""
         if self.curve is None:
             return codes.astype(np.float32)
@@ -232,85 +227,3 @@ def _space_of_name(name: str, default: Space, is_integer: bool) -> Space:
             notes=(f"the colour space '{name}' is unknown; {assumed} was assumed",)
         )
     return space if is_integer or space.curve is None else default
-
-
-class ColourConverter:
-    """Conversion of blocks of rows, which counts the pixels outside Rec.709."""
-
-    def __init__(self, steps: ColourConversion) -> None:
-        self._steps = steps
-        self._matrix = None if steps.matrix is None else steps.matrix.tolist()
-        self._pixels = 0
-        self._outside = 0
-
-    def __call__(self, samples: NDArray[Any]) -> NDArray[np.float32]:
-        """Linear Rec.709 of (rows, width, 3) samples; floats without a conversion are not copied.
-
-        Negative results of the matrix become 0.
-        """
-        linear = self._linear(samples)
-        if self._matrix is None:
-            return linear
-        converted, outside = _native.apply_matrix(linear, self._matrix)
-        self._outside += outside
-        self._pixels += linear.shape[0] * linear.shape[1]
-        return converted
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """Remarks on the conversion, and the share of the converted pixels outside Rec.709."""
-        if not self._outside:
-            return self._steps.notes
-        share = f"{100 * self._outside / self._pixels:.2g} %"
-        note = f"{share} of the pixels lay outside Rec.709; their negative channels became 0"
-        return (*self._steps.notes, note)
-
-    def _linear(self, samples: NDArray[Any]) -> NDArray[np.float32]:
-        """Linear values of samples with the primaries of the file."""
-        kind, size = samples.dtype.kind, samples.dtype.itemsize
-        if kind == "u":
-            table = self._table_8 if size == 1 else self._table_16
-            return _decode(samples, table)
-        if self._steps.curve is None:
-            return np.ascontiguousarray(samples, np.float32)
-        if size == 2:
-            return _decode(np.ascontiguousarray(samples).view(np.uint16), self._table_half)
-        return self._through_curve(samples)
-
-    def _through_curve(self, samples: NDArray[Any]) -> NDArray[np.float32]:
-        """Values of the curve for floating point samples, in blocks of rows."""
-        curve = self._steps.curve
-        assert curve is not None
-        linear = np.empty(samples.shape, np.float32)
-        for top in range(0, len(samples), _ROWS_AT_ONCE):
-            rows = slice(top, top + _ROWS_AT_ONCE)
-            with np.errstate(all="ignore"):
-                linear[rows] = curve(samples[rows].astype(np.float64))
-        return linear
-
-    @cached_property
-    def _table_8(self) -> NDArray[np.float32]:
-        return self._steps.table(8)
-
-    @cached_property
-    def _table_16(self) -> NDArray[np.float32]:
-        return self._steps.table(16)
-
-    @cached_property
-    def _table_half(self) -> NDArray[np.float32]:
-        """Linear value of each bit pattern of half precision."""
-        halves = np.arange(1 << 16, dtype=np.uint16).view(np.float16)
-        return self._steps._values(halves.astype(np.float64))
-
-
-def _decode(codes: NDArray[Any], table: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Values of (rows, width, 3) codes of 8 or 16 bits in a table, (n,) or (3, n)."""
-    if codes.dtype.itemsize == 1:
-        codes = np.ascontiguousarray(codes, np.uint8)
-        if table.ndim == 1:
-            return _native.decode_8(codes, table)
-        return _native.decode_channels_8(codes, (table[0], table[1], table[2]))
-    codes = np.ascontiguousarray(codes, np.uint16)
-    if table.ndim == 1:
-        return _native.decode_16(codes, table)
-    return _native.decode_channels_16(codes, (table[0], table[1], table[2]))

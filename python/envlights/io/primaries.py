@@ -38,6 +38,8 @@ _TOLERANCE = 1e-3
 _MATRIX_TOLERANCE = 5e-3
 #: Smallest area of the triangle of primaries; that of Rec.709 is 0.11.
 _LEAST_AREA = 1e-4
+#: Smallest determinant of the XYZ of primaries; that of Rec.709 is 0.2.
+_LEAST_DETERMINANT = 1e-6
 
 _BRADFORD = np.array(
     [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]]
@@ -85,12 +87,12 @@ def columns_to_rec709(columns: ArrayLike) -> NDArray[np.float64] | None:
 
 def xyz_to_rec709() -> NDArray[np.float64]:
     """Matrix from CIE XYZ to linear Rec.709, without adaptation of white."""
-    return np.linalg.inv(_to_xyz(np.array(REC709)))
+    return np.asarray(np.linalg.inv(_to_xyz(np.array(REC709))), np.float64)
 
 
 def _from_xyz(columns: NDArray[np.float64]) -> NDArray[np.float64]:
     """Matrix from RGB whose primaries have the XYZ of `columns` to linear Rec.709."""
-    if abs(np.linalg.det(columns)) < _LEAST_AREA * 1e-2:
+    if abs(np.linalg.det(columns)) < _LEAST_DETERMINANT:
         raise ValueError("its primaries lie on a line")
     rec709 = _to_xyz(np.array(REC709))
     seen, wanted = (_BRADFORD @ matrix.sum(axis=1) for matrix in (columns, rec709))

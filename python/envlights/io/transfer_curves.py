@@ -133,8 +133,10 @@ class PerChannel:
         self.curves = curves
 
     def __call__(self, codes: Reals) -> Reals:
-        """Linear values of codes, (..., 3)."""
+        """Linear values of codes, (..., 3); a single channel of grey follows green."""
         codes = np.asarray(codes, np.float64)
+        if codes.shape[-1] == 1:
+            return self.curves[1](codes)
         return np.stack([curve(codes[..., c]) for c, curve in enumerate(self.curves)], axis=-1)
 
 

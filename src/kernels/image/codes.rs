@@ -38,7 +38,8 @@ pub fn decode_channels<Code: Copy + Into<usize> + Sync>(
     check_channels(codes)?;
     let codes = codes.as_standard_layout();
     let last = tables.map(|table| table.last().copied().unwrap_or(0.0));
-    let value = |channel: usize, code: Code| tables[channel].get(code.into()).copied().unwrap_or(last[channel]);
+    let value =
+        |channel: usize, code: Code| tables[channel].get(code.into()).copied().unwrap_or(last[channel]);
     let mut values = Array3::zeros(codes.dim());
     let rows = values.outer_iter_mut().into_par_iter().zip(codes.outer_iter());
     rows.for_each(|(mut row, codes)| {
@@ -59,7 +60,8 @@ mod tests {
 
     #[test]
     fn each_channel_is_decoded_by_its_own_table_in_any_layout() {
-        let tables = [1.0, 10.0, 100.0].map(|scale| (0..256).map(|code| code as f32 * scale).collect::<Vec<_>>());
+        let tables =
+            [1.0, 10.0, 100.0].map(|scale| (0..256).map(|code| code as f32 * scale).collect::<Vec<_>>());
         let tables = [&tables[0][..], &tables[1], &tables[2]];
         let codes = Array3::from_shape_fn((4, 6, 3), |(y, x, c)| (y * 60 + x * 3 + c) as u8);
         let all = decode_channels(codes.view(), tables).unwrap();
