@@ -22,6 +22,7 @@ __all__ = [
     "RadianceFile",
     "TreeDetection",
     "UnusableSamplesError",
+    "apply_matrix",
     "are_clipped",
     "blur",
     "bresenham_line",
@@ -32,6 +33,8 @@ __all__ = [
     "code_histogram_16",
     "decode_8",
     "decode_16",
+    "decode_channels_8",
+    "decode_channels_16",
     "detect_tree",
     "direction_to_uv",
     "disc_map",
@@ -165,6 +168,7 @@ class MapSplit:
     reach: _Reals
     vectors: _Reals
 
+def apply_matrix(image: _Image, matrix: list[list[float]]) -> tuple[_Image, int]: ...
 def are_clipped(
     radiance: _Image, pixels: _Indices, reach: int, sphere: bool, white: float | None
 ) -> NDArray[np.bool_]: ...
@@ -183,6 +187,14 @@ def decode_16(codes: NDArray[np.uint16], table: NDArray[np.float32]) -> _Image: 
 def code_histogram_8(codes: NDArray[np.uint8], weights: _Reals) -> _Reals: ...
 def code_histogram_16(codes: NDArray[np.uint16], weights: _Reals) -> _Reals: ...
 def decode_8(codes: NDArray[np.uint8], table: NDArray[np.float32]) -> _Image: ...
+def decode_channels_16(
+    codes: NDArray[np.uint16],
+    tables: tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]],
+) -> _Image: ...
+def decode_channels_8(
+    codes: NDArray[np.uint8],
+    tables: tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]],
+) -> _Image: ...
 def detect_tree(radiance: _Image, border_sampled: bool, options: TreeOptions) -> TreeDetection: ...
 def direction_to_uv(direction: _Reals) -> _Reals: ...
 def disc_map(height: int, directions: _Reals, irradiance: _Reals, radii: _Reals) -> _Reals: ...

@@ -40,6 +40,44 @@ pub fn decode_16<'py>(
     Ok(values.into_pyarray(py))
 }
 
+/// See `envlights.EnvMap`: decode 8-bit codes with a table of values for each channel.
+#[pyfunction]
+pub fn decode_channels_8<'py>(
+    py: Python<'py>,
+    codes: PyReadonlyArray3<'py, u8>,
+    tables: (PyReadonlyArray1<'py, f32>, PyReadonlyArray1<'py, f32>, PyReadonlyArray1<'py, f32>),
+) -> PyResult<Bound<'py, PyArray3<f32>>> {
+    let (red, green, blue) = &tables;
+    let (codes, tables) = (codes.as_array(), [red.as_slice()?, green.as_slice()?, blue.as_slice()?]);
+    let values = interruptible(py, || image::decode_channels(codes, tables))?;
+    Ok(values.into_pyarray(py))
+}
+
+/// See `envlights.EnvMap`: decode 16-bit codes with a table of values for each channel.
+#[pyfunction]
+pub fn decode_channels_16<'py>(
+    py: Python<'py>,
+    codes: PyReadonlyArray3<'py, u16>,
+    tables: (PyReadonlyArray1<'py, f32>, PyReadonlyArray1<'py, f32>, PyReadonlyArray1<'py, f32>),
+) -> PyResult<Bound<'py, PyArray3<f32>>> {
+    let (red, green, blue) = &tables;
+    let (codes, tables) = (codes.as_array(), [red.as_slice()?, green.as_slice()?, blue.as_slice()?]);
+    let values = interruptible(py, || image::decode_channels(codes, tables))?;
+    Ok(values.into_pyarray(py))
+}
+
+/// See `envlights.EnvMap`: converted colours of `image`, and the number of pixels outside Rec.709.
+#[pyfunction]
+pub fn apply_matrix<'py>(
+    py: Python<'py>,
+    image: PyReadonlyArray3<'py, f32>,
+    matrix: [[f32; 3]; 3],
+) -> PyResult<(Bound<'py, PyArray3<f32>>, usize)> {
+    let image = image.as_array();
+    let (converted, outside) = interruptible(py, || image::apply_matrix(image, &matrix))?;
+    Ok((converted.into_pyarray(py), outside))
+}
+
 /// See `envlights.EnvMap.rotated`; `matrix` has its rows in order.
 #[pyfunction]
 pub fn rotate_map<'py>(

@@ -3,6 +3,7 @@
 //! | step                                          | file           |
 //! |-----------------------------------------------|----------------|
 //! | decoding of integer images                    | `codes.rs`     |
+//! | conversion of colours to linear Rec.709       | `colour.rs`    |
 //! | unusable samples                              | `samples.rs`   |
 //! | clip level of a picture of codes              | `white.rs`     |
 //! | the cells of an image on the sphere           | `grid.rs`      |
@@ -16,6 +17,7 @@
 mod block_rows;
 mod cells;
 mod codes;
+mod colour;
 mod grid;
 mod luminance;
 mod parts;
@@ -25,7 +27,8 @@ mod samples;
 mod white;
 
 pub(crate) use block_rows::{BlockRow, block_fractions, samples_of};
-pub use codes::decode;
+pub use codes::{decode, decode_channels};
+pub use colour::apply_matrix;
 pub use grid::{CellCentres, Grid};
 pub use luminance::{LUMINANCE, LUMINANCE_F32, luminance, luminance_f32};
 pub use parts::{MOST_PARTS, Part};
