@@ -1,19 +1,16 @@
 """Content of a file as a reader gives it: header, and samples in the type of the file.
 
-A reader is a function that takes a `NamedBytes` and returns a `RawImage`. Nothing is converted here.
+A reader opens a `Source` as an `ImageFile`, whose `image` is a `RawImage`. Nothing is converted.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-
-if TYPE_CHECKING:
-    from typing_extensions import Self
 
 #: Rectangle of pixels: x and y of its corner, width, height.
 Window = tuple[int, int, int, int]
@@ -88,26 +85,22 @@ class Header:
     xmp: bytes = b""
     """XMP packet."""
 
+    has_gain_map: bool = False
+    """True if the samples are those of a gain map, which ends at a largest value."""
+
     notes: tuple[str, ...] = ()
     """Remarks of the reader."""
 
 
-def _do_nothing() -> None:
-    """Close a reader that holds nothing open."""
-
-
 @dataclass(frozen=True)
 class RawImage:
-    """Header, and access to the samples; a context manager that closes the file."""
+    """Header, and access to the samples while the file is open."""
 
     header: Header
     """Statements of the file."""
 
     read_rows: Callable[[int, int], NDArray[Any]]
     """Function that returns the samples of rows from `top` to `bottom`, (rows, width, channels)."""
-
-    close: Callable[[], None] = _do_nothing
-    """Function that closes the file."""
 
     rows_at_once: int = 128
     """Rows of one read; a multiple of the height of a tile."""
@@ -121,8 +114,30 @@ class RawImage:
         """All samples, (height, width, channels), in the type of the file."""
         return self.rows(0, self.header.height)
 
-    def __enter__(self) -> Self:
-        return self
 
-    def __exit__(self, *_: object) -> None:
-        self.close()
+@dataclass(frozen=True)
+class Part:
+    """One of the images in a file."""
+
+    name: str
+    """Name in the file; empty if it has none."""
+
+    channels: tuple[str, ...]
+    """Names of all its channels."""
+
+    view: str = ""
+    """Stereo view, such as "left"; empty if the file names none."""
+
+
+class ImageFile(Protocol):
+    """An open file, of which one part and some channels can be read."""
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """All images of the file, in its order."""
+
+    def image(self, part: int, channels: Sequence[str]) -> RawImage:
+        """Some `channels` of a part, in this order."""
+
+    def close(self) -> None:
+        """Close the file."""
