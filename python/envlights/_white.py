@@ -36,11 +36,23 @@ class CodeHistogram:
         return 255 if code is None or code >= _FULL else code
 
 
+def white_of(histogram: CodeHistogram, table: NDArray[np.float32]) -> tuple[float, list[str]]:
+    """Linear clip level, and a note if it is below the largest code.
+
+    `table` holds the linear value of each code, (n,) or (3, n).
+    """
+    code = histogram.white_code()
+    value = float(table[..., code * (table.shape[-1] - 1) // 255].max())
+    notes = (
+        [] if code == 255 else [f"the picture is clipped at code {code} of 255, by its histogram"]
+    )
+    return value, notes
+
+
 def white_of_codes(codes: NDArray[Any], notes: list[str]) -> float:
     """Linear clip level of sRGB codes, (height, width, 3), with a note if it is below 1."""
     histogram = CodeHistogram(len(codes))
     histogram.add(codes)
-    code = histogram.white_code()
-    if code < 255:
-        notes.append(f"the picture is clipped at code {code} of 255, by its histogram")
-    return float(decode_srgb(np.array(code / 255)))
+    white, said = white_of(histogram, decode_srgb(np.linspace(0, 1, 256)))
+    notes += said
+    return white

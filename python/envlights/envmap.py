@@ -15,7 +15,9 @@ from envlights._map_pixels import REGISTRATIONS, MapPixels
 from envlights._native import EnvLightsError, UnusableSamplesError
 from envlights.io.exposures import Exposures
 from envlights.io.image_output import COMPRESSIONS, map_suffix, write_exr, write_hdr
+from envlights.io.colour import ColourArgument
 from envlights.io.images import MOST_PIXELS, read_image
+from envlights.io.source import AnySource, is_source, name_of
 from envlights.kernels.probe import irradiance
 from envlights.repair import repair
 
@@ -71,26 +73,43 @@ class EnvMap(MapPixels):
     @classmethod
     def open(
         cls,
-        path: str | os.PathLike[str],
+        path: AnySource,
         *,
         registration: str | None = None,
         white: float | None = None,
+        colour: ColourArgument | None = None,
+        part: str | int | None = None,
+        channels: str | Sequence[str] | None = None,
         max_pixels: int = MOST_PIXELS,
+        any_format: bool = False,
     ) -> EnvMap:
         """Read a map from a file.
 
         Parameters
         ----------
-        path : path-like
-            Radiance .hdr, OpenEXR, PNG, JPEG, TIFF, or any other format of OpenImageIO. Files of 8
-            or 16 bit integers are decoded from sRGB; alpha and extra channels are ignored.
+        path : path-like, bytes or file object
+            Radiance .hdr, OpenEXR, PNG, JPEG or TIFF; the first bytes decide. "-" is the standard
+            input; addresses like ``s3://`` are read by fsspec, if it is installed. The colour space
+            of the file is converted to linear Rec.709: transfer curve, ICC profile, primaries.
+            Integers without a statement are sRGB. What alpha or a crop hides is black; see `seen`.
         registration : {"cell-centred", "border-sampled"}, optional
             See `EnvMap`. When left out, the metadata of the file decides.
         white : float, optional
-            Clip level; see `EnvMap`. Known for files of integers.
+            Clip level; see `EnvMap`. Known for files of integers, from their own histogram.
+        colour : str, bytes or path-like, optional
+            Colour space of the samples, instead of what the file says: "linear", "srgb", "p3",
+            "rec2020", "acescg", ..., or an ICC profile.
+        part : str or int, optional
+            Name of a layer, or name or number of an image of the file. When left out, the finished
+            picture is found by its name.
+        channels : str or sequence of str, optional
+            Names of red, green and blue, or of one grey channel, then perhaps alpha.
         max_pixels : int
             Files with more pixels are refused before memory is allocated. The default is
             32768x16384.
+        any_format : bool
+            True: try all formats of OpenImageIO on other files. Not for files of strangers, because
+            these readers had memory faults.
 
         Returns
         -------
@@ -102,7 +121,14 @@ class EnvMap(MapPixels):
         EnvLightsError
             If the file cannot be read or holds no equirectangular map.
         """
-        image = read_image(path, max_pixels=max_pixels)
+        image = read_image(
+            path,
+            colour=colour,
+            part=part,
+            channels=channels,
+            max_pixels=max_pixels,
+            any_format=any_format,
+        )
         if registration is None:
             registration = REGISTRATIONS[image.border_sampled]
         try:
@@ -111,10 +137,10 @@ class EnvMap(MapPixels):
                 registration=registration,
                 notes=image.notes,
                 white=image.white if white is None else white,
-                seen=getattr(image, "seen", None),
+                seen=image.seen,
             )
         except EnvLightsError as refusal:
-            raise EnvLightsError(f"{os.fspath(path)}: {refusal}") from None
+            raise EnvLightsError(f"{name_of(path)}: {refusal}") from None
 
     @classmethod
     def from_exposures(
@@ -336,14 +362,14 @@ class EnvMap(MapPixels):
         )
 
 
-#: Map, path of its file, or its radiance as an array.
-AnyMap = EnvMap | str | os.PathLike[str] | ArrayLike
+#: Map, its file as path, bytes or file object, or its radiance as an array.
+AnyMap = EnvMap | AnySource | ArrayLike
 
 
 def as_envmap(env: AnyMap) -> EnvMap:
     """Map of an array or of the path of a file; a map is returned as it is."""
-    if isinstance(env, str | os.PathLike):
-        return EnvMap.open(env)
+    if is_source(env):
+        return EnvMap.open(env)  # type: ignore[arg-type]
     return env if isinstance(env, EnvMap) else EnvMap(env)
 
 
@@ -353,7 +379,7 @@ def apply_to_map(env: AnyMap, work: Callable[[EnvMap], _T]) -> tuple[EnvMap, _T]
     Kernels read every sample anyway and refuse those that are not radiance, so the usual array
     needs no check of its own.
     """
-    if isinstance(env, EnvMap | str | os.PathLike):
+    if isinstance(env, EnvMap) or is_source(env):
         world = as_envmap(env)
         return world, work(world)
     world = EnvMap.unchecked(env)

@@ -130,7 +130,7 @@ class Part:
 
 
 class ImageFile(Protocol):
-    """An open file, of which one part and some channels can be read."""
+    """An open file that gives some channels of one of its parts."""
 
     @property
     def parts(self) -> tuple[Part, ...]:
