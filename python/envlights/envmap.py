@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,9 +13,9 @@ from envlights import resampling
 from envlights._check import one_or_more, rotation
 from envlights._map_pixels import REGISTRATIONS, MapPixels
 from envlights._native import EnvLightsError, UnusableSamplesError
+from envlights.io.colour import ColourArgument
 from envlights.io.exposures import Exposures
 from envlights.io.image_output import COMPRESSIONS, map_suffix, write_exr, write_hdr
-from envlights.io.colour import ColourArgument
 from envlights.io.images import MOST_PIXELS, read_image
 from envlights.io.source import AnySource, is_source, name_of
 from envlights.kernels.probe import irradiance
@@ -366,15 +366,17 @@ class EnvMap(MapPixels):
 AnyMap = EnvMap | AnySource | ArrayLike
 
 
-def as_envmap(env: AnyMap) -> EnvMap:
-    """Map of an array or of the path of a file; a map is returned as it is."""
+def as_envmap(env: Any) -> EnvMap:
+    """Map of an `AnyMap`; a map is returned as it is."""
     if is_source(env):
-        return EnvMap.open(env)  # type: ignore[arg-type]
+        return EnvMap.open(env)
     return env if isinstance(env, EnvMap) else EnvMap(env)
 
 
-def apply_to_map(env: AnyMap, work: Callable[[EnvMap], _T]) -> tuple[EnvMap, _T]:
-    """Map and the result of `work` on it; an array is cleaned only if a kernel refuses it.
+def apply_to_map(env: Any, work: Callable[[EnvMap], _T]) -> tuple[EnvMap, _T]:
+    """Map of an `AnyMap`, and the result of `work` on it.
+
+    An array is cleaned only if a kernel refuses it.
 
     Kernels read every sample anyway and refuse those that are not radiance, so the usual array
     needs no check of its own.

@@ -33,7 +33,8 @@ def visible(colours: NDArray[Any], alpha: NDArray[Any]) -> NDArray[Any]:
     """Colours with 0 where alpha, (rows, width, 0 or 1), hides them."""
     if not alpha.shape[2] or alpha.all():
         return colours
-    return np.where(alpha > 0, colours, colours.dtype.type(0))
+    codes: NDArray[Any] = np.where(alpha > 0, colours, colours.dtype.type(0))
+    return codes
 
 
 def seen_of_alpha(
