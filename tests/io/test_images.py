@@ -244,7 +244,7 @@ def broken_files(folder):
         "side.jpg": "twice as wide as high; got 16x32 pixels",
         "deep.exr": "it is a deep image",
         "vast.exr": "100000x50000 pixels, more than",
-        "truncated.png": "the file is incomplete",
+        "truncated.png": "the PNG file is incomplete",
         "flipped.png": "wrong checksum",
     }
 
