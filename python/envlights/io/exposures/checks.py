@@ -1,0 +1,224 @@
+"""Response and times that agree with the pictures: which response it is, and which time is wrong."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights._native import EnvLightsError
+from envlights.io.exposures.comparison import Comparison
+from envlights.io.exposures.response import Response, fitted, residuals
+
+#: Mean residual, as a relative exposure, below which a response fits: JPEG of quality 80 leaves 2 %.
+_FITS = 0.025
+#: Mean residual above which nothing fits.
+_FITS_NOT = 0.08
+#: Gain of an estimated response over a named one.
+_GAIN = 0.7
+#: Ratio of a wrong time to the right one that is corrected, at least.
+_WRONG = np.log(1.1)
+#: Difference between channels that a note reports as drift of the white balance.
+_DRIFT = 0.04
+
+
+@dataclass(frozen=True, eq=False)
+class Agreement:
+    """Response and times of a series, and how well they fit."""
+
+    response: Response
+    """Response of all pictures."""
+
+    log_times: NDArray[np.float64]
+    """Natural logarithms of the times, corrected."""
+
+    wrong: int | None
+    """Place of the picture whose time was wrong."""
+
+    residual: float
+    """Mean relative residual."""
+
+
+def agreement(
+    candidates: list[Response],
+    pairs: list[Comparison],
+    log_times: NDArray[np.float64],
+    white: float,
+    *,
+    may_estimate: bool,
+) -> Agreement:
+    """The simplest response and times that fit: named before estimated, all times before one wrong."""
+    if not pairs:
+        return Agreement(candidates[0], log_times, None, 0.0)
+    stated = [_scored(each, pairs, log_times) for each in candidates]
+    corrected = [one for each in candidates for one in _with_one_wrong(each, pairs, log_times)]
+    if (best := _first_that_fits(stated) or _first_that_fits(corrected)) is not None:
+        return best
+    estimated: list[Agreement] = []
+    if may_estimate and not _is_one_wrong_time(candidates[0], pairs, log_times):
+        base = min([*stated, *corrected], key=lambda each: each.residual).response
+        for start in (candidates[0], base):
+            estimated += _estimated(start, pairs, log_times, white)
+    fits = [each for each in estimated if each.residual < _FITS]
+    by_simplicity = [each for each in fits if each.wrong is None] or fits
+    everything = by_simplicity or [*stated, *corrected, *estimated]
+    return min(everything, key=lambda each: each.residual)
+
+
+def _is_one_wrong_time(
+    response: Response, pairs: list[Comparison], log_times: NDArray[np.float64]
+) -> bool:
+    """True if a single pair has one ratio at all codes: a wrong time, but nobody knows which."""
+    if len(pairs) > 1:
+        return False
+    change = offset(response, pairs[0], log_times)
+    corrected = log_times.copy()
+    corrected[pairs[0].long] += change
+    return abs(change) > _WRONG and _residual(response, pairs, corrected) < _FITS
+
+
+def _first_that_fits(found: list[Agreement]) -> Agreement | None:
+    """First response if it fits, else the best that fits."""
+    if not found:
+        return None
+    best = min(found, key=lambda each: each.residual)
+    if found[0].residual < _FITS and _GAIN * found[0].residual < best.residual + 0.01:
+        return found[0]
+    return best if best.residual < _FITS else None
+
+
+def _scored(response: Response, pairs: list[Comparison], log_times: NDArray[np.float64]) -> Agreement:
+    return Agreement(response, log_times, None, _residual(response, pairs, log_times))
+
+
+def _residual(
+    response: Response, pairs: list[Comparison], log_times: NDArray[np.float64]
+) -> float:
+    """Mean over the pairs of the weighted mean residual."""
+    means = []
+    for pair in pairs:
+        residual, weight = residuals(response, pair, log_times)
+        means.append(float((weight * np.abs(residual)).sum() / weight.sum()))
+    return float(np.mean(means))
+
+
+def offset(response: Response, pair: Comparison, log_times: NDArray[np.float64]) -> float:
+    """Weighted median of the residuals of a pair."""
+    residual, weight = residuals(response, pair, log_times)
+    return weighted_median(residual, weight)
+
+
+def weighted_median(values: NDArray[np.float64], weights: NDArray[np.float64]) -> float:
+    """Value with half of the weight on each side."""
+    order = np.argsort(values)
+    total = np.cumsum(weights[order])
+    return float(values[order][np.searchsorted(total, total[-1] / 2)])
+
+
+def _with_one_wrong(
+    response: Response, pairs: list[Comparison], log_times: NDArray[np.float64]
+) -> list[Agreement]:
+    """The best correction of each time that the other pictures determine."""
+    found = []
+    for place in range(len(log_times)):
+        if not _is_determined(place, pairs):
+            continue
+        corrected = _corrected(response, pairs, log_times, place)
+        if abs(corrected[place] - log_times[place]) > _WRONG:
+            residual = _residual(response, pairs, corrected)
+            found.append(Agreement(response, corrected, place, residual))
+    return sorted(found, key=lambda each: each.residual)
+
+
+def _is_determined(place: int, pairs: list[Comparison]) -> bool:
+    """True if a picture is compared with one that others are compared with, too."""
+    own = [pair for pair in pairs if place in (pair.short, pair.long)]
+    partners = {end for pair in own for end in (pair.short, pair.long)} - {place}
+    others = {end for pair in pairs if pair not in own for end in (pair.short, pair.long)}
+    return bool(partners & others)
+
+
+def _corrected(
+    response: Response, pairs: list[Comparison], log_times: NDArray[np.float64], place: int
+) -> NDArray[np.float64]:
+    """Times with the one of a picture replaced by what its pairs measure."""
+    offsets = [
+        offset(response, pair, log_times) * (1 if pair.long == place else -1)
+        for pair in pairs
+        if place in (pair.short, pair.long)
+    ]
+    corrected = log_times.copy()
+    corrected[place] += float(np.median(offsets))
+    return corrected
+
+
+def _estimated(
+    base: Response, pairs: list[Comparison], log_times: NDArray[np.float64], white: float
+) -> list[Agreement]:
+    """Estimated responses: with all times, and from the pairs without one picture."""
+    found = [_scored(fitted(base, pairs, log_times, white), pairs, log_times)]
+    for place in range(len(log_times)):
+        others = [pair for pair in pairs if place not in (pair.short, pair.long)]
+        if not _is_determined(place, pairs):
+            continue
+        response = fitted(base, others, log_times, white)
+        corrected = _corrected(response, pairs, log_times, place)
+        response = fitted(base, pairs, corrected, white)
+        corrected = _corrected(response, pairs, log_times, place)
+        if abs(corrected[place] - log_times[place]) > _WRONG:
+            residual = _residual(response, pairs, corrected)
+            found.append(Agreement(response, corrected, place, residual))
+    return found
+
+
+def refuse_contradiction(
+    found: Agreement, pairs: list[Comparison], log_times: NDArray[np.float64], numbers: list[int]
+) -> None:
+    """Refuse a series that no response and no correction of one time explain."""
+    if not pairs or found.residual <= _FITS_NOT:
+        return
+    told = []
+    for pair in pairs:
+        stated = log_times[pair.long] - log_times[pair.short]
+        excess = offset(found.response, pair, log_times)
+        if pair.long - pair.short == 1 or len(pairs) == 1:
+            told.append(
+                f"{numbers[pair.short]} and {numbers[pair.long]} by a factor of"
+                f" {np.exp(stated + excess):.3g}, their times by {np.exp(stated):.3g}"
+            )
+    raise EnvLightsError(
+        f"the exposures contradict their times: exposures {'; '.join(told)}; give the right times,"
+        " or the response of the camera as `response`"
+    )
+
+
+def notes_of_pairs(pairs: list[Comparison], numbers: list[int]) -> list[str]:
+    """Remarks on neighbours that have too few pixels in common."""
+    known = {(pair.short, pair.long) for pair in pairs}
+    return [
+        f"exposures {numbers[place]} and {numbers[place + 1]} have too few pixels in common to check"
+        " their times"
+        for place in range(len(numbers) - 1)
+        if (place, place + 1) not in known
+    ]
+
+
+def notes_of_drift(found: Agreement, pairs: list[Comparison], numbers: list[int]) -> list[str]:
+    """Remarks on neighbours whose white balance differs."""
+    notes = []
+    for pair in pairs:
+        if pair.long - pair.short != 1:
+            continue
+        residual, weight = residuals(found.response, pair, found.log_times)
+        parts = [pair.channel == channel for channel in range(3)]
+        if not all(part.any() for part in parts):
+            continue
+        offsets = np.array([weighted_median(residual[part], weight[part]) for part in parts])
+        if np.ptp(offsets) > _DRIFT:
+            factors = ", ".join(f"{factor:.2f}" for factor in np.exp(offsets - np.median(offsets)))
+            notes.append(
+                f"exposures {numbers[pair.short]} and {numbers[pair.long]} differ in white balance:"
+                f" red, green and blue by {factors}"
+            )
+    return notes
