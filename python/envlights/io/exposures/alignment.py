@@ -31,7 +31,7 @@ _LEAST_SHIFT = 0.2
 #: Distance to a whole pixel below which columns or rows are rolled, without loss.
 _WHOLE = 0.2
 #: Largest shift, in pixels of 1024 columns, that is believed.
-_MOST_SHIFT = 12.0
+_MOST_SHIFT = 24.0
 #: Ratio of the differences after and before an alignment, at most.
 _GAIN = 0.97
 

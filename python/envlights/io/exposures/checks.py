@@ -19,8 +19,14 @@ _FITS_NOT = 0.08
 _GAIN = 0.7
 #: Ratio of a wrong time to the right one that is corrected, at least.
 _WRONG = np.log(1.1)
+#: Part of the codes whose residuals count: JPEG spoils single codes, but no more than these.
+_MOST_PIXELS = 0.7
+#: Number of pixels at which a pair has half of its weight: 69 pixels around a sun refused a series.
+_MANY = 3000.0
+#: Ratio of exposures to times that a note doubts.
+_DOUBT = np.log(1.1)
 #: Difference between channels that a note reports as drift of the white balance.
-_DRIFT = 0.04
+_DRIFT = 0.06
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,10 +66,19 @@ def agreement(
         base = min([*stated, *corrected], key=lambda each: each.residual).response
         for start in (candidates[0], base):
             estimated += _estimated(start, pairs, log_times, white)
+    return _simplest([*stated, *corrected], estimated)
+
+
+def _simplest(known: list[Agreement], estimated: list[Agreement]) -> Agreement:
+    """Known response unless an estimated one is much better; all times before one wrong."""
     fits = [each for each in estimated if each.residual < _FITS]
-    by_simplicity = [each for each in fits if each.wrong is None] or fits
-    everything = by_simplicity or [*stated, *corrected, *estimated]
-    return min(everything, key=lambda each: each.residual)
+    choices = [each for each in fits if each.wrong is None] or fits or estimated
+    best = min(known, key=lambda each: each.residual)
+    if not choices:
+        return best
+    other = min(choices, key=lambda each: each.residual)
+    is_known = best.residual < _FITS_NOT and _GAIN * best.residual < other.residual
+    return best if is_known else other
 
 
 def _is_one_wrong_time(
@@ -95,25 +110,28 @@ def _scored(response: Response, pairs: list[Comparison], log_times: NDArray[np.f
 def _residual(
     response: Response, pairs: list[Comparison], log_times: NDArray[np.float64]
 ) -> float:
-    """Mean over the pairs of the weighted mean residual."""
-    means = []
+    """Mean over the pairs of a quantile of the residuals; pairs of few pixels count less."""
+    scores, weights = [], []
     for pair in pairs:
         residual, weight = residuals(response, pair, log_times)
-        means.append(float((weight * np.abs(residual)).sum() / weight.sum()))
-    return float(np.mean(means))
+        scores.append(weighted_quantile(np.abs(residual), weight, _MOST_PIXELS))
+        weights.append(pair.count.sum() / (pair.count.sum() + _MANY))
+    return float(np.average(scores, weights=weights))
 
 
 def offset(response: Response, pair: Comparison, log_times: NDArray[np.float64]) -> float:
     """Weighted median of the residuals of a pair."""
     residual, weight = residuals(response, pair, log_times)
-    return weighted_median(residual, weight)
+    return weighted_quantile(residual, weight, 0.5)
 
 
-def weighted_median(values: NDArray[np.float64], weights: NDArray[np.float64]) -> float:
-    """Value with half of the weight on each side."""
+def weighted_quantile(
+    values: NDArray[np.float64], weights: NDArray[np.float64], fraction: float
+) -> float:
+    """Value with a fraction of the weight below it."""
     order = np.argsort(values)
     total = np.cumsum(weights[order])
-    return float(values[order][np.searchsorted(total, total[-1] / 2)])
+    return float(values[order][np.searchsorted(total, fraction * total[-1])])
 
 
 def _with_one_wrong(
@@ -132,11 +150,11 @@ def _with_one_wrong(
 
 
 def _is_determined(place: int, pairs: list[Comparison]) -> bool:
-    """True if a picture is compared with one that others are compared with, too."""
+    """True if two pictures are compared with this one, or one that others are compared with."""
     own = [pair for pair in pairs if place in (pair.short, pair.long)]
     partners = {end for pair in own for end in (pair.short, pair.long)} - {place}
     others = {end for pair in pairs if pair not in own for end in (pair.short, pair.long)}
-    return bool(partners & others)
+    return len(partners) > 1 or bool(partners & others)
 
 
 def _corrected(
@@ -160,7 +178,7 @@ def _estimated(
     found = [_scored(fitted(base, pairs, log_times, white), pairs, log_times)]
     for place in range(len(log_times)):
         others = [pair for pair in pairs if place not in (pair.short, pair.long)]
-        if not _is_determined(place, pairs):
+        if not others or not _is_determined(place, pairs):
             continue
         response = fitted(base, others, log_times, white)
         corrected = _corrected(response, pairs, log_times, place)
@@ -193,28 +211,39 @@ def refuse_contradiction(
     )
 
 
-def notes_of_pairs(pairs: list[Comparison], numbers: list[int]) -> list[str]:
-    """Remarks on neighbours that have too few pixels in common."""
-    known = {(pair.short, pair.long) for pair in pairs}
-    return [
-        f"exposures {numbers[place]} and {numbers[place + 1]} have too few pixels in common to check"
-        " their times"
-        for place in range(len(numbers) - 1)
-        if (place, place + 1) not in known
-    ]
+def notes_of_pairs(
+    found: Agreement, pairs: list[Comparison], numbers: list[int]
+) -> list[str]:
+    """Remarks on neighbours whose times cannot be checked, or are doubtful."""
+    known = {(pair.short, pair.long): pair for pair in pairs}
+    notes = []
+    for place in range(len(numbers) - 1):
+        pair = known.get((place, place + 1))
+        both = f"exposures {numbers[place]} and {numbers[place + 1]}"
+        if pair is None:
+            notes.append(f"{both} have too few pixels in common to check their times")
+            continue
+        excess = offset(found.response, pair, found.log_times)
+        if abs(excess) > _DOUBT:
+            stated = found.log_times[pair.long] - found.log_times[pair.short]
+            notes.append(
+                f"{both} differ by a factor of {np.exp(stated + excess):.3g}, their times by"
+                f" {np.exp(stated):.3g}, on few pixels: is a time wrong?"
+            )
+    return notes
 
 
 def notes_of_drift(found: Agreement, pairs: list[Comparison], numbers: list[int]) -> list[str]:
     """Remarks on neighbours whose white balance differs."""
     notes = []
     for pair in pairs:
-        if pair.long - pair.short != 1:
+        if pair.long - pair.short != 1 or pair.count.sum() < _MANY:
             continue
         residual, weight = residuals(found.response, pair, found.log_times)
         parts = [pair.channel == channel for channel in range(3)]
         if not all(part.any() for part in parts):
             continue
-        offsets = np.array([weighted_median(residual[part], weight[part]) for part in parts])
+        offsets = np.array([weighted_quantile(residual[part], weight[part], 0.5) for part in parts])
         if np.ptp(offsets) > _DRIFT:
             factors = ", ".join(f"{factor:.2f}" for factor in np.exp(offsets - np.median(offsets)))
             notes.append(

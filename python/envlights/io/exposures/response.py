@@ -73,7 +73,7 @@ def named(white: float) -> list[Response]:
         "sRGB in video range (16 to 235)": lambda codes: decode_srgb(_full_range(codes)),
         "Rec.709 in video range (16 to 235)": lambda codes: _decode_rec709(_full_range(codes)),
     }
-    if white == 1:
+    if white > 254.5 / 255:
         curves.pop("sRGB up to code 255")
     return [_response(name, curve(CODES)).scaled(white) for name, curve in curves.items()]
 

@@ -110,7 +110,6 @@ def _response_and_times(
     else:
         candidates = [by_hand("linear", 1.0)] if is_linear else named(white)
     pairs = _pairs(series, levels)
-    notes += checks.notes_of_pairs(pairs, numbers)
     found = checks.agreement(
         candidates, pairs, log_times, white, may_estimate=response is None and not is_linear
     )
@@ -124,6 +123,7 @@ def _response_and_times(
             f"the time of exposure {wrong.number} is wrong: {wrong.time:.3g} was replaced by"
             f" {wrong.time * factor:.3g}, which its pixels show"
         )
+    notes += checks.notes_of_pairs(found, pairs, numbers)
     notes += checks.notes_of_drift(found, pairs, numbers)
     return found.response, [float(time) for time in np.exp(found.log_times)]
 

@@ -14,31 +14,43 @@ from envlights.io.exposures.pictures import Picture
 #: Codes on each side of a spike that belong to it: without them, JPEG of quality 80 hides spikes.
 _REACH = 2
 #: Least code of white in a picture whose spike no other exposure confirms.
-_LEAST_ALONE, _LEAST_CODE = 250, 230
+_LEAST_ALONE, _LEAST_CODE = 250, 233
 #: Ratio of the count in a spike to the median count of as many codes below it.
-_PROMINENCE = 4.0
+_PROMINENCE = 2.0
 #: Fewest samples in a spike.
 _FEWEST = 6
 #: Ratio of what a shorter exposure predicts to white that confirms a spike.
 _CONFIRMED = 1.3
 #: Codes by which the whites of two pictures of one camera differ.
 _SAME = 3
+#: Codes by which JPEG moves the spike of a picture with small clipped regions.
+_BLURRED = 8
 
 
 def whites(pictures: list[Picture]) -> list[float]:
     """Largest sample of each picture, shortest first; infinity for linear ones without a limit."""
     if pictures[0].is_linear:
         return [_linear_white(picture.samples) for picture in pictures]
-    codes = _confirmed_spikes(pictures)
-    common = max((code for code in codes if code is not None), default=255)
-    return [
-        (code if code is not None else max(common, _top(picture))) / 255
-        for code, picture in zip(codes, pictures, strict=True)
-    ]
+    counts = [histogram(picture.samples) for picture in pictures]
+    own = _confirmed_spikes(pictures, [spike(each) for each in counts])
+    common = spike(sum(counts[1:]))
+    if common is None or not any(code is not None for code in own):
+        common = max((code for code in own if code is not None), default=255)
+    return [_level(code, each, common) / 255 for code, each in zip(own, counts, strict=True)]
 
 
-def _confirmed_spikes(pictures: list[Picture]) -> list[int | None]:
-    codes = [spike(histogram(picture.samples)) for picture in pictures]
+def _level(own: int | None, counts: NDArray[np.int64], common: int) -> int:
+    """Code of white: the picture's own spike if it is sharp, else that of the series."""
+    if own is not None:
+        around = counts[max(own - _REACH, 0) : own + _REACH + 1].sum()
+        is_sharp = 2 * counts[own] > around
+        return own if is_sharp or abs(own - common) > _BLURRED else common
+    above = counts[common + _BLURRED :].sum()
+    is_beyond = above > 5 * counts[common - _BLURRED : common + _BLURRED].sum()
+    return int(np.flatnonzero(counts)[-1]) if is_beyond else common
+
+
+def _confirmed_spikes(pictures: list[Picture], codes: list[int | None]) -> list[int | None]:
     for place in range(1, len(codes)):
         shorter, longer = pictures[place - 1 : place + 1]
         code = codes[place]
@@ -86,11 +98,6 @@ def _is_exceeded(shorter: Picture, longer: Picture, code: int) -> bool:
     expected = decode_srgb(np.quantile(shorter.samples[at_spike], [0.75]))[0]
     ratio = longer.time / shorter.time
     return bool(expected * ratio > _CONFIRMED * decode_srgb(np.array([code / 255]))[0])
-
-
-def _top(picture: Picture) -> float:
-    """Largest code of a picture."""
-    return float(np.ceil(255 * picture.samples.max()))
 
 
 def _linear_white(samples: NDArray[np.float32]) -> float:
