@@ -27,7 +27,7 @@ def is_raw(path: str | os.PathLike[str]) -> bool:
 def read(path: str | os.PathLike[str]) -> NDArray[np.float32]:
     """Linear Rec.709 samples of a raw file, clipped at 1, (height, width, 3)."""
     rawpy = _library(path)
-    with _opened(rawpy, path) as file:
+    with _open(rawpy, path) as file:
         samples = file.postprocess(
             gamma=(1, 1),
             no_auto_bright=True,
@@ -41,7 +41,7 @@ def read(path: str | os.PathLike[str]) -> NDArray[np.float32]:
 
 def exposure(path: str | os.PathLike[str]) -> dict[str, float]:
     """Exposure time, sensitivity and aperture of a raw file; what it does not hold is missing."""
-    with _opened(_library(path), path) as file:
+    with _open(_library(path), path) as file:
         shot = file.other
     found = {"time": shot.shutter_speed, "speed": shot.iso_speed, "aperture": shot.aperture}
     return {name: float(value) for name, value in found.items() if value and value > 0}
@@ -57,7 +57,7 @@ def _library(path: str | os.PathLike[str]) -> Any:
         ) from None
 
 
-def _opened(rawpy: Any, path: str | os.PathLike[str]) -> Any:
+def _open(rawpy: Any, path: str | os.PathLike[str]) -> Any:
     name = os.fsdecode(path)
     if not Path(name).is_file():
         raise EnvLightsError(f"cannot read {name}: there is no such file")

@@ -13,9 +13,9 @@
 | the steps in order                                           | `series.py`     |
 """
 
-from envlights.io.exposures.series import Merged, merge_exposures
+from envlights.io.exposures.series import MergeResult, merge_exposures
 
-__all__ = ["Merged", "merge_exposures"]
+__all__ = ["MergeResult", "merge_exposures"]
 
 
 def __dir__() -> list[str]:

@@ -30,8 +30,8 @@ _OUTLIER = 0.1
 _LEAST_SHIFT = 0.2
 #: Distance to a whole pixel below which columns or rows are rolled, without loss.
 _WHOLE = 0.2
-#: Largest shift, in pixels of 1024 columns, that is believed.
-_MOST_SHIFT = 24.0
+#: Largest shift that is believed, in pixels; the same if fewer pixels than `_MANY` show it.
+_MOST_SHIFT, _MOST_SHIFT_OF_FEW, _MANY = 24.0, 4.0, 2000
 #: Ratio of the differences after and before an alignment, at most.
 _GAIN = 0.97
 
@@ -72,7 +72,7 @@ def motion(
     sizes = [size for size in _WIDTHS if size < width] + [width] * (width <= _WIDTHS[-1])
     one, other = (_log_luminance(each, clip) for each in (short, long))
     both = [one, other - log_ratio]
-    found = [_descended(both, sizes, unknowns) for unknowns in ([0, 1, 2], [1, 3])]
+    found = [_descend(both, sizes, unknowns) for unknowns in ([0, 1, 2], [1, 3])]
     best = min(found, key=lambda each: each[1])
     # A rotation is likelier than a shift of rows.
     if found[0][1] < 1.05 * best[1]:
@@ -80,7 +80,9 @@ def motion(
     answer, after, before = best
     if not np.isfinite(after) or after > _GAIN * before:
         return STILL if np.isfinite(before) else None
-    is_small = answer.pixels(1024) <= _MOST_SHIFT
+    is_sure = _overlap(one, other) >= _MANY
+    most = _MOST_SHIFT if is_sure else _MOST_SHIFT_OF_FEW
+    is_small = answer.pixels(min(width, _WIDTHS[-1])) <= most
     return answer if is_small else None
 
 
@@ -91,22 +93,22 @@ def _log_luminance(exposure: NDArray[np.float32], clip: float) -> NDArray[np.flo
     return np.where(is_good, np.log(np.maximum(luminance, 1e-9)), np.nan)
 
 
-def _descended(
+def _descend(
     both: list[NDArray[np.float64]], sizes: list[int], unknowns: list[int]
 ) -> tuple[Motion, float, float]:
     """Motion of the least difference, and the differences after and before."""
     values = np.zeros(4)
     before = after = np.inf
     for size in sizes:
-        one, other = (_reduced(each, size) for each in both)
+        one, other = (_reduce(each, size) for each in both)
         if _overlap(one, other) < _FEWEST:
             continue
         for _ in range(_STEPS):
-            step = _step(one, _moved(other, values), unknowns)
+            step = _step(one, _sample_moved(other, values), unknowns)
             values[unknowns] += step
             if np.abs(step).max() < 0.01 * 2 * np.pi / size:
                 break
-        before, after = _difference(one, other), _difference(one, _moved(other, values))
+        before, after = _difference(one, other), _difference(one, _sample_moved(other, values))
     return Motion(values[:3], float(values[3])), after, before
 
 
@@ -143,10 +145,10 @@ def _step(
     matrix, wanted = matrix[known], wanted[known]
     weight = _areas(height, width).ravel()[known] / (1 + (wanted / _OUTLIER) ** 2) ** 2
     normal = matrix.T @ (weight[:, None] * matrix)
-    normal += np.eye(len(unknowns)) * 1e-6 * np.trace(normal)
+    normal += np.eye(len(unknowns)) * (1e-6 * np.trace(normal) + 1e-12)
     step = np.linalg.solve(normal, matrix.T @ (weight * wanted))
     most = 2 * 2 * np.pi / width
-    return step * min(1.0, most / max(float(np.abs(step).max()), 1e-12))
+    return np.asarray(step * min(1.0, most / max(float(np.abs(step).max()), 1e-12)))
 
 
 def _angles(height: int, width: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -158,12 +160,10 @@ def _angles(height: int, width: int) -> tuple[NDArray[np.float64], NDArray[np.fl
 
 def _areas(height: int, width: int) -> NDArray[np.float64]:
     polar, azimuth = _angles(height, width)
-    return np.sin(polar) + 0 * azimuth
+    return np.asarray(np.sin(polar) + 0 * azimuth)
 
 
-def _rates(
-    height: int, width: int
-) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
+def _rates(height: int, width: int) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
     """Changes of azimuth and polar angle of the sampled place, for each unknown.
 
     With d = (sin p sin a, cos p, -cos p cos a) and a turn w, the place moves by w x d.
@@ -179,7 +179,7 @@ def _rates(
     ]
 
 
-def _moved(picture: NDArray[np.float64], values: NDArray[np.float64]) -> NDArray[np.float64]:
+def _sample_moved(picture: NDArray[np.float64], values: NDArray[np.float64]) -> NDArray[np.float64]:
     """Picture sampled at the moved places; NaN spreads."""
     height, width = picture.shape
     directions = pixel_directions(height, width) @ rotation(values[:3]).T
@@ -189,8 +189,11 @@ def _moved(picture: NDArray[np.float64], values: NDArray[np.float64]) -> NDArray
     y = np.clip(y, 0, height - 1)
     left, top = np.floor(x).astype(int), np.minimum(np.floor(y).astype(int), height - 2)
     right, down = (x - left), (y - top)
-    rows = [picture[top + i, left % width] * (1 - right) + picture[top + i, (left + 1) % width] * right for i in (0, 1)]
-    return rows[0] * (1 - down) + rows[1] * down
+    rows = [
+        picture[top + i, left % width] * (1 - right) + picture[top + i, (left + 1) % width] * right
+        for i in (0, 1)
+    ]
+    return np.asarray(rows[0] * (1 - down) + rows[1] * down)
 
 
 def rotation(turn: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -198,10 +201,10 @@ def rotation(turn: NDArray[np.float64]) -> NDArray[np.float64]:
     angle = float(np.linalg.norm(turn))
     x, y, z = turn / angle if angle else turn
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
+    return np.asarray(np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross)
 
 
-def _reduced(picture: NDArray[np.float64], width: int) -> NDArray[np.float64]:
+def _reduce(picture: NDArray[np.float64], width: int) -> NDArray[np.float64]:
     """Means of whole blocks of pixels; NaN if one of them is."""
     factor = max(picture.shape[1] // width, 1)
     height, width = (size // factor for size in picture.shape)
@@ -222,7 +225,7 @@ def positions(motions: list[Motion | None]) -> list[Motion]:
     return [each - reference for each in chain]
 
 
-def aligned(picture: NDArray[np.float32], move: Motion) -> NDArray[np.float32]:
+def align(picture: NDArray[np.float32], move: Motion) -> NDArray[np.float32]:
     """Picture without its motion: whole pixels are rolled, without loss; the rest is resampled."""
     height, width, _ = picture.shape
     columns = move.turn[1] * width / (2 * np.pi)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from envlights._native import EnvLightsError
 from envlights.io.exposures.comparison import Comparison
-from envlights.io.exposures.response import Response, fitted, residuals
+from envlights.io.exposures.response import Response, fit_response, residuals
 
 #: Mean residual, as a relative exposure, below which a response fits: JPEG of quality 80 leaves 2 %.
 _FITS = 0.025
@@ -19,6 +19,8 @@ _FITS_NOT = 0.08
 _GAIN = 0.7
 #: Ratio of a wrong time to the right one that is corrected, at least.
 _WRONG = np.log(1.1)
+#: The same if it rests on few pixels, which JPEG of quality 80 moves by a factor of 1.5.
+_WRONG_OF_FEW = np.log(1.8)
 #: Part of the codes whose residuals count: JPEG spoils single codes, but no more than these.
 _MOST_PIXELS = 0.7
 #: Number of pixels at which a pair has half of its weight: 69 pixels around a sun refused a series.
@@ -57,16 +59,32 @@ def agreement(
     """The simplest response and times that fit: named before estimated, all times before one wrong."""
     if not pairs:
         return Agreement(candidates[0], log_times, None, 0.0)
-    stated = [_scored(each, pairs, log_times) for each in candidates]
+    stated = [_score(each, pairs, log_times) for each in candidates]
+    if _agrees(stated[0], pairs, log_times):
+        return stated[0]
     corrected = [one for each in candidates for one in _with_one_wrong(each, pairs, log_times)]
     if (best := _first_that_fits(stated) or _first_that_fits(corrected)) is not None:
         return best
     estimated: list[Agreement] = []
-    if may_estimate and not _is_one_wrong_time(candidates[0], pairs, log_times):
+    if _is_one_wrong_time(candidates[0], pairs, log_times):
+        return stated[0]
+    if may_estimate:
         base = min([*stated, *corrected], key=lambda each: each.residual).response
         for start in (candidates[0], base):
-            estimated += _estimated(start, pairs, log_times, white)
+            estimated += _estimate(start, pairs, log_times, white)
     return _simplest([*stated, *corrected], estimated)
+
+
+def _agrees(found: Agreement, pairs: list[Comparison], log_times: NDArray[np.float64]) -> bool:
+    """True if the medians of all pairs agree, though single codes do not."""
+    offsets = [abs(offset(found.response, pair, log_times)) for pair in pairs]
+    return bool(found.residual < _FITS_NOT and max(offsets) < _FITS)
+
+
+def _is_believed(place: int, change: float, pairs: list[Comparison]) -> bool:
+    """True if a correction of a time is large, and rests on enough pixels."""
+    pixels = sum(pair.count.sum() for pair in pairs if place in (pair.short, pair.long))
+    return bool(abs(change) > (_WRONG if pixels > _MANY else _WRONG_OF_FEW))
 
 
 def _simplest(known: list[Agreement], estimated: list[Agreement]) -> Agreement:
@@ -103,20 +121,32 @@ def _first_that_fits(found: list[Agreement]) -> Agreement | None:
     return best if best.residual < _FITS else None
 
 
-def _scored(response: Response, pairs: list[Comparison], log_times: NDArray[np.float64]) -> Agreement:
+def _score(
+    response: Response, pairs: list[Comparison], log_times: NDArray[np.float64]
+) -> Agreement:
     return Agreement(response, log_times, None, _residual(response, pairs, log_times))
 
 
-def _residual(
-    response: Response, pairs: list[Comparison], log_times: NDArray[np.float64]
-) -> float:
+def _residual(response: Response, pairs: list[Comparison], log_times: NDArray[np.float64]) -> float:
     """Mean over the pairs of a quantile of the residuals; pairs of few pixels count less."""
     scores, weights = [], []
     for pair in pairs:
-        residual, weight = residuals(response, pair, log_times)
+        residual, weight = _without_drift(pair, *residuals(response, pair, log_times))
         scores.append(weighted_quantile(np.abs(residual), weight, _MOST_PIXELS))
         weights.append(pair.count.sum() / (pair.count.sum() + _MANY))
     return float(np.average(scores, weights=weights))
+
+
+def _without_drift(
+    pair: Comparison, residual: NDArray[np.float64], weight: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Residuals with the same median in all channels, and their weights."""
+    parts = [part for channel in range(3) if (part := pair.channel == channel).any()]
+    medians = [weighted_quantile(residual[part], weight[part], 0.5) for part in parts]
+    equal = residual.copy()
+    for part, own in zip(parts, medians, strict=True):
+        equal[part] += np.median(medians) - own
+    return equal, weight
 
 
 def offset(response: Response, pair: Comparison, log_times: NDArray[np.float64]) -> float:
@@ -142,8 +172,8 @@ def _with_one_wrong(
     for place in range(len(log_times)):
         if not _is_determined(place, pairs):
             continue
-        corrected = _corrected(response, pairs, log_times, place)
-        if abs(corrected[place] - log_times[place]) > _WRONG:
+        corrected = _correct(response, pairs, log_times, place)
+        if _is_believed(place, corrected[place] - log_times[place], pairs):
             residual = _residual(response, pairs, corrected)
             found.append(Agreement(response, corrected, place, residual))
     return sorted(found, key=lambda each: each.residual)
@@ -157,7 +187,7 @@ def _is_determined(place: int, pairs: list[Comparison]) -> bool:
     return len(partners) > 1 or bool(partners & others)
 
 
-def _corrected(
+def _correct(
     response: Response, pairs: list[Comparison], log_times: NDArray[np.float64], place: int
 ) -> NDArray[np.float64]:
     """Times with the one of a picture replaced by what its pairs measure."""
@@ -171,20 +201,20 @@ def _corrected(
     return corrected
 
 
-def _estimated(
+def _estimate(
     base: Response, pairs: list[Comparison], log_times: NDArray[np.float64], white: float
 ) -> list[Agreement]:
     """Estimated responses: with all times, and from the pairs without one picture."""
-    found = [_scored(fitted(base, pairs, log_times, white), pairs, log_times)]
+    found = [_score(fit_response(base, pairs, log_times, white), pairs, log_times)]
     for place in range(len(log_times)):
         others = [pair for pair in pairs if place not in (pair.short, pair.long)]
         if not others or not _is_determined(place, pairs):
             continue
-        response = fitted(base, others, log_times, white)
-        corrected = _corrected(response, pairs, log_times, place)
-        response = fitted(base, pairs, corrected, white)
-        corrected = _corrected(response, pairs, log_times, place)
-        if abs(corrected[place] - log_times[place]) > _WRONG:
+        response = fit_response(base, others, log_times, white)
+        corrected = _correct(response, pairs, log_times, place)
+        response = fit_response(base, pairs, corrected, white)
+        corrected = _correct(response, pairs, log_times, place)
+        if _is_believed(place, corrected[place] - log_times[place], pairs):
             residual = _residual(response, pairs, corrected)
             found.append(Agreement(response, corrected, place, residual))
     return found
@@ -211,9 +241,7 @@ def refuse_contradiction(
     )
 
 
-def notes_of_pairs(
-    found: Agreement, pairs: list[Comparison], numbers: list[int]
-) -> list[str]:
+def notes_of_pairs(found: Agreement, pairs: list[Comparison], numbers: list[int]) -> list[str]:
     """Remarks on neighbours whose times cannot be checked, or are doubtful."""
     known = {(pair.short, pair.long): pair for pair in pairs}
     notes = []

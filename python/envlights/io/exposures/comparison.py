@@ -60,24 +60,24 @@ def comparisons(
     for long in range(1, len(samples)):
         for short in range(long):
             both = away[short] & away[long]
-            pair = _compared([samples[place][both] for place in (short, long)], whites, short, long)
+            pair = _compare([samples[place][both] for place in (short, long)], whites, short, long)
             found += [] if pair is None else [pair]
     return found
 
 
-def _compared(
+def _compare(
     samples: list[NDArray[np.float32]], whites: list[float], short: int, long: int
 ) -> Comparison | None:
     found = []
     for channel in range(3):
-        low, high, count = _matched(*(_histogram(each[:, channel]) for each in samples))
+        low, high, count = _match(*(_histogram(each[:, channel]) for each in samples))
         is_good = (low >= _DARKEST) & (low <= whites[short] - _TO_WHITE)
         is_good &= (high >= _DARKEST) & (high <= whites[long] - _TO_WHITE)
-        found.append([np.full(is_good.sum(), channel), *(x[is_good] for x in (low, high, count))])
-    channel, low, high, count = (np.concatenate(parts) for parts in zip(*found, strict=True))
+        found.append([np.full(is_good.sum(), channel), low[is_good], high[is_good], count[is_good]])
+    channels, low, high, count = (np.concatenate(parts) for parts in zip(*found, strict=True))
     if count.sum() < 3 * _FEWEST:
         return None
-    return Comparison(short, long, channel, low, high, count)
+    return Comparison(short, long, channels, low, high, count)
 
 
 def _histogram(codes: NDArray[np.float32]) -> NDArray[np.int64]:
@@ -85,11 +85,14 @@ def _histogram(codes: NDArray[np.float32]) -> NDArray[np.int64]:
     return np.bincount(whole.astype(np.uint8), minlength=LEVELS)
 
 
-def _matched(
+def _match(
     short: NDArray[np.int64], long: NDArray[np.int64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Codes of two histograms with the same number of pixels below them, and their counts."""
     low, high = np.flatnonzero(short), np.flatnonzero(long)
+    if not high.size:
+        low = high
+        return low / 1.0, low / 1.0, low / 1.0
     rank = np.cumsum(short) - short / 2
     ranks = np.cumsum(long) - long / 2
     matched = np.interp(rank[low], ranks[high], high)

@@ -23,9 +23,11 @@ _LEAST_DARK = 1e-3
 _LEAST_BRIGHT = 1e-2
 #: Exposure that shorter pictures predict, above which a sample near a clipped region is ignored.
 _MOST_NEAR = 0.5
+#: The same at the rim, where the edge of the region itself may be blurred.
+_MOST_AT_RIM = 0.1
 #: Ratio of the variances of samples near a clipped region, and elsewhere: ringing of 5 codes.
 _RINGING = 25.0
-#: Pixels around a clipped region that never count.
+#: Pixels that are the rim of a clipped region.
 _RIM = 2
 #: Pixels around a clipped region in which JPEG rings, and columns for each of them.
 _DISTANCE, _COLUMNS_EACH = 8, 512
@@ -56,14 +58,14 @@ class Exposure:
     clipped: NDArray[np.bool_]
     """Mask of clipped samples, (height, width, 3)."""
 
-    is_coded: bool
+    rings: bool
     """True if JPEG may have been at work."""
 
     def __post_init__(self) -> None:
-        any_channel = self.clipped.any(axis=2)
-        reach = distance(any_channel.shape[1]) if self.is_coded else _RIM
-        self.rim = grown(any_channel, _RIM if self.is_coded else 0)
-        self.near = grown(any_channel, reach)
+        any_channel: NDArray[np.bool_] = np.asarray(self.clipped.any(axis=2))
+        reach = distance(any_channel.shape[1]) if self.rings else _RIM
+        self.rim = dilate(any_channel, _RIM if self.rings else 0)
+        self.near = dilate(any_channel, reach)
 
 
 def distance(width: int) -> int:
@@ -71,7 +73,7 @@ def distance(width: int) -> int:
     return max(_DISTANCE, width // _COLUMNS_EACH)
 
 
-def grown(mask: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
+def dilate(mask: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
     """Pixels within a square of a mask; columns go around."""
     if reach == 0 or not mask.any():
         return mask
@@ -141,7 +143,8 @@ def _weights(
             # Predict the exposure from the shorter ones.
             known = np.where(total > 0, light / np.maximum(total, 1e-300), radiance[0])
             expected = (known * exposure.time).max(axis=2) / exposure.clip
-            is_out = exposure.rim[rows] | (near & (expected > _MOST_NEAR))
+            limit = np.where(exposure.rim[rows], _MOST_AT_RIM, _MOST_NEAR)
+            is_out = near & (expected > limit)
             weight[is_out] = 0
             weight[near] /= _RINGING
         weights[place] = weight
@@ -153,7 +156,7 @@ def _weights(
 def _ramp(linear: NDArray[np.float64], exposure: Exposure) -> NDArray[np.float64]:
     """Factor of weights that falls towards white and towards black."""
     towards_white = np.clip((_NONE - linear / exposure.clip) / (_NONE - _FULL), 0, 1)
-    if not exposure.is_coded:
+    if not exposure.rings:
         return np.maximum(towards_white, _LEAST_BRIGHT)
     dark = _DARK / 255 / 12.92
     return towards_white * np.clip(linear / dark, _LEAST_DARK, 1)

@@ -36,6 +36,9 @@ class Picture:
     is_linear: bool
     """True for linear samples, False for codes of a camera."""
 
+    rings: bool
+    """True if JPEG may have been at work: 8 bits."""
+
     border_sampled: bool
     """True if the outer pixels lie on the seam and the poles."""
 
@@ -43,7 +46,7 @@ class Picture:
     """Remarks of the reader."""
 
 
-def listed(pictures: object) -> list[Any]:
+def series_of(pictures: object) -> list[Any]:
     """Pictures of a series as a list, or a refusal of what is no series."""
     if isinstance(pictures, str | os.PathLike):
         raise EnvLightsError(
@@ -69,7 +72,8 @@ def read(picture: ArrayLike | str | os.PathLike[str], number: int, time: float) 
     if isinstance(picture, str | os.PathLike):
         return _of_file(picture, number, time)
     samples, is_linear = _of_array(picture, number)
-    return Picture(number, time, samples, is_linear, False, ())
+    rings = np.asarray(picture).dtype == np.uint8
+    return Picture(number, time, samples, is_linear, rings, False, ())
 
 
 def check_sizes(pictures: list[Picture]) -> None:
@@ -86,11 +90,13 @@ def check_sizes(pictures: list[Picture]) -> None:
 
 def _of_file(path: str | os.PathLike[str], number: int, time: float) -> Picture:
     if raw.is_raw(path):
-        return Picture(number, time, raw.read(path), True, False, (raw.NOTE,))
+        return Picture(number, time, raw.read(path), True, False, False, (raw.NOTE,))
     image = read_image(path)
     is_linear = image.white is None
     samples = image.pixels if is_linear else _codes(image.pixels)
-    return Picture(number, time, samples, is_linear, image.border_sampled, image.notes)
+    return Picture(
+        number, time, samples, is_linear, not is_linear, image.border_sampled, image.notes
+    )
 
 
 def _of_array(picture: ArrayLike, number: int) -> tuple[NDArray[np.float32], bool]:

@@ -9,9 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from envlights._check import describe
 from envlights._native import EnvLightsError
@@ -43,26 +45,32 @@ class Response:
     log_exposure: NDArray[np.float64]
     """Natural logarithms of the exposures of `CODES`, (256,)."""
 
+    curve: Callable[[NDArray[Any]], NDArray[Any]] | None = None
+    """Exposures of any codes, up to a factor; None if only `log_exposure` is known."""
+
     def exposure(self, codes: NDArray[np.floating]) -> NDArray[np.float32]:
         """Exposures of codes from 0 to 1."""
+        if self.curve is not None:
+            level = np.exp(self.log_exposure[-1]) / float(self.curve(np.ones(1))[0])
+            return np.asarray(self.curve(codes) * level, dtype=np.float32)
         table = np.exp(self.log_exposure)
         table[table <= 1.01 * _LEAST] = 0
-        return np.interp(codes, CODES, table).astype(np.float32)
+        return np.asarray(np.interp(codes, CODES, table), dtype=np.float32)
 
     def logarithm(self, codes: NDArray[np.floating]) -> NDArray[np.float64]:
         """Natural logarithms of exposures."""
-        return np.interp(codes, CODES, self.log_exposure)
+        return np.asarray(np.interp(codes, CODES, self.log_exposure))
 
     def slope(self, codes: NDArray[np.floating]) -> NDArray[np.float64]:
         """Derivatives of the logarithms by the code."""
-        return np.interp(codes, CODES, np.gradient(self.log_exposure, CODES))
+        return np.asarray(np.interp(codes, CODES, np.gradient(self.log_exposure, CODES)))
 
     def scaled(self, white: float) -> Response:
         """Response whose exposure is 1 at the code `white`."""
         return replace(self, log_exposure=self.log_exposure - self.logarithm(np.array([white]))[0])
 
 
-def named(white: float) -> list[Response]:
+def known_responses(white: float) -> list[Response]:
     """Known responses, the likeliest first; `white` is the largest code."""
     curves: dict[str, Callable[[NDArray[np.float64]], NDArray[np.floating]]] = {
         "sRGB": decode_srgb,
@@ -75,20 +83,22 @@ def named(white: float) -> list[Response]:
     }
     if white > 254.5 / 255:
         curves.pop("sRGB up to code 255")
-    return [_response(name, curve(CODES)).scaled(white) for name, curve in curves.items()]
+    return [_response(name, curve).scaled(white) for name, curve in curves.items()]
 
 
 def by_hand(response: object, white: float) -> Response:
     """Response of a caller: "srgb", "linear", or the exposures of 256 codes."""
     if isinstance(response, str):
         if response == "srgb":
-            return _response("sRGB", decode_srgb(CODES)).scaled(white)
+            return _response("sRGB", decode_srgb).scaled(white)
         if response == "linear":
-            return _response("linear", CODES).scaled(white)
+            return _response("linear", lambda codes: codes).scaled(white)
         raise EnvLightsError(
             f"response must be 'srgb', 'linear' or {LEVELS} exposures; got {describe(response)}"
         )
-    return _response("of the caller", _checked_curve(response)).scaled(white)
+    return _response(
+        "of the caller", partial(np.interp, xp=CODES, fp=_checked_curve(response))
+    ).scaled(white)
 
 
 def _checked_curve(response: object) -> NDArray[np.float64]:
@@ -101,10 +111,10 @@ def _checked_curve(response: object) -> NDArray[np.float64]:
         raise EnvLightsError(f"{wanted}; got an array of shape {curve.shape}")
     if not np.isfinite(curve).all() or curve[0] < 0 or (np.diff(curve) < 0).any() or curve[-1] <= 0:
         raise EnvLightsError(f"{wanted}; got a curve that falls, or is negative or not finite")
-    return curve / curve[-1]
+    return np.asarray(curve / curve[-1])
 
 
-def fitted(
+def fit_response(
     base: Response, pairs: list[Comparison], log_times: NDArray[np.float64], white: float
 ) -> Response:
     """Response that differs smoothly from `base` and fits the pairs best."""
@@ -151,8 +161,9 @@ def _hats(codes: NDArray[np.floating]) -> NDArray[np.float64]:
     return np.stack(columns, axis=1)
 
 
-def _response(name: str, exposure: NDArray[np.floating]) -> Response:
-    return Response(name, np.log(np.maximum(exposure.astype(np.float64), _LEAST)))
+def _response(name: str, curve: Callable[[NDArray[Any]], NDArray[Any]]) -> Response:
+    exposure = np.maximum(curve(CODES).astype(np.float64), _LEAST)
+    return Response(name, np.log(exposure), curve)
 
 
 def _decode_rec709(codes: NDArray[np.float64]) -> NDArray[np.float64]:

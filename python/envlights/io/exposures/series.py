@@ -12,9 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._native import EnvLightsError
 from envlights.io.exposures import alignment, checks
 from envlights.io.exposures.comparison import Comparison, comparisons
-from envlights.io.exposures.merge import Exposure, distance, grown, merge
-from envlights.io.exposures.pictures import Picture, check_sizes, listed, read
-from envlights.io.exposures.response import Response, by_hand, named
+from envlights.io.exposures.merge import Exposure, dilate, distance, merge
+from envlights.io.exposures.pictures import Picture, check_sizes, read, series_of
+from envlights.io.exposures.response import Response, by_hand, known_responses
 from envlights.io.exposures.times import exposure_times
 from envlights.io.exposures.white import whites
 from envlights.kernels.sphere import pixel_solid_angles
@@ -28,7 +28,7 @@ _LEAST_SHARE = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class Merged:
+class MergeResult:
     """Radiance of a series of exposures."""
 
     radiance: NDArray[np.float32]
@@ -48,7 +48,7 @@ def merge_exposures(
     pictures: Iterable[ArrayLike | str | os.PathLike[str]],
     times: Iterable[float] | None,
     response: str | ArrayLike | None,
-) -> Merged:
+) -> MergeResult:
     """Merge pictures of one place, in any order, into one linear image."""
     series = _read_all(pictures, times)
     notes = list(dict.fromkeys(note for picture in series for note in picture.notes))
@@ -56,7 +56,7 @@ def merge_exposures(
     _note_whites(series, levels, notes)
     curve, seconds = _response_and_times(series, levels, response, notes)
     exposures = [
-        _exposed(picture, level, curve, time)
+        _exposure_of(picture, level, curve, time)
         for picture, level, time in zip(series, levels, seconds, strict=True)
     ]
     border_sampled = any(picture.border_sampled for picture in series)
@@ -67,12 +67,12 @@ def merge_exposures(
     white = exposures[0].white / exposures[0].time if is_lost else None
     shown = f"{seconds[0]:.3g} to {seconds[-1]:.3g}"
     about = f"{len(series)} exposures were merged, with times from {shown}"
-    return Merged(radiance, white, border_sampled, (about, *notes))
+    return MergeResult(radiance, white, border_sampled, (about, *notes))
 
 
 def _read_all(pictures: object, times: object) -> list[Picture]:
     """Pictures of a series, shortest first."""
-    sources = listed(pictures)
+    sources = series_of(pictures)
     seconds = exposure_times(sources, times)
     order = np.argsort(seconds, kind="stable")
     series = [read(sources[place], int(place) + 1, seconds[place]) for place in order]
@@ -101,14 +101,14 @@ def _response_and_times(
     series: list[Picture], levels: list[float], response: object, notes: list[str]
 ) -> tuple[Response, list[float]]:
     """Response of the camera, and times after a check against the pictures."""
-    white = min(max(levels), float(max(picture.samples.max() for picture in series)) or 1.0)
+    white = min(max(levels), 1.0)
     log_times = np.log([picture.time for picture in series])
     numbers = [picture.number for picture in series]
     is_linear = series[0].is_linear
     if response is not None:
         candidates = [by_hand(response, 1.0 if is_linear else white)]
     else:
-        candidates = [by_hand("linear", 1.0)] if is_linear else named(white)
+        candidates = [by_hand("linear", 1.0)] if is_linear else known_responses(white)
     pairs = _pairs(series, levels)
     found = checks.agreement(
         candidates, pairs, log_times, white, may_estimate=response is None and not is_linear
@@ -131,8 +131,8 @@ def _response_and_times(
 def _pairs(series: list[Picture], levels: list[float]) -> list[Comparison]:
     near = []
     for picture, level in zip(series, levels, strict=True):
-        clipped = _is_clipped(picture, level).any(axis=2)
-        near.append(grown(clipped, distance(clipped.shape[1])))
+        clipped: NDArray[np.bool_] = np.asarray(_is_clipped(picture, level).any(axis=2))
+        near.append(dilate(clipped, distance(clipped.shape[1])))
     samples = [picture.samples for picture in series]
     return comparisons(samples, near, [min(level, 1.0) for level in levels])
 
@@ -142,14 +142,14 @@ def _is_clipped(picture: Picture, level: float) -> NDArray[np.bool_]:
     return picture.samples >= np.float32(least)
 
 
-def _exposed(picture: Picture, level: float, curve: Response, time: float) -> Exposure:
+def _exposure_of(picture: Picture, level: float, curve: Response, time: float) -> Exposure:
     """Linear exposure of a picture."""
     clipped = _is_clipped(picture, level)
     if picture.is_linear and curve.name == "linear":
         return Exposure(time, picture.samples, level, _CLIPPED_LINEAR * level, clipped, False)
     linear = curve.exposure(picture.samples)
     white, clip = (float(curve.exposure(np.array([x]))[0]) for x in (level, level - _CLIPPED))
-    return Exposure(time, linear, white, clip, clipped, True)
+    return Exposure(time, linear, white, clip, clipped, picture.rings)
 
 
 def _without_motion(
@@ -159,7 +159,10 @@ def _without_motion(
     width = exposures[0].linear.shape[1]
     motions = [
         alignment.motion(
-            short.linear, long.linear, float(np.log(long.time / short.time)), min(short.clip, long.clip)
+            short.linear,
+            long.linear,
+            float(np.log(long.time / short.time)),
+            min(short.clip, long.clip),
         )
         for short, long in zip(exposures[:-1], exposures[1:], strict=True)
     ]
@@ -170,12 +173,13 @@ def _without_motion(
             result.append(exposure)
             continue
         notes.append(
-            f"exposure {picture.number} was moved by {move.pixels(width):.1f} pixels onto the others"
+            f"exposure {picture.number} was moved by {move.pixels(width):.1f} pixels onto the"
+            " others"
         )
-        mask = alignment.aligned(exposure.clipped.astype(np.float32), move) > 0.01
-        linear = alignment.aligned(exposure.linear, move)
+        mask = alignment.align(exposure.clipped.astype(np.float32), move) > 0.01
+        linear = alignment.align(exposure.linear, move)
         result.append(
-            Exposure(exposure.time, linear, exposure.white, exposure.clip, mask, exposure.is_coded)
+            Exposure(exposure.time, linear, exposure.white, exposure.clip, mask, exposure.rings)
         )
     return result
 

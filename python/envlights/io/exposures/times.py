@@ -34,10 +34,10 @@ def exposure_times(pictures: list[Any], times: object) -> list[float]:
         raise EnvLightsError(
             f"there must be a time for each exposure ({len(pictures)}); got {len(by_hand)}"
         )
-    return [_checked(number, time) for number, time in enumerate(by_hand, 1)]
+    return [_check_time(number, time) for number, time in enumerate(by_hand, 1)]
 
 
-def _checked(number: int, time: object) -> float:
+def _check_time(number: int, time: object) -> float:
     seconds = amount(f"the time of exposure {number}", time)
     if seconds == 0:
         raise EnvLightsError(f"the time of exposure {number} must be above 0; got 0")
@@ -69,9 +69,7 @@ def _exif(path: str | os.PathLike[str]) -> dict[str, float]:
     """Exposure time, sensitivity and aperture of a file; what it does not hold is missing."""
     shot = raw.exposure(path) if raw.is_raw(path) else _tags(path)
     if "time" not in shot:
-        raise EnvLightsError(
-            f"{os.fsdecode(path)} holds no exposure time in its EXIF; give times"
-        )
+        raise EnvLightsError(f"{os.fsdecode(path)} holds no exposure time in its EXIF; give times")
     return shot
 
 

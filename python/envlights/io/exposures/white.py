@@ -33,7 +33,7 @@ def whites(pictures: list[Picture]) -> list[float]:
         return [_linear_white(picture.samples) for picture in pictures]
     counts = [histogram(picture.samples) for picture in pictures]
     own = _confirmed_spikes(pictures, [spike(each) for each in counts])
-    common = spike(sum(counts[1:]))
+    common = spike(np.sum(counts[1:], axis=0))
     if common is None or not any(code is not None for code in own):
         common = max((code for code in own if code is not None), default=255)
     return [_level(code, each, common) / 255 for code, each in zip(own, counts, strict=True)]
