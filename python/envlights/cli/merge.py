@@ -47,7 +47,7 @@ def _paths(pattern: str) -> list[str]:
     """Files of a pattern, sorted by name."""
     if Path(pattern).exists() or not has_magic(pattern):
         return [pattern]
-    found = sorted(glob(pattern))
+    found = sorted(glob(pattern))  # noqa: PTH207, patterns may be absolute
     if not found:
         raise EnvLightsError(f"no file matches {pattern}; give files, or another pattern")
     return found

@@ -1,8 +1,8 @@
 """Small rotations and shifts between exposures, and their removal.
 
-The camera turns a little between two shots, so a picture is a rotated copy of another one: Gauss and
-Newton's method finds the rotation vector that makes the logarithms of the radiances equal (Lucas and
-Kanade 1981 on the sphere). Programs also shift rows, which is no rotation: a fourth unknown.
+The camera turns a little between two shots, so a picture is a rotated copy of another one: the
+method of Gauss and Newton finds the rotation vector that makes the logarithms of the radiances
+equal (Lucas and Kanade 1981 on the sphere). Programs also shift rows: a fourth unknown.
 """
 
 from __future__ import annotations

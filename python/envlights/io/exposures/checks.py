@@ -1,4 +1,4 @@
-"""Response and times that agree with the pictures: which response it is, and which time is wrong."""
+"""Response and times that agree with the pictures, and the time that is wrong."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from envlights._native import EnvLightsError
 from envlights.io.exposures.comparison import Comparison
 from envlights.io.exposures.response import Response, fit_response, residuals
 
-#: Mean residual, as a relative exposure, below which a response fits: JPEG of quality 80 leaves 2 %.
+#: Mean relative residual below which a response fits: JPEG of quality 80 leaves 2 %.
 _FITS = 0.025
 #: Mean residual above which nothing fits.
 _FITS_NOT = 0.08
@@ -56,7 +56,7 @@ def agreement(
     *,
     may_estimate: bool,
 ) -> Agreement:
-    """The simplest response and times that fit: named before estimated, all times before one wrong."""
+    """The simplest response and times that fit: known responses first, then one wrong time."""
     if not pairs:
         return Agreement(candidates[0], log_times, None, 0.0)
     stated = [_score(each, pairs, log_times) for each in candidates]

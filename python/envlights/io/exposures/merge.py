@@ -1,7 +1,7 @@
 """Weighted mean of linear exposures, and the pixels in which they contradict each other.
 
-What is uncertain about a sample is a step of a code, dE, so weights are (t / dE)^2 times a ramp that
-ends below white. JPEG rings around clipped regions, with samples below white inside them. Near
+What is uncertain about a sample is a step of a code, dE, so weights are (t / dE)^2 times a ramp
+that ends below white. JPEG rings around clipped regions, with samples below white inside them. Near
 such a region a longer exposure counts only where the shorter ones prove it dark.
 """
 
@@ -32,7 +32,7 @@ _RIM = 2
 #: Pixels around a clipped region in which JPEG rings, and columns for each of them.
 _DISTANCE, _COLUMNS_EACH = 8, 512
 #: Only samples in this range are used to compare exposures.
-_LEAST_COMPARED, _MOST_COMPARED = 0.02, 0.8
+_LEAST_COMPARED, _MOST_COMPARED = 0.02, 0.94
 #: Ratio above which exposures contradict each other, and codes that JPEG moves a sample by.
 _CONTRADICTION, _NOISE = 1.3, 4.0
 #: Rows of a block; the arrays for a block take more memory than its pixels.

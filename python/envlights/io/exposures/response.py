@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -96,9 +95,7 @@ def by_hand(response: object, white: float) -> Response:
         raise EnvLightsError(
             f"response must be 'srgb', 'linear' or {LEVELS} exposures; got {describe(response)}"
         )
-    return _response(
-        "of the caller", partial(np.interp, xp=CODES, fp=_checked_curve(response))
-    ).scaled(white)
+    return _response("of the caller", _interpolated(_checked_curve(response))).scaled(white)
 
 
 def _checked_curve(response: object) -> NDArray[np.float64]:
@@ -164,6 +161,10 @@ def _hats(codes: NDArray[np.floating]) -> NDArray[np.float64]:
 def _response(name: str, curve: Callable[[NDArray[Any]], NDArray[Any]]) -> Response:
     exposure = np.maximum(curve(CODES).astype(np.float64), _LEAST)
     return Response(name, np.log(exposure), curve)
+
+
+def _interpolated(exposures: NDArray[np.float64]) -> Callable[[NDArray[Any]], NDArray[Any]]:
+    return lambda codes: np.asarray(np.interp(codes, CODES, exposures))
 
 
 def _decode_rec709(codes: NDArray[np.float64]) -> NDArray[np.float64]:
