@@ -100,7 +100,7 @@ def filmic(x):
     return encode_srgb(hable(np.clip(x, 0, 1) * 6) / hable(6.0))
 
 
-def turned(radiance, pixels):
+def rotate(radiance, pixels):
     turn = np.random.default_rng(7).normal(size=3)
     turn *= pixels * 2 * np.pi / radiance.shape[1] / np.linalg.norm(turn)
     return el.EnvMap(radiance).rotated(alignment.rotation(turn)).radiance
@@ -150,7 +150,7 @@ def camera_series(
         if shifts:
             moved = np.roll(radiance, shifts[place], (1, 0))
         if turns and turns[place]:
-            moved = turned(radiance, turns[place])
+            moved = rotate(radiance, turns[place])
         codes = np.minimum(np.round(255 * curve(moved * time)), white).astype(np.uint8)
         spec = oiio.ImageSpec(*codes.shape[1::-1], 3, "uint8")
         spec.attribute("Compression", f"jpeg:{quality}")

@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 LEVELS = 256
 #: Darkest code of a comparison: noise of a code is 10 % there.
 _DARKEST = 20 / 255
-#: Distance to white of the brightest code: JPEG of quality 80 moves white this far.
+#: Distance to white of the brightest code, because JPEG moves white by several codes.
 _TO_WHITE = 16 / 255
 #: Fewest pixels that two exposures must have in common.
 _FEWEST = 16
-#: Largest number of pixels that are compared; more change no median by 0.1 %.
+#: Largest number of pixels that are compared; more only take time.
 _MOST = 2**20
 
 

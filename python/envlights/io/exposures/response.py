@@ -25,10 +25,10 @@ CODES = np.arange(LEVELS) / (LEVELS - 1)
 _LEAST = 1e-5
 #: Knots of the correction, as codes; close together where cameras differ from sRGB.
 _KNOTS = np.array([0.0, 0.04, 0.08, 0.14, 0.22, 0.32, 0.44, 0.56, 0.67, 0.77, 0.85, 0.92, 1.0])
-#: Penalty of the second differences of the correction at the knots, for residuals of 1 %. Less lets
-#: curves of three exposures swing by 5 %, more leaves 5 % of a filmic curve.
+#: Penalty of the second differences of the correction at the knots, for residuals of 1 %. Chosen by
+#: hand, not tuned.
 _SMOOTHNESS = 0.03
-#: Uncertainty of a code, of a logarithm of exposures, and the number of pixels that halves a weight.
+#: Uncertainty of a code and of a logarithm of exposures; number of pixels that halves a weight.
 _CODE_NOISE, _LOG_NOISE, _MANY = 0.7 / 255, 0.01, 30.0
 #: Passes of reweighting against outliers, and the scale of an outlier.
 _PASSES, _OUTLIER = 8, 0.05
@@ -95,7 +95,7 @@ def by_hand(response: object, white: float) -> Response:
         raise EnvLightsError(
             f"response must be 'srgb', 'linear' or {LEVELS} exposures; got {describe(response)}"
         )
-    return _response("of the caller", _interpolated(_checked_curve(response))).scaled(white)
+    return _response("of the caller", _interpolate(_checked_curve(response))).scaled(white)
 
 
 def _checked_curve(response: object) -> NDArray[np.float64]:
@@ -163,7 +163,7 @@ def _response(name: str, curve: Callable[[NDArray[Any]], NDArray[Any]]) -> Respo
     return Response(name, np.log(exposure), curve)
 
 
-def _interpolated(exposures: NDArray[np.float64]) -> Callable[[NDArray[Any]], NDArray[Any]]:
+def _interpolate(exposures: NDArray[np.float64]) -> Callable[[NDArray[Any]], NDArray[Any]]:
     return lambda codes: np.asarray(np.interp(codes, CODES, exposures))
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -164,7 +165,7 @@ def _without_motion(
             float(np.log(long.time / short.time)),
             min(short.clip, long.clip),
         )
-        for short, long in zip(exposures[:-1], exposures[1:], strict=True)
+        for short, long in pairwise(exposures)
     ]
     moves = alignment.positions(motions)
     result = []

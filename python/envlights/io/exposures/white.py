@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from envlights._srgb import decode_srgb, encode_srgb
 from envlights.io.exposures.pictures import Picture
 
-#: Codes on each side of a spike that belong to it: without them, JPEG of quality 80 hides spikes.
+#: Codes on each side of a spike that belong to it, because JPEG spreads it.
 _REACH = 2
 #: Least code of white in a picture whose spike no other exposure confirms.
 _LEAST_ALONE, _LEAST_CODE = 250, 233
