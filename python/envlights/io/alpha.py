@@ -24,7 +24,7 @@ def straight_codes(colours: NDArray[Any], alpha: NDArray[Any], header: Header) -
     if (alpha == most).all():
         return colours
     divisor = np.maximum(alpha, 1).astype(np.float32)[..., None]
-    codes = np.minimum(np.rint(colours * (most / divisor)), most)
+    codes: NDArray[Any] = np.minimum(np.rint(colours * (most / divisor)), most)
     codes[alpha == 0] = 0
     return codes.astype(header.dtype)
 
