@@ -1,4 +1,4 @@
-//! What all readers share: rows, limits and refusals.
+//! Common parts of all readers: rows, limits and refusals.
 
 use std::ops::Range;
 

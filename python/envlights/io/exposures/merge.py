@@ -25,7 +25,7 @@ _LEAST_BRIGHT = 1e-2
 _MOST_NEAR = 0.5
 #: The same at the rim, where the edge of the region itself may be blurred.
 _MOST_AT_RIM = 0.1
-#: Ratio of the variances of samples near a clipped region, and elsewhere: ringing of 5 codes is assumed.
+#: Ratio of the variances of samples near a clipped region, and elsewhere, for ringing of 5 codes.
 _RINGING = 25.0
 #: Pixels that are the rim of a clipped region.
 _RIM = 2
