@@ -13,6 +13,7 @@ mod loghin;
 mod madsen;
 mod pool;
 mod probe;
+mod reduction;
 mod repair;
 mod sampling;
 mod sphere;
@@ -41,7 +42,7 @@ mod _native {
     #[pymodule_export]
     use super::error::{EnvLightsError, UnusableSamplesError};
     #[pymodule_export]
-    use super::fit::{FitAnswer, fit_map, fit_samples, map_energy, relative_rms, rig_irradiance};
+    use super::fit::{FitAnswer, fit_reduced, fit_samples, map_energy, relative_rms, rig_irradiance};
     #[pymodule_export]
     use super::harmonics::{harmonic_irradiance, harmonic_radiance};
     #[pymodule_export]
@@ -59,6 +60,8 @@ mod _native {
     use super::pool::threads;
     #[pymodule_export]
     use super::probe::{disc_map, irradiance, sum_over_sources, working_irradiance};
+    #[pymodule_export]
+    use super::reduction::{PyRowReducer, ReducedMap, reduce_map};
     #[pymodule_export]
     use super::repair::{clipped_depth, clipped_light_shares, clipped_share};
     #[pymodule_export]
