@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from envlights._check import check_choice, flag
 from envlights._native import EnvLightsError
 from envlights.io.files import as_path, write_atomically
-from envlights.io.images import REC709, failure, read_image
-from envlights.io.openimageio import oiio
+from envlights.io.images import REC709, read_image
+from envlights.io.openimageio import failure, oiio
 
 #: Lossless compressions of OpenEXR.
 COMPRESSIONS = ("zip", "piz", "rle", "none")

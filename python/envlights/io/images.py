@@ -1,10 +1,10 @@
-"""Reader of images by OpenImageIO: linear radiance, and notes on assumptions."""
+"""The door for image files: each step of reading, in its order."""
 
 from __future__ import annotations
 
-import os
+import contextlib
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,23 +12,21 @@ from numpy.typing import NDArray
 
 from envlights._check import count
 from envlights._native import EnvLightsError
-from envlights._srgb import decode_codes
 from envlights.io import png
-from envlights.io.openimageio import oiio
+from envlights.io.alpha import seen_of_alpha, straight_codes
+from envlights.io.channels import Choice, choose
+from envlights.io.colour import ColourConversion, conversion
+from envlights.io.errors import DamagedFileError
+from envlights.io.linear import Linear
+from envlights.io.openimageio import check_size, open_with_openimageio
+from envlights.io.placement import Placement, placement
+from envlights.io.raw_image import ImageFile, RawImage
+from envlights.io.signature import kind_of
+from envlights.io.source import WANTED, AnySource, Source, named_source
 
 #: Largest number of pixels, 32768 x 16384, unless a caller allows more, because a damaged header
 #: may claim any number.
 MOST_PIXELS = 2**29
-
-#: Rows of one read, or more if tiles are taller.
-_ROWS_AT_ONCE = 128
-
-#: End of every refusal of a file.
-_WANTED = "give a Radiance .hdr, OpenEXR, PNG, JPEG or TIFF image"
-
-#: Sample formats: sRGB codes, and linear radiance.
-_CODED = {"uint8", "uint16"}
-_LINEAR = {"half", "float", "double"}
 
 #: Primaries and white of Rec.709, as OpenEXR stores them: x and y of red, green, blue, white.
 REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
@@ -39,7 +37,7 @@ class Image:
     """Content of a file."""
 
     pixels: NDArray[np.float32]
-    """Linear RGB, (height, width, 3)."""
+    """Linear Rec.709, (height, width, 3), black where nothing is seen."""
 
     border_sampled: bool
     """True if the metadata puts the outer pixels on the seam and the poles."""
@@ -50,251 +48,173 @@ class Image:
     white: float | None = None
     """Clip level of the samples; None for floating point."""
 
+    seen: NDArray[np.float32] | None = None
+    """Share of each pixel that the file shows, (height, width); None if all is seen."""
 
-def read_image(path: str | os.PathLike[str], *, max_pixels: int = MOST_PIXELS) -> Image:
-    """Read the first image of a file at full size.
+
+@dataclass(frozen=True)
+class OpenImage:
+    """An open file, all decisions about it taken; its pixels are read by rows or as a whole."""
+
+    name: str
+    """Printable name of the file."""
+
+    raw: RawImage
+    """Header, and the samples of the chosen channels."""
+
+    choice: Choice
+    """Part and channels."""
+
+    colour: ColourConversion
+    """Steps to linear Rec.709."""
+
+    place: Placement
+    """Steps to the whole sphere."""
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Remarks of all steps."""
+        notes = (*self.choice.notes, *self.raw.header.notes, *self.colour.notes)
+        return (*notes, *self.place.notes)
+
+    def blocks(self) -> Iterator[tuple[int, NDArray[np.float32], NDArray[np.float32] | None]]:
+        """First row, linear Rec.709 and seen share of some rows at a time, as the file has them."""
+        linear, count = Linear(self.raw.header, self.colour), len(self.choice.colours)
+        height, step = self.raw.header.height, self.raw.rows_at_once
+        for top in range(0, height, step):
+            samples = self.raw.rows(top, min(top + step, height))
+            yield top, *self._block(linear, samples[..., :count], samples[..., count:])
+
+    def _block(
+        self, linear: Linear, colours: NDArray[Any], alpha: NDArray[Any]
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32] | None]:
+        header = self.raw.header
+        if not alpha.shape[2] or header.alpha == "none":
+            return linear(colours), None
+        block = linear(straight_codes(colours, alpha[..., 0], header))
+        return block, seen_of_alpha(block, alpha[..., 0], header)
+
+    def image(self) -> Image:
+        """All pixels of the sphere."""
+        header = self.raw.header
+        pixels = np.empty((header.height, header.width, 3), np.float32)
+        seen = None
+        for top, block, share in self.blocks():
+            pixels[top : top + len(block)] = block
+            if share is not None:
+                seen = np.ones(pixels.shape[:2], np.float32) if seen is None else seen
+                seen[top : top + len(block)] = share
+        if seen is not None and not seen.any():
+            pixels, seen = self._without_alpha(pixels)
+        if seen is None and self.place.crop:
+            seen = np.ones(pixels.shape[:2], np.float32)
+        white = float(pixels.max(initial=0)) if header.has_gain_map else self.colour.white
+        return Image(
+            self.place.apply(pixels),
+            header.border_sampled,
+            self.notes,
+            white or None,
+            None if seen is None else self.place.apply(seen, border=1),
+        )
+
+    def _without_alpha(
+        self, pixels: NDArray[np.float32]
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32] | None]:
+        """Pixels of a file whose alpha is 0 everywhere; straight alpha would hide all of them."""
+        if self.raw.header.alpha == "straight":
+            raise EnvLightsError(
+                f"cannot read {self.name}: alpha is 0 in all pixels, so that nothing is seen;"
+                f" leave it out with channels={','.join(self.choice.colours)!r}"
+            )
+        return pixels, None
+
+
+@contextlib.contextmanager
+def open_image(
+    source: AnySource,
+    *,
+    colour: str | None = None,
+    part: str | int | None = None,
+    channels: str | Sequence[str] | None = None,
+    max_pixels: int = MOST_PIXELS,
+    any_format: bool = False,
+) -> Iterator[OpenImage]:
+    """Open file as `read_image` reads it, for callers who take its rows one by one."""
+    count("max_pixels", max_pixels, least=1)
+    named = named_source(source)
+    kind = kind_of(named, any_format=any_format)
+    with _reader(named, kind, max_pixels) as file:
+        choice = choose(named.name, file.parts, part, channels)
+        names = (*choice.colours, choice.alpha) if choice.alpha else choice.colours
+        raw = file.image(choice.part, names)
+        place = placement(named.name, raw.header)
+        check_size(named.name, *place.size, max_pixels)
+        yield OpenImage(named.name, raw, choice, conversion(raw.header, colour), place)
+
+
+@contextlib.contextmanager
+def _reader(named: Source, kind: str, max_pixels: int) -> Iterator[ImageFile]:
+    """Open file by the reader of its kind."""
+    if kind == "png":
+        with named.path_with(".png") as path:
+            if obstacle := png.damage(path):
+                raise DamagedFileError(f"cannot read {named.name}: {obstacle}; {WANTED}")
+    with open_with_openimageio(named, kind, max_pixels) as file:
+        if kind == "png":
+            with named.path_with(".png") as path:
+                if obstacle := png.damage_of_pixels(path):
+                    raise DamagedFileError(f"cannot read {named.name}: {obstacle}; {WANTED}")
+        yield file
+
+
+def read_image(
+    source: AnySource,
+    *,
+    colour: str | None = None,
+    part: str | int | None = None,
+    channels: str | Sequence[str] | None = None,
+    max_pixels: int = MOST_PIXELS,
+    any_format: bool = False,
+) -> Image:
+    """Read an image at full size, as linear Rec.709.
 
     Parameters
     ----------
-    path : path-like
-        Radiance .hdr, OpenEXR, PNG, JPEG, TIFF, or any other format of OpenImageIO.
+    source : path-like, bytes or file object
+        Radiance .hdr, OpenEXR, PNG, JPEG or TIFF, told by the first bytes. "-" is the standard
+        input; addresses like ``s3://`` are read by fsspec, if it is installed.
+    colour : str, optional
+        Colour space of the samples, instead of what the file says.
+    part : str or int, optional
+        Name of a part or layer, or number of a part from 0. When left out, the finished picture
+        ("beauty") is found by its name.
+    channels : str or sequence of str, optional
+        Names of red, green and blue, or of one grey channel, then perhaps alpha.
     max_pixels : int
         Files with more pixels are refused before memory is allocated.
+    any_format : bool
+        Try all formats of OpenImageIO on other files. Do not set it for files of strangers.
 
     Returns
     -------
     Image
-        Linear RGB. Files of 8 or 16 bit integers are decoded from sRGB.
+        Linear Rec.709, with notes on everything that was converted or ignored.
 
     Raises
     ------
+    MissingFileError
+        If there is no such file.
+    DamagedFileError
+        If the content contradicts the format.
     EnvLightsError
-        If the file is missing, damaged, too large, or holds no RGB or grey image.
+        If the file is too large, of another kind, or holds no RGB or grey image.
     """
-    count("max_pixels", max_pixels, least=1)
-    path, name = _checked_path(path)
-    # By default OpenImageIO multiplies the colour of PNG files by alpha.
-    config = oiio.ImageSpec()
-    config.attribute("oiio:UnassociatedAlpha", 1)
-    file = oiio.ImageInput.open(path, config)
-    if file is None:
-        reason = failure(oiio)
-        raise EnvLightsError(f"cannot read {name} as an image: {reason}; {_WANTED}")
-    try:
-        _check_spec(name, file.spec(), max_pixels)
-        if obstacle := png.damage_of_pixels(path):
-            raise EnvLightsError(f"cannot read {name}: {obstacle}; {_WANTED}")
-        return _read(name, file)
-    except MemoryError:
-        raise EnvLightsError(
-            f"cannot read {name}: its pixels do not fit into memory; give a smaller map"
-        ) from None
-    finally:
-        file.close()
-
-
-def _checked_path(path: str | os.PathLike[str]) -> tuple[str, str]:
-    """Path as text, and its printable form, after a check that an image may be there."""
-    try:
-        text = os.fsdecode(path)
-    except TypeError:
-        raise EnvLightsError(f"a path must be text; got {type(path).__name__}; {_WANTED}") from None
-    name = _printable(text)
-    try:
-        obstacle = _obstacle(text)
-    except (OSError, ValueError) as error:  # a name that is too long, or no Unicode
-        obstacle = _printable(getattr(error, "strerror", None) or str(error))
-    if obstacle:
-        raise EnvLightsError(f"cannot read {name or 'an empty path'}: {obstacle}; {_WANTED}")
-    return text, name
-
-
-def _obstacle(path: str) -> str:
-    """Reason why no image can be read from `path`; empty if there is none."""
-    path.encode()
-    if not path or not Path(path).exists():
-        return "there is no such file"
-    if Path(path).is_dir():
-        return "it is a folder"
-    if not Path(path).is_file():
-        return "it is not a regular file"
-    if Path(path).stat().st_size == 0:
-        return "the file is empty"
-    return png.damage(path)
-
-
-def _read(name: str, file: oiio.ImageInput) -> Image:
-    spec = file.spec()
-    channels, notes = _colour_channels(name, spec)
-    is_coded = _is_coded(name, spec, channels)
-    pixels = _pixels(name, file, channels)
-    if is_coded:
-        notes.append("integer samples were decoded from sRGB")
-    pixels = _upright(_in_display_window(pixels, spec, notes), spec, notes)
-    _note_primaries(spec, notes)
-    if spec.get_int_attribute("oiio:subimages", 1) > 1:
-        notes.append("only the first of several images in the file was read")
-    border_sampled = bool(spec.getattribute("oiio:sampleborder"))
-    white = 1.0 if is_coded else None
-    return Image(pixels, border_sampled, tuple(notes), white)
-
-
-def _pixels(name: str, file: oiio.ImageInput, channels: list[int]) -> NDArray[np.float32]:
-    """Linear `channels` of the data window, read in blocks of rows.
-
-    Blocks keep the memory near that of the pixels.
-    """
-    spec = file.spec()
-    pixels = np.empty((spec.height, spec.width, len(channels)), np.float32)
-    # Read whole rows of tiles.
-    rows = -(-_ROWS_AT_ONCE // max(spec.tile_height, 1)) * max(spec.tile_height, 1)
-    for top in range(0, spec.height, rows):
-        part = pixels[top : top + rows]
-        block = _samples(file, top, len(part), (min(channels), max(channels) + 1))
-        if block is None or file.has_error:
+    options: dict[str, Any] = {"colour": colour, "part": part, "channels": channels}
+    options |= {"max_pixels": max_pixels, "any_format": any_format}
+    with open_image(source, **options) as file:
+        try:
+            return file.image()
+        except MemoryError:
             raise EnvLightsError(
-                f"cannot read all pixels of {name}: {failure(file)}; give an undamaged file"
-            )
-        places = [channel - min(channels) for channel in channels]
-        samples = block.reshape(*part.shape[:2], -1)
-        if places != list(range(samples.shape[2])):
-            samples = samples[..., places]
-        part[:] = samples if samples.dtype.kind == "f" else decode_codes(samples)
-    return pixels
-
-
-def _samples(
-    file: oiio.ImageInput, top: int, height: int, channels: tuple[int, int]
-) -> NDArray[Any] | None:
-    """Samples of some rows and of a range of channels, or None on failure."""
-    spec = file.spec()
-    as_type = spec.format if str(spec.format) in _CODED else oiio.FLOAT
-    rows = (spec.y + top, spec.y + top + height)
-    if spec.tile_width:
-        columns = (spec.x, spec.x + spec.width)
-        return file.read_tiles(0, 0, *columns, *rows, 0, 1, *channels, as_type)
-    return file.read_scanlines(0, 0, *rows, 0, *channels, as_type)
-
-
-def _check_spec(name: str, spec: oiio.ImageSpec, max_pixels: int) -> None:
-    windows = [(spec.width, spec.height), (spec.full_width, spec.full_height)]
-    width, height = max(windows, key=lambda size: size[0] * size[1])
-    refusals = [
-        (
-            width * height > max_pixels,
-            f"it claims to hold {width}x{height} pixels, more than {max_pixels}; if it is not"
-            " damaged, give a higher max_pixels",
-        ),
-        (
-            # OpenImageIO 3.2.2 returns freed memory for these.
-            spec.tile_width > 0 and spec.format == oiio.DOUBLE,
-            "it holds tiles of float64, which OpenImageIO misreads; give float32, or no tiles",
-        ),
-        (spec.depth > 1, f"it is a volume of {spec.depth} slices; give a flat image"),
-        (spec.deep, "it is a deep image; give a flattened one"),
-        (
-            "CubeFace" in (spec.getattribute("textureformat") or ""),
-            "it is a cube map; give an equirectangular one",
-        ),
-        (
-            spec.get_int_attribute("Orientation", 1) > 4,
-            "its header says that the image is rotated by 90 degrees; rotate the pixels",
-        ),
-    ]
-    for is_so, reason in refusals:
-        if is_so:
-            raise EnvLightsError(f"cannot read {name}: {reason}")
-
-
-def _colour_channels(name: str, spec: oiio.ImageSpec) -> tuple[list[int], list[str]]:
-    """Indices of red, green and blue, and notes on the other channels."""
-    names = list(spec.channelnames)
-    rgb_names = next(
-        (rgb for rgb in (["R", "G", "B"], ["r", "g", "b"]) if set(rgb) <= set(names)), None
-    )
-    colours = [c for c in names if c not in {"A", "Z"} and c != "Alpha"]
-    notes = []
-    if rgb_names is None and len(colours) == 1:
-        rgb_names = colours * 3
-        notes.append(f"the only channel, {colours[0]}, was read as grey")
-    elif rgb_names is None:
-        raise EnvLightsError(
-            f"{name} has the channels {', '.join(names)}; it needs R, G and B, or a single channel"
-        )
-    ignored = [channel for channel in names if channel not in rgb_names]
-    if "A" in ignored:
-        notes.append("alpha was ignored")
-    if others := [channel for channel in ignored if channel != "A"]:
-        notes.append(f"other channels were ignored: {', '.join(others)}")
-    return [names.index(channel) for channel in rgb_names], notes
-
-
-def _is_coded(name: str, spec: oiio.ImageSpec, channels: list[int]) -> bool:
-    """True if the samples are sRGB codes: integers are codes, floating point is linear."""
-    formats = {str(spec.channelformat(channel)) for channel in channels}
-    if others := formats - _CODED - _LINEAR:
-        kinds = ", ".join(sorted(others))
-        raise EnvLightsError(
-            f"cannot read {name}: its samples are {kinds}; give floating point, uint8 or uint16"
-        )
-    return bool(formats & _CODED)
-
-
-def _in_display_window(
-    pixels: NDArray[np.float32], spec: oiio.ImageSpec, notes: list[str]
-) -> NDArray[np.float32]:
-    """Pixels of the display window, black outside the data window."""
-    data = (spec.x, spec.y, spec.width, spec.height)
-    display = (spec.full_x, spec.full_y, spec.full_width, spec.full_height)
-    if data == display:
-        return pixels
-    notes.append(
-        f"the data window {data} was placed in the display window {display}; the border is black"
-    )
-    whole = np.zeros((spec.full_height, spec.full_width, 3), np.float32)
-    left, top = spec.x - spec.full_x, spec.y - spec.full_y
-    rows = slice(max(top, 0), min(top + spec.height, spec.full_height))
-    columns = slice(max(left, 0), min(left + spec.width, spec.full_width))
-    if rows.start < rows.stop and columns.start < columns.stop:
-        inside = pixels[
-            rows.start - top : rows.stop - top, columns.start - left : columns.stop - left
-        ]
-        whole[rows, columns] = inside
-    return whole
-
-
-def _upright(
-    pixels: NDArray[np.float32], spec: oiio.ImageSpec, notes: list[str]
-) -> NDArray[np.float32]:
-    """Image with row 0 at the top and column 0 at the left, from the orientation of the header."""
-    orientation = spec.get_int_attribute("Orientation", 1)
-    if orientation not in (2, 3, 4):
-        return pixels
-    notes.append(
-        f"the image was rotated or mirrored by the orientation {orientation} of its header"
-    )
-    rows = -1 if orientation in (3, 4) else 1
-    columns = -1 if orientation in (2, 3) else 1
-    return np.ascontiguousarray(pixels[::rows, ::columns])
-
-
-def _note_primaries(spec: oiio.ImageSpec, notes: list[str]) -> None:
-    """Add a note on primaries other than Rec.709; Radiance headers hold zeros for none."""
-    primaries = spec.getattribute("chromaticities")
-    if primaries and any(primaries) and not np.allclose(primaries, REC709, atol=1e-3):
-        notes.append("the file has primaries other than Rec.709; its values were not converted")
-
-
-def failure(source: Any) -> str:
-    """Reason for the last failure of OpenImageIO or one of its files."""
-    try:
-        message = source.geterror()
-    except UnicodeDecodeError:  # it repeats the bytes of a damaged header
-        return "its header is damaged"
-    lines = [_printable(line.strip()) for line in message.splitlines()]
-    return "; ".join(filter(None, lines)).rstrip(".?") or "OpenImageIO gives no reason"
-
-
-def _printable(text: str) -> str:
-    """`text` on one line, with other characters escaped."""
-    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
+                f"cannot read {file.name}: its pixels do not fit into memory; give a smaller map"
+            ) from None

@@ -1,0 +1,143 @@
+"""Content of a file as a reader gives it: header, and samples in the type of the file.
+
+A reader opens a `Source` as an `ImageFile`, whose `image` is a `RawImage`. Nothing is converted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+#: Rectangle of pixels: x and y of its corner, width, height.
+Window = tuple[int, int, int, int]
+
+
+@dataclass(frozen=True)
+class FileColour:
+    """Statements of a file about its colour space, which may contradict each other."""
+
+    cicp: tuple[int, int, int, int] | None = None
+    """Codes of primaries, transfer, matrix and full range (ITU-T H.273); PNG cICP."""
+
+    icc: bytes = b""
+    """ICC profile."""
+
+    is_srgb: bool = False
+    """True if the file names sRGB: PNG sRGB, EXIF ColorSpace 1."""
+
+    gamma: float | None = None
+    """Exponent of encoding, such as 0.45455; PNG gAMA."""
+
+    chromaticities: tuple[float, ...] | None = None
+    """x and y of red, green, blue and white: OpenEXR, PNG cHRM, Radiance PRIMARIES."""
+
+    is_xyz: bool = False
+    """True if the samples are CIE XYZ: Radiance XYZE."""
+
+    name: str = ""
+    """Name that OpenImageIO derives, ``oiio:ColorSpace``, if nothing else is known."""
+
+
+@dataclass(frozen=True)
+class Header:
+    """Statements of a file about its samples."""
+
+    width: int
+    """Columns of the samples."""
+
+    height: int
+    """Rows of the samples."""
+
+    kind: str
+    """Format: "radiance", "openexr", "png", "jpeg", "tiff", or the name in OpenImageIO."""
+
+    dtype: np.dtype[Any]
+    """Type of a sample: uint8, uint16, float16 or float32; float32 for Radiance."""
+
+    channels: tuple[str, ...]
+    """Names of the channels, in the order of the samples."""
+
+    colour: FileColour = field(default_factory=FileColour)
+    """Statements about the colour space."""
+
+    orientation: int = 1
+    """EXIF orientation, 1 to 8."""
+
+    data_window: Window | None = None
+    """Rectangle of the samples; None if they are the whole picture."""
+
+    display_window: Window | None = None
+    """Rectangle of the whole picture, in the same coordinates as the data window."""
+
+    exposure: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    """Cumulative multipliers of the channels (EXPOSURE times COLORCORR); divide samples by them."""
+
+    alpha: str = "none"
+    """Meaning of the alpha channel: "none", "straight" or "premultiplied"."""
+
+    border_sampled: bool = False
+    """True if the outer pixels lie on the seam and the poles."""
+
+    xmp: bytes = b""
+    """XMP packet."""
+
+    has_gain_map: bool = False
+    """True if the samples are those of a gain map, which ends at a largest value."""
+
+    notes: tuple[str, ...] = ()
+    """Remarks of the reader."""
+
+
+@dataclass(frozen=True)
+class RawImage:
+    """Header, and access to the samples while the file is open."""
+
+    header: Header
+    """Statements of the file."""
+
+    read_rows: Callable[[int, int], NDArray[Any]]
+    """Function that returns the samples of rows from `top` to `bottom`, (rows, width, channels)."""
+
+    rows_at_once: int = 128
+    """Rows of one read; a multiple of the height of a tile."""
+
+    def rows(self, top: int, bottom: int) -> NDArray[Any]:
+        """Samples of some rows, (bottom - top, width, channels), in the type of the file."""
+        return self.read_rows(top, bottom)
+
+    @property
+    def samples(self) -> NDArray[Any]:
+        """All samples, (height, width, channels), in the type of the file."""
+        return self.rows(0, self.header.height)
+
+
+@dataclass(frozen=True)
+class Part:
+    """One of the images in a file."""
+
+    name: str
+    """Name in the file; empty if it has none."""
+
+    channels: tuple[str, ...]
+    """Names of all its channels."""
+
+    view: str = ""
+    """Stereo view, such as "left"; empty if the file names none."""
+
+
+class ImageFile(Protocol):
+    """An open file, of which one part and some channels can be read."""
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """All images of the file, in its order."""
+
+    def image(self, part: int, channels: Sequence[str]) -> RawImage:
+        """Some `channels` of a part, in this order."""
+
+    def close(self) -> None:
+        """Close the file."""

@@ -1,0 +1,71 @@
+"""Properties of an XMP packet (ISO 16684-1), by a parser that expands no entities."""
+
+from __future__ import annotations
+
+from xml.parsers import expat
+
+#: Name spaces whose properties are used, by their usual prefix.
+_SPACES = {
+    "http://ns.google.com/photos/1.0/panorama/": "GPano",
+    "http://ns.adobe.com/hdr-gain-map/1.0/": "hdrgm",
+    "http://ns.apple.com/HDRGainMap/1.0/": "HDRGainMap",
+}
+#: Separator of name space and name; no address holds it.
+_BETWEEN = " "
+#: Longest packet that is read, in bytes.
+_LONGEST = 2**22
+
+
+def properties(packet: bytes) -> dict[str, str]:
+    """Properties like "GPano:ProjectionType", from attributes and from elements.
+
+    A packet that is damaged, too long, or declares entities gives none.
+    """
+    if not packet or len(packet) > _LONGEST:
+        return {}
+    reader = _Reader()
+    parser = expat.ParserCreate(namespace_separator=_BETWEEN)
+    parser.buffer_text = True
+    parser.StartElementHandler = reader.start
+    parser.EndElementHandler = reader.end
+    parser.CharacterDataHandler = reader.text
+    parser.StartDoctypeDeclHandler = _refuse
+    try:
+        parser.Parse(packet.strip(b"\0"), True)
+    except (expat.ExpatError, ValueError):
+        return {}
+    return reader.found
+
+
+class _Reader:
+    """Collection of the properties of known name spaces."""
+
+    def __init__(self) -> None:
+        self.found: dict[str, str] = {}
+        self._name = ""
+
+    def start(self, name: str, attributes: dict[str, str]) -> None:
+        """Take attributes, and begin the text of an element."""
+        self._name = _short(name)
+        for attribute, value in attributes.items():
+            if short := _short(attribute):
+                self.found[short] = value.strip()
+
+    def text(self, data: str) -> None:
+        """Take the text of an element."""
+        if self._name:
+            self.found[self._name] = self.found.get(self._name, "") + data.strip()
+
+    def end(self, _: str) -> None:
+        """End the text of an element."""
+        self._name = ""
+
+
+def _short(name: str) -> str:
+    """Name with the usual prefix; empty for other name spaces."""
+    space, _, last = name.rpartition(_BETWEEN)
+    return f"{_SPACES[space]}:{last}" if space in _SPACES else ""
+
+
+def _refuse(*_: object) -> None:
+    raise ValueError("an XMP packet declares no document type")
