@@ -236,4 +236,11 @@ pub enum Error {
         /// Columns of the image.
         width: usize,
     },
+
+    /// An image file whose bytes contradict its format.
+    #[error("{reason}")]
+    DamagedFile {
+        /// Sentence about the damage and the expected bytes.
+        reason: String,
+    },
 }

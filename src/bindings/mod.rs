@@ -7,6 +7,7 @@
 mod detect;
 mod error;
 mod fit;
+mod formats;
 mod harmonics;
 mod image;
 mod loghin;
@@ -43,6 +44,8 @@ mod _native {
     use super::error::{EnvLightsError, UnusableSamplesError};
     #[pymodule_export]
     use super::fit::{FitAnswer, fit_reduced, fit_samples, map_energy, relative_rms, rig_irradiance};
+    #[pymodule_export]
+    use super::formats::{PngFile, RadianceFile};
     #[pymodule_export]
     use super::harmonics::{harmonic_irradiance, harmonic_radiance};
     #[pymodule_export]

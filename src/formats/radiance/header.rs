@@ -1,0 +1,147 @@
+//! Header of a Radiance picture: lines of text, an empty line, and the resolution.
+
+use crate::error::Result;
+use crate::formats::damage;
+
+/// Statements of a Radiance picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Header {
+    /// Number of lines.
+    pub height: usize,
+    /// Pixels of a line.
+    pub width: usize,
+    /// EXIF orientation, 1 to 8.
+    pub orientation: u8,
+    /// True if the samples are CIE XYZ.
+    pub is_xyz: bool,
+    /// Product of all exposures and colour corrections; samples divided by it are radiance.
+    pub exposure: [f64; 3],
+    /// The x and y of red, green, blue and white, if the file gives them.
+    pub primaries: Option<[f64; 8]>,
+    /// Place of the first line of pixels.
+    pub(super) start: usize,
+}
+
+impl Header {
+    /// Header at the start of `bytes`.
+    ///
+    /// # Errors
+    ///
+    /// If it is incomplete, or its FORMAT is missing or unknown.
+    pub fn read(bytes: &[u8]) -> Result<Self> {
+        if !bytes.starts_with(b"#?") {
+            return Err(damage("a Radiance file starts with #?"));
+        }
+        let mut header = Self {
+            height: 0,
+            width: 0,
+            orientation: 1,
+            is_xyz: false,
+            exposure: [1.0; 3],
+            primaries: None,
+            start: 0,
+        };
+        let mut format = None;
+        header.line(bytes)?;
+        loop {
+            let line = header.line(bytes)?;
+            if line.is_empty() {
+                break;
+            }
+            if let Some(value) = value(line, b"FORMAT") {
+                format = Some(value);
+            } else {
+                header.statement(line);
+            }
+        }
+        header.is_xyz = is_xyz(format)?;
+        let resolution = header.line(bytes)?;
+        header.set_resolution(resolution)?;
+        Ok(header)
+    }
+
+    /// Next line, without its end.
+    fn line<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8]> {
+        let rest = &bytes[self.start..];
+        let length = rest.iter().position(|&byte| byte == b'\n').ok_or_else(|| {
+            damage("the Radiance header is incomplete; wanted an empty line and the resolution")
+        })?;
+        self.start += length + 1;
+        Ok(rest[..length].strip_suffix(b"\r").unwrap_or(&rest[..length]))
+    }
+
+    /// Apply an exposure, a colour correction or primaries; pass over everything else.
+    fn statement(&mut self, line: &[u8]) {
+        if let Some(factors) = value(line, b"EXPOSURE").and_then(numbers::<1>) {
+            self.multiply([factors[0]; 3]);
+        } else if let Some(factors) = value(line, b"COLORCORR").and_then(numbers::<3>) {
+            self.multiply(factors);
+        } else if let Some(primaries) = value(line, b"PRIMARIES").and_then(numbers::<8>) {
+            let is_named = primaries.iter().any(|&number| number != 0.0);
+            self.primaries = is_named.then_some(primaries);
+        }
+    }
+
+    /// Multiply the exposure by `factors`, unless one of them is not a positive finite number.
+    fn multiply(&mut self, factors: [f64; 3]) {
+        let product: [f64; 3] = std::array::from_fn(|i| self.exposure[i] * factors[i]);
+        if product.iter().all(|product| product.is_normal() && *product > 0.0) {
+            self.exposure = product;
+        }
+    }
+
+    /// Set size and orientation from a line such as `-Y 512 +X 1024`.
+    fn set_resolution(&mut self, line: &[u8]) -> Result<()> {
+        let wrong = || {
+            damage(format!(
+                "the resolution of the Radiance file is \"{}\"; wanted -Y height +X width, or another order of these",
+                line[..line.len().min(60)].escape_ascii()
+            ))
+        };
+        let text = std::str::from_utf8(line).map_err(|_| wrong())?;
+        let words: Vec<&str> = text.split_ascii_whitespace().collect();
+        let [one, height, other, width] = words[..] else { return Err(wrong()) };
+        self.orientation = match (one, other) {
+            ("-Y", "+X") => 1,
+            ("-Y", "-X") => 2,
+            ("+Y", "-X") => 3,
+            ("+Y", "+X") => 4,
+            ("+X", "-Y") => 5,
+            ("-X", "-Y") => 6,
+            ("-X", "+Y") => 7,
+            ("+X", "+Y") => 8,
+            _ => return Err(wrong()),
+        };
+        self.height = height.parse().map_err(|_| wrong())?;
+        self.width = width.parse().map_err(|_| wrong())?;
+        Ok(())
+    }
+}
+
+/// True for samples in CIE XYZ, by the value of FORMAT.
+fn is_xyz(format: Option<&[u8]>) -> Result<bool> {
+    const KNOWN: &str = "32-bit_rle_rgbe or 32-bit_rle_xyze";
+    match format {
+        Some(b"32-bit_rle_rgbe") => Ok(false),
+        Some(b"32-bit_rle_xyze") => Ok(true),
+        Some(other) => Err(damage(format!(
+            "the FORMAT of the Radiance file is \"{}\"; wanted {KNOWN}",
+            other[..other.len().min(60)].escape_ascii()
+        ))),
+        None => Err(damage(format!("the Radiance header has no FORMAT line; wanted {KNOWN}"))),
+    }
+}
+
+/// Text behind `name=`.
+fn value<'a>(line: &'a [u8], name: &[u8]) -> Option<&'a [u8]> {
+    let rest = line.trim_ascii().strip_prefix(name)?.trim_ascii_start();
+    Some(rest.strip_prefix(b"=")?.trim_ascii())
+}
+
+/// Exactly `N` finite numbers.
+fn numbers<const N: usize>(text: &[u8]) -> Option<[f64; N]> {
+    let words = std::str::from_utf8(text).ok()?.split_ascii_whitespace();
+    let numbers: Option<Vec<f64>> = words.map(|word| word.parse().ok()).collect();
+    let numbers: [f64; N] = numbers?.try_into().ok()?;
+    numbers.iter().all(|number| number.is_finite()).then_some(numbers)
+}

@@ -1,0 +1,152 @@
+"""The readers in Rust give the samples that OpenImageIO gives, or a sentence."""
+
+import os
+import struct
+import zlib
+from pathlib import Path
+
+import numpy as np
+import OpenImageIO as oiio  # noqa: N813, its own name for itself
+import pytest
+
+from envlights._native import EnvLightsError, PngFile, RadianceFile
+from tests import mutations
+from tests.io.test_png import DAMAGED, END, PIXELS, SIGNATURE, chunk, header
+
+MOST = 2**26
+#: Damage that the crate png passes over; all pixels are there. 10^6 rows are no limit of its own.
+PASSED_OVER = {"too many rows", "a reserved chunk", "no name", "a checksum cut off"}
+ADAM7 = [
+    (0, 0, 8, 8),
+    (4, 0, 8, 8),
+    (0, 4, 4, 8),
+    (2, 0, 4, 4),
+    (0, 2, 2, 4),
+    (1, 0, 2, 2),
+    (0, 1, 1, 2),
+]
+MAPS = sorted((Path(os.environ.get("ENVLIGHTS_MAPS", "none")) / "hdr").glob("*.hdr"))
+
+
+def reference(path, kind):
+    """Samples of OpenImageIO, with alpha apart from colour."""
+    config = oiio.ImageSpec()
+    config.attribute("oiio:UnassociatedAlpha", 1)
+    file = oiio.ImageInput.open(str(path), config)
+    return file.read_image(0, 0, 0, file.spec().nchannels, kind)
+
+
+def radiance(tmp_path, pixels):
+    path = tmp_path / "map.hdr"
+    oiio.ImageBuf(np.ascontiguousarray(pixels, np.float32)).write(str(path))
+    return path
+
+
+@pytest.mark.parametrize("path", MAPS, ids=lambda path: path.stem)
+def test_real_maps_are_those_of_openimageio(path):
+    picture = RadianceFile(path.read_bytes(), MOST)
+    wanted = reference(path, "float")
+    assert np.array_equal(picture.read(), wanted)
+    assert np.array_equal(picture.rows(5, 9), wanted[5:9])
+
+
+def test_rows_outside_are_refused(tmp_path):
+    picture = RadianceFile(radiance(tmp_path, np.ones((4, 8, 3))).read_bytes(), MOST)
+    for top, bottom in [(0, 5), (3, 2)]:
+        with pytest.raises(EnvLightsError, match="rows must be from 0 to 4"):
+            picture.rows(top, bottom)
+
+
+@pytest.mark.parametrize("interlace", [0, 1])
+@pytest.mark.parametrize(("width", "height"), [(1, 1), (5, 9), (33, 17)])
+@pytest.mark.parametrize(
+    ("colours", "depth"),
+    [(0, 1), (0, 2), (0, 4), (0, 8), (0, 16), (2, 8), (2, 16), (4, 8), (4, 16), (6, 8), (6, 16)],
+)
+def test_each_kind_of_png_is_that_of_openimageio(
+    tmp_path, colours, depth, width, height, interlace
+):
+    rng = np.random.default_rng(depth)
+    bits = depth * {0: 1, 2: 3, 4: 2, 6: 4}[colours]
+    rows = b""
+    for x, y, right, down in ADAM7 if interlace else [(0, 0, 1, 1)]:
+        columns = len(range(x, width, right))
+        for _ in range(y, height, down) if columns else ():
+            rows += b"\0" + rng.bytes((columns * bits + 7) // 8)
+    body = chunk(b"IDAT", zlib.compress(rows))
+    start = SIGNATURE + header(width, height, depth, colours, interlace=interlace)
+    path = tmp_path / "map.png"
+    path.write_bytes(start + body + END)
+    samples = PngFile(path.read_bytes(), MOST).read()
+    assert samples.dtype == (np.uint16 if depth == 16 else np.uint8)
+    assert np.array_equal(samples, reference(path, str(samples.dtype)))
+
+
+def test_palettes_and_transparent_colours_are_expanded():
+    palette = chunk(b"PLTE", bytes([1, 2, 3, 9, 8, 7])) + chunk(b"tRNS", b"\x40")
+    body = chunk(b"IDAT", zlib.compress(b"\0\x40"))
+    file = SIGNATURE + header(2, 1, 1, 3) + palette + body + END
+    assert PngFile(file, MOST).read().tolist() == [[[1, 2, 3, 64], [9, 8, 7, 255]]]
+    grey = chunk(b"tRNS", struct.pack(">H", 5)) + chunk(b"IDAT", zlib.compress(b"\0\5\6"))
+    file = SIGNATURE + header(2, 1, 8, 0) + grey + END
+    assert PngFile(file, MOST).read().tolist() == [[[5, 0], [6, 255]]]
+
+
+def test_statements_of_a_png_are_read():
+    profile = b"a profile of forty bytes, not a true one"
+    numbers = [31270, 32900, 64000, 33000, 30000, 60000, 15000, 6000]
+    exif = b"MM\0*" + struct.pack(">IHHHIHHI", 8, 1, 0x112, 3, 1, 6, 0, 0)
+    chunks = [
+        chunk(b"gAMA", struct.pack(">I", 100000)),
+        chunk(b"cHRM", struct.pack(">8I", *numbers)),
+        chunk(b"cICP", bytes([9, 16, 0, 1])),
+        chunk(b"iCCP", b"name\0\0" + zlib.compress(profile)),
+        chunk(b"eXIf", exif),
+        chunk(b"oFFs", struct.pack(">2iB", 3, 4, 0)),
+        chunk(b"iTXt", b"XML:com.adobe.xmp\0\0\0\0\0<x/>"),
+    ]
+    file = PngFile(SIGNATURE + header() + b"".join(chunks) + PIXELS + END, MOST)
+    assert (file.gamma, file.cicp, file.icc, file.xmp) == (1.0, (9, 16, 0, 1), profile, b"<x/>")
+    assert file.chromaticities == (0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329)
+    assert (file.orientation, file.is_srgb, file.is_animated) == (6, False, False)
+    plain = PngFile(SIGNATURE + header() + chunk(b"sRGB", b"\0") + PIXELS + END, MOST)
+    assert (plain.is_srgb, plain.gamma, plain.chromaticities, plain.orientation) == (
+        True,
+        None,
+        None,
+        1,
+    )
+
+
+@pytest.mark.parametrize("damage", [name for name in DAMAGED if name not in PASSED_OVER])
+def test_damaged_png_files_are_refused(damage):
+    chunks, _ = DAMAGED[damage]
+    with pytest.raises(EnvLightsError):
+        PngFile(SIGNATURE + chunks, MOST).read()
+
+
+def test_sizes_are_limited():
+    with pytest.raises(EnvLightsError, match="up to 7 pixels; got 2 rows of 4"):
+        PngFile(SIGNATURE + header() + PIXELS + END, 7)
+
+
+@pytest.mark.parametrize("kind", ["hdr", "png"])
+def test_500_damaged_files_give_samples_or_a_sentence(tmp_path, kind):
+    rng = np.random.default_rng(40)
+    pixels = np.repeat(rng.uniform(0, 1, (12, 8, 3)), 3, axis=1)
+    path = tmp_path / f"map.{kind}"
+    oiio.ImageBuf(np.float32(pixels)).write(str(path))
+    data = path.read_bytes()
+    reader = RadianceFile if kind == "hdr" else PngFile
+    refused = read = 0
+    for turn in range(500):
+        make = mutations.mutated_png if kind == "png" and turn % 2 else mutations.mutate
+        try:
+            file = reader(make(data, rng), 10**6)
+            assert file.read().shape[:2] == (file.height, file.width)
+        except EnvLightsError as error:
+            refused += "internal error" not in str(error)
+        else:
+            read += 1
+    assert refused > 100
+    assert refused + read == 500
