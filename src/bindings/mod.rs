@@ -64,7 +64,7 @@ mod _native {
     #[pymodule_export]
     use super::probe::{disc_map, irradiance, sum_over_sources, working_irradiance};
     #[pymodule_export]
-    use super::reduction::{PyRowReducer, ReducedMap, reduce_map};
+    use super::reduction::{PyRowReducer, ReducedMap, reduce_map, reduce_radiance};
     #[pymodule_export]
     use super::repair::{clipped_depth, clipped_light_shares, clipped_share};
     #[pymodule_export]

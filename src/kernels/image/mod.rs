@@ -12,7 +12,7 @@
 //! | - from rows that are decoded on demand        | `pixel_rows.rs` |
 //! | - from rows that arrive in order              | `row_reducer.rs` |
 //! | - samples in the type of a file               | `sample_types.rs` |
-//! | - clipped pixels                              | `clipped_sums.rs` |
+//! | - pixels of the largest codes                 | `top_codes.rs` |
 //! | means over blocks of pixels                   | `block_rows.rs`, `block_layout.rs` |
 //! | a map after a rotation                        | `rotate.rs`    |
 //! | - the cell that holds a direction             | `cells.rs`     |
@@ -21,7 +21,6 @@ mod block_layout;
 mod block_rows;
 mod cell_flux;
 mod cells;
-mod clipped_sums;
 mod codes;
 mod grid;
 mod luminance;
@@ -32,6 +31,7 @@ mod rotate;
 mod row_reducer;
 mod sample_types;
 mod samples;
+mod top_codes;
 
 pub(crate) use block_rows::{BlockRow, block_fractions, samples_of};
 pub use codes::decode;

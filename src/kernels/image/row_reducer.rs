@@ -12,10 +12,10 @@ use rayon::prelude::*;
 use super::block_layout::BlockLayout;
 use super::block_rows::BlockRow;
 use super::cell_flux::{CellFlux, add_across, is_bright, is_source, least_source, visible_above};
-use super::clipped_sums::ClippedSums;
 use super::luminance::luminance;
 use super::reduce::{ReducedFlux, WorkingMap};
 use super::sample_types::Sample;
+use super::top_codes::TopCodes;
 use crate::error::{Error, Result};
 use crate::kernels::sphere::{Registration, band_heights};
 
@@ -44,8 +44,8 @@ pub struct RowReducer<T: Sample> {
     options: ReductionOptions,
     layout: BlockLayout,
     table: Box<T::Table>,
-    /// Least code that is clipped, if the file has a largest value.
-    clipped_from: Option<T>,
+    /// True if codes are counted, because the picture may be clipped.
+    counts_codes: bool,
     /// Integrals of the rows so far; the others are black.
     flux: CellFlux,
     /// Rows of blocks so far.
@@ -53,7 +53,7 @@ pub struct RowReducer<T: Sample> {
     /// Flux of these rows in each channel, above the horizon if there is a floor.
     so_far: [f64; 3],
     retained: BTreeMap<(usize, usize), Vec<T>>,
-    clipped: ClippedSums,
+    top: TopCodes,
     is_usable: bool,
     bounds: CellBounds,
 }
@@ -68,32 +68,28 @@ struct CellBounds {
 
 /// Integrals over some rows of blocks.
 pub struct ReducedRows {
-    /// Cells of each row of blocks, their sum, and the clipped pixels.
-    rows: Vec<(Vec<[f64; 3]>, [f64; 3], ClippedSums)>,
+    /// Cells of each row of blocks, their sum, and the pixels of the largest codes.
+    rows: Vec<(Vec<[f64; 3]>, [f64; 3], TopCodes)>,
     is_usable: bool,
 }
 
 impl<T: Sample> RowReducer<T> {
     /// No rows yet.
     ///
-    /// `table` holds the linear value of each code, and `white` the least value that is clipped, if there is any.
+    /// `table` holds the linear value of each code; `counts_codes` prepares [`Self::clipped`].
     ///
     /// # Errors
     ///
     /// [`Error::NotAMap`] for fewer than two rows or columns; [`Error::WrongShape`] for a table without a value of each
-    /// code, or with values that do not grow where `clipped_from` is known.
-    pub fn new(options: ReductionOptions, table: Vec<f32>, clipped_from: Option<f32>) -> Result<Self> {
+    /// code.
+    pub fn new(options: ReductionOptions, table: Vec<f32>, counts_codes: bool) -> Result<Self> {
         let ReductionOptions { height, width, registration, columns, has_floor, .. } = options;
         if height < 2 || width < 2 {
             return Err(Error::NotAMap { shape: vec![height, width, 3] });
         }
         let shape = vec![table.len()];
-        let wrong_table = || Error::WrongShape { what: "table", wanted: "(codes,), growing", shape: shape.clone() };
-        let table = T::table(table).ok_or_else(wrong_table)?;
-        let clipped_from = match clipped_from {
-            Some(value) => Some(T::first_at_least(&table, value).ok_or_else(wrong_table)?),
-            None => None,
-        };
+        let wrong_table = Error::WrongShape { what: "table", wanted: "(codes,)", shape };
+        let table = T::table(table).ok_or(wrong_table)?;
         let layout = BlockLayout::new(height, width, registration, columns);
         let (rows, columns) = layout.blocks();
         let bounds = CellBounds {
@@ -106,12 +102,12 @@ impl<T: Sample> RowReducer<T> {
             options,
             layout,
             table,
-            clipped_from,
+            counts_codes,
             flux,
             rows: 0,
             so_far: [0.0; 3],
             retained: BTreeMap::new(),
-            clipped: ClippedSums::default(),
+            top: TopCodes::default(),
             is_usable: true,
             bounds,
         })
@@ -137,8 +133,8 @@ impl<T: Sample> RowReducer<T> {
             let mut cells = vec![[0.0; 3]; self.bounds.widths.len()];
             let pixels = BlockRow::of_samples(values, edges, self.layout.block);
             let (is_unusable, sum) = add_across(&mut cells, &pixels, &widths, self.layout.block);
-            let clipped = self.clipped_from.map(|least| ClippedSums::of(samples, values, edges, &widths, least));
-            (is_unusable, (cells, sum, clipped.unwrap_or_default()))
+            let top = self.counts_codes.then(|| TopCodes::of(samples, values, edges, &widths));
+            (is_unusable, (cells, sum, top.unwrap_or_default()))
         };
         let rows = samples.par_chunks(3 * self.options.width * self.layout.block).enumerate();
         let (is_unusable, rows): (Vec<bool>, Vec<_>) = rows.map_init(Vec::new, of_row).unzip();
@@ -160,14 +156,14 @@ impl<T: Sample> RowReducer<T> {
     pub fn add(&mut self, integrals: ReducedRows, samples: &[T]) {
         self.is_usable &= integrals.is_usable;
         let first = self.rows;
-        for (cells, sum, clipped) in integrals.rows {
+        for (cells, sum, top) in integrals.rows {
             let visible = self.bounds.visible[self.rows];
             (0..3).for_each(|c| self.so_far[c] += visible * sum[c]);
             for (mut at, cell) in self.flux.cells.index_axis_mut(ndarray::Axis(0), self.rows).outer_iter_mut().zip(cells) {
                 (0..3).for_each(|c| at[c] = cell[c]);
             }
             self.flux.rows[self.rows] = sum;
-            self.clipped.add(clipped);
+            self.top.add(&top);
             self.rows += 1;
         }
         self.retain(first, samples);
@@ -214,10 +210,18 @@ impl<T: Sample> RowReducer<T> {
         self.retained.values().map(|pixels| size_of_val(&pixels[..])).sum()
     }
 
-    /// Clipped fractions of the sphere and of the luminance flux of all rows.
-    pub fn clipped(&self) -> [f64; 2] {
-        let whole = luminance(self.flux.whole());
-        self.clipped.shares(whole)
+    /// Fractions of the sphere and of the luminance flux in pixels with a sample of at least this linear `value`.
+    ///
+    /// None if codes were not counted, or values do not grow with codes.
+    pub fn clipped(&self, value: f32) -> Option<[f64; 2]> {
+        let least = T::first_at_least(&self.table, value).filter(|_| self.counts_codes)?;
+        let is_counted = T::TOP.is_some_and(|first| least >= first);
+        is_counted.then(|| self.top.shares(least, luminance(self.flux.whole())))
+    }
+
+    /// Solid angle of the pixels by the code of their largest channel, as 8 bits; small codes are in the first bin.
+    pub fn histogram(&self) -> [f64; 256] {
+        self.top.histogram::<T>()
     }
 
     /// The working map; none if rows are missing, or a sample is no radiance.

@@ -5,6 +5,15 @@ pub trait Sample: Copy + PartialOrd + Send + Sync {
     /// Linear value of each code.
     type Table: Send + Sync;
 
+    /// Number of codes; 0 for values.
+    const CODES: usize;
+
+    /// Least code that may belong to a clipped region: 214 of 255, below all clip levels; none for values.
+    const TOP: Option<Self>;
+
+    /// Number of the code.
+    fn code(self) -> usize;
+
     /// The table of these `values`; none if their number is not that of all codes.
     fn table(values: Vec<f32>) -> Option<Box<Self::Table>>;
 
@@ -17,9 +26,15 @@ pub trait Sample: Copy + PartialOrd + Send + Sync {
 
 /// Codes of one integer type.
 macro_rules! codes {
-    ($code:ty, $count:literal) => {
+    ($code:ty, $count:literal, $top:literal) => {
         impl Sample for $code {
             type Table = [f32; $count];
+            const CODES: usize = $count;
+            const TOP: Option<Self> = Some($top);
+
+            fn code(self) -> usize {
+                usize::from(self)
+            }
 
             fn table(values: Vec<f32>) -> Option<Box<Self::Table>> {
                 values.into_boxed_slice().try_into().ok()
@@ -39,11 +54,17 @@ macro_rules! codes {
     };
 }
 
-codes!(u8, 256);
-codes!(u16, 65536);
+codes!(u8, 256, 214);
+codes!(u16, 65536, 54870);
 
 impl Sample for f32 {
     type Table = ();
+    const CODES: usize = 0;
+    const TOP: Option<Self> = None;
+
+    fn code(self) -> usize {
+        0
+    }
 
     fn table(values: Vec<f32>) -> Option<Box<()>> {
         values.is_empty().then(Box::default)
