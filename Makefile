@@ -9,7 +9,8 @@ build:
 .PHONY: test  ## The quick part of the tests: Rust, Python and doctests
 test:
 	cargo test
-	$(PYTHON) -m pytest -m 'not slow'
+	$(PYTHON) -m pytest -m 'not slow and not mitsuba' --numprocesses auto --dist loadfile
+	$(PYTHON) -m pytest -m 'not slow and mitsuba'
 
 .PHONY: fuzz  ## Thousands of damaged files, generated calls and killed saves; about an hour
 fuzz:

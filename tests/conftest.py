@@ -53,6 +53,25 @@ def real_maps(*patterns, all_quick=False):
     return pytest.mark.parametrize("path", params)
 
 
+#: Files whose tests and doctests render with Mitsuba in the process of the tests.
+RENDERING_FILES = (
+    "test_mitsuba.py",
+    "test_bake.py",
+    "plot/test_scene.py",
+    "test_benchmarks.py",
+    "test_blender.py",
+    "test_readme.py",
+    "scene/bake.py",
+)
+
+
+def pytest_collection_modifyitems(items):
+    """Mark what renders: Mitsuba once waited for ever in a worker of pytest-xdist."""
+    for item in items:
+        if item.path.as_posix().endswith(RENDERING_FILES):
+            item.add_marker(pytest.mark.mitsuba)
+
+
 def pytest_ignore_collect(collection_path):
     """Look for doctests in the package alone: what helps tests is imported by the tests."""
     is_helper = collection_path.suffix == ".py" and not collection_path.name.startswith("test_")

@@ -12,6 +12,7 @@ mod harmonics;
 mod image;
 mod loghin;
 mod madsen;
+mod output;
 mod pool;
 mod probe;
 mod reduction;

@@ -6,7 +6,7 @@ use numpy::{
 };
 use pyo3::prelude::*;
 
-use super::pool::interruptible;
+use super::output::fill;
 use super::sphere::registration;
 use crate::kernels::split::{self, RemovedLight};
 
@@ -56,7 +56,9 @@ pub fn split_map(
     lights: LightPixels<'_>,
 ) -> PyResult<MapSplit> {
     let (radiance, lights) = (radiance.as_array(), lights.views()?);
-    let parts = interruptible(py, || split::split(radiance, registration(border_sampled), &lights))?;
+    let (rest, parts) = fill(py, radiance.dim().into(), |rest| {
+        split::split(radiance, registration(border_sampled), &lights, rest)
+    })?;
     let numbers = |of: fn(&RemovedLight) -> f64| {
         parts.lights.iter().map(of).collect::<Array1<f64>>().into_pyarray(py).unbind()
     };
@@ -72,6 +74,6 @@ pub fn split_map(
         reach: numbers(|light| light.reach),
         vectors: Array3::from(columns).into_pyarray(py).unbind(),
         map_flux: parts.map_flux,
-        rest: parts.rest.into_pyarray(py).unbind(),
+        rest: rest.unbind(),
     })
 }

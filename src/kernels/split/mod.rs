@@ -31,7 +31,7 @@ mod region;
 mod removal;
 mod rings;
 
-use ndarray::{Array3, ArrayView3};
+use ndarray::{ArrayView3, ArrayViewMut3};
 use rayon::prelude::*;
 
 use crate::error::Result;
@@ -44,10 +44,8 @@ pub use light_pixels::LightPixels;
 use region::Region;
 pub use removal::RemovedLight;
 
-/// A map without some lights, and these lights.
+/// Lights that were removed from a map.
 pub struct MapSplit {
-    /// Radiance of the rest, (height, width, 3).
-    pub rest: Array3<f32>,
     /// Integral of the luminance of the map over the sphere.
     pub map_flux: f64,
     /// One light for each direction.
@@ -55,6 +53,8 @@ pub struct MapSplit {
 }
 
 /// Remove lights from an equirectangular map of radiance, (height, width, 3), finite and not negative.
+///
+/// `rest` receives the map without the lights. It has the shape of the map, in C order.
 ///
 /// # Errors
 ///
@@ -64,6 +64,7 @@ pub fn split(
     radiance: ArrayView3<'_, f32>,
     registration: Registration,
     lights: &LightPixels<'_>,
+    mut rest: ArrayViewMut3<'_, f32>,
 ) -> Result<MapSplit> {
     image::check_rgb(radiance)?;
     let directions = sphere::unit_vectors("direction", lights.directions)?;
@@ -73,7 +74,6 @@ pub fn split(
     let pixels = samples.as_chunks::<3>().0;
     let map = CoarseMap::new(pixels, (height, width), registration, lights)?;
     let members = lights.members(map.size)?;
-    let mut rest = Array3::zeros(radiance.dim());
     let rest_pixels = rest.as_slice_mut().unwrap_or_default().as_chunks_mut::<3>().0;
     // Copy the map on one thread while another one fills the region: both last equally long.
     let fill = || {
@@ -83,7 +83,7 @@ pub fn split(
     };
     let ((), (region, fill)) = rayon::join(|| copy(pixels, rest_pixels, width), fill);
     let lights = removal::remove(&map, &region, &fill, &directions, rest_pixels);
-    Ok(MapSplit { rest, map_flux: map.flux(), lights })
+    Ok(MapSplit { map_flux: map.flux(), lights })
 }
 
 /// Copy the pixels of a map of this `width` row by row, so that the copy can be interrupted.
