@@ -29,7 +29,7 @@ LONGEST_FILE = 400
 IRREGULAR = re.compile(
     "begun|born|borne|bought|broken|brought|built|caught|chosen|done|drawn|driven|eaten|fallen|felt|"
     "flown|forgotten|fought|found|given|gone|grown|heard|held|hidden|hung|kept|known|laid|left|lost|"
-    "made|meant|met|paid|said|seen|sent|shown|shrunk|sold|sought|spent|stood|stuck|sunk|swept|sworn|"
+    "made|meant|met|paid|said|sent|shown|shrunk|sold|sought|spent|stood|stuck|sunk|swept|sworn|"
     "swung|taken|taught|thought|thrown|t(?:old|orn)|understood|won|worn|written"
 )
 NO_PARTICIPLES = re.compile(

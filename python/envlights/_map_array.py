@@ -1,8 +1,8 @@
-"""Arrays of maps as RGB."""
+"""Arrays of maps as RGB, and the share of each pixel that they show."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,7 +10,17 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._native import EnvLightsError
 
 
-def map_array(radiance: ArrayLike, notes: list[str]) -> NDArray[Any]:
+class MapArray(NamedTuple):
+    """Samples of a map as they were given, with three channels."""
+
+    samples: NDArray[Any]
+    """Red, green and blue, (height, 2 * height, 3)."""
+
+    seen: NDArray[np.float32] | None
+    """Share of each pixel that alpha and mask show, (height, 2 * height); None if all is seen."""
+
+
+def map_array(radiance: ArrayLike, notes: list[str]) -> MapArray:
     """`radiance` as an array (height, 2 * height, 3), or a refusal of other shapes.
 
     Grey arrays and arrays with alpha are converted like files; `notes` says so.
@@ -26,29 +36,49 @@ def map_array(radiance: ArrayLike, notes: list[str]) -> NDArray[Any]:
         raise EnvLightsError(
             f"a map must be floating point, uint8 or uint16; got the dtype {array.dtype}"
         )
-    array = _rgb(array, notes)
-    height, width, _ = array.shape
+    samples, seen = _rgb(array, notes)
+    height, width, _ = samples.shape
     if width != 2 * height:
         raise EnvLightsError(
             f"an equirectangular map is twice as wide as high; got {width}x{height} pixels"
         )
     if height < 2:
         raise EnvLightsError(f"a map needs at least 4x2 pixels; got {width}x{height}")
-    return array
+    return MapArray(samples, _without_masked(radiance, seen))
 
 
-def _rgb(array: NDArray[Any], notes: list[str]) -> NDArray[Any]:
-    """Three channels: grey ones repeated, alpha left out."""
+def _rgb(array: NDArray[Any], notes: list[str]) -> MapArray:
+    """Three channels, grey ones repeated, and straight alpha."""
     channels = 1 if array.ndim == 2 else array.shape[2] if array.ndim == 3 else 0
     if channels == 3:
-        return array
+        return MapArray(array, None)
     if channels == 4:
-        notes.append("alpha was ignored")
-        return array[..., :3]
+        return MapArray(array[..., :3], _share_of_alpha(array[..., 3]))
     if channels == 1:
         notes.append("the only channel was read as grey")
-        return np.repeat(array.reshape(*array.shape[:2], 1), 3, axis=2)
+        return MapArray(np.repeat(array.reshape(*array.shape[:2], 1), 3, axis=2), None)
     raise EnvLightsError(
         "a map must have the shape (height, width, 3), or (height, width) for grey;"
         f" got {array.shape}"
     )
+
+
+def _share_of_alpha(alpha: NDArray[Any]) -> NDArray[np.float32] | None:
+    """Alpha from 0 to 1; None if all is opaque. NaN is opaque."""
+    if alpha.dtype.kind == "f":
+        share = np.nan_to_num(alpha.astype(np.float32), nan=1.0).clip(0, 1)
+    else:
+        share = alpha.astype(np.float32) / np.float32(np.iinfo(alpha.dtype).max)
+    return None if (share == 1).all() else share
+
+
+def _without_masked(
+    radiance: ArrayLike, seen: NDArray[np.float32] | None
+) -> NDArray[np.float32] | None:
+    """Share of each pixel, 0 where a channel of a masked array is masked."""
+    mask = np.ma.getmask(radiance)
+    if mask is np.ma.nomask or not mask.any():
+        return seen
+    hidden = np.asarray(mask) if mask.ndim == 2 else np.any(np.asarray(mask), axis=2)
+    share = np.ones(hidden.shape, np.float32) if seen is None else seen
+    return np.where(hidden, np.float32(0), share)

@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights import _cleaning, _html, _map_text, _native, _thumbnails, resampling
+from envlights import _cleaning, _html, _map_text, _native, _thumbnails, _visibility, resampling
 from envlights._arrays import convert
 from envlights._check import amount, check_choice, describe, texts
 from envlights._map_array import map_array
 from envlights._native import EnvLightsError
+from envlights._white import white_of_codes
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -34,6 +35,7 @@ class MapPixels:
         registration: str = "cell-centred",
         notes: str | Iterable[str] = (),
         white: float | None = None,
+        seen: ArrayLike | None = None,
     ) -> None:
         check_choice("projection", projection, PROJECTIONS)
         check_choice("registration", registration, REGISTRATIONS)
@@ -46,8 +48,11 @@ class MapPixels:
                 "a map must be an array; `EnvMap.open` reads files; got"
                 f" {describe(os.fspath(radiance))}"
             )
-        linear = self._linear(map_array(radiance, self._notes))
-        self._radiance = _read_only(_cleaning.clean(linear, self._notes))
+        array = map_array(radiance, self._notes)
+        linear = self._with_seen(self._linear(array.samples), array.seen, seen)
+        cleaned, level = _cleaning.clean(linear, self._notes)
+        self._white = level if self._white is None else self._white
+        self._radiance = _read_only(cleaned)
 
     @classmethod
     def unchecked(
@@ -57,13 +62,15 @@ class MapPixels:
         registration: str = REGISTRATIONS[0],
         notes: Iterable[str] = (),
         white: float | None = None,
+        seen: NDArray[np.float32] | None = None,
     ) -> Self:
         """Map without a check of its samples, for arrays that a kernel checks or has made."""
         env = cls.__new__(cls)
         env._notes = list(notes)
         env._projection, env._registration = PROJECTIONS[0], registration
         env._white, env._clipped = white, None
-        env._radiance = _read_only(env._linear(map_array(radiance, env._notes)))
+        array = map_array(radiance, env._notes)
+        env._radiance = _read_only(env._with_seen(env._linear(array.samples), array.seen, seen))
         return env
 
     @property
@@ -114,6 +121,18 @@ class MapPixels:
         return self._clipped_shares()[1]
 
     @property
+    def seen(self) -> NDArray[np.float32] | None:
+        """Share of each pixel that is seen, (height, width); None if all is."""
+        return self._seen
+
+    @property
+    def seen_share(self) -> float:
+        """Fraction of the sphere that is seen."""
+        if self._seen is None:
+            return 1.0
+        return _visibility.share_of_sphere(self._seen, self.is_border_sampled)
+
+    @property
     def height(self) -> int:
         """Rows."""
         return int(self._radiance.shape[0])
@@ -151,11 +170,14 @@ class MapPixels:
         return _html.block(type(self).__name__, "", picture, _html.lines(str(self)))
 
     def __eq__(self, other: object) -> bool:
-        """True if radiance, layout and clip level are equal."""
+        """True if radiance, layout, clip level and seen share are equal."""
         if not isinstance(other, MapPixels):
             return NotImplemented
         layout, others = ((e.projection, e.registration, e.white) for e in (self, other))
-        return layout == others and np.array_equal(self.radiance, other.radiance)
+        if layout != others or (self.seen is None) != (other.seen is None):
+            return False
+        is_equal = self.seen is None or np.array_equal(self.seen, other.seen)  # type: ignore[arg-type]
+        return is_equal and np.array_equal(self.radiance, other.radiance)
 
     __hash__ = None  # type: ignore[assignment]  # what is compared by its pixels
 
@@ -165,7 +187,7 @@ class MapPixels:
 
     def __reduce__(self) -> tuple[Any, ...]:
         layout = {"projection": self._projection, "registration": self._registration}
-        build = partial(type(self), **layout, notes=self._notes, white=self._white)
+        build = partial(type(self), **layout, notes=self._notes, white=self._white, seen=self._seen)
         return build, (self._radiance,)
 
     def _clipped_shares(self) -> tuple[float, float]:
@@ -175,10 +197,35 @@ class MapPixels:
             )
         return self._clipped
 
+    def _with_seen(
+        self,
+        linear: NDArray[np.float32],
+        of_array: NDArray[np.float32] | None,
+        seen: ArrayLike | None,
+    ) -> NDArray[np.float32]:
+        """Set the seen share, and return radiance that is black where nothing is seen."""
+        self._seen: NDArray[np.float32] | None = None
+        if of_array is not None:
+            linear = _visibility.multiply_by_share(linear, of_array)
+        share = of_array
+        if seen is not None:
+            given = _visibility.checked_seen(seen, linear.shape[:2])
+            share = given if share is None else share if given is None else share * given
+        if share is None:
+            return linear
+        self._seen = _visibility.checked_seen(share, linear.shape[:2])
+        if self._seen is None:
+            return linear
+        self._seen.flags.writeable = False
+        note = _visibility.note_of_unseen(self.seen_share)
+        if note not in self._notes:
+            self._notes.append(note)
+        return _visibility.multiply_by_share(linear, np.float32(1) * (self._seen > 0))
+
     def _linear(self, array: NDArray[Any]) -> NDArray[np.float32]:
         """Linear samples of `array`; sRGB codes are clipped at 1."""
-        if array.dtype.kind != "f":
-            self._white = 1.0 if self._white is None else self._white
+        if array.dtype.kind != "f" and self._white is None:
+            self._white = white_of_codes(array, self._notes)
         return _cleaning.linear(array, self._notes)
 
 

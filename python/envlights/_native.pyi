@@ -22,14 +22,19 @@ __all__ = [
     "RadianceFile",
     "TreeDetection",
     "UnusableSamplesError",
+    "apply_matrix",
     "are_clipped",
     "blur",
     "bresenham_line",
     "clipped_depth",
     "clipped_light_shares",
     "clipped_share",
+    "code_histogram_8",
+    "code_histogram_16",
     "decode_8",
     "decode_16",
+    "decode_channels_8",
+    "decode_channels_16",
     "detect_tree",
     "direction_to_uv",
     "disc_map",
@@ -53,6 +58,7 @@ __all__ = [
     "probe_jacobian",
     "probe_model",
     "probe_residual",
+    "radiance_rows",
     "radical_inverse",
     "reduced_luminance",
     "relative_rms",
@@ -72,6 +78,7 @@ __all__ = [
     "uv_to_direction",
     "uv_to_pixel",
     "weighted_means",
+    "white_code",
     "working_irradiance",
 ]
 
@@ -161,6 +168,7 @@ class MapSplit:
     reach: _Reals
     vectors: _Reals
 
+def apply_matrix(image: _Image, matrix: list[list[float]]) -> tuple[_Image, int]: ...
 def are_clipped(
     radiance: _Image, pixels: _Indices, reach: int, sphere: bool, white: float | None
 ) -> NDArray[np.bool_]: ...
@@ -176,7 +184,17 @@ def clipped_share(
     radiance: _Image, border_sampled: bool, white: float | None
 ) -> tuple[float, float]: ...
 def decode_16(codes: NDArray[np.uint16], table: NDArray[np.float32]) -> _Image: ...
+def code_histogram_8(codes: NDArray[np.uint8], weights: _Reals) -> _Reals: ...
+def code_histogram_16(codes: NDArray[np.uint16], weights: _Reals) -> _Reals: ...
 def decode_8(codes: NDArray[np.uint8], table: NDArray[np.float32]) -> _Image: ...
+def decode_channels_16(
+    codes: NDArray[np.uint16],
+    tables: tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]],
+) -> _Image: ...
+def decode_channels_8(
+    codes: NDArray[np.uint8],
+    tables: tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]],
+) -> _Image: ...
 def detect_tree(radiance: _Image, border_sampled: bool, options: TreeOptions) -> TreeDetection: ...
 def direction_to_uv(direction: _Reals) -> _Reals: ...
 def disc_map(height: int, directions: _Reals, irradiance: _Reals, radii: _Reals) -> _Reals: ...
@@ -228,6 +246,7 @@ def probe_residual(
     weights: _Reals,
     surface: _Coefficients,
 ) -> _Reals: ...
+def radiance_rows(radiance: _Image) -> bytes: ...
 def radical_inverse(index: int, base: int) -> float: ...
 def reduced_luminance(radiance: _Image, columns: int, border_sampled: bool) -> _Image: ...
 def relative_rms(seen: _Reals, wanted: _Reals, weights: _Reals) -> float: ...
@@ -268,6 +287,7 @@ def unusable(radiance: _Image) -> tuple[int, int, int]: ...
 def uv_to_direction(uv: _Reals) -> _Reals: ...
 def uv_to_pixel(uv: _Reals, height: int, width: int) -> _Indices: ...
 def weighted_means(points: _Reals, weights: _Reals, light: _Indices) -> _Reals: ...
+def white_code(histogram: _Reals) -> int | None: ...
 def working_irradiance(
     radiance: _Image,
     normals: _Reals,

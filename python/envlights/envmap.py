@@ -15,7 +15,9 @@ from envlights._map_pixels import REGISTRATIONS, MapPixels
 from envlights._native import EnvLightsError, UnusableSamplesError
 from envlights.io.exposures import Exposures
 from envlights.io.image_output import COMPRESSIONS, map_suffix, write_exr, write_hdr
+from envlights.io.colour import ColourArgument
 from envlights.io.images import MOST_PIXELS, read_image
+from envlights.io.source import AnySource, is_source, name_of
 from envlights.kernels.probe import irradiance
 from envlights.repair import repair
 
@@ -32,9 +34,11 @@ class EnvMap(MapPixels):
     ----------
     radiance : array_like, shape (height, 2 * height, 3)
         Floating point: linear radiance in W m\ :sup:`-2` sr\ :sup:`-1`, on any common scale.
-        uint8 and uint16: sRGB codes. A fourth channel is alpha, which is ignored; a single channel
-        is grey. NaN and negative samples become 0, infinite ones the largest finite sample. `notes`
-        lists every change. A C-contiguous float32 array without such samples is not copied, so do
+        uint8 and uint16: sRGB codes. A fourth channel is straight alpha, also of floating point:
+        radiance is multiplied by it. Masked pixels of a NumPy masked array are not seen. A single
+        channel is grey. NaN becomes the mean of its neighbours, negative samples become 0. Infinite
+        ones count as clipped, at 65504 or at twice the largest finite sample. `notes` lists every
+        change. A C-contiguous float32 array without such samples is not copied, so do
         not change it afterwards.
     projection : {"equirectangular"}
         Layout of the sphere in the image. Others are refused.
@@ -48,6 +52,9 @@ class EnvMap(MapPixels):
         Clip level: the largest value that the radiance could hold, such as 1.0 for a linearised
         picture. Known for uint8 and uint16. Detection treats pixels at the clip level as lights of
         unknown brightness; see `detect_tree`.
+    seen : array_like, shape (height, 2 * height), optional
+        Share of each pixel that the map shows, from 0 to 1. The radiance is multiplied by it
+        already; pixels of share 0 become black.
 
     Raises
     ------
@@ -66,26 +73,43 @@ class EnvMap(MapPixels):
     @classmethod
     def open(
         cls,
-        path: str | os.PathLike[str],
+        path: AnySource,
         *,
         registration: str | None = None,
         white: float | None = None,
+        colour: ColourArgument | None = None,
+        part: str | int | None = None,
+        channels: str | Sequence[str] | None = None,
         max_pixels: int = MOST_PIXELS,
+        any_format: bool = False,
     ) -> EnvMap:
         """Read a map from a file.
 
         Parameters
         ----------
-        path : path-like
-            Radiance .hdr, OpenEXR, PNG, JPEG, TIFF, or any other format of OpenImageIO. Files of 8
-            or 16 bit integers are decoded from sRGB; alpha and extra channels are ignored.
+        path : path-like, bytes or file object
+            Radiance .hdr, OpenEXR, PNG, JPEG or TIFF; the first bytes decide. "-" is the standard
+            input; addresses like ``s3://`` are read by fsspec, if it is installed. The colour space
+            of the file is converted to linear Rec.709: transfer curve, ICC profile, primaries.
+            Integers without a statement are sRGB. What alpha or a crop hides is black; see `seen`.
         registration : {"cell-centred", "border-sampled"}, optional
             See `EnvMap`. When left out, the metadata of the file decides.
         white : float, optional
-            Clip level; see `EnvMap`. Known for files of integers.
+            Clip level; see `EnvMap`. Known for files of integers, from their own histogram.
+        colour : str, bytes or path-like, optional
+            Colour space of the samples, instead of what the file says: "linear", "srgb", "p3",
+            "rec2020", "acescg", ..., or an ICC profile.
+        part : str or int, optional
+            Name of a layer, or name or number of an image of the file. When left out, the finished
+            picture is found by its name.
+        channels : str or sequence of str, optional
+            Names of red, green and blue, or of one grey channel, then perhaps alpha.
         max_pixels : int
             Files with more pixels are refused before memory is allocated. The default is
             32768x16384.
+        any_format : bool
+            True: try all formats of OpenImageIO on other files. Not for files of strangers, because
+            these readers had memory faults.
 
         Returns
         -------
@@ -97,7 +121,14 @@ class EnvMap(MapPixels):
         EnvLightsError
             If the file cannot be read or holds no equirectangular map.
         """
-        image = read_image(path, max_pixels=max_pixels)
+        image = read_image(
+            path,
+            colour=colour,
+            part=part,
+            channels=channels,
+            max_pixels=max_pixels,
+            any_format=any_format,
+        )
         if registration is None:
             registration = REGISTRATIONS[image.border_sampled]
         try:
@@ -106,9 +137,10 @@ class EnvMap(MapPixels):
                 registration=registration,
                 notes=image.notes,
                 white=image.white if white is None else white,
+                seen=image.seen,
             )
         except EnvLightsError as refusal:
-            raise EnvLightsError(f"{os.fspath(path)}: {refusal}") from None
+            raise EnvLightsError(f"{name_of(path)}: {refusal}") from None
 
     @classmethod
     def from_exposures(
@@ -207,12 +239,13 @@ class EnvMap(MapPixels):
         Notes
         -----
         Primaries are those of Rec.709. A border-sampled map gets the attribute ``envmap``. A .hdr
-        file cannot hold that, so such a map is converted to cells.
+        file cannot hold that, so such a map is converted to cells, and a sample above 1.7e38 is
+        refused. The notes of the map become comments of the file.
         """
         if map_suffix(path) == ".hdr":
             if half or compression != COMPRESSIONS[0]:
                 raise EnvLightsError(f"cannot save {path}: half and compression are of .exr files")
-            write_hdr(path, self.cells())
+            write_hdr(path, self.cells(), comments=self._notes)
             return
         write_exr(
             path,
@@ -220,6 +253,7 @@ class EnvMap(MapPixels):
             half=half,
             compression=compression,
             border_sampled=self.is_border_sampled,
+            comments=self._notes,
         )
 
     def rotated(self, matrix: ArrayLike) -> EnvMap:
@@ -254,7 +288,16 @@ class EnvMap(MapPixels):
             self._radiance, rotation(matrix), border_sampled=self.is_border_sampled
         )
         registration = REGISTRATIONS[is_border]
-        return EnvMap(radiance, registration=registration, notes=self._notes, white=self._white)
+        seen = self._seen
+        if seen is not None:
+            grey = np.repeat(seen[..., None], 3, axis=2)
+            turned, _ = resampling.rotate(
+                grey, rotation(matrix), border_sampled=self.is_border_sampled
+            )
+            seen = turned[..., 0].clip(0, 1)
+        return EnvMap(
+            radiance, registration=registration, notes=self._notes, white=self._white, seen=seen
+        )
 
     def repaired(self, *, irradiance: float | None = None, ratio: float | None = None) -> EnvMap:
         r"""Map with an estimate of the clipped light.
@@ -314,17 +357,19 @@ class EnvMap(MapPixels):
         )
         white = self._white if is_open else None
         notes = (*self._notes, note)
-        return EnvMap(radiance, registration=self._registration, notes=notes, white=white)
+        return EnvMap(
+            radiance, registration=self._registration, notes=notes, white=white, seen=self._seen
+        )
 
 
-#: Map, path of its file, or its radiance as an array.
-AnyMap = EnvMap | str | os.PathLike[str] | ArrayLike
+#: Map, its file as path, bytes or file object, or its radiance as an array.
+AnyMap = EnvMap | AnySource | ArrayLike
 
 
 def as_envmap(env: AnyMap) -> EnvMap:
     """Map of an array or of the path of a file; a map is returned as it is."""
-    if isinstance(env, str | os.PathLike):
-        return EnvMap.open(env)
+    if is_source(env):
+        return EnvMap.open(env)  # type: ignore[arg-type]
     return env if isinstance(env, EnvMap) else EnvMap(env)
 
 
@@ -334,7 +379,7 @@ def apply_to_map(env: AnyMap, work: Callable[[EnvMap], _T]) -> tuple[EnvMap, _T]
     Kernels read every sample anyway and refuse those that are not radiance, so the usual array
     needs no check of its own.
     """
-    if isinstance(env, EnvMap | str | os.PathLike):
+    if isinstance(env, EnvMap) or is_source(env):
         world = as_envmap(env)
         return world, work(world)
     world = EnvMap.unchecked(env)

@@ -2,16 +2,18 @@
 
 use std::sync::Arc;
 
-use numpy::{IntoPyArray, PyArray3};
+use numpy::ndarray::ArrayViewMut3;
+use numpy::{IntoPyArray, PyArray3, PyReadonlyArray3};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::{PyBytes, PyTuple};
 
 use super::error::EnvLightsError;
+use super::output::fill;
 use super::pool::interruptible;
 use crate::formats::Rows;
 use crate::formats::png::{self, Samples};
-use crate::formats::radiance::Radiance;
+use crate::formats::radiance::{Radiance, write};
 
 /// Bytes of a Python object, without a copy.
 pub(super) struct Shared(Arc<PyBackedBytes>);
@@ -84,8 +86,11 @@ impl RadianceFile {
                 "rows must be from 0 to {height}, the first one first; got {top} to {bottom}"
             )));
         }
-        let samples = interruptible(py, || self.picture.samples(top..bottom))?;
-        Ok(samples.into_pyarray(py))
+        let shape = [bottom - top, self.picture.size().1, 3];
+        let read = |mut out: ArrayViewMut3<'_, f32>| {
+            self.picture.read(top..bottom, out.as_slice_mut().unwrap_or_default())
+        };
+        Ok(fill(py, shape, read)?.0)
     }
 }
 
@@ -181,4 +186,15 @@ impl PngFile {
             Samples::Sixteen(samples) => samples.into_pyarray(py).into_any(),
         })
     }
+}
+
+/// See `envlights.io.image_output`: bytes of some rows of a Radiance picture.
+#[pyfunction]
+pub fn radiance_rows<'py>(
+    py: Python<'py>,
+    radiance: PyReadonlyArray3<'py, f32>,
+) -> PyResult<Bound<'py, PyBytes>> {
+    let radiance = radiance.as_array();
+    let bytes = interruptible(py, || Ok(write::encode(radiance)))?;
+    Ok(PyBytes::new(py, &bytes))
 }

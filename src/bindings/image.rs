@@ -1,10 +1,11 @@
 //! `kernels::image` for Python.
 
 use glam::DMat3;
-use numpy::{IntoPyArray, PyArray3, PyReadonlyArray1, PyReadonlyArray3};
+use numpy::{IntoPyArray, PyArray1, PyArray3, PyReadonlyArray1, PyReadonlyArray3};
 use pyo3::prelude::*;
 
 use super::pool::interruptible;
+use crate::error::Error;
 use crate::kernels::image;
 
 /// See `envlights.EnvMap`: the numbers of NaN, infinite and negative samples.
@@ -39,6 +40,44 @@ pub fn decode_16<'py>(
     Ok(values.into_pyarray(py))
 }
 
+/// See `envlights.EnvMap`: decode 8-bit codes with a table of values for each channel.
+#[pyfunction]
+pub fn decode_channels_8<'py>(
+    py: Python<'py>,
+    codes: PyReadonlyArray3<'py, u8>,
+    tables: (PyReadonlyArray1<'py, f32>, PyReadonlyArray1<'py, f32>, PyReadonlyArray1<'py, f32>),
+) -> PyResult<Bound<'py, PyArray3<f32>>> {
+    let (red, green, blue) = &tables;
+    let (codes, tables) = (codes.as_array(), [red.as_slice()?, green.as_slice()?, blue.as_slice()?]);
+    let values = interruptible(py, || image::decode_channels(codes, tables))?;
+    Ok(values.into_pyarray(py))
+}
+
+/// See `envlights.EnvMap`: decode 16-bit codes with a table of values for each channel.
+#[pyfunction]
+pub fn decode_channels_16<'py>(
+    py: Python<'py>,
+    codes: PyReadonlyArray3<'py, u16>,
+    tables: (PyReadonlyArray1<'py, f32>, PyReadonlyArray1<'py, f32>, PyReadonlyArray1<'py, f32>),
+) -> PyResult<Bound<'py, PyArray3<f32>>> {
+    let (red, green, blue) = &tables;
+    let (codes, tables) = (codes.as_array(), [red.as_slice()?, green.as_slice()?, blue.as_slice()?]);
+    let values = interruptible(py, || image::decode_channels(codes, tables))?;
+    Ok(values.into_pyarray(py))
+}
+
+/// See `envlights.EnvMap`: converted colours of `image`, and the number of pixels outside Rec.709.
+#[pyfunction]
+pub fn apply_matrix<'py>(
+    py: Python<'py>,
+    image: PyReadonlyArray3<'py, f32>,
+    matrix: [[f32; 3]; 3],
+) -> PyResult<(Bound<'py, PyArray3<f32>>, usize)> {
+    let image = image.as_array();
+    let (converted, outside) = interruptible(py, || image::apply_matrix(image, &matrix))?;
+    Ok((converted.into_pyarray(py), outside))
+}
+
 /// See `envlights.EnvMap.rotated`; `matrix` has its rows in order.
 #[pyfunction]
 pub fn rotate_map<'py>(
@@ -49,4 +88,40 @@ pub fn rotate_map<'py>(
     let (radiance, rotation) = (radiance.as_array(), DMat3::from_cols_array_2d(&matrix).transpose());
     let radiance = interruptible(py, || image::rotate(radiance, rotation))?;
     Ok(radiance.into_pyarray(py))
+}
+
+/// Clip level of a picture as one of 256 codes, from the solid angle of each code of the largest channel.
+#[pyfunction]
+pub fn white_code(histogram: PyReadonlyArray1<'_, f64>) -> PyResult<Option<usize>> {
+    let sums = histogram.as_slice()?;
+    let sums = sums.try_into().map_err(|_| Error::WrongShape {
+        what: "histogram",
+        wanted: "(256,)",
+        shape: vec![sums.len()],
+    })?;
+    Ok(image::white_of(sums))
+}
+
+/// Weights of rows, summed over pixels by the code of their largest channel, for 8 bits.
+#[pyfunction]
+pub fn code_histogram_8<'py>(
+    py: Python<'py>,
+    codes: PyReadonlyArray3<'py, u8>,
+    weights: PyReadonlyArray1<'py, f64>,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let (codes, weights) = (codes.as_array(), weights.as_array());
+    let sums = interruptible(py, || Ok(image::code_histogram(codes, weights, 255)))?;
+    Ok(PyArray1::from_slice(py, &sums))
+}
+
+/// Weights of rows, summed over pixels by the code of their largest channel, for 16 bits.
+#[pyfunction]
+pub fn code_histogram_16<'py>(
+    py: Python<'py>,
+    codes: PyReadonlyArray3<'py, u16>,
+    weights: PyReadonlyArray1<'py, f64>,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let (codes, weights) = (codes.as_array(), weights.as_array());
+    let sums = interruptible(py, || Ok(image::code_histogram(codes, weights, 65535)))?;
+    Ok(PyArray1::from_slice(py, &sums))
 }

@@ -46,11 +46,14 @@ mod _native {
     #[pymodule_export]
     use super::fit::{FitAnswer, fit_reduced, fit_samples, map_energy, relative_rms, rig_irradiance};
     #[pymodule_export]
-    use super::formats::{PngFile, RadianceFile};
+    use super::formats::{PngFile, RadianceFile, radiance_rows};
     #[pymodule_export]
     use super::harmonics::{harmonic_irradiance, harmonic_radiance};
     #[pymodule_export]
-    use super::image::{decode_8, decode_16, rotate_map, unusable};
+    use super::image::{
+        apply_matrix, code_histogram_8, code_histogram_16, decode_8, decode_16, decode_channels_8,
+        decode_channels_16, rotate_map, unusable, white_code,
+    };
     #[pymodule_export]
     use super::loghin::{
         are_clipped, blur, bresenham_line, luminance, merge_along_lines, neighbour_maximum, resize_bilinear,

@@ -1,4 +1,4 @@
-//! Readers of image files: bytes in, a header and samples out. Colour and placement are decided by the caller.
+//! Readers of image files, bytes in, a header and samples out, and a writer of Radiance pictures. Colour and placement are decided by the caller.
 //!
 //! | format        | folder or file |
 //! |---------------|----------------|

@@ -162,7 +162,9 @@ def split(
     parts = _native.split_map(env.radiance, is_border, pixels)
     removed = _removed_lights(chosen, parts, _report(chosen, len(found), perf_counter() - start))
     notes = (*env.notes, *_notes(removed))
-    rest = EnvMap.unchecked(parts.rest, registration=env.registration, notes=notes, white=env.white)
+    rest = EnvMap.unchecked(
+        parts.rest, registration=env.registration, notes=notes, white=env.white, seen=env.seen
+    )
     return Split(removed, rest)
 
 

@@ -145,4 +145,4 @@ def above_horizon(env: EnvMap) -> EnvMap:
         env.radiance.shape,
         lambda rows: np.where(towards[rows, :, 1:2] < 0, np.float32(0), env.radiance[rows]),
     )
-    return EnvMap(radiance, registration=env.registration, white=env.white)
+    return EnvMap(radiance, registration=env.registration, white=env.white, seen=env.seen)

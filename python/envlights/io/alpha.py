@@ -29,6 +29,13 @@ def straight_codes(colours: NDArray[Any], alpha: NDArray[Any], header: Header) -
     return codes.astype(header.dtype)
 
 
+def visible(colours: NDArray[Any], alpha: NDArray[Any]) -> NDArray[Any]:
+    """Colours with 0 where alpha, (rows, width, 0 or 1), hides them."""
+    if not alpha.shape[2] or alpha.all():
+        return colours
+    return np.where(alpha > 0, colours, colours.dtype.type(0))
+
+
 def seen_of_alpha(
     linear: NDArray[np.float32], alpha: NDArray[Any], header: Header
 ) -> NDArray[np.float32] | None:

@@ -20,11 +20,12 @@ _COMPOSITED, _COMPOSITE_RANK = "composite", 4
 _OTHER = 9
 
 #: Words of layers that hold no light.
-_NEVER = frozenset(
-    "n nn ng ns normal normals albedo z depth zdepth p pos position pref pworld uv uvs st vector"
-    " vectors velocity motion motionvector mv id objectid cryptomatte crypto mist mask matte"
-    " diffcol glosscol transcol basecolor".split()
-)
+_NEVER = frozenset({
+    "n", "nn", "ng", "ns", "normal", "normals", "albedo", "z", "depth", "zdepth", "p", "pos",
+    "position", "pref", "pworld", "uv", "uvs", "st", "vector", "vectors", "velocity", "motion",
+    "motionvector", "mv", "id", "objectid", "cryptomatte", "crypto", "mist", "mask", "matte",
+    "diffcol", "glosscol", "transcol", "basecolor",
+})  # fmt: skip
 #: Words of stereo views; of several the first is read, or the left one.
 _VIEWS = {"left": 0, "right": 2}
 #: Names in a sentence at most.
@@ -219,7 +220,7 @@ def _grey(name: str, parts: Sequence[Part], wanted: list[int]) -> Choice:
             note = f"the only channel, {colours[0]}, was read as grey"
             alpha = next((one for one in names if one in {"A", "a", "Alpha"}), "")
             others = [one for one in names if one not in {colours[0], alpha}]
-            return Choice(place, (colours[0],), alpha, (note, *_ignored(others)))
+            return Choice(place, (colours[0],), alpha, (note, *_note_on(others)))
     names = parts[wanted[0]].channels
     raise EnvLightsError(
         f"{name} has the channels {_some(names)}; it needs R, G and B, or a single channel"
@@ -247,10 +248,10 @@ def _layer_notes(layer: _Layer, layers: list[_Layer], parts: Sequence[Part]) -> 
 def _channel_notes(layer: _Layer, layers: list[_Layer], parts: Sequence[Part]) -> list[str]:
     """Note on channels of the part that belong to no layer."""
     known = {channel for one in layers for channel in (*one.colours, one.alpha)}
-    return _ignored([one for one in parts[layer.part].channels if one not in known])
+    return _note_on([one for one in parts[layer.part].channels if one not in known])
 
 
-def _ignored(channels: list[str]) -> list[str]:
+def _note_on(channels: list[str]) -> list[str]:
     return [f"other channels were ignored: {_some(channels)}"] if channels else []
 
 

@@ -66,7 +66,7 @@ def crop(said: dict[str, str], width: int, height: int) -> tuple[Crop | None, li
     is_sphere = full_height > 0 and abs(full_width / full_height - 2) < 2 * _ROUNDING
     if not (is_inside and is_sphere and _is_resized(width, height, crop_width, crop_height)):
         return None, ["its GPano crop contradicts the size of the picture and was not applied"]
-    return _scaled(full_height, left, top, width, height, width / crop_width)
+    return _to_pixels(full_height, left, top, width, height, width / crop_width)
 
 
 _KEYS = (
@@ -87,14 +87,16 @@ def _is_resized(width: int, height: int, crop_width: float, crop_height: float) 
     return abs(height - expected) <= max(1.0, _ROUNDING * expected)
 
 
-def _scaled(
+def _to_pixels(
     full_height: float, left: float, top: float, width: int, height: int, scale: float
 ) -> tuple[Crop, list[str]]:
     """Crop in the pixels of the picture."""
     rows = max(round(full_height * scale), height, -(-width // 2))
     left = min(round(left * scale), 2 * rows - width)
     top = min(round(top * scale), rows - height)
-    share = f"columns {left} to {left + width} of {2 * rows}, rows {top} to {top + height} of {rows}"
+    share = (
+        f"columns {left} to {left + width} of {2 * rows}, rows {top} to {top + height} of {rows}"
+    )
     note = f"the picture shows a part of the sphere (GPano): {share}"
     return Crop(2 * rows, rows, int(left), int(top)), [note]
 

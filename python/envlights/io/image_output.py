@@ -1,13 +1,15 @@
-"""Writer of linear RGB as OpenEXR or Radiance files, by OpenImageIO."""
+"""Writer of linear RGB as OpenEXR files, by OpenImageIO, or as Radiance files."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights import _native
 from envlights._check import check_choice, flag
 from envlights._native import EnvLightsError
 from envlights.io.files import as_path, write_atomically
@@ -21,6 +23,8 @@ _TILE = 64
 #: A multiple of that, and of the rows that OpenEXR compresses together.
 _ROWS_AT_ONCE = 128
 _LARGEST_HALF = float(np.finfo(np.float16).max)
+#: Radiance files hold mantissas up to 255 with the exponent 127; this would be rounded to 256.
+_END_OF_RGBE = 255.5 * 2.0**119
 
 
 def write_exr(
@@ -30,6 +34,7 @@ def write_exr(
     half: bool = False,
     compression: str = COMPRESSIONS[0],
     border_sampled: bool = False,
+    comments: Iterable[str] = (),
 ) -> None:
     """Write linear Rec.709 RGB, (height, width, 3), as an OpenEXR file.
 
@@ -44,6 +49,8 @@ def write_exr(
     border_sampled : bool
         Whether the outer pixels lie on the seam and the poles. Such a map, and no other, has the
         attribute ``envmap``: readers take its outer pixels so.
+    comments : iterable of str
+        Lines of the attribute ``comments``.
     """
     check_choice("compression", compression, COMPRESSIONS)
     if flag("half", half) and radiance.max(initial=0) > _LARGEST_HALF:
@@ -53,6 +60,9 @@ def write_exr(
         )
     spec = _spec(radiance, oiio.HALF if half else oiio.FLOAT)
     spec.attribute("compression", compression)
+    if lines := _lines(comments):
+        # OpenImageIO writes this as the attribute `comments`.
+        spec.attribute("ImageDescription", "\n".join(lines))
     spec.attribute("chromaticities", oiio.TypeDesc("float[8]"), REC709)
     if border_sampled:
         spec.attribute("textureformat", "LatLong Environment")
@@ -61,9 +71,51 @@ def write_exr(
     _write(path, spec, radiance)
 
 
-def write_hdr(path: str | os.PathLike[str], radiance: NDArray[np.float32]) -> None:
-    """Write linear RGB, (height, width, 3), as a Radiance file: 8 bits and a shared exponent."""
-    _write(path, _spec(radiance, oiio.FLOAT), radiance)
+def write_hdr(
+    path: str | os.PathLike[str], radiance: NDArray[np.float32], *, comments: Iterable[str] = ()
+) -> None:
+    """Write linear Rec.709 RGB as a Radiance file: 8 bits, rounded to nearest, shared exponent.
+
+    Parameters
+    ----------
+    path : path-like
+    radiance : ndarray, shape (height, width, 3)
+        Samples from 0 to 1.7e38; a larger one is refused.
+    comments : iterable of str
+        Comment lines of the header.
+    """
+    largest = float(radiance.max(initial=0))
+    if not largest < _END_OF_RGBE:
+        raise EnvLightsError(
+            f"cannot write {path}: its largest sample is {largest:g}, above the"
+            f" {_END_OF_RGBE:.3g} of Radiance files; scale the map, or write an .exr file"
+        )
+    height, width, _ = radiance.shape
+    header = [
+        "#?RADIANCE",
+        *(f"# {line}" for line in _lines(comments)),
+        "SOFTWARE=envlights",
+        "EXPOSURE=1",
+        f"PRIMARIES={' '.join(f'{value:g}' for value in REC709)}",
+        "FORMAT=32-bit_rle_rgbe",
+        "",
+        f"-Y {height} +X {width}",
+        "",
+    ]
+
+    def write(beside: Path) -> None:
+        with beside.open("wb") as file:
+            file.write("\n".join(header).encode())
+            for top in range(0, height, _ROWS_AT_ONCE):
+                rows = np.ascontiguousarray(radiance[top : top + _ROWS_AT_ONCE], np.float32)
+                file.write(_native.radiance_rows(rows))
+
+    write_atomically(path, write)
+
+
+def _lines(comments: Iterable[str]) -> list[str]:
+    """Comments without line breaks and other control characters, one line each."""
+    return ["".join(c if c.isprintable() else " " for c in comment) for comment in comments]
 
 
 #: Formats by suffix.

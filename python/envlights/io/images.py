@@ -12,17 +12,17 @@ from numpy.typing import NDArray
 
 from envlights._check import count
 from envlights._native import EnvLightsError
-from envlights.io import png
-from envlights.io.alpha import seen_of_alpha, straight_codes
+from envlights._white import CodeHistogram, white_of
+from envlights.io.alpha import seen_of_alpha, straight_codes, visible
 from envlights.io.channels import Choice, choose
-from envlights.io.colour import ColourConversion, conversion
-from envlights.io.errors import DamagedFileError
+from envlights.io.colour import ColourArgument, ColourConversion, conversion
 from envlights.io.linear import Linear
+from envlights.io.native import open_png, open_radiance
 from envlights.io.openimageio import check_size, open_with_openimageio
 from envlights.io.placement import Placement, placement
 from envlights.io.raw_image import ImageFile, RawImage
 from envlights.io.signature import kind_of
-from envlights.io.source import WANTED, AnySource, Source, named_source
+from envlights.io.source import AnySource, Source, named_source
 
 #: Largest number of pixels, 32768 x 16384, unless a caller allows more, because a damaged header
 #: may claim any number.
@@ -77,13 +77,13 @@ class OpenImage:
         notes = (*self.choice.notes, *self.raw.header.notes, *self.colour.notes)
         return (*notes, *self.place.notes)
 
-    def blocks(self) -> Iterator[tuple[int, NDArray[np.float32], NDArray[np.float32] | None]]:
-        """First row, linear Rec.709 and seen share of some rows at a time, as the file has them."""
-        linear, count = Linear(self.raw.header, self.colour), len(self.choice.colours)
+    def samples(self) -> Iterator[tuple[int, NDArray[Any], NDArray[Any]]]:
+        """First row, colours and alpha of some rows at a time, in the type of the file."""
         height, step = self.raw.header.height, self.raw.rows_at_once
+        count = len(self.choice.colours)
         for top in range(0, height, step):
             samples = self.raw.rows(top, min(top + step, height))
-            yield top, *self._block(linear, samples[..., :count], samples[..., count:])
+            yield top, samples[..., :count], samples[..., count:]
 
     def _block(
         self, linear: Linear, colours: NDArray[Any], alpha: NDArray[Any]
@@ -97,43 +97,73 @@ class OpenImage:
     def image(self) -> Image:
         """All pixels of the sphere."""
         header = self.raw.header
-        pixels = np.empty((header.height, header.width, 3), np.float32)
-        seen = None
-        for top, block, share in self.blocks():
-            pixels[top : top + len(block)] = block
-            if share is not None:
-                seen = np.ones(pixels.shape[:2], np.float32) if seen is None else seen
-                seen[top : top + len(block)] = share
+        linear = Linear(header, self.colour)
+        histogram = CodeHistogram(header.height) if header.dtype.kind == "u" else None
+        size = (header.height, header.width)
+        pixels, shares = _Rows((*size, 3)), _Rows(size, 1.0)
+        for top, colours, alpha in self.samples():
+            if histogram:
+                histogram.add(visible(colours, alpha), top)
+            block, share = self._block(linear, colours, alpha)
+            pixels.add(top, block)
+            shares.add(top, share)
+        white, notes = self._white(histogram, pixels.whole)
+        seen = shares.whole
         if seen is not None and not seen.any():
-            pixels, seen = self._without_alpha(pixels)
+            seen = self._without_alpha()
         if seen is None and self.place.crop:
-            seen = np.ones(pixels.shape[:2], np.float32)
-        white = float(pixels.max(initial=0)) if header.has_gain_map else self.colour.white
+            seen = np.ones(size, np.float32)
         return Image(
-            self.place.apply(pixels),
+            self.place.apply(pixels.whole),
             header.border_sampled,
-            self.notes,
-            white or None,
+            (*self.notes, *linear.notes, *notes),
+            white,
             None if seen is None else self.place.apply(seen, border=1),
         )
 
-    def _without_alpha(
-        self, pixels: NDArray[np.float32]
-    ) -> tuple[NDArray[np.float32], NDArray[np.float32] | None]:
-        """Pixels of a file whose alpha is 0 everywhere; straight alpha would hide all of them."""
+    def _white(
+        self, histogram: CodeHistogram | None, pixels: NDArray[np.float32]
+    ) -> tuple[float | None, list[str]]:
+        """Clip level, and a note on one that only the histogram shows."""
+        if self.raw.header.has_gain_map:
+            return float(pixels.max(initial=0)) or None, []
+        if histogram is None:
+            return self.colour.white, []
+        return white_of(histogram, self.colour.table(8 * self.raw.header.dtype.itemsize))
+
+    def _without_alpha(self) -> None:
+        """No share for a file whose alpha is 0 everywhere; straight alpha would hide all pixels."""
         if self.raw.header.alpha == "straight":
             raise EnvLightsError(
                 f"cannot read {self.name}: alpha is 0 in all pixels, so that nothing is seen;"
                 f" leave it out with channels={','.join(self.choice.colours)!r}"
             )
-        return pixels, None
+
+
+class _Rows:
+    """Array that is filled block by block; one block of all rows is taken as it is."""
+
+    def __init__(self, shape: tuple[int, ...], default: float = 0.0) -> None:
+        self._shape, self._default = shape, default
+        self.whole: Any = None
+
+    def add(self, top: int, block: NDArray[np.float32] | None) -> None:
+        """Set the rows from `top` on; rows that are never set have the default."""
+        if block is None:
+            return
+        if block.shape == self._shape:
+            self.whole = block
+            return
+        if self.whole is None:
+            self.whole = np.full(self._shape, self._default, np.float32)
+        self.whole[top : top + len(block)] = block
 
 
 @contextlib.contextmanager
 def open_image(
     source: AnySource,
     *,
-    colour: str | None = None,
+    colour: ColourArgument | None = None,
     part: str | int | None = None,
     channels: str | Sequence[str] | None = None,
     max_pixels: int = MOST_PIXELS,
@@ -155,22 +185,19 @@ def open_image(
 @contextlib.contextmanager
 def _reader(named: Source, kind: str, max_pixels: int) -> Iterator[ImageFile]:
     """Open file by the reader of its kind."""
-    if kind == "png":
-        with named.path_with(".png") as path:
-            if obstacle := png.damage(path):
-                raise DamagedFileError(f"cannot read {named.name}: {obstacle}; {WANTED}")
-    with open_with_openimageio(named, kind, max_pixels) as file:
-        if kind == "png":
-            with named.path_with(".png") as path:
-                if obstacle := png.damage_of_pixels(path):
-                    raise DamagedFileError(f"cannot read {named.name}: {obstacle}; {WANTED}")
-        yield file
+    if kind == "radiance":
+        yield open_radiance(named, max_pixels)
+    elif kind == "png":
+        yield open_png(named, max_pixels)
+    else:
+        with open_with_openimageio(named, kind, max_pixels) as file:
+            yield file
 
 
 def read_image(
     source: AnySource,
     *,
-    colour: str | None = None,
+    colour: ColourArgument | None = None,
     part: str | int | None = None,
     channels: str | Sequence[str] | None = None,
     max_pixels: int = MOST_PIXELS,
@@ -181,9 +208,9 @@ def read_image(
     Parameters
     ----------
     source : path-like, bytes or file object
-        Radiance .hdr, OpenEXR, PNG, JPEG or TIFF, told by the first bytes. "-" is the standard
+        Radiance .hdr, OpenEXR, PNG, JPEG or TIFF; the first bytes decide. "-" is the standard
         input; addresses like ``s3://`` are read by fsspec, if it is installed.
-    colour : str, optional
+    colour : str, bytes or path-like, optional
         Colour space of the samples, instead of what the file says.
     part : str or int, optional
         Name of a part or layer, or number of a part from 0. When left out, the finished picture

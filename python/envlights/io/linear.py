@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -10,45 +11,90 @@ from numpy.typing import NDArray
 from envlights import _native
 from envlights.io.colour import ColourConversion
 from envlights.io.raw_image import Header
+from envlights.io.transfer_curves import Curve
+
+#: Rows of a block of floating point samples, whose curve needs memory for double precision.
+_ROWS_AT_ONCE = 64
 
 
 class Linear:
-    """Function from samples of some rows to linear Rec.709."""
+    """Function from samples of some rows to linear Rec.709; counts the pixels outside of it."""
 
     def __init__(self, header: Header, conversion: ColourConversion) -> None:
         self._conversion = conversion
-        is_integer = header.dtype.kind == "u"
-        self._table = conversion.table(8 * header.dtype.itemsize) if is_integer else None
+        self._bits = 8 * header.dtype.itemsize
         exposure = np.asarray(header.exposure, np.float32)
         self._divisor = None if (exposure == 1).all() else exposure
         matrix = conversion.matrix
-        self._matrix = None if matrix is None else np.asarray(matrix.T, np.float32)
+        self._matrix = None if matrix is None else matrix.tolist()
+        self._pixels = self._outside = 0
 
     def __call__(self, samples: NDArray[Any]) -> NDArray[np.float32]:
-        """Linear values, (rows, width, 3), of red, green and blue or of one grey channel."""
-        linear = self._decoded(samples)
+        """Linear values, (rows, width, 3), of red, green and blue or of one grey channel.
+
+        Negative results of the matrix become 0. Floats without a conversion are not copied.
+        """
+        linear = self._decode(samples)
         if linear.shape[2] == 1:
             return np.repeat(linear, 3, axis=2)
         if self._divisor is not None:
             linear = linear / self._divisor
-        return linear if self._matrix is None else linear @ self._matrix
+        if self._matrix is None:
+            return linear
+        converted, outside = _native.apply_matrix(np.ascontiguousarray(linear), self._matrix)
+        self._outside += outside
+        self._pixels += linear.shape[0] * linear.shape[1]
+        return converted
 
-    def _decoded(self, samples: NDArray[Any]) -> NDArray[np.float32]:
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Remark on the share of the pixels so far that lay outside Rec.709, if there are any."""
+        if not self._outside:
+            return ()
+        share = f"{100 * self._outside / self._pixels:.2g} %"
+        return (f"{share} of the pixels lay outside Rec.709; their negative channels became 0",)
+
+    def _decode(self, samples: NDArray[Any]) -> NDArray[np.float32]:
         """Linear values in the primaries of the file."""
-        if self._table is not None:
-            return _looked_up(samples, self._table)
-        values = samples.astype(np.float32, copy=False)
+        if samples.dtype.kind == "u":
+            return _look_up(samples, self._table)
         curve = self._conversion.curve
-        return values if curve is None else np.asarray(curve(values), np.float32)
+        if curve is None:
+            return samples.astype(np.float32, copy=False)
+        if samples.dtype.itemsize == 2:
+            bits = np.ascontiguousarray(samples).view(np.uint16)
+            return _look_up(bits, self._table_of_halves)
+        return _in_blocks(curve, samples)
+
+    @cached_property
+    def _table(self) -> NDArray[np.float32]:
+        return self._conversion.table(self._bits)
+
+    @cached_property
+    def _table_of_halves(self) -> NDArray[np.float32]:
+        """Linear value of each bit pattern of half precision."""
+        halves = np.arange(1 << 16, dtype=np.uint16).view(np.float16)
+        return self._conversion.values(halves.astype(np.float64))
 
 
-def _looked_up(codes: NDArray[Any], table: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Values of codes; `table` is (codes,), or (3, codes) for one of each channel."""
+def _in_blocks(curve: Curve, samples: NDArray[Any]) -> NDArray[np.float32]:
+    """Values of the curve for floating point samples."""
+    linear = np.empty(samples.shape, np.float32)
+    for top in range(0, len(samples), _ROWS_AT_ONCE):
+        rows = slice(top, top + _ROWS_AT_ONCE)
+        with np.errstate(all="ignore"):
+            linear[rows] = curve(samples[rows].astype(np.float64))
+    return linear
+
+
+def _look_up(codes: NDArray[Any], table: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Values of codes of 8 or 16 bits; `table` is (n,), or (3, n) with one row per channel."""
     if table.ndim == 2 and codes.shape[2] == 1:
         table = table[1]
-    if table.ndim == 2:
-        return np.stack([table[c][codes[..., c]] for c in range(3)], axis=2)
-    if codes.shape[2] != 3:
-        return table[codes]
-    table, codes = np.ascontiguousarray(table), np.ascontiguousarray(codes)
-    return _native.decode_8(codes, table) if codes.itemsize == 1 else _native.decode_16(codes, table)
+    codes = np.ascontiguousarray(codes)
+    is_short = codes.dtype.itemsize == 1
+    if table.ndim == 1:
+        return _native.decode_8(codes, table) if is_short else _native.decode_16(codes, table)
+    rows = (table[0], table[1], table[2])
+    decode = _native.decode_channels_8 if is_short else _native.decode_channels_16
+    return decode(codes, rows)

@@ -2,6 +2,112 @@
 
 from __future__ import annotations
 
-from envlights._native import PngFile, RadianceFile
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any
 
-__all__ = ["PngFile", "RadianceFile"]
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights._native import EnvLightsError, PngFile, RadianceFile
+from envlights.io.errors import DamagedFileError
+from envlights.io.raw_image import FileColour, Header, Part, RawImage
+from envlights.io.source import WANTED, Source
+
+#: Names of the channels of PNG files, by their number.
+_CHANNELS = {1: ("Y",), 2: ("Y", "A"), 3: ("R", "G", "B"), 4: ("R", "G", "B", "A")}
+_RGB = _CHANNELS[3]
+
+
+class NativeFile:
+    """Open Radiance or PNG file, which has one part; see `ImageFile`."""
+
+    def __init__(
+        self,
+        name: str,
+        header: Header,
+        rows: Callable[[], Callable[[int, int], NDArray[Any]]],
+        radiance: RadianceFile | None = None,
+    ) -> None:
+        self._name, self._header, self._rows, self._radiance = name, header, rows, radiance
+        self.parts = (Part("", header.channels),)
+
+    def image(self, part: int, channels: Sequence[str]) -> RawImage:
+        """Some `channels` of the only part, in this order."""
+        del part  # there is one
+        known = self._header.channels
+        names = tuple(channels)
+        header = self._header if names == known else _with_channels(self._header, names)
+        places = [known.index(channel) for channel in names]
+        rows = _refusals_named(self._name, self._rows)
+
+        def read(top: int, bottom: int) -> NDArray[Any]:
+            samples = _refusals_named(self._name, lambda: rows(top, bottom))
+            return samples if names == known else samples[..., places]
+
+        return RawImage(header, read, header.height, self._radiance if names == known else None)
+
+    def close(self) -> None:
+        """Close the file; its bytes go with this object."""
+
+
+def open_radiance(source: Source, max_pixels: int) -> NativeFile:
+    """Radiance picture, with its lines found."""
+    data = source.content()
+    picture = _refusals_named(source.name, lambda: RadianceFile(data, max_pixels))
+    header = Header(
+        width=picture.width,
+        height=picture.height,
+        kind="radiance",
+        dtype=np.dtype(np.float32),
+        channels=_RGB,
+        colour=FileColour(chromaticities=picture.primaries, is_xyz=picture.is_xyz),
+        orientation=picture.orientation,
+        exposure=picture.exposure,
+    )
+    return NativeFile(source.name, header, lambda: picture.rows, picture)
+
+
+def open_png(source: Source, max_pixels: int) -> NativeFile:
+    """PNG file, with its header read; the first request for rows unpacks all of them."""
+    data = source.content()
+    picture = _refusals_named(source.name, lambda: PngFile(data, max_pixels))
+    channels = _CHANNELS[picture.channels]
+    header = Header(
+        width=picture.width,
+        height=picture.height,
+        kind="png",
+        dtype=np.dtype(np.uint16 if picture.is_16_bit else np.uint8),
+        channels=channels,
+        colour=FileColour(
+            cicp=picture.cicp,
+            icc=picture.icc,
+            is_srgb=picture.is_srgb,
+            gamma=picture.gamma,
+            chromaticities=picture.chromaticities,
+        ),
+        orientation=picture.orientation,
+        alpha="straight" if "A" in channels else "none",
+        xmp=picture.xmp,
+        notes=("only the first image of the animation was read",) if picture.is_animated else (),
+    )
+
+    def rows() -> Callable[[int, int], NDArray[Any]]:
+        samples = picture.read()
+        return lambda top, bottom: samples[top:bottom]
+
+    return NativeFile(source.name, header, rows)
+
+
+def _with_channels(header: Header, channels: tuple[str, ...]) -> Header:
+    """Header of fewer channels."""
+    return replace(header, channels=channels, alpha=header.alpha if "A" in channels else "none")
+
+
+def _refusals_named(name: str, work: Callable[[], Any]) -> Any:
+    """Result of `work`, whose refusals get the name of the file."""
+    try:
+        return work()
+    except EnvLightsError as refusal:
+        kind = EnvLightsError if "max_pixels" in str(refusal) else DamagedFileError
+        raise kind(f"cannot read {name}: {refusal}; {WANTED}") from None

@@ -60,9 +60,7 @@ _SAFE_OPENEXR = {(3, 2): 11, (3, 3): 13, (3, 4): 14}
 
 
 @contextlib.contextmanager
-def open_with_openimageio(
-    source: Source, kind: str, max_pixels: int
-) -> Iterator[OpenImageIOFile]:
+def open_with_openimageio(source: Source, kind: str, max_pixels: int) -> Iterator[OpenImageIOFile]:
     """Open file of a kind, by the reader of this kind alone; an empty kind tries all readers."""
     jpeg = segments(source) if kind == "jpeg" else None
     page = tags(source) if kind == "tiff" else None
@@ -71,7 +69,7 @@ def open_with_openimageio(
             check_size(source.name, size.width, size.height, max_pixels)
     xmp = jpeg.xmp if jpeg else page.xmp if page else b""
     with source.path_with(_SUFFIXES[kind]) if kind else _any_path(source) as path:
-        file = _opened(source.name, path, any_reader=not kind)
+        file = _input_of(source.name, path, any_reader=not kind)
         try:
             yield OpenImageIOFile(source.name, file, max_pixels, xmp, jpeg)
         finally:
@@ -88,7 +86,7 @@ def _any_path(source: Source) -> Iterator[str]:
         yield path
 
 
-def _opened(name: str, path: str, *, any_reader: bool) -> oiio.ImageInput:
+def _input_of(name: str, path: str, *, any_reader: bool) -> oiio.ImageInput:
     # By default OpenImageIO multiplies the colour of some files by alpha.
     config = oiio.ImageSpec()
     config.attribute("oiio:UnassociatedAlpha", 1)
@@ -150,9 +148,7 @@ class OpenImageIOFile:
         tile = max(spec.tile_height, 1)
         return RawImage(header, self._reader(header, places), -(-_ROWS_AT_ONCE // tile) * tile)
 
-    def _reader(
-        self, header: Header, places: list[int]
-    ) -> Callable[[int, int], NDArray[Any]]:
+    def _reader(self, header: Header, places: list[int]) -> Callable[[int, int], NDArray[Any]]:
         first, last = min(places), max(places) + 1
         as_type = _NAMES[header.dtype.type]
         order = [place - first for place in places]
@@ -216,12 +212,12 @@ def _block(
     file: oiio.ImageInput, top: int, bottom: int, channels: tuple[int, int], as_type: str
 ) -> NDArray[Any] | None:
     """Samples of some rows and of a range of channels, or None on failure."""
-    spec = file.spec()
+    spec, part = file.spec(), file.current_subimage()
     rows = (spec.y + top, spec.y + bottom)
     if spec.tile_width:
         columns = (spec.x, spec.x + spec.width)
-        return file.read_tiles(0, 0, *columns, *rows, 0, 1, *channels, as_type)
-    return file.read_scanlines(0, 0, *rows, 0, *channels, as_type)
+        return file.read_tiles(part, 0, *columns, *rows, 0, 1, *channels, as_type)
+    return file.read_scanlines(part, 0, *rows, 0, *channels, as_type)
 
 
 def check_size(name: str, width: int, height: int, max_pixels: int) -> None:

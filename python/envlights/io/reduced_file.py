@@ -7,17 +7,20 @@ to be converted. All others are left to `read_image`, and so are files that it r
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
-from envlights._native import ReducedMap, UnusableSamplesError
-from envlights.io.images import MOST_PIXELS, OpenImage, open_image
-from envlights.io.raw_image import Header
+from envlights._native import ReducedMap, RowReducer, UnusableSamplesError
+from envlights._white import CodeHistogram, white_of
+from envlights.io.images import OpenImage, open_image
 from envlights.io.source import AnySource
+
+
+#: Rows of a step through samples in memory; the counts of 16-bit codes need 0.2 MB for each 16 rows.
+_ROWS_AT_ONCE = 128
 
 
 class ReducedFile(NamedTuple):
@@ -51,7 +54,7 @@ def reduce_file(
 
     Parameters
     ----------
-    source : path-like
+    source : path-like or bytes
         File; see `read_image`.
     columns : int
         Largest number of columns of the reduced map.
@@ -65,9 +68,7 @@ def reduce_file(
         if not _is_plain(file):
             return None
         try:
-            if file.raw.header.kind == "radiance" and isinstance(source, str | Path):
-                return _of_radiance(file, source, cells)
-            return _of_rows(file, cells)
+            return _of_rows(file, cells) if file.raw.radiance is None else _of_radiance(file, cells)
         except UnusableSamplesError:
             return None
 
@@ -87,31 +88,39 @@ def _is_plain(file: OpenImage) -> bool:
     )
 
 
-def _of_radiance(file: OpenImage, path: str | Path, cells: _Cells) -> ReducedFile:
+def _of_radiance(file: OpenImage, cells: _Cells) -> ReducedFile:
     """Rows of a Radiance picture, decoded twice where they are bright."""
-    picture = _native.RadianceFile(Path(path).read_bytes(), MOST_PIXELS)
-    reduced = _native.reduce_radiance(picture, *cells)
-    return ReducedFile(reduced, picture.width, file.notes, 0.0)
+    reduced = _native.reduce_radiance(file.raw.radiance, *cells)
+    return ReducedFile(reduced, file.raw.header.width, file.notes, 0.0)
 
 
 def _of_rows(file: OpenImage, cells: _Cells) -> ReducedFile | None:
     """Rows in their own type, as the reader gives them."""
-    header, white = file.raw.header, file.colour.white
-    table = _table(file)
+    header, table = file.raw.header, _table(file)
     if table is None:
         return None
+    has_codes = header.dtype.kind == "u"
     size = (header.height, header.width, header.border_sampled)
-    reducer = _native.RowReducer(*size, *cells, table, white is not None)
+    reducer = _native.RowReducer(*size, *cells, table, has_codes)
     for rows in _whole_blocks(_rows(file), reducer.block):
         if not reducer.add(rows):
             return None
     reduced = reducer.finish()
-    clipped = (0.0, 0.0)
-    if white is not None:
-        clipped = reducer.clipped(_native.LEAST_WHITE * white)
-    if reduced is None or clipped is None:
+    share, notes = _clipped(reducer, header.height, table) if has_codes else (0.0, [])
+    if reduced is None or share is None:
         return None
-    return ReducedFile(reduced, header.width, file.notes, clipped[1])
+    return ReducedFile(reduced, header.width, (*file.notes, *notes), share)
+
+
+def _clipped(
+    reducer: RowReducer, height: int, table: NDArray[np.float32]
+) -> tuple[float | None, list[str]]:
+    """Fraction of the flux in clipped pixels, None if it is unknown, and notes on the clip level."""
+    histogram = CodeHistogram(height)
+    histogram.sums = reducer.histogram
+    white, notes = white_of(histogram, table)
+    shares = reducer.clipped(_native.LEAST_WHITE * white)
+    return None if shares is None else shares[1], notes
 
 
 def _table(file: OpenImage) -> NDArray[np.float32] | None:
@@ -128,6 +137,8 @@ def _table(file: OpenImage) -> NDArray[np.float32] | None:
 def _rows(file: OpenImage) -> Iterator[NDArray[Any]]:
     """Samples of some rows at a time, three for each pixel; half floats as their bits."""
     header, step = file.raw.header, file.raw.rows_at_once
+    if header.kind == "png":  # whole in memory
+        step = _ROWS_AT_ONCE
     for top in range(0, header.height, step):
         rows = file.raw.rows(top, min(top + step, header.height))
         if rows.shape[2] == 1:

@@ -51,6 +51,10 @@ class Source:
         with self.open() as file:
             return file.read(length)
 
+    def content(self) -> bytes:
+        """All bytes."""
+        return Path(self.path).read_bytes() if self.path else bytes(self.data)
+
     @contextlib.contextmanager
     def path_with(self, suffix: str) -> Iterator[str]:
         """Path with this suffix, from which image libraries take the format.
@@ -74,12 +78,22 @@ def is_source(value: object) -> bool:
     return isinstance(value, str | os.PathLike | bytes | bytearray) or hasattr(value, "read")
 
 
+def name_of(source: Any) -> str:
+    """Printable name of a source, for sentences."""
+    if isinstance(source, bytes | bytearray | memoryview):
+        return "the bytes"
+    if hasattr(source, "read"):
+        name = getattr(source, "name", None)
+        return printable(name) if isinstance(name, str) else "the file object"
+    return printable(os.fsdecode(source))
+
+
 def named_source(source: Any) -> Source:
     """Source of any kind, or a refusal of one that holds nothing."""
     if isinstance(source, bytes | bytearray | memoryview):
-        return _of_bytes("the bytes", bytes(source))
+        return _of_bytes(name_of(source), bytes(source))
     if hasattr(source, "read"):
-        return _of_bytes(_name_of(source), _content(source, _name_of(source)))
+        return _of_bytes(name_of(source), _content(source, name_of(source)))
     try:
         text = os.fsdecode(source)
     except TypeError:
@@ -97,11 +111,6 @@ def _of_bytes(name: str, data: bytes) -> Source:
     if not data:
         raise EnvLightsError(f"cannot read {name}: there are no bytes; {WANTED}")
     return Source(name, data=data)
-
-
-def _name_of(file: Any) -> str:
-    name = getattr(file, "name", None)
-    return printable(name) if isinstance(name, str) else "the file object"
 
 
 def _content(file: Any, name: str) -> bytes:

@@ -5,12 +5,14 @@
 //! | header and resolution                   | `header.rs` |
 //! | start and end of each line, by one scan | `lines.rs`  |
 //! | a line to samples                       | `rows.rs`   |
+//! | samples to lines                        | `write.rs`  |
 
 mod header;
 mod lines;
 mod rows;
 #[cfg(test)]
 mod tests;
+pub mod write;
 
 use std::ops::Range;
 

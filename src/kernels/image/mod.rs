@@ -3,7 +3,9 @@
 //! | step                                          | file           |
 //! |-----------------------------------------------|----------------|
 //! | decoding of integer images                    | `codes.rs`     |
+//! | conversion of colours to linear Rec.709       | `colour.rs`    |
 //! | unusable samples                              | `samples.rs`   |
+//! | clip level of a picture of codes              | `white.rs`     |
 //! | the cells of an image on the sphere           | `grid.rs`      |
 //! | luminance                                     | `luminance.rs` |
 //! | a smaller working map, bright cells as points | `reduce.rs`    |
@@ -22,6 +24,7 @@ mod block_rows;
 mod cell_flux;
 mod cells;
 mod codes;
+mod colour;
 mod grid;
 mod luminance;
 mod parts;
@@ -32,9 +35,11 @@ mod row_reducer;
 mod sample_types;
 mod samples;
 mod top_codes;
+mod white;
 
 pub(crate) use block_rows::{BlockRow, block_fractions, samples_of};
-pub use codes::decode;
+pub use codes::{decode, decode_channels};
+pub use colour::apply_matrix;
 pub use grid::{CellCentres, Grid};
 pub use luminance::{LUMINANCE, LUMINANCE_F32, luminance, luminance_f32};
 pub use parts::{MOST_PARTS, Part};
@@ -45,3 +50,4 @@ pub use row_reducer::{ReductionOptions, ReducedRows, RowReducer};
 pub use sample_types::Sample;
 pub use samples::{Unusable, unusable};
 pub(crate) use samples::{check_rgb, check_samples};
+pub use white::{CODES, code_histogram, white_of};

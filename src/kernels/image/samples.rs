@@ -88,6 +88,11 @@ pub(crate) fn check_rgb(radiance: ArrayView3<'_, f32>) -> Result<()> {
     Ok(())
 }
 
+/// Refuse rows of an image without three channels; they may be fewer than a map has.
+pub(crate) fn check_channels<Sample>(rows: ArrayView3<'_, Sample>) -> Result<()> {
+    if rows.dim().2 == 3 { Ok(()) } else { Err(Error::NotAMap { shape: rows.shape().to_vec() }) }
+}
+
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {

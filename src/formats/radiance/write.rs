@@ -1,0 +1,130 @@
+//! Encoder of Radiance pixels: RGBE, rounded to nearest, with run-length encoded rows.
+
+use ndarray::{ArrayView1, ArrayView2, ArrayView3, Axis};
+use rayon::prelude::*;
+
+use crate::interrupt;
+
+/// Widths that the format can hold with run-length encoding.
+const ENCODED_WIDTHS: std::ops::Range<usize> = 8..0x8000;
+/// Length from which equal bytes are shorter as a run.
+const LEAST_RUN: usize = 4;
+/// Most bytes in a run, and in bytes that are not a run.
+const MOST: (usize, usize) = (127, 128);
+
+/// Bytes of some rows, (rows, width, 3), after the header.
+///
+/// Samples are finite, at least 0 and below 255.5 * 2^119.
+pub fn encode(radiance: ArrayView3<'_, f32>) -> Vec<u8> {
+    let rows: Vec<Vec<u8>> = radiance.axis_iter(Axis(0)).into_par_iter().map(encode_row).collect();
+    rows.concat()
+}
+
+fn encode_row(row: ArrayView2<'_, f32>) -> Vec<u8> {
+    interrupt::check();
+    let pixels: Vec<[u8; 4]> = row.outer_iter().map(rgbe).collect();
+    let width = pixels.len();
+    if !ENCODED_WIDTHS.contains(&width) {
+        return pixels.concat();
+    }
+    let mut bytes = vec![2, 2, (width >> 8) as u8, (width & 0xff) as u8];
+    for channel in 0..4 {
+        let plane: Vec<u8> = pixels.iter().map(|pixel| pixel[channel]).collect();
+        push_runs(&mut bytes, &plane);
+    }
+    bytes
+}
+
+/// Shared exponent of the largest channel; mantissas are rounded to nearest.
+fn rgbe(rgb: ArrayView1<'_, f32>) -> [u8; 4] {
+    let largest = rgb.iter().copied().fold(0.0, f32::max);
+    // Numbers below 2^-126 have the smallest exponent, and fewer bits.
+    let mut exponent = ((largest.to_bits() >> 23) & 0xff) as i32 - 126;
+    let mantissa = |sample: f32, exponent: i32| (f64::from(sample) * 2_f64.powi(8 - exponent)).round();
+    if mantissa(largest, exponent) > 255.0 {
+        exponent += 1;
+    }
+    let shared = exponent + 128;
+    if shared < 1 || mantissa(largest, exponent) < 1.0 {
+        return [0; 4];
+    }
+    let byte = |channel: usize| mantissa(rgb[channel], exponent) as u8;
+    [byte(0), byte(1), byte(2), shared.min(255) as u8]
+}
+
+/// Append one channel of a row, runs of equal bytes and the bytes between them.
+fn push_runs(bytes: &mut Vec<u8>, plane: &[u8]) {
+    let mut start = 0;
+    while start < plane.len() {
+        let (before, run) = next_run(&plane[start..]);
+        for part in plane[start..start + before].chunks(MOST.1) {
+            bytes.push(part.len() as u8);
+            bytes.extend_from_slice(part);
+        }
+        if run > 0 {
+            bytes.extend([(MOST.1 + run) as u8, plane[start + before]]);
+        }
+        start += before + run;
+    }
+}
+
+/// Number of bytes before the next run, and its length; 0 if there is none.
+fn next_run(plane: &[u8]) -> (usize, usize) {
+    let mut start = 0;
+    while start < plane.len() {
+        let equal = |byte: &&u8| **byte == plane[start];
+        let run = plane[start..].iter().take(MOST.0).take_while(equal).count();
+        if run >= LEAST_RUN {
+            return (start, run);
+        }
+        start += run;
+    }
+    (plane.len(), 0)
+}
+
+#[cfg(test)]
+mod tests {
+    use ndarray::{Array3, arr1};
+
+    use super::*;
+
+    #[test]
+    fn mantissas_are_rounded_and_carry_into_the_exponent() {
+        assert_eq!(rgbe(arr1(&[1.0, 0.5, 0.25]).view()), [128, 64, 32, 129]);
+        assert_eq!(rgbe(arr1(&[0.999, 0.0, 0.1]).view()), [128, 0, 13, 129]);
+        assert_eq!(rgbe(arr1(&[129.6 / 128.0, 0.0, 0.0]).view()), [130, 0, 0, 129]);
+        assert_eq!(rgbe(arr1(&[0.0; 3]).view()), [0; 4]);
+        assert_eq!(rgbe(arr1(&[1.6e38, 0.0, 0.0]).view())[3], 255);
+    }
+
+    #[test]
+    fn runs_and_other_bytes_come_back() {
+        for plane in [
+            vec![7; 300],
+            (0..=255).collect(),
+            [vec![1, 2, 2, 3], vec![5; 130], vec![6, 6, 6]].concat(),
+            (0..400).map(|i| (i / 5 % 3) as u8).collect(),
+        ] {
+            let mut bytes = Vec::new();
+            push_runs(&mut bytes, &plane);
+            let (mut back, mut at) = (Vec::new(), 0);
+            while at < bytes.len() {
+                let count = usize::from(bytes[at]);
+                if count > 128 {
+                    back.extend(vec![bytes[at + 1]; count - 128]);
+                    at += 2;
+                } else {
+                    back.extend_from_slice(&bytes[at + 1..=at + count]);
+                    at += 1 + count;
+                }
+            }
+            assert_eq!(back, plane);
+        }
+    }
+
+    #[test]
+    fn narrow_rows_are_not_encoded() {
+        assert_eq!(encode(Array3::ones((2, 4, 3)).view()).len(), 2 * 4 * 4);
+        assert!(encode(Array3::ones((2, 800, 3)).view()).len() < 200);
+    }
+}

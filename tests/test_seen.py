@@ -1,0 +1,91 @@
+"""Share of each pixel that is seen: alpha, masked arrays, `seen`."""
+
+import copy
+import pickle
+
+import numpy as np
+import pytest
+
+import envlights as el
+
+SKY = np.full((32, 64, 3), 0.25, np.float32)
+
+
+def lower_half():
+    share = np.ones((32, 64), np.float32)
+    share[16:] = 0
+    return share
+
+
+def with_hidden_light():
+    hidden = SKY.copy()
+    hidden[16:] = 1e6
+    return hidden
+
+
+@pytest.mark.parametrize("hidden", [1e6, np.nan, np.inf, -3.0])
+@pytest.mark.parametrize("kind", ["alpha", "mask", "mask of one channel", "seen"])
+def test_what_is_hidden_is_no_light(kind, hidden):
+    array, share = SKY.copy(), lower_half()
+    array[16:] = hidden
+    mask = np.zeros(array.shape, bool)
+    mask[16:, :, slice(None) if kind == "mask" else slice(1)] = True
+    env = {
+        "alpha": lambda: el.EnvMap(np.dstack([array, share])),
+        "seen": lambda: el.EnvMap(array, seen=share),
+    }.get(kind, lambda: el.EnvMap(np.ma.masked_array(array, mask)))()
+    assert env.seen_share == pytest.approx(0.5, abs=1e-6)
+    np.testing.assert_array_equal(env.seen, share)
+    np.testing.assert_array_equal(env.radiance[16:], 0)
+    np.testing.assert_array_equal(env.radiance[:16], SKY[:16])
+    assert env.notes == ("50 % of the sphere is not seen and counts as black",)
+    # The closed form of the irradiance of half a sphere.
+    np.testing.assert_allclose(
+        env.probe([[0, -1, 0], [0, 1, 0]])[:, 0], [0, 0.25 * np.pi], atol=1e-6
+    )
+
+
+def test_partly_seen_pixels_are_multiplied_by_alpha_in_linear_light():
+    codes = np.full((4, 8, 4), 188, np.uint8)
+    codes[..., 3] = 51
+    env = el.EnvMap(codes)
+    np.testing.assert_allclose(env.radiance, 0.2 * ((188 / 255 + 0.055) / 1.055) ** 2.4, rtol=1e-5)
+    assert env.seen_share == pytest.approx(0.2)
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32, np.float64])
+def test_opaque_alpha_changes_nothing(dtype):
+    most = 1 if np.dtype(dtype).kind == "f" else np.iinfo(dtype).max
+    env = el.EnvMap(np.full((4, 8, 4), most, dtype))
+    assert env.seen is None
+    assert env.seen_share == 1.0
+    assert not any("seen" in note for note in env.notes)
+
+
+def test_the_share_survives_copies_and_turns_with_the_map():
+    env = el.EnvMap(SKY, seen=lower_half())
+    for twin in (pickle.loads(pickle.dumps(env)), copy.deepcopy(env)):
+        assert twin == env
+        assert twin.notes == env.notes
+    assert env != el.EnvMap(env.radiance)
+    turned = env.rotated(np.diag([1.0, -1.0, -1.0]))
+    np.testing.assert_allclose(turned.seen, lower_half()[::-1], atol=1e-6)
+    assert env.repaired().seen_share == env.seen_share
+    assert any("not seen" in note for note in el.fit(env, lights=1).notes)
+    with pytest.raises(ValueError, match="read-only"):
+        env.seen[0] = 0
+
+
+@pytest.mark.parametrize(
+    ("seen", "message"),
+    [
+        (np.ones((4, 4)), r"the shape \(32, 64\) of the pixels; got \(4, 4\)"),
+        (np.full((32, 64), 1.5), "from 0 to 1; got 1.5 to 1.5"),
+        (np.full((32, 64), np.nan), "from 0 to 1; got nan"),
+        (np.zeros((32, 64)), "no pixel of the map is seen"),
+        ("all", "seen must be an array of numbers"),
+    ],
+)
+def test_other_shares_are_refused(seen, message):
+    with pytest.raises(el.EnvLightsError, match=message):
+        el.EnvMap(SKY, seen=seen)
