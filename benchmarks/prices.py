@@ -26,6 +26,7 @@ import envlights as el
 from envlights import _native, synthetic
 from envlights.fitting import fit
 from envlights.fitting.options import FitOptions
+from envlights.fitting.reduction import reduction_of
 
 #: Rules of detection, each with the option that switches it off.
 RULES = {

@@ -13,9 +13,9 @@ from envlights import resampling
 from envlights._check import one_or_more, rotation
 from envlights._map_pixels import REGISTRATIONS, MapPixels
 from envlights._native import EnvLightsError, UnusableSamplesError
+from envlights.io.colour import ColourArgument
 from envlights.io.exposures import Exposures
 from envlights.io.image_output import COMPRESSIONS, map_suffix, write_exr, write_hdr
-from envlights.io.colour import ColourArgument
 from envlights.io.images import MOST_PIXELS, read_image
 from envlights.io.source import AnySource, is_source, name_of
 from envlights.kernels.probe import irradiance

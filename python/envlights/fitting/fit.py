@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from time import perf_counter
 
@@ -15,7 +14,7 @@ from envlights._native import EnvLightsError, FitAnswer
 from envlights.envmap import AnyMap, EnvMap, apply_to_map
 from envlights.fitting import wording
 from envlights.fitting.options import FitOptions
-from envlights.fitting.reduction import Reduction, reduction_of, reduction_of_file
+from envlights.fitting.reduction import Reduction, is_file, reduction_of, reduction_of_file
 from envlights.fitting.request import STARTS_WITHOUT_MAP, Request, request_of
 from envlights.fitting.result import rig_of
 from envlights.lights import Lights
@@ -155,7 +154,6 @@ def fit(
     names = tuple(AMBIENTS)[: 2 if floor else 3] if ambient == AUTO else (ambient,)
     clock = _Clock()
 
-
     def answers_under(world: EnvMap) -> tuple[Reduction, dict[str, FitAnswer]]:
         first = request.first_directions_under(world, floor)
         clock.lap("start")
@@ -164,10 +162,11 @@ def fit(
     def answers_for(
         reduction: Reduction, first: NDArray[np.float64]
     ) -> tuple[Reduction, dict[str, FitAnswer]]:
-        return reduction, {name: _answer(reduction, request, first, name, of_discs) for name in names}
+        answers = {name: _answer(reduction, request, first, name, of_discs) for name in names}
+        return reduction, answers
 
     of_file = None
-    if isinstance(env, str | os.PathLike) and not request.needs_map:
+    if is_file(env) and not request.needs_map:
         of_file = reduction_of_file(env, floor)
         clock.lap("read")
     if of_file is not None:

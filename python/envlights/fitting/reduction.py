@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import os
-from typing import NamedTuple
+from typing import NamedTuple, TypeGuard
 
 from envlights import _native
 from envlights._native import ReducedMap
-from envlights.envmap import EnvMap
+from envlights.envmap import AnyMap, EnvMap
 from envlights.io.reduced_file import reduce_file
 from envlights.kernels.probe import WORKING_COLUMNS
 
@@ -44,7 +44,14 @@ def reduction_of(env: EnvMap, floor: bool) -> Reduction:
     return Reduction(cells, env.width, env.notes, share)
 
 
-def reduction_of_file(path: str | os.PathLike[str], floor: bool) -> Reduction | None:
+def is_file(env: AnyMap) -> TypeGuard[str | os.PathLike[str] | bytes]:
+    """True for a file on disk or its bytes, which can be read again if the whole map is needed."""
+    if isinstance(env, str | os.PathLike):
+        return os.path.isfile(env)  # noqa: PTH113, which refuses bytes in names
+    return isinstance(env, bytes)
+
+
+def reduction_of_file(path: str | os.PathLike[str] | bytes, floor: bool) -> Reduction | None:
     """Reduction of the rows of a file; None for files that need the whole map.
 
     It equals that of `EnvMap.open`.

@@ -18,8 +18,7 @@ from envlights._white import CodeHistogram, white_of
 from envlights.io.images import OpenImage, open_image
 from envlights.io.source import AnySource
 
-
-#: Rows of a step through samples in memory; the counts of 16-bit codes need 0.2 MB for each 16 rows.
+#: Rows of a step through samples in memory; counts of 16-bit codes need 0.2 MB for each 16 rows.
 _ROWS_AT_ONCE = 128
 
 
@@ -68,7 +67,10 @@ def reduce_file(
         if not _is_plain(file):
             return None
         try:
-            return _of_rows(file, cells) if file.raw.radiance is None else _of_radiance(file, cells)
+            if file.raw.radiance is not None:
+                reduced = _native.reduce_radiance(file.raw.radiance, *cells)
+                return ReducedFile(reduced, file.raw.header.width, file.notes, 0.0)
+            return _of_rows(file, cells)
         except UnusableSamplesError:
             return None
 
@@ -86,12 +88,6 @@ def _is_plain(file: OpenImage) -> bool:
         and (header.dtype.kind == "u" or (colour.curve is None and colour.white is None))
         and all(factor == 1 for factor in header.exposure)
     )
-
-
-def _of_radiance(file: OpenImage, cells: _Cells) -> ReducedFile:
-    """Rows of a Radiance picture, decoded twice where they are bright."""
-    reduced = _native.reduce_radiance(file.raw.radiance, *cells)
-    return ReducedFile(reduced, file.raw.header.width, file.notes, 0.0)
 
 
 def _of_rows(file: OpenImage, cells: _Cells) -> ReducedFile | None:
@@ -115,7 +111,7 @@ def _of_rows(file: OpenImage, cells: _Cells) -> ReducedFile | None:
 def _clipped(
     reducer: RowReducer, height: int, table: NDArray[np.float32]
 ) -> tuple[float | None, list[str]]:
-    """Fraction of the flux in clipped pixels, None if it is unknown, and notes on the clip level."""
+    """Fraction of the flux in clipped pixels, None if unknown, and notes on the clip level."""
     histogram = CodeHistogram(height)
     histogram.sums = reducer.histogram
     white, notes = white_of(histogram, table)
