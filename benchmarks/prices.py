@@ -26,6 +26,7 @@ import envlights as el
 from envlights import _native, synthetic
 from envlights.fitting import fit
 from envlights.fitting.options import FitOptions
+from envlights.fitting.reduction import reduction_of
 
 #: Rules of detection, each with the option that switches it off.
 RULES = {
@@ -94,11 +95,9 @@ def fits(maps, lights, ambient, is_plain):
         error_floor=fit.RENDERING_ERROR,
         is_plain=is_plain,
     )
-    reduction = fit.WORKING_COLUMNS, fit.POINT_SHARE
     start = process_time()
     errors = [
-        _native.fit_map(env.radiance, env.is_border_sampled, *reduction, options).error
-        for env in maps
+        _native.fit_reduced(reduction_of(env, floor=False).cells, options).error for env in maps
     ]
     return np.array(errors), process_time() - start
 

@@ -1,6 +1,6 @@
 """Types of the Rust kernels. `make types` checks this file against the built module."""
 
-from typing import final
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,8 @@ __all__ = [
     "MapSplit",
     "PngFile",
     "RadianceFile",
+    "ReducedMap",
+    "RowReducer",
     "TreeDetection",
     "UnusableSamplesError",
     "apply_matrix",
@@ -40,7 +42,7 @@ __all__ = [
     "disc_map",
     "even_sphere",
     "face_radiance",
-    "fit_map",
+    "fit_reduced",
     "fit_samples",
     "halton",
     "hammersley",
@@ -60,6 +62,8 @@ __all__ = [
     "probe_residual",
     "radiance_rows",
     "radical_inverse",
+    "reduce_map",
+    "reduce_radiance",
     "reduced_luminance",
     "relative_rms",
     "resize_bilinear",
@@ -105,6 +109,31 @@ class ClippedDetection:
     clip_level: float
     is_below_white: bool
     clipped_share: float
+
+@final
+class ReducedMap:
+    floor: bool
+
+@final
+class RowReducer:
+    block: int
+    retained_bytes: int
+    def __new__(
+        cls,
+        height: int,
+        width: int,
+        border_sampled: bool,
+        columns: int,
+        source_share: float,
+        floor: bool,
+        table: NDArray[np.float32],
+        counts_codes: bool,
+    ) -> RowReducer: ...
+    @property
+    def histogram(self) -> _Reals: ...
+    def add(self, rows: NDArray[Any]) -> bool: ...
+    def clipped(self, value: float) -> tuple[float, float] | None: ...
+    def finish(self) -> ReducedMap | None: ...
 
 @final
 class TreeDetection:
@@ -200,13 +229,7 @@ def direction_to_uv(direction: _Reals) -> _Reals: ...
 def disc_map(height: int, directions: _Reals, irradiance: _Reals, radii: _Reals) -> _Reals: ...
 def even_sphere(count: int) -> _Reals: ...
 def face_radiance(radiance: _Image, faces: int, border_sampled: bool) -> _Reals: ...
-def fit_map(
-    radiance: _Image,
-    border_sampled: bool,
-    columns: int,
-    point_share: float,
-    options: FitOptions,
-) -> FitAnswer: ...
+def fit_reduced(reduced: ReducedMap, options: FitOptions) -> FitAnswer: ...
 def fit_samples(
     normals: _Reals, weights: _Reals, irradiance: _Reals, options: FitOptions
 ) -> FitAnswer: ...
@@ -248,6 +271,12 @@ def probe_residual(
 ) -> _Reals: ...
 def radiance_rows(radiance: _Image, rounds: bool) -> bytes: ...
 def radical_inverse(index: int, base: int) -> float: ...
+def reduce_map(
+    radiance: _Image, border_sampled: bool, columns: int, source_share: float, floor: bool
+) -> ReducedMap: ...
+def reduce_radiance(
+    file: RadianceFile, columns: int, source_share: float, floor: bool
+) -> ReducedMap: ...
 def reduced_luminance(radiance: _Image, columns: int, border_sampled: bool) -> _Image: ...
 def relative_rms(seen: _Reals, wanted: _Reals, weights: _Reals) -> float: ...
 def resize_bilinear(image: _Image, height: int, width: int) -> _Image: ...

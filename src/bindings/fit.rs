@@ -6,6 +6,7 @@ use numpy::{IntoPyArray, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonl
 use pyo3::prelude::*;
 
 use super::pool::{by_size, interruptible};
+use super::reduction::ReducedMap;
 use super::sphere::registration;
 use crate::error::Result;
 use crate::kernels::disc::{self, Discs};
@@ -179,23 +180,12 @@ fn comparison(objective: &str) -> Comparison {
     }
 }
 
-/// See `envlights.fit`.
+/// See `envlights.fit`; the floor of the options is that of the reduced map.
 #[pyfunction]
-pub fn fit_map(
-    py: Python<'_>,
-    radiance: PyReadonlyArray3<'_, f32>,
-    border_sampled: bool,
-    columns: usize,
-    point_share: f64,
-    options: Options<'_>,
-) -> PyResult<FitAnswer> {
-    let (radiance, options) = (radiance.as_array(), options.for_kernel()?);
-    interruptible(py, || {
-        let registration = registration(border_sampled);
-        let map = image::reduce(radiance, registration, columns, point_share, options.has_floor)?;
-        let points = map.sources.dim().0;
-        Ok(FitAnswer { result: fit::under_map(&map, &options)?, points })
-    })
+pub fn fit_reduced(py: Python<'_>, reduced: &ReducedMap, options: Options<'_>) -> PyResult<FitAnswer> {
+    let options = FitOptions { has_floor: reduced.floor, ..options.for_kernel()? };
+    let points = reduced.map.sources.dim().0;
+    interruptible(py, || Ok(FitAnswer { result: fit::under_map(&reduced.map, &options)?, points }))
 }
 
 /// The squared irradiance under a map, integrated over all normals and summed over channels: the field of the search

@@ -16,7 +16,7 @@ use crate::formats::png::{self, Samples};
 use crate::formats::radiance::{Radiance, write};
 
 /// Bytes of a Python object, without a copy.
-struct Shared(Arc<PyBackedBytes>);
+pub(super) struct Shared(Arc<PyBackedBytes>);
 
 impl AsRef<[u8]> for Shared {
     fn as_ref(&self) -> &[u8] {
@@ -27,7 +27,7 @@ impl AsRef<[u8]> for Shared {
 /// Radiance picture in memory, with its lines found and not decoded.
 #[pyclass(frozen, module = "envlights._native")]
 pub struct RadianceFile {
-    picture: Radiance<Shared>,
+    pub(super) picture: Radiance<Shared>,
 }
 
 #[pymethods]

@@ -15,6 +15,7 @@ mod madsen;
 mod output;
 mod pool;
 mod probe;
+mod reduction;
 mod repair;
 mod sampling;
 mod sphere;
@@ -43,7 +44,7 @@ mod _native {
     #[pymodule_export]
     use super::error::{EnvLightsError, UnusableSamplesError};
     #[pymodule_export]
-    use super::fit::{FitAnswer, fit_map, fit_samples, map_energy, relative_rms, rig_irradiance};
+    use super::fit::{FitAnswer, fit_reduced, fit_samples, map_energy, relative_rms, rig_irradiance};
     #[pymodule_export]
     use super::formats::{PngFile, RadianceFile, radiance_rows};
     #[pymodule_export]
@@ -66,6 +67,8 @@ mod _native {
     use super::pool::threads;
     #[pymodule_export]
     use super::probe::{disc_map, irradiance, sum_over_sources, working_irradiance};
+    #[pymodule_export]
+    use super::reduction::{PyRowReducer, ReducedMap, reduce_map, reduce_radiance};
     #[pymodule_export]
     use super::repair::{clipped_depth, clipped_light_shares, clipped_share};
     #[pymodule_export]

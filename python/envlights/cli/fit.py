@@ -70,9 +70,10 @@ def command(
     """Fit an ambient term and a few lights to MAP (.hdr, .exr, .png, .jpg, .tif)."""
     for output in outputs:
         check_output(output, (*SUFFIXES, *PICTURES), {"the map": map_path})
-    env = EnvMap.open(map_path)
+    # A picture of the map needs all of its pixels.
+    env = EnvMap.open(map_path) if any(map(_is_picture, outputs)) else None
     rig = fit(
-        env,
+        map_path if env is None else env,
         lights,
         error=error,
         shadow_error=shadow_error,
@@ -86,8 +87,12 @@ def command(
     say_written(outputs)
 
 
-def _write(env: EnvMap, rig: Rig, output: str) -> None:
-    if Path(output).suffix.lower() not in PICTURES:
+def _is_picture(output: str) -> bool:
+    return Path(output).suffix.lower() in PICTURES
+
+
+def _write(env: EnvMap | None, rig: Rig, output: str) -> None:
+    if env is None or not _is_picture(output):
         rig.save(output)
         return
     # Importing Matplotlib takes a second.

@@ -14,9 +14,9 @@ from envlights._native import EnvLightsError, FitAnswer
 from envlights.envmap import AnyMap, EnvMap, apply_to_map
 from envlights.fitting import wording
 from envlights.fitting.options import FitOptions
+from envlights.fitting.reduction import Reduction, is_file, reduction_of, reduction_of_file
 from envlights.fitting.request import STARTS_WITHOUT_MAP, Request, request_of
 from envlights.fitting.result import rig_of
-from envlights.kernels.probe import WORKING_COLUMNS
 from envlights.lights import Lights
 from envlights.rig import Rig
 
@@ -30,8 +30,6 @@ OBJECTIVES = ("mixed", "shadows", "probe")
 #: Relative RMS error of the reduced map's irradiance: 3e-5 to 1.4e-4 on 14 real maps. Lights that
 #: lower the error further would only fit the error of the reduction.
 RENDERING_ERROR = 1e-4
-#: Fraction of the flux of a channel from which a cell of the reduced map becomes a point source.
-POINT_SHARE = 5e-3
 #: Relative difference below which two errors are equal, so that the simpler ambient term wins.
 SAME_ERROR = 1e-3
 
@@ -156,19 +154,32 @@ def fit(
     names = tuple(AMBIENTS)[: 2 if floor else 3] if ambient == AUTO else (ambient,)
     clock = _Clock()
 
-    def answers_under(world: EnvMap) -> dict[str, FitAnswer]:
+    def answers_under(world: EnvMap) -> tuple[Reduction, dict[str, FitAnswer]]:
         first = request.first_directions_under(world, floor)
         clock.lap("start")
-        return {name: _answer(world, request, first, name, of_discs, floor) for name in names}
+        return answers_for(reduction_of(world, floor), first)
 
-    world, answers = apply_to_map(env, answers_under)
+    def answers_for(
+        reduction: Reduction, first: NDArray[np.float64]
+    ) -> tuple[Reduction, dict[str, FitAnswer]]:
+        answers = {name: _answer(reduction, request, first, name, of_discs) for name in names}
+        return reduction, answers
+
+    of_file = None
+    if is_file(env) and not request.needs_map:
+        of_file = reduction_of_file(env, floor)
+        clock.lap("read")
+    if of_file is not None:
+        reduction, answers = answers_for(of_file, request.first_directions_under(None, floor))
+    else:
+        _, (reduction, answers) = apply_to_map(env, answers_under)
     clock.lap("fit")
     chosen = _choose(answers, request) if ambient == AUTO else ambient
     answer = answers[chosen]
     rig = rig_of(
         answer,
         request,
-        notes=(*world.notes, *wording.clipping(world)),
+        notes=(*reduction.notes, *wording.clipping(reduction.clipped_flux_share)),
         floor=floor,
         # With a requested error, all numbers of lights have sizes.
         sized_error=answer.error if of_discs and answer.lights and not request.has_goal else None,
@@ -182,7 +193,7 @@ def fit(
         else {},
         fewer_lights=wording.fewer_lights(answer, request, RENDERING_ERROR),
         skipped=(
-            *wording.working_map(world, answer.points, RENDERING_ERROR),
+            *wording.working_map(reduction.width, answer.points, RENDERING_ERROR),
             *wording.channels(answer),
         ),
     )
@@ -308,14 +319,13 @@ def _check_over_floor(ambient: str, request: Request) -> None:
 
 
 def _answer(
-    env: EnvMap,
+    reduction: Reduction,
     request: Request,
     first: NDArray[np.float64],
     ambient: str,
     objective: str | None,
-    floor: bool,
 ) -> FitAnswer:
-    """Best rig under `env` with one kind of `ambient` term; points without an `objective`."""
+    """Best rig with one kind of `ambient` term; points without an `objective`."""
     options = FitOptions(
         AMBIENTS[ambient],
         np.concatenate([request.fixed, first]),
@@ -324,12 +334,10 @@ def _answer(
         request.error,
         request.shadow_error,
         sizes=objective,
-        floor=floor,
+        floor=reduction.cells.floor,
         error_floor=RENDERING_ERROR,
     )
-    return _native.fit_map(
-        env.radiance, env.is_border_sampled, WORKING_COLUMNS, POINT_SHARE, options
-    )
+    return _native.fit_reduced(reduction.cells, options)
 
 
 def _choose(answers: Mapping[str, FitAnswer], request: Request) -> str:

@@ -60,10 +60,15 @@ class Request(NamedTuple):
         # The kernel refuses more than `most` lights, so place no more.
         return _native.even_sphere(min(free, most)) if self.start == "even" else _NO_DIRECTIONS
 
-    def first_directions_under(self, env: EnvMap, has_floor: bool) -> NDArray[np.float64]:
+    @property
+    def needs_map(self) -> bool:
+        """True if the pixels of the whole map are needed for the start."""
+        return self.start == "detect" and self.lights > len(self.fixed)
+
+    def first_directions_under(self, env: EnvMap | None, has_floor: bool) -> NDArray[np.float64]:
         """Start directions of free lights under a map; over a floor, above the horizon."""
         free = self.lights - len(self.fixed)
-        if self.start == "detect" and free:
+        if env is not None and self.needs_map:
             return detect(above_horizon(env) if has_floor else env, max_lights=free).direction
         if self.start == "even" and has_floor:
             # Points are sorted by height, so the first half lies above the horizon.

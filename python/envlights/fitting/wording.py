@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from envlights._native import FitAnswer
-from envlights.envmap import EnvMap
 from envlights.fitting.request import Request
 from envlights.kernels.probe import WORKING_COLUMNS
 
@@ -13,9 +12,9 @@ def measured_on(count: int, floor: bool) -> str:
     return f"{count} normals over a floor" if floor else f"{count} normals"
 
 
-def working_map(env: EnvMap, points: int, rendering_error: float) -> tuple[str, ...]:
-    """Note on a map that was reduced for the fit."""
-    if env.width <= WORKING_COLUMNS:
+def working_map(width: int, points: int, rendering_error: float) -> tuple[str, ...]:
+    """Note on a map of this width that was reduced for the fit."""
+    if width <= WORKING_COLUMNS:
         return ()
     cells = f", {points} bright cell{'' if points == 1 else 's'} kept exact" if points else ""
     return (
@@ -45,13 +44,8 @@ def fewer_lights(answer: FitAnswer, request: Request, rendering_error: float) ->
     return f"{used} of at most {most} {lights} used: {why}"
 
 
-def clipping(env: EnvMap) -> tuple[str, ...]:
-    """Note on clipped pixels; empty if the map has no clip level or no clipped pixel.
-
-    Maps without a clip level are not examined, because that takes a third of the time of a fit.
-    `EnvMap.clipped_flux_share` examines any map.
-    """
-    share = 0.0 if env.white is None else env.clipped_flux_share
+def clipping(share: float) -> tuple[str, ...]:
+    """Note on clipped pixels with this fraction of the flux; empty if there are none."""
     if not share:
         return ()
     return (

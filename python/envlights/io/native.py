@@ -23,9 +23,13 @@ class NativeFile:
     """Open Radiance or PNG file, which has one part; see `ImageFile`."""
 
     def __init__(
-        self, name: str, header: Header, rows: Callable[[], Callable[[int, int], NDArray[Any]]]
+        self,
+        name: str,
+        header: Header,
+        rows: Callable[[], Callable[[int, int], NDArray[Any]]],
+        radiance: RadianceFile | None = None,
     ) -> None:
-        self._name, self._header, self._rows = name, header, rows
+        self._name, self._header, self._rows, self._radiance = name, header, rows, radiance
         self.parts = (Part("", header.channels),)
 
     def image(self, part: int, channels: Sequence[str]) -> RawImage:
@@ -41,7 +45,7 @@ class NativeFile:
             samples: NDArray[Any] = _refusals_named(self._name, lambda: rows(top, bottom))
             return samples if names == known else samples[..., places]
 
-        return RawImage(header, read, header.height)
+        return RawImage(header, read, header.height, self._radiance if names == known else None)
 
     def close(self) -> None:
         """Close the file; its bytes go with this object."""
@@ -61,7 +65,7 @@ def open_radiance(source: Source, max_pixels: int) -> NativeFile:
         orientation=picture.orientation,
         exposure=picture.exposure,
     )
-    return NativeFile(source.name, header, lambda: picture.rows)
+    return NativeFile(source.name, header, lambda: picture.rows, picture)
 
 
 def open_png(source: Source, max_pixels: int) -> NativeFile:

@@ -12,6 +12,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights._native import RadianceFile
+
 #: Rectangle of pixels: x and y of its corner, width, height.
 Window = tuple[int, int, int, int]
 
@@ -104,6 +106,9 @@ class RawImage:
 
     rows_at_once: int = 128
     """Rows of one read; a multiple of the height of a tile."""
+
+    radiance: RadianceFile | None = None
+    """Radiance picture whose rows can be decoded in any order; None for other files."""
 
     def rows(self, top: int, bottom: int) -> NDArray[Any]:
         """Samples of some rows, (bottom - top, width, channels), in the type of the file."""

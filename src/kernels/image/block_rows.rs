@@ -32,10 +32,19 @@ impl<'a> BlockRow<'a> {
     /// Row `row` of the blocks of `block` x `block` pixels; `theta_edges` are those of the pixels.
     pub fn new(radiance: ArrayView3<'a, f32>, theta_edges: &[f64], block: usize, row: usize) -> Self {
         let rows = row * block..((row + 1) * block).min(theta_edges.len() - 1);
-        let bands = band_heights(&theta_edges[rows.start..=rows.end]);
+        Self::with(samples_of(radiance, rows.clone()), &theta_edges[rows.start..=rows.end], block)
+    }
+
+    /// Blocks of `block` pixels across some rows, whose samples are given with their own `theta_edges`.
+    pub fn of_samples(samples: &'a [f32], theta_edges: &[f64], block: usize) -> Self {
+        Self::with(Cow::Borrowed(samples), theta_edges, block)
+    }
+
+    fn with(samples: Cow<'a, [f32]>, theta_edges: &[f64], block: usize) -> Self {
+        let bands = band_heights(theta_edges);
         let height = bands.iter().sum();
         let weights = bands.iter().map(|band| (band / height) as f32).collect();
-        Self { samples: samples_of(radiance, rows), block, weights, height }
+        Self { samples, block, weights, height }
     }
 
     /// The rows of pixels, each with its fraction of the height of the row of blocks.
@@ -78,11 +87,7 @@ pub(crate) fn block_fractions(pixels: &Grid, block: usize) -> [Vec<f32>; 2] {
 
 /// The samples of some rows of a map, row after row.
 pub(crate) fn samples_of(radiance: ArrayView3<'_, f32>, rows: Range<usize>) -> Cow<'_, [f32]> {
-    in_order(radiance.slice_move(s![rows, .., ..]))
-}
-
-/// The samples of a part of a map, row after row; a copy if they have another order.
-pub(super) fn in_order(part: ArrayView3<'_, f32>) -> Cow<'_, [f32]> {
+    let part = radiance.slice_move(s![rows, .., ..]);
     part.to_slice().map_or_else(|| Cow::Owned(part.iter().copied().collect()), Cow::Borrowed)
 }
 

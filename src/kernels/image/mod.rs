@@ -9,21 +9,32 @@
 //! | the cells of an image on the sphere           | `grid.rs`      |
 //! | luminance                                     | `luminance.rs` |
 //! | a smaller working map, bright cells as points | `reduce.rs`    |
+//! | - integrals over its cells                    | `cell_flux.rs` |
 //! | - bright cells in parts                       | `parts.rs`     |
-//! | means over blocks of pixels                   | `block_rows.rs` |
+//! | - from rows that are decoded on demand        | `pixel_rows.rs` |
+//! | - from rows that arrive in order              | `row_reducer.rs` |
+//! | - samples in the type of a file               | `sample_types.rs` |
+//! | - pixels of the largest codes                 | `top_codes.rs` |
+//! | means over blocks of pixels                   | `block_rows.rs`, `block_layout.rs` |
 //! | a map after a rotation                        | `rotate.rs`    |
 //! | - the cell that holds a direction             | `cells.rs`     |
 
+mod block_layout;
 mod block_rows;
+mod cell_flux;
 mod cells;
 mod codes;
 mod colour;
 mod grid;
 mod luminance;
 mod parts;
+mod pixel_rows;
 mod reduce;
 mod rotate;
+mod row_reducer;
+mod sample_types;
 mod samples;
+mod top_codes;
 mod white;
 
 pub(crate) use block_rows::{BlockRow, block_fractions, samples_of};
@@ -32,8 +43,11 @@ pub use colour::apply_matrix;
 pub use grid::{CellCentres, Grid};
 pub use luminance::{LUMINANCE, LUMINANCE_F32, luminance, luminance_f32};
 pub use parts::{MOST_PARTS, Part};
-pub use reduce::{WorkingMap, reduce};
+pub use pixel_rows::PixelRows;
+pub use reduce::{WorkingMap, reduce, reduce_rows};
 pub use rotate::rotate;
+pub use row_reducer::{ReductionOptions, ReducedRows, RowReducer};
+pub use sample_types::Sample;
 pub use samples::{Unusable, unusable};
 pub(crate) use samples::{check_rgb, check_samples};
 pub use white::{CODES, code_histogram, white_of};

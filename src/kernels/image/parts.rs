@@ -3,9 +3,6 @@
 use std::array::from_fn;
 use std::ops::Range;
 
-use ndarray::{ArrayView3, s};
-
-use super::block_rows::in_order;
 use super::grid::Grid;
 use crate::kernels::sphere::band_heights;
 
@@ -95,18 +92,12 @@ struct Sum {
 }
 
 impl BrightCell {
-    /// The cell of a `block`: its parts are the sixteenths with more than a `flux`, and the remainder.
-    pub fn new(
-        block: &PixelBlock,
-        radiance: ArrayView3<'_, f32>,
-        pixels: &Grid,
-        flux: f64,
-        pixel: Pixel,
-    ) -> Self {
+    /// The cell of a `block` with these samples: its parts are the sixteenths with more than a `flux`, and the remainder.
+    pub fn new(block: &PixelBlock, samples: &[f32], pixels: &Grid, flux: f64, pixel: Pixel) -> Self {
         let theta = 0.5 * (pixels.theta_edges[block.rows.start] + pixels.theta_edges[block.rows.end]);
         let part =
             |sum: &Sum| Part { irradiance: sum.irradiance, spread: sum.spread() + pixel.spread(theta) };
-        let sums = block.sixteenths(radiance, pixels);
+        let sums = block.sixteenths(samples, pixels);
         let whole = sums.iter().fold(Sum::default(), Sum::plus);
         if whole.flux <= flux {
             return Self { whole: part(&whole), parts: vec![part(&whole)] };
@@ -123,15 +114,15 @@ impl PixelBlock {
     ///
     /// For the width `w` and the azimuth of each pixel, a row of a part has the sums of `L w sin phi`, `L w cos phi` and
     /// `L w`. Factors of the row turn them into irradiance.
-    fn sixteenths(&self, radiance: ArrayView3<'_, f32>, pixels: &Grid) -> Vec<Sum> {
+    fn sixteenths(&self, samples: &[f32], pixels: &Grid) -> Vec<Sum> {
         let (theta, phi) = (&pixels.theta_edges, &pixels.phi_edges);
         let columns: Vec<[f64; 3]> = self.columns.clone().map(|x| widths(phi[x], phi[x + 1])).collect();
         let [high, wide] = [&self.rows, &self.columns].map(|side| side.len().div_ceil(4));
         let across = columns.len().div_ceil(wide);
         let mut sums = vec![Sum::default(); self.rows.len().div_ceil(high) * across];
-        for (i, row) in self.rows.clone().enumerate() {
-            let samples = in_order(radiance.slice_move(s![row..=row, self.columns.clone(), ..]));
-            let parts = samples.as_chunks::<3>().0.chunks(wide).zip(columns.chunks(wide));
+        let lines = samples.as_chunks::<3>().0.chunks_exact(columns.len());
+        for (i, (row, samples)) in self.rows.clone().zip(lines).enumerate() {
+            let parts = samples.chunks(wide).zip(columns.chunks(wide));
             let heights = heights(&theta[row..row + 2]);
             for ((samples, columns), sum) in parts.zip(&mut sums[i / high * across..]) {
                 sum.add_row(heights, samples, columns);

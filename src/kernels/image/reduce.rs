@@ -1,18 +1,17 @@
 //! Reduction of a map to fewer cells, for approximate probes.
 
-use std::array::from_fn;
-use std::f64::consts::{FRAC_PI_2, PI};
-
 use glam::DVec3;
-use ndarray::{Array3, ArrayView3, Axis, s};
+use ndarray::{Array3, ArrayView3};
 use rayon::prelude::*;
 
-use super::block_rows::BlockRow;
+use super::block_layout::BlockLayout;
+use super::cell_flux::CellFlux;
 use super::grid::Grid;
-use super::parts::{BrightCell, PART_SHARE, Part, Pixel, PixelBlock, parts};
-use super::samples::check_samples;
+use super::parts::{BrightCell, PART_SHARE, Part, Pixel, parts};
+use super::pixel_rows::PixelRows;
+use super::samples::check_rgb;
 use crate::error::Result;
-use crate::kernels::sphere::{Registration, angles, band_heights};
+use crate::kernels::sphere::{Registration, angles};
 
 /// A map in fewer cells, for approximate probes.
 #[derive(Clone, Debug)]
@@ -58,184 +57,113 @@ pub fn reduce(
     source_share: f64,
     has_floor: bool,
 ) -> Result<WorkingMap> {
-    let (pixels, grid, block) = Grid::of_map(radiance, registration, columns)?;
-    let (height, width, _) = radiance.dim();
-    let mut flux = Flux::new(radiance, &pixels, block)?;
-    if has_floor {
-        flux.hide_below(&grid);
-    }
-    let whole = flux.whole();
-    let cells = flux.sources(whole, source_share);
-    for &cell in &cells {
-        flux.remove(cell);
-    }
-    let (means, bright) = flux.means(&grid);
-    let (pixel, worth) = (Pixel::of(&pixels), PART_SHARE * whole.iter().sum::<f64>());
-    let apart = |&(row, column): &(usize, usize)| {
-        let rows = row * block..((row + 1) * block).min(height);
-        let columns = column * block..((column + 1) * block).min(width);
-        BrightCell::new(&PixelBlock { rows, columns }, radiance, &pixels, worth, pixel)
+    check_rgb(radiance)?;
+    reduce_rows(&radiance, registration, columns, source_share, has_floor)
+}
+
+/// Reduce a map whose rows are decoded when they are needed; see [`reduce`].
+///
+/// # Errors
+///
+/// [`crate::error::Error::UnusableSamples`].
+pub fn reduce_rows(
+    map: &impl PixelRows,
+    registration: Registration,
+    columns: usize,
+    source_share: f64,
+    has_floor: bool,
+) -> Result<WorkingMap> {
+    let (height, width) = map.size();
+    let layout = BlockLayout::new(height, width, registration, columns);
+    let flux = CellFlux::of_map(map, &layout)?;
+    let reduced = ReducedFlux::new(flux, &layout, source_share, has_floor);
+    let pixels = pixels_of_cells(map, &layout, &reduced.cells());
+    Ok(reduced.with_parts(&layout, has_floor, pixels))
+}
+
+/// Samples of each of these cells; each row of blocks is decoded once.
+fn pixels_of_cells(map: &impl PixelRows, layout: &BlockLayout, cells: &[(usize, usize)]) -> Vec<Vec<f32>> {
+    let mut in_order: Vec<usize> = (0..cells.len()).collect();
+    in_order.sort_by_key(|&i| cells[i]);
+    let rows: Vec<&[usize]> = in_order.chunk_by(|&a, &b| cells[a].0 == cells[b].0).collect();
+    let of_row = |buffer: &mut Vec<f32>, row: &&[usize]| {
+        let rows = layout.pixel_rows(cells[row[0]].0);
+        let samples = map.samples(rows, buffer);
+        row.iter().map(|&i| (i, layout.copy(samples, cells[i]))).collect::<Vec<_>>()
     };
-    let apart_cells: Vec<BrightCell> = cells.par_iter().chain(&bright).map(apart).collect();
-    let is_seen = |part: &Part| !has_floor || part.is_up();
-    let sources = Array3::from_shape_fn((cells.len(), 3, 3), |(i, axis, c)| {
-        let BrightCell { whole, .. } = &apart_cells[i];
-        if is_seen(whole) { whole.irradiance[axis][c] } else { 0.0 }
-    });
-    let mut parts = parts(apart_cells);
-    parts.retain(is_seen);
-    Ok(WorkingMap { radiance: means, grid, sources, bright, parts, pixel })
+    let copies: Vec<_> = rows.par_iter().map_init(Vec::new, of_row).collect();
+    let mut pixels = vec![Vec::new(); cells.len()];
+    copies.into_iter().flatten().for_each(|(i, samples)| pixels[i] = samples);
+    pixels
 }
 
-/// Least ratio of a bright cell to the mean of all cells.
-const CONTRAST: f64 = 8.0;
-
-/// Integral of the radiance over each cell.
-struct Flux {
-    /// (rows, columns, 3)
-    cells: Array3<f64>,
-    /// Integral over each row.
-    rows: Vec<[f64; 3]>,
+/// Cells of a map without their parts, which need the pixels of some cells.
+pub(super) struct ReducedFlux {
+    radiance: Array3<f32>,
+    /// Flux of the map in all channels.
+    whole: f64,
+    sources: Vec<(usize, usize)>,
+    bright: Vec<(usize, usize)>,
 }
 
-impl Flux {
-    /// Integrals over the blocks of a map's pixels.
-    fn new(radiance: ArrayView3<'_, f32>, pixels: &Grid, block: usize) -> Result<Self> {
-        let (height, width, _) = radiance.dim();
-        let widths = pixels.widths();
-        let mut cells = Array3::zeros((height.div_ceil(block), width.div_ceil(block), 3));
-        let rows = rows_mut(&mut cells).enumerate().map(|(row, cells)| {
-            let has_signs =
-                add_across(cells, &BlockRow::new(radiance, &pixels.theta_edges, block, row), &widths, block);
-            (has_signs, sum(cells))
+impl ReducedFlux {
+    /// Means of the cells, with those that are sources or bright.
+    pub fn new(mut flux: CellFlux, layout: &BlockLayout, source_share: f64, has_floor: bool) -> Self {
+        if has_floor {
+            flux.hide_below(&layout.grid);
+        }
+        let whole = flux.whole();
+        let sources = flux.sources(whole, source_share);
+        for &cell in &sources {
+            flux.remove(cell);
+        }
+        let (radiance, bright) = flux.means(&layout.grid);
+        Self { radiance, whole: whole.iter().sum(), sources, bright }
+    }
+
+    /// Rows and columns of the cells whose pixels are needed: sources, then bright cells.
+    pub fn cells(&self) -> Vec<(usize, usize)> {
+        [&self.sources[..], &self.bright].concat()
+    }
+
+    /// The working map, from the `samples` of [`Self::cells`].
+    pub fn with_parts(self, layout: &BlockLayout, has_floor: bool, samples: Vec<Vec<f32>>) -> WorkingMap {
+        let (pixel, worth) = (Pixel::of(&layout.pixels), PART_SHARE * self.whole);
+        let cells = self.cells();
+        let bright_cell = |(&cell, samples): (&(usize, usize), &Vec<f32>)| {
+            BrightCell::new(&layout.pixels_of(cell), samples, &layout.pixels, worth, pixel)
+        };
+        let bright_cells: Vec<BrightCell> = cells.par_iter().zip(&samples).map(bright_cell).collect();
+        let is_seen = |part: &Part| !has_floor || part.is_up();
+        let sources = Array3::from_shape_fn((self.sources.len(), 3, 3), |(i, axis, c)| {
+            let BrightCell { whole, .. } = &bright_cells[i];
+            if is_seen(whole) { whole.irradiance[axis][c] } else { 0.0 }
         });
-        let (signs, rows): (Vec<bool>, Vec<[f64; 3]>) = rows.unzip();
-        // NaN and infinity persist in every sum.
-        if signs.contains(&true) || !rows.as_flattened().iter().all(|sum| sum.is_finite()) {
-            check_samples(radiance)?;
-        }
-        Ok(Self { cells, rows })
+        let mut parts = parts(bright_cells);
+        parts.retain(is_seen);
+        let (radiance, grid, bright) = (self.radiance, layout.grid.clone(), self.bright);
+        WorkingMap { radiance, grid, sources, bright, parts, pixel }
     }
-
-    /// Remove the part of each row below the horizon.
-    fn hide_below(&mut self, grid: &Grid) {
-        let rows = self.cells.outer_iter_mut().zip(&mut self.rows);
-        for ((mut cells, sum), edges) in rows.zip(grid.theta_edges.windows(2)) {
-            let visible = ((FRAC_PI_2 - edges[0]) / (edges[1] - edges[0])).clamp(0.0, 1.0);
-            cells.mapv_inplace(|value| visible * value);
-            *sum = sum.map(|value| visible * value);
-        }
-    }
-
-    /// Integral over the map in each channel.
-    fn whole(&self) -> [f64; 3] {
-        sum(&self.rows)
-    }
-
-    /// Remove a cell.
-    fn remove(&mut self, (row, column): (usize, usize)) {
-        self.cells.slice_mut(s![row, column, ..]).fill(0.0);
-        let others = self.cells.index_axis(Axis(0), row);
-        self.rows[row] = from_fn(|channel| others.column(channel).sum());
-    }
-
-    /// Cells with more than a `share` of the `whole` flux of a channel, and with [`CONTRAST`] times the mean flux of a cell.
-    fn sources(&self, whole: [f64; 3], share: f64) -> Vec<(usize, usize)> {
-        let (rows, columns, _) = self.cells.dim();
-        let share = share.max(CONTRAST / (rows * columns) as f64);
-        let least = whole.map(|whole| share * whole);
-        let is_source = |cell: &[f64; 3]| (0..3).any(|c| cell[c] > least[c]);
-        let in_row = |(row, cells): (usize, &[[f64; 3]])| {
-            let columns = cells.iter().enumerate().filter(|(_, cell)| is_source(cell));
-            columns.map(|(column, _)| (row, column)).collect::<Vec<_>>()
-        };
-        rows_of(&self.cells).enumerate().flat_map_iter(in_row).collect()
-    }
-
-    /// Mean radiance of the cells, and the bright cells, for which harmonics are not sharp enough.
-    ///
-    /// A cell with the flux F and the radiance L is bright if `F / F_0 * L / L_0 > 0.012` and `L > 8 L_0`, with the flux
-    /// `F_0` and the mean radiance `L_0` of the map. So 1.5e-3 of the flux is enough at 8 times the mean radiance, and less
-    /// beside a sun.
-    fn means(&self, grid: &Grid) -> (Array3<f32>, Vec<(usize, usize)>) {
-        const WORTH: f64 = 0.012;
-        // Avoid divisions: `L / L_0` is the fraction of the flux over the fraction of the sphere.
-        let over_whole = 1.0 / self.whole().iter().sum::<f64>();
-        let is_bright = |cell: &[f64; 3], solid_angle: f64| {
-            let share = cell.iter().sum::<f64>() * over_whole;
-            let dense = share * 4.0 * PI;
-            dense > CONTRAST * solid_angle && share * dense > WORTH * solid_angle
-        };
-        let widths = grid.widths();
-        let of_row = |row: usize, means: &mut [[f32; 3]], cells: &[[f64; 3]], band: f64| {
-            let mut bright = Vec::new();
-            for (column, ((mean, cell), width)) in means.iter_mut().zip(cells).zip(&widths).enumerate() {
-                let solid_angle = band * width;
-                let over = 1.0 / solid_angle;
-                *mean = cell.map(|flux| (flux * over) as f32);
-                if is_bright(cell, solid_angle) {
-                    bright.push((row, column));
-                }
-            }
-            bright
-        };
-        let mut means = Array3::zeros(self.cells.dim());
-        let bands = band_heights(&grid.theta_edges);
-        let rows = rows_mut(&mut means).zip(rows_of(&self.cells)).zip(&bands);
-        let bright = rows.enumerate();
-        let bright =
-            bright.flat_map_iter(|(row, ((means, cells), band))| of_row(row, means, cells, *band)).collect();
-        (means, bright)
-    }
-}
-
-/// Sum rows of pixels of these `widths` into their cells; true if a sample has a minus sign.
-fn add_across(cells: &mut [[f64; 3]], pixels: &BlockRow<'_>, widths: &[f64], block: usize) -> bool {
-    let mut cells = cells.iter_mut();
-    let height = pixels.height;
-    pixels.mean(|columns, mean| {
-        let blocks = mean.as_chunks::<3>().0.chunks(block).zip(widths[columns].chunks(block));
-        for ((pixels, widths), cell) in blocks.zip(&mut cells) {
-            let mut sum = [0.0; 3];
-            for (pixel, width) in pixels.iter().zip(widths) {
-                (0..3).for_each(|c| sum[c] += f64::from(pixel[c]) * width);
-            }
-            *cell = sum.map(|sum| sum * height);
-        }
-    })
-}
-
-fn sum(fluxes: &[[f64; 3]]) -> [f64; 3] {
-    fluxes.iter().fold([0.0; 3], |sum, flux| from_fn(|c| sum[c] + flux[c]))
-}
-
-/// Cells of each row.
-fn rows_of<T: Sync>(cells: &Array3<T>) -> impl IndexedParallelIterator<Item = &[[T; 3]]> {
-    let samples = cells.as_slice().unwrap_or(&[]); // as it was made, row after row
-    samples.as_chunks::<3>().0.par_chunks(cells.dim().1)
-}
-
-fn rows_mut<T: Send>(cells: &mut Array3<T>) -> impl IndexedParallelIterator<Item = &mut [[T; 3]]> {
-    let columns = cells.dim().1;
-    let samples = cells.as_slice_mut().unwrap_or(&mut []); // as it was made, row after row
-    samples.as_chunks_mut::<3>().0.par_chunks_mut(columns)
 }
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use std::f64::consts::PI;
+
     use approx::assert_relative_eq;
+    use ndarray::s;
 
     use super::super::parts::MOST_PARTS;
     use super::*;
-    use crate::kernels::sphere::direction;
+    use crate::kernels::sphere::{band_heights, direction};
 
     #[test]
     fn reduction_keeps_the_flux() {
         let map = Array3::from_shape_fn((30, 60, 3), |(y, x, c)| ((y * 7 + x * 3 + c) % 11) as f32);
         for registration in [Registration::CellCentred, Registration::BorderSampled] {
-            let pixels = Grid::of_pixels(30, 60, registration);
-            let before = Flux::new(map.view(), &pixels, 1).unwrap().cells.sum();
+            let pixels = BlockLayout::new(30, 60, registration, 60);
+            let before = CellFlux::of_map(&map.view(), &pixels).unwrap().cells.sum();
             let small = reduce(map.view(), registration, 16, 2.0, false).unwrap();
             let bands = band_heights(&small.grid.theta_edges);
             let after: f64 = small

@@ -1,0 +1,60 @@
+"""Maps reduced to few cells for a fit: of arrays, and of files that are never whole in memory."""
+
+from __future__ import annotations
+
+import os
+from typing import NamedTuple, TypeGuard
+
+from envlights import _native
+from envlights._native import ReducedMap
+from envlights.envmap import AnyMap, EnvMap
+from envlights.io.reduced_file import reduce_file
+from envlights.kernels.probe import WORKING_COLUMNS
+
+#: Fraction of the flux of a channel from which a cell of the reduced map becomes a point source.
+POINT_SHARE = 5e-3
+
+
+class Reduction(NamedTuple):
+    """A reduced map, and what a report says about the whole one."""
+
+    cells: ReducedMap
+    """Cells, and the pixels of bright ones."""
+
+    width: int
+    """Columns of the map."""
+
+    notes: tuple[str, ...]
+    """Notes of the map."""
+
+    clipped_flux_share: float
+    """Fraction of the flux in clipped pixels; 0 for a map without a clip level.
+
+    Such maps are not examined, because that takes a third of the time of a fit.
+    `EnvMap.clipped_flux_share` examines any map.
+    """
+
+
+def reduction_of(env: EnvMap, floor: bool) -> Reduction:
+    """Reduction of a map in memory."""
+    cells = _native.reduce_map(
+        env.radiance, env.is_border_sampled, WORKING_COLUMNS, POINT_SHARE, floor
+    )
+    share = 0.0 if env.white is None else env.clipped_flux_share
+    return Reduction(cells, env.width, env.notes, share)
+
+
+def is_file(env: AnyMap) -> TypeGuard[str | os.PathLike[str] | bytes]:
+    """True for a file on disk or its bytes, which can be read again if the whole map is needed."""
+    if isinstance(env, str | os.PathLike):
+        return os.path.isfile(env)  # noqa: PTH113, which refuses bytes in names
+    return isinstance(env, bytes)
+
+
+def reduction_of_file(path: str | os.PathLike[str] | bytes, floor: bool) -> Reduction | None:
+    """Reduction of the rows of a file; None for files that need the whole map.
+
+    It equals that of `EnvMap.open`.
+    """
+    reduced = reduce_file(path, WORKING_COLUMNS, POINT_SHARE, floor)
+    return None if reduced is None else Reduction(*reduced)
