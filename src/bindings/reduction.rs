@@ -40,9 +40,9 @@ pub fn reduce_map(
 }
 
 /// Rows of a file that are decoded when they are needed.
-struct Decoded<'a, File>(&'a File);
+struct FileRows<'a, File>(&'a File);
 
-impl<File: Rows> PixelRows for Decoded<'_, File> {
+impl<File: Rows> PixelRows for FileRows<'_, File> {
     fn size(&self) -> (usize, usize) {
         self.0.size()
     }
@@ -71,7 +71,7 @@ pub fn reduce_radiance(
     floor: bool,
 ) -> PyResult<ReducedMap> {
     interruptible(py, || {
-        let rows = Decoded(&file.picture);
+        let rows = FileRows(&file.picture);
         let map = image::reduce_rows(&rows, Registration::CellCentred, columns, source_share, floor)?;
         Ok(ReducedMap { map, floor })
     })
@@ -129,7 +129,7 @@ impl PyRowReducer {
         Ok(Self { reducer, floor })
     }
 
-    /// Pixels along a cell: all additions but the last are of a multiple of so many rows.
+    /// Pixels along a cell; all additions but the last are a multiple of this number of rows.
     #[getter]
     fn block(&self) -> usize {
         each!(&self.reducer, reducer => reducer.block())
