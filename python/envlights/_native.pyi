@@ -120,12 +120,8 @@ class RowReducer:
     retained_bytes: int
     def __new__(
         cls,
-        height: int,
-        width: int,
-        border_sampled: bool,
-        columns: int,
-        source_share: float,
-        floor: bool,
+        size: tuple[int, int, bool],
+        cells: tuple[int, float, bool],
         table: NDArray[np.float32],
         counts_codes: bool,
     ) -> RowReducer: ...

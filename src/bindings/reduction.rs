@@ -108,15 +108,13 @@ impl PyRowReducer {
     /// samples: 256 for uint8, 65536 for uint16, 0 for float32. `counts_codes` prepares `clipped` and `histogram`.
     #[new]
     fn new(
-        height: usize,
-        width: usize,
-        border_sampled: bool,
-        columns: usize,
-        source_share: f64,
-        floor: bool,
+        size: (usize, usize, bool),
+        cells: (usize, f64, bool),
         table: PyReadonlyArray1<'_, f32>,
         counts_codes: bool,
     ) -> PyResult<Self> {
+        let (height, width, border_sampled) = size;
+        let (columns, source_share, floor) = cells;
         let registration = registration(border_sampled);
         let options =
             ReductionOptions { height, width, registration, columns, source_share, has_floor: floor };

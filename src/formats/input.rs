@@ -18,6 +18,10 @@ pub trait Rows: Sync {
 }
 
 /// Refuse an image without pixels, or with more than `max_pixels`, before memory is allocated.
+///
+/// # Errors
+///
+/// [`Error::EmptyImage`], [`Error::HugeImage`].
 pub fn check_size(height: usize, width: usize, max_pixels: usize) -> Result<()> {
     if height == 0 || width == 0 {
         return Err(Error::EmptyImage { height, width });
@@ -34,6 +38,10 @@ pub fn damage(reason: impl Into<String>) -> Error {
 }
 
 /// Zeros in an array of the `shape` (height, width, channels), on pages that the system clears when they are used.
+///
+/// # Errors
+///
+/// [`Error::NoMemory`].
 pub fn zeros<T: Clone + Default>(shape: (usize, usize, usize), length: usize) -> Result<Vec<T>> {
     let no_memory = |_| Error::NoMemory { shape: vec![shape.0, shape.1, shape.2] };
     // `vec!` clears no page by itself, but aborts without memory; this reports it.

@@ -145,7 +145,8 @@ impl<T: Sample> RowReducer<T> {
         let line = 3 * self.options.width;
         let (rows, left) =
             (samples.len() / line, self.options.height.saturating_sub(self.rows * self.layout.block));
-        let is_whole = samples.len() % line == 0 && (rows % self.layout.block == 0 || rows == left);
+        let is_whole =
+            samples.len().is_multiple_of(line) && (rows.is_multiple_of(self.layout.block) || rows == left);
         if is_whole && rows <= left {
             return Ok(());
         }

@@ -39,7 +39,8 @@ impl TopCodes {
         let at_once = 3 * PIXELS_AT_ONCE;
         let runs = samples.chunks(at_once).zip(values.chunks(at_once)).zip(widths.chunks(PIXELS_AT_ONCE));
         for ((samples, values), widths) in runs {
-            if !samples.iter().fold(false, |any, &sample| any | (sample >= first)) {
+            // A count is a loop of vectors, where `any` would stop at each sample.
+            if samples.iter().filter(|&&sample| sample >= first).count() == 0 {
                 continue;
             }
             self.sums.resize(T::CODES - first.code(), [0.0; 2]);
