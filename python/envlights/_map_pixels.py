@@ -49,7 +49,7 @@ class MapPixels:
                 f" {describe(os.fspath(radiance))}"
             )
         array = map_array(radiance, self._notes)
-        linear = self._with_seen(self._linear(array.samples), array.seen, seen)
+        linear = self._with_seen(self._linear(array.samples, array.seen), array.seen, seen)
         cleaned, level = _cleaning.clean(linear, self._notes)
         self._white = level if self._white is None else self._white
         self._radiance = _read_only(cleaned)
@@ -70,7 +70,9 @@ class MapPixels:
         env._projection, env._registration = PROJECTIONS[0], registration
         env._white, env._clipped = white, None
         array = map_array(radiance, env._notes)
-        env._radiance = _read_only(env._with_seen(env._linear(array.samples), array.seen, seen))
+        env._radiance = _read_only(
+            env._with_seen(env._linear(array.samples, array.seen), array.seen, seen)
+        )
         return env
 
     @property
@@ -222,10 +224,11 @@ class MapPixels:
             self._notes.append(note)
         return _visibility.multiply_by_share(linear, np.float32(1) * (self._seen > 0))
 
-    def _linear(self, array: NDArray[Any]) -> NDArray[np.float32]:
-        """Linear samples of `array`; sRGB codes are clipped at 1."""
+    def _linear(self, array: NDArray[Any], seen: NDArray[np.float32] | None) -> NDArray[np.float32]:
+        """Linear samples of `array`; the clip level of codes is that of pixels that are seen."""
         if array.dtype.kind != "f" and self._white is None:
-            self._white = white_of_codes(array, self._notes)
+            codes = array if seen is None else np.where(seen[..., None] > 0, array, 0)
+            self._white = white_of_codes(codes.astype(array.dtype, copy=False), self._notes)
         return _cleaning.linear(array, self._notes)
 
 
