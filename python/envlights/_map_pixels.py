@@ -70,9 +70,8 @@ class MapPixels:
         env._projection, env._registration = PROJECTIONS[0], registration
         env._white, env._clipped = white, None
         array = map_array(radiance, env._notes)
-        env._radiance = _read_only(
-            env._with_seen(env._linear(array.samples, array.seen), array.seen, seen)
-        )
+        linear = env._linear(array.samples, array.seen)
+        env._radiance = _read_only(env._with_seen(linear, array.seen, seen))
         return env
 
     @property

@@ -49,7 +49,7 @@ def png(path, samples, *chunks):
     return path
 
 
-def written(path, samples, channels=("R", "G", "B"), **attributes):
+def write_file(path, samples, channels=("R", "G", "B"), **attributes):
     """File by OpenImageIO."""
     height, width, count = samples.shape
     spec = oiio.ImageSpec(width, height, count, str(samples.dtype).replace("float32", "float"))
@@ -64,7 +64,7 @@ def written(path, samples, channels=("R", "G", "B"), **attributes):
 
 
 def jpeg(path, linear, xmp=None, **attributes):
-    written(path, codes(linear), Compression="jpeg:100", **attributes)
+    write_file(path, codes(linear), Compression="jpeg:100", **attributes)
     if xmp:
         said = " ".join(f'GPano:{key}="{value}"' for key, value in xmp.items())
         packet = (
@@ -139,7 +139,7 @@ def test_a_colour_space_by_hand_replaces_that_of_the_file(tmp_path):
 
 
 def test_exposure_and_colour_correction_are_divided_out(tmp_path):
-    lines = ["EXPOSURE=0.5", "pfilt -e .2", "EXPOSURE=0.2", "COLORCORR=1 2 4", "EXPOSURE=0"]
+    lines = ["EXPOSURE=0.5", "pfilt -e 0.2", "EXPOSURE=0.2", "COLORCORR=1 2 4", "EXPOSURE=0"]
     env = el.EnvMap.open(radiance_file(tmp_path / "a.hdr", world(), *lines))
     np.testing.assert_allclose(env.radiance[20, 5], SKY / np.array([0.1, 0.2, 0.4]), rtol=0.01)
 
@@ -181,7 +181,7 @@ def test_a_picture_without_a_format_or_with_another_is_refused(tmp_path):
 def test_a_page_offset_moves_nothing(tmp_path):
     offset = (b"oFFs", struct.pack(">2iB", 20, 5, 0))
     assert sun_of(el.EnvMap.open(png(tmp_path / "a.png", codes(world()), offset))) == (8, 20)
-    path = written(tmp_path / "a.tif", codes(world()), XPosition=7.0, YPosition=3.0)
+    path = write_file(tmp_path / "a.tif", codes(world()), XPosition=7.0, YPosition=3.0)
     assert sun_of(el.EnvMap.open(path)) == (8, 20)
 
 
@@ -244,7 +244,7 @@ def test_all_orientations_of_exif_give_the_same_map(tmp_path, orientation):
         7: np.rot90(upright, 2).transpose(1, 0, 2),
         8: np.rot90(upright, -1),
     }
-    path = written(tmp_path / "a.tif", codes(stored[orientation]), Orientation=orientation)
+    path = write_file(tmp_path / "a.tif", codes(stored[orientation]), Orientation=orientation)
     assert sun_of(el.EnvMap.open(path)) == (8, 20)
 
 
@@ -279,7 +279,7 @@ def test_a_transparent_colour_of_png_is_not_light(tmp_path):
 
 def test_openexr_keeps_light_at_alpha_0(tmp_path):
     samples = np.dstack([world(), np.zeros((HEIGHT, WIDTH))]).astype(np.float32)
-    env = el.EnvMap.open(written(tmp_path / "a.exr", samples, ("R", "G", "B", "A")))
+    env = el.EnvMap.open(write_file(tmp_path / "a.exr", samples, ("R", "G", "B", "A")))
     np.testing.assert_allclose(env.radiance, world(), rtol=1e-6)
     assert env.seen_share == 1
 
@@ -293,7 +293,7 @@ def test_openexr_keeps_light_at_alpha_0(tmp_path):
 def test_the_picture_is_found_among_layers_by_its_name(tmp_path, prefix):
     names = [f"{layer}{c}" for layer in ("N.", prefix, "albedo.") for c in "RGB"]
     samples = np.concatenate([0 * world(), world(), 0 * world() + 0.5], axis=2)
-    path = written(tmp_path / "a.exr", samples.astype(np.float32), names)
+    path = write_file(tmp_path / "a.exr", samples.astype(np.float32), names)
     env = el.EnvMap.open(path)
     np.testing.assert_allclose(env.radiance, world(), rtol=1e-6)
     by_hand = el.EnvMap.open(path, part="albedo").radiance
@@ -303,14 +303,14 @@ def test_the_picture_is_found_among_layers_by_its_name(tmp_path, prefix):
 @pytest.mark.parametrize("names", ["red green blue", "r g b", "Red Green Blue"])
 def test_spelt_out_channels_are_colours(tmp_path, names):
     names = names.split()
-    path = written(tmp_path / "a.exr", world((3, 2, 1)).astype(np.float32), names)
+    path = write_file(tmp_path / "a.exr", world((3, 2, 1)).astype(np.float32), names)
     np.testing.assert_allclose(el.EnvMap.open(path).radiance[9, 21], (3, 2, 1))
 
 
 def test_layers_without_a_picture_are_listed(tmp_path):
     names = [f"{layer}.{c}" for layer in ("normal", "albedo") for c in "RGB"]
     samples = np.concatenate([world(), world()], axis=2).astype(np.float32)
-    path = written(tmp_path / "a.exr", samples, names)
+    path = write_file(tmp_path / "a.exr", samples, names)
     with pytest.raises(el.EnvLightsError, match=r"albedo, normal; choose one with part="):
         el.EnvMap.open(path)
 
@@ -332,7 +332,7 @@ def test_bytes_file_objects_and_standard_input_are_read(tmp_path, monkeypatch):
 def test_the_first_bytes_decide_and_not_the_suffix(tmp_path):
     env = el.EnvMap.open(radiance_file(tmp_path / "a.png", world()))
     np.testing.assert_allclose(env.radiance, world(), rtol=0.01)
-    written(tmp_path / "b.bmp", codes(world())).rename(tmp_path / "b.hdr")
+    write_file(tmp_path / "b.bmp", codes(world())).rename(tmp_path / "b.hdr")
     with pytest.raises(el.EnvLightsError, match="BMP image, which is read only with any_format"):
         el.EnvMap.open(tmp_path / "b.hdr")
 
