@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use super::block_layout::BlockLayout;
 use super::block_rows::BlockRow;
+use super::buffers::Buffers;
 use super::cell_flux::{CellFlux, add_across, is_bright, is_source, least_source, visible_above};
 use super::luminance::luminance;
 use super::reduce::{ReducedFlux, WorkingMap};
@@ -56,6 +57,7 @@ pub struct RowReducer<T: Sample> {
     top: TopCodes,
     is_usable: bool,
     bounds: CellBounds,
+    buffers: Buffers,
 }
 
 /// What each cell needs for a comparison with the bounds.
@@ -110,6 +112,7 @@ impl<T: Sample> RowReducer<T> {
             top: TopCodes::default(),
             is_usable: true,
             bounds,
+            buffers: Buffers::default(),
         })
     }
 
@@ -126,18 +129,20 @@ impl<T: Sample> RowReducer<T> {
     pub fn integrals(&self, samples: &[T]) -> Result<ReducedRows> {
         self.check_rows(samples)?;
         let widths = self.layout.pixels.widths();
-        let of_row = |buffer: &mut Vec<f32>, (row, samples): (usize, &[T])| {
+        let of_row = |(row, samples): (usize, &[T])| {
             let rows = self.layout.pixel_rows(self.rows + row);
             let edges = &self.layout.pixels.theta_edges[rows.start..=rows.end];
-            let values = T::linear(samples, &self.table, buffer);
             let mut cells = vec![[0.0; 3]; self.bounds.widths.len()];
-            let pixels = BlockRow::of_samples(values, edges, self.layout.block);
-            let (is_unusable, sum) = add_across(&mut cells, &pixels, &widths, self.layout.block);
-            let top = self.counts_codes.then(|| TopCodes::of(samples, values, edges, &widths));
-            (is_unusable, (cells, sum, top.unwrap_or_default()))
+            self.buffers.lend(|buffer| {
+                let values = T::linear(samples, &self.table, buffer);
+                let pixels = BlockRow::of_samples(values, edges, self.layout.block);
+                let (is_unusable, sum) = add_across(&mut cells, &pixels, &widths, self.layout.block);
+                let top = self.counts_codes.then(|| TopCodes::of(samples, values, edges, &widths));
+                (is_unusable, (cells, sum, top.unwrap_or_default()))
+            })
         };
         let rows = samples.par_chunks(3 * self.options.width * self.layout.block).enumerate();
-        let (is_unusable, rows): (Vec<bool>, Vec<_>) = rows.map_init(Vec::new, of_row).unzip();
+        let (is_unusable, rows): (Vec<bool>, Vec<_>) = rows.map(of_row).unzip();
         Ok(ReducedRows { rows, is_usable: !is_unusable.contains(&true) })
     }
 
