@@ -184,7 +184,7 @@ CALLS = {
     "TransferModel.load": (el.TransferModel.load, {"path": st.just("none.npz")}),
     "TransferModel.save": (method_of(MODEL, "save"), {"path": st.just("no-folder/m.npz")}),
     "read_pairs": (el.read_pairs, {"pairs": st.just("no-folder")}),
-    "io.read_image": (io.read_image, {"path": st.just("none.png"), "max_pixels": COUNT}),
+    "io.read_image": (io.read_image, {"source": st.just("none.png"), "max_pixels": COUNT}),
     "io.check_writable": (io.check_writable, {"path": st.just("no-folder/file.exr")}),
     "synthetic.hall": (synthetic.hall, {"height": SIZE}),
     "synthetic.hard": (synthetic.hard, {"seed": SEED, "height": HEIGHT}),

@@ -120,12 +120,8 @@ class RowReducer:
     retained_bytes: int
     def __new__(
         cls,
-        height: int,
-        width: int,
-        border_sampled: bool,
-        columns: int,
-        source_share: float,
-        floor: bool,
+        size: tuple[int, int, bool],
+        cells: tuple[int, float, bool],
         table: NDArray[np.float32],
         counts_codes: bool,
     ) -> RowReducer: ...
@@ -269,7 +265,7 @@ def probe_residual(
     weights: _Reals,
     surface: _Coefficients,
 ) -> _Reals: ...
-def radiance_rows(radiance: _Image) -> bytes: ...
+def radiance_rows(radiance: _Image, rounds: bool) -> bytes: ...
 def radical_inverse(index: int, base: int) -> float: ...
 def reduce_map(
     radiance: _Image, border_sampled: bool, columns: int, source_share: float, floor: bool

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
-from typing import TypeVar
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,7 +14,7 @@ from envlights._check import one_or_more, rotation
 from envlights._map_pixels import REGISTRATIONS, MapPixels
 from envlights._native import EnvLightsError, UnusableSamplesError
 from envlights.io.colour import ColourArgument
-from envlights.io.exposures import Exposures
+from envlights.io.exposures import merge_exposures
 from envlights.io.image_output import COMPRESSIONS, map_suffix, write_exr, write_hdr
 from envlights.io.images import MOST_PIXELS, read_image
 from envlights.io.source import AnySource, is_source, name_of
@@ -145,34 +145,43 @@ class EnvMap(MapPixels):
     @classmethod
     def from_exposures(
         cls,
-        pictures: Sequence[ArrayLike | str | os.PathLike[str]],
-        times: Sequence[float] | None = None,
+        pictures: Iterable[ArrayLike | str | os.PathLike[str]],
+        times: Iterable[float] | None = None,
+        *,
+        response: str | ArrayLike | None = None,
     ) -> EnvMap:
         """Merge exposures of a panorama into one linear map (Madsen et al. 2003, figure 4).
 
-        Every sample is the mean of the exposures that show it unclipped, with the weights of least
-        variance for sRGB codes. Exposures that differ by more than a factor of 1.3, because
-        something moved, are replaced by the best one.
+        Every sample is the mean of the exposures that show it well, with weights that fall to 0
+        towards white and black. Near clipped regions, where JPEG rings, a longer exposure counts
+        only if shorter ones show that it is dark there. Exposures that differ by more than a factor
+        of 1.3, because something moved, are replaced by the best one.
 
         Parameters
         ----------
-        pictures : sequence of path-like or array_like, shape (height, 2 * height, 3)
-            Two exposures or more from one position, sRGB-coded, in any order: files as in `open`,
-            or arrays of uint8 or uint16. Floating-point arrays are linear and clipped at 1.
-        times : sequence of float, optional
+        pictures : iterable of path-like or array_like, shape (height, 2 * height, 3)
+            Two exposures or more from one position, in any order: files as in `open`, raw files of
+            cameras (with the extra ``raw``), or arrays of uint8 or uint16, which are codes.
+            Floating-point arrays are linear and clipped at 1.
+        times : iterable of float, optional
             Exposure time of each picture, in any unit. When left out, the EXIF of the files gives
-            time, aperture and sensitivity.
+            time, aperture and sensitivity. One wrong time is corrected if the others show it.
+        response : {"srgb", "linear"} or array_like, shape (256,), optional
+            Response of the camera: exposures of the codes 0 to 255. When left out, it is sRGB if
+            that agrees with the times, else another known curve, else it is estimated.
 
         Returns
         -------
         EnvMap
             Radiance 1 is the clip level at an exposure time of 1. `white` is set if the shortest
-            exposure is still clipped. `notes` report contradictions and doubtful times.
+            exposure is still clipped. `notes` report white below 254, a response other than sRGB, a
+            corrected time, moved pictures, drift of the white balance, and contradictions.
 
         Raises
         ------
         EnvLightsError
-            If a picture cannot be read, sizes differ, or a time is missing.
+            If a picture cannot be read, sizes differ, a time is missing, tags of aperture or
+            sensitivity are missing in some files, or the pictures contradict the times.
 
         Examples
         --------
@@ -182,13 +191,11 @@ class EnvMap(MapPixels):
         >>> env.radiance[1, 1:3, 0].round(3)
         array([0.05, 6.  ], dtype=float32)
         """
-        exposures = Exposures(pictures, times)
-        radiance, white = exposures.merged()
-        times_shown = f"{exposures.times[0]:.3g} to {exposures.times[-1]:.3g}"
-        about = f"{len(exposures.times)} exposures were merged, with times from {times_shown}"
-        registration = REGISTRATIONS[exposures.border_sampled]
-        notes = (about, *exposures.notes)
-        return cls(radiance, registration=registration, notes=notes, white=white)
+        merged = merge_exposures(pictures, times, response)
+        registration = REGISTRATIONS[merged.border_sampled]
+        return cls(
+            merged.radiance, registration=registration, notes=merged.notes, white=merged.white
+        )
 
     def probe(self, normals: ArrayLike) -> NDArray[np.float64]:
         r"""Exact irradiance of a white Lambertian probe under the map.
@@ -366,15 +373,17 @@ class EnvMap(MapPixels):
 AnyMap = EnvMap | AnySource | ArrayLike
 
 
-def as_envmap(env: AnyMap) -> EnvMap:
-    """Map of an array or of the path of a file; a map is returned as it is."""
+def as_envmap(env: Any) -> EnvMap:
+    """Map of an `AnyMap`; a map is returned as it is."""
     if is_source(env):
-        return EnvMap.open(env)  # type: ignore[arg-type]
+        return EnvMap.open(env)
     return env if isinstance(env, EnvMap) else EnvMap(env)
 
 
-def apply_to_map(env: AnyMap, work: Callable[[EnvMap], _T]) -> tuple[EnvMap, _T]:
-    """Map and the result of `work` on it; an array is cleaned only if a kernel refuses it.
+def apply_to_map(env: Any, work: Callable[[EnvMap], _T]) -> tuple[EnvMap, _T]:
+    """Map of an `AnyMap`, and the result of `work` on it.
+
+    An array is cleaned only if a kernel refuses it.
 
     Kernels read every sample anyway and refuse those that are not radiance, so the usual array
     needs no check of its own.

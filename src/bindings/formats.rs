@@ -193,8 +193,9 @@ impl PngFile {
 pub fn radiance_rows<'py>(
     py: Python<'py>,
     radiance: PyReadonlyArray3<'py, f32>,
+    rounds: bool,
 ) -> PyResult<Bound<'py, PyBytes>> {
     let radiance = radiance.as_array();
-    let bytes = interruptible(py, || Ok(write::encode(radiance)))?;
+    let bytes = interruptible(py, || Ok(write::encode(radiance, rounds)))?;
     Ok(PyBytes::new(py, &bytes))
 }

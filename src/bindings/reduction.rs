@@ -40,9 +40,9 @@ pub fn reduce_map(
 }
 
 /// Rows of a file that are decoded when they are needed.
-struct Decoded<'a, File>(&'a File);
+struct FileRows<'a, File>(&'a File);
 
-impl<File: Rows> PixelRows for Decoded<'_, File> {
+impl<File: Rows> PixelRows for FileRows<'_, File> {
     fn size(&self) -> (usize, usize) {
         self.0.size()
     }
@@ -71,7 +71,7 @@ pub fn reduce_radiance(
     floor: bool,
 ) -> PyResult<ReducedMap> {
     interruptible(py, || {
-        let rows = Decoded(&file.picture);
+        let rows = FileRows(&file.picture);
         let map = image::reduce_rows(&rows, Registration::CellCentred, columns, source_share, floor)?;
         Ok(ReducedMap { map, floor })
     })
@@ -108,15 +108,13 @@ impl PyRowReducer {
     /// samples: 256 for uint8, 65536 for uint16, 0 for float32. `counts_codes` prepares `clipped` and `histogram`.
     #[new]
     fn new(
-        height: usize,
-        width: usize,
-        border_sampled: bool,
-        columns: usize,
-        source_share: f64,
-        floor: bool,
+        size: (usize, usize, bool),
+        cells: (usize, f64, bool),
         table: PyReadonlyArray1<'_, f32>,
         counts_codes: bool,
     ) -> PyResult<Self> {
+        let (height, width, border_sampled) = size;
+        let (columns, source_share, floor) = cells;
         let registration = registration(border_sampled);
         let options =
             ReductionOptions { height, width, registration, columns, source_share, has_floor: floor };
@@ -129,7 +127,7 @@ impl PyRowReducer {
         Ok(Self { reducer, floor })
     }
 
-    /// Pixels along a cell: all additions but the last are of a multiple of so many rows.
+    /// Pixels along a cell; all additions but the last are a multiple of this number of rows.
     #[getter]
     fn block(&self) -> usize {
         each!(&self.reducer, reducer => reducer.block())

@@ -5,8 +5,8 @@ use std::io::Cursor;
 use ndarray::Array3;
 use png::{BitDepth, DecodeOptions, Decoder, DecodingError, Info, Reader, Transformations};
 
-use super::{check_size, damage, zeros};
 use crate::error::{Error, Result};
+use crate::formats::input::{check_size, damage, zeros};
 
 /// Statements of a PNG file.
 #[derive(Clone, Debug, Default, PartialEq)]

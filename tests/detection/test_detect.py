@@ -290,10 +290,10 @@ def test_unusable_samples_are_cleaned_and_a_map_of_nothing_else_is_refused():
     damaged = world.radiance.copy()
     damaged[:20] = np.nan
     damaged[-20:] = -1
-    damaged[64, 64] = np.inf  # in the lamp: becomes as bright as it
+    damaged[64, 64] = np.inf  # in the lamp: above all finite samples
     lights = el.detect(damaged)
     assert len(lights) == 1
-    assert "NaN samples set to 0" in str(lights.report)
+    assert "15360 NaN samples set to" in str(lights.report)
     assert "negative samples set to 0" in str(lights.report)
     with pytest.raises(el.EnvLightsError, match="no finite sample"):
         el.detect(np.full((64, 128, 3), np.nan))

@@ -245,7 +245,7 @@ def test_an_error_out_of_reach_is_said():
 def test_notes_of_the_map_are_those_of_the_rig():
     radiance = np.array(el.synthetic.hall(64).radiance)
     radiance[3, 5, 1] = np.nan
-    assert el.fit(radiance, lights=1).notes == ("1 NaN sample set to 0",)
+    assert el.fit(radiance, lights=1).notes == ("1 NaN sample set to the mean of the neighbours",)
 
 
 @pytest.mark.parametrize(

@@ -40,7 +40,7 @@ def is_exposed(radiance, times=TIMES):
 # The merge
 
 
-@pytest.mark.parametrize(("dtype", "tolerance"), [(np.uint8, 0.01), (np.uint16, 1e-4)])
+@pytest.mark.parametrize(("dtype", "tolerance"), [(np.uint8, 0.03), (np.uint16, 1e-4)])
 def test_radiance_is_exact_where_an_exposure_saw_it(dtype, tolerance):
     radiance = hall()
     env = el.EnvMap.from_exposures(series(radiance, dtype=dtype), TIMES)
@@ -91,21 +91,23 @@ def test_a_thing_that_moved_is_noticed_and_taken_from_one_exposure():
     np.testing.assert_allclose(env.radiance[20:], 0.3, rtol=0.01)
 
 
-def test_wrong_times_are_noticed():
+def test_a_wrong_time_is_corrected_and_named():
     wrong = (*TIMES[:2], 1 / 30, *TIMES[3:])
     env = el.EnvMap.from_exposures(series(hall()), wrong)
-    doubts = [note for note in env.notes if "is a time wrong" in note]
-    assert [note[:22] for note in doubts] == ["exposures 2 and 3 diff", "exposures 3 and 4 diff"]
-    assert "by a factor of 4" in doubts[0]
-    assert "their times by 2:" in doubts[0]
+    (note,) = [note for note in env.notes if "is wrong" in note]
+    assert note.startswith("the time of exposure 3 is wrong: 0.0333 was replaced by 0.066")
+    right = el.EnvMap.from_exposures(series(hall()), TIMES)
+    np.testing.assert_allclose(env.radiance, right.radiance, rtol=0.01)
 
 
 def test_exposures_too_far_apart_are_noticed():
-    radiance = np.full((8, 16, 3), 0.5)
-    radiance[:4] = 500.0
+    radiance = np.full((64, 128, 3), 0.5)
+    radiance[:32] = 500.0
     env = el.EnvMap.from_exposures(series(radiance, (0.001, 1.0)), (0.001, 1.0))
     assert any("too few pixels in common to check their times" in note for note in env.notes)
-    np.testing.assert_allclose(env.radiance, radiance, rtol=0.01)
+    np.testing.assert_allclose(env.radiance[:32], 500.0, rtol=0.01)
+    np.testing.assert_allclose(env.radiance[40:], 0.5, rtol=0.01)
+    np.testing.assert_allclose(env.radiance[32:40], 0.5, rtol=0.25)  # near a clipped region
 
 
 # Files
@@ -124,7 +126,13 @@ def test_times_come_from_the_files(tmp_path):
 
 def test_aperture_and_sensitivity_count(tmp_path):
     radiance = np.full((8, 16, 3), 0.4)
-    one = write_image(tmp_path / "1.jpg", *series(radiance, (1.0,)), ExposureTime=1.0, FNumber=1.0)
+    one = write_image(
+        tmp_path / "1.jpg",
+        *series(radiance, (1.0,)),
+        ExposureTime=1.0,
+        FNumber=1.0,
+        PhotographicSensitivity=100,
+    )
     half = {"ExposureTime": 1.0, "FNumber": 2.0, "PhotographicSensitivity": 200}
     other = write_image(tmp_path / "2.jpg", *series(radiance, (0.5,)), **half)
     env = el.EnvMap.from_exposures([one, other])

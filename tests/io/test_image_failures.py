@@ -16,6 +16,7 @@ import pytest
 import envlights as el
 from envlights import io
 from envlights._srgb import decode_srgb
+from envlights.io.raw_image import RawImage
 from tests.io.test_images import RADIANCE, write
 
 
@@ -25,7 +26,6 @@ class FailingFile:
     def __init__(self, failing):
         self.failing = failing
         self.given = oiio.ImageSpec(32, 16, 3, oiio.FLOAT)
-        self.is_closed = False
 
     def geterror(self):
         return f"no room for {self.path}"
@@ -44,22 +44,16 @@ class FailingFile:
     def spec(self):
         return self.given
 
-    def read_scanlines(self, *_):
-        raise MemoryError
-
     def close(self):
-        self.is_closed = True
         return self.failing != "close"
 
 
 def use(monkeypatch, file):
-    """Let OpenImageIO open `file` for every path."""
-    doors = {name: SimpleNamespace(create=lambda _: file) for name in ("ImageOutput",)}
-    doors["ImageInput"] = SimpleNamespace(open=lambda *_: file)
+    """Let OpenImageIO write every path by `file`."""
+    writer = SimpleNamespace(create=lambda _: file)
     rest = {name: getattr(oiio, name) for name in ("ImageSpec", "FLOAT", "TypeDesc")}
-    fake = SimpleNamespace(**doors, **rest, geterror=lambda: "no such format")
-    for module in ("images", "image_output"):
-        monkeypatch.setattr(f"envlights.io.{module}.oiio", fake)
+    fake = SimpleNamespace(ImageOutput=writer, **rest, geterror=lambda: "no such format")
+    monkeypatch.setattr("envlights.io.image_output.oiio", fake)
 
 
 @pytest.mark.parametrize(
@@ -96,11 +90,16 @@ def test_a_file_that_is_not_whole_is_refused_even_where_the_library_is_content(
 
 def test_a_map_beyond_memory_is_refused_and_its_file_closed(tmp_path, monkeypatch):
     path = write(tmp_path / "map.exr", RADIANCE)
-    file = FailingFile("none")
-    use(monkeypatch, file)
+
+    def no_memory(*_):
+        raise MemoryError
+
+    monkeypatch.setattr(RawImage, "rows", no_memory)
     with pytest.raises(el.EnvLightsError, match=r"map\.exr: its pixels do not fit into memory"):
         el.EnvMap.open(path)
-    assert file.is_closed
+    if sys.platform == "linux":
+        handles = [os.path.realpath(handle) for handle in Path("/proc/self/fd").iterdir()]
+        assert str(path) not in handles
 
 
 FORKED = """
@@ -142,7 +141,7 @@ def test_a_header_that_claims_too_many_pixels_is_refused_before_memory_is_taken(
     path = tmp_path / "huge.png"
     path.write_bytes(png_of(60000, 30000, bytes(10**6)))
     with pytest.raises(
-        el.EnvLightsError, match=r"60000x30000 pixels, more than 536870912; .*max_pix"
+        el.EnvLightsError, match=r"up to 536870912 pixels; got 30000 rows of 60000; .*max_pixels"
     ):
         el.EnvMap.open(path)
     write(tmp_path / "small.exr", RADIANCE)
@@ -156,7 +155,7 @@ def test_the_length_of_a_chunk_is_not_trusted(tmp_path):
     path.write_bytes(png_of(4, 2, b"x", length=2**32 - 1))
     tracemalloc.start()
     try:
-        with pytest.raises(el.EnvLightsError, match="the file is incomplete"):
+        with pytest.raises(el.EnvLightsError, match="the PNG file is damaged"):
             io.read_image(path)
         assert tracemalloc.get_traced_memory()[1] < 2**20
     finally:
@@ -195,10 +194,10 @@ print((kilobytes("VmHWM") - before) * 1024 / env.radiance.nbytes)
     ("name", "file_format", "most"),
     [
         ("map.png", oiio.UINT8, 1.5),
-        ("map.png", oiio.UINT16, 1.5),
+        ("map.png", oiio.UINT16, 1.7),  # all codes, half of the map, and the file
         ("map.jpg", oiio.UINT8, 1.5),
         ("map.exr", oiio.HALF, 1.3),
-        ("map.hdr", oiio.FLOAT, 1.3),
+        ("map.hdr", oiio.FLOAT, 1.4),  # the file, a third of the map
     ],
 )
 def test_a_map_is_opened_in_hardly_more_memory_than_its_own(tmp_path, name, file_format, most):

@@ -163,7 +163,7 @@ def test_ctrl_c_between_rows_of_a_radiance_file_leaves_the_old_file(tmp_path, mo
     el.EnvMap(LARGE[::-1]).save(tmp_path / "map.hdr")
     before = (tmp_path / "map.hdr").read_bytes()
 
-    def interrupt(_):
+    def interrupt(*_):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("envlights._native.radiance_rows", interrupt)

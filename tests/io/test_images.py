@@ -86,12 +86,15 @@ def test_jpeg_is_read(tmp_path):
 
 
 @pytest.mark.parametrize(("name", "file_format"), [("a.exr", oiio.FLOAT), ("a.png", oiio.UINT8)])
-def test_alpha_is_ignored_and_noted(tmp_path, name, file_format):
+def test_straight_alpha_is_the_share_that_is_seen_and_premultiplied_keeps_light(
+    tmp_path, name, file_format
+):
     pixels = np.full((16, 32, 4), 0.5, np.float32)
     env = el.EnvMap.open(write(tmp_path / name, pixels, file_format, oiio__UnassociatedAlpha=1))
-    expected = 0.5 if file_format == oiio.FLOAT else decode_srgb(np.array(128 / 255))
-    np.testing.assert_allclose(env.radiance, expected, rtol=1e-2)
-    assert "alpha was ignored" in env.notes
+    is_straight = file_format == oiio.UINT8
+    expected = decode_srgb(np.array(128 / 255)) * 128 / 255 if is_straight else 0.5
+    np.testing.assert_allclose(env.radiance, expected, rtol=1e-3)
+    assert env.seen_share == pytest.approx(128 / 255 if is_straight else 1.0)
 
 
 def test_extra_channels_are_ignored_and_noted(tmp_path):
@@ -236,12 +239,12 @@ def broken_files(folder):
         "square.exr": "twice as wide as high; got 16x16",
         "two.exr": "it needs R, G and B, or a single channel",
         "cube.exr": "cube map",
-        "luminance.exr": "channels Y, BY, RY; it needs R, G and B, or a single channel",
+        "luminance.exr": r"luminance and chroma \(Y, RY, BY\), which are not converted",
         "counts.tif": "its samples are uint; give floating point, uint8 or uint16",
-        "side.jpg": "rotated by 90 degrees",
+        "side.jpg": "twice as wide as high; got 16x32 pixels",
         "deep.exr": "it is a deep image",
         "vast.exr": "100000x50000 pixels, more than",
-        "truncated.png": "the file is incomplete",
+        "truncated.png": "the PNG file is incomplete",
         "flipped.png": "wrong checksum",
     }
 
@@ -258,8 +261,8 @@ def test_broken_files_are_refused_in_one_sentence_that_names_them(tmp_path, capf
 @pytest.mark.parametrize(
     ("path", "message"),
     [
-        (3, "a path must be text; got int"),
-        (None, "a path must be text; got NoneType"),
+        (3, "a path must be text, or the bytes of a file; got int"),
+        (None, "a path must be text, or the bytes of a file; got NoneType"),
         ("", "cannot read an empty path"),
         ("two\nlines.exr", r"cannot read two\\nlines.exr: there is no such file"),
         ("nul\0.exr", r"cannot read nul\\x00.exr"),

@@ -11,11 +11,46 @@ import pytest
 
 from envlights._native import EnvLightsError, PngFile, RadianceFile
 from tests import mutations
-from tests.io.test_png import DAMAGED, END, PIXELS, SIGNATURE, chunk, header
+
+SIGNATURE = b"\x89PNG\r\n\x1a\n"
+
+
+def chunk(kind, body=b""):
+    check = struct.pack(">I", zlib.crc32(kind + body))
+    return struct.pack(">I", len(body)) + kind + body + check
+
+
+def header(width=4, height=2, depth=8, colours=2, packing=0, filtering=0, interlace=0):
+    fields = (width, height, depth, colours, packing, filtering, interlace)
+    return chunk(b"IHDR", struct.pack(">2I5B", *fields))
+
+
+ROWS = zlib.compress(bytes(2 * 13))
+PIXELS = chunk(b"IDAT", ROWS)
+END = chunk(b"IEND")
+DAMAGED = {
+    "no header": PIXELS + END,
+    "a short header": chunk(b"IHDR", bytes(12)) + PIXELS + END,
+    "a long header": chunk(b"IHDR", bytes(14)) + PIXELS + END,
+    "no columns": header(width=0) + PIXELS + END,
+    "too many rows": header(height=10**6 + 1) + PIXELS + END,
+    "an impossible depth": header(depth=4) + PIXELS + END,
+    "unknown colours": header(colours=5) + PIXELS + END,
+    "unknown packing": header(packing=1) + PIXELS + END,
+    "an unknown filter": header(filtering=1) + PIXELS + END,
+    "an unknown order": header(interlace=2) + PIXELS + END,
+    "two headers": header() + header() + PIXELS + END,
+    "an unknown chunk": header() + chunk(b"ABCD") + PIXELS + END,
+    "a reserved chunk": header() + chunk(b"abcd") + PIXELS + END,
+    "no name": header() + chunk(b"a1Cd") + PIXELS + END,
+    "no pixels": header() + END,
+    "no end": header() + PIXELS,
+    "nothing": b"",
+}
 
 MOST = 2**26
-#: Damage that the crate png passes over; all pixels are there. 10^6 rows are no limit of its own.
-PASSED_OVER = {"too many rows", "a reserved chunk", "no name", "a checksum cut off"}
+#: Damage that the crate png passes over; all pixels are there.
+PASSED_OVER = {"a reserved chunk", "no name"}
 ADAM7 = [
     (0, 0, 8, 8),
     (4, 0, 8, 8),
@@ -120,7 +155,7 @@ def test_statements_of_a_png_are_read():
 
 @pytest.mark.parametrize("damage", [name for name in DAMAGED if name not in PASSED_OVER])
 def test_damaged_png_files_are_refused(damage):
-    chunks, _ = DAMAGED[damage]
+    chunks = DAMAGED[damage]
     with pytest.raises(EnvLightsError):
         PngFile(SIGNATURE + chunks, MOST).read()
 

@@ -230,7 +230,10 @@ def test_only_samples_that_no_light_can_have_are_cleaned():
     env, (irradiance, _) = apply_to_map(damaged, work)
     assert len(runs) == 3
     assert np.isfinite(irradiance).all()
-    assert env.notes == ("1 NaN sample set to 0", "1 negative sample set to 0")
+    assert env.notes == (
+        "1 negative sample set to 0",
+        "1 NaN sample set to the mean of the neighbours",
+    )
 
 
 def test_opposite_normals_differ_by_the_flux_of_the_working_map():

@@ -52,15 +52,15 @@ def test_pairs_that_were_read_are_saved_again(folder, tmp_path):
 
 
 def test_paths_are_taken_in_their_order_and_notes_once(pair_folder, capsys):
-    opaque = np.ones((32, 32, 4), np.float32)
-    io.write_exr(pair_folder / "lightmap_a.exr", opaque)
-    io.write_exr(pair_folder / "lightmap_b.exr", opaque)
+    grey = np.ones((32, 32, 1), np.float32)
+    io.write_exr(pair_folder / "lightmap_a.exr", grey)
+    io.write_exr(pair_folder / "lightmap_b.exr", grey)
     paths = [
         (pair_folder / f"direct_{name}.exr", pair_folder / f"lightmap_{name}.exr") for name in "ab"
     ]
     pairs = el.read_pairs(paths, progress=True)
     np.testing.assert_array_equal(pairs.direct, room().direct[[3, 1]])
-    assert pairs.notes == ("alpha was ignored in the lightmap images",)
+    assert pairs.notes == ("the only channel, Y, was read as grey in the lightmap images",)
     assert "2/2" in capsys.readouterr().err
 
 

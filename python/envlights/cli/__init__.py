@@ -16,6 +16,7 @@ _COMMANDS = {
     "detect": "Find the lights of a map.",
     "export": "Write a rig or lights for other programs.",
     "fit": "Fit an ambient term and a few lights to a map.",
+    "merge": "Merge exposures into one map.",
     "repair": "Estimate the clipped light of a picture.",
     "split": "Remove the lights from a map.",
     "transfer": "Learn indirect light from pairs of images, and predict it.",

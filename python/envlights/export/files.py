@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -37,7 +38,12 @@ def save_scene(
     for place in (*places, path):
         check_writable(place)
     for place, radiance in places.items():
-        write = write_hdr if place.suffix == ".hdr" else write_exr
+        write = _write_for_radiance if place.suffix == ".hdr" else write_exr
         write(place, np.ascontiguousarray(radiance, np.float32))
     data = content.encode() if isinstance(content, str) else content
     write_atomically(path, lambda beside: beside.write_bytes(data))
+
+
+def _write_for_radiance(path: Path, radiance: NDArray[np.float32]) -> None:
+    """Write a picture for the programs of Radiance."""
+    write_hdr(path, radiance, rounds=False)

@@ -4,7 +4,8 @@
 |---------------------------------------------------|-------------------|
 | read images; a file's colour space                | `images.py`       |
 | write images                                      | `image_output.py` |
-| merge exposures into one image                    | `exposures.py`    |
+| merge exposures into one image                    | `exposures/`      |
+| read raw files of cameras                         | `raw.py`          |
 | check PNG files before they are read              | `png.py`          |
 | OpenImageIO, loaded when it is first needed       | `openimageio.py`  |
 | write any file safely                             | `files.py`        |

@@ -24,7 +24,7 @@ def straight_codes(colours: NDArray[Any], alpha: NDArray[Any], header: Header) -
     if (alpha == most).all():
         return colours
     divisor = np.maximum(alpha, 1).astype(np.float32)[..., None]
-    codes = np.minimum(np.rint(colours * (most / divisor)), most)
+    codes: NDArray[Any] = np.minimum(np.rint(colours * (most / divisor)), most)
     codes[alpha == 0] = 0
     return codes.astype(header.dtype)
 
@@ -33,7 +33,8 @@ def visible(colours: NDArray[Any], alpha: NDArray[Any]) -> NDArray[Any]:
     """Colours with 0 where alpha, (rows, width, 0 or 1), hides them."""
     if not alpha.shape[2] or alpha.all():
         return colours
-    return np.where(alpha > 0, colours, colours.dtype.type(0))
+    codes: NDArray[Any] = np.where(alpha > 0, colours, colours.dtype.type(0))
+    return codes
 
 
 def seen_of_alpha(

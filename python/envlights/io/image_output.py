@@ -72,9 +72,13 @@ def write_exr(
 
 
 def write_hdr(
-    path: str | os.PathLike[str], radiance: NDArray[np.float32], *, comments: Iterable[str] = ()
+    path: str | os.PathLike[str],
+    radiance: NDArray[np.float32],
+    *,
+    comments: Iterable[str] = (),
+    rounds: bool = True,
 ) -> None:
-    """Write linear Rec.709 RGB as a Radiance file: 8 bits, rounded to nearest, shared exponent.
+    """Write linear Rec.709 RGB as a Radiance file: 8 bits and a shared exponent.
 
     Parameters
     ----------
@@ -83,6 +87,9 @@ def write_hdr(
         Samples from 0 to 1.7e38; a larger one is refused.
     comments : iterable of str
         Comment lines of the header.
+    rounds : bool
+        True: mantissas are rounded to nearest, as image libraries read them. False: they are
+        rounded down, for the programs of Radiance, which add half a step.
     """
     largest = float(radiance.max(initial=0))
     if not largest < _END_OF_RGBE:
@@ -108,7 +115,7 @@ def write_hdr(
             file.write("\n".join(header).encode())
             for top in range(0, height, _ROWS_AT_ONCE):
                 rows = np.ascontiguousarray(radiance[top : top + _ROWS_AT_ONCE], np.float32)
-                file.write(_native.radiance_rows(rows))
+                file.write(_native.radiance_rows(rows, rounds))
 
     write_atomically(path, write)
 

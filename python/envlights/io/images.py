@@ -110,7 +110,8 @@ class OpenImage:
         white, notes = self._white(histogram, pixels.whole)
         seen = shares.whole
         if seen is not None and not seen.any():
-            seen = self._without_alpha()
+            self._check_alpha()
+            seen = None
         if seen is None and self.place.crop:
             seen = np.ones(size, np.float32)
         return Image(
@@ -131,8 +132,8 @@ class OpenImage:
             return self.colour.white, []
         return white_of(histogram, self.colour.table(8 * self.raw.header.dtype.itemsize))
 
-    def _without_alpha(self) -> None:
-        """No share for a file whose alpha is 0 everywhere; straight alpha would hide all pixels."""
+    def _check_alpha(self) -> None:
+        """Refuse a file whose alpha is 0 everywhere; straight alpha would hide all pixels."""
         if self.raw.header.alpha == "straight":
             raise EnvLightsError(
                 f"cannot read {self.name}: alpha is 0 in all pixels, so that nothing is seen;"

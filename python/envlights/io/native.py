@@ -42,7 +42,7 @@ class NativeFile:
         rows = _refusals_named(self._name, self._rows)
 
         def read(top: int, bottom: int) -> NDArray[Any]:
-            samples = _refusals_named(self._name, lambda: rows(top, bottom))
+            samples: NDArray[Any] = _refusals_named(self._name, lambda: rows(top, bottom))
             return samples if names == known else samples[..., places]
 
         return RawImage(header, read, header.height, self._radiance if names == known else None)
@@ -109,5 +109,7 @@ def _refusals_named(name: str, work: Callable[[], Any]) -> Any:
     try:
         return work()
     except EnvLightsError as refusal:
-        kind = EnvLightsError if "max_pixels" in str(refusal) else DamagedFileError
-        raise kind(f"cannot read {name}: {refusal}; {WANTED}") from None
+        if str(refusal).startswith("an image may have up to"):
+            way_out = "if it is not damaged, give a higher max_pixels"
+            raise EnvLightsError(f"cannot read {name}: {refusal}; {way_out}") from None
+        raise DamagedFileError(f"cannot read {name}: {refusal}; {WANTED}") from None

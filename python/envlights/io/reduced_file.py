@@ -97,7 +97,7 @@ def _of_rows(file: OpenImage, cells: _Cells) -> ReducedFile | None:
         return None
     has_codes = header.dtype.kind == "u"
     size = (header.height, header.width, header.border_sampled)
-    reducer = _native.RowReducer(*size, *cells, table, has_codes)
+    reducer = _native.RowReducer(size, cells, table, has_codes)
     for rows in _whole_blocks(_rows(file), reducer.block):
         if not reducer.add(rows):
             return None

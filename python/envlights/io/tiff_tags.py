@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import struct
 from dataclasses import dataclass
-from typing import IO
+from typing import IO, Any
 
 from envlights._native import EnvLightsError
 from envlights.io.errors import DamagedFileError
@@ -76,7 +76,9 @@ def _values(file: IO[bytes]) -> dict[int, int | bytes]:
     start = struct.unpack_from(order + offset, head, 8 if is_big else 4)[0]
     file.seek(start)
     count = _unpack(file, order + ("Q" if is_big else "H"))[0]
-    table = [_unpack(file, order + entry) for _ in range(min(count, _MOST_TAGS))]
+    table: list[tuple[Any, ...]] = [
+        _unpack(file, order + entry) for _ in range(min(count, _MOST_TAGS))
+    ]
     values: dict[int, int | bytes] = {}
     for tag, kind, length, raw in table:
         letter = _LETTERS.get(kind)
@@ -88,5 +90,5 @@ def _values(file: IO[bytes]) -> dict[int, int | bytes]:
     return values
 
 
-def _unpack(file: IO[bytes], form: str) -> tuple[int, ...]:
+def _unpack(file: IO[bytes], form: str) -> tuple[Any, ...]:
     return struct.unpack(form, file.read(struct.calcsize(form)))

@@ -1,7 +1,7 @@
 //! Header of a Radiance picture: lines of text, an empty line, and the resolution.
 
 use crate::error::Result;
-use crate::formats::damage;
+use crate::formats::input::damage;
 
 /// Statements of a Radiance picture.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,8 +1,8 @@
 //! Start and end of each line of pixels, found by one pass over the packets.
 
-use super::Header;
+use super::header::Header;
 use crate::error::{Error, Result};
-use crate::formats::damage;
+use crate::formats::input::damage;
 
 /// Bytes of one line of pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -23,8 +23,8 @@ pub use header::Header;
 
 use self::lines::{Line, find_lines};
 use self::rows::Planes;
-use super::{Rows, check_size, damage, zeros};
 use crate::error::{Error, Result};
+use crate::formats::input::{Rows, check_size, damage, zeros};
 use crate::interrupt;
 
 /// A picture whose header was read and whose lines were found; any of its rows can be decoded.

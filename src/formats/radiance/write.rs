@@ -1,4 +1,4 @@
-//! Encoder of Radiance pixels: RGBE, rounded to nearest, with run-length encoded rows.
+//! Encoder of Radiance pixels: RGBE with run-length encoded rows.
 
 use ndarray::{ArrayView1, ArrayView2, ArrayView3, Axis};
 use rayon::prelude::*;
@@ -14,15 +14,18 @@ const MOST: (usize, usize) = (127, 128);
 
 /// Bytes of some rows, (rows, width, 3), after the header.
 ///
-/// Samples are finite, at least 0 and below 255.5 * 2^119.
-pub fn encode(radiance: ArrayView3<'_, f32>) -> Vec<u8> {
-    let rows: Vec<Vec<u8>> = radiance.axis_iter(Axis(0)).into_par_iter().map(encode_row).collect();
+/// Samples are finite, at least 0 and below 255.5 * 2^119. Mantissas are rounded to nearest if `rounds`, else down: the
+/// programs of Radiance add half a step when they read.
+pub fn encode(radiance: ArrayView3<'_, f32>, rounds: bool) -> Vec<u8> {
+    let half = if rounds { 0.5 } else { 0.0 };
+    let rows: Vec<Vec<u8>> =
+        radiance.axis_iter(Axis(0)).into_par_iter().map(|row| encode_row(row, half)).collect();
     rows.concat()
 }
 
-fn encode_row(row: ArrayView2<'_, f32>) -> Vec<u8> {
+fn encode_row(row: ArrayView2<'_, f32>, half: f64) -> Vec<u8> {
     interrupt::check();
-    let pixels: Vec<[u8; 4]> = row.outer_iter().map(rgbe).collect();
+    let pixels: Vec<[u8; 4]> = row.outer_iter().map(|rgb| rgbe(rgb, half)).collect();
     let width = pixels.len();
     if !ENCODED_WIDTHS.contains(&width) {
         return pixels.concat();
@@ -35,12 +38,12 @@ fn encode_row(row: ArrayView2<'_, f32>) -> Vec<u8> {
     bytes
 }
 
-/// Shared exponent of the largest channel; mantissas are rounded to nearest.
-fn rgbe(rgb: ArrayView1<'_, f32>) -> [u8; 4] {
+/// Mantissas, rounded down after `half` is added, and the shared exponent of the largest channel.
+fn rgbe(rgb: ArrayView1<'_, f32>, half: f64) -> [u8; 4] {
     let largest = rgb.iter().copied().fold(0.0, f32::max);
     // Numbers below 2^-126 have the smallest exponent, and fewer bits.
     let mut exponent = ((largest.to_bits() >> 23) & 0xff) as i32 - 126;
-    let mantissa = |sample: f32, exponent: i32| (f64::from(sample) * 2_f64.powi(8 - exponent)).round();
+    let mantissa = |sample: f32, exponent: i32| (f64::from(sample) * 2_f64.powi(8 - exponent) + half).floor();
     if mantissa(largest, exponent) > 255.0 {
         exponent += 1;
     }
@@ -90,11 +93,11 @@ mod tests {
 
     #[test]
     fn mantissas_are_rounded_and_carry_into_the_exponent() {
-        assert_eq!(rgbe(arr1(&[1.0, 0.5, 0.25]).view()), [128, 64, 32, 129]);
-        assert_eq!(rgbe(arr1(&[0.999, 0.0, 0.1]).view()), [128, 0, 13, 129]);
-        assert_eq!(rgbe(arr1(&[129.6 / 128.0, 0.0, 0.0]).view()), [130, 0, 0, 129]);
-        assert_eq!(rgbe(arr1(&[0.0; 3]).view()), [0; 4]);
-        assert_eq!(rgbe(arr1(&[1.6e38, 0.0, 0.0]).view())[3], 255);
+        assert_eq!(rgbe(arr1(&[1.0, 0.5, 0.25]).view(), 0.5), [128, 64, 32, 129]);
+        assert_eq!(rgbe(arr1(&[0.999, 0.0, 0.1]).view(), 0.5), [128, 0, 13, 129]);
+        assert_eq!(rgbe(arr1(&[129.6 / 128.0, 0.0, 0.0]).view(), 0.5), [130, 0, 0, 129]);
+        assert_eq!(rgbe(arr1(&[0.0; 3]).view(), 0.5), [0; 4]);
+        assert_eq!(rgbe(arr1(&[1.6e38, 0.0, 0.0]).view(), 0.5)[3], 255);
     }
 
     #[test]
@@ -124,7 +127,7 @@ mod tests {
 
     #[test]
     fn narrow_rows_are_not_encoded() {
-        assert_eq!(encode(Array3::ones((2, 4, 3)).view()).len(), 2 * 4 * 4);
-        assert!(encode(Array3::ones((2, 800, 3)).view()).len() < 200);
+        assert_eq!(encode(Array3::ones((2, 4, 3)).view(), true).len(), 2 * 4 * 4);
+        assert!(encode(Array3::ones((2, 800, 3)).view(), true).len() < 200);
     }
 }

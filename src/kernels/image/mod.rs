@@ -48,7 +48,7 @@ pub use parts::{MOST_PARTS, Part};
 pub use pixel_rows::PixelRows;
 pub use reduce::{WorkingMap, reduce, reduce_rows};
 pub use rotate::rotate;
-pub use row_reducer::{ReductionOptions, ReducedRows, RowReducer};
+pub use row_reducer::{ReducedRows, ReductionOptions, RowReducer};
 pub use sample_types::Sample;
 pub use samples::{Unusable, unusable};
 pub(crate) use samples::{check_rgb, check_samples};

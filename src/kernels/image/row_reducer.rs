@@ -60,7 +60,7 @@ pub struct RowReducer<T: Sample> {
     buffers: Buffers,
 }
 
-/// What each cell needs for a comparison with the bounds.
+/// Numbers of each cell for a comparison with the bounds.
 struct CellBounds {
     /// Fraction of each row above the horizon, or 1 without a floor.
     visible: Vec<f64>,
@@ -148,8 +148,10 @@ impl<T: Sample> RowReducer<T> {
 
     fn check_rows(&self, samples: &[T]) -> Result<()> {
         let line = 3 * self.options.width;
-        let (rows, left) = (samples.len() / line, self.options.height.saturating_sub(self.rows * self.layout.block));
-        let is_whole = samples.len() % line == 0 && (rows % self.layout.block == 0 || rows == left);
+        let (rows, left) =
+            (samples.len() / line, self.options.height.saturating_sub(self.rows * self.layout.block));
+        let is_whole =
+            samples.len().is_multiple_of(line) && (rows.is_multiple_of(self.layout.block) || rows == left);
         if is_whole && rows <= left {
             return Ok(());
         }
@@ -164,7 +166,9 @@ impl<T: Sample> RowReducer<T> {
         for (cells, sum, top) in integrals.rows {
             let visible = self.bounds.visible[self.rows];
             (0..3).for_each(|c| self.so_far[c] += visible * sum[c]);
-            for (mut at, cell) in self.flux.cells.index_axis_mut(ndarray::Axis(0), self.rows).outer_iter_mut().zip(cells) {
+            for (mut at, cell) in
+                self.flux.cells.index_axis_mut(ndarray::Axis(0), self.rows).outer_iter_mut().zip(cells)
+            {
                 (0..3).for_each(|c| at[c] = cell[c]);
             }
             self.flux.rows[self.rows] = sum;
@@ -179,13 +183,19 @@ impl<T: Sample> RowReducer<T> {
         let columns = self.bounds.widths.len();
         let new = (first..self.rows).flat_map(|row| (0..columns).map(move |column| (row, column)));
         let cells: Vec<(usize, usize)> = self.retained.keys().copied().chain(new).collect();
-        let least = least_source(self.so_far, self.options.source_share * (1.0 - ROUNDING), self.bounds.bands.len() * columns);
+        let least = least_source(
+            self.so_far,
+            self.options.source_share * (1.0 - ROUNDING),
+            self.bounds.bands.len() * columns,
+        );
         let is_source = |at: &(usize, usize)| is_source(&self.cell(*at), least);
-        let of_sources: f64 = cells.iter().filter(|at| is_source(at)).map(|&at| self.cell(at).iter().sum::<f64>()).sum();
+        let of_sources: f64 =
+            cells.iter().filter(|at| is_source(at)).map(|&at| self.cell(at).iter().sum::<f64>()).sum();
         let others = self.so_far.iter().sum::<f64>() * (1.0 - ROUNDING) - of_sources;
         let over_others = if others > 0.0 { 1.0 / others } else { f64::INFINITY };
         let may_be_needed = |at: &(usize, usize)| {
-            is_source(at) || is_bright(&self.cell(*at), over_others, self.bounds.bands[at.0] * self.bounds.widths[at.1])
+            is_source(at)
+                || is_bright(&self.cell(*at), over_others, self.bounds.bands[at.0] * self.bounds.widths[at.1])
         };
         let line = 3 * self.options.width * self.layout.block;
         let needed: Vec<(usize, usize)> = cells.into_iter().filter(may_be_needed).collect();

@@ -39,7 +39,8 @@ impl TopCodes {
         let at_once = 3 * PIXELS_AT_ONCE;
         let runs = samples.chunks(at_once).zip(values.chunks(at_once)).zip(widths.chunks(PIXELS_AT_ONCE));
         for ((samples, values), widths) in runs {
-            if !samples.iter().fold(false, |any, &sample| any | (sample >= first)) {
+            // A count is a loop of vectors, where `any` would stop at each sample.
+            if samples.iter().filter(|&&sample| sample >= first).count() == 0 {
                 continue;
             }
             self.sums.resize(T::CODES - first.code(), [0.0; 2]);
@@ -67,7 +68,8 @@ impl TopCodes {
     /// Fractions of the sphere, and of the `whole` luminance flux, of pixels from the code `least` on.
     pub fn shares<T: Sample>(&self, least: T, whole: f64) -> [f64; 2] {
         let from = T::TOP.map_or(0, |first| least.code().saturating_sub(first.code()));
-        let clipped = self.sums.iter().skip(from).fold([0.0; 2], |sum, bin| [sum[0] + bin[0], sum[1] + bin[1]]);
+        let clipped =
+            self.sums.iter().skip(from).fold([0.0; 2], |sum, bin| [sum[0] + bin[0], sum[1] + bin[1]]);
         [clipped[0] / (4.0 * PI), if whole > 0.0 { clipped[1] / whole } else { 0.0 }]
     }
 

@@ -1,0 +1,190 @@
+"""Weighted mean of linear exposures, and the pixels in which they contradict each other.
+
+What is uncertain about a sample is a step of a code, dE, so weights are (t / dE)^2 times a ramp
+that ends below white. JPEG rings around clipped regions, with samples below white inside them. Near
+such a region a longer exposure counts only where the shorter ones prove it dark.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+#: Ramp of weights towards white, in exposures relative to the clip level: full weight below the
+#: first, none above the second. JPEG of quality 90 moves white to 0.9.
+_FULL, _NONE = 0.5, 0.92
+#: Code below which weights fall, of 255.
+_DARK = 8.0
+#: Least weight of a dark sample, so that some exposure counts.
+_LEAST_DARK = 1e-3
+#: Least weight of a linear sample below white: nothing moves white of linear pictures.
+_LEAST_BRIGHT = 1e-2
+#: Exposure that shorter pictures predict, above which a sample near a clipped region is ignored.
+_MOST_NEAR = 0.5
+#: The same at the rim, where the edge of the region itself may be blurred.
+_MOST_AT_RIM = 0.1
+#: Ratio of the variances of samples near a clipped region, and elsewhere, for ringing of 5 codes.
+_RINGING = 25.0
+#: Pixels that are the rim of a clipped region.
+_RIM = 2
+#: Pixels around a clipped region in which JPEG rings, and columns for each of them.
+_DISTANCE, _COLUMNS_EACH = 8, 512
+#: Only samples in this range are used to compare exposures.
+_LEAST_COMPARED, _MOST_COMPARED = 0.02, 0.94
+#: Ratio above which exposures contradict each other, and codes that JPEG moves a sample by.
+_CONTRADICTION, _NOISE = 1.3, 4.0
+#: Rows of a block; the arrays for a block take more memory than its pixels.
+_ROWS = 64
+
+
+@dataclass(eq=False)
+class Exposure:
+    """Linear exposure of one picture."""
+
+    time: float
+    """Exposure time."""
+
+    linear: NDArray[np.float32]
+    """Exposure of each sample, 1 at white of the series, (height, width, 3)."""
+
+    white: float
+    """Exposure of white."""
+
+    clip: float
+    """Least exposure that counts as clipped."""
+
+    clipped: NDArray[np.bool_]
+    """Mask of clipped samples, (height, width, 3)."""
+
+    rings: bool
+    """True if JPEG may have been at work."""
+
+    def __post_init__(self) -> None:
+        any_channel: NDArray[np.bool_] = np.asarray(self.clipped.any(axis=2))
+        reach = distance(any_channel.shape[1]) if self.rings else _RIM
+        self.rim = dilate(any_channel, _RIM if self.rings else 0)
+        self.near = dilate(any_channel, reach)
+
+
+def distance(width: int) -> int:
+    """Pixels around a clipped region in which samples are doubtful."""
+    return max(_DISTANCE, width // _COLUMNS_EACH)
+
+
+def dilate(mask: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
+    """Pixels within a square of a mask; columns go around."""
+    if reach == 0 or not mask.any():
+        return mask
+    rows = _counts(np.pad(mask, ((reach, reach), (0, 0))), reach, 0)
+    around = np.pad(rows > 0, ((0, 0), (reach, reach)), mode="wrap")
+    return _counts(around, reach, 1) > 0
+
+
+def _counts(mask: NDArray[np.bool_], reach: int, axis: int) -> NDArray[np.int32]:
+    """Number of pixels of a mask in windows along an axis."""
+    sums = np.cumsum(mask, axis=axis, dtype=np.int32)
+    zero = np.zeros_like(np.take(sums, [0], axis=axis))
+    sums = np.concatenate([zero, sums], axis=axis)
+    window = 2 * reach + 1
+    ends = np.arange(window, sums.shape[axis])
+    counts: NDArray[np.int32] = np.take(sums, ends, axis=axis)
+    return counts - np.take(sums, ends - window, axis=axis)
+
+
+def merge(exposures: list[Exposure]) -> tuple[NDArray[np.float32], NDArray[np.bool_], bool]:
+    """Radiance for an exposure of 1 s, pixels of contradictions, and True if radiance is lost.
+
+    Exposures are sorted, shortest first.
+    """
+    merged = np.empty_like(exposures[0].linear)
+    is_moved = np.zeros(merged.shape[:2], bool)
+    is_lost = False
+    for top in range(0, len(merged), _ROWS):
+        rows = slice(top, top + _ROWS)
+        merged[rows], is_moved[rows], lost = _merge_rows(exposures, rows)
+        is_lost |= lost
+    return merged, is_moved, is_lost
+
+
+def _merge_rows(
+    exposures: list[Exposure], rows: slice
+) -> tuple[NDArray[np.float64], NDArray[np.bool_], bool]:
+    times = np.array([each.time for each in exposures])[:, None, None, None]
+    linear = np.stack([each.linear[rows] for each in exposures]).astype(np.float64)
+    radiance = linear / times
+    weight = _weights(exposures, rows, radiance)
+    # Let the shortest exposure decide where no exposure counts.
+    alone = (weight == 0).all(axis=0)
+    weight[0][alone] = 1
+    mean = (weight * radiance).sum(axis=0) / weight.sum(axis=0)
+    is_moved, best = _contradictions(exposures, rows, linear, radiance, weight)
+    mean = np.where(is_moved[..., None], best, mean)
+    # Samples that the shortest exposure lost are at its clip level.
+    shortest = exposures[0]
+    lost = alone & shortest.clipped[rows]
+    mean = np.where(lost, shortest.white / shortest.time, mean)
+    return mean, is_moved, bool(lost.any())
+
+
+def _weights(
+    exposures: list[Exposure], rows: slice, radiance: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Weights of all samples, (exposures, rows, width, 3)."""
+    weights = np.zeros_like(radiance)
+    total, light = np.zeros(radiance.shape[1:]), np.zeros(radiance.shape[1:])
+    for place, exposure in enumerate(exposures):
+        linear = radiance[place] * exposure.time
+        weight = _ramp(linear, exposure) * (exposure.time / code_step(linear)) ** 2
+        weight[exposure.clipped[rows]] = 0
+        near = exposure.near[rows]
+        if near.any():
+            # Predict the exposure from the shorter ones.
+            known = np.where(total > 0, light / np.maximum(total, 1e-300), radiance[0])
+            expected = (known * exposure.time).max(axis=2) / exposure.clip
+            limit = np.where(exposure.rim[rows], _MOST_AT_RIM, _MOST_NEAR)
+            is_out = near & (expected > limit)
+            weight[is_out] = 0
+            weight[near] /= _RINGING
+        weights[place] = weight
+        total += weight
+        light += weight * radiance[place]
+    return weights
+
+
+def _ramp(linear: NDArray[np.float64], exposure: Exposure) -> NDArray[np.float64]:
+    """Factor of weights that falls towards white and towards black."""
+    towards_white = np.clip((_NONE - linear / exposure.clip) / (_NONE - _FULL), 0, 1)
+    if not exposure.rings:
+        return np.maximum(towards_white, _LEAST_BRIGHT)
+    dark = _DARK / 255 / 12.92
+    return towards_white * np.clip(linear / dark, _LEAST_DARK, 1)
+
+
+def _contradictions(
+    exposures: list[Exposure],
+    rows: slice,
+    linear: NDArray[np.float64],
+    radiance: NDArray[np.float64],
+    weight: NDArray[np.float64],
+) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
+    """Pixels in which exposures contradict the best one, and the radiance of the best one."""
+    clips = np.array([each.clip for each in exposures])[:, None, None, None]
+    near = np.stack([each.near[rows] for each in exposures])[..., None]
+    is_good = (linear > _LEAST_COMPARED) & (linear < _MOST_COMPARED * clips) & ~near
+    best = np.argmax(weight, axis=0)[None]
+    alone = np.take_along_axis(radiance, best, axis=0)
+    noise = np.where(is_good, _NOISE / 255 * code_step(linear) / np.maximum(linear, 1e-9), 0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = radiance / alone
+        differs = np.maximum(ratio, 1 / ratio) > _CONTRADICTION + noise
+    is_good &= np.take_along_axis(is_good, best, axis=0)
+    is_moved: NDArray[np.bool_] = np.asarray((differs & is_good).any(axis=(0, 3)))
+    return is_moved, alone[0]
+
+
+def code_step(linear: NDArray[np.floating]) -> NDArray[np.float64]:
+    """Derivative of the linear value by its sRGB code."""
+    power = np.maximum(linear, 0.0031308).astype(np.float64) ** (1 - 1 / 2.4)
+    return np.where(linear <= 0.0031308, 1 / 12.92, 2.4 / 1.055 * power)

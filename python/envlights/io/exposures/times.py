@@ -1,0 +1,105 @@
+"""Exposure times by hand or from EXIF: time, corrected for aperture and sensitivity."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from envlights._check import amount, describe
+from envlights._native import EnvLightsError
+from envlights.io import raw
+from envlights.io.images import read_image
+from envlights.io.openimageio import oiio
+
+#: Names of the tags in refusals, and in `_exif`.
+_TAGS = {
+    "speed": "sensitivity (PhotographicSensitivity)",
+    "aperture": "aperture (FNumber or ApertureValue)",
+}
+
+
+def exposure_times(pictures: list[Any], times: object) -> list[float]:
+    """Exposure time of each picture: `times` by hand, or of the files."""
+    if times is None:
+        return _of_files(pictures)
+    if isinstance(times, str | dict) or not isinstance(times, Iterable):
+        raise EnvLightsError(
+            f"times must be a list of numbers, one for each exposure; got {describe(times)}"
+        )
+    by_hand = list(times)
+    if len(by_hand) != len(pictures):
+        raise EnvLightsError(
+            f"there must be a time for each exposure ({len(pictures)}); got {len(by_hand)}"
+        )
+    return [_check_time(number, time) for number, time in enumerate(by_hand, 1)]
+
+
+def _check_time(number: int, time: object) -> float:
+    seconds = amount(f"the time of exposure {number}", time)
+    if seconds == 0:
+        raise EnvLightsError(f"the time of exposure {number} must be above 0; got 0")
+    return seconds
+
+
+def _of_files(pictures: list[Any]) -> list[float]:
+    """Time x sensitivity / aperture^2 of each file, if all files hold the same tags."""
+    for number, picture in enumerate(pictures, 1):
+        if not isinstance(picture, str | os.PathLike):
+            raise EnvLightsError(
+                f"exposure {number} is an array; arrays hold no exposure times; give times"
+            )
+    shots = [_exif(picture) for picture in pictures]
+    for name, shown in _TAGS.items():
+        without = [str(number) for number, shot in enumerate(shots, 1) if name not in shot]
+        if without and len(without) < len(shots):
+            raise EnvLightsError(
+                f"the EXIF of some exposures holds no {shown}: {', '.join(without)} of"
+                f" {len(shots)}; give times"
+            )
+    return [
+        shot["time"] * shot.get("speed", 100.0) / 100.0 / shot.get("aperture", 1.0) ** 2
+        for shot in shots
+    ]
+
+
+def _exif(path: str | os.PathLike[str]) -> dict[str, float]:
+    """Exposure time, sensitivity and aperture of a file; what it does not hold is missing."""
+    shot = raw.exposure(path) if raw.is_raw(path) else _tags(path)
+    if "time" not in shot:
+        raise EnvLightsError(f"{os.fsdecode(path)} holds no exposure time in its EXIF; give times")
+    return shot
+
+
+def _tags(path: str | os.PathLike[str]) -> dict[str, float]:
+    name = os.fsdecode(path)
+    file = oiio.ImageInput.open(name)
+    if file is None:
+        oiio.geterror()
+        read_image(path)  # refuses it with its reason
+        raise EnvLightsError(f"cannot read {name} as an image; give a JPEG, TIFF or raw file")
+    spec = file.spec()
+    file.close()
+    aperture = _number(spec, "FNumber")
+    if not aperture and (apex := _number(spec, "Exif:ApertureValue", least=-np.inf)) is not None:
+        aperture = 2 ** (apex / 2)
+    time = _number(spec, "ExposureTime")
+    if not time and (apex := _number(spec, "Exif:ShutterSpeedValue", least=-np.inf)) is not None:
+        time = 2.0**-apex
+    speeds = [
+        _number(spec, tag) for tag in ("Exif:PhotographicSensitivity", "Exif:ISOSpeedRatings")
+    ]
+    speed = max((each for each in speeds if each), default=None)
+    found = {"time": time, "speed": speed, "aperture": aperture}
+    return {key: float(value) for key, value in found.items() if value}
+
+
+def _number(spec: oiio.ImageSpec, tag: str, least: float = 0.0) -> float | None:
+    """Value of a numeric tag above `least`; None if there is none."""
+    value = spec.getattribute(tag)
+    if isinstance(value, tuple):
+        value = value[0] / value[1] if len(value) == 2 and value[1] else None
+    is_number = isinstance(value, int | float) and np.isfinite(value) and value > least
+    return float(value) if is_number else None
