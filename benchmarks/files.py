@@ -45,8 +45,8 @@ def radiance_of(height):
     small = el.EnvMap.open(Path(folder) / REAL_MAP) if folder else el.synthetic.hard(3, 1024)
     times = height // small.height
     large = small.radiance.repeat(times, axis=0).repeat(times, axis=1)
-    noise = np.random.default_rng(7).normal(1.0, 0.02, large.shape).astype(np.float32)
-    return large * noise.clip(0.5, 1.5)
+    noise = np.random.default_rng(7).normal(1.0, 0.004, large.shape).astype(np.float32)
+    return large * noise
 
 
 def write_map(folder, name, height):

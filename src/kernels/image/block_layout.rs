@@ -49,8 +49,11 @@ impl BlockLayout {
 
     /// Copy a block out of the `samples` of its row of blocks.
     pub fn copy<T: Copy>(&self, samples: &[T], block: (usize, usize)) -> Vec<T> {
-        let columns = self.pixels_of(block).columns;
-        let row_of = |row: &[T]| row[3 * columns.start..3 * columns.end].to_vec();
-        samples.chunks_exact(3 * self.size().1).flat_map(row_of).collect()
+        let PixelBlock { rows, columns } = self.pixels_of(block);
+        let mut pixels = Vec::with_capacity(3 * rows.len() * columns.len());
+        for row in samples.chunks_exact(3 * self.size().1) {
+            pixels.extend_from_slice(&row[3 * columns.start..3 * columns.end]);
+        }
+        pixels
     }
 }

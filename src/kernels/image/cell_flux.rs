@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use super::block_layout::BlockLayout;
 use super::block_rows::BlockRow;
+use super::buffers::Buffers;
 use super::grid::Grid;
 use super::pixel_rows::PixelRows;
 use crate::error::Result;
@@ -32,11 +33,14 @@ impl CellFlux {
         let widths = layout.pixels.widths();
         let (rows, columns) = layout.blocks();
         let mut cells = Array3::zeros((rows, columns, 3));
-        let rows = rows_mut(&mut cells).enumerate().map_init(Vec::new, |buffer, (row, cells)| {
+        let buffers = Buffers::default();
+        let rows = rows_mut(&mut cells).enumerate().map(|(row, cells)| {
             let rows = layout.pixel_rows(row);
             let edges = &layout.pixels.theta_edges[rows.start..=rows.end];
-            let pixels = BlockRow::of_samples(map.samples(rows, buffer), edges, layout.block);
-            add_across(cells, &pixels, &widths, layout.block)
+            buffers.lend(|buffer| {
+                let pixels = BlockRow::of_samples(map.samples(rows, buffer), edges, layout.block);
+                add_across(cells, &pixels, &widths, layout.block)
+            })
         });
         let (is_unusable, rows): (Vec<bool>, Vec<[f64; 3]>) = rows.unzip();
         if is_unusable.contains(&true) {

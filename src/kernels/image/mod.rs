@@ -13,6 +13,7 @@
 //! | - bright cells in parts                       | `parts.rs`     |
 //! | - from rows that are decoded on demand        | `pixel_rows.rs` |
 //! | - from rows that arrive in order              | `row_reducer.rs` |
+//! | - buffers of decoded rows                     | `buffers.rs`   |
 //! | - samples in the type of a file               | `sample_types.rs` |
 //! | - pixels of the largest codes                 | `top_codes.rs` |
 //! | means over blocks of pixels                   | `block_rows.rs`, `block_layout.rs` |
@@ -21,6 +22,7 @@
 
 mod block_layout;
 mod block_rows;
+mod buffers;
 mod cell_flux;
 mod cells;
 mod codes;

@@ -42,3 +42,52 @@ impl PixelRows for ArrayView3<'_, f32> {
         check_samples(*self)
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use ndarray::Array3;
+
+    use super::super::{reduce, reduce_rows};
+    use super::*;
+    use crate::kernels::sphere::Registration;
+
+    /// A map that is decoded into the buffer each time.
+    struct Decoded(Array3<f32>);
+
+    impl PixelRows for Decoded {
+        fn size(&self) -> (usize, usize) {
+            (self.0.dim().0, self.0.dim().1)
+        }
+
+        fn samples<'a>(&'a self, rows: Range<usize>, buffer: &'a mut Vec<f32>) -> &'a [f32] {
+            buffer.clear();
+            buffer.extend(self.0.slice(s![rows, .., ..]).iter());
+            buffer
+        }
+
+        fn check_samples(&self) -> Result<()> {
+            check_samples(self.0.view())
+        }
+    }
+
+    #[test]
+    fn decoded_rows_and_arrays_of_any_order_give_the_same_bits() {
+        let mut map = Array3::from_shape_fn((37, 75, 3), |(y, x, c)| ((y * 7 + x * 3 + c) % 11) as f32);
+        for (y, x) in [(0, 0), (36, 74), (20, 74), (21, 0), (21, 33)] {
+            map.slice_mut(s![y, x, ..]).fill(900.0);
+        }
+        let text = |map: Result<super::super::WorkingMap>| format!("{:?}", map.unwrap());
+        for registration in [Registration::CellCentred, Registration::BorderSampled] {
+            let expected = text(reduce(map.view(), registration, 16, 5e-3, false));
+            let decoded = Decoded(map.clone());
+            assert_eq!(text(reduce_rows(&decoded, registration, 16, 5e-3, false)), expected);
+            let flipped = map.slice(s![..;-1, .., ..]).to_owned();
+            let view = flipped.slice(s![..;-1, .., ..]);
+            assert_eq!(text(reduce(view, registration, 16, 5e-3, false)), expected);
+        }
+        let mut dark = map.clone();
+        dark[[3, 3, 0]] = f32::NAN;
+        assert!(reduce_rows(&Decoded(dark), Registration::CellCentred, 16, 5e-3, false).is_err());
+    }
+}

@@ -32,6 +32,7 @@ macro_rules! codes {
             const CODES: usize = $count;
             const TOP: Option<Self> = Some($top);
 
+            #[inline]
             fn code(self) -> usize {
                 usize::from(self)
             }
@@ -41,8 +42,10 @@ macro_rules! codes {
             }
 
             fn linear<'a>(samples: &'a [Self], table: &Self::Table, buffer: &'a mut Vec<f32>) -> &'a [f32] {
-                buffer.clear();
-                buffer.extend(samples.iter().map(|&code| table[usize::from(code)]));
+                buffer.resize(samples.len(), 0.0);
+                for (value, &code) in buffer.iter_mut().zip(samples) {
+                    *value = table[usize::from(code)];
+                }
                 buffer
             }
 
@@ -62,6 +65,7 @@ impl Sample for f32 {
     const CODES: usize = 0;
     const TOP: Option<Self> = None;
 
+    #[inline]
     fn code(self) -> usize {
         0
     }

@@ -45,12 +45,13 @@ impl TopCodes {
             }
             self.sums.resize(T::CODES - first.code(), [0.0; 2]);
             let pixels = samples.as_chunks::<3>().0.iter().zip(values.as_chunks::<3>().0).zip(widths);
-            for ((sample, &value), &width) in pixels {
-                let largest = sample.iter().fold(0, |largest, sample| largest.max(sample.code()));
-                if let Some(bin) = largest.checked_sub(first.code()) {
-                    let solid_angle = band * width;
-                    self.sums[bin][0] += solid_angle;
-                    self.sums[bin][1] += solid_angle * f64::from(luminance_f32(value));
+            for ((&[red, green, blue], &value), &width) in pixels {
+                let yellow = if red > green { red } else { green };
+                let largest = if blue > yellow { blue } else { yellow };
+                if largest >= first {
+                    let [solid_angle, flux] = &mut self.sums[largest.code() - first.code()];
+                    *solid_angle += band * width;
+                    *flux += band * width * f64::from(luminance_f32(value));
                 }
             }
         }
