@@ -1,25 +1,25 @@
 """Readers of images, and writers of files.
 
-| step                                              | file              |
-|---------------------------------------------------|-------------------|
-| take a path, bytes, a file object, an address     | `source.py`       |
-| tell the kind of a file by its first bytes        | `signature.py`    |
-| read Radiance and PNG in Rust                     | `native.py`       |
-| read all other kinds by OpenImageIO               | `openimageio.py`  |
-| - size and XMP of JPEG, tags of TIFF              | `jpeg_segments.py`, `tiff_tags.py` |
-| choose a part and its channels                    | `channels.py`     |
-| place the picture on the sphere                   | `placement.py`, `gpano.py`, `xmp.py` |
-| find what alpha hides                             | `alpha.py`        |
-| choose among a file's statements on colour        | `colour.py`, `colour_spaces.py`, `icc.py` |
-| convert to linear Rec.709                         | `linear.py`, `transfer_curves.py`, `primaries.py` |
-| the steps in order                                | `images.py`       |
-| reduce a file row by row for a fit                | `reduced_file.py` |
-| merge exposures into one image                    | `exposures/`      |
-| read raw files of cameras                         | `raw.py`          |
-| write images                                      | `image_output.py` |
-| write any file safely                             | `files.py`        |
-| read the package's own JSON                       | `own_json.py`     |
-| read tables of lights                             | `csv_table.py`    |
+| step                                          | file                                             |
+|-----------------------------------------------|--------------------------------------------------|
+| take a path, bytes, a file object, an address | `source.py`                                      |
+| tell the kind of a file by its first bytes    | `signature.py`                                   |
+| read Radiance and PNG in Rust                 | `native.py`                                      |
+| read all other kinds by OpenImageIO           | `openimageio.py`                                 |
+| - size and XMP of JPEG, tags of TIFF          | `jpeg_segments.py`, `tiff_tags.py`               |
+| choose a part and its channels                | `channels.py`                                    |
+| place the picture on the sphere               | `placement.py`, `gpano.py`, `xmp.py`             |
+| find what alpha hides                         | `alpha.py`                                       |
+| choose among a file's statements on colour    | `colour.py`, `colour_spaces.py`, `icc.py`        |
+| convert to linear Rec.709                     | `linear.py`, `transfer_curves.py`, `primaries.py` |
+| the steps in order                            | `images.py`                                      |
+| reduce a file row by row for a fit            | `reduced_file.py`                                |
+| merge exposures into one image                | `exposures/`                                     |
+| read raw files of cameras                     | `raw.py`                                         |
+| write images                                  | `image_output.py`                                |
+| write any file safely                         | `files.py`                                       |
+| read the package's own JSON                   | `own_json.py`                                    |
+| read tables of lights                         | `csv_table.py`                                   |
 """
 
 from envlights.io.files import check_writable, write_atomically
