@@ -11,7 +11,8 @@
 | place the picture on the sphere               | `placement.py`, `gpano.py`, `xmp.py`             |
 | find what alpha hides                         | `alpha.py`                                       |
 | choose among a file's statements on colour    | `colour.py`, `colour_spaces.py`, `icc.py`        |
-| convert to linear Rec.709                     | `linear.py`, `transfer_curves.py`, `primaries.py` |
+| convert codes                                 | `linear.py`, `transfer_curves.py`                |
+| convert primaries to Rec.709                  | `primaries.py`                                   |
 | the steps in order                            | `images.py`                                      |
 | reduce a file row by row for a fit            | `reduced_file.py`                                |
 | merge exposures into one image                | `exposures/`                                     |

@@ -12,7 +12,7 @@
 //! | - integrals over its cells                    | `cell_flux.rs` |
 //! | - bright cells in parts                       | `parts.rs`     |
 //! | - from rows that are decoded on demand        | `pixel_rows.rs` |
-//! | - from rows that arrive in order              | `row_reducer.rs` |
+//! | - from rows that arrive in order              | `row_reducer/`   |
 //! | - buffers of decoded rows                     | `buffers.rs`   |
 //! | - samples in the type of a file               | `sample_types.rs` |
 //! | - pixels of the largest codes                 | `top_codes.rs` |

@@ -53,9 +53,9 @@ mod tests {
     use crate::kernels::sphere::Registration;
 
     /// A map that is decoded into the buffer each time.
-    struct Decoded(Array3<f32>);
+    struct DecodedRows(Array3<f32>);
 
-    impl PixelRows for Decoded {
+    impl PixelRows for DecodedRows {
         fn size(&self) -> (usize, usize) {
             (self.0.dim().0, self.0.dim().1)
         }
@@ -80,7 +80,7 @@ mod tests {
         let text = |map: Result<super::super::WorkingMap>| format!("{:?}", map.unwrap());
         for registration in [Registration::CellCentred, Registration::BorderSampled] {
             let expected = text(reduce(map.view(), registration, 16, 5e-3, false));
-            let decoded = Decoded(map.clone());
+            let decoded = DecodedRows(map.clone());
             assert_eq!(text(reduce_rows(&decoded, registration, 16, 5e-3, false)), expected);
             let flipped = map.slice(s![..;-1, .., ..]).to_owned();
             let view = flipped.slice(s![..;-1, .., ..]);
@@ -88,6 +88,6 @@ mod tests {
         }
         let mut dark = map.clone();
         dark[[3, 3, 0]] = f32::NAN;
-        assert!(reduce_rows(&Decoded(dark), Registration::CellCentred, 16, 5e-3, false).is_err());
+        assert!(reduce_rows(&DecodedRows(dark), Registration::CellCentred, 16, 5e-3, false).is_err());
     }
 }

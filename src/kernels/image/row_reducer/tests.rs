@@ -1,0 +1,147 @@
+//! Tests of the reduction by rows.
+
+use approx::assert_relative_eq;
+use ndarray::{Array1, Array3};
+use proptest::prelude::*;
+
+use super::*;
+use crate::kernels::image::reduce;
+use crate::kernels::image::white::code_histogram;
+use crate::kernels::repair::clipped_share::clipped_share;
+
+fn options(map: &Array3<f32>, registration: Registration, columns: usize) -> ReductionOptions {
+    let (height, width, _) = map.dim();
+    ReductionOptions { height, width, registration, columns, source_share: 5e-3, has_floor: false }
+}
+
+/// Reducer of all `samples`, a number of rows of `blocks` at a time.
+fn reducer<T: Sample>(
+    options: ReductionOptions,
+    samples: &[T],
+    table: &[f32],
+    blocks: usize,
+) -> RowReducer<T> {
+    let mut reducer = RowReducer::new(options, table.to_vec(), true).unwrap();
+    for rows in samples.chunks(3 * options.width * reducer.block() * blocks) {
+        let integrals = reducer.integrals(rows).unwrap();
+        reducer.add(integrals, rows);
+    }
+    reducer
+}
+
+/// All bits of a working map as text; none for refused samples.
+fn bits(map: Option<WorkingMap>) -> String {
+    format!("{map:?}")
+}
+
+fn of_array(map: &Array3<f32>, options: ReductionOptions) -> String {
+    let ReductionOptions { registration, columns, source_share, has_floor, .. } = options;
+    bits(reduce(map.view(), registration, columns, source_share, has_floor).ok())
+}
+
+/// Codes of a dim map with lamps of all sizes anywhere: at the poles, the seam and in the last row as well.
+fn codes() -> impl Strategy<Value = Array3<u8>> {
+    let lamps = prop::collection::vec((0.0..1.0_f64, 0.0..1.0_f64, 1_usize..6, 100_u8..=255), 0..6);
+    (2_usize..50, 2_usize..100, 0_u8..60, lamps, any::<bool>()).prop_map(
+        |(height, width, level, lamps, is_dark_above)| {
+            let mut map = Array3::from_shape_fn((height, width, 3), |(y, x, c)| {
+                let is_black = is_dark_above && y < height / 2;
+                if is_black { 0 } else { level + ((7 * y + 3 * x + c) % 11) as u8 }
+            });
+            for (down, across, side, code) in lamps {
+                let (top, left) = ((down * height as f64) as usize, (across * width as f64) as usize);
+                for y in top..(top + side).min(height) {
+                    (0..side).for_each(|x| map[[y, (left + x) % width, x % 3]] = code);
+                }
+            }
+            map
+        },
+    )
+}
+
+/// Values that grow like the power 9, so that a lamp may have nearly all of the flux.
+fn table(codes: usize) -> Vec<f32> {
+    (0..codes).map(|code| (code as f32 / (codes - 1) as f32).powi(9) * 1e4).collect()
+}
+
+proptest! {
+    #[test]
+    fn rows_of_any_type_give_the_bits_of_the_array(
+        codes in codes(), columns in 1_usize..60, blocks in 1_usize..5, share in 1e-4..0.5_f64,
+        is_border in any::<bool>(), has_floor in any::<bool>(),
+    ) {
+        let registration = [Registration::CellCentred, Registration::BorderSampled][usize::from(is_border)];
+        let (table_8, table_16) = (table(256), table(65536));
+        let map = codes.map(|&code| table_8[usize::from(code)]);
+        let options = ReductionOptions { source_share: share, has_floor, ..options(&map, registration, columns) };
+        let expected = of_array(&map, options);
+        prop_assert!(expected.starts_with("Some"));
+        let bytes = reducer(options, codes.as_slice().unwrap(), &table_8, blocks);
+        prop_assert_eq!(&bits(bytes.finish()), &expected);
+        let floats = reducer(options, map.as_slice().unwrap(), &[], blocks);
+        prop_assert_eq!(&bits(floats.finish()), &expected);
+        let words = codes.map(|&code| u16::from(code) * 257);
+        let map = words.map(|&code| table_16[usize::from(code)]);
+        let words = reducer(options, words.as_slice().unwrap(), &table_16, blocks);
+        prop_assert_eq!(bits(words.finish()), of_array(&map, options));
+    }
+
+    #[test]
+    fn the_largest_codes_are_counted_as_in_the_whole_map(codes in codes(), is_border in any::<bool>()) {
+        let registration = [Registration::CellCentred, Registration::BorderSampled][usize::from(is_border)];
+        let table = table(256);
+        let map = codes.map(|&code| table[usize::from(code)]);
+        let reducer = reducer(options(&map, registration, 8), codes.as_slice().unwrap(), &table, 1);
+        let white = table[250];
+        let expected = clipped_share(map.view(), registration, Some(white)).unwrap();
+        let [sphere, flux] = reducer.clipped((0.985 * f64::from(white)) as f32).unwrap();
+        assert_relative_eq!(sphere, expected.sphere, max_relative = 1e-9, epsilon = 1e-12);
+        assert_relative_eq!(flux, expected.flux, max_relative = 1e-5, epsilon = 1e-12);
+        let weights = Array1::from(band_heights(&Registration::CellCentred.theta_edges(map.dim().0)));
+        let all = code_histogram(codes.view(), weights.view(), 255);
+        let column = std::f64::consts::TAU / map.dim().1 as f64;
+        let histogram = reducer.histogram();
+        assert_relative_eq!(histogram.iter().sum::<f64>(), 4.0 * std::f64::consts::PI, max_relative = 1e-9);
+        if !is_border {
+            for code in 214..256 {
+                assert_relative_eq!(histogram[code], column * all[code], max_relative = 1e-9, epsilon = 1e-12);
+            }
+        }
+    }
+}
+
+#[test]
+fn an_even_map_retains_an_eighth_of_its_pixels_at_most() {
+    let map = Array3::from_elem((512, 1024, 3), 0.5_f32);
+    let mut reducer =
+        RowReducer::new(options(&map, Registration::CellCentred, 256), Vec::new(), false).unwrap();
+    let mut most = 0;
+    for rows in map.as_slice().unwrap().chunks(3 * 1024 * 32) {
+        let integrals = reducer.integrals(rows).unwrap();
+        reducer.add(integrals, rows);
+        most = most.max(reducer.retained_bytes());
+    }
+    assert!((1..=map.len() * 4 / 8).contains(&most), "{most}");
+    assert_eq!(reducer.retained_bytes(), 0);
+}
+
+#[test]
+fn missing_rows_parts_of_blocks_and_samples_that_are_no_radiance_give_no_map() {
+    let map = Array3::from_elem((20, 40, 3), 0.5_f32);
+    let options = options(&map, Registration::CellCentred, 10);
+    let samples = map.as_slice().unwrap();
+    let mut missing = RowReducer::new(options, Vec::new(), false).unwrap();
+    assert!(missing.integrals(&samples[..3 * 40 * 3]).is_err(), "three of four rows of a block");
+    assert!(missing.integrals(&samples[..3 * 40 * 4 + 3]).is_err(), "a part of a row");
+    let rows = &samples[..3 * 40 * 8];
+    let integrals = missing.integrals(rows).unwrap();
+    missing.add(integrals, rows);
+    assert!(missing.finish().is_none());
+    assert!(missing.integrals(samples).is_err(), "more rows than the map has");
+    for value in [f32::NAN, f32::INFINITY, -1.0] {
+        let mut map = map.clone();
+        map[[13, 7, 1]] = value;
+        let reducer = reducer(options, map.as_slice().unwrap(), &[], 2);
+        assert!(!reducer.is_usable() && reducer.finish().is_none(), "{value}");
+    }
+}
