@@ -8,6 +8,7 @@ from pathlib import Path
 
 import click
 
+from envlights.cli.map_input import MapFile, map_argument
 from envlights.cli.outputs import (
     OUTPUTS,
     check_output,
@@ -24,7 +25,7 @@ from envlights.io.files import PICTURES
 
 
 @click.command("detect")
-@click.argument("map_path", metavar="MAP")
+@map_argument
 @click.option(
     "-n",
     "--max-lights",
@@ -42,7 +43,7 @@ from envlights.io.files import PICTURES
 @verbose_option()
 @click.option("--json", "as_json", is_flag=True, help="Print the lights as JSON.")
 def command(
-    map_path: str,
+    map_file: MapFile,
     max_lights: int | None,
     method: str,
     outputs: Sequence[str],
@@ -51,8 +52,8 @@ def command(
 ) -> None:
     """Find the lights of MAP (.hdr, .exr, .png, .jpg, .tif)."""
     for output in outputs:
-        check_output(output, (*SUFFIXES, *PICTURES), {"the map": map_path})
-    env = EnvMap.open(map_path)
+        check_output(output, (*SUFFIXES, *PICTURES), {"the map": map_file.path})
+    env = map_file.open()
     lights = detect(env, method, max_lights=max_lights)
     for output in outputs:
         _write(env, lights, output)

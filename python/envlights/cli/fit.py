@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from envlights.cli.map_input import MapFile, map_argument
 from envlights.cli.outputs import (
     OUTPUTS,
     check_output,
@@ -24,7 +25,7 @@ from envlights.rig import Rig
 
 
 @click.command("fit")
-@click.argument("map_path", metavar="MAP")
+@map_argument
 @click.option("-n", "--lights", type=int, help="Largest number of lights; 4 by default.")
 @click.option(
     "--error",
@@ -56,7 +57,7 @@ from envlights.rig import Rig
 @verbose_option()
 @click.option("--json", "as_json", is_flag=True, help="Print the rig as JSON.")
 def command(
-    map_path: str,
+    map_file: MapFile,
     lights: int | None,
     error: float | None,
     shadow_error: float | None,
@@ -69,11 +70,11 @@ def command(
 ) -> None:
     """Fit an ambient term and a few lights to MAP (.hdr, .exr, .png, .jpg, .tif)."""
     for output in outputs:
-        check_output(output, (*SUFFIXES, *PICTURES), {"the map": map_path})
+        check_output(output, (*SUFFIXES, *PICTURES), {"the map": map_file.path})
     # A picture of the map needs all of its pixels.
-    env = EnvMap.open(map_path) if any(map(_is_picture, outputs)) else None
+    env = map_file.open() if any(map(_is_picture, outputs)) else None
     rig = fit(
-        map_path if env is None else env,
+        map_file.unread() if env is None else env,
         lights,
         error=error,
         shadow_error=shadow_error,

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import click
 
+from envlights.cli.map_input import MapFile, map_argument
 from envlights.cli.outputs import check_output, say_written
-from envlights.envmap import EnvMap
 
 #: Formats that can hold radiance above the clip level.
 MAPS = (".exr", ".hdr")
 
 
 @click.command("repair")
-@click.argument("map_path", metavar="MAP")
+@map_argument
 @click.option("-o", "--output", required=True, help="File to write (.exr, .hdr).")
 @click.option("--irradiance", type=float, help="Measured irradiance of a horizontal surface.")
 @click.option(
@@ -20,10 +20,10 @@ MAPS = (".exr", ".hdr")
     type=float,
     help="Irradiance in full sun divided by irradiance with the sun blocked, both horizontal.",
 )
-def command(map_path: str, output: str, irradiance: float | None, ratio: float | None) -> None:
+def command(map_file: MapFile, output: str, irradiance: float | None, ratio: float | None) -> None:
     """Estimate the clipped light of MAP, such as a JPEG or PNG."""
-    check_output(output, MAPS, {"the map": map_path})
-    env = EnvMap.open(map_path).repaired(irradiance=irradiance, ratio=ratio)
+    check_output(output, MAPS, {"the map": map_file.path})
+    env = map_file.open().repaired(irradiance=irradiance, ratio=ratio)
     env.save(output)
     click.echo(str(env))
     say_written([output])

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import click
 
+from envlights.cli.map_input import MapFile, map_argument
 from envlights.cli.outputs import check_output, output_option, say_written, verbose_option
 from envlights.detection.split import Split, split
 from envlights.envmap import EnvMap
@@ -19,7 +20,7 @@ MAPS = (".exr", ".hdr")
 
 
 @click.command("split")
-@click.argument("map_path", metavar="MAP")
+@map_argument
 @click.option(
     "-n",
     "--lights",
@@ -39,7 +40,7 @@ MAPS = (".exr", ".hdr")
 @verbose_option()
 @click.option("--json", "as_json", is_flag=True, help="Print the lights as JSON.")
 def command(
-    map_path: str,
+    map_file: MapFile,
     lights: int | None,
     share: float | None,
     outputs: Sequence[str],
@@ -48,8 +49,8 @@ def command(
 ) -> None:
     """Remove the lights from MAP (.hdr, .exr, .png, .jpg, .tif)."""
     for output in outputs:
-        check_output(output, (*SUFFIXES, *MAPS, *PICTURES), {"the map": map_path})
-    env = EnvMap.open(map_path)
+        check_output(output, (*SUFFIXES, *MAPS, *PICTURES), {"the map": map_file.path})
+    env = map_file.open()
     parts = split(env, lights, share=share)
     for output in outputs:
         _write(env, parts, output)

@@ -75,7 +75,7 @@ class _Layer:
     def in_words(self) -> str:
         """Name for a sentence."""
         name = ".".join(filter(None, [self.name, self.view]))
-        return name or f"number {self.part}"
+        return name or "without a name"
 
 
 def choose(
@@ -187,13 +187,7 @@ def _by_hand(
     name: str, parts: Sequence[Part], wanted: list[int], channels: str | Sequence[str]
 ) -> Choice:
     """Choice of channels by their names."""
-    names = channels.split(",") if isinstance(channels, str) else list(channels)
-    names = [str(one).strip() for one in names]
-    if len(names) not in (1, 2, 3, 4):
-        raise EnvLightsError(
-            "channels must be red, green and blue, or a grey channel, then perhaps alpha;"
-            f" got {len(names)} names"
-        )
+    names = _channel_names(channels)
     colours = names[: 3 if len(names) > 2 else 1]
     alpha = names[len(colours)] if len(names) > len(colours) else ""
     for place in wanted:
@@ -204,6 +198,22 @@ def _by_hand(
         f"cannot read {name}: it has not all of the channels {', '.join(names)};"
         f" it has {_some(known)}"
     )
+
+
+def _channel_names(channels: str | Iterable[str]) -> list[str]:
+    """One to four names, or a refusal."""
+    try:
+        names = channels.split(",") if isinstance(channels, str) else list(channels)
+    except TypeError:
+        raise EnvLightsError(
+            f"channels must be the names of channels; got {type(channels).__name__}"
+        ) from None
+    if len(names) not in (1, 2, 3, 4) or not all(isinstance(one, str) for one in names):
+        raise EnvLightsError(
+            "channels must be the names of red, green and blue, or of a grey channel, then perhaps"
+            f" alpha; got {_some(map(repr, names)) or 'none'}"
+        )
+    return [one.strip() for one in names]
 
 
 def _grey(name: str, parts: Sequence[Part], wanted: list[int]) -> Choice:
@@ -241,7 +251,8 @@ def _layer_notes(layer: _Layer, layers: list[_Layer], parts: Sequence[Part]) -> 
     elif named:
         notes.append(f"the layer {layer.in_words()} was read; others are {_names(named)}")
     elif len(parts) > 1 and not views:
-        notes.append("only the first of several images in the file was read")
+        place = "the first" if layer.part == 0 else f"number {layer.part}, from 0,"
+        notes.append(f"only {place} of several images in the file was read")
     return notes
 
 

@@ -71,7 +71,7 @@ def open_with_openimageio(source: Source, kind: str, max_pixels: int) -> Iterato
     with source.path_with(_SUFFIXES[kind]) if kind else _any_path(source) as path:
         file = _input_of(source.name, path, any_reader=not kind)
         try:
-            yield OpenImageIOFile(source.name, file, max_pixels, xmp, jpeg)
+            yield OpenImageIOFile(source.name, path, file, max_pixels, xmp, jpeg)
         finally:
             file.close()
 
@@ -116,12 +116,13 @@ class OpenImageIOFile:
     def __init__(
         self,
         name: str,
+        path: str,
         file: oiio.ImageInput,
         max_pixels: int,
         xmp: bytes,
         jpeg: Segments | None,
     ) -> None:
-        self._name, self._file, self._max_pixels = name, file, max_pixels
+        self._name, self._path, self._file, self._max_pixels = name, path, file, max_pixels
         self._xmp, self._jpeg = xmp, jpeg
         _check_spec(name, file.spec(), max_pixels)
         self.parts = tuple(self._parts())
@@ -156,9 +157,10 @@ class OpenImageIOFile:
         def rows(top: int, bottom: int) -> NDArray[Any]:
             block = _block(self._file, top, bottom, (first, last), as_type)
             if block is None or self._file.has_error:
+                # The path may be that of a temporary file.
+                reason = failure(self._file).replace(self._path, self._name)
                 raise DamagedFileError(
-                    f"cannot read all pixels of {self._name}: {failure(self._file)};"
-                    " give an undamaged file"
+                    f"cannot read all pixels of {self._name}: {reason}; give an undamaged file"
                 )
             samples = block.reshape(bottom - top, header.width, -1)
             return samples if order == list(range(last - first)) else samples[..., order]

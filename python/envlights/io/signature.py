@@ -60,7 +60,7 @@ _NO_IMAGE = (
     ("ZIP archive", 0, b"PK\x03\x04"),
     ("gzip archive", 0, b"\x1f\x8b"),
     ("PDF document", 0, b"%PDF"),
-    ("NumPy array; give `numpy.load` of it", 0, b"\x93NUMPY"),
+    ("NumPy array, which `numpy.load` reads", 0, b"\x93NUMPY"),
     ("Blender file", 0, b"BLENDER"),
     ("JSON text", 0, b"{"),
 )
@@ -87,8 +87,12 @@ def kind_of(source: Source, *, any_format: bool) -> str:
             f" any_format=True; {WANTED}"
         )
     name = _name(head, _NO_IMAGE)
-    look = f"it looks like a {name}" if name else "its first bytes are of no known image"
-    raise EnvLightsError(f"cannot read {source.name}: {look}; {WANTED}, or any_format=True")
+    if name:
+        raise EnvLightsError(f"cannot read {source.name}: it looks like a {name}; {WANTED}")
+    raise EnvLightsError(
+        f"cannot read {source.name}: its first bytes are of no known image; {WANTED}, or"
+        " any_format=True"
+    )
 
 
 def _name(head: bytes, kinds: tuple[tuple[str, int, bytes], ...]) -> str:

@@ -1,0 +1,54 @@
+"""Argument MAP of a subcommand, with the options on how its file is read."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import click
+
+from envlights.envmap import EnvMap
+
+
+class MapFile(NamedTuple):
+    """File of a map, and the options on how it is read."""
+
+    path: str
+    """Path; "-" is the standard input."""
+
+    colour: str | None
+    """Colour space by hand."""
+
+    part: str | None
+    """Part or layer by hand."""
+
+    def open(self) -> EnvMap:
+        """Map of the file."""
+        return EnvMap.open(self.path, colour=self.colour, part=self.part)
+
+    def unread(self) -> str | EnvMap:
+        """Path, which is read by rows; the map itself if options say how to read it."""
+        return self.open() if self.colour or self.part else self.path
+
+
+def map_argument(function: Callable[..., None]) -> Callable[..., None]:
+    """Argument MAP and its options; `function` takes them as a `MapFile` first."""
+
+    @click.argument("map_path", metavar="MAP")
+    @click.option(
+        "--colour",
+        metavar="SPACE",
+        help="Colour space of MAP instead of what the file says: linear, srgb, p3, rec2020, ...,"
+        " or the path of an ICC profile.",
+    )
+    @click.option(
+        "--part", help="Part or layer of MAP, by name or number from 0; the finished picture else."
+    )
+    @functools.wraps(function)
+    def command(
+        map_path: str, colour: str | None, part: str | None, *arguments: Any, **options: Any
+    ) -> None:
+        function(MapFile(map_path, colour, part), *arguments, **options)
+
+    return command
