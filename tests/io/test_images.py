@@ -245,7 +245,7 @@ def broken_files(folder):
         "deep.exr": "it is a deep image",
         "vast.exr": "100000x50000 pixels, more than",
         "truncated.png": "the PNG file is incomplete",
-        "flipped.png": "wrong checksum",
+        "flipped.png": "the PNG file is damaged",
     }
 
 
