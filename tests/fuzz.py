@@ -132,7 +132,8 @@ def outcome(use, path, stderr):
             use(path)
             end = "answer"
         except Exception as error:
-            end = type(error).__name__
+            is_refusal = isinstance(error, el.EnvLightsError)
+            end = "EnvLightsError" if is_refusal else type(error).__name__
             if end not in ALLOWED:
                 end += f": {error}".replace("\n", " ")
     faulthandler.cancel_dump_traceback_later()

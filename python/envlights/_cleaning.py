@@ -109,7 +109,8 @@ def _replace_nan(radiance: NDArray[np.float32]) -> float:
     """
     rows, columns, channels = np.nonzero(np.isnan(radiance))
     near = _neighbours(radiance, rows, columns)
-    near = np.take_along_axis(near, channels[:, None, None], axis=2)[..., 0].astype(np.float64)
+    with np.errstate(invalid="ignore"):  # of signalling NaN
+        near = np.take_along_axis(near, channels[:, None, None], axis=2)[..., 0].astype(np.float64)
     count = np.isfinite(near).sum(axis=1)
     mean = np.nansum(near, axis=1) / np.maximum(count, 1)
     radiance[rows, columns, channels] = mean

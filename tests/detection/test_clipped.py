@@ -305,9 +305,10 @@ def test_the_map_knows_its_clipped_share():
 
 def test_what_a_rig_rests_on_is_a_sentence():
     radiance = np.full((64, 128, 3), 0.25)
-    assert wording.clipping(el.EnvMap(radiance)) == ()
+    assert el.fit(radiance, lights=0).notes == ()
     radiance[:32] = 1
-    (note,) = wording.clipping(el.EnvMap(radiance, white=1.0))
+    (note,) = el.fit(el.EnvMap(radiance, white=1.0), lights=0).notes
+    assert wording.clipping(0.8) == (note,)
     assert note == (
         "clipped pixels hold 80 % of the map's flux, so the lights there are a lower bound"
     )

@@ -136,7 +136,7 @@ class OpenImageIOFile:
             name = "" if re.fullmatch(r"subimage\d+", said) else said
             yield Part(name, tuple(spec.channelnames), _text(spec, "view"))
             place += 1
-        self._file.geterror()  # there is no such image
+        failure(self._file)  # there is no such image
 
     def image(self, part: int, channels: Sequence[str]) -> RawImage:
         """Some `channels` of a part, in this order."""
