@@ -21,12 +21,14 @@ from envlights.detection.removed_lights import RemovedLights
 from envlights.detection.split import Split, split
 from envlights.envmap import EnvMap
 from envlights.fitting.fit import fit, fit_probe
+from envlights.io.errors import DamagedFileError, MissingFileError
 from envlights.lights import Lights
 from envlights.report import FitReport, StopReason
 from envlights.rig import Rig
 
 __all__ = [
     "BakedPairs",
+    "DamagedFileError",
     "DetectedLights",
     "DetectionReport",
     "DirectLight",
@@ -35,6 +37,7 @@ __all__ = [
     "FilePairs",
     "FitReport",
     "Lights",
+    "MissingFileError",
     "MitsubaScene",
     "PaperFit",
     "RemovedLights",

@@ -51,7 +51,7 @@ def clean(
     cleaned = radiance.copy()
     cleaned[cleaned < 0] = 0
     if negative:
-        notes.append(f"{_samples(negative, 'negative')} set to 0")
+        notes.append(note_of_negative(negative))
     if infinite:
         _replace_infinite(cleaned, level)
         notes.append(f"{_samples(infinite, 'infinite')} set to {level:g} and counted as clipped")
@@ -60,6 +60,11 @@ def clean(
         where = " in the brightest light" if brightest > _BRIGHT * cleaned.max() else ""
         notes.append(f"{_samples(nan, 'NaN')}{where} set to the mean of the neighbours")
     return cleaned, level if infinite else None
+
+
+def note_of_negative(count: int) -> str:
+    """Note on negative samples."""
+    return f"{_samples(count, 'negative')} set to 0"
 
 
 def _samples(count: int, kind: str) -> str:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights import _native
+from envlights._codes import look_up
 
 
 def encode_srgb(linear: NDArray[np.floating]) -> NDArray[np.floating]:
@@ -31,9 +31,7 @@ def decode_srgb(coded: NDArray[np.floating]) -> NDArray[np.float32]:
 
 def decode_codes(codes: NDArray[Any]) -> NDArray[np.float32]:
     """Linear values of sRGB codes of 8 or 16 bits, (h, w, 3); the largest code is 1."""
-    if codes.dtype.itemsize == 1:
-        return _native.decode_8(np.ascontiguousarray(codes, dtype=np.uint8), _values(8))
-    return _native.decode_16(np.ascontiguousarray(codes, dtype=np.uint16), _values(16))
+    return look_up(codes, _values(8 * codes.dtype.itemsize))
 
 
 @cache

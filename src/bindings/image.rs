@@ -1,12 +1,13 @@
 //! `kernels::image` for Python.
 
 use glam::DMat3;
-use numpy::{IntoPyArray, PyArray1, PyArray3, PyReadonlyArray1, PyReadonlyArray3};
+use numpy::{Element, IntoPyArray, PyArray1, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 
+use super::output::fill;
 use super::pool::interruptible;
 use crate::error::Error;
-use crate::kernels::image;
+use crate::kernels::image::{self, Sample};
 
 /// See `envlights.EnvMap`: the numbers of NaN, infinite and negative samples.
 #[pyfunction]
@@ -16,54 +17,33 @@ pub fn unusable(py: Python<'_>, radiance: PyReadonlyArray3<'_, f32>) -> PyResult
     Ok((counts.nan, counts.infinite, counts.negative))
 }
 
-/// See `envlights.EnvMap`: decode 8-bit codes with a table of values.
+/// See `envlights._codes`: values of 8-bit codes by one table, or by one for each channel.
 #[pyfunction]
 pub fn decode_8<'py>(
     py: Python<'py>,
     codes: PyReadonlyArray3<'py, u8>,
-    table: PyReadonlyArray1<'py, f32>,
+    tables: PyReadonlyArray2<'py, f32>,
 ) -> PyResult<Bound<'py, PyArray3<f32>>> {
-    let (codes, table) = (codes.as_array(), table.as_slice()?);
-    let values = interruptible(py, || Ok(image::decode(codes, table)))?;
-    Ok(values.into_pyarray(py))
+    decode(py, codes, tables)
 }
 
-/// See `envlights.EnvMap`: decode 16-bit codes with a table of values.
+/// See `envlights._codes`: values of 16-bit codes by one table, or by one for each channel.
 #[pyfunction]
 pub fn decode_16<'py>(
     py: Python<'py>,
     codes: PyReadonlyArray3<'py, u16>,
-    table: PyReadonlyArray1<'py, f32>,
+    tables: PyReadonlyArray2<'py, f32>,
 ) -> PyResult<Bound<'py, PyArray3<f32>>> {
-    let (codes, table) = (codes.as_array(), table.as_slice()?);
-    let values = interruptible(py, || Ok(image::decode(codes, table)))?;
-    Ok(values.into_pyarray(py))
+    decode(py, codes, tables)
 }
 
-/// See `envlights.EnvMap`: decode 8-bit codes with a table of values for each channel.
-#[pyfunction]
-pub fn decode_channels_8<'py>(
+fn decode<'py, Code: Sample + Into<usize> + Element>(
     py: Python<'py>,
-    codes: PyReadonlyArray3<'py, u8>,
-    tables: (PyReadonlyArray1<'py, f32>, PyReadonlyArray1<'py, f32>, PyReadonlyArray1<'py, f32>),
+    codes: PyReadonlyArray3<'py, Code>,
+    tables: PyReadonlyArray2<'py, f32>,
 ) -> PyResult<Bound<'py, PyArray3<f32>>> {
-    let (red, green, blue) = &tables;
-    let (codes, tables) = (codes.as_array(), [red.as_slice()?, green.as_slice()?, blue.as_slice()?]);
-    let values = interruptible(py, || image::decode_channels(codes, tables))?;
-    Ok(values.into_pyarray(py))
-}
-
-/// See `envlights.EnvMap`: decode 16-bit codes with a table of values for each channel.
-#[pyfunction]
-pub fn decode_channels_16<'py>(
-    py: Python<'py>,
-    codes: PyReadonlyArray3<'py, u16>,
-    tables: (PyReadonlyArray1<'py, f32>, PyReadonlyArray1<'py, f32>, PyReadonlyArray1<'py, f32>),
-) -> PyResult<Bound<'py, PyArray3<f32>>> {
-    let (red, green, blue) = &tables;
-    let (codes, tables) = (codes.as_array(), [red.as_slice()?, green.as_slice()?, blue.as_slice()?]);
-    let values = interruptible(py, || image::decode_channels(codes, tables))?;
-    Ok(values.into_pyarray(py))
+    let (codes, tables) = (codes.as_array(), tables.as_array());
+    Ok(fill(py, codes.dim().into(), |values| image::decode(codes, tables, values))?.0)
 }
 
 /// See `envlights.EnvMap`: converted colours of `image`, and the number of pixels outside Rec.709.
@@ -74,8 +54,7 @@ pub fn apply_matrix<'py>(
     matrix: [[f32; 3]; 3],
 ) -> PyResult<(Bound<'py, PyArray3<f32>>, usize)> {
     let image = image.as_array();
-    let (converted, outside) = interruptible(py, || image::apply_matrix(image, &matrix))?;
-    Ok((converted.into_pyarray(py), outside))
+    fill(py, image.dim().into(), |converted| image::apply_matrix(image, &matrix, converted))
 }
 
 /// See `envlights.EnvMap.rotated`; `matrix` has its rows in order.
@@ -109,9 +88,7 @@ pub fn code_histogram_8<'py>(
     codes: PyReadonlyArray3<'py, u8>,
     weights: PyReadonlyArray1<'py, f64>,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-    let (codes, weights) = (codes.as_array(), weights.as_array());
-    let sums = interruptible(py, || Ok(image::code_histogram(codes, weights, 255)))?;
-    Ok(PyArray1::from_slice(py, &sums))
+    code_histogram(py, codes, weights)
 }
 
 /// Weights of rows, summed over pixels by the code of their largest channel, for 16 bits.
@@ -121,7 +98,15 @@ pub fn code_histogram_16<'py>(
     codes: PyReadonlyArray3<'py, u16>,
     weights: PyReadonlyArray1<'py, f64>,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    code_histogram(py, codes, weights)
+}
+
+fn code_histogram<'py, Code: Sample + Element>(
+    py: Python<'py>,
+    codes: PyReadonlyArray3<'py, Code>,
+    weights: PyReadonlyArray1<'py, f64>,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let (codes, weights) = (codes.as_array(), weights.as_array());
-    let sums = interruptible(py, || Ok(image::code_histogram(codes, weights, 65535)))?;
+    let sums = interruptible(py, || Ok(image::code_histogram(codes, weights)))?;
     Ok(PyArray1::from_slice(py, &sums))
 }

@@ -51,8 +51,8 @@ mod _native {
     use super::harmonics::{harmonic_irradiance, harmonic_radiance};
     #[pymodule_export]
     use super::image::{
-        apply_matrix, code_histogram_8, code_histogram_16, decode_8, decode_16, decode_channels_8,
-        decode_channels_16, rotate_map, unusable, white_code,
+        apply_matrix, code_histogram_8, code_histogram_16, decode_8, decode_16, rotate_map, unusable,
+        white_code,
     };
     #[pymodule_export]
     use super::loghin::{

@@ -139,6 +139,12 @@ impl PyRowReducer {
         each!(&self.reducer, reducer => reducer.retained_bytes())
     }
 
+    /// Number of negative samples, which count as 0.
+    #[getter]
+    fn negative(&self) -> usize {
+        each!(&self.reducer, reducer => reducer.negative())
+    }
+
     /// Fractions of the sphere and of the flux in pixels with a sample of at least this linear value; None if unknown.
     fn clipped(&self, value: f32) -> Option<[f64; 2]> {
         each!(&self.reducer, reducer => reducer.clipped(value))
@@ -150,7 +156,7 @@ impl PyRowReducer {
         PyArray1::from_slice(py, &each!(&self.reducer, reducer => reducer.histogram()))
     }
 
-    /// Add the next rows, (rows, width, 3), C-contiguous; false if a sample is no radiance.
+    /// Add the next rows, (rows, width, 3), C-contiguous; false if a sample is infinite or NaN.
     fn add(&mut self, py: Python<'_>, rows: &Bound<'_, PyAny>) -> PyResult<bool> {
         match &mut self.reducer {
             Reducer::Bytes(reducer) => add(py, reducer, rows.extract()?),

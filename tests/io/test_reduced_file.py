@@ -96,6 +96,18 @@ def test_files_that_are_not_the_rows_of_a_map_are_opened_whole(tmp_path):
         assert_same(el.fit(odd), el.fit(el.EnvMap.open(odd)))
 
 
+def test_negative_samples_count_as_0_and_are_noted(tmp_path):
+    """Lossy compression leaves them in most rows."""
+    radiance = scene() - np.float32(0.06)
+    radiance[3, 4], radiance[7, 8, 0] = -0.0, -np.inf
+    for name in ("half.exr", "float.exr", "float.tif"):
+        path = save(tmp_path / name, *FORMATS[name], radiance)
+        assert cells_of(path) is not None
+        rig = el.fit(path)
+        assert_same(rig, el.fit(el.EnvMap.open(path)))
+        assert any("negative samples set to 0" in note for note in rig.notes)
+
+
 @real_maps("*/*.hdr", "*/*.exr", "*/*.png", "*/*.jpg")
 def test_lights_of_real_files_are_those_of_their_maps(path):
     try:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
+from envlights._codes import look_up
 from envlights.io.colour import ColourConversion
 from envlights.io.raw_image import Header
 from envlights.io.transfer_curves import Curve
@@ -57,14 +58,19 @@ class Linear:
     def _decode(self, samples: NDArray[Any]) -> NDArray[np.float32]:
         """Linear values in the primaries of the file."""
         if samples.dtype.kind == "u":
-            return _look_up(samples, self._table)
+            return self._look_up(samples, self._table)
         curve = self._conversion.curve
         if curve is None:
             return samples.astype(np.float32, copy=False)
         if samples.dtype.itemsize == 2:
             bits = np.ascontiguousarray(samples).view(np.uint16)
-            return _look_up(bits, self._table_of_halves)
+            return self._look_up(bits, self._table_of_halves)
         return _in_blocks(curve, samples)
+
+    def _look_up(self, codes: NDArray[Any], table: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Values of codes; a grey channel has the curve of green."""
+        is_grey = table.ndim == 2 and codes.shape[2] == 1
+        return look_up(codes, table[1] if is_grey else table)
 
     @cached_property
     def _table(self) -> NDArray[np.float32]:
@@ -85,16 +91,3 @@ def _in_blocks(curve: Curve, samples: NDArray[Any]) -> NDArray[np.float32]:
         with np.errstate(all="ignore"):
             linear[rows] = curve(samples[rows].astype(np.float64))
     return linear
-
-
-def _look_up(codes: NDArray[Any], table: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Values of codes of 8 or 16 bits; `table` is (n,), or (3, n) with one row per channel."""
-    if table.ndim == 2 and codes.shape[2] == 1:
-        table = table[1]
-    codes = np.ascontiguousarray(codes)
-    is_short = codes.dtype.itemsize == 1
-    if table.ndim == 1:
-        return _native.decode_8(codes, table) if is_short else _native.decode_16(codes, table)
-    rows = (table[0], table[1], table[2])
-    decode = _native.decode_channels_8 if is_short else _native.decode_channels_16
-    return decode(codes, rows)

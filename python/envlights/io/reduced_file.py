@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
+from envlights._cleaning import note_of_negative
 from envlights._native import ReducedMap, RowReducer, UnusableSamplesError
 from envlights._white import CodeHistogram, white_of
 from envlights.io.images import OpenImage, open_image
@@ -105,6 +106,8 @@ def _of_rows(file: OpenImage, cells: _Cells) -> ReducedFile | None:
     share, notes = _clipped(reducer, header.height, table) if has_codes else (0.0, [])
     if reduced is None or share is None:
         return None
+    if reducer.negative:
+        notes.append(note_of_negative(reducer.negative))
     return ReducedFile(reduced, header.width, (*file.notes, *notes), share)
 
 

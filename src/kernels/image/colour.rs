@@ -1,13 +1,14 @@
 //! Conversion of colours to linear Rec.709 by a matrix.
 
-use ndarray::{Array3, ArrayView3};
+use ndarray::{ArrayView3, ArrayViewMut3};
 use rayon::prelude::*;
 
 use super::samples::check_channels;
 use crate::error::Result;
 use crate::interrupt;
 
-/// Each pixel of a (height, width, 3) image times `matrix`, and the number of pixels that lay outside Rec.709.
+/// Write each pixel of a (height, width, 3) image times `matrix` into `result`, which is contiguous; return the number
+/// of pixels that lay outside Rec.709.
 ///
 /// A negative result becomes 0, because no light has negative radiance. Pixels with a sample that is infinite or not a
 /// number stay as they are: infinity minus infinity would make NaN of an infinite sun.
@@ -15,10 +16,13 @@ use crate::interrupt;
 /// # Errors
 ///
 /// [`crate::error::Error::NotAMap`] when the array is not (height, width, 3).
-pub fn apply_matrix(image: ArrayView3<'_, f32>, matrix: &[[f32; 3]; 3]) -> Result<(Array3<f32>, usize)> {
+pub fn apply_matrix(
+    image: ArrayView3<'_, f32>,
+    matrix: &[[f32; 3]; 3],
+    mut result: ArrayViewMut3<'_, f32>,
+) -> Result<usize> {
     check_channels(image)?;
     let image = image.as_standard_layout();
-    let mut result = Array3::zeros(image.dim());
     let rows = result.outer_iter_mut().into_par_iter().zip(image.outer_iter());
     let outside: Vec<usize> = rows
         .map(|(mut converted, row)| {
@@ -28,7 +32,7 @@ pub fn apply_matrix(image: ArrayView3<'_, f32>, matrix: &[[f32; 3]; 3]) -> Resul
             pixels.map(|(converted, rgb)| convert(converted, rgb, matrix)).sum()
         })
         .collect();
-    Ok((result, outside.into_iter().sum()))
+    Ok(outside.into_iter().sum())
 }
 
 /// Convert one pixel, and return 1 if a result was negative.
@@ -51,9 +55,15 @@ mod tests {
 
     const MATRIX: [[f32; 3]; 3] = [[1.5, -0.5, 0.0], [0.0, 1.0, 0.0], [0.25, 0.25, 0.5]];
 
+    fn product(image: ArrayView3<'_, f32>) -> Result<(Array3<f32>, usize)> {
+        let mut result = Array3::zeros(image.dim());
+        let outside = apply_matrix(image, &MATRIX, result.view_mut())?;
+        Ok((result, outside))
+    }
+
     fn one(rgb: [f32; 3]) -> ([f32; 3], usize) {
         let image = Array3::from_shape_fn((2, 3, 3), |(_, _, c)| rgb[c]);
-        let (result, outside) = apply_matrix(image.view(), &MATRIX).unwrap();
+        let (result, outside) = product(image.view()).unwrap();
         ([0, 1, 2].map(|c| result[[1, 2, c]]), outside)
     }
 
@@ -77,17 +87,17 @@ mod tests {
 
     #[test]
     fn an_image_without_three_channels_is_refused() {
-        assert!(apply_matrix(Array3::zeros((4, 4, 4)).view(), &MATRIX).is_err());
-        assert_eq!(apply_matrix(Array3::zeros((1, 1, 3)).view(), &MATRIX).unwrap().1, 0);
+        assert!(product(Array3::zeros((4, 4, 4)).view()).is_err());
+        assert_eq!(product(Array3::zeros((1, 1, 3)).view()).unwrap().1, 0);
     }
 
     proptest! {
         #[test]
         fn every_layout_gives_the_same_pixels(values in prop::collection::vec(-10.0_f32..1e4, 60)) {
             let image = Array3::from_shape_vec((4, 5, 3), values).unwrap();
-            let (straight, outside) = apply_matrix(image.view(), &MATRIX).unwrap();
+            let (straight, outside) = product(image.view()).unwrap();
             let turned = image.permuted_axes([1, 0, 2]).as_standard_layout().into_owned();
-            let (again, count) = apply_matrix(turned.view().permuted_axes([1, 0, 2]), &MATRIX).unwrap();
+            let (again, count) = product(turned.view().permuted_axes([1, 0, 2])).unwrap();
             prop_assert_eq!(outside, count);
             prop_assert_eq!(again, straight);
         }

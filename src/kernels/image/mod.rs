@@ -40,7 +40,7 @@ mod top_codes;
 mod white;
 
 pub(crate) use block_rows::{BlockRow, block_fractions, samples_of};
-pub use codes::{decode, decode_channels};
+pub use codes::decode;
 pub use colour::apply_matrix;
 pub use grid::{CellCentres, Grid};
 pub use luminance::{LUMINANCE, LUMINANCE_F32, luminance, luminance_f32};

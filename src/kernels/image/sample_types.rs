@@ -14,6 +14,13 @@ pub trait Sample: Copy + PartialOrd + Send + Sync {
     /// Number of the code.
     fn code(self) -> usize;
 
+    /// Nearest code of 8 bits to a code of this type.
+    #[inline]
+    fn as_8_bits(code: usize) -> usize {
+        let largest = Self::CODES.saturating_sub(1).max(1);
+        (code * 255 + largest / 2) / largest
+    }
+
     /// The table of these `values`; none if their number is not that of all codes.
     fn table(values: Vec<f32>) -> Option<Box<Self::Table>>;
 
@@ -22,6 +29,12 @@ pub trait Sample: Copy + PartialOrd + Send + Sync {
 
     /// The first code with at least this linear `value`; none if values do not grow with codes.
     fn first_at_least(table: &Self::Table, value: f32) -> Option<Self>;
+}
+
+/// The larger one of two samples.
+#[inline]
+pub fn larger<T: Sample>(one: T, other: T) -> T {
+    if one > other { one } else { other }
 }
 
 /// Codes of one integer type.

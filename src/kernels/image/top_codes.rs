@@ -3,14 +3,12 @@
 use std::f64::consts::PI;
 
 use super::luminance::luminance_f32;
-use super::sample_types::Sample;
+use super::sample_types::{Sample, larger};
+use super::white::CODES;
 use crate::kernels::sphere::band_heights;
 
 /// Pixels of a run that is passed over if none of them has one of the largest codes.
 const PIXELS_AT_ONCE: usize = 32;
-
-/// Number of bins of a histogram of 8 bits.
-const BINS: usize = 256;
 
 /// Sums over pixels by the code of their largest channel, from [`Sample::TOP`] on; empty without pixels or codes.
 #[derive(Clone, Debug, Default)]
@@ -46,8 +44,7 @@ impl TopCodes {
             self.sums.resize(T::CODES - first.code(), [0.0; 2]);
             let pixels = samples.as_chunks::<3>().0.iter().zip(values.as_chunks::<3>().0).zip(widths);
             for ((&[red, green, blue], &value), &width) in pixels {
-                let yellow = if red > green { red } else { green };
-                let largest = if blue > yellow { blue } else { yellow };
+                let largest = larger(larger(red, green), blue);
                 if largest >= first {
                     let [solid_angle, flux] = &mut self.sums[largest.code() - first.code()];
                     *solid_angle += band * width;
@@ -74,12 +71,11 @@ impl TopCodes {
     }
 
     /// Solid angle of each code as 8 bits; that of smaller codes than [`Sample::TOP`] is in the first bin.
-    pub fn histogram<T: Sample>(&self) -> [f64; BINS] {
-        let mut histogram = [0.0; BINS];
-        let largest = T::CODES.saturating_sub(1).max(1);
+    pub fn histogram<T: Sample>(&self) -> [f64; CODES] {
+        let mut histogram = [0.0; CODES];
         for (bin, sum) in self.sums.iter().enumerate() {
             let code = bin + T::TOP.map_or(0, Sample::code);
-            histogram[(code * (BINS - 1) + largest / 2) / largest] += sum[0];
+            histogram[T::as_8_bits(code)] += sum[0];
         }
         histogram[0] = (4.0 * PI - histogram.iter().sum::<f64>()).max(0.0);
         histogram

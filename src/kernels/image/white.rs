@@ -6,6 +6,7 @@
 use ndarray::{ArrayView1, ArrayView3, Axis};
 use rayon::prelude::*;
 
+use super::sample_types::{Sample, larger};
 use crate::interrupt;
 
 /// Number of codes; codes of 16 bits are counted by their nearest code of 8 bits.
@@ -13,9 +14,9 @@ pub const CODES: usize = 256;
 
 /// Settings of the spike at the clip level.
 struct SpikeSettings {
-    /// Smallest code that can be the clip level. With smaller ones, bright walls of 13 HDR maps count as clipped.
+    /// Smallest code that can be the clip level; bright walls end at smaller ones.
     least_code: usize,
-    /// Number of codes by which JPEG compression spreads the spike. With 2 it misses a quarter more clip levels.
+    /// Number of codes by which JPEG compression spreads the spike.
     spread: usize,
     /// Number of codes below the spike that are compared with it.
     compared: usize,
@@ -47,8 +48,7 @@ const SPIKE: SpikeSettings = SpikeSettings {
 pub fn white_of(histogram: &[f64; CODES]) -> Option<usize> {
     let total: f64 = histogram.iter().sum();
     let spikes = (SPIKE.least_code..CODES).filter_map(|code| Some((code, spike(histogram, total, code)?)));
-    let larger = |a: (usize, f64), b: (usize, f64)| if b.1 > a.1 { b } else { a };
-    let largest = spikes.reduce(larger);
+    let largest = spikes.reduce(|a, b| if b.1 > a.1 { b } else { a });
     let (below, full) = (&histogram[CODES - 4..CODES - 2], &histogram[CODES - 2..]);
     let (below, full): (f64, f64) = (below.iter().sum(), full.iter().sum());
     let least = largest.map_or(SPIKE.fractions.0 * total, |(_, solid_angle)| SPIKE.least_full * solid_angle);
@@ -75,21 +75,22 @@ fn spike(histogram: &[f64; CODES], total: f64, code: usize) -> Option<f64> {
     is_spike.then_some(solid_angle)
 }
 
-/// Sums of the weights of rows over pixels, by the code of the largest channel; `largest` is the last code.
-pub fn code_histogram<Code: Copy + Into<usize> + Sync>(
+/// Sums of the weights of rows over pixels, by the code of the largest channel.
+pub fn code_histogram<Code: Sample>(
     codes: ArrayView3<'_, Code>,
     weights: ArrayView1<'_, f64>,
-    largest: usize,
 ) -> [f64; CODES] {
+    let channels = codes.dim().2.max(1);
+    let codes = codes.as_standard_layout();
     let rows: Vec<[u32; CODES]> = codes
         .axis_iter(Axis(0))
         .into_par_iter()
         .map(|row| {
             interrupt::check();
             let mut counts = [0; CODES];
-            for pixel in row.outer_iter() {
-                let code = pixel.iter().map(|&code| code.into()).max().unwrap_or(0).min(largest);
-                counts[(code * (CODES - 1) + largest / 2) / largest] += 1;
+            for pixel in row.as_slice().unwrap_or(&[]).chunks_exact(channels) {
+                let largest = pixel.iter().fold(pixel[0], |largest, &code| larger(largest, code));
+                counts[Code::as_8_bits(largest.code())] += 1;
             }
             counts
         })
@@ -152,10 +153,10 @@ mod tests {
         let mut codes = Array3::<u8>::zeros((2, 3, 3));
         codes[[0, 0, 2]] = 240;
         codes[[1, 2, 0]] = 240;
-        let histogram = code_histogram(codes.view(), array![0.5, 2.0].view(), 255);
+        let histogram = code_histogram(codes.view(), array![0.5, 2.0].view());
         assert!((histogram[240] - 2.5).abs() < 1e-12 && (histogram[0] - 5.0).abs() < 1e-12);
         let codes = codes.map(|&code| u16::from(code) * 257);
-        let of_16_bits = code_histogram(codes.view(), array![0.5, 2.0].view(), 65535);
+        let of_16_bits = code_histogram(codes.view(), array![0.5, 2.0].view());
         assert!(of_16_bits.iter().zip(histogram).all(|(a, b)| (a - b).abs() < 1e-12));
     }
 }

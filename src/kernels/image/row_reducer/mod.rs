@@ -55,6 +55,8 @@ pub struct RowReducer<T: Sample> {
     so_far: [f64; 3],
     retained: BTreeMap<(usize, usize), Vec<T>>,
     top: TopCodes,
+    /// Number of negative samples so far.
+    negative: usize,
     is_usable: bool,
     bounds: CellBounds,
     buffers: Buffers,
@@ -70,9 +72,21 @@ struct CellBounds {
 
 /// Integrals over some rows of blocks.
 pub struct ReducedRows {
-    /// Cells of each row of blocks, their sum, and the pixels of the largest codes.
-    rows: Vec<(Vec<[f64; 3]>, [f64; 3], TopCodes)>,
-    is_usable: bool,
+    rows: Vec<BlockSums>,
+}
+
+/// Integrals over one row of blocks.
+struct BlockSums {
+    /// Integral over each cell.
+    cells: Vec<[f64; 3]>,
+    /// Integral over the row.
+    sum: [f64; 3],
+    /// Pixels of the largest codes.
+    top: TopCodes,
+    /// Number of negative samples, which count as 0.
+    negative: usize,
+    /// True if a sample is infinite or NaN.
+    is_unusable: bool,
 }
 
 impl<T: Sample> RowReducer<T> {
@@ -110,6 +124,7 @@ impl<T: Sample> RowReducer<T> {
             so_far: [0.0; 3],
             retained: BTreeMap::new(),
             top: TopCodes::default(),
+            negative: 0,
             is_usable: true,
             bounds,
             buffers: Buffers::default(),
@@ -132,18 +147,30 @@ impl<T: Sample> RowReducer<T> {
         let of_row = |(row, samples): (usize, &[T])| {
             let rows = self.layout.pixel_rows(self.rows + row);
             let edges = &self.layout.pixels.theta_edges[rows.start..=rows.end];
-            let mut cells = vec![[0.0; 3]; self.bounds.widths.len()];
             self.buffers.lend(|buffer| {
                 let values = T::linear(samples, &self.table, buffer);
-                let pixels = BlockRow::of_samples(values, edges, self.layout.block);
-                let (is_unusable, sum) = add_across(&mut cells, &pixels, &widths, self.layout.block);
-                let top = self.counts_codes.then(|| TopCodes::of(samples, values, edges, &widths));
-                (is_unusable, (cells, sum, top.unwrap_or_default()))
+                let mut sums = self.sums(values, edges, &widths);
+                // A minus sign is rare, so the usual row is read once.
+                if sums.is_unusable {
+                    let negative = values.iter().filter(|&&value| value < 0.0).count();
+                    sums = BlockSums { negative, ..self.sums(&without_signs(values), edges, &widths) };
+                }
+                if self.counts_codes {
+                    sums.top = TopCodes::of(samples, values, edges, &widths);
+                }
+                sums
             })
         };
         let rows = samples.par_chunks(3 * self.options.width * self.layout.block).enumerate();
-        let (is_unusable, rows): (Vec<bool>, Vec<_>) = rows.map(of_row).unzip();
-        Ok(ReducedRows { rows, is_usable: !is_unusable.contains(&true) })
+        Ok(ReducedRows { rows: rows.map(of_row).collect() })
+    }
+
+    /// Integrals over a row of blocks with these linear `values`.
+    fn sums(&self, values: &[f32], theta_edges: &[f64], widths: &[f64]) -> BlockSums {
+        let mut cells = vec![[0.0; 3]; self.bounds.widths.len()];
+        let pixels = BlockRow::of_samples(values, theta_edges, self.layout.block);
+        let (is_unusable, sum) = add_across(&mut cells, &pixels, widths, self.layout.block);
+        BlockSums { cells, sum, top: TopCodes::default(), negative: 0, is_unusable }
     }
 
     fn check_rows(&self, samples: &[T]) -> Result<()> {
@@ -161,9 +188,10 @@ impl<T: Sample> RowReducer<T> {
 
     /// Add the integrals of the next rows; retain those pixels of `samples` that may be needed again.
     pub fn add(&mut self, integrals: ReducedRows, samples: &[T]) {
-        self.is_usable &= integrals.is_usable;
         let first = self.rows;
-        for (cells, sum, top) in integrals.rows {
+        for BlockSums { cells, sum, top, negative, is_unusable } in integrals.rows {
+            self.is_usable &= !is_unusable;
+            self.negative += negative;
             let visible = self.bounds.visible[self.rows];
             (0..3).for_each(|c| self.so_far[c] += visible * sum[c]);
             for (mut at, cell) in
@@ -215,7 +243,12 @@ impl<T: Sample> RowReducer<T> {
         [0, 1, 2].map(|c| visible * self.flux.cells[[row, column, c]])
     }
 
-    /// True if no sample so far has a minus sign or is not finite.
+    /// Number of negative samples so far, which count as 0.
+    pub fn negative(&self) -> usize {
+        self.negative
+    }
+
+    /// True if all samples so far are finite or negative.
     pub fn is_usable(&self) -> bool {
         self.is_usable
     }
@@ -227,7 +260,7 @@ impl<T: Sample> RowReducer<T> {
 
     /// Fractions of the sphere and of the luminance flux in pixels with a sample of at least this linear `value`.
     ///
-    /// None if codes were not counted, or values do not grow with codes.
+    /// There is no answer if the reducer counts no codes, or values do not grow with codes.
     pub fn clipped(&self, value: f32) -> Option<[f64; 2]> {
         let least = T::first_at_least(&self.table, value).filter(|_| self.counts_codes)?;
         let is_counted = T::TOP.is_some_and(|first| least >= first);
@@ -249,11 +282,16 @@ impl<T: Sample> RowReducer<T> {
         let reduced = ReducedFlux::new(flux, &self.layout, source_share, has_floor);
         let linear = |cell: &(usize, usize)| {
             let pixels = self.retained.get(cell)?;
-            Some(T::linear(pixels, &self.table, &mut Vec::new()).to_vec())
+            Some(without_signs(T::linear(pixels, &self.table, &mut Vec::new())))
         };
         let samples = reduced.cells().iter().map(linear).collect::<Option<Vec<_>>>()?;
         Some(reduced.with_parts(&self.layout, has_floor, samples))
     }
+}
+
+/// Values with 0 in place of those with a minus sign; NaN stays.
+fn without_signs(values: &[f32]) -> Vec<f32> {
+    values.iter().map(|&value| if value <= 0.0 { 0.0 } else { value }).collect()
 }
 
 #[cfg(test)]
