@@ -76,9 +76,10 @@ def _without_masked(
     radiance: ArrayLike, seen: NDArray[np.float32] | None
 ) -> NDArray[np.float32] | None:
     """Share of each pixel, 0 where a channel of a masked array is masked."""
-    mask = np.ma.getmask(radiance)
-    if mask is np.ma.nomask or not mask.any():
+    # `numpy.ma` would load a module that only masked arrays need.
+    mask = np.asarray(isinstance(radiance, np.ndarray) and getattr(radiance, "mask", False))
+    if not mask.any():
         return seen
-    hidden = np.asarray(mask) if mask.ndim == 2 else np.any(np.asarray(mask), axis=2)
+    hidden = mask if mask.ndim == 2 else mask.any(axis=2)
     share = np.ones(hidden.shape, np.float32) if seen is None else seen
     return np.where(hidden, np.float32(0), share)
