@@ -23,6 +23,7 @@ import OpenImageIO as oiio  # noqa: N813, its own name for itself
 from clipped_maps import HDR, reduce_width
 from numpy.linalg import norm
 from tests.helpers import NORMALS, flux, paths_of_real_maps
+from tests.reference.camera_curves import filmic, rec709, shoulder
 
 import envlights as el
 from envlights import kernels
@@ -78,26 +79,6 @@ def line(found, radiance, times):
 
 
 # Series as cameras write them.
-
-
-def rec709(x):
-    x = np.clip(x, 0, 1)
-    return np.where(x < 0.018, 4.5 * x, 1.099 * x**0.45 - 0.099)
-
-
-def shoulder(x):
-    """Gamma 1.8 with an S-shaped shoulder."""
-    v = np.clip(x, 0, 1) ** (1 / 1.8)
-    return 0.6 * v + 0.4 * v * v * (3 - 2 * v)
-
-
-def filmic(x):
-    """Hable's curve, with white at 6."""
-
-    def hable(x):
-        return (x * (0.15 * x + 0.05) + 0.004) / (x * (0.15 * x + 0.5) + 0.06) - 1 / 15
-
-    return encode_srgb(hable(np.clip(x, 0, 1) * 6) / hable(6.0))
 
 
 def rotate(radiance, pixels):

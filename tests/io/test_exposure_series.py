@@ -12,6 +12,7 @@ import envlights as el
 from envlights._srgb import decode_srgb, encode_srgb
 from envlights.io import raw
 from envlights.io.exposures import alignment
+from tests.reference.camera_curves import filmic, rec709, shoulder
 
 TIMES = (0.002, 0.02, 0.2, 2.0, 8.0)
 SUN = (slice(28, 36), slice(40, 48))
@@ -94,25 +95,6 @@ def test_a_shortest_exposure_at_white_is_said_to_be_clipped():
 
 
 # Responses
-
-
-def rec709(x):
-    x = np.clip(x, 0, 1)
-    return np.where(x < 0.018, 4.5 * x, 1.099 * x**0.45 - 0.099)
-
-
-def shoulder(x):
-    v = np.clip(x, 0, 1) ** (1 / 1.8)
-    return 0.6 * v + 0.4 * v * v * (3 - 2 * v)
-
-
-def filmic(x):
-    """Hable's curve, with white at 6."""
-
-    def hable(x):
-        return (x * (0.15 * x + 0.05) + 0.004) / (x * (0.15 * x + 0.5) + 0.06) - 1 / 15
-
-    return encode_srgb(hable(np.clip(x, 0, 1) * 6) / hable(6.0))
 
 
 def video(x):

@@ -201,6 +201,11 @@ class OpenImageIOFile:
             return ["the file's gain map was not applied, so its high dynamic range was left out"]
         return []
 
+    def attribute(self, name: str) -> Any:
+        """Value of an attribute of the first part; None if there is none."""
+        self._file.seek_subimage(0, 0)
+        return self._file.spec().getattribute(name)
+
     def close(self) -> None:
         """Close the file."""
         self._file.close()

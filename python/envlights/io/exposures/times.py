@@ -11,8 +11,10 @@ import numpy as np
 from envlights._check import amount, describe
 from envlights._native import EnvLightsError
 from envlights.io import raw
-from envlights.io.images import read_image
-from envlights.io.openimageio import oiio
+from envlights.io.images import MOST_PIXELS
+from envlights.io.openimageio import OpenImageIOFile, open_with_openimageio
+from envlights.io.signature import kind_of
+from envlights.io.source import named_source
 
 #: Names of the tags in refusals, and in `_exif`.
 _TAGS = {
@@ -74,31 +76,26 @@ def _exif(path: str | os.PathLike[str]) -> dict[str, float]:
 
 
 def _tags(path: str | os.PathLike[str]) -> dict[str, float]:
-    name = os.fsdecode(path)
-    file = oiio.ImageInput.open(name)
-    if file is None:
-        oiio.geterror()
-        read_image(path)  # refuses it with its reason
-        raise EnvLightsError(f"cannot read {name} as an image; give a JPEG, TIFF or raw file")
-    spec = file.spec()
-    file.close()
-    aperture = _number(spec, "FNumber")
-    if not aperture and (apex := _number(spec, "Exif:ApertureValue", least=-np.inf)) is not None:
-        aperture = 2 ** (apex / 2)
-    time = _number(spec, "ExposureTime")
-    if not time and (apex := _number(spec, "Exif:ShutterSpeedValue", least=-np.inf)) is not None:
-        time = 2.0**-apex
-    speeds = [
-        _number(spec, tag) for tag in ("Exif:PhotographicSensitivity", "Exif:ISOSpeedRatings")
-    ]
-    speed = max((each for each in speeds if each), default=None)
+    source = named_source(path)
+    kind = kind_of(source, any_format=False)
+    with open_with_openimageio(source, kind, MOST_PIXELS) as file:
+        aperture = _number(file, "FNumber")
+        if not aperture:
+            apex = _number(file, "Exif:ApertureValue", least=-np.inf)
+            aperture = None if apex is None else 2 ** (apex / 2)
+        time = _number(file, "ExposureTime")
+        if not time:
+            apex = _number(file, "Exif:ShutterSpeedValue", least=-np.inf)
+            time = None if apex is None else 2.0**-apex
+        tags = ("Exif:PhotographicSensitivity", "Exif:ISOSpeedRatings")
+        speed = max((number for tag in tags if (number := _number(file, tag))), default=None)
     found = {"time": time, "speed": speed, "aperture": aperture}
     return {key: float(value) for key, value in found.items() if value}
 
 
-def _number(spec: oiio.ImageSpec, tag: str, least: float = 0.0) -> float | None:
+def _number(file: OpenImageIOFile, tag: str, least: float = 0.0) -> float | None:
     """Value of a numeric tag above `least`; None if there is none."""
-    value = spec.getattribute(tag)
+    value = file.attribute(tag)
     if isinstance(value, tuple):
         value = value[0] / value[1] if len(value) == 2 and value[1] else None
     is_number = isinstance(value, int | float) and np.isfinite(value) and value > least
