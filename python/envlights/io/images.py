@@ -144,19 +144,21 @@ class OpenImage:
 class _Rows:
     """Array that is filled block by block; one block of all rows is taken as it is."""
 
-    def __init__(self, shape: tuple[int, ...], default: float = 0.0) -> None:
+    def __init__(self, shape: tuple[int, ...], default: float | None = None) -> None:
         self._shape, self._default = shape, default
         self.whole: Any = None
 
     def add(self, top: int, block: NDArray[np.float32] | None) -> None:
-        """Set the rows from `top` on; rows that are never set have the default."""
+        """Set the rows from `top` on; rows without a block keep the default, if there is one."""
         if block is None:
             return
         if block.shape == self._shape:
             self.whole = block
             return
         if self.whole is None:
-            self.whole = np.full(self._shape, self._default, np.float32)
+            self.whole = np.empty(self._shape, np.float32)
+            if self._default is not None:
+                self.whole.fill(self._default)
         self.whole[top : top + len(block)] = block
 
 
