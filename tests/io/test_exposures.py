@@ -168,3 +168,17 @@ def test_a_file_without_a_time_is_refused(tmp_path):
     file = write_image(tmp_path / "1.png", np.zeros((2, 4, 3), np.uint8))
     with pytest.raises(el.EnvLightsError, match="holds no exposure time in its EXIF; give times"):
         el.EnvMap.from_exposures([file, file])
+
+
+@pytest.mark.parametrize(
+    ("pictures", "reason"),
+    [
+        ({"a": 1, "b": 2}, "must be in a list; got a dict"),
+        (None, "two pictures or more; got None"),
+        (5, "two pictures or more; got 5"),
+        ([[[[1, 2], [3]]], [[[1, 2], [3]]]], "exposure 1 must be an array of numbers"),
+    ],
+)
+def test_what_is_no_series_is_refused_in_a_sentence(pictures, reason):
+    with pytest.raises(el.EnvLightsError, match=reason):
+        el.EnvMap.from_exposures(pictures, (1, 2))

@@ -71,9 +71,12 @@ def read(picture: ArrayLike | str | os.PathLike[str], number: int, time: float) 
     """Picture of a file or an array."""
     if isinstance(picture, str | os.PathLike):
         return _of_file(picture, number, time)
-    samples, is_linear = _of_array(picture, number)
-    rings = np.asarray(picture).dtype == np.uint8
-    return Picture(number, time, samples, is_linear, rings, False, ())
+    try:
+        array = np.asarray(picture)
+    except ValueError as error:  # lists of several lengths
+        raise EnvLightsError(f"exposure {number} must be an array of numbers; {error}") from None
+    samples, is_linear = _of_array(array, number)
+    return Picture(number, time, samples, is_linear, array.dtype == np.uint8, False, ())
 
 
 def check_sizes(pictures: list[Picture]) -> None:
@@ -99,9 +102,8 @@ def _of_file(path: str | os.PathLike[str], number: int, time: float) -> Picture:
     )
 
 
-def _of_array(picture: ArrayLike, number: int) -> tuple[NDArray[np.float32], bool]:
+def _of_array(array: NDArray[Any], number: int) -> tuple[NDArray[np.float32], bool]:
     """Samples of an array, and True if they are linear."""
-    array = np.asarray(picture)
     if array.ndim != 3 or array.shape[2] != 3:
         raise EnvLightsError(
             f"exposure {number} must have the shape (height, width, 3); got {array.shape}"
