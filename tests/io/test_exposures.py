@@ -148,6 +148,7 @@ def test_aperture_and_sensitivity_count(tmp_path):
     [
         ([np.zeros((2, 4, 3))], (1.0,), "two pictures or more"),
         ("one.jpg", None, "two pictures or more"),
+        ([[[1, 2], [3]], [[1, 2], [3]]], (1, 2), "exposure 1 must be an array of numbers"),
         ([np.zeros((2, 4, 3))] * 2, None, "arrays hold no exposure times; give times"),
         ([np.zeros((2, 4, 3))] * 2, (1.0,), r"a time for each exposure \(2\); got 1"),
         ([np.zeros((2, 4, 3))] * 2, (1.0, 0.0), "time of exposure 2 must be above 0"),
@@ -168,17 +169,3 @@ def test_a_file_without_a_time_is_refused(tmp_path):
     file = write_image(tmp_path / "1.png", np.zeros((2, 4, 3), np.uint8))
     with pytest.raises(el.EnvLightsError, match="holds no exposure time in its EXIF; give times"):
         el.EnvMap.from_exposures([file, file])
-
-
-@pytest.mark.parametrize(
-    ("pictures", "reason"),
-    [
-        ({"a": 1, "b": 2}, "must be in a list; got a dict"),
-        (None, "two pictures or more; got None"),
-        (5, "two pictures or more; got 5"),
-        ([[[[1, 2], [3]]], [[[1, 2], [3]]]], "exposure 1 must be an array of numbers"),
-    ],
-)
-def test_what_is_no_series_is_refused_in_a_sentence(pictures, reason):
-    with pytest.raises(el.EnvLightsError, match=reason):
-        el.EnvMap.from_exposures(pictures, (1, 2))
