@@ -38,10 +38,10 @@ def test_what_is_hidden_is_no_light(kind, hidden):
     np.testing.assert_array_equal(env.seen, share)
     np.testing.assert_array_equal(env.radiance[16:], 0)
     np.testing.assert_array_equal(env.radiance[:16], SKY[:16])
-    assert env.notes == ("50 % of the sphere is not seen and counts as black",)
+    assert env.notes == ("50 % of the sphere is not seen",)
     # The closed form of the irradiance of half a sphere.
     np.testing.assert_allclose(
-        env.probe([[0, -1, 0], [0, 1, 0]])[:, 0], [0, 0.25 * np.pi], atol=1e-6
+        env.probe([[0, -1, 0], [0, 1, 0]], unseen="black")[:, 0], [0, 0.25 * np.pi], atol=1e-6
     )
 
 
@@ -71,7 +71,9 @@ def test_the_share_survives_copies_and_turns_with_the_map():
     turned = env.rotated(np.diag([1.0, -1.0, -1.0]))
     np.testing.assert_allclose(turned.seen, lower_half()[::-1], atol=1e-6)
     assert env.repaired().seen_share == env.seen_share
-    assert any("not seen" in note for note in el.fit(env, lights=1).notes)
+    # Half a sphere once counted as black without a word; now a fit asks what is there.
+    notes = el.fit(env, lights=1, unseen="black").notes
+    assert any("not seen counts as black" in note for note in notes)
     with pytest.raises(ValueError, match="read-only"):
         env.seen[0] = 0
 

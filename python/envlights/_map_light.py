@@ -81,9 +81,9 @@ class MapLight(MapPixels):
         Notes
         -----
         No fill knows a sun that was not seen. On 8 real maps with a hidden part, the probe of the
-        filled map differed from that of the whole one by (median, worst): 0.002 and 0.005
+        filled map differed from that of the whole one by (median, worst): 0.002 and 0.004
         for "harmonic" without the part below -60 degrees; 0.12 and 0.43 for "ground" without the
-        lower half; 0.15 and 0.90 for "harmonic" without the half behind. `benchmarks/unseen.py` has
+        lower half; 0.16 and 0.91 for "harmonic" without the half behind. `benchmarks/unseen.py` has
         all fills.
 
         Examples

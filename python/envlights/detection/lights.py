@@ -204,7 +204,7 @@ class DetectedLights(Lights):
     is_cut: NDArray[np.bool_] = None  # type: ignore[assignment]
     """True for a light at the border of the seen part of the map, shape (n,).
 
-    Its irradiance and flux are then lower bounds."""
+    Its irradiance and flux are then lower bounds. `detect_article` flags no light."""
 
     def __post_init__(self) -> None:
         if self.is_cut is None:

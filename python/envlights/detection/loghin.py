@@ -132,6 +132,7 @@ def detect_article(
     height, width = image.shape
     reach = int(count("window_px", window_px) * width / 1024) // 2
     samples = _bright_samples(image, samples_per_pixel, reach, level, move_to_maximum, sphere)
+    samples = _seen_samples(env, image.shape, samples)
     points = _points(samples.pixel, image.shape, sphere)
     apart = _distance("suppression_deg", suppression_deg, width, sphere)
     survivor_of = loghin.suppress(points, apart)
@@ -233,6 +234,21 @@ def _bright_samples(
     luminance = image[pixel[:, 0], pixel[:, 1]]
     order = np.argsort(-luminance, kind="stable")
     return _Samples(pixel[order], luminance[order], own_pixel[order], total)
+
+
+def _seen_samples(env: EnvMap, size: tuple[int, ...], samples: _Samples) -> _Samples:
+    """Samples in the seen part of the map."""
+    if env.seen is None:
+        return samples
+    uv = (samples.own_pixel[:, ::-1] + 0.5) / (size[1], size[0])
+    row, column = images.uv_to_pixel(uv, env.height, env.width).T
+    is_seen = env.seen[row, column] > 0
+    return _Samples(
+        samples.pixel[is_seen],
+        samples.luminance[is_seen],
+        samples.own_pixel[is_seen],
+        samples.total,
+    )
 
 
 def _points(pixel: NDArray[np.int64], size: tuple[int, ...], sphere: bool) -> NDArray[np.float64]:
