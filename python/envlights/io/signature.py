@@ -20,7 +20,8 @@ _READ = (
     ("tiff", b"MM\0+"),
 )
 
-#: Name, place and bytes of other images, which are read on request.
+#: Name, place and bytes of other images, which are read on request. DDS is among them, though cubes
+#: are often stored so: its reader had memory faults (CVE-2022-41838, CVE-2022-41999).
 _ON_REQUEST = (
     ("GIF image", 0, b"GIF8"),
     ("WebP image", 8, b"WEBP"),
