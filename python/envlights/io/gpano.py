@@ -46,6 +46,10 @@ class View(NamedTuple):
     """Stereo mode in lower case; empty for one eye."""
 
 
+#: View of a picture without such properties.
+NO_VIEW = View("")
+
+
 def view(said: dict[str, str], height: int) -> View:
     """Projection and stereo mode; of a cylinder its field of view and its horizon.
 

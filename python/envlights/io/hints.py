@@ -44,3 +44,7 @@ class Hints(NamedTuple):
         if self.environment == "cube":
             return "cube map"
         return "" if self.projection in ("", "equirectangular") else self.projection
+
+
+#: Hints of a picture that says nothing.
+NO_HINTS = Hints()

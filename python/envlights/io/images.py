@@ -16,7 +16,7 @@ from envlights._white import CodeHistogram, white_of
 from envlights.io.alpha import seen_of_alpha, straight_codes, visible
 from envlights.io.channels import Choice, choose
 from envlights.io.colour import ColourArgument, ColourConversion, conversion
-from envlights.io.hints import Hints
+from envlights.io.hints import NO_HINTS, Hints
 from envlights.io.linear import Linear
 from envlights.io.native import open_png, open_radiance
 from envlights.io.openimageio import check_size, open_with_openimageio
@@ -52,7 +52,7 @@ class Image:
     seen: NDArray[np.float32] | None = None
     """Share of each pixel that the file shows, (height, width); None if all is seen."""
 
-    hints: Hints = Hints()
+    hints: Hints = NO_HINTS
     """Statements of the file about its projection."""
 
 
@@ -257,7 +257,7 @@ def read_image(
     any_format : bool
         Try all formats of OpenImageIO on other files. Do not set it for files of strangers.
     any_projection : bool
-        Read a cube, a cylinder and other projections as they are stored; `layouts.recognised`
+        Read a cube, a cylinder and other projections as they are stored; `layouts.recognise`
         arranges them. False: refuse files whose metadata name one.
 
     Returns

@@ -33,7 +33,7 @@ class Placement:
     size: tuple[int, int] = (0, 0)
     """Columns and rows of the result."""
 
-    view: gpano.View = gpano.View("")
+    view: gpano.View = gpano.NO_VIEW
     """Projection of the picture."""
 
     notes: list[str] = field(default_factory=list)

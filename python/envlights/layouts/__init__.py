@@ -3,7 +3,7 @@
 | step                                              | file              |
 |---------------------------------------------------|-------------------|
 | read one picture, or six faces by their names     | `sources.py`      |
-| recognise the projection                          | `recognise.py`    |
+| recognise the projection                          | `recognition.py`  |
 | - take one eye of two                             | `stereo.py`       |
 | - from the shape and the pixels                   | `shapes.py`, `evidence.py` |
 | - the order of the faces of a cube                | `cubes.py`, `seams.py` |
@@ -14,7 +14,7 @@
 """
 
 from envlights.layouts.layout import Layout
-from envlights.layouts.recognise import recognised
-from envlights.layouts.records import Arguments, Arranged, Source
+from envlights.layouts.recognition import recognise
+from envlights.layouts.records import Arguments, ArrangedPicture, Source
 
-__all__ = ["Arguments", "Arranged", "Layout", "Source", "recognised"]
+__all__ = ["Arguments", "ArrangedPicture", "Layout", "Source", "recognise"]

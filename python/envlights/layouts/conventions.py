@@ -85,9 +85,7 @@ CROSSES = {
         _VERTICAL,
         (0, 0, 2, 0, 0, 0),
     ),
-    "vertical-cross-upright": Cross(
-        "vertical cross with its back face upright", 4, 3, _VERTICAL
-    ),
+    "vertical-cross-upright": Cross("vertical cross with its back face upright", 4, 3, _VERTICAL),
 }
 
 #: All names of `faces=`.

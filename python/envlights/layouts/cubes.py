@@ -13,11 +13,20 @@ from envlights.io.hints import Hints
 from envlights.layouts.conventions import CONVENTIONS, CROSSES, DISTINCT, title_of
 from envlights.layouts.faces import crosses_of, faces_of_cross, is_strip, split_strip, upright_faces
 from envlights.layouts.layout import Layout, cube
-from envlights.layouts.records import REGISTRATIONS, Arguments, Arranged, Source
-from envlights.layouts.seams import Evidence, compared, contradicts, has_equal_edges, log_luminance
+from envlights.layouts.records import REGISTRATIONS, Arguments, ArrangedPicture, Source
+from envlights.layouts.seams import (
+    FITS,
+    Evidence,
+    compare,
+    contradicts,
+    has_equal_edges,
+    log_luminance,
+)
 
 #: Sides of a complete DDS cube.
 _SIDES = "+x -x +y -y +z -z"
+#: Orders whose files have the names of axes.
+_AXIS_ORDERS = ("opengl", "openexr")
 
 
 class _Order(NamedTuple):
@@ -28,13 +37,13 @@ class _Order(NamedTuple):
     notes: tuple[str, ...] = ()
 
 
-def arranged_cube(
+def arrange_cube(
     samples: NDArray[Any],
     seen: NDArray[Any] | None,
     hints: Hints,
     arguments: Arguments,
     recognised_by: str,
-) -> Arranged:
+) -> ArrangedPicture:
     """Stack of six upright faces, (6 n, n, ...), in our order.
 
     Parameters
@@ -53,17 +62,17 @@ def arranged_cube(
         raise _no_cube(samples, hints)
     upright_of = partial(_upright, is_faces=samples.ndim == 4)
     logs = log_luminance(samples)
-    evidence = compared({order: upright_of(logs, order) for order in orders})
+    evidence = compare({order: upright_of(logs, order) for order in orders})
     order = _order(evidence, hints, arguments, recognised_by)
     upright = upright_of(samples, order.name)
-    is_border, notes = _registration(upright, order, hints, arguments)
+    is_border, notes = _registration(upright, order, arguments)
     n = upright.shape[1]
     layout = cube(n, border_sampled=is_border)
     name = _name_of(order, is_border=is_border)
     size = (6 * n, n) if samples.ndim == 4 else samples.shape[:2]
     source = Source("cube", size, name, REGISTRATIONS[is_border], order.recognised_by, layout)
     share = None if seen is None else _stack(upright_of(seen, order.name), layout)
-    return Arranged(_stack(upright, layout), share, layout, source, (*order.notes, *notes))
+    return ArrangedPicture(_stack(upright, layout), share, layout, source, (*order.notes, *notes))
 
 
 def _possible_orders(samples: NDArray[Any]) -> tuple[str, ...]:
@@ -85,12 +94,10 @@ def _stack(faces: NDArray[Any], layout: Layout) -> NDArray[Any]:
     return np.ascontiguousarray(faces).reshape(layout.height, layout.width, *faces.shape[3:])
 
 
-def _order(
-    evidence: Evidence, hints: Hints, arguments: Arguments, recognised_by: str
-) -> _Order:
+def _order(evidence: Evidence, hints: Hints, arguments: Arguments, recognised_by: str) -> _Order:
     """Order by argument, by metadata or names unless the seams decide on another, or by seams."""
     if arguments.faces is not None:
-        return _order_of_argument(arguments.faces, evidence)
+        return _order_of_argument(arguments.faces, hints.order, evidence)
     stated, by = _stated_order(hints)
     if stated and set(evidence.scores) == {*DISTINCT}:
         return _order_of_statement(stated, by, evidence)
@@ -104,10 +111,15 @@ def _order(
     return _Order(evidence.chosen, "seams", (how,))
 
 
-def _order_of_argument(name: str, evidence: Evidence) -> _Order:
+def _order_of_argument(name: str, by_names: str, evidence: Evidence) -> _Order:
     fits = _distinct(name)
+    if by_names and (fits in _AXIS_ORDERS) != (by_names in _AXIS_ORDERS):
+        raise EnvLightsError(
+            f"faces={name!r} contradicts the names of the files, which are those of"
+            f" {title_of(by_names)}; leave out faces=, or rename the files"
+        )
     if fits not in evidence.scores:
-        possible = ", ".join(repr(order) for order in _named(evidence))
+        possible = ", ".join(repr(order) for order in _possible_names(evidence))
         raise EnvLightsError(
             f"faces={name!r} does not fit the shape of the picture; give faces= {possible}"
         )
@@ -118,8 +130,15 @@ def _order_of_argument(name: str, evidence: Evidence) -> _Order:
 
 def _order_of_statement(name: str, by: str, evidence: Evidence) -> _Order:
     source = "the names of the files" if by == "name" else "the metadata"
-    if not contradicts(evidence, _distinct(name)):
-        return _Order(name, by, (f"faces in {title_of(name)}, by {source}",))
+    distinct = _distinct(name)
+    if not contradicts(evidence, distinct):
+        note = f"faces in {title_of(name)}, by {source}"
+        if evidence.scores[distinct] >= FITS:
+            note += (
+                ", but their edges do not fit, so that faces may be turned or swapped;"
+                f" {_scores(evidence)}"
+            )
+        return _Order(name, by, (note,))
     note = (
         f"faces in {title_of(evidence.chosen)}, by their seams; {source} name"
         f" {title_of(name)}, whose edges do not fit: {_scores(evidence)}"
@@ -144,18 +163,18 @@ def _stated_order(hints: Hints) -> tuple[str, str]:
 
 
 def _registration(
-    upright: NDArray[Any], order: _Order, hints: Hints, arguments: Arguments
+    upright: NDArray[Any], order: _Order, arguments: Arguments
 ) -> tuple[bool, tuple[str, ...]]:
     """True for border samples, and notes."""
     if arguments.registration is not None:
         return arguments.registration == REGISTRATIONS[1], ()
+    convention = CONVENTIONS.get(order.name)
+    if order.recognised_by != "seams" and convention is not None and convention.border_sampled:
+        return True, ()
     if has_equal_edges(upright):
         note = "the edges of the faces are equal, so the samples lie on them (border-sampled)"
         return True, (note,)
-    convention = CONVENTIONS.get(order.name)
-    if order.recognised_by == "seams" or convention is None:
-        return False, ()
-    return convention.border_sampled or hints.border_sampled, ()
+    return False, ()
 
 
 def _name_of(order: _Order, *, is_border: bool) -> str:
@@ -177,7 +196,7 @@ def _distinct(name: str) -> str:
     return name
 
 
-def _named(evidence: Evidence) -> list[str]:
+def _possible_names(evidence: Evidence) -> list[str]:
     """Values of `faces=` that the shape admits."""
     return [name for name in (*CONVENTIONS, *CROSSES) if _distinct(name) in evidence.scores]
 
@@ -195,7 +214,7 @@ def _misfit(name: str, evidence: Evidence) -> str:
 
 
 def _ambiguous(evidence: Evidence) -> str:
-    choices = ", ".join(repr(name) for name in _named(evidence))
+    choices = ", ".join(repr(name) for name in _possible_names(evidence))
     return (
         f"the order of the faces of a cube map cannot be decided by their edges"
         f" ({_scores(evidence)}); give faces= one of {choices}"

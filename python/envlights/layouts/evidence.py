@@ -17,6 +17,8 @@ _BLACK = 0.02
 _MOST = 0.95
 #: Smallest correlation of the log luminance of two halves that show one world.
 _ALIKE = 0.9
+#: Smallest standard deviation of the log luminance of halves that can be compared.
+_CONTRAST = 1e-3
 
 
 def has_black_corners(samples: NDArray[Any]) -> bool:
@@ -26,7 +28,7 @@ def has_black_corners(samples: NDArray[Any]) -> bool:
     ----------
     samples : ndarray, shape (n, n, channels)
     """
-    luminance = np.exp(log_luminance(_reduced(samples)))
+    luminance = np.exp(log_luminance(_every_nth(samples)))
     luminance -= luminance.min()
     height, width = luminance.shape
     y, x = (np.arange(side) * 2 / max(side - 1, 1) - 1 for side in (height, width))
@@ -47,10 +49,10 @@ def is_dual_fisheye(samples: NDArray[Any]) -> bool:
 
 def has_equal_halves(samples: NDArray[Any]) -> bool:
     """True if the upper and the lower half of a picture show nearly the same."""
-    logs = log_luminance(_reduced(samples))
+    logs = log_luminance(_every_nth(samples))
     half = len(logs) // 2
     upper, lower = logs[:half], logs[-half:]
-    if half < 2 or not (upper.std() and lower.std()):
+    if half < 2 or min(upper.std(), lower.std()) < _CONTRAST:
         return False
     return float(np.corrcoef(upper.ravel(), lower.ravel())[0, 1]) > _ALIKE
 
@@ -58,7 +60,7 @@ def has_equal_halves(samples: NDArray[Any]) -> bool:
 def is_constant(samples: NDArray[Any]) -> bool:
     """True if each of the squares, (k, n, n, channels), has one luminance, up to JPEG noise."""
     return all(
-        np.ptp(_reduced(square).astype(np.float32), axis=(0, 1)).max() <= _tolerance(square)
+        np.ptp(_every_nth(square).astype(np.float32), axis=(0, 1)).max() <= _tolerance(square)
         for square in samples
     )
 
@@ -70,7 +72,7 @@ def _tolerance(square: NDArray[Any]) -> float:
     return max(0.02 * float(np.abs(square).max(initial=0)), 2e-3)
 
 
-def _reduced(samples: NDArray[Any]) -> NDArray[Any]:
+def _every_nth(samples: NDArray[Any]) -> NDArray[Any]:
     """Every n-th sample."""
     step = max(min(samples.shape[:2]) // _ROWS, 1)
     return samples[::step, ::step]

@@ -42,8 +42,8 @@ class Layout(NamedTuple):
     """Projection of a picture, as the kernels need it.
 
     Pixel coordinates start at the top left corner of the picture, so that the centre of its first
-    pixel is (0.5, 0.5). A cube is always the stack of six upright faces, as seen from inside: front,
-    right, back, left, up, down.
+    pixel is (0.5, 0.5). A cube is always the stack of six upright faces, as seen from inside:
+    front, right, back, left, up, down.
     """
 
     kind: str
@@ -97,9 +97,7 @@ def equirectangular(
     return Layout("equirectangular", rows, columns, border_sampled, axes=axes)
 
 
-def cropped(
-    height: int, width: int, *, field_of_view: float, horizon: float | None = None
-) -> Layout:
+def crop(height: int, width: int, *, field_of_view: float, horizon: float | None = None) -> Layout:
     """Layout of a part of a panorama around its centre.
 
     Parameters

@@ -48,7 +48,7 @@ class Arguments(NamedTuple):
     eye: str | None = None
     """Half of a stereo panorama: "left" or "right"."""
 
-    def given(self) -> list[str]:
+    def names(self) -> list[str]:
         """Names of the arguments that are not None, without `projection`."""
         each = zip(self._fields[1:], self[1:], strict=True)
         return [name for name, value in each if value is not None]
@@ -64,12 +64,16 @@ class Arguments(NamedTuple):
         ):
             if (value := getattr(self, name)) is not None:
                 check_choice(name, value, choices)
-        if self.fov is not None and not 0 < amount("fov", self.fov, 0, 360):
+        if self.fov is not None and amount("fov", self.fov, 0, 360) == 0:
             raise EnvLightsError("fov must be above 0 degrees, up to 360; got 0")
 
 
+#: Arguments of a user who names nothing.
+NO_ARGUMENTS = Arguments()
+
+
 class Source(NamedTuple):
-    """Origin of a map: the picture that was read, and the evidence for its projection."""
+    """Origin of a map: the picture that was read, and evidence for its projection."""
 
     projection: str
     """Value of `projection=` that names it."""
@@ -90,7 +94,7 @@ class Source(NamedTuple):
     """Layout of the arranged samples."""
 
 
-class Arranged(NamedTuple):
+class ArrangedPicture(NamedTuple):
     """Samples of a picture, arranged for its layout."""
 
     samples: NDArray[Any]

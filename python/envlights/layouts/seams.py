@@ -28,7 +28,7 @@ _EDGES = (
 )
 #: Largest score of an order that fits. Right orders of the maps in the tests have up to 0.9, wrong
 #: ones 3.8 and more.
-_FITS = 1.5
+FITS = 1.5
 #: Smallest ratio of the second score to the first. It is 3.8 and more for the same maps.
 _APART = 2.5
 #: Luminance, relative to the mean, below which steps of its logarithm are noise.
@@ -75,7 +75,7 @@ def _mean_step(logs: NDArray[np.float32], axis: int) -> float:
     return float(np.mean([np.abs(np.diff(face, axis=axis - 1)).mean() for face in logs]))
 
 
-def compared(candidates: dict[str, NDArray[np.float32]]) -> Evidence:
+def compare(candidates: dict[str, NDArray[np.float32]]) -> Evidence:
     """Order whose seams fit and fit much better than all others.
 
     Parameters
@@ -86,7 +86,7 @@ def compared(candidates: dict[str, NDArray[np.float32]]) -> Evidence:
     scores = {order: seam_score(logs) for order, logs in candidates.items()}
     best, *others = sorted(scores, key=scores.__getitem__)
     is_clear = all(scores[other] > max(_APART * scores[best], 1e-9) for other in others)
-    return Evidence(best if scores[best] < _FITS and is_clear else "", scores)
+    return Evidence(best if scores[best] < FITS and is_clear else "", scores)
 
 
 def contradicts(evidence: Evidence, order: str) -> bool:
@@ -124,7 +124,8 @@ def log_luminance(samples: NDArray[Any]) -> NDArray[np.float32]:
     if samples.shape[-1] >= 3:
         weights = LUMINANCE.astype(np.float32)
         shape = samples.shape[:-1]
-        grey = in_blocks(shape, lambda rows: samples[rows][..., :3].astype(np.float32) @ weights)
+        with np.errstate(invalid="ignore"):  # infinity times 0
+            grey = in_blocks(shape, lambda at: samples[at][..., :3].astype(np.float32) @ weights)
     else:
         grey = samples[..., 0].astype(np.float32)
     grey = np.nan_to_num(grey, nan=0.0, posinf=1e30, neginf=0.0).clip(0, 1e30)
@@ -135,4 +136,6 @@ def log_luminance(samples: NDArray[Any]) -> NDArray[np.float32]:
 
 def _side(face: NDArray[Any], side: str) -> NDArray[Any]:
     """Outer line of samples: top, bottom, left or right."""
-    return {"t": face[0], "b": face[-1], "l": face[:, 0], "r": face[:, -1]}[side]
+    lines: dict[str, NDArray[Any]]
+    lines = {"t": face[0], "b": face[-1], "l": face[:, 0], "r": face[:, -1]}
+    return lines[side]

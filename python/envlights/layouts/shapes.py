@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import PurePath
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from envlights._native import EnvLightsError
 from envlights.layouts.evidence import has_black_corners, has_equal_halves, is_constant
+from envlights.layouts.face_names import face_of_name
 from envlights.layouts.faces import crosses_of, is_strip, outside_of_cross
 from envlights.layouts.projections import DISCS, SQUARES, candidates
 
@@ -57,12 +59,14 @@ def is_panorama(height: int, width: int) -> bool:
     return off == 0 or (off <= _OFF and off * _COLUMNS_PER_MISS <= width)
 
 
-def projection_of_shape(picture: NDArray[Any]) -> str:
+def projection_of_shape(picture: NDArray[Any], name: str = "") -> str:
     """Value of `projection=`, or a refusal with the candidates.
 
     Parameters
     ----------
     picture : ndarray, shape (height, width, channels) or (6, n, n, channels)
+    name : str
+        Name of the file.
     """
     if picture.ndim == 4:
         return "cube"
@@ -74,9 +78,14 @@ def projection_of_shape(picture: NDArray[Any]) -> str:
     crosses = crosses_of(height, width)
     if crosses and is_constant(outside_of_cross(picture, crosses[0])):
         return "cube"
+    if height == width and (face := face_of_name(PurePath(name).stem)):
+        raise EnvLightsError(
+            f"a square picture with the name {face!r} seems to be one face of a cube map; give its"
+            " folder or all six files, or projection= if it is a whole map"
+        )
     raise EnvLightsError(
         f"an equirectangular map is twice as wide as high; got {width}x{height} pixels, which may"
-        f" be {_candidates(picture)}; give these arguments"
+        f" be {_candidates(picture)}; give the arguments of one of them"
     )
 
 

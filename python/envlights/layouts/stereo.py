@@ -1,4 +1,4 @@
-"""Panoramas of two eyes, of which one is read."""
+"""Halves of a stereo panorama: one eye is read."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def _is_above(picture: NDArray[Any], hints: Hints) -> bool:
         return _MODES[hints.stereo]
     height, width = picture.shape[:2]
     if picture.ndim == 3 and width in (height, 4 * height):
-        return width == height
+        return bool(width == height)
     raise EnvLightsError(
         f"eye= reads panoramas of 2:1, one above the other (1:1) or left and right (4:1); got"
         f" {width}x{height} pixels; cut out one eye and give that"

@@ -11,13 +11,19 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights._check import amount, describe, reals
 from envlights._native import EnvLightsError
-from envlights.io.hints import Hints
+from envlights.io.hints import NO_HINTS, Hints
 from envlights.layouts import layout as layouts
-from envlights.layouts.cubes import arranged_cube
+from envlights.layouts.cubes import arrange_cube
 from envlights.layouts.evidence import is_dual_fisheye
 from envlights.layouts.layout import Axes, Layout
 from envlights.layouts.projections import candidates, check_unused
-from envlights.layouts.records import REGISTRATIONS, Arguments, Arranged, Source
+from envlights.layouts.records import (
+    NO_ARGUMENTS,
+    REGISTRATIONS,
+    Arguments,
+    ArrangedPicture,
+    Source,
+)
 from envlights.layouts.shapes import is_panorama, projection_of_shape, samples_of
 from envlights.layouts.stereo import one_eye
 
@@ -32,12 +38,12 @@ class _Kind(NamedTuple):
     recognised_by: str
 
 
-def recognised(
+def recognise(
     samples: NDArray[Any],
-    hints: Hints | None = None,
-    arguments: Arguments | None = None,
+    hints: Hints = NO_HINTS,
+    arguments: Arguments = NO_ARGUMENTS,
     seen: NDArray[Any] | None = None,
-) -> Arranged:
+) -> ArrangedPicture:
     """Recognise the projection of a picture, and arrange its samples for it.
 
     Parameters
@@ -53,7 +59,7 @@ def recognised(
 
     Returns
     -------
-    Arranged
+    ArrangedPicture
         Equirectangular pictures and all others but cubes keep their array. A cube becomes the stack
         of its six upright faces, front right back left up down.
 
@@ -64,21 +70,20 @@ def recognised(
 
     Examples
     --------
-    >>> recognised(np.ones((64, 128, 3))).source.projection
+    >>> recognise(np.ones((64, 128, 3))).source.projection
     'equirectangular'
-    >>> recognised(np.ones((64, 64, 3)), arguments=Arguments("angular")).layout.mapping
+    >>> recognise(np.ones((64, 64, 3)), arguments=Arguments("angular")).layout.mapping
     'equidistant'
     """
-    hints, arguments = hints or Hints(), arguments or Arguments()
     arguments.check()
     picture = samples_of(samples)
     picture, seen, notes = one_eye(picture, seen, hints, arguments)
     kind = _kind(picture, hints, arguments)
-    check_unused(kind.projection, arguments.given())
+    check_unused(kind.projection, arguments.names())
     if kind.projection == "cube":
-        found = arranged_cube(picture, seen, hints, arguments, kind.recognised_by)
+        found = arrange_cube(picture, seen, hints, arguments, kind.recognised_by)
     else:
-        found = _arranged(picture, seen, hints, arguments, kind)
+        found = _arrange(picture, seen, hints, arguments, kind)
     return found._replace(notes=(*notes, *found.notes))
 
 
@@ -98,7 +103,7 @@ def _kind(picture: NDArray[Any], hints: Hints, arguments: Arguments) -> _Kind:
         return _Kind("equirectangular", "attribute")
     if hints.projection:
         return _kind_of_gpano(hints)
-    projection = projection_of_shape(picture)
+    projection = projection_of_shape(picture, hints.name)
     is_partial = projection == "equirectangular" and arguments.fov not in (None, 360)
     if is_partial or (projection != "cube" and arguments.circle is not None):
         raise _without_projection(picture, arguments)
@@ -116,7 +121,7 @@ def _kind_of_gpano(hints: Hints) -> _Kind:
 
 def _without_projection(picture: NDArray[Any], arguments: Arguments) -> EnvLightsError:
     height, width = picture.shape[:2]
-    given = ", ".join(arguments.given())
+    given = ", ".join(arguments.names())
     names = ("equirectangular", "cylinder", "fisheye", "planar")
     return EnvLightsError(
         f"{given} needs projection= as well for a picture of {width}x{height} pixels: it may be"
@@ -124,13 +129,13 @@ def _without_projection(picture: NDArray[Any], arguments: Arguments) -> EnvLight
     )
 
 
-def _arranged(
+def _arrange(
     picture: NDArray[Any],
     seen: NDArray[Any] | None,
     hints: Hints,
     arguments: Arguments,
     kind: _Kind,
-) -> Arranged:
+) -> ArrangedPicture:
     """Picture of one piece, whose array is not changed."""
     if picture.ndim == 4:
         raise EnvLightsError(
@@ -146,10 +151,8 @@ def _arranged(
             " give projection='equirectangular' if it is a panorama"
         )
     registration = REGISTRATIONS[layout.border_sampled]
-    source = Source(
-        kind.projection, (height, width), "", registration, kind.recognised_by, layout
-    )
-    return Arranged(picture, seen, layout, source, notes)
+    source = Source(kind.projection, (height, width), "", registration, kind.recognised_by, layout)
+    return ArrangedPicture(picture, seen, layout, source, notes)
 
 
 _Made = tuple[Layout, tuple[str, ...]]
@@ -161,7 +164,7 @@ def _equirectangular(height: int, width: int, hints: Hints, arguments: Arguments
         is_border = arguments.registration == REGISTRATIONS[1]
     if arguments.fov is not None and (arguments.fov < 360 or not is_panorama(height, width)):
         view = math.radians(arguments.fov)
-        part = layouts.cropped(height, width, field_of_view=view, horizon=arguments.horizon)
+        part = layouts.crop(height, width, field_of_view=view, horizon=arguments.horizon)
         return part, (f"the picture is a part of a panorama, {arguments.fov:g} degrees wide",)
     if not is_panorama(height, width):
         raise EnvLightsError(
