@@ -47,7 +47,7 @@ class View(NamedTuple):
 
 
 #: View of a picture without such properties.
-NO_VIEW = View("")
+NO_VIEW: View = View("")
 
 
 def view(said: dict[str, str], height: int) -> View:
