@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from envlights._native import EnvLightsError
 from envlights.io.hints import Hints
-from envlights.layouts.conventions import CONVENTIONS, CROSSES, DISTINCT, title_of
+from envlights.layouts.conventions import CONVENTIONS, CROSSES, DISTINCT, FACES, title_of
 from envlights.layouts.faces import crosses_of, faces_of_cross, is_strip, split_strip, upright_faces
 from envlights.layouts.layout import Layout, cube
 from envlights.layouts.records import REGISTRATIONS, Arguments, ArrangedPicture, Source
@@ -62,7 +62,9 @@ def arrange_cube(
         raise _no_cube(samples, hints)
     upright_of = partial(_upright, is_faces=samples.ndim == 4)
     logs = log_luminance(samples)
-    evidence = compare({order: upright_of(logs, order) for order in orders})
+    # Vertical crosses differ in one face.
+    faces = ("back",) if orders[0] in CROSSES else FACES
+    evidence = compare({order: upright_of(logs, order) for order in orders}, faces)
     order = _order(evidence, hints, arguments, recognised_by)
     upright = upright_of(samples, order.name)
     is_border, notes = _registration(upright, order, arguments)

@@ -110,7 +110,8 @@ def crop(height: int, width: int, *, field_of_view: float, horizon: float | None
         Row coordinate of elevation 0; the middle when left out.
     """
     view = amount("field_of_view", field_of_view, 1e-3, 2 * math.pi)
-    rows = max(round(width * math.pi / view), height, math.ceil(width / 2))
+    rows = max(round(width * math.pi / view), math.ceil(width / 2))
+    rows = height if height == rows + 1 else rows
     middle = height / 2 if horizon is None else amount("horizon", horizon, -rows, 2 * rows)
     top, left = round(rows / 2 - middle), round(rows - width / 2)
     if not 0 <= top <= rows - height:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -45,13 +46,15 @@ class Evidence(NamedTuple):
     """Step of log luminance across the edges, divided by the mean step inside, by order."""
 
 
-def seam_score(logs: NDArray[np.float32]) -> float:
-    """Mean step of log luminance across the twelve edges, divided by the mean step inside.
+def seam_score(logs: NDArray[np.float32], faces: Collection[str] = FACES) -> float:
+    """Mean step of log luminance across edges, divided by the mean step inside.
 
     Parameters
     ----------
     logs : ndarray, shape (6, n, n)
         Result of `log_luminance`, as upright faces in the order of `FACES`.
+    faces : collection of str
+        Names of faces whose edges count.
 
     Returns
     -------
@@ -62,6 +65,7 @@ def seam_score(logs: NDArray[np.float32]) -> float:
     steps = [
         np.abs(_side(at[one], s) - _side(at[other], t)[::turn]).mean(dtype=np.float64)
         for one, s, other, t, turn in _EDGES
+        if one in faces or other in faces
     ]
     axes = (1, 2) if logs.shape[1] > 1 else ()
     inside = sum(_mean_step(logs, axis) for axis in axes) / 2
@@ -75,15 +79,17 @@ def _mean_step(logs: NDArray[np.float32], axis: int) -> float:
     return float(np.mean([np.abs(np.diff(face, axis=axis - 1)).mean() for face in logs]))
 
 
-def compare(candidates: dict[str, NDArray[np.float32]]) -> Evidence:
+def compare(candidates: dict[str, NDArray[np.float32]], faces: Collection[str] = FACES) -> Evidence:
     """Order whose seams fit and fit much better than all others.
 
     Parameters
     ----------
     candidates : dict
         Result of `log_luminance` as upright faces, by the name of the order.
+    faces : collection of str
+        Names of the faces that differ between the candidates.
     """
-    scores = {order: seam_score(logs) for order, logs in candidates.items()}
+    scores = {order: seam_score(logs, faces) for order, logs in candidates.items()}
     best, *others = sorted(scores, key=scores.__getitem__)
     is_clear = all(scores[other] > max(_APART * scores[best], 1e-9) for other in others)
     return Evidence(best if scores[best] < FITS and is_clear else "", scores)
