@@ -22,39 +22,39 @@ from tests.helpers import paths_of_real_maps
 from tests.layouts.worlds import looked_up, opengl_directions, smooth, upright_directions
 
 
-def labelled(n):
+def faces_of_numbers(n):
     """Faces whose samples all differ."""
     return np.arange(6 * n * n * 3, dtype=np.float32).reshape(6, n, n, 3)
 
 
 @given(st.integers(1, 5), st.sampled_from(sorted(CONVENTIONS)))
 def test_each_order_goes_there_and_back(n, order):
-    faces = labelled(n)
+    faces = faces_of_numbers(n)
     np.testing.assert_array_equal(upright_faces(stored_faces(faces, order), order), faces)
     np.testing.assert_array_equal(stored_faces(upright_faces(faces, order), order), faces)
 
 
 @given(st.integers(1, 5), st.sampled_from(sorted(CROSSES)))
 def test_each_cross_goes_there_and_back(n, order):
-    cross = cross_of_faces(labelled(n), order)
-    np.testing.assert_array_equal(faces_of_cross(cross, order), labelled(n))
+    cross = cross_of_faces(faces_of_numbers(n), order)
+    np.testing.assert_array_equal(faces_of_cross(cross, order), faces_of_numbers(n))
     assert not outside_of_cross(cross, order).any()
-    assert np.count_nonzero(cross) == np.count_nonzero(labelled(n))
+    assert np.count_nonzero(cross) == np.count_nonzero(faces_of_numbers(n))
 
 
 @given(st.integers(1, 5), st.sampled_from(sorted(CONVENTIONS)), st.booleans())
 def test_strips_are_cut_in_their_order(n, order, is_stack):
-    image = arranged_faces(labelled(n), order, "stack" if is_stack else "strip")
+    image = arranged_faces(faces_of_numbers(n), order, "stack" if is_stack else "strip")
     assert image.shape[:2] == ((6 * n, n) if is_stack else (n, 6 * n))
-    np.testing.assert_array_equal(upright_faces(split_strip(image), order), labelled(n))
+    np.testing.assert_array_equal(upright_faces(split_strip(image), order), faces_of_numbers(n))
 
 
 @given(st.sampled_from(sorted(CONVENTIONS)), st.sampled_from(ARRANGEMENTS), st.integers(2, 6))
 def test_a_named_arrangement_is_recognised_without_a_change(order, arrangement, n):
-    image = arranged_faces(labelled(n), order, arrangement)
+    image = arranged_faces(faces_of_numbers(n), order, arrangement)
     name = arrangement if arrangement in CROSSES else order
     arranged = recognise(image, arguments=Arguments("cube", faces=name))
-    np.testing.assert_array_equal(arranged.samples.reshape(6, n, n, 3), labelled(n))
+    np.testing.assert_array_equal(arranged.samples.reshape(6, n, n, 3), faces_of_numbers(n))
     assert arranged.source[:3] == ("cube", image.shape[:2], name)
     assert (arranged.layout.height, arranged.layout.width) == (6 * n, n)
 

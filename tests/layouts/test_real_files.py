@@ -52,9 +52,9 @@ def test_each_shared_file_has_its_layout_or_its_sentence(path):
     wanted = next(result for pattern, result in TABLE if path.match(pattern))
     if isinstance(wanted, str):
         with pytest.raises(el.EnvLightsError, match=wanted):
-            _recognised(path)
+            _recognise(path)
         return
-    image, arranged = _recognised(path)
+    image, arranged = _recognise(path)
     source = arranged.source
     assert (source.projection, *source[2:5]) == wanted
     if source.projection == "equirectangular":
@@ -62,14 +62,14 @@ def test_each_shared_file_has_its_layout_or_its_sentence(path):
     assert arranged.samples.shape == (arranged.layout.height, arranged.layout.width, 3)
 
 
-def _recognised(path):
+def _recognise(path):
     image = read_picture(Path(os.environ["ENVLIGHTS_MAPS"], path))
     return image, recognise(image.pixels, image.hints, seen=image.seen)
 
 
 @pytest.mark.skipif("ENVLIGHTS_MAPS" not in os.environ, reason="needs the shared maps")
 def test_the_sun_of_citadella_is_in_the_up_face_58_degrees_high():
-    image, arranged = _recognised(Path("ldr/humus_citadella"))
+    image, arranged = _recognise(Path("ldr/humus_citadella"))
     luminance = arranged.samples.mean(axis=2)
     rows, columns = np.nonzero(luminance >= 0.99 * luminance.max())
     face, row = np.divmod(rows, 512)

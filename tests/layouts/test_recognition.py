@@ -7,8 +7,8 @@ import pytest
 
 import envlights as el
 from envlights.io.hints import Hints
-from envlights.io.images import read_image
 from envlights.io.image_output import write_exr
+from envlights.io.images import read_image
 from envlights.layouts import Arguments, recognise
 from envlights.layouts.faces import arranged_faces, stored_faces
 from envlights.layouts.layout import MIRRORED, PBRT
@@ -157,6 +157,8 @@ def test_photographs_of_4_to_3_are_no_crosses():
     cube = smooth(upright_directions(16))
     cross = arranged_faces(cube, "opengl", "horizontal-cross")
     assert recognise(cross).source[:5:2] == ("cube", "horizontal-cross", "shape")
+    turned = arranged_faces(np.rot90(cube, 2, axes=(1, 2)), "opengl", "horizontal-cross")
+    assert "but their edges do not fit" in recognise(turned).notes[0]
     cross[:16, :16] = noise(16, 16)
     with pytest.raises(el.EnvLightsError, match="faces='horizontal-cross'"):
         recognise(cross)
@@ -203,7 +205,7 @@ def test_incomplete_cubes_and_strangers_of_dds_are_refused(tmp_path):
     with pytest.raises(el.EnvLightsError, match="only with any_format=True"):
         read_image(path)
     image = read_image(path, any_format=True, any_projection=True)
-    with pytest.raises(el.EnvLightsError, match="six square faces|only the faces|has 8x"):
+    with pytest.raises(el.EnvLightsError, match="holds only the faces"):
         recognise(image.pixels, image.hints)
 
 

@@ -32,8 +32,7 @@ def test_the_order_of_a_world_is_found_or_requested_and_never_wrong(seed, order,
     image = arranged_faces(faces, order, "stack")
     try:
         arranged = recognise(image)
-    except el.EnvLightsError as refusal:
-        assert "give faces= one of 'opengl', 'openexr', 'py360convert'" in str(refusal)
+    except el.EnvLightsError:
         return
     np.testing.assert_array_equal(arranged.samples.reshape(faces.shape), faces)
     assert arranged.source.recognised_by == "seams"
@@ -75,7 +74,9 @@ def test_faces_of_another_convention_are_refused():
 def test_constant_and_symmetric_faces_are_requested():
     ring = np.broadcast_to(np.hypot(*np.mgrid[-8:9, -8:9])[..., None], (6, 17, 17, 3))
     for faces in (np.ones((6, 8, 8, 3)), ring):
-        with pytest.raises(el.EnvLightsError, match="give faces="):
+        with pytest.raises(
+            el.EnvLightsError, match="give faces= one of 'opengl', 'openexr', 'py360convert'"
+        ):
             recognise(faces)
 
 

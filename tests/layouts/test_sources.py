@@ -31,7 +31,7 @@ def write(folder, order, names, *, prefix="", suffix=".exr", faces=WORLD):
     return paths
 
 
-def opened(source, **arguments):
+def read(source, **arguments):
     image = read_picture(source)
     return recognise(image.pixels, image.hints, Arguments(**arguments), image.seen)
 
@@ -46,7 +46,7 @@ def test_six_files_become_upright_faces(tmp_path, order, kind):
         "list": paths[3:] + paths[:3],
         "mapping": dict(zip(NAMES[order], paths, strict=True)),
     }.get(kind, str(tmp_path / "sky" / f"sky_{kind}.exr"))
-    arranged = opened(source)
+    arranged = read(source)
     assert arranged.source[2:5:2] == (order, "name")
     np.testing.assert_array_equal(arranged.samples.reshape(faces.shape), faces)
 
@@ -82,22 +82,22 @@ def test_names_determine_an_order(names, order):
 @pytest.mark.parametrize("order", ["opengl", "pannellum"])
 def test_numbers_are_ordered_by_their_seams(tmp_path, order):
     write(tmp_path / "n", order, "012345", prefix="m_")
-    arranged = opened(tmp_path / "n")
+    arranged = read(tmp_path / "n")
     assert arranged.source[2:5] == (order, "cell-centred", "seams")
     np.testing.assert_array_equal(arranged.samples.reshape(WORLD.shape), WORLD)
-    assert opened(tmp_path / "n", faces=order).source.recognised_by == "argument"
+    assert read(tmp_path / "n", faces=order).source.recognised_by == "argument"
 
 
 def test_a_list_without_telling_names_keeps_its_order(tmp_path):
     paths = write(tmp_path, "opengl", ["one", "two", "three", "four", "five", "six"])
-    assert opened(paths).source[2:5:2] == ("opengl", "seams")
+    assert read(paths).source[2:5:2] == ("opengl", "seams")
     data = [path.read_bytes() for path in paths]
-    np.testing.assert_array_equal(opened(data).samples, opened(paths).samples)
+    np.testing.assert_array_equal(read(data).samples, read(paths).samples)
 
 
 def test_names_that_lie_are_corrected_by_the_seams(tmp_path):
     write(tmp_path, "openexr", NAMES["opengl"])
-    arranged = opened(tmp_path)
+    arranged = read(tmp_path)
     assert arranged.source[2:5:2] == ("openexr", "seams")
     np.testing.assert_array_equal(arranged.samples.reshape(WORLD.shape), WORLD)
     assert "the names of the files name the order of OpenGL, whose edges" in arranged.notes[-1]
@@ -107,7 +107,7 @@ def test_named_faces_that_are_turned_get_a_note(tmp_path):
     turned = WORLD.copy()
     turned[4:] = np.rot90(turned[4:], 1, axes=(1, 2))
     write(tmp_path, "pannellum", NAMES["pannellum"], faces=turned)
-    assert "but their edges do not fit" in opened(tmp_path).notes[-1]
+    assert "but their edges do not fit" in read(tmp_path).notes[-1]
 
 
 def test_other_sources_are_refused(tmp_path):
@@ -130,7 +130,7 @@ def test_other_sources_are_refused(tmp_path):
         with pytest.raises(el.EnvLightsError, match=words):
             read_picture(source)
     with pytest.raises(el.EnvLightsError, match=r"faces='pannellum' contradicts the names"):
-        opened(tmp_path / "a", faces="pannellum")
+        read(tmp_path / "a", faces="pannellum")
     with pytest.raises(el.EnvLightsError, match="up to 255 pixels; got 16 rows"):
         read_picture(tmp_path / "a", max_pixels=6 * 256 - 1)
 
@@ -147,7 +147,7 @@ def test_the_share_that_alpha_shows_is_stacked(tmp_path):
     alpha[:8, :, 3] = 0
     file.write_image(alpha)
     file.close()
-    arranged = opened(paths)
+    arranged = read(paths)
     seen = arranged.seen.reshape(6, 16, 16)
     assert seen[4, :8].max() == 0
     assert seen.sum() == 6 * 256 - 128

@@ -63,7 +63,7 @@ def arrange_cube(
     upright_of = partial(_upright, is_faces=samples.ndim == 4)
     logs = log_luminance(samples)
     # Vertical crosses differ in one face.
-    faces = ("back",) if orders[0] in CROSSES else FACES
+    faces = ("back",) if orders[0].startswith("vertical") else FACES
     evidence = compare({order: upright_of(logs, order) for order in orders}, faces)
     order = _order(evidence, hints, arguments, recognised_by)
     upright = upright_of(samples, order.name)
@@ -106,7 +106,8 @@ def _order(evidence: Evidence, hints: Hints, arguments: Arguments, recognised_by
     if len(evidence.scores) == 1:  # a horizontal cross
         (name,) = evidence.scores
         by = recognised_by if recognised_by != "argument" else "shape"
-        return _Order(name, by, (f"faces of {title_of(name)}",))
+        fits = evidence.scores[name] < FITS
+        return _Order(name, by, (f"faces of {title_of(name)}{'' if fits else _doubt(evidence)}",))
     if not evidence.chosen:
         raise EnvLightsError(_ambiguous(evidence))
     how = f"faces in {title_of(evidence.chosen)}, by their seams"
@@ -136,10 +137,7 @@ def _order_of_statement(name: str, by: str, evidence: Evidence) -> _Order:
     if not contradicts(evidence, distinct):
         note = f"faces in {title_of(name)}, by {source}"
         if evidence.scores[distinct] >= FITS:
-            note += (
-                ", but their edges do not fit, so that faces may be turned or swapped;"
-                f" {_scores(evidence)}"
-            )
+            note += _doubt(evidence)
         return _Order(name, by, (note,))
     note = (
         f"faces in {title_of(evidence.chosen)}, by their seams; {source} name"
@@ -206,6 +204,13 @@ def _possible_names(evidence: Evidence) -> list[str]:
 def _scores(evidence: Evidence) -> str:
     each = (f"{name} {score:.2g}" for name, score in evidence.scores.items())
     return "step across the edges over the step inside: " + ", ".join(each)
+
+
+def _doubt(evidence: Evidence) -> str:
+    """End of a note on faces whose edges do not fit."""
+    return (
+        f", but their edges do not fit, so that faces may be turned or swapped; {_scores(evidence)}"
+    )
 
 
 def _misfit(name: str, evidence: Evidence) -> str:
