@@ -87,6 +87,24 @@ def test_each_edge_of_upright_faces_has_two_faces_of_equal_directions():
         np.testing.assert_allclose(first, seams._side(at[other], other_side)[::turn], atol=1e-15)
 
 
+@pytest.mark.parametrize("order", sorted(CROSSES))
+def test_neighbours_in_a_cross_share_their_edge(order):
+    """An unfolded cube is a surface: directions do not jump between squares, the back's excepted."""
+    n = 4
+    image = cross_of_faces(upright_directions(n, border=True), order)
+    rows, columns = image.shape[0] // n, image.shape[1] // n
+    joined = 0
+    for row, column in np.ndindex(rows, columns):
+        for down, right in ((1, 0), (0, 1)):
+            here = image[row * n : row * n + n, column * n : column * n + n]
+            row_end, column_end = (row + down) * n, (column + right) * n
+            there = image[row_end : row_end + n, column_end : column_end + n]
+            if there.size and here.any() and there.any():
+                edges = (here[-1], there[0]) if down else (here[:, -1], there[:, 0])
+                joined += np.allclose(*edges)
+    assert joined == (4 if order == "vertical-cross-upright" else 5)
+
+
 @pytest.mark.parametrize("path", paths_of_real_maps("openexr_envmaps/*Cube.exr"), ids=str)
 def test_cubes_of_openexr_show_their_panorama(path):
     """Pairs of one world, written by the library itself."""

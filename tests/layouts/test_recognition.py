@@ -9,6 +9,8 @@ import envlights as el
 from envlights.io.hints import Hints
 from envlights.io.image_output import write_exr
 from envlights.io.images import read_image
+from envlights.io.signature import kind_of
+from envlights.io.source import named_source
 from envlights.layouts import Arguments, recognise
 from envlights.layouts.faces import arranged_faces, stored_faces
 from envlights.layouts.layout import MIRRORED, PBRT
@@ -202,6 +204,7 @@ def test_cubes_of_dds_and_openexr_with_one_tag_are_one_world(tmp_path):
 
 def test_incomplete_cubes_and_strangers_of_dds_are_refused(tmp_path):
     path = dds(tmp_path / "a.dds", smooth(upright_directions(8))[:4] / 4, 0x3E00)
+    assert kind_of(named_source(path), any_format=True) == "dds"  # no other reader tries it
     with pytest.raises(el.EnvLightsError, match="only with any_format=True"):
         read_image(path)
     image = read_image(path, any_format=True, any_projection=True)
