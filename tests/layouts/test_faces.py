@@ -89,7 +89,7 @@ def test_each_edge_of_upright_faces_has_two_faces_of_equal_directions():
 
 @pytest.mark.parametrize("order", sorted(CROSSES))
 def test_neighbours_in_a_cross_share_their_edge(order):
-    """An unfolded cube is a surface: directions do not jump between squares, the back's excepted."""
+    """An unfolded cube is a surface: directions do not jump between squares, but at the back."""
     n = 4
     image = cross_of_faces(upright_directions(n, border=True), order)
     rows, columns = image.shape[0] // n, image.shape[1] // n

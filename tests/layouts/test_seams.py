@@ -10,7 +10,7 @@ from envlights.io.images import read_image
 from envlights.layouts import Arguments, recognise
 from envlights.layouts.conventions import DISTINCT
 from envlights.layouts.faces import arranged_faces, stored_faces
-from envlights.layouts.seams import has_equal_edges, log_luminance, seam_score
+from envlights.layouts.seams import has_equal_edges, lines_of_faces, log_luminance, seam_score
 from tests.helpers import paths_of_real_maps
 from tests.layouts.worlds import looked_up, smooth, upright_directions
 
@@ -79,6 +79,25 @@ def test_constant_and_symmetric_faces_are_requested():
             el.EnvLightsError, match="give faces= one of 'opengl', 'openexr', 'py360convert'"
         ):
             recognise(faces)
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 255, 256, 257, 300, 1000, 2048])
+def test_sampled_lines_are_symmetric_pairs(n):
+    lines = lines_of_faces(n)
+    np.testing.assert_array_equal(lines, n - 1 - lines[::-1])
+    assert (lines[0], lines[-1]) == (0, n - 1)
+    assert len(lines) == n if n < 257 else 256 <= len(lines) <= 640
+    assert n == 1 or (np.diff(lines) == 1).sum() >= len(lines) // 2
+
+
+@pytest.mark.parametrize("arrangement", ["stack", "strip", "vertical-cross"])
+def test_large_faces_are_sampled_without_a_change_of_the_order(arrangement):
+    faces = world(n=600)
+    arranged = recognise(arranged_faces(faces, "openexr", arrangement))
+    np.testing.assert_array_equal(arranged.samples.reshape(faces.shape), faces)
+    lines = lines_of_faces(600)
+    part = log_luminance(faces[:, lines[:, None], lines])
+    assert seam_score(part, lines=lines) == pytest.approx(score(faces), rel=0.05)
 
 
 def test_equal_edges_are_border_samples():

@@ -20,6 +20,7 @@ from envlights.layouts.seams import (
     compare,
     contradicts,
     has_equal_edges,
+    lines_of_faces,
     log_luminance,
 )
 
@@ -61,10 +62,12 @@ def arrange_cube(
     if not orders:
         raise _no_cube(samples, hints)
     upright_of = partial(_upright, is_faces=samples.ndim == 4)
-    logs = log_luminance(samples)
+    side = _side_of(samples, orders[0])
+    lines = lines_of_faces(side)
+    logs = log_luminance(_sample_of(samples, lines, side))
     # Vertical crosses differ in one face.
     faces = ("back",) if orders[0].startswith("vertical") else FACES
-    evidence = compare({order: upright_of(logs, order) for order in orders}, faces)
+    evidence = compare({order: upright_of(logs, order) for order in orders}, faces, lines)
     order = _order(evidence, hints, arguments, recognised_by)
     upright = upright_of(samples, order.name)
     is_border, notes = _registration(upright, order, arguments)
@@ -83,6 +86,21 @@ def _possible_orders(samples: NDArray[Any]) -> tuple[str, ...]:
         return DISTINCT if samples.shape[0] == 6 and samples.shape[1] == samples.shape[2] else ()
     height, width = samples.shape[:2]
     return DISTINCT if is_strip(height, width) else crosses_of(height, width)
+
+
+def _side_of(samples: NDArray[Any], order: str) -> int:
+    """Rows of a face in a picture."""
+    if samples.ndim == 4:
+        return samples.shape[1]
+    return samples.shape[0] // CROSSES[order].rows if order in CROSSES else min(samples.shape[:2])
+
+
+def _sample_of(samples: NDArray[Any], lines: NDArray[np.intp], n: int) -> NDArray[Any]:
+    """Some rows and columns of each face, in the arrangement of the picture."""
+    if samples.ndim == 4:
+        return samples[:, lines[:, None], lines]
+    rows, columns = ((lines + np.arange(0, side, n)[:, None]).ravel() for side in samples.shape[:2])
+    return samples[rows[:, None], columns]
 
 
 def _upright(samples: NDArray[Any], order: str, *, is_faces: bool) -> NDArray[Any]:

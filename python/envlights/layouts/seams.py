@@ -32,6 +32,8 @@ _EDGES = (
 FITS = 1.5
 #: Smallest ratio of the second score to the first. It is 3.8 and more for the same maps.
 _APART = 2.5
+#: Pairs of neighbouring rows of a face that are compared, about; faces of 256 pixels are whole.
+_PAIRS = 128
 #: Luminance, relative to the mean, below which steps of its logarithm are noise.
 _DARK = 1e-3
 
@@ -46,7 +48,24 @@ class Evidence(NamedTuple):
     """Step of log luminance across the edges, divided by the mean step inside, by order."""
 
 
-def seam_score(logs: NDArray[np.float32], faces: Collection[str] = FACES) -> float:
+def lines_of_faces(n: int) -> NDArray[np.intp]:
+    """Rows, and columns, of a face of n x n pixels that are compared: the outer ones, and pairs.
+
+    Large faces are sampled, so that the comparison needs little memory. Read from the other end the
+    lines are the same.
+    """
+    step = max(n // _PAIRS, 1)
+    firsts = np.arange(0, n, step)
+    lines = np.concatenate([firsts, firsts + 1, [n - 1]])
+    lines = lines[lines < n]
+    return np.unique(np.concatenate([lines, n - 1 - lines]))
+
+
+def seam_score(
+    logs: NDArray[np.float32],
+    faces: Collection[str] = FACES,
+    lines: NDArray[np.intp] | None = None,
+) -> float:
     """Mean step of log luminance across edges, divided by the mean step inside.
 
     Parameters
@@ -55,6 +74,8 @@ def seam_score(logs: NDArray[np.float32], faces: Collection[str] = FACES) -> flo
         Result of `log_luminance`, as upright faces in the order of `FACES`.
     faces : collection of str
         Names of faces whose edges count.
+    lines : ndarray, optional
+        Result of `lines_of_faces`, if only these rows and columns are given.
 
     Returns
     -------
@@ -67,19 +88,28 @@ def seam_score(logs: NDArray[np.float32], faces: Collection[str] = FACES) -> flo
         for one, s, other, t, turn in _EDGES
         if one in faces or other in faces
     ]
-    axes = (1, 2) if logs.shape[1] > 1 else ()
-    inside = sum(_mean_step(logs, axis) for axis in axes) / 2
+    lines = np.arange(logs.shape[1]) if lines is None else lines
+    firsts = np.flatnonzero(np.diff(lines) == 1)
+    inside = (_mean_step(logs, firsts) + _mean_step(logs.swapaxes(1, 2), firsts)) / 2
     across = float(np.mean(steps))
     if inside == 0:
         return 1.0 if across == 0 else float("inf")
     return across / inside
 
 
-def _mean_step(logs: NDArray[np.float32], axis: int) -> float:
-    return float(np.mean([np.abs(np.diff(face, axis=axis - 1)).mean() for face in logs]))
+def _mean_step(logs: NDArray[np.float32], firsts: NDArray[np.intp]) -> float:
+    """Mean step from some rows to the next ones; 0 without any."""
+    if not firsts.size:
+        return 0.0
+    steps = [np.abs(face[firsts + 1] - face[firsts]).mean(dtype=np.float64) for face in logs]
+    return float(np.mean(steps))
 
 
-def compare(candidates: dict[str, NDArray[np.float32]], faces: Collection[str] = FACES) -> Evidence:
+def compare(
+    candidates: dict[str, NDArray[np.float32]],
+    faces: Collection[str] = FACES,
+    lines: NDArray[np.intp] | None = None,
+) -> Evidence:
     """Order whose seams fit and fit much better than all others.
 
     Parameters
@@ -88,8 +118,10 @@ def compare(candidates: dict[str, NDArray[np.float32]], faces: Collection[str] =
         Result of `log_luminance` as upright faces, by the name of the order.
     faces : collection of str
         Names of the faces that differ between the candidates.
+    lines : ndarray, optional
+        Result of `lines_of_faces`, if only these rows and columns are given.
     """
-    scores = {order: seam_score(logs, faces) for order, logs in candidates.items()}
+    scores = {order: seam_score(logs, faces, lines) for order, logs in candidates.items()}
     best, *others = sorted(scores, key=scores.__getitem__)
     is_clear = all(scores[other] > max(_APART * scores[best], 1e-9) for other in others)
     return Evidence(best if scores[best] < FITS and is_clear else "", scores)
