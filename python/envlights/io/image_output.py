@@ -55,6 +55,7 @@ def write_exr(
         Lines of the attribute ``comments``.
     """
     check_choice("compression", compression, COMPRESSIONS)
+    check_choice("environment", environment, ("", *_TEXTURE_FORMATS))
     if flag("half", half) and radiance.max(initial=0) > _LARGEST_HALF:
         raise EnvLightsError(
             f"cannot write {path} with half floats: its largest sample is {radiance.max():g},"

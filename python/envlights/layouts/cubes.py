@@ -90,17 +90,20 @@ def _possible_orders(samples: NDArray[Any]) -> tuple[str, ...]:
 
 def _side_of(samples: NDArray[Any], order: str) -> int:
     """Rows of a face in a picture."""
+    height, width = (int(side) for side in samples.shape[-3:-1])
     if samples.ndim == 4:
-        return samples.shape[1]
-    return samples.shape[0] // CROSSES[order].rows if order in CROSSES else min(samples.shape[:2])
+        return height
+    return height // CROSSES[order].rows if order in CROSSES else min(height, width)
 
 
 def _sample_of(samples: NDArray[Any], lines: NDArray[np.intp], n: int) -> NDArray[Any]:
     """Some rows and columns of each face, in the arrangement of the picture."""
     if samples.ndim == 4:
-        return samples[:, lines[:, None], lines]
+        faces: NDArray[Any] = samples[:, lines[:, None], lines]
+        return faces
     rows, columns = ((lines + np.arange(0, side, n)[:, None]).ravel() for side in samples.shape[:2])
-    return samples[rows[:, None], columns]
+    picture: NDArray[Any] = samples[rows[:, None], columns]
+    return picture
 
 
 def _upright(samples: NDArray[Any], order: str, *, is_faces: bool) -> NDArray[Any]:
