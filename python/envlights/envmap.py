@@ -259,7 +259,7 @@ class EnvMap(MapPixels):
             self._radiance,
             half=half,
             compression=compression,
-            border_sampled=self.is_border_sampled,
+            environment="latlong" if self.is_border_sampled else "",
             comments=self._notes,
         )
 
