@@ -14,7 +14,7 @@ use glam::{DMat2, DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 
 use crate::interrupt;
-use crate::kernels::projection::{Projection, nodes};
+use crate::kernels::projection::{Projection, even_nodes};
 use crate::kernels::sphere;
 
 /// Least and largest number of places along the side of a pixel.
@@ -56,7 +56,7 @@ fn weights(pixel: usize, from: &dyn Projection, to: &dyn Projection, rotation: D
     let near = to.place(centroid).map_or(f64::INFINITY, |place| to.solid_angle(pixel_of(to, place)));
     let new_pixels = PLACES_PER_PIXEL * (from.solid_angle(pixel) / near).sqrt();
     let mut shares = Vec::new();
-    for node in nodes(from, pixel, (new_pixels.ceil() as usize).clamp(SIDES.0, SIDES.1)) {
+    for node in even_nodes(from, pixel, (new_pixels.ceil() as usize).clamp(SIDES.0, SIDES.1)) {
         if let Some(place) = to.place(rotation * node.direction) {
             bilinear(to, place, node.weight, &mut shares);
         }

@@ -39,7 +39,8 @@ pub use cylinder::Cylinder;
 pub use equal_area::EqualArea;
 pub use equirectangular::Equirectangular;
 pub use octahedral::Octahedral;
-pub(crate) use places::nodes;
+pub(crate) use places::even_nodes;
+use places::nodes;
 pub use places::{Directions, Line, Places};
 pub use planar::Planar;
 
@@ -107,7 +108,7 @@ pub trait Projection: Sync {
 
     /// Integral of the direction over a pixel.
     fn moment(&self, pixel: usize) -> DVec3 {
-        let nodes = nodes(self, pixel, 4);
+        let nodes = nodes(self, pixel);
         let sum: DVec3 = nodes.iter().map(|node| node.weight * node.direction).sum();
         sum * self.solid_angle(pixel)
     }

@@ -81,22 +81,32 @@ pub struct Node {
     pub weight: f64,
 }
 
-/// Nodes of a pixel on a grid of `side` x `side`, those outside of the picture left out; their weights sum to 1.
-pub fn nodes<P: Projection + ?Sized>(projection: &P, pixel: usize, side: usize) -> Vec<Node> {
+/// Nodes of Gauss and Legendre in a pixel, for accurate integrals; see [`nodes_of`].
+pub fn nodes<P: Projection + ?Sized>(projection: &P, pixel: usize) -> Vec<Node> {
+    let nodes = nodes_of(projection, pixel, &gauss_legendre(4));
+    let is_cut = nodes.len() < 16;
+    if is_cut { nodes_of(projection, pixel, &gauss_legendre(CUT_SIDE)) } else { nodes }
+}
+
+/// Nodes on a grid of equal cells in a pixel, for even distributions; see [`nodes_of`].
+pub fn even_nodes<P: Projection + ?Sized>(projection: &P, pixel: usize, side: usize) -> Vec<Node> {
+    let step = 1.0 / side as f64;
+    let rule: Vec<_> = (0..side).map(|i| ((i as f64 + 0.5) * step, step)).collect();
+    nodes_of(projection, pixel, &rule)
+}
+
+/// Nodes of a pixel by a rule for both sides, those outside of the picture left out; their weights sum to 1.
+fn nodes_of<P: Projection + ?Sized>(projection: &P, pixel: usize, rule: &[(f64, f64)]) -> Vec<Node> {
     let width = projection.size()[1];
     let (row, column) = (pixel / width, pixel % width);
-    let rule = gauss_legendre(side);
     let mut nodes = Vec::with_capacity(rule.len() * rule.len());
-    for &(down, height) in &rule {
-        for &(across, breadth) in &rule {
+    for &(down, height) in rule {
+        for &(across, breadth) in rule {
             let (x, y) = (column as f64 + across, row as f64 + down);
             if let Some(direction) = projection.direction(x, y) {
                 nodes.push(Node { direction, weight: height * breadth * projection.density(x, y) });
             }
         }
-    }
-    if nodes.len() < rule.len() * rule.len() && side < CUT_SIDE {
-        return self::nodes(projection, pixel, CUT_SIDE);
     }
     let sum: f64 = nodes.iter().map(|node| node.weight).sum();
     nodes.iter_mut().for_each(|node| node.weight /= sum);

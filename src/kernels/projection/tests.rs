@@ -79,7 +79,7 @@ fn a_solid_angle_is_the_integral_of_the_density() {
             let inside = places.filter(|&(x, y)| layout.direction(x, y).is_some());
             let sum: f64 = inside.map(|(x, y)| layout.density(x, y) / 4096.0).sum();
             // Pixels on the rim are cut by the circle between places.
-            let is_cut = nodes(&*layout, pixel, 4).len() != 16;
+            let is_cut = nodes(&*layout, pixel).len() != 16;
             // The density of an orthographic picture is infinite on the rim.
             let relative = if name == "orthographic" { 3e-2 } else { 2e-3 };
             let tolerance = if is_cut { 3e-4 * 4.0 * PI } else { relative * layout.solid_angle(pixel) };
