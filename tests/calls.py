@@ -120,6 +120,7 @@ CALLS = {
             "relative": FLAG,
             "move_to_maximum": FLAG,
             "sphere": FLAG,
+            "sampling": st.sampled_from(["hammersley", "halton"]),
         },
     ),
     "fit": (
@@ -221,7 +222,7 @@ CALLS = {
         {"rig": RIGS, "path": st.just("no-folder/rig.json"), **ENGINE},
     ),
     **dict(call for target in export.TARGETS for call in exports_of(target)),
-    "kernels.blur": (kernels.blur, {"image": GREY, "sigma": SMALL}),
+    "kernels.blur": (kernels.blur, {"image": GREY, "sigma": SMALL, "wrap": FLAG}),
     "kernels.bresenham_line": (
         kernels.bresenham_line,
         {"start": st.tuples(SEED, SEED), "end": st.tuples(SEED, SEED)},
@@ -296,7 +297,7 @@ CALLS = {
     ),
     "kernels.resize_bilinear": (
         kernels.resize_bilinear,
-        {"image": GREY, "height": SIZE, "width": SIZE},
+        {"image": GREY, "height": SIZE, "width": SIZE, "wrap": FLAG},
     ),
     "kernels.rig_irradiance": (
         kernels.rig_irradiance,

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from numpy.typing import NDArray
 
+from envlights.detection.article_steps import square_points
 from envlights.detection.lights import DetectedLights
 from envlights.detection.loghin import detect_article
 from envlights.envmap import AnyMap, EnvMap, as_envmap
@@ -98,18 +99,17 @@ def _parameters() -> dict[str, inspect.Parameter]:
 def _steps(env: EnvMap, lights: DetectedLights, options: dict[str, Any]) -> _Steps:
     """Recompute the intermediate directions of `detect_article`."""
     height, width = lights.report.working_size
-    total = int(options["samples_per_pixel"] * width * height)
-    samples = sampling.uniform_sphere(sampling.hammersley(total))
+    luminance = images.resize_bilinear(images.luminance(env.radiance), height, width, wrap=True)
+    points = square_points(options["sampling"], luminance, options["samples_per_pixel"])
     # The members are the bright samples; find the brightest pixel around each.
     pixel = lights.members.pixel
-    luminance = images.resize_bilinear(images.luminance(env.radiance), height, width)
     reach = int(options["window_px"] * width / 1024) // 2
     _, maxima = loghin.neighbour_maximum(luminance, pixel, reach, sphere=options["sphere"])
     order = np.argsort(-luminance[pixel[:, 0], pixel[:, 1]], kind="stable")
     bright = _directions(pixel[order], height, width)
     apart = 2 * np.sin(np.deg2rad(options["suppression_deg"]) / 2)
     return _Steps(
-        samples,
+        sampling.uniform_sphere(points),
         bright,
         _directions(maxima[order], height, width),
         loghin.suppress(bright, apart),
