@@ -96,6 +96,26 @@ def bright_samples(
     return BrightSamples(*arrays, total=len(pixel))
 
 
+def climbed(
+    image: NDArray[np.float32], samples: BrightSamples, reach: int, least: float
+) -> BrightSamples:
+    """Samples moved until nothing in their window is brighter, if their maximum reaches `least`.
+
+    Windows that end on the slope of a lamp would each report a maximum of their own.
+    """
+    pixel, luminance = samples.pixel, samples.luminance
+    is_lower = np.ones(len(pixel), bool)
+    while is_lower.any():
+        brightest, place = loghin.neighbour_maximum(image, pixel, reach)
+        is_lower = brightest > luminance
+        pixel = np.where(is_lower[:, None], place, pixel)
+        luminance = np.where(is_lower, brightest, luminance)
+    rows = np.argsort(-luminance, kind="stable")
+    rows = rows[luminance[rows] >= least]
+    arrays = pixel[rows], luminance[rows], samples.own_pixel[rows], pixel[rows]
+    return BrightSamples(*arrays, total=samples.total)
+
+
 def merged_samples(
     image: NDArray[np.float32],
     samples: BrightSamples,

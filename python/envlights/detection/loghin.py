@@ -129,7 +129,9 @@ def detect_article(
     image = _working_image(env, working_width, reduction, blur_px)
     height, width = image.shape
     reach = int(count("window_px", window_px) * width / 1024) // 2
-    uv = direction_to_uv(sampling_kernels.uniform_sphere(square_points(sampling, image, samples_per_pixel)))
+    uv = direction_to_uv(
+        sampling_kernels.uniform_sphere(square_points(sampling, image, samples_per_pixel))
+    )
     pixel = images.uv_to_pixel(uv, height, width)
     samples = bright_samples(image, pixel, reach, level, move_to_maximum, sphere)
     farthest = np.inf
@@ -142,7 +144,9 @@ def detect_article(
         ceiling=unit * amount("ceiling", ceiling),
         bright=unit,
     )
-    merged = merged_samples(image, samples, _points(samples.pixel, image.shape, sphere), rule, sphere)
+    merged = merged_samples(
+        image, samples, _points(samples.pixel, image.shape, sphere), rule, sphere
+    )
     report = DetectionReport(
         method="article",
         threshold=level,
@@ -172,9 +176,10 @@ def _working_image(env: EnvMap, width: int, reduction: str, blur_px: float) -> N
 
 def _reason(env: EnvMap, level: float, relative: bool) -> str:
     """Rule that set the threshold."""
+    rule = "chosen by the tree method's rule" if relative else ""
     share = 0.0 if env.white is None else min(level / env.white, 1.0)
     code = 255 * float(encode_srgb(np.array(share)))
-    return wording.reason_of_article(relative, level, env.white, code)
+    return wording.reason_of_article(rule, level, env.white, code)
 
 
 def _registration_notes(env: EnvMap) -> tuple[str, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +20,7 @@ from envlights.detection.article_steps import (
     MergedSamples,
     MergeRule,
     bright_samples,
+    climbed,
     merged_samples,
     square_points,
     sums_of_lights,
@@ -32,21 +34,42 @@ from envlights.detection.photograph_pixels import (
 )
 from envlights.detection.pinhole import Pinhole
 from envlights.kernels import image as images
+from envlights.kernels import loghin
 
 #: Longer side of a picture in which lengths in pixels are given.
 _REFERENCE_PX = 1024
 #: Widest field of view in degrees; a pinhole camera cannot see 180.
 _WIDEST_DEG = 179.0
+#: Range of luminance of the relative line check, in stops below the threshold and the maximum.
+_STOPS_BELOW, _MOST_STOPS = 10, 30
+#: Limit in stops that no luminance reaches.
+_NO_LIMIT = 1e3
 #: Divisor in place of a flux of 0.
 _TINY = np.finfo(float).tiny
 
 
-class _Threshold(NamedTuple):
-    """Luminance above which a pixel is bright, and the unit of the other levels."""
+class _Levels(NamedTuple):
+    """Levels of luminance, and the rule that set them."""
 
-    level: float
-    unit: float
+    bright: float
+    """Luminance above which a pixel is bright."""
+
+    peak: float
+    """Least luminance of the maximum of a light."""
+
     reason: str
+    """Rule that set them."""
+
+
+class _Options(NamedTuple):
+    """Checked options of steps 3 to 9; lengths are in pixels of the working image."""
+
+    sampling: str
+    samples_per_pixel: float
+    reach: int
+    relative: bool
+    move_to_maximum: bool
+    rule: MergeRule
 
 
 def detect_photograph(
@@ -58,51 +81,174 @@ def detect_photograph(
     reduction: str = "bilinear",
     blur_px: float = 0.0,
     sampling: str = "halton",
-    samples_per_pixel: float = 0.006,
+    samples_per_pixel: float = 0.012,
     window_px: int = 12,
+    relative: bool = True,
     threshold: float = 0.8,
-    suppression_px: float = 20.0,
+    rise: float = 2.0,
+    suppression_px: float = 10.0,
     tolerance: float = 0.15,
+    tolerance_stops: float = 1.5,
     ceiling: float = 1.25,
     merge_cap_px: float | None = None,
-    relative: bool = False,
-    move_to_maximum: bool = False,
+    move_to_maximum: bool = True,
 ) -> PhotographLights:
-    """Docstring."""
+    """Lights of a photograph or another plane picture, by the steps of Loghin (2021).
+
+    The plane is sampled with Halton points, as the article advises. Samples near a bright pixel are
+    retained, samples near a brighter sample are suppressed, and samples that a bright line joins
+    are merged. By default, levels follow the exposure and samples move to maxima.
+    ``relative=False, move_to_maximum=False, samples_per_pixel=0.006`` is the article itself.
+
+    Parameters
+    ----------
+    image : path-like, bytes, file object or array_like, shape (height, width, 3) or (height, width)
+        The photograph, of any aspect. Files are read as in `EnvMap.open`. Arrays of uint8 and
+        uint16 are decoded from sRGB; arrays of floating point are linear.
+    fov : float, optional
+        Horizontal field of view in degrees, below 180, of a camera without distortion. When left
+        out, the EXIF of the file gives it: the focal length equivalent to 35 mm film by the
+        diagonal, or the focal length with the resolution of the sensor. A note names the source.
+    max_lights : int, optional
+        Largest number of lights. The dimmest are dropped; nothing is merged.
+    working_side : int
+        Pixels of the longer side of the reduced picture; a picture is not enlarged.
+    reduction : {"bilinear", "area"}
+        Reduction of the picture. Bilinear, as in the article, skips pixels.
+    blur_px : float
+        Standard deviation of a blur in the reduced picture; optional in the article, with 1 to 2.
+    sampling : {"halton", "hammersley"}
+        Sequence of points.
+    samples_per_pixel : float
+        Number of samples divided by the number of pixels of the reduced picture: 0.006 in the
+        article. At 0.012 few places lie in no window.
+    window_px : int
+        Width of the window around a sample, less one, in a picture of 1024 pixels.
+    relative : bool
+        True: the threshold comes from the histogram of the picture, by the rule of `detect_tree`
+        with equal weights of all pixels, and lines are checked in stops, so that the exposure has
+        no influence. In a clipped picture the threshold is at most `threshold` of the clip level.
+        False: levels are absolute, as in the article.
+    threshold : float
+        Luminance that the brightest pixel of a window must exceed, if levels are absolute. It is
+        linear: 0.8 is the code 231 of 255.
+    rise : float
+        Least ratio of the maximum of a light to the relative threshold, as in `detect_tree`.
+    suppression_px : float
+        Samples closer to a brighter sample are suppressed, in a picture of 1024 pixels.
+    tolerance, ceiling : float
+        Limits of the absolute line check; see `kernels.merge_along_lines`.
+    tolerance_stops : float
+        Limit of the relative line check: largest difference of the mean of a line from its start,
+        in stops (powers of two).
+    merge_cap_px : float, optional
+        Samples farther apart are not merged. The article has no such limit.
+    move_to_maximum : bool
+        True: samples climb from window to window to a maximum, and the place of a light is the mean
+        over these maxima and over the samples on the light. False: they stay, as in the article.
+
+    Returns
+    -------
+    PhotographLights
+        Brightest first, with places in pixels. Each of n samples has ``height * width / n`` pixels
+        at its first position, and with a field of view their exact solid angle. The sum over
+        samples is right on average, and inaccurate for lights smaller than the distance between
+        samples. No background is subtracted, because the article has none.
+
+    Raises
+    ------
+    EnvLightsError
+        If `image` is no picture, or an option is out of its range.
+
+    See Also
+    --------
+    detect : the same for maps, and with `EnvMap(image, projection="planar", fov=...)` the component
+        tree for photographs, which is more exact on linear pictures.
+
+    Examples
+    --------
+    >>> photograph = np.full((60, 80, 3), 0.1)
+    >>> photograph[18:24, 28:50] = 2.0
+    >>> lights = detect_photograph(photograph, fov=60)
+    >>> len(lights), bool(abs(lights.position[0] - (39, 21)).max() < 3)
+    (1, True)
+    >>> lights.direction.round(1) + 0.0
+    array([[0. , 0.1, 1. ]])
+    """
     start = time.perf_counter()
-    relative = flag("relative", relative)
-    move_to_maximum = flag("move_to_maximum", move_to_maximum)
+    options = (amount("threshold", threshold), amount("rise", rise), flag("relative", relative))
     photograph = photograph_pixels(image)
     camera, notes = _camera(photograph, fov)
     luminance = images.luminance(photograph.radiance)
     working = _working_image(luminance, working_side, reduction, blur_px)
+    levels = _levels(working, photograph.white, *options)
     scale = max(working.shape) / _REFERENCE_PX
-    limit = _threshold(working, photograph.white, amount("threshold", threshold), relative)
-    reach = int(count("window_px", window_px) * scale) // 2
-    uv = square_points(sampling, working, samples_per_pixel)
-    pixel = images.uv_to_pixel(uv, *working.shape)
-    samples = bright_samples(working, pixel, reach, limit.level, move_to_maximum, sphere=False)
     cap = math.inf if merge_cap_px is None else scale * amount("merge_cap_px", merge_cap_px)
-    rule = MergeRule(
-        apart=scale * amount("suppression_px", suppression_px),
-        farthest=cap,
-        tolerance=limit.unit * amount("tolerance", tolerance),
-        ceiling=limit.unit * amount("ceiling", ceiling),
-        bright=limit.unit,
+    limits = amount("tolerance", tolerance), amount("ceiling", ceiling), 1.0
+    if relative:
+        limits = amount("tolerance_stops", tolerance_stops), _NO_LIMIT, _NO_LIMIT
+    steps = _Options(
+        sampling=sampling,
+        samples_per_pixel=samples_per_pixel,
+        reach=int(count("window_px", window_px) * scale) // 2,
+        relative=relative,
+        move_to_maximum=flag("move_to_maximum", move_to_maximum),
+        rule=MergeRule(scale * amount("suppression_px", suppression_px), cap, *limits),
     )
-    points = samples.pixel.astype(np.float64)
-    merged = merged_samples(working, samples, points, rule, sphere=False)
+    samples, merged = _lights_of(working, levels, steps)
     report = DetectionReport(
         method="article",
-        threshold=limit.level,
-        reason=limit.reason,
+        threshold=levels.bright,
+        reason=levels.reason,
         working_size=(working.shape[0], working.shape[1]),
         details=(f"{samples.total - len(samples.pixel)} of {samples.total} samples are dark",),
         notes=(*photograph.notes, *notes),
         seconds={"detect": time.perf_counter() - start},
     )
-    lights = _lights(photograph, camera, luminance, working, samples, merged, report, reach)
+    lights = _measure(photograph, camera, luminance, working, samples, merged, report, steps.reach)
     return lights if max_lights is None else lights[: count("max_lights", max_lights, least=1)]
+
+
+def _lights_of(
+    working: NDArray[np.float32], levels: _Levels, options: _Options
+) -> tuple[BrightSamples, MergedSamples]:
+    """Steps 3 to 9."""
+    uv = square_points(options.sampling, working, options.samples_per_pixel)
+    pixel = images.uv_to_pixel(uv, *working.shape)
+    is_moved, reach = options.move_to_maximum, options.reach
+    samples = bright_samples(working, pixel, reach, levels.bright, is_moved, sphere=False)
+    if is_moved:
+        samples = climbed(working, samples, reach, levels.peak)
+    lines = _stops(working, levels.bright) if options.relative else working
+    points = samples.pixel.astype(np.float64)
+    merged = merged_samples(lines, samples, points, options.rule, sphere=False)
+    if is_moved:
+        means = _means_of_all(working, samples, merged, levels.bright)
+        merged = replace(merged, means=means)
+    return samples, merged
+
+
+def _stops(working: NDArray[np.float32], bright: float) -> NDArray[np.float32]:
+    """Luminance in stops above a level that is far below the threshold."""
+    bright = max(bright, float(working.max()) * 2.0**-_MOST_STOPS, _TINY)
+    floor = np.float32(max(bright * 2.0**-_STOPS_BELOW, float(np.finfo(np.float32).tiny)))
+    stops: NDArray[np.float32] = np.log2(np.maximum(working, floor) / floor)
+    return stops
+
+
+def _means_of_all(
+    working: NDArray[np.float32], samples: BrightSamples, merged: MergedSamples, bright: float
+) -> NDArray[np.float64]:
+    """Mean place of each light, over the maxima that survive and the samples on the light.
+
+    Maxima alone miss the middle of a broad light, and samples alone miss a small one.
+    """
+    at_first = working[samples.own_pixel[:, 0], samples.own_pixel[:, 1]]
+    kept = np.unique(merged.survivor)
+    points = np.concatenate([samples.pixel[kept], samples.own_pixel])
+    weights = np.concatenate([samples.luminance[kept], np.where(at_first > bright, at_first, 0)])
+    light = np.concatenate([merged.light[kept], merged.light])
+    return loghin.weighted_means(points, weights, light)
 
 
 def _camera(
@@ -151,21 +297,22 @@ def _means(image: NDArray[np.floating], rows: int) -> NDArray[np.float64]:
     return means
 
 
-def _threshold(
-    working: NDArray[np.float32], white: float | None, threshold: float, relative: bool
-) -> _Threshold:
-    """Absolute threshold of the article, or that of the histogram, below the clip level."""
-    level = threshold
+def _levels(
+    working: NDArray[np.float32], white: float | None, threshold: float, rise: float, relative: bool
+) -> _Levels:
+    """Absolute levels of the article, or those of the histogram, below the clip level."""
+    bright = peak = threshold
     if relative:
-        level = _native.plane_threshold(np.ascontiguousarray(working))
-        level = level if white is None else min(level, threshold * white)
-    unit = level / threshold if relative and level > 0 and threshold > 0 else 1.0
-    share = 0.0 if white is None else min(level / white, 1.0)
+        bright = _native.plane_threshold(np.ascontiguousarray(working))
+        most = math.inf if white is None else threshold * white
+        bright, peak = min(bright, most), min(rise * bright, most)
+    share = 0.0 if white is None else min(bright / white, 1.0)
     code = 255 * float(encode_srgb(np.array(share)))
-    return _Threshold(level, unit, wording.reason_of_article(relative, level, white, code))
+    rule = "from the histogram of the picture" if relative else ""
+    return _Levels(bright, peak, wording.reason_of_article(rule, bright, white, code))
 
 
-def _lights(
+def _measure(
     photograph: PhotographPixels,
     camera: Pinhole | None,
     luminance: NDArray[np.float32],
@@ -188,7 +335,8 @@ def _lights(
     place = _pixels_at(merged.peak, size, radiance.shape)
     reach_in_photograph = math.ceil((reach + 0.5) * to_photograph.max())
     position = ((merged.means + 0.5) * to_photograph)[:, ::-1]
-    kept = PhotographSamples(samples.pixel, samples.maximum, merged.survivor, merged.light)
+    places = samples.own_pixel, samples.pixel, samples.maximum
+    kept = PhotographSamples(*places, merged.survivor, merged.light)
     arrays = {
         "position": position,
         "pixel_flux": flux,

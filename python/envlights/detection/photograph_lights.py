@@ -34,8 +34,11 @@ _WITH_FIELD = ("direction", "irradiance")
 class PhotographSamples(Result):
     """Samples of the lights, brightest first, in pixels of the working size."""
 
+    first: NDArray[np.int64]
+    """Row and column of each sample at its first position, shape (k, 2)."""
+
     pixel: NDArray[np.int64]
-    """Row and column of each sample, shape (k, 2)."""
+    """Row and column of each sample, after a move to a maximum, shape (k, 2)."""
 
     maximum: NDArray[np.int64]
     """Row and column of the brightest pixel in the window of each sample, shape (k, 2)."""
@@ -57,7 +60,7 @@ class PhotographSamples(Result):
         light = place[self.light]
         # A sample and its survivor belong to the same light.
         number = np.cumsum(light >= 0) - 1
-        arrays = self.pixel, self.maximum, number[self.survivor], light
+        arrays = self.first, self.pixel, self.maximum, number[self.survivor], light
         return PhotographSamples(*(array[light >= 0] for array in arrays))
 
 
@@ -244,7 +247,9 @@ class PhotographLights(Result):
     def to_dict(self) -> dict[str, Any]:
         """All fields except times and picture as plain numbers, lists and strings."""
         arrays = {name: getattr(self, name).tolist() for name in self._array_names()}
-        samples = {each.name: getattr(self.samples, each.name).tolist() for each in fields(self.samples)}
+        samples = {
+            each.name: getattr(self.samples, each.name).tolist() for each in fields(self.samples)
+        }
         return {
             "format": "envlights lights of a photograph",
             "version": 1,

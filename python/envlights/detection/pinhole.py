@@ -41,9 +41,7 @@ class Pinhole(NamedTuple):
         unit: NDArray[np.float64] = vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
         return unit
 
-    def solid_angles(
-        self, pixel: NDArray[np.int64], size: tuple[int, int]
-    ) -> NDArray[np.float64]:
+    def solid_angles(self, pixel: NDArray[np.int64], size: tuple[int, int]) -> NDArray[np.float64]:
         r"""Exact solid angles of pixels (row, column) of the picture at another `size`, (n,).
 
         :math:`A(a, b) = \mathrm{atan2}(ab, \sqrt{1 + a^2 + b^2})` is the solid angle from the axis
