@@ -8,6 +8,7 @@ from pathlib import Path
 
 import click
 
+from envlights._native import EnvLightsError
 from envlights.cli.map_input import MapFile, map_argument
 from envlights.cli.outputs import (
     OUTPUTS,
@@ -17,7 +18,6 @@ from envlights.cli.outputs import (
     say_written,
     verbose_option,
 )
-from envlights._native import EnvLightsError
 from envlights.detection.article_steps import SAMPLINGS
 from envlights.detection.detect import METHODS, detect
 from envlights.detection.lights import DetectedLights

@@ -9,6 +9,7 @@
 | detection in a photograph by these steps               | `photograph.py`     |
 | - pixels of a photograph                               | `photograph_pixels.py` |
 | - camera of a photograph                               | `pinhole.py`        |
+| - measurement of its lights                            | `photograph_measure.py` |
 | - lights of a photograph                               | `photograph_lights.py` |
 | pixels of the lights                                   | `members.py`        |
 | lights whose colour may be damaged                     | `colour_casts.py`   |

@@ -96,7 +96,7 @@ def bright_samples(
     return BrightSamples(*arrays, total=len(pixel))
 
 
-def climbed(
+def climb(
     image: NDArray[np.float32], samples: BrightSamples, reach: int, least: float
 ) -> BrightSamples:
     """Samples moved until nothing in their window is brighter, if their maximum reaches `least`.

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights import _native, _thumbnails
+from envlights import _native
 from envlights._check import amount, check_choice, count, flag
 from envlights._native import EnvLightsError
 from envlights._srgb import encode_srgb
@@ -20,13 +20,13 @@ from envlights.detection.article_steps import (
     MergedSamples,
     MergeRule,
     bright_samples,
-    climbed,
+    climb,
     merged_samples,
     square_points,
-    sums_of_lights,
 )
 from envlights.detection.lights import DetectionReport
-from envlights.detection.photograph_lights import PhotographLights, PhotographSamples
+from envlights.detection.photograph_lights import PhotographLights
+from envlights.detection.photograph_measure import measure
 from envlights.detection.photograph_pixels import (
     AnyPhotograph,
     PhotographPixels,
@@ -38,6 +38,8 @@ from envlights.kernels import loghin
 
 #: Longer side of a picture in which lengths in pixels are given.
 _REFERENCE_PX = 1024
+#: Default width of a window divided by the distance between samples: at 1, gaps would remain.
+_WINDOW_OVER_SPACING = 1.3
 #: Widest field of view in degrees; a pinhole camera cannot see 180.
 _WIDEST_DEG = 179.0
 #: Range of luminance of the relative line check, in stops below the threshold and the maximum.
@@ -82,7 +84,7 @@ def detect_photograph(
     blur_px: float = 0.0,
     sampling: str = "halton",
     samples_per_pixel: float = 0.012,
-    window_px: int = 12,
+    window_px: int | None = None,
     relative: bool = True,
     threshold: float = 0.8,
     rise: float = 2.0,
@@ -98,7 +100,8 @@ def detect_photograph(
     The plane is sampled with Halton points, as the article advises. Samples near a bright pixel are
     retained, samples near a brighter sample are suppressed, and samples that a bright line joins
     are merged. By default, levels follow the exposure and samples move to maxima.
-    ``relative=False, move_to_maximum=False, samples_per_pixel=0.006`` is the article itself.
+    ``relative=False, move_to_maximum=False, samples_per_pixel=0.006, window_px=12`` is the article
+    itself.
 
     Parameters
     ----------
@@ -121,9 +124,10 @@ def detect_photograph(
         Sequence of points.
     samples_per_pixel : float
         Number of samples divided by the number of pixels of the reduced picture: 0.006 in the
-        article. At 0.012 few places lie in no window.
-    window_px : int
-        Width of the window around a sample, less one, in a picture of 1024 pixels.
+        article.
+    window_px : int, optional
+        Width of the window around a sample, less one, in a picture of 1024 pixels: 12 in the
+        article. By default 1.3 times the distance between samples, for pictures of any size.
     relative : bool
         True: the threshold comes from the histogram of the picture, by the rule of `detect_tree`
         with equal weights of all pixels, and lines are checked in stops, so that the exposure has
@@ -190,7 +194,7 @@ def detect_photograph(
     steps = _Options(
         sampling=sampling,
         samples_per_pixel=samples_per_pixel,
-        reach=int(count("window_px", window_px) * scale) // 2,
+        reach=_reach(window_px, scale, amount("samples_per_pixel", samples_per_pixel, most=1.0)),
         relative=relative,
         move_to_maximum=flag("move_to_maximum", move_to_maximum),
         rule=MergeRule(scale * amount("suppression_px", suppression_px), cap, *limits),
@@ -205,8 +209,16 @@ def detect_photograph(
         notes=(*photograph.notes, *notes),
         seconds={"detect": time.perf_counter() - start},
     )
-    lights = _measure(photograph, camera, luminance, working, samples, merged, report, steps.reach)
+    lights = measure(photograph, camera, luminance, working, samples, merged, report, steps.reach)
     return lights if max_lights is None else lights[: count("max_lights", max_lights, least=1)]
+
+
+def _reach(window_px: int | None, scale: float, samples_per_pixel: float) -> int:
+    """Pixels from a sample to the border of its window."""
+    if window_px is not None:
+        return int(count("window_px", window_px) * scale) // 2
+    spacing = 1 / math.sqrt(samples_per_pixel) if samples_per_pixel > 0 else 0.0
+    return round(_WINDOW_OVER_SPACING / 2 * min(spacing, _REFERENCE_PX))
 
 
 def _lights_of(
@@ -218,7 +230,7 @@ def _lights_of(
     is_moved, reach = options.move_to_maximum, options.reach
     samples = bright_samples(working, pixel, reach, levels.bright, is_moved, sphere=False)
     if is_moved:
-        samples = climbed(working, samples, reach, levels.peak)
+        samples = climb(working, samples, reach, levels.peak)
     lines = _stops(working, levels.bright) if options.relative else working
     points = samples.pixel.astype(np.float64)
     merged = merged_samples(lines, samples, points, options.rule, sphere=False)
@@ -310,78 +322,3 @@ def _levels(
     code = 255 * float(encode_srgb(np.array(share)))
     rule = "from the histogram of the picture" if relative else ""
     return _Levels(bright, peak, wording.reason_of_article(rule, bright, white, code))
-
-
-def _measure(
-    photograph: PhotographPixels,
-    camera: Pinhole | None,
-    luminance: NDArray[np.float32],
-    working: NDArray[np.float32],
-    samples: BrightSamples,
-    merged: MergedSamples,
-    report: DetectionReport,
-    reach: int,
-) -> PhotographLights:
-    """Measure each light on its samples, each at its first position."""
-    radiance, size = photograph.radiance, report.working_size
-    height, width, _ = radiance.shape
-    to_photograph = np.array([height / size[0], width / size[1]])
-    lights = len(merged.means)
-    first = _pixels_at(samples.own_pixel, size, radiance.shape)
-    values = radiance[first[:, 0], first[:, 1]].astype(np.float64)
-    each = height * width / max(samples.total, 1)
-    flux = each * sums_of_lights(values, merged.light, lights)
-    total = float(luminance.sum(dtype=np.float64)) or 1.0
-    place = _pixels_at(merged.peak, size, radiance.shape)
-    reach_in_photograph = math.ceil((reach + 0.5) * to_photograph.max())
-    position = ((merged.means + 0.5) * to_photograph)[:, ::-1]
-    places = samples.own_pixel, samples.pixel, samples.maximum
-    kept = PhotographSamples(*places, merged.survivor, merged.light)
-    arrays = {
-        "position": position,
-        "pixel_flux": flux,
-        "peak_pixel": place,
-        "peak_luminance": working[merged.peak[:, 0], merged.peak[:, 1]].astype(np.float64),
-        "flux_share": flux @ images.LUMINANCE / total,
-        "is_clipped": _native.are_clipped(
-            radiance, place, reach_in_photograph, False, photograph.white
-        ),
-    }
-    if camera is not None:
-        parts = camera.solid_angles(samples.own_pixel, size) * working.size / max(samples.total, 1)
-        centres = ((samples.own_pixel + 0.5) * to_photograph)[:, ::-1]
-        arrays["direction"] = camera.directions(position)
-        arrays["irradiance"] = _irradiance(
-            values, parts, camera.directions(centres), merged.light, lights
-        )
-    return PhotographLights(
-        **arrays,
-        samples=kept,
-        report=report,
-        size=(height, width),
-        field_of_view=None if camera is None else camera.field_of_view,
-        picture=_thumbnails.of_photograph(radiance, _REFERENCE_PX, photograph.white),
-    )
-
-
-def _pixels_at(
-    pixel: NDArray[np.int64], size: tuple[int, int], shape: tuple[int, ...]
-) -> NDArray[np.int64]:
-    """Pixels of the photograph at the centres of pixels of the working image."""
-    uv = (pixel[:, ::-1] + 0.5) / size[::-1]
-    return images.uv_to_pixel(uv, shape[0], shape[1])
-
-
-def _irradiance(
-    radiance: NDArray[np.float64],
-    solid_angle: NDArray[np.float64],
-    direction: NDArray[np.float64],
-    light: NDArray[np.int64],
-    lights: int,
-) -> NDArray[np.float64]:
-    """Irradiance of a surface that faces each light: the length of its vector of flux."""
-    flux = sums_of_lights(radiance * solid_angle[:, None], light, lights)
-    luminance = (radiance @ images.LUMINANCE * solid_angle)[:, None]
-    vectors = sums_of_lights(luminance * direction, light, lights)
-    towards = np.linalg.norm(vectors, axis=1) / np.maximum(flux @ images.LUMINANCE, _TINY)
-    return flux * towards[:, None]
