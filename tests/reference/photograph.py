@@ -1,4 +1,4 @@
-"""The steps of Loghin (2021) on a plane picture, slow and plain, and views of a map by a pinhole."""
+"""The steps of Loghin (2021) on a plane picture, slow and plain; views of a map by a pinhole."""
 
 from __future__ import annotations
 
@@ -150,11 +150,13 @@ def view(radiance, axes, height, width, fov_deg, places=3):
     return (total / places**2).astype(np.float32)
 
 
-def directions_in_view(directions, axes, height, width, fov_deg, margin_deg=2.0):
-    """Directions in the frame of a photograph, and True for those well inside of it."""
-    d = directions @ axes
-    tangent = math.tan(math.radians(fov_deg) / 2)
-    margin = math.tan(math.radians(margin_deg))
-    inside = (d[:, 2] > 0) & (abs(d[:, 0]) < (tangent - margin) * d[:, 2])
-    inside &= abs(d[:, 1]) < (tangent * height / width - margin) * d[:, 2]
-    return d, inside
+def directions_in_view(lights, axes, height, width, fov_deg, margin_deg=2.0):
+    """Directions of lights in the frame of a photograph, and True for those wholly inside of it.
+
+    The border would cut a light nearer than its length, and move the rest of it.
+    """
+    d = lights.direction @ axes
+    half = np.arctan(math.tan(math.radians(fov_deg) / 2) * np.array([1, height / width]))
+    radius = lights.angular_radius * np.sqrt(lights.elongation) + math.radians(margin_deg)
+    across = np.arctan2(np.abs(d[:, :2]), d[:, 2:])
+    return d, (across + radius[:, None] < half).all(axis=1)

@@ -59,6 +59,9 @@ class _Levels(NamedTuple):
     peak: float
     """Least luminance of the maximum of a light."""
 
+    unit: float | None
+    """Luminance that stands for the article's 1 in the line check; None: the check is in stops."""
+
     reason: str
     """Rule that set them."""
 
@@ -69,7 +72,6 @@ class _Options(NamedTuple):
     sampling: str
     samples_per_pixel: float
     reach: int
-    relative: bool
     move_to_maximum: bool
     rule: MergeRule
 
@@ -131,11 +133,11 @@ def detect_photograph(
     relative : bool
         True: the threshold comes from the histogram of the picture, by the rule of `detect_tree`
         with equal weights of all pixels, and lines are checked in stops, so that the exposure has
-        no influence. In a clipped picture the threshold is at most `threshold` of the clip level.
-        False: levels are absolute, as in the article.
+        no influence. In a clipped picture, such as most of 8 bits, the levels of the article are
+        relative to the clip level. False: they are absolute, as in the article.
     threshold : float
-        Luminance that the brightest pixel of a window must exceed, if levels are absolute. It is
-        linear: 0.8 is the code 231 of 255.
+        Luminance that the brightest pixel of a window must exceed, in the article and in clipped
+        pictures. It is linear: 0.8 is the code 231 of 255.
     rise : float
         Least ratio of the maximum of a light to the relative threshold, as in `detect_tree`.
     suppression_px : float
@@ -189,13 +191,14 @@ def detect_photograph(
     scale = max(working.shape) / _REFERENCE_PX
     cap = math.inf if merge_cap_px is None else scale * amount("merge_cap_px", merge_cap_px)
     limits = amount("tolerance", tolerance), amount("ceiling", ceiling), 1.0
-    if relative:
-        limits = amount("tolerance_stops", tolerance_stops), _NO_LIMIT, _NO_LIMIT
+    limits = tuple((levels.unit or 1.0) * limit for limit in limits)
+    stops = amount("tolerance_stops", tolerance_stops)
+    if levels.unit is None:
+        limits = stops, _NO_LIMIT, _NO_LIMIT
     steps = _Options(
         sampling=sampling,
         samples_per_pixel=samples_per_pixel,
         reach=_reach(window_px, scale, amount("samples_per_pixel", samples_per_pixel, most=1.0)),
-        relative=relative,
         move_to_maximum=flag("move_to_maximum", move_to_maximum),
         rule=MergeRule(scale * amount("suppression_px", suppression_px), cap, *limits),
     )
@@ -231,7 +234,7 @@ def _lights_of(
     samples = bright_samples(working, pixel, reach, levels.bright, is_moved, sphere=False)
     if is_moved:
         samples = climb(working, samples, reach, levels.peak)
-    lines = _stops(working, levels.bright) if options.relative else working
+    lines = _stops(working, levels.bright) if levels.unit is None else working
     points = samples.pixel.astype(np.float64)
     merged = merged_samples(lines, samples, points, options.rule, sphere=False)
     if is_moved:
@@ -312,13 +315,14 @@ def _means(image: NDArray[np.floating], rows: int) -> NDArray[np.float64]:
 def _levels(
     working: NDArray[np.float32], white: float | None, threshold: float, rise: float, relative: bool
 ) -> _Levels:
-    """Absolute levels of the article, or those of the histogram, below the clip level."""
-    bright = peak = threshold
-    if relative:
+    """Levels of the article, the same for the clip level as 1, or those of the histogram."""
+    bright, unit, rule = threshold, 1.0, ""
+    if relative and white is not None and float(working.max()) > threshold * white:
+        bright, unit, rule = threshold * white, white, "relative to the clip level"
+    elif relative:
         bright = _native.plane_threshold(np.ascontiguousarray(working))
-        most = math.inf if white is None else threshold * white
-        bright, peak = min(bright, most), min(rise * bright, most)
+        rule = "from the histogram of the picture"
+        return _Levels(bright, rise * bright, None, rule)
     share = 0.0 if white is None else min(bright / white, 1.0)
     code = 255 * float(encode_srgb(np.array(share)))
-    rule = "from the histogram of the picture" if relative else ""
-    return _Levels(bright, peak, wording.reason_of_article(rule, bright, white, code))
+    return _Levels(bright, bright, unit, wording.reason_of_article(rule, bright, white, code))
