@@ -30,7 +30,7 @@ def map_array(radiance: ArrayLike, notes: list[str]) -> ImageArray:
     if width != 2 * height:
         raise EnvLightsError(
             f"an equirectangular map is twice as wide as high; got {width}x{height} pixels;"
-            " the lights of a photograph are found by `detect_photograph`"
+            " `detect_photograph` or `envlights photograph` finds the lights of a photograph"
         )
     if height < 2:
         raise EnvLightsError(f"a map needs at least 4x2 pixels; got {width}x{height}")

@@ -9,21 +9,13 @@ import numpy as np
 from tests.reference import loghin
 
 
-def inverse(i: int, base: int) -> float:
-    """Digits of `i` behind the point, in reverse order."""
-    value, unit = 0.0, 1.0 / base
-    while i:
-        i, digit = divmod(i, base)
-        value += digit * unit
-        unit /= base
-    return value
-
-
 def samples(sequence: str, n: int, height: int, width: int) -> list[tuple[int, int]]:
     """Steps 3 and 4: pixels of n points of the plane."""
     pixels = []
     for i in range(n):
-        u, v = (inverse(i, 2), inverse(i, 3)) if sequence == "halton" else (i / n, inverse(i, 2))
+        u, v = i / n, loghin.radical_inverse(i)
+        if sequence == "halton":
+            u, v = loghin.radical_inverse(i), loghin.inverse_of_thirds(i)
         # Some points lie on the very borders of pixels, where rounding would toss a coin.
         row, column = int(v * height + 1e-9), int(u * width + 1e-9)
         pixels.append((min(row, height - 1), min(column, width - 1)))
