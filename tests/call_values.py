@@ -44,6 +44,7 @@ def unit_vectors(n):
 
 
 IMAGE = st.one_of([array(h, w, 3) for h, w in [(2, 4), (4, 8), (16, 32), (9, 17), (32, 64)]])
+PHOTOGRAPH = st.one_of([array(*shape) for shape in [(2, 2), (30, 40), (40, 30, 3), (33, 48, 4)]])
 GREY = st.one_of([array(h, w) for h, w in [(1, 1), (2, 4), (16, 32), (9, 17)]])
 NORMALS = st.one_of([unit_vectors(n) for n in (1, 5, 40)])
 FEW = unit_vectors(5)

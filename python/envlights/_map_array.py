@@ -1,4 +1,4 @@
-"""Arrays of maps as RGB, and the share of each pixel that they show."""
+"""Arrays of maps and photographs as RGB, and the share of each pixel that they show."""
 
 from __future__ import annotations
 
@@ -10,55 +10,62 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._native import EnvLightsError
 
 
-class MapArray(NamedTuple):
-    """Samples of a map as they were given, with three channels."""
+class ImageArray(NamedTuple):
+    """Samples of an image as they were given, with three channels."""
 
     samples: NDArray[Any]
-    """Red, green and blue, (height, 2 * height, 3)."""
+    """Red, green and blue, (height, width, 3)."""
 
     seen: NDArray[np.float32] | None
-    """Share of each pixel that alpha and mask show, (height, 2 * height); None if all is seen."""
+    """Share of each pixel that alpha and mask show, (height, width); None if all is seen."""
 
 
-def map_array(radiance: ArrayLike, notes: list[str]) -> MapArray:
+def map_array(radiance: ArrayLike, notes: list[str]) -> ImageArray:
     """`radiance` as an array (height, 2 * height, 3), or a refusal of other shapes.
 
     Grey arrays and arrays with alpha are converted like files; `notes` says so.
     """
-    try:
-        array = np.asarray(radiance)
-    except ValueError as error:
-        raise EnvLightsError(f"a map must be an array of numbers; {error}") from None
-    if array.dtype.kind == "O":
-        raise EnvLightsError(f"a map must be an array of numbers; got {type(radiance).__name__}")
-    is_coded = array.dtype.kind == "u" and array.dtype.itemsize <= 2  # in either byte order
-    if array.dtype.kind != "f" and not is_coded:
-        raise EnvLightsError(
-            f"a map must be floating point, uint8 or uint16; got the dtype {array.dtype}"
-        )
-    samples, seen = _rgb(array, notes)
-    height, width, _ = samples.shape
+    array = image_array(radiance, notes, "a map")
+    height, width, _ = array.samples.shape
     if width != 2 * height:
         raise EnvLightsError(
-            f"an equirectangular map is twice as wide as high; got {width}x{height} pixels"
+            f"an equirectangular map is twice as wide as high; got {width}x{height} pixels;"
+            " `detect_photograph` or `envlights photograph` finds the lights of a photograph"
         )
     if height < 2:
         raise EnvLightsError(f"a map needs at least 4x2 pixels; got {width}x{height}")
-    return MapArray(samples, _without_masked(radiance, seen))
+    return array
 
 
-def _rgb(array: NDArray[Any], notes: list[str]) -> MapArray:
+def image_array(image: ArrayLike, notes: list[str], what: str) -> ImageArray:
+    """`image` as an array (height, width, 3), or a refusal that says `what` it must be."""
+    try:
+        array = np.asarray(image)
+    except ValueError as error:
+        raise EnvLightsError(f"{what} must be an array of numbers; {error}") from None
+    if array.dtype.kind == "O":
+        raise EnvLightsError(f"{what} must be an array of numbers; got {type(image).__name__}")
+    is_coded = array.dtype.kind == "u" and array.dtype.itemsize <= 2  # in either byte order
+    if array.dtype.kind != "f" and not is_coded:
+        raise EnvLightsError(
+            f"{what} must be floating point, uint8 or uint16; got the dtype {array.dtype}"
+        )
+    samples, seen = _rgb(array, notes, what)
+    return ImageArray(samples, _without_masked(image, seen))
+
+
+def _rgb(array: NDArray[Any], notes: list[str], what: str) -> ImageArray:
     """Three channels, grey ones repeated, and straight alpha."""
     channels = 1 if array.ndim == 2 else array.shape[2] if array.ndim == 3 else 0
     if channels == 3:
-        return MapArray(array, None)
+        return ImageArray(array, None)
     if channels == 4:
-        return MapArray(array[..., :3], _share_of_alpha(array[..., 3]))
+        return ImageArray(array[..., :3], _share_of_alpha(array[..., 3]))
     if channels == 1:
         notes.append("the only channel was read as grey")
-        return MapArray(np.repeat(array.reshape(*array.shape[:2], 1), 3, axis=2), None)
+        return ImageArray(np.repeat(array.reshape(*array.shape[:2], 1), 3, axis=2), None)
     raise EnvLightsError(
-        "a map must have the shape (height, width, 3), or (height, width) for grey;"
+        f"{what} must have the shape (height, width, 3), or (height, width) for grey;"
         f" got {array.shape}"
     )
 

@@ -226,8 +226,7 @@ class MapPixels:
     def _linear(self, array: NDArray[Any], seen: NDArray[np.float32] | None) -> NDArray[np.float32]:
         """Linear samples of `array`; the clip level of codes is that of pixels that are seen."""
         if array.dtype.kind != "f" and self._white is None:
-            codes = array if seen is None else np.where(seen[..., None] > 0, array, 0)
-            self._white = white_of_codes(codes.astype(array.dtype, copy=False), self._notes)
+            self._white = white_of_codes(array, seen, self._notes)
         return _cleaning.linear(array, self._notes)
 
 

@@ -56,8 +56,8 @@ mod _native {
     };
     #[pymodule_export]
     use super::loghin::{
-        are_clipped, blur, bresenham_line, luminance, merge_along_lines, neighbour_maximum, resize_bilinear,
-        suppress, uv_to_pixel, weighted_means,
+        are_clipped, blur, bresenham_line, luminance, merge_along_lines, neighbour_maximum, plane_threshold,
+        resize_bilinear, suppress, uv_to_pixel, weighted_means,
     };
     #[pymodule_export]
     use super::madsen::{

@@ -182,7 +182,7 @@ class _Rows:
 
 @contextlib.contextmanager
 def open_image(
-    source: AnySource,
+    source: AnySource | Source,
     *,
     colour: ColourArgument | None = None,
     part: str | int | None = None,
@@ -229,7 +229,7 @@ def _reader(named: Source, kind: str, max_pixels: int) -> Iterator[ImageFile]:
 
 
 def read_image(
-    source: AnySource,
+    source: AnySource | Source,
     *,
     colour: ColourArgument | None = None,
     part: str | int | None = None,

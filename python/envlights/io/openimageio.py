@@ -211,6 +211,14 @@ class OpenImageIOFile:
         self._file.seek_subimage(0, 0)
         return self._file.spec().getattribute(name)
 
+    def number(self, name: str, least: float = 0.0) -> float | None:
+        """Value of a numeric attribute above `least`; None if there is none."""
+        value = self.attribute(name)
+        if isinstance(value, tuple):
+            value = value[0] / value[1] if len(value) == 2 and value[1] else None
+        is_number = isinstance(value, int | float) and np.isfinite(value) and value > least
+        return float(value) if is_number else None
+
     def close(self) -> None:
         """Close the file."""
         self._file.close()
