@@ -6,6 +6,7 @@
 
 mod detect;
 mod error;
+mod fill;
 mod fit;
 mod formats;
 mod harmonics;
@@ -44,6 +45,8 @@ mod _native {
     use super::detect::{ClippedDetection, TreeDetection, detect_tree, reduced_luminance};
     #[pymodule_export]
     use super::error::{EnvLightsError, UnusableSamplesError};
+    #[pymodule_export]
+    use super::fill::fill_unseen;
     #[pymodule_export]
     use super::fit::{FitAnswer, fit_reduced, fit_samples, map_energy, relative_rms, rig_irradiance};
     #[pymodule_export]

@@ -14,6 +14,7 @@
 //! | unusable samples, reduction, resampling        | `image/`       |
 //! | exact irradiance of a white probe              | `probe/`       |
 //! | a map in spherical harmonics                   | `expansion/`   |
+//! | smooth radiance for pixels without any         | `fill/`        |
 //! | lights of a map                                | `detect/`      |
 //! | clipped part of a map, and its missing light   | `repair/`      |
 //! | lights removed from a map                      | `split/`       |
@@ -27,6 +28,7 @@ pub mod detect;
 pub mod disc;
 pub mod disc_map;
 mod expansion;
+pub mod fill;
 pub mod fit;
 pub mod harmonics;
 pub mod image;
