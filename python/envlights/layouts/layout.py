@@ -149,9 +149,9 @@ def cube(n: int, *, border_sampled: bool = False) -> Layout:
 
 
 def octahedral(n: int, *, equal_area: bool = False, axes: Axes = FRONT) -> Layout:
-    """Layout of an octahedron unfolded to a square of n x n pixels, n even."""
+    """Layout of an octahedron unfolded to a square of n x n pixels; n is even if areas differ."""
     side = count("n", n, least=2)
-    if side % 2:
+    if side % 2 and not equal_area:
         raise EnvLightsError(
             f"an octahedral map has an even number of columns; got {side}; leave out one row and"
             " one column"

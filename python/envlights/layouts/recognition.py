@@ -167,9 +167,11 @@ def _equirectangular(height: int, width: int, hints: Hints, arguments: Arguments
         part = layouts.crop(height, width, field_of_view=view, horizon=arguments.horizon)
         return part, (f"the picture is a part of a panorama, {arguments.fov:g} degrees wide",)
     if not is_panorama(height, width):
+        eyes = ", eye='left' if it holds two eyes" if width in (height, 4 * height) else ""
         raise EnvLightsError(
             f"an equirectangular map is twice as wide as high; got {width}x{height} pixels; give"
-            " the degrees of azimuth that a part of one covers as fov=, or another projection="
+            f" the degrees of azimuth that a part of one covers as fov={eyes}, or another"
+            " projection="
         )
     if height < 2:
         raise EnvLightsError(f"a map needs at least 4x2 pixels; got {width}x{height}")
