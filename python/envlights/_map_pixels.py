@@ -97,7 +97,7 @@ class MapPixels:
         width: int | None,
     ) -> None:
         """Set all pixels from a picture in any layout."""
-        columns = None if width is None else _checked_width(width)
+        columns = None if width is None else checked_width(width)
         picture, given = self._arranged(radiance, seen, hints, arguments)
         linear = self._linear(picture.samples, picture.seen)
         linear, share = self._seen_light(linear, picture.seen, given)
@@ -300,7 +300,7 @@ class MapPixels:
         return _cleaning.linear(array, self._notes)
 
 
-def _checked_width(width: int) -> int:
+def checked_width(width: int) -> int:
     """Columns of a map, or a refusal."""
     columns = count("width", width, least=4)
     if columns % 2 or columns * columns > 2 * MOST_PIXELS:

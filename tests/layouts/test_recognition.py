@@ -54,7 +54,6 @@ LAYOUTS = [
     ((50, 100), {"projection": "cylinder", "fov": 90, "horizon": 20}, {"horizon": 20}),
     ((64, 64), {"projection": "octahedral"}, {"kind": "octahedral"}),
     ((64, 64), {"projection": "octahedral-equal-area"}, {"kind": "octahedral-equal-area"}),
-    ((64, 64), {"projection": "pbrt"}, {"kind": "octahedral-equal-area", "axes": PBRT}),
     (
         (64, 64),
         {"projection": "angular"},

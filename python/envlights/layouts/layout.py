@@ -18,6 +18,8 @@ Axes = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float
 FRONT: Axes = ((0.0, 0.0, 1.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
 #: Axes of a photographed mirror ball: its centre reflects the camera, its right is the camera's.
 MIRRORED: Axes = ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+#: Axes of an octahedral square: its centre is up, its right -x, its lower edge towards +z.
+UP: Axes = ((0.0, 1.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 0.0, -1.0))
 #: Axes of the squares of pbrt-v4: the centre is up, and the picture is a mirror image.
 PBRT: Axes = ((0.0, 1.0, 0.0), (0.0, 0.0, -1.0), (-1.0, 0.0, 0.0))
 

@@ -199,18 +199,13 @@ def _cylinder(height: int, width: int, hints: Hints, arguments: Arguments) -> _M
 
 def _octahedral(height: int, width: int, hints: Hints, arguments: Arguments) -> _Made:
     n = _square(height, width, "an octahedral map")
-    return layouts.octahedral(n, axes=_axes(arguments)), ()
+    return layouts.octahedral(n, axes=_axes(arguments, layouts.UP)), ()
 
 
 def _equal_area(height: int, width: int, hints: Hints, arguments: Arguments) -> _Made:
     n = _square(height, width, "an octahedral map")
-    return layouts.octahedral(n, equal_area=True, axes=_axes(arguments)), ()
-
-
-def _pbrt(height: int, width: int, hints: Hints, arguments: Arguments) -> _Made:
-    n = _square(height, width, "an octahedral map")
-    made = layouts.octahedral(n, equal_area=True, axes=layouts.PBRT)
-    return made, ("its z axis is taken to be up, as in the scenes of pbrt",)
+    axes = _axes(arguments, layouts.PBRT)
+    return layouts.octahedral(n, equal_area=True, axes=axes), ()
 
 
 def _angular(height: int, width: int, hints: Hints, arguments: Arguments) -> _Made:
@@ -252,7 +247,6 @@ _LAYOUTS: dict[str, Callable[[int, int, Hints, Arguments], _Made]] = {
     "cylinder": _cylinder,
     "octahedral": _octahedral,
     "octahedral-equal-area": _equal_area,
-    "pbrt": _pbrt,
     "angular": _angular,
     "mirror-ball": _mirror_ball,
     "fisheye": _fisheye,
@@ -278,8 +272,8 @@ def _square(height: int, width: int, what: str) -> int:
     return height
 
 
-def _axes(arguments: Arguments) -> Axes:
-    return layouts.FRONT if arguments.towards is None else layouts.looking(arguments.towards)
+def _axes(arguments: Arguments, default: Axes = layouts.FRONT) -> Axes:
+    return default if arguments.towards is None else layouts.looking(arguments.towards)
 
 
 def _circle(arguments: Arguments) -> tuple[float, float, float] | None:
