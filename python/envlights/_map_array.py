@@ -43,10 +43,12 @@ def image_array(image: ArrayLike, notes: list[str], what: str) -> ImageArray:
 
 def _rgb(array: NDArray[Any], notes: list[str], what: str) -> ImageArray:
     """Three channels, grey ones repeated, and straight alpha."""
+    shape = array.shape
     is_grey_cube = array.ndim == 3 and array.shape[0] == 6 and array.shape[1] == array.shape[2] > 4
     if array.ndim == 2 or is_grey_cube:
         array = array[..., None]
-    channels = array.shape[-1] if array.ndim in (3, 4) else 0
+    is_cube = array.ndim == 4 and array.shape[0] == 6
+    channels = array.shape[-1] if array.ndim == 3 or is_cube else 0
     if channels == 3:
         return ImageArray(array, None)
     if channels == 4:
@@ -56,7 +58,7 @@ def _rgb(array: NDArray[Any], notes: list[str], what: str) -> ImageArray:
         return ImageArray(np.repeat(array, 3, axis=-1), None)
     raise EnvLightsError(
         f"{what} must have the shape (height, width, 3), or (height, width) for grey;"
-        f" got {array.shape}"
+        f" got {shape}"
     )
 
 

@@ -11,13 +11,16 @@
 //!
 //! Neighbours share edges, so all pixels sum to the solid angle of the circle.
 
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
+
 use std::f64::consts::PI;
 
 use glam::{DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::places::{Directions, EvenPlaces, Places, gauss_legendre};
-use super::{NO_PIXEL, Projection, search};
+use super::directions::{Directions, Places};
+use super::interface::{NO_PIXEL, Projection, search};
+use super::places::{EvenPlaces, gauss_legendre, moment};
 use crate::interrupt;
 
 /// Radius in the picture as a function of the angle theta from the axis.
@@ -263,5 +266,9 @@ impl Projection for Azimuthal {
 
     fn places(&self, side: usize, turn: DMat3) -> Box<dyn Places + '_> {
         Box::new(EvenPlaces { projection: self, side, turn })
+    }
+
+    fn moment(&self, pixel: usize) -> DVec3 {
+        moment(self, pixel)
     }
 }

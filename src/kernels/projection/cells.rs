@@ -1,5 +1,7 @@
 //! The cell of an equirectangular map that holds a direction, without an arc function.
 
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
+
 use std::f64::consts::{PI, TAU};
 
 use crate::kernels::sphere::{Registration, band_heights};

@@ -1,11 +1,14 @@
 //! A cylinder around the vertical axis: columns are even in azimuth, rows in the tangent of the elevation.
 
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
+
 use std::f64::consts::{PI, TAU};
 
 use glam::{DMat3, DVec2, DVec3};
 
-use super::places::{Directions, EvenPlaces, Places};
-use super::{Projection, search};
+use super::directions::{Directions, Places};
+use super::interface::{Projection, search};
+use super::places::{EvenPlaces, moment};
 
 /// Panorama on a cylinder; its centre looks along +z.
 pub struct Cylinder {
@@ -80,5 +83,9 @@ impl Projection for Cylinder {
 
     fn places(&self, side: usize, turn: DMat3) -> Box<dyn Places + '_> {
         Box::new(EvenPlaces { projection: self, side, turn })
+    }
+
+    fn moment(&self, pixel: usize) -> DVec3 {
+        moment(self, pixel)
     }
 }

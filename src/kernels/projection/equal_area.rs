@@ -1,13 +1,16 @@
 //! An octahedral square in which all pixels have the same solid angle (Clarberg 2008), as in pbrt-v4:
 //! forward at the centre, backward in the corners.
 
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
+
 use std::f64::consts::{FRAC_PI_4, PI};
 
 use glam::{DMat3, DVec2, DVec3};
 
+use super::directions::{Directions, Places};
+use super::interface::{Projection, search};
 use super::octahedral::{beyond_fold, pixel_of_square};
-use super::places::{Directions, EvenPlaces, Places};
-use super::{Projection, search};
+use super::places::{EvenPlaces, moment};
 
 /// Square of pixels of equal solid angle.
 pub struct EqualArea {
@@ -77,5 +80,9 @@ impl Projection for EqualArea {
 
     fn places(&self, side: usize, turn: DMat3) -> Box<dyn Places + '_> {
         Box::new(EvenPlaces { projection: self, side, turn })
+    }
+
+    fn moment(&self, pixel: usize) -> DVec3 {
+        moment(self, pixel)
     }
 }

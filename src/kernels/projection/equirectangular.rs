@@ -1,13 +1,16 @@
 //! An equirectangular map of the whole sphere, or a rectangle of one.
 
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
+
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
 use glam::{DMat3, DVec2, DVec3};
 
 use super::cells::{Cells, diamonds};
-use super::places::{Directions, EvenPlaces, Line, Places};
-use super::{NO_PIXEL, Projection, search};
+use super::directions::{Directions, Line, Places};
+use super::interface::{NO_PIXEL, Projection, search};
+use super::places::EvenPlaces;
 use crate::kernels::cell_integrals::{ColumnIntegrals, RowIntegrals};
 use crate::kernels::sphere::{self, Registration};
 

@@ -1,10 +1,13 @@
 //! An octahedron, unfolded on a square: forward at the centre, backward in the four corners (Engelhardt and Dachsbacher
 //! 2008).
 
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
+
 use glam::{DMat3, DVec2, DVec3};
 
-use super::places::{Directions, EvenPlaces, Places};
-use super::{Projection, search};
+use super::directions::{Directions, Places};
+use super::interface::{Projection, search};
+use super::places::{EvenPlaces, moment};
 
 /// Square of an even number of pixels.
 pub struct Octahedral {
@@ -115,6 +118,10 @@ impl Projection for Octahedral {
 
     fn places(&self, side: usize, turn: DMat3) -> Box<dyn Places + '_> {
         Box::new(EvenPlaces { projection: self, side, turn })
+    }
+
+    fn moment(&self, pixel: usize) -> DVec3 {
+        moment(self, pixel)
     }
 }
 

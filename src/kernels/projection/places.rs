@@ -1,55 +1,9 @@
-//! Places on a regular grid in each pixel: as lines for look-ups, and as nodes of quadrature.
+//! Places on a grid in each pixel: as lines for look-ups, and as nodes of integrals.
 
 use glam::{DMat3, DVec3};
 
-use super::Projection;
-
-/// Directions, component by component.
-#[derive(Default)]
-pub struct Directions([Vec<f64>; 3]);
-
-impl Directions {
-    /// Space for a number of directions.
-    pub fn new(count: usize) -> Self {
-        Self(std::array::from_fn(|_| vec![f64::NAN; count]))
-    }
-
-    /// Slices of x, y and z.
-    pub fn components(&self) -> [&[f64]; 3] {
-        self.0.each_ref().map(Vec::as_slice)
-    }
-
-    /// Slices of x, y and z that can be changed.
-    pub fn components_mut(&mut self) -> [&mut [f64]; 3] {
-        self.0.each_mut().map(Vec::as_mut_slice)
-    }
-
-    /// Set one direction.
-    pub fn set(&mut self, index: usize, direction: DVec3) {
-        for (component, value) in self.0.iter_mut().zip(direction.to_array()) {
-            component[index] = value;
-        }
-    }
-}
-
-/// One line of places in some columns of a row.
-#[derive(Clone, Debug)]
-pub struct Line {
-    /// Row of the picture.
-    pub row: usize,
-    /// Number of the line in the row.
-    pub line: usize,
-    /// First column.
-    pub first: usize,
-    /// Number of columns.
-    pub columns: usize,
-}
-
-/// Grid of places in all pixels of a picture, as directions.
-pub trait Places: Sync {
-    /// Write the directions of a line, which stand for equal solid angles or nearly so; NaN outside of the picture.
-    fn directions(&self, line: &Line, out: &mut Directions);
-}
+use super::directions::{Directions, Line, Places};
+use super::interface::Projection;
 
 /// Places that are even in x and y.
 pub struct EvenPlaces<'a, P> {
@@ -79,6 +33,13 @@ pub struct Node {
     pub direction: DVec3,
     /// Fraction of the pixel's solid angle.
     pub weight: f64,
+}
+
+/// Integral of the direction over a pixel.
+pub fn moment<P: Projection>(projection: &P, pixel: usize) -> DVec3 {
+    let nodes = nodes(projection, pixel);
+    let sum: DVec3 = nodes.iter().map(|node| node.weight * node.direction).sum();
+    sum * projection.solid_angle(pixel)
 }
 
 /// Nodes of Gauss and Legendre in a pixel, for accurate integrals; see [`nodes_of`].

@@ -1,10 +1,13 @@
 //! A photograph: pinhole projection on a plane.
 
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
+
 use glam::{DMat3, DVec2, DVec3};
 
-use super::places::{Directions, EvenPlaces, Places};
+use super::directions::{Directions, Places};
+use super::interface::{Projection, search};
+use super::places::{EvenPlaces, moment};
 use super::plane_angles::{plane_angles, plane_density};
-use super::{Projection, search};
 
 /// Photograph of a camera without distortion.
 pub struct Planar {
@@ -70,5 +73,9 @@ impl Projection for Planar {
 
     fn places(&self, side: usize, turn: DMat3) -> Box<dyn Places + '_> {
         Box::new(EvenPlaces { projection: self, side, turn })
+    }
+
+    fn moment(&self, pixel: usize) -> DVec3 {
+        moment(self, pixel)
     }
 }

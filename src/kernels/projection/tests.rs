@@ -8,6 +8,7 @@ use approx::assert_relative_eq;
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 
+use super::places::nodes;
 use super::*;
 
 fn azimuthal(size: [usize; 2], mapping: AzimuthalMapping, reach: f64) -> Azimuthal {

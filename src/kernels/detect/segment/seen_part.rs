@@ -100,7 +100,8 @@ mod tests {
     fn the_share_of_a_block_is_its_mean_by_solid_angle() {
         for registration in [Registration::CellCentred, Registration::BorderSampled] {
             for (height, width, block) in [(8, 16, 1), (30, 60, 4), (37, 74, 5)] {
-                let seen = Array2::from_shape_fn((height, width), |(y, x)| ((3 * y + 7 * x) % 5) as f32 / 4.0);
+                let seen =
+                    Array2::from_shape_fn((height, width), |(y, x)| ((3 * y + 7 * x) % 5) as f32 / 4.0);
                 let part = SeenPart::of(seen.view(), registration, block);
                 let solid_angles = crate::kernels::sphere::pixel_solid_angles(height, width, registration);
                 let solid_angles = solid_angles.expect("a map");
@@ -109,7 +110,11 @@ mod tests {
                     let sum = &mut sums[y / block * width.div_ceil(block) + x / block];
                     *sum = (sum.0 + solid_angle * f64::from(seen[[y, x]]), sum.1 + solid_angle);
                 }
-                assert_relative_eq!(part.solid_angle, sums.iter().map(|sum| sum.0).sum(), max_relative = 1e-6);
+                assert_relative_eq!(
+                    part.solid_angle,
+                    sums.iter().map(|sum| sum.0).sum(),
+                    max_relative = 1e-6
+                );
                 for (&share, (seen, whole)) in part.shares.iter().zip(sums) {
                     assert_relative_eq!(f64::from(share), seen / whole, epsilon = 1e-6);
                 }

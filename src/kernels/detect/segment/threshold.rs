@@ -374,9 +374,7 @@ mod tests {
     #[test]
     fn the_threshold_of_half_a_map_is_that_of_the_whole_one() {
         let mut map = mirrored_map();
-        let image = |map: &Array3<f32>| {
-            WorkingImage::of(map.view(), Registration::CellCentred, 64).unwrap()
-        };
+        let image = |map: &Array3<f32>| WorkingImage::of(map.view(), Registration::CellCentred, 64).unwrap();
         let whole = from_histogram(&image(&map));
         // Hide the lower half, and half of each pixel of the upper one.
         let seen = Array2::from_shape_fn((64, 128), |(y, _)| if y < 32 { 0.5 } else { 0.0 });
