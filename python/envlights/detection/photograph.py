@@ -60,7 +60,7 @@ class _Levels(NamedTuple):
     """Least luminance of the maximum of a light."""
 
     unit: float | None
-    """Luminance that stands for the article's 1 in the line check; None: the check is in stops."""
+    """Luminance in place of the article's 1 in the line check; None for a check in stops."""
 
     reason: str
     """Rule that set them."""
@@ -190,11 +190,10 @@ def detect_photograph(
     levels = _levels(working, photograph.white, *options)
     scale = max(working.shape) / _REFERENCE_PX
     cap = math.inf if merge_cap_px is None else scale * amount("merge_cap_px", merge_cap_px)
-    limits = amount("tolerance", tolerance), amount("ceiling", ceiling), 1.0
-    limits = tuple((levels.unit or 1.0) * limit for limit in limits)
-    stops = amount("tolerance_stops", tolerance_stops)
-    if levels.unit is None:
-        limits = stops, _NO_LIMIT, _NO_LIMIT
+    absolute = amount("tolerance", tolerance), amount("ceiling", ceiling)
+    limits = amount("tolerance_stops", tolerance_stops), _NO_LIMIT, _NO_LIMIT
+    if levels.unit is not None:
+        limits = levels.unit * absolute[0], levels.unit * absolute[1], levels.unit
     steps = _Options(
         sampling=sampling,
         samples_per_pixel=samples_per_pixel,
