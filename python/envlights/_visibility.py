@@ -48,4 +48,4 @@ def share_of_sphere(share: NDArray[np.float32], border_sampled: bool) -> float:
 
 def note_of_unseen(share_of_sphere: float) -> str:
     """Note on the fraction of the sphere that is not seen."""
-    return f"{100 * (1 - share_of_sphere):.2g} % of the sphere is not seen and counts as black"
+    return f"{100 * (1 - share_of_sphere):.2g} % of the sphere is not seen"

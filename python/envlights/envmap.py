@@ -7,24 +7,24 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from envlights import resampling
-from envlights._check import one_or_more, rotation
-from envlights._map_pixels import REGISTRATIONS, MapPixels
+from envlights._check import rotation
+from envlights._map_light import MapLight
+from envlights._map_pixels import REGISTRATIONS
 from envlights._native import EnvLightsError, UnusableSamplesError
 from envlights.io.colour import ColourArgument
 from envlights.io.exposures import merge_exposures
 from envlights.io.image_output import COMPRESSIONS, map_suffix, write_exr, write_hdr
 from envlights.io.images import MOST_PIXELS, read_image
 from envlights.io.source import AnySource, is_source, name_of
-from envlights.kernels.probe import irradiance
 from envlights.repair import repair
 
 _T = TypeVar("_T")
 
 
-class EnvMap(MapPixels):
+class EnvMap(MapLight):
     r"""An environment map: radiance from every direction.
 
     Frame: right-handed, +y up. The centre of the image looks along +z, its left quarter along +x,
@@ -54,7 +54,8 @@ class EnvMap(MapPixels):
         unknown brightness; see `detect_tree`.
     seen : array_like, shape (height, 2 * height), optional
         Share of each pixel that the map shows, from 0 to 1. The radiance is multiplied by it
-        already; pixels of share 0 become black.
+        already; pixels of share 0 become
+        black. `filled` has radiance for them.
 
     Raises
     ------
@@ -197,32 +198,6 @@ class EnvMap(MapPixels):
             merged.radiance, registration=registration, notes=merged.notes, white=merged.white
         )
 
-    def probe(self, normals: ArrayLike) -> NDArray[np.float64]:
-        r"""Exact irradiance of a white Lambertian probe under the map.
-
-        It is integrated over all pixels: the reference for `fit`.
-
-        Parameters
-        ----------
-        normals : array_like, shape (n, 3) or (3,)
-            Unit normals, or one.
-
-        Returns
-        -------
-        ndarray, shape (n, 3) or (3,)
-            RGB irradiance in W m\ :sup:`-2`:
-            :math:`E(n) = \int L(\omega) \max(0, n \cdot \omega)\, d\omega`. Divide by pi for the
-            radiance of the probe (Madsen et al. 2003, equations 1 to 3).
-
-        Raises
-        ------
-        EnvLightsError
-            If `normals` has another shape or holds a vector whose length is not 1.
-        """
-        rows, is_one = one_or_more("normals", normals)
-        values = irradiance(self._radiance, rows, border_sampled=self.is_border_sampled)
-        return values[0] if is_one else values
-
     def save(
         self,
         path: str | os.PathLike[str],
@@ -259,7 +234,7 @@ class EnvMap(MapPixels):
             self._radiance,
             half=half,
             compression=compression,
-            border_sampled=self.is_border_sampled,
+            environment="latlong" if self.is_border_sampled else "",
             comments=self._notes,
         )
 

@@ -83,6 +83,7 @@ class DetectedLight(Light):
     is_broad: bool
     weight: float | None = None
     direction_uncertainty: float | None = None
+    is_cut: bool = False
 
 
 def place_of(direction: NDArray[np.float64]) -> str:

@@ -110,6 +110,15 @@ class FitReport(Result):
     fewer_lights: str = ""
     """Reason why there are fewer lights than allowed; empty if there are not."""
 
+    seen_share: float = 1.0
+    """Fraction of the sphere that the map shows; over a floor, of its upper half."""
+
+    unseen_spread: float = 0.0
+    """Relative RMS difference of the probe between a black and a harmonic fill of the unseen part.
+
+    It is the order of magnitude by which the unseen part may change the probe, but an unseen sun
+    changes it more."""
+
     skipped: tuple[str, ...] = ()
     """Remarks on work that was not necessary."""
 
@@ -136,6 +145,8 @@ class FitReport(Result):
             "irradiance_errors": [[_finite(e) for e in rgb] for rgb in self.irradiance_errors],
             "fixed": list(self.fixed),
             "fewer_lights": self.fewer_lights,
+            "seen_share": self.seen_share,
+            "unseen_spread": self.unseen_spread,
             "skipped": list(self.skipped),
         }
 
@@ -165,6 +176,8 @@ class FitReport(Result):
             irradiance_errors=tuple(_rgb(rgb) for rgb in data["irradiance_errors"]),
             fixed=tuple(count("fixed", row) for row in data.get("fixed", ())),
             fewer_lights=str(data.get("fewer_lights", "")),
+            seen_share=amount("seen_share", data.get("seen_share", 1.0), most=1.0),
+            unseen_spread=amount("unseen_spread", data.get("unseen_spread", 0.0)),
             skipped=tuple(str(note) for note in data["skipped"]),
         )
 
@@ -198,7 +211,7 @@ class FitReport(Result):
         """Lines for users, below the error of each number of lights."""
         # A rig shows the stop reason of its fit itself.
         unfitted = "" if self.errors else self.stop_reason.value
-        return [*self._choice(), self.fewer_lights, unfitted]
+        return [*self._choice(), self._unseen(), self.fewer_lights, unfitted]
 
     def _details(self) -> list[str]:
         """Lines for developers."""
@@ -225,6 +238,15 @@ class FitReport(Result):
             return f"error by number of lights: {curve}"
         sized = _percent(self.sized_error)
         return f"error by number of lights, as points: {curve}; with sizes: {sized}"
+
+    def _unseen(self) -> str:
+        """Seen share, and what the unseen part may change; empty if all is seen."""
+        if self.seen_share == 1:
+            return ""
+        return (
+            f"{_percent(self.seen_share)} of the sphere is seen; a black or a harmonic fill of the"
+            f" rest changes the probe by {_percent(self.unseen_spread)}"
+        )
 
     def _by_channel(self) -> tuple[str, ...]:
         if not self.channel_errors:

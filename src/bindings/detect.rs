@@ -1,7 +1,7 @@
 //! `kernels::detect` for Python.
 
 use numpy::ndarray::{Array1, Array2};
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray3};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 
 use super::pool::{in_pool, interruptible};
@@ -61,6 +61,7 @@ pub struct TreeDetection {
     peak_luminance: Py<PyArray1<f64>>,
     flux_share: Py<PyArray1<f64>>,
     is_clipped: Py<PyArray1<bool>>,
+    is_cut: Py<PyArray1<bool>>,
     pixel: Py<PyArray2<i64>>,
     light_of_pixel: Py<PyArray1<i64>>,
     luminance: Py<PyArray1<f32>>,
@@ -106,10 +107,11 @@ pub fn detect_tree(
     radiance: PyReadonlyArray3<'_, f32>,
     border_sampled: bool,
     options: TreeOptions,
+    seen: Option<PyReadonlyArray2<'_, f32>>,
 ) -> PyResult<TreeDetection> {
-    let radiance = radiance.as_array();
+    let (radiance, seen) = (radiance.as_array(), seen.as_ref().map(|seen| seen.as_array()));
     let (registration, options) = (registration(border_sampled), DetectionOptions::from(options));
-    let detection = interruptible(py, || detect::detect(radiance, registration, &options))?;
+    let detection = interruptible(py, || detect::detect(radiance, seen, registration, &options))?;
     TreeDetection::new(py, detection, options.white)
 }
 
@@ -165,6 +167,7 @@ impl TreeDetection {
             peak_luminance: numbers(&|light| light.peak),
             flux_share: numbers(&|light| light.flux / whole),
             is_clipped: detection.are_clipped(white).collect::<Array1<bool>>().into_pyarray(py).unbind(),
+            is_cut: Array1::from(detection.is_cut).into_pyarray(py).unbind(),
             pixel: Array2::from(pixels).into_pyarray(py).unbind(),
             light_of_pixel: indices(detection.light_of_pixel.iter().map(|&light| i64::from(light)).collect()),
             luminance: detection.luminance.into_pyarray(py).unbind(),

@@ -6,6 +6,7 @@
 
 mod detect;
 mod error;
+mod fill;
 mod fit;
 mod formats;
 mod harmonics;
@@ -15,6 +16,7 @@ mod madsen;
 mod output;
 mod pool;
 mod probe;
+mod projection;
 mod reduction;
 mod repair;
 mod sampling;
@@ -44,6 +46,8 @@ mod _native {
     #[pymodule_export]
     use super::error::{EnvLightsError, UnusableSamplesError};
     #[pymodule_export]
+    use super::fill::fill_unseen;
+    #[pymodule_export]
     use super::fit::{FitAnswer, fit_reduced, fit_samples, map_energy, relative_rms, rig_irradiance};
     #[pymodule_export]
     use super::formats::{PngFile, RadianceFile, radiance_rows};
@@ -51,8 +55,7 @@ mod _native {
     use super::harmonics::{harmonic_irradiance, harmonic_radiance};
     #[pymodule_export]
     use super::image::{
-        apply_matrix, code_histogram_8, code_histogram_16, decode_8, decode_16, rotate_map, unusable,
-        white_code,
+        apply_matrix, code_histogram_8, code_histogram_16, decode_8, decode_16, unusable, white_code,
     };
     #[pymodule_export]
     use super::loghin::{
@@ -67,6 +70,8 @@ mod _native {
     use super::pool::threads;
     #[pymodule_export]
     use super::probe::{disc_map, irradiance, sum_over_sources, working_irradiance};
+    #[pymodule_export]
+    use super::projection::{projection_directions, projection_places, projection_solid_angles, resample};
     #[pymodule_export]
     use super::reduction::{PyRowReducer, ReducedMap, reduce_map, reduce_radiance};
     #[pymodule_export]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from envlights.cli.map_input import MapFile, map_argument
+from envlights.cli.map_input import MapFile, map_argument, radiance_or_name
 from envlights.cli.outputs import (
     OUTPUTS,
     check_output,
@@ -53,6 +53,12 @@ from envlights.rig import Rig
 @click.option(
     "--floor", is_flag=True, help="The scene has a floor, which hides light from below the horizon."
 )
+@click.option(
+    "--unseen",
+    metavar="CHOICE",
+    help="Radiance where MAP shows nothing (alpha, a crop): black, harmonic, ground, a number, or R,G,B."
+    " Needed if less than 90 % of the sphere is seen.",
+)
 @output_option(OUTPUTS)
 @verbose_option()
 @click.option("--json", "as_json", is_flag=True, help="Print the rig as JSON.")
@@ -64,6 +70,7 @@ def command(
     sizes: bool,
     ambient: str,
     floor: bool,
+    unseen: str | None,
     outputs: Sequence[str],
     verbose: bool,
     as_json: bool,
@@ -73,6 +80,7 @@ def command(
         check_output(output, (*SUFFIXES, *PICTURES), {"the map": map_file.path})
     # A picture of the map needs all of its pixels.
     env = map_file.open() if any(map(_is_picture, outputs)) else None
+    choice = radiance_or_name(unseen)
     rig = fit(
         map_file.unread() if env is None else env,
         lights,
@@ -81,9 +89,10 @@ def command(
         sizes=sizes,
         ambient=ambient,
         floor=floor,
+        unseen=choice,
     )
     for output in outputs:
-        _write(env, rig, output)
+        _write(env and env.filled(choice), rig, output)
     print_rig(rig, as_json, verbose)
     say_written(outputs)
 

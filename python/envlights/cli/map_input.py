@@ -52,3 +52,14 @@ def map_argument(function: Callable[..., None]) -> Callable[..., None]:
         function(MapFile(map_path, colour, part), *arguments, **options)
 
     return command
+
+
+def radiance_or_name(text: str | None) -> str | list[float] | float | None:
+    """Value of ``--unseen``: a number, red, green and blue between commas, or the name of a fill."""
+    if text is None:
+        return None
+    try:
+        channels = [float(channel) for channel in text.split(",")]
+    except ValueError:
+        return text
+    return channels if channels[1:] else channels[0]

@@ -127,6 +127,10 @@ def detect_tree(
     `direction_uncertainty` is calibrated on pictures of HDR maps. Irradiance and flux are lower
     bounds. The rules are ours; the expansion inverts that of Schlick (1994).
 
+    Of a map that shows a part of the sphere (`EnvMap.seen`), only this part has lights, and only it
+    counts for the threshold and for the background of a light. Lights that touch its border are
+    flagged by `DetectedLights.is_cut`.
+
     Some pictures are tone-mapped so that their brightest pixels pile up between 0.7 of the largest
     possible value and that value. This pile is then the clip level. Other pictures whose
     maximum is below the largest possible value are not clipped, and are treated as any other map.
@@ -176,7 +180,8 @@ def _detect(env: AnyMap, **arguments: Any) -> tuple[DetectedLights, NDArray[np.f
     def detection_in(world: EnvMap) -> _native.TreeDetection:
         white = world.white if options.white is None else options.white
         is_border = world.registration == "border-sampled"
-        return _native.detect_tree(world.radiance, is_border, options._replace(white=white))
+        options_of_map = options._replace(white=white)
+        return _native.detect_tree(world.radiance, is_border, options_of_map, world.seen)
 
     world, detection = apply_to_map(env, detection_in)
     casts = colour_cast_notes(world, detection.peak_direction, detection.peak_luminance)
@@ -223,7 +228,7 @@ def _lights(
         working_size=detection.working_size,
         clip_level=clipped and clipped.clip_level,
         skipped=wording.dropped_by_tree(detection),
-        notes=(*wording.joined_panes(detection), *notes),
+        notes=(*wording.joined_panes(detection), *wording.cut_lights(detection), *notes),
         details=wording.details_of_tree(detection),
         seconds={"detect": seconds},
     )
@@ -242,4 +247,5 @@ def _lights(
         report=report,
         weight=clipped and clipped.weight,
         direction_uncertainty=clipped and clipped.direction_uncertainty,
+        is_cut=detection.is_cut,
     )

@@ -201,7 +201,14 @@ class DetectedLights(Lights):
 
     None for other maps, where the direction is the flux centroid."""
 
+    is_cut: NDArray[np.bool_] = None  # type: ignore[assignment]
+    """True for a light at the border of the seen part of the map, shape (n,).
+
+    Its irradiance and flux are then lower bounds."""
+
     def __post_init__(self) -> None:
+        if self.is_cut is None:
+            object.__setattr__(self, "is_cut", np.zeros(len(np.asarray(self.flux)), bool))
         arrays = {name: np.asarray(getattr(self, name)) for name in self._array_names()}
         direction, irradiance = light_arrays(self.direction, self.irradiance)
         arrays |= {"direction": direction, "irradiance": irradiance}
@@ -336,6 +343,7 @@ class DetectedLights(Lights):
     def _remarks(self, row: int) -> str:
         """Remarks in the table's last column."""
         remarks = ["clipped"] if self.is_clipped[row] else []
+        remarks += ["cut off"] if self.is_cut[row] else []
         remarks += ["wide"] if self.is_broad[row] else []
         if self.direction_uncertainty is not None:
             remarks.append(f"direction ± {np.rad2deg(self.direction_uncertainty[row]):.2f}°")
@@ -361,11 +369,15 @@ def _from_dict(data: dict[str, Any]) -> DetectedLights:
     arrays = {name: reals(name, np.reshape(data[name], (-1, 3)), 2) for name in _VECTORS}
     given = [*_NUMBERS, *(name for name in _OF_CLIPPED if name in data)]
     arrays |= {name: reals(name, np.asarray(data[name], np.float64), 1) for name in given}
-    clipped = [flag("is_clipped", each) for each in data["is_clipped"]]
+    flags = {
+        name: np.array([flag(name, each) for each in data[name]], bool)
+        for name in ("is_clipped", "is_cut")
+        if name in data or name == "is_clipped"  # files of older versions have no `is_cut`
+    }
     lights = len(arrays["direction"])
     return DetectedLights(
         **arrays,
-        is_clipped=np.array(clipped, bool),
+        **flags,
         members=Members.from_runs(data["members"], lights, report.working_size),
         report=report,
     )

@@ -44,6 +44,15 @@ def joined_panes(detection: _native.TreeDetection) -> list[str]:
     ]
 
 
+def cut_lights(detection: _native.TreeDetection) -> list[str]:
+    """Note on lights at the border of the seen part of the map."""
+    cut = int(detection.is_cut.sum())
+    if not cut:
+        return []
+    lights = "light touches" if cut == 1 else "lights touch"
+    return [f"{cut} {lights} the border of what the map shows, so the flux is a lower bound"]
+
+
 def details_of_tree(detection: _native.TreeDetection) -> tuple[str, ...]:
     """Details for developers of detectors."""
     return (*_rules(detection), *_clipping(detection), *_tiles(detection))

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights import _native
 from envlights._check import check_choice, flag, reals
 from envlights._native import EnvLightsError, FitAnswer
+from envlights._unseen import Unseen, checked_unseen
 from envlights.envmap import AnyMap, EnvMap, apply_to_map
 from envlights.fitting import wording
 from envlights.fitting.options import FitOptions
@@ -46,6 +47,7 @@ def fit(
     start: str | Rig | Lights = "greedy",
     fixed: ArrayLike | Lights | None = None,
     floor: bool = False,
+    unseen: Unseen = None,
 ) -> Rig:
     """Fit an ambient term and a few lights that light a scene as `env` does.
 
@@ -103,6 +105,11 @@ def fit(
         both the error and `Rig.probe` include the floor. A renderer hides the lower half by itself
         if the floor is in its scene.
 
+    unseen : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
+        Radiance where the map shows nothing; see `EnvMap.filled`. Needed if less than 90 % of the
+        sphere is seen, or over a `floor` of its upper half. `report.unseen_spread` holds how much
+        the choice may change the probe.
+
     Returns
     -------
     Rig
@@ -149,6 +156,7 @@ def fit(
     check_choice("objective", objective, OBJECTIVES)
     request = request_of(lights, error, start, fixed, shadow_error=shadow_error)
     of_discs = objective if flag("sizes", sizes) else None
+    checked_unseen(unseen)
     if flag("floor", floor):
         _check_over_floor(ambient, request)
     names = tuple(AMBIENTS)[: 2 if floor else 3] if ambient == AUTO else (ambient,)
@@ -157,7 +165,7 @@ def fit(
     def answers_under(world: EnvMap) -> tuple[Reduction, dict[str, FitAnswer]]:
         first = request.first_directions_under(world, floor)
         clock.lap("start")
-        return answers_for(reduction_of(world, floor), first)
+        return answers_for(reduction_of(world, floor, unseen), first)
 
     def answers_for(
         reduction: Reduction, first: NDArray[np.float64]
@@ -192,6 +200,8 @@ def fit(
         if ambient == AUTO
         else {},
         fewer_lights=wording.fewer_lights(answer, request, RENDERING_ERROR),
+        seen_share=reduction.seen_share,
+        unseen_spread=reduction.unseen_spread,
         skipped=(
             *wording.working_map(reduction.width, answer.points, RENDERING_ERROR),
             *wording.channels(answer),

@@ -13,6 +13,7 @@ from envlights._arrays import freeze
 from envlights._check import amount, colour, count, reals
 from envlights._interruptible import interruptible
 from envlights._native import EnvLightsError
+from envlights._unseen import Unseen
 from envlights._result import Result
 from envlights._tables import Table
 from envlights.envmap import AnyMap, EnvMap, as_envmap
@@ -146,6 +147,7 @@ def fit_paper(
     start: ArrayLike | None = None,
     damped: bool = True,
     max_steps: int = MAX_STEPS,
+    unseen: Unseen = None,
 ) -> PaperFit:
     """Fit ambient and directional lights by the method of Madsen, Sørensen and Vittrup (2003).
 
@@ -176,6 +178,8 @@ def fit_paper(
         error. False: full Gauss-Newton steps, as in the text of the paper.
     max_steps : int
         Largest number of steps.
+    unseen : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
+        Radiance where the map shows nothing; see `EnvMap.filled`.
 
     Returns
     -------
@@ -217,7 +221,7 @@ def fit_paper(
     lights, max_steps = _sizes(lights, max_steps)
     surface = _surface(k_a, k_d, C)
     first = _spiral(lights) if start is None else _start(start, lights)
-    env = as_envmap(env)
+    env = as_envmap(env).filled(unseen)
     problem = _render(env, surface)
     ambient = np.full(3, 1.0 if surface.k_a > 0 else 0.0)
     x = madsen.pack_lights(ambient, first, np.ones((lights, 3)))

@@ -7,7 +7,9 @@ from typing import NamedTuple, TypeGuard
 
 from envlights import _native
 from envlights._native import ReducedMap
+from envlights._unseen import Unseen
 from envlights.envmap import AnyMap, EnvMap
+from envlights.fitting.unseen_part import fill_for_fit
 from envlights.io.reduced_file import reduce_file
 from envlights.kernels.probe import WORKING_COLUMNS
 
@@ -34,14 +36,22 @@ class Reduction(NamedTuple):
     `EnvMap.clipped_flux_share` examines any map.
     """
 
+    seen_share: float = 1.0
+    """Fraction of the sphere that the map shows; over a floor, of its upper half."""
 
-def reduction_of(env: EnvMap, floor: bool) -> Reduction:
-    """Reduction of a map in memory."""
+    unseen_spread: float = 0.0
+    """Relative RMS difference of the probe between two fills of the unseen part."""
+
+
+def reduction_of(env: EnvMap, floor: bool, unseen: Unseen = None) -> Reduction:
+    """Reduction of a map in memory, after its unseen part is filled."""
+    part = fill_for_fit(env, floor, unseen)
+    env = part.env
     cells = _native.reduce_map(
         env.radiance, env.is_border_sampled, WORKING_COLUMNS, POINT_SHARE, floor
     )
     share = 0.0 if env.white is None else env.clipped_flux_share
-    return Reduction(cells, env.width, env.notes, share)
+    return Reduction(cells, env.width, env.notes, share, part.seen_share, part.unseen_spread)
 
 
 def is_file(env: AnyMap) -> TypeGuard[str | os.PathLike[str] | bytes]:

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
-from envlights._blocks import in_blocks
 from envlights._check import amount, check_choice, count, reals
 from envlights._native import EnvLightsError
 from envlights.detection.detect import detect
 from envlights.envmap import EnvMap
+from envlights.fitting.unseen_part import above_horizon
 from envlights.kernels import sphere
 from envlights.lights import Lights
 from envlights.rig import Rig
@@ -135,14 +135,3 @@ def _most_lights(lights: int | None, has_goal: bool, fixed: int, placed: int) ->
     if has_goal:
         return max(MOST_LIGHTS, fixed)
     return placed or LIGHTS
-
-
-def above_horizon(env: EnvMap) -> EnvMap:
-    """`env`, black below the horizon."""
-    # All columns have the same heights, so compute one.
-    towards = sphere.pixel_directions(env.height, 2, border_sampled=env.is_border_sampled)[:, :1]
-    radiance = in_blocks(
-        env.radiance.shape,
-        lambda rows: np.where(towards[rows, :, 1:2] < 0, np.float32(0), env.radiance[rows]),
-    )
-    return EnvMap(radiance, registration=env.registration, white=env.white, seen=env.seen)

@@ -84,6 +84,7 @@ def _is_plain(file: OpenImage) -> bool:
         and header.height > 1
         and header.alpha == "none"
         and file.place.is_plain
+        and not file.hints.stereo
         and colour.matrix is None
         and not header.has_gain_map
         and (header.dtype.kind == "u" or (colour.curve is None and colour.white is None))

@@ -11,8 +11,9 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from envlights._srgb import encode_srgb
+from envlights._unseen import ENOUGH_SEEN
 from envlights.envmap import EnvMap
-from envlights.fitting.request import above_horizon
+from envlights.fitting.unseen_part import above_horizon
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import working_irradiance
@@ -32,6 +33,8 @@ class ShadedBall(NamedTuple):
 def shaded_ball(env: EnvMap, eye: NDArray[np.float64], floor: bool) -> ShadedBall:
     """Probe under a map, seen from the direction `eye`; over a floor if the rigs are."""
     seen = ball(eye)
+    # A picture needs no choice; a map that was filled before is drawn with its fill.
+    env = env.filled(None if env.seen_share >= ENOUGH_SEEN else "black")
     return ShadedBall(seen, under(above_horizon(env) if floor else env, seen.normals))
 
 

@@ -28,7 +28,7 @@ pub mod loghin;
 pub mod plane_threshold;
 pub mod segment;
 
-use ndarray::ArrayView3;
+use ndarray::{ArrayView2, ArrayView3};
 
 use clipped::{ClippedLights, ClippedMap};
 use clipping::Ceiling;
@@ -42,7 +42,7 @@ use segment::working_image::WorkingImage;
 use segment::{background, bars, bridging, bright_pixels, measure, outline};
 
 use crate::error::Result;
-use crate::kernels::sphere::Registration;
+use crate::kernels::sphere::{Registration, check_lengths};
 
 /// Lights, their pixels and the numbers of the report.
 #[derive(Clone, Debug)]
@@ -55,6 +55,8 @@ pub struct Detection {
     pub light_of_pixel: Vec<u32>,
     /// Number of window panes that each light was joined from; 0 for all others.
     pub panes: Vec<usize>,
+    /// For each light, true if it touches the border of the seen part of the map.
+    pub is_cut: Vec<bool>,
     /// Numbers of the report.
     pub report: DetectionNumbers,
     /// Luminance of the working image.
@@ -84,17 +86,26 @@ pub struct DetectionNumbers {
 
 /// Lights of an equirectangular map of radiance, (height, width, 3), finite and not negative.
 ///
+/// `seen` is the share of each pixel that the map shows, from 0 to 1, by which its radiance is multiplied already.
+///
 /// # Errors
 ///
-/// [`crate::error::Error::NotAMap`], [`crate::error::Error::UnusableSamples`], [`crate::error::Error::TooBright`].
+/// [`crate::error::Error::NotAMap`], [`crate::error::Error::UnusableSamples`], [`crate::error::Error::TooBright`],
+/// [`crate::error::Error::LengthMismatch`].
 pub fn detect(
     radiance: ArrayView3<'_, f32>,
+    seen: Option<ArrayView2<'_, f32>>,
     registration: Registration,
     options: &DetectionOptions,
 ) -> Result<Detection> {
+    if let Some(seen) = &seen {
+        let (height, width, _) = radiance.dim();
+        check_lengths("pixels", height * width, [("seen", seen.len())])?;
+        check_lengths("rows", height, [("seen", seen.nrows())])?;
+    }
     // Run all of it inside the thread pool: from outside, each parallel loop would wake the pool anew.
     rayon::scope(|_| {
-        let scene = Scene::of(radiance, registration, options)?;
+        let scene = Scene::of(radiance, seen, registration, options)?;
         Ok(scene.lights(radiance, registration, options))
     })
 }
@@ -113,17 +124,18 @@ impl Scene {
     /// The front end for this map.
     fn of(
         radiance: ArrayView3<'_, f32>,
+        seen: Option<ArrayView2<'_, f32>>,
         registration: Registration,
         options: &DetectionOptions,
     ) -> Result<Self> {
         let (columns, threshold) = (options.working_columns, options.threshold);
         if let Some(white) = options.white
             && let Some((working, map, threshold)) =
-                ClippedMap::of(radiance, registration, columns, white, threshold)?
+                ClippedMap::of(radiance, seen, registration, columns, white, threshold)?
         {
             return Ok(Self { working, threshold, clipped: Some(map) });
         }
-        let working = WorkingImage::of(radiance, registration, columns)?;
+        let working = WorkingImage::of(radiance, registration, columns)?.with_seen(seen, registration);
         let threshold = threshold.map_or_else(|| threshold::from_histogram(&working), Threshold::fixed);
         Ok(Self { working, threshold, clipped: None })
     }
@@ -176,7 +188,10 @@ impl Scene {
         if let Some(map) = &self.clipped {
             numbers.threshold = map.compress(numbers.threshold);
         }
-        Detection::new(&segments, selection, panes, numbers, self.working.luminance, clipped)
+        let cut = working.seen.as_ref().map(|seen| outline::are_cut(seen, &adjacency, &segments, &outline));
+        let is_cut = selection.any_of_parts(&cut.unwrap_or_default());
+        let luminance = self.working.luminance;
+        Detection::new(&segments, selection, panes, is_cut, numbers, luminance, clipped)
     }
 
     fn numbers(&self, opened_tiles: usize, selection: &Selection) -> DetectionNumbers {
@@ -205,6 +220,7 @@ impl Detection {
         segments: &Segments,
         selection: Selection,
         panes: Vec<usize>,
+        is_cut: Vec<bool>,
         report: DetectionNumbers,
         luminance: Vec<f32>,
         clipped: Option<ClippedLights>,
@@ -215,6 +231,6 @@ impl Detection {
             pixels.extend(segment.iter().filter(|&&index| segments.label[index as usize] != 0));
             light_of_pixel.resize(pixels.len(), *light as u32);
         }
-        Self { lights: selection.lights, pixels, light_of_pixel, panes, report, luminance, clipped }
+        Self { lights: selection.lights, pixels, light_of_pixel, panes, is_cut, report, luminance, clipped }
     }
 }

@@ -7,8 +7,7 @@
 //! | the region of each light: its pixels, rim, glare, glow   | `region.rs`          |
 //! | - rings of glare                                         | `rings.rs`           |
 //! | - the bright surroundings                                | `glow.rs`            |
-//! | radiance that solves Laplace's equation in the region    | `harmonic_fill.rs`   |
-//! | - one image of its multigrid                             | `level.rs`           |
+//! | radiance that solves Laplace's equation in the region    | `fill/`              |
 //! | the rest of the map, and the light that was removed      | `removal.rs`         |
 //!
 //! In the region of a light, each channel of the rest is the smaller one of the map and the fill. So map = rest + light,
@@ -24,8 +23,6 @@
 
 mod coarse_map;
 mod glow;
-mod harmonic_fill;
-mod level;
 mod light_pixels;
 mod region;
 mod removal;
@@ -36,10 +33,10 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::interrupt;
+use crate::kernels::fill::harmonic_fill;
 use crate::kernels::image;
 use crate::kernels::sphere::{self, Registration};
 use coarse_map::CoarseMap;
-use harmonic_fill::harmonic_fill;
 pub use light_pixels::LightPixels;
 use region::Region;
 pub use removal::RemovedLight;

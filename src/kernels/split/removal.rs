@@ -9,11 +9,11 @@ use glam::{DMat3, DVec3, Vec3A};
 use rayon::prelude::*;
 
 use super::coarse_map::CoarseMap;
-use super::level::{Level, Upsampling};
 use super::light_pixels::NO_LIGHT;
 use super::region::Region;
 use crate::interrupt;
 use crate::kernels::cell_integrals::{ColumnIntegrals, RowIntegrals};
+use crate::kernels::fill::{Level, Upsampling};
 use crate::kernels::image::LUMINANCE;
 
 /// A light that was removed from a map.

@@ -5,6 +5,7 @@
 //! has lost nothing, so it is treated as any other map.
 
 use super::super::clipping::LEAST_WHITE;
+use super::super::segment::seen_part::SeenPart;
 use super::super::segment::working_image::{TILE, WorkingImage};
 
 /// Settings of the clip level of a map that ends below the largest possible value.
@@ -13,7 +14,7 @@ struct PeakSettings {
     least_end: f64,
     /// Pixels of this fraction of the largest luminance and more form the top of a map.
     top: f64,
-    /// A top that covers more than this fraction of the sphere is not a peak.
+    /// A top that covers more than this fraction of what is seen is not a peak.
     largest_top: f64,
 }
 
@@ -36,7 +37,7 @@ impl ClipLevel {
         if maximum >= LEAST_WHITE * white {
             return Some(Self::White(white));
         }
-        let is_peak = || share_above(working, PEAK.top * maximum) < PEAK.largest_top;
+        let is_peak = || share_of_seen(working, PEAK.top * maximum) < PEAK.largest_top;
         (maximum >= PEAK.least_end * white && is_peak()).then_some(Self::Peak(maximum))
     }
 
@@ -46,6 +47,11 @@ impl ClipLevel {
             Self::White(level) | Self::Peak(level) => level,
         }
     }
+}
+
+/// Fraction of what is seen whose luminance is `least` or more.
+pub fn share_of_seen(working: &WorkingImage, least: f64) -> f64 {
+    share_above(working, least) / working.seen.as_ref().map_or(1.0, SeenPart::fraction)
 }
 
 /// Fraction of the sphere whose luminance is `least` or more. Only tiles that hold any are read.

@@ -4,7 +4,7 @@
 //! the block that it covers.
 #![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 
-use ndarray::ArrayView3;
+use ndarray::{ArrayView2, ArrayView3};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
@@ -57,6 +57,14 @@ impl ExpandedMap {
         working.check(radiance, bits >> 31 == 1)?;
         let expanded = working.with_luminance(expanded);
         Ok(Self { working, expanded, maximum: f64::from(f32::from_bits(largest)) })
+    }
+
+    /// The map with the `seen` share of each of its pixels.
+    #[must_use]
+    pub fn with_seen(self, seen: Option<ArrayView2<'_, f32>>, registration: Registration) -> Self {
+        let working = self.working.with_seen(seen, registration);
+        let expanded = WorkingImage { seen: working.seen.clone(), ..self.expanded };
+        Self { working, expanded, ..self }
     }
 }
 

@@ -24,7 +24,7 @@ pub mod order;
 pub mod plateau;
 mod position;
 
-use ndarray::ArrayView3;
+use ndarray::{ArrayView2, ArrayView3};
 
 pub use clip_level::ClipLevel;
 use expanded_map::ExpandedMap;
@@ -78,6 +78,7 @@ pub struct ClippedLights {
 
 impl ClippedMap {
     /// Reduced luminance of a map that can hold values up to `white`, its expansion, and the threshold of the expansion.
+    /// `seen` is the share of each pixel that the map shows.
     ///
     /// `None` if nothing was cut off.
     ///
@@ -86,13 +87,16 @@ impl ClippedMap {
     /// Errors of [`WorkingImage::of`].
     pub fn of(
         radiance: ArrayView3<'_, f32>,
+        seen: Option<ArrayView2<'_, f32>>,
         registration: Registration,
         columns: usize,
         white: f64,
         threshold: Option<f64>,
     ) -> Result<Option<(WorkingImage, Self, Threshold)>> {
         let columns = (columns / WORKING.fewer_columns).max(WORKING.least_columns);
-        let reduced = |columns, level| ExpandedMap::of(radiance, registration, columns, level);
+        let reduced = |columns, level| -> Result<ExpandedMap> {
+            Ok(ExpandedMap::of(radiance, registration, columns, level)?.with_seen(seen, registration))
+        };
         let first = reduced(columns, white)?;
         let Some(level) = ClipLevel::of(&first.working, first.maximum, white) else { return Ok(None) };
         let clipped_share = clip_level::share_above(&first.working, LEAST_WHITE * white);
@@ -163,7 +167,7 @@ fn threshold_of(map: &ExpandedMap, end: f64, fixed: Option<f64>) -> Threshold {
         return Threshold::fixed(f64::from(expand((luminance / end) as f32)));
     }
     let mut threshold = threshold::from_histogram(&map.expanded);
-    let share = clip_level::share_above(&map.working, LEAST_WHITE * end);
+    let share = clip_level::share_of_seen(&map.working, LEAST_WHITE * end);
     threshold.luminance = expansion::below_white(threshold.luminance, share);
     threshold
 }

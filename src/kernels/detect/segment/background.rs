@@ -36,13 +36,14 @@ pub fn local_backgrounds(
     let width = working.size.1;
     // Find the number of columns of each row that are as wide as `DISTANCE` rows are high.
     let columns: Vec<usize> = (0..working.size.0).map(|row| working.columns_across(row, DISTANCE)).collect();
-    // Collect the pixels straight out from each outline, where they are outside the segment.
+    let is_seen = |pixel| working.seen.as_ref().is_none_or(|seen| seen.is_background(pixel));
+    // Collect the pixels straight out from each outline, where they are outside the segment and seen.
     let mut outside: Vec<Vec<u32>> = vec![Vec::new(); segments.pixels.len()];
     for index in outline.iter().map(|&index| index as usize) {
         let label = segments.label[index];
         let beyond = adjacency.beyond(index, DISTANCE, columns[index / width]);
         for (side, beyond) in adjacency.sides(index).into_iter().zip(beyond) {
-            if segments.label[side] != label && segments.label[beyond] != label {
+            if segments.label[side] != label && segments.label[beyond] != label && is_seen(beyond) {
                 outside[label as usize - 1].push(beyond as u32);
             }
         }

@@ -26,6 +26,17 @@ pub struct Selection {
     pub merged: usize,
 }
 
+impl Selection {
+    /// For each selected light, true if any of its `parts` is; all are false if `parts` is empty.
+    pub fn any_of_parts(&self, parts: &[bool]) -> Vec<bool> {
+        let mut any = vec![false; self.lights.len()];
+        for (light, _) in self.part_of.iter().zip(parts).filter(|(_, part)| **part) {
+            light.iter().for_each(|&light| any[light] = true);
+        }
+        any
+    }
+}
+
 /// Select at most `most` lights from those of `measured` that are `listed`.
 pub fn select(measured: Vec<LightMoments>, listed: &[bool], most: usize) -> Selection {
     // Drop the others and rank these.

@@ -4,6 +4,8 @@
 //!   T = 2 q90                      twice the luminance that 90 % of the sphere does not exceed
 //! ```
 //!
+//! Of a map that shows a part of the sphere, only this part counts.
+//!
 //! If q90 is more than 12 times the median (a bright sky over a dark ground, a wall of windows), the
 //! brightest tenth of the sphere is itself light. Then the flux-weighted cut of Otsu (1979) in log
 //! luminance divides light from background, and T is twice the 95 % quantile of the luminance below the cut.
@@ -13,10 +15,9 @@
 //! The bins are the exponent and the leading bits of the mantissa of luminance over mean luminance:
 //! 1/32 of an octave, without a logarithm and without a sort, and the same bins for any scale of the map.
 
-use std::f64::consts::PI;
-
 use rayon::prelude::*;
 
+use super::seen_part::SeenPart;
 use super::working_image::WorkingImage;
 
 /// Bits of an `f32`'s mantissa that a bin ignores.
@@ -100,7 +101,7 @@ impl Threshold {
 /// Choose the threshold of a map.
 pub fn from_histogram(working: &WorkingImage) -> Threshold {
     // Count solid angle by luminance over mean luminance.
-    let mean = working.flux / (4.0 * PI);
+    let mean = working.mean();
     let histogram = Histogram::of(working, mean);
     // Take twice the background, unless that is itself light.
     let (median, background) = (histogram.quantile(0.5), histogram.quantile(BACKGROUND));
@@ -125,12 +126,29 @@ impl Histogram {
     /// Histogram of a working image with this `mean` luminance.
     fn of(working: &WorkingImage, mean: f64) -> Self {
         let per_mean = if mean > 0.0 { (1.0 / mean) as f32 } else { 0.0 };
+        if let Some(seen) = &working.seen {
+            return Self::of_seen(working, seen, per_mean);
+        }
         let width = working.size.1;
         let parts =
             working.luminance.par_chunks(ROWS_AT_ONCE * width).zip(working.bands.par_chunks(ROWS_AT_ONCE));
         let of_rows = parts.map(|(rows, bands)| parts_of_rows(rows, bands, width, per_mean));
         let plus = |one: Vec<u64>, other: Vec<u64>| one.iter().zip(&other).map(|(a, b)| a + b).collect();
         Self { parts: of_rows.reduce(|| vec![0; BINS], plus) }
+    }
+
+    /// Histogram of the part that is seen: mean luminance of the seen part of each pixel, by its solid angle.
+    fn of_seen(working: &WorkingImage, seen: &SeenPart, per_mean: f32) -> Self {
+        let width = working.size.1;
+        let mut parts = vec![0; BINS];
+        let rows = working.luminance.chunks_exact(width).zip(seen.shares().chunks_exact(width));
+        for ((row, shares), &band) in rows.zip(&working.bands) {
+            let whole = parts_of_pixel(band, width) as f64;
+            for (&value, &share) in row.iter().zip(shares).filter(|(_, share)| **share > 0.0) {
+                parts[bin(value / share * per_mean)] += (f64::from(share) * whole) as u64;
+            }
+        }
+        Self { parts }
     }
 
     /// Value that `share` of the solid angle does not exceed; linear within a bin.
@@ -197,7 +215,7 @@ fn parts_of_rows(rows: &[f32], bands: &[f64], width: usize, per_mean: f32) -> Ve
     // Count in four lanes: neighbours are often equal, and separate counters do not wait for each other.
     let mut parts = vec![[0; 4]; BINS];
     for (row, band) in rows.chunks_exact(width).zip(bands) {
-        let share = (band / 2.0 / width as f64 * PARTS_OF_THE_SPHERE) as u64;
+        let share = parts_of_pixel(*band, width);
         for values in row.chunks(64) {
             // Find the bins of 64 pixels.
             let mut bins = [0; 64];
@@ -218,6 +236,11 @@ fn parts_of_rows(rows: &[f32], bands: &[f64], width: usize, per_mean: f32) -> Ve
     }
     // Add the lanes.
     parts.iter().map(|lanes| lanes.iter().sum()).collect()
+}
+
+/// Parts of the sphere in one of `width` pixels of a row of the height `band`.
+fn parts_of_pixel(band: f64, width: usize) -> u64 {
+    (band / 2.0 / width as f64 * PARTS_OF_THE_SPHERE) as u64
 }
 
 const FIRST_BITS: u32 = (127 - OCTAVES_BELOW) << (23 - IGNORED_BITS);
@@ -243,7 +266,8 @@ mod tests {
     use super::*;
     use crate::kernels::sphere::Registration;
     use approx::assert_relative_eq;
-    use ndarray::Array3;
+    use ndarray::{Array2, Array3};
+    use std::f64::consts::PI;
 
     const BACKGROUND_RULE: Rule = Rule::Background { factor: 2.0, share: 0.9 };
     const BELOW_CUT: Rule = Rule::BelowCut { factor: 2.0, share: 0.95, light_share: 1.0 - 0.9 };
@@ -305,7 +329,7 @@ mod tests {
             (7.0 * chance * (y as f32 / 20.0).sin().abs()).exp2()
         });
         let working = WorkingImage::of(map.view(), Registration::CellCentred, 128).unwrap();
-        let mean = working.flux / (4.0 * PI);
+        let mean = working.mean();
         let histogram = Histogram::of(&working, mean);
         for share in [0.01, 0.1, 0.5, 0.9, 0.95, 0.999] {
             let (result, expected) = (histogram.quantile(share) * mean, sorted_quantile(&working, share));
@@ -336,6 +360,43 @@ mod tests {
         for &value in &values[2..9] {
             let (low, high) = (lower_edge(bin(value)), lower_edge(bin(value) + 1));
             assert!(low <= f64::from(value) && f64::from(value) < high, "{low} {value} {high}");
+        }
+    }
+
+    /// A map of seven octaves, of which the upper half repeats in the lower one.
+    fn mirrored_map() -> Array3<f32> {
+        Array3::from_shape_fn((64, 128, 3), |(y, x, _)| {
+            let row = y.min(63 - y);
+            (7.0 * ((row * 7919 + x * 104_729) % 1000) as f32 / 1000.0).exp2()
+        })
+    }
+
+    #[test]
+    fn the_threshold_of_half_a_map_is_that_of_the_whole_one() {
+        let mut map = mirrored_map();
+        let image = |map: &Array3<f32>| {
+            WorkingImage::of(map.view(), Registration::CellCentred, 64).unwrap()
+        };
+        let whole = from_histogram(&image(&map));
+        // Hide the lower half, and half of each pixel of the upper one.
+        let seen = Array2::from_shape_fn((64, 128), |(y, _)| if y < 32 { 0.5 } else { 0.0 });
+        map.indexed_iter_mut().for_each(|((y, x, _), value)| *value *= seen[[y, x]]);
+        let half = from_histogram(&image(&map).with_seen(Some(seen.view()), Registration::CellCentred));
+        assert_relative_eq!(half.luminance, whole.luminance, max_relative = 1e-3);
+        assert_eq!(half.rule, whole.rule);
+        assert!(from_histogram(&image(&map)).luminance < 0.5 * whole.luminance);
+    }
+
+    #[test]
+    fn a_share_of_one_everywhere_changes_nothing() {
+        let map = mirrored_map();
+        for columns in [128, 50, 16] {
+            let working = WorkingImage::of(map.view(), Registration::CellCentred, columns).unwrap();
+            let whole = from_histogram(&working);
+            let ones = Array2::ones((64, 128));
+            let seen = from_histogram(&working.with_seen(Some(ones.view()), Registration::CellCentred));
+            assert_eq!(seen.rule, whole.rule);
+            assert_relative_eq!(seen.luminance, whole.luminance, max_relative = 1e-12);
         }
     }
 }

@@ -2,10 +2,12 @@
 //!
 //! Detection is bound by memory: this pass reads every sample once, later steps read a sixteenth of them and less.
 
-use ndarray::{Array2, ArrayView3, ArrayViewMut1};
+use ndarray::{Array2, ArrayView2, ArrayView3, ArrayViewMut1};
 use rayon::prelude::*;
+use std::f64::consts::PI;
 
 use super::dot_product::dot;
+use super::seen_part::SeenPart;
 use crate::error::{Error, Result};
 use crate::kernels::image::{BlockRow, Grid, LUMINANCE_F32, check_samples, luminance_f32, samples_of};
 use crate::kernels::sphere::{Registration, band_heights};
@@ -30,6 +32,8 @@ pub struct WorkingImage {
     pub tile_maxima: Array2<f32>,
     /// Integral of the luminance over the sphere.
     pub flux: f64,
+    /// Share of each pixel that the map shows; `None` if it shows all.
+    pub seen: Option<SeenPart>,
 }
 
 impl WorkingImage {
@@ -67,7 +71,19 @@ impl WorkingImage {
     /// Copy of the pixels with another luminance.
     #[must_use]
     pub fn with_luminance(&self, luminance: Vec<f32>) -> Self {
-        Self::of_luminance(self.grid.clone(), self.block, luminance)
+        Self { seen: self.seen.clone(), ..Self::of_luminance(self.grid.clone(), self.block, luminance) }
+    }
+
+    /// The image with the `seen` share of each pixel of the map.
+    #[must_use]
+    pub fn with_seen(self, seen: Option<ArrayView2<'_, f32>>, registration: Registration) -> Self {
+        let seen = seen.map(|seen| SeenPart::of(seen, registration, self.block));
+        Self { seen, ..self }
+    }
+
+    /// Mean luminance of what is seen.
+    pub fn mean(&self) -> f64 {
+        self.flux / self.seen.as_ref().map_or(4.0 * PI, SeenPart::solid_angle)
     }
 
     /// The pixels of a `grid` with this luminance, each the mean of `block` x `block` pixels of a map.
@@ -82,7 +98,7 @@ impl WorkingImage {
             .zip(tile_maxima.outer_iter_mut().into_par_iter())
             .for_each(|((rows, sums), maxima)| measure_tiles(rows, &widths, sums, maxima));
         let flux = row_sums.iter().zip(&bands).map(|(sum, band)| sum * band).sum();
-        Self { size, luminance, grid, bands, block, tile_maxima, flux }
+        Self { size, luminance, grid, bands, block, tile_maxima, flux, seen: None }
     }
 
     /// Number of columns that are as wide as `rows` rows are high: at most half a turn.

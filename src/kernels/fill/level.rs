@@ -10,6 +10,7 @@ use crate::kernels::sphere::band_heights;
 
 /// One image of the sphere: known pixels, and holes to fill.
 pub struct Level {
+    /// Rows and columns.
     pub size: (usize, usize),
     grid: Grid,
     /// Radiance of each pixel.

@@ -1,7 +1,5 @@
 //! The cell of an equirectangular map that holds a direction, without an arc function.
 
-#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
-
 use std::f64::consts::{PI, TAU};
 
 use crate::kernels::sphere::{Registration, band_heights};
@@ -30,10 +28,6 @@ impl Cells {
             rows: Sectors::new(&theta_edges),
             columns: Sectors::new(&Registration::CellCentred.phi_edges(width)),
         }
-    }
-
-    pub fn area(&self, cell: usize) -> f64 {
-        self.areas[cell / self.width]
     }
 
     /// The cell of a direction with these [`diamonds`].

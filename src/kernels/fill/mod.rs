@@ -1,0 +1,15 @@
+//! Smooth radiance for pixels without any: behind removed lights, and outside of the seen part of a map.
+//!
+//! | step                                          | file               |
+//! |-----------------------------------------------|--------------------|
+//! | one image of the multigrid                    | `level.rs`         |
+//! | radiance that solves Laplace's equation       | `harmonic_fill.rs` |
+//! | the unseen part of a map                      | `unseen_part.rs`   |
+
+mod harmonic_fill;
+mod level;
+mod unseen_part;
+
+pub use harmonic_fill::harmonic_fill;
+pub use level::{Level, Upsampling};
+pub use unseen_part::fill_unseen;
