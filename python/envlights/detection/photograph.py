@@ -42,8 +42,11 @@ _REFERENCE_PX = 1024
 _WINDOW_OVER_SPACING = 1.3
 #: Widest field of view in degrees; a pinhole camera cannot see 180.
 _WIDEST_DEG = 179.0
-#: Range of luminance of the relative line check, in stops below the threshold and the maximum.
-_STOPS_BELOW, _MOST_STOPS = 10, 30
+#: Stops below the threshold at which the relative line check treats pixels as equally dark: one
+#: black pixel of a window bar would part a lamp otherwise.
+_STOPS_BELOW = 2
+#: Stops from the maximum of a picture to the least threshold of that check, for black pictures.
+_MOST_STOPS = 30
 #: Limit in stops that no luminance reaches.
 _NO_LIMIT = 1e3
 #: Divisor in place of a flux of 0.
@@ -243,7 +246,7 @@ def _lights_of(
 
 
 def _stops(working: NDArray[np.float32], bright: float) -> NDArray[np.float32]:
-    """Luminance in stops above a level that is far below the threshold."""
+    """Luminance in stops above a level below the threshold."""
     bright = max(bright, float(working.max()) * 2.0**-_MOST_STOPS, _TINY)
     floor = np.float32(max(bright * 2.0**-_STOPS_BELOW, float(np.finfo(np.float32).tiny)))
     stops: NDArray[np.float32] = np.log2(np.maximum(working, floor) / floor)
