@@ -14,31 +14,18 @@ class ImageArray(NamedTuple):
     """Samples of an image as they were given, with three channels."""
 
     samples: NDArray[Any]
-    """Red, green and blue, (height, width, 3)."""
+    """Red, green and blue, (height, width, 3) or (6, n, n, 3)."""
 
     seen: NDArray[np.float32] | None
-    """Share of each pixel that alpha and mask show, (height, width); None if all is seen."""
-
-
-def map_array(radiance: ArrayLike, notes: list[str]) -> ImageArray:
-    """`radiance` as an array (height, 2 * height, 3), or a refusal of other shapes.
-
-    Grey arrays and arrays with alpha are converted like files; `notes` says so.
-    """
-    array = image_array(radiance, notes, "a map")
-    height, width, _ = array.samples.shape
-    if width != 2 * height:
-        raise EnvLightsError(
-            f"an equirectangular map is twice as wide as high; got {width}x{height} pixels;"
-            " `detect_photograph` or `envlights photograph` finds the lights of a photograph"
-        )
-    if height < 2:
-        raise EnvLightsError(f"a map needs at least 4x2 pixels; got {width}x{height}")
-    return array
+    """Share of each pixel that alpha and mask show, without channels; None if all is seen."""
 
 
 def image_array(image: ArrayLike, notes: list[str], what: str) -> ImageArray:
-    """`image` as an array (height, width, 3), or a refusal that says `what` it must be."""
+    """`image` as an array (height, width, 3), or a refusal that says `what` it must be.
+
+    Grey arrays and arrays with alpha are converted like files; `notes` says so. Six squares stay an
+    array (6, n, n, 3).
+    """
     try:
         array = np.asarray(image)
     except ValueError as error:
@@ -56,14 +43,17 @@ def image_array(image: ArrayLike, notes: list[str], what: str) -> ImageArray:
 
 def _rgb(array: NDArray[Any], notes: list[str], what: str) -> ImageArray:
     """Three channels, grey ones repeated, and straight alpha."""
-    channels = 1 if array.ndim == 2 else array.shape[2] if array.ndim == 3 else 0
+    is_grey_cube = array.ndim == 3 and array.shape[0] == 6 and array.shape[1] == array.shape[2] > 4
+    if array.ndim == 2 or is_grey_cube:
+        array = array[..., None]
+    channels = array.shape[-1] if array.ndim in (3, 4) else 0
     if channels == 3:
         return ImageArray(array, None)
     if channels == 4:
         return ImageArray(array[..., :3], _share_of_alpha(array[..., 3]))
     if channels == 1:
         notes.append("the only channel was read as grey")
-        return ImageArray(np.repeat(array.reshape(*array.shape[:2], 1), 3, axis=2), None)
+        return ImageArray(np.repeat(array, 3, axis=-1), None)
     raise EnvLightsError(
         f"{what} must have the shape (height, width, 3), or (height, width) for grey;"
         f" got {array.shape}"
@@ -87,6 +77,6 @@ def _without_masked(
     mask = np.asarray(isinstance(radiance, np.ndarray) and getattr(radiance, "mask", False))
     if not mask.any():
         return seen
-    hidden = mask if mask.ndim == 2 else mask.any(axis=2)
+    hidden = mask if mask.ndim == 2 else mask.any(axis=-1)
     share = np.ones(hidden.shape, np.float32) if seen is None else seen
     return np.where(hidden, np.float32(0), share)

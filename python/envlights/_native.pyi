@@ -68,7 +68,6 @@ __all__ = [
     "relative_rms",
     "resize_bilinear",
     "rig_irradiance",
-    "rotate_map",
     "split_map",
     "sum_over_sources",
     "suppress",
@@ -284,7 +283,6 @@ def rig_irradiance(
     radii: _Reals,
     floor: bool,
 ) -> _Reals: ...
-def rotate_map(radiance: _Image, matrix: _Reals) -> _Image: ...
 def split_map(radiance: _Image, border_sampled: bool, lights: _LightPixels) -> MapSplit: ...
 def sum_over_sources(
     normals: _Reals,

@@ -18,6 +18,7 @@ def test_defaults_are_those_of_the_kernels():
     assert layout[3:] == (False, None, (0, 0), 0.0, None, "", 0.0, None, FRONT)
     assert layouts.equirectangular(4).is_whole_sphere
     assert not layouts.crop(30, 60, field_of_view=math.pi).is_whole_sphere
+    assert layouts.octahedral(7, equal_area=True)[:3] == ("octahedral-equal-area", 7, 7)
     assert layouts.cube(8, border_sampled=True)[:4] == ("cube", 48, 8, True)
 
 

@@ -54,7 +54,6 @@ LAYOUTS = [
     ((50, 100), {"projection": "cylinder", "fov": 90, "horizon": 20}, {"horizon": 20}),
     ((64, 64), {"projection": "octahedral"}, {"kind": "octahedral"}),
     ((64, 64), {"projection": "octahedral-equal-area"}, {"kind": "octahedral-equal-area"}),
-    ((64, 64), {"projection": "pbrt"}, {"kind": "octahedral-equal-area", "axes": PBRT}),
     (
         (64, 64),
         {"projection": "angular"},
@@ -116,6 +115,7 @@ REFUSALS = [
     (np.ones((3, 5, 5, 5)), {}, r"must have the shape .*; got \(3, 5, 5, 5\)"),
     (np.ones((6, 8, 8, 3)), {"projection": "angular"}, "six squares are the faces of a cube"),
     (noise(40, 60), {"projection": "equirectangular"}, "twice as wide as high; got 60x40.*fov="),
+    (noise(60, 60), {"projection": "equirectangular"}, "fov=, eye='left' if it holds two eyes"),
     (noise(1, 2), {}, "at least 4x2 pixels; got 2x1"),
     (noise(60, 90), {"projection": "equirectangular", "fov": 360}, "reaches beyond a pole"),
     (noise(40, 60), {"projection": "planar"}, "a photograph needs fov="),

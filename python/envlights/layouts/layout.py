@@ -18,6 +18,8 @@ Axes = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float
 FRONT: Axes = ((0.0, 0.0, 1.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
 #: Axes of a photographed mirror ball: its centre reflects the camera, its right is the camera's.
 MIRRORED: Axes = ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+#: Axes of an octahedral square: its centre is up, its right -x, its lower edge towards +z.
+UP: Axes = ((0.0, 1.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 0.0, -1.0))
 #: Axes of the squares of pbrt-v4: the centre is up, and the picture is a mirror image.
 PBRT: Axes = ((0.0, 1.0, 0.0), (0.0, 0.0, -1.0), (-1.0, 0.0, 0.0))
 
@@ -149,9 +151,9 @@ def cube(n: int, *, border_sampled: bool = False) -> Layout:
 
 
 def octahedral(n: int, *, equal_area: bool = False, axes: Axes = FRONT) -> Layout:
-    """Layout of an octahedron unfolded to a square of n x n pixels, n even."""
+    """Layout of an octahedron unfolded to a square of n x n pixels; n is even if areas differ."""
     side = count("n", n, least=2)
-    if side % 2:
+    if side % 2 and not equal_area:
         raise EnvLightsError(
             f"an octahedral map has an even number of columns; got {side}; leave out one row and"
             " one column"

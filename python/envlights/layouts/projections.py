@@ -38,9 +38,8 @@ PROJECTIONS = {
     ),
     "octahedral": Projection("an octahedral map", "projection='octahedral'", ("towards",)),
     "octahedral-equal-area": Projection(
-        "an equal-area octahedral map", "projection='octahedral-equal-area'", ("towards",)
+        "an equal-area octahedral map, as of pbrt", "projection='octahedral-equal-area'", ("towards",)
     ),
-    "pbrt": Projection("an equal-area octahedral map of pbrt", "projection='pbrt'", ()),
     "angular": Projection("an angular map or light probe", "projection='angular'", ("towards",)),
     "mirror-ball": Projection(
         "a photograph of a mirror ball", "projection='mirror-ball'", ("circle",)
@@ -56,7 +55,7 @@ PROJECTIONS = {
 #: Discs in a black square.
 DISCS = ("angular", "mirror-ball", "fisheye")
 #: Squares without black corners.
-SQUARES = ("octahedral", "octahedral-equal-area", "pbrt")
+SQUARES = ("octahedral", "octahedral-equal-area")
 
 
 def candidates(names: Iterable[str]) -> str:

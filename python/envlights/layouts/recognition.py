@@ -167,9 +167,11 @@ def _equirectangular(height: int, width: int, hints: Hints, arguments: Arguments
         part = layouts.crop(height, width, field_of_view=view, horizon=arguments.horizon)
         return part, (f"the picture is a part of a panorama, {arguments.fov:g} degrees wide",)
     if not is_panorama(height, width):
+        eyes = ", eye='left' if it holds two eyes" if width in (height, 4 * height) else ""
         raise EnvLightsError(
             f"an equirectangular map is twice as wide as high; got {width}x{height} pixels; give"
-            " the degrees of azimuth that a part of one covers as fov=, or another projection="
+            f" the degrees of azimuth that a part of one covers as fov={eyes}, or another"
+            " projection="
         )
     if height < 2:
         raise EnvLightsError(f"a map needs at least 4x2 pixels; got {width}x{height}")
@@ -197,18 +199,13 @@ def _cylinder(height: int, width: int, hints: Hints, arguments: Arguments) -> _M
 
 def _octahedral(height: int, width: int, hints: Hints, arguments: Arguments) -> _Made:
     n = _square(height, width, "an octahedral map")
-    return layouts.octahedral(n, axes=_axes(arguments)), ()
+    return layouts.octahedral(n, axes=_axes(arguments, layouts.UP)), ()
 
 
 def _equal_area(height: int, width: int, hints: Hints, arguments: Arguments) -> _Made:
     n = _square(height, width, "an octahedral map")
-    return layouts.octahedral(n, equal_area=True, axes=_axes(arguments)), ()
-
-
-def _pbrt(height: int, width: int, hints: Hints, arguments: Arguments) -> _Made:
-    n = _square(height, width, "an octahedral map")
-    made = layouts.octahedral(n, equal_area=True, axes=layouts.PBRT)
-    return made, ("its z axis is taken to be up, as in the scenes of pbrt",)
+    axes = _axes(arguments, layouts.PBRT)
+    return layouts.octahedral(n, equal_area=True, axes=axes), ()
 
 
 def _angular(height: int, width: int, hints: Hints, arguments: Arguments) -> _Made:
@@ -250,7 +247,6 @@ _LAYOUTS: dict[str, Callable[[int, int, Hints, Arguments], _Made]] = {
     "cylinder": _cylinder,
     "octahedral": _octahedral,
     "octahedral-equal-area": _equal_area,
-    "pbrt": _pbrt,
     "angular": _angular,
     "mirror-ball": _mirror_ball,
     "fisheye": _fisheye,
@@ -276,8 +272,8 @@ def _square(height: int, width: int, what: str) -> int:
     return height
 
 
-def _axes(arguments: Arguments) -> Axes:
-    return layouts.FRONT if arguments.towards is None else layouts.looking(arguments.towards)
+def _axes(arguments: Arguments, default: Axes = layouts.FRONT) -> Axes:
+    return default if arguments.towards is None else layouts.looking(arguments.towards)
 
 
 def _circle(arguments: Arguments) -> tuple[float, float, float] | None:
