@@ -54,7 +54,7 @@ def white_of_codes(
 ) -> float:
     """Linear clip level of sRGB codes, (height, width, 3), with a note if it is below 1.
 
-    Pixels of which nothing is `seen` do not count.
+    Pixels with a `seen` share of 0 do not count.
     """
     if seen is not None:
         codes = np.where(seen[..., None] > 0, codes, 0).astype(codes.dtype, copy=False)

@@ -54,7 +54,7 @@ pub fn blur<'py>(
 #[pyfunction]
 pub fn plane_threshold(py: Python<'_>, luminance: PyReadonlyArray2<'_, f32>) -> PyResult<f64> {
     let view = luminance.as_array();
-    Ok(interruptible(py, || of_plane::plane_threshold(view))?)
+    interruptible(py, || of_plane::plane_threshold(view))
 }
 
 /// See `envlights.kernels.uv_to_pixel`.

@@ -303,7 +303,7 @@ def test_repair_writes_the_map_with_the_light_that_was_cut_off(tmp_path):
 @pytest.fixture(scope="module")
 def street(tmp_path_factory):
     """A photograph of a lamp, of an aspect that no map has."""
-    codes = np.full((90, 120, 3), 40, np.uint8)
+    codes = np.full((90, 130, 3), 40, np.uint8)
     codes[30:40, 60:80] = 255
     path = tmp_path_factory.mktemp("photographs") / "street.png"
     imsave(path, codes)

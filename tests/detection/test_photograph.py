@@ -82,6 +82,31 @@ def test_lamps_at_opposite_borders_are_two_lights():
         assert max(x) > 388
 
 
+def test_a_blurred_lamp_at_one_border_does_not_show_at_the_other():
+    image = np.full((200, 400, 3), 0.01)
+    image[90:110, :10] = 1.0
+    found = el.detect_photograph(image, blur_px=2.0)
+    assert len(found) == 1
+    assert found.position[0, 0] < 15
+
+
+@pytest.mark.parametrize(("gap", "lights"), [(2, 1), (6, 2)])
+def test_a_black_bar_parts_a_lamp_if_it_is_wide(gap, lights):
+    """A black pixel counts as 2 stops below the threshold, so that a thin bar parts nothing."""
+    image = np.full((400, 1024, 3), 0.1)
+    image[180:220, 300:400] = 3.0
+    image[180:220, 350 : 350 + gap] = 0.0
+    assert len(el.detect_photograph(image)) == lights
+
+
+def test_the_longer_side_of_a_portrait_is_reduced():
+    image = np.full((2048, 1024, 3), 0.1)
+    image[500:580, 400:480] = 5.0
+    found = el.detect_photograph(image)
+    assert found.report.working_size == (1024, 512)
+    np.testing.assert_allclose(found.position, [[440, 540]], atol=15)
+
+
 @pytest.mark.parametrize("reduction", ["bilinear", "area"])
 def test_a_reduced_picture_reports_places_in_its_own_pixels(reduction):
     image = np.full((2000, 3000, 3), 0.1)

@@ -91,7 +91,7 @@ def detect(
             [at[i] for i in survivors], lambda a, b: loghin.is_bright(luminance, a, b)
         )
     else:
-        floor = np.float32(bright / 2**10)
+        floor = np.float32(bright / 2**2)
         stops = np.log2(np.maximum(luminance, floor) / floor)
         merged = loghin.merge(
             [at[i] for i in survivors], lambda a, b: is_within_stops(stops, a, b, 1.5)

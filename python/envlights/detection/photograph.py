@@ -42,8 +42,11 @@ _REFERENCE_PX = 1024
 _WINDOW_OVER_SPACING = 1.3
 #: Widest field of view in degrees; a pinhole camera cannot see 180.
 _WIDEST_DEG = 179.0
-#: Range of luminance of the relative line check, in stops below the threshold and the maximum.
-_STOPS_BELOW, _MOST_STOPS = 10, 30
+#: Stops below the threshold at which the relative line check treats pixels as equally dark: one
+#: black pixel of a window bar would part a lamp otherwise.
+_STOPS_BELOW = 2
+#: Stops from the maximum of a picture to the least threshold of that check, for black pictures.
+_MOST_STOPS = 30
 #: Limit in stops that no luminance reaches.
 _NO_LIMIT = 1e3
 #: Divisor in place of a flux of 0.
@@ -60,7 +63,7 @@ class _Levels(NamedTuple):
     """Least luminance of the maximum of a light."""
 
     unit: float | None
-    """Luminance that stands for the article's 1 in the line check; None: the check is in stops."""
+    """Luminance in place of the article's 1 in the line check; None for a check in stops."""
 
     reason: str
     """Rule that set them."""
@@ -190,11 +193,10 @@ def detect_photograph(
     levels = _levels(working, photograph.white, *options)
     scale = max(working.shape) / _REFERENCE_PX
     cap = math.inf if merge_cap_px is None else scale * amount("merge_cap_px", merge_cap_px)
-    limits = amount("tolerance", tolerance), amount("ceiling", ceiling), 1.0
-    limits = tuple((levels.unit or 1.0) * limit for limit in limits)
-    stops = amount("tolerance_stops", tolerance_stops)
-    if levels.unit is None:
-        limits = stops, _NO_LIMIT, _NO_LIMIT
+    absolute = amount("tolerance", tolerance), amount("ceiling", ceiling)
+    limits = amount("tolerance_stops", tolerance_stops), _NO_LIMIT, _NO_LIMIT
+    if levels.unit is not None:
+        limits = levels.unit * absolute[0], levels.unit * absolute[1], levels.unit
     steps = _Options(
         sampling=sampling,
         samples_per_pixel=samples_per_pixel,
@@ -244,7 +246,7 @@ def _lights_of(
 
 
 def _stops(working: NDArray[np.float32], bright: float) -> NDArray[np.float32]:
-    """Luminance in stops above a level that is far below the threshold."""
+    """Luminance in stops above a level below the threshold."""
     bright = max(bright, float(working.max()) * 2.0**-_MOST_STOPS, _TINY)
     floor = np.float32(max(bright * 2.0**-_STOPS_BELOW, float(np.finfo(np.float32).tiny)))
     stops: NDArray[np.float32] = np.log2(np.maximum(working, floor) / floor)

@@ -85,7 +85,8 @@ def projection_of_shape(picture: NDArray[Any], name: str = "") -> str:
         )
     raise EnvLightsError(
         f"an equirectangular map is twice as wide as high; got {width}x{height} pixels, which may"
-        f" be {_candidates(picture)}; give the arguments of one of them"
+        f" be {_candidates(picture)}; give the arguments of one of them, or find the lights of a"
+        " photograph with `detect_photograph` or `envlights photograph`"
     )
 
 
