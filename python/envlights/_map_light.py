@@ -80,8 +80,8 @@ class MapLight(MapPixels):
 
         Notes
         -----
-        No fill knows a sun that was not seen. On 8 real maps of which a part was hidden, the probe
-        of the filled map differed from that of the whole one by (median, worst): 0.002 and 0.005
+        No fill knows a sun that was not seen. On 8 real maps with a hidden part, the probe of the
+        filled map differed from that of the whole one by (median, worst): 0.002 and 0.005
         for "harmonic" without the part below -60 degrees; 0.12 and 0.43 for "ground" without the
         lower half; 0.15 and 0.90 for "harmonic" without the half behind. `benchmarks/unseen.py` has
         all fills.

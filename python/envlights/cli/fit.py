@@ -56,8 +56,8 @@ from envlights.rig import Rig
 @click.option(
     "--unseen",
     metavar="CHOICE",
-    help="Radiance where MAP shows nothing (alpha, a crop): black, harmonic, ground, a number, or R,G,B."
-    " Needed if less than 90 % of the sphere is seen.",
+    help="Radiance where MAP shows nothing (alpha, a crop): black, harmonic, ground, a number, or"
+    " R,G,B. Needed if less than 90 % of the sphere is seen.",
 )
 @output_option(OUTPUTS)
 @verbose_option()

@@ -55,7 +55,7 @@ def map_argument(function: Callable[..., None]) -> Callable[..., None]:
 
 
 def radiance_or_name(text: str | None) -> str | list[float] | float | None:
-    """Value of ``--unseen``: a number, red, green and blue between commas, or the name of a fill."""
+    """Value of ``--unseen``: a number, RGB between commas, or the name of a fill."""
     if text is None:
         return None
     try:

@@ -369,15 +369,14 @@ def _from_dict(data: dict[str, Any]) -> DetectedLights:
     arrays = {name: reals(name, np.reshape(data[name], (-1, 3)), 2) for name in _VECTORS}
     given = [*_NUMBERS, *(name for name in _OF_CLIPPED if name in data)]
     arrays |= {name: reals(name, np.asarray(data[name], np.float64), 1) for name in given}
-    flags = {
-        name: np.array([flag(name, each) for each in data[name]], bool)
-        for name in ("is_clipped", "is_cut")
-        if name in data or name == "is_clipped"  # files of older versions have no `is_cut`
-    }
+    clipped = [flag("is_clipped", each) for each in data["is_clipped"]]
+    # Files of older versions have no `is_cut`.
+    cut = [flag("is_cut", each) for each in data.get("is_cut", [False] * len(clipped))]
     lights = len(arrays["direction"])
     return DetectedLights(
         **arrays,
-        **flags,
+        is_clipped=np.array(clipped, bool),
+        is_cut=np.array(cut, bool),
         members=Members.from_runs(data["members"], lights, report.working_size),
         report=report,
     )

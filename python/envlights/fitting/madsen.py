@@ -13,9 +13,9 @@ from envlights._arrays import freeze
 from envlights._check import amount, colour, count, reals
 from envlights._interruptible import interruptible
 from envlights._native import EnvLightsError
-from envlights._unseen import Unseen
 from envlights._result import Result
 from envlights._tables import Table
+from envlights._unseen import Unseen
 from envlights.envmap import AnyMap, EnvMap, as_envmap
 from envlights.fitting.wording import clipping
 from envlights.kernels import madsen, probe, sampling

@@ -61,7 +61,7 @@ def _difference(env: EnvMap, reference: EnvMap, floor: bool) -> float:
 def above_horizon(env: EnvMap) -> EnvMap:
     """`env`, black below the horizon."""
     # All columns have the same heights, so compute one.
-    towards = sphere.pixel_directions(env.height, 2, border_sampled=env.is_border_sampled)[:, :1]
+    towards = pixel_directions(env.height, 2, border_sampled=env.is_border_sampled)[:, :1]
     radiance = in_blocks(
         env.radiance.shape,
         lambda rows: np.where(towards[rows, :, 1:2] < 0, np.float32(0), env.radiance[rows]),

@@ -13,6 +13,7 @@ from envlights.io.hints import Hints
 from envlights.layouts.conventions import CONVENTIONS, CROSSES, DISTINCT, FACES, title_of
 from envlights.layouts.faces import crosses_of, faces_of_cross, is_strip, split_strip, upright_faces
 from envlights.layouts.layout import Layout, cube
+from envlights.layouts.projections import candidates
 from envlights.layouts.records import REGISTRATIONS, Arguments, ArrangedPicture, Source
 from envlights.layouts.seams import (
     FITS,
@@ -128,6 +129,12 @@ def _order(evidence: Evidence, hints: Hints, arguments: Arguments, recognised_by
         (name,) = evidence.scores
         by = recognised_by if recognised_by != "argument" else "shape"
         fits = evidence.scores[name] < FITS
+        if not fits and by == "shape" and recognised_by == "shape":
+            raise EnvLightsError(
+                f"a picture with even corners of the shape 4:3 may be a cube map (faces={name!r}),"
+                f" but the edges of its faces do not fit ({_scores(evidence)}), or"
+                f" {candidates(('planar',))}; give the arguments of one of them"
+            )
         return _Order(name, by, (f"faces of {title_of(name)}{'' if fits else _doubt(evidence)}",))
     if not evidence.chosen:
         raise EnvLightsError(_ambiguous(evidence))

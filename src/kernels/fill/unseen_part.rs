@@ -8,8 +8,8 @@ use glam::Vec3A;
 use ndarray::{ArrayView2, ArrayView3, ArrayViewMut3, Axis};
 use rayon::prelude::*;
 
-use super::harmonic_fill::harmonic_fill;
 use super::level::{Level, Upsampling};
+use super::multigrid;
 use crate::error::Result;
 use crate::interrupt;
 use crate::kernels::image::{Grid, block_fractions, check_rgb, luminance_f32};
@@ -73,14 +73,16 @@ impl PartialMap<'_> {
     fn solve(&self, pixels: &Grid, block: usize, most: f32) -> Level {
         let (means, shares) = self.means(pixels, block, most);
         let least = LEAST_SHARE * shares.iter().copied().fold(0.0, f32::max);
-        let is_known = |pixel: &usize| shares[*pixel] >= least;
-        let holes = (0..shares.len()).filter(|pixel| !is_known(pixel)).collect();
-        let known = |pixel: usize| means[pixel] / shares[pixel];
-        let mut solved = harmonic_fill(pixels.in_blocks(block), holes, known);
-        // The fill holds only the known pixels beside holes.
-        for pixel in (0..shares.len()).filter(is_known) {
-            solved.values[pixel] = known(pixel);
-        }
+        let is_hole: Vec<bool> = shares.iter().map(|&share| share < least).collect();
+        // Start the holes from the mean of what is known.
+        let known = || means.iter().zip(&shares).zip(&is_hole).filter(|(_, is_hole)| !**is_hole);
+        let count = known().count().max(1) as f32;
+        let start = known().map(|((&mean, &share), _)| mean / share).sum::<Vec3A>() / count;
+        let value = |((&mean, &share), &is_hole)| if is_hole { start } else { mean / share };
+        let grid = pixels.in_blocks(block);
+        let mut solved = Level::new(grid.clone(), Vec::new());
+        solved.values = means.iter().zip(&shares).zip(&is_hole).map(value).collect();
+        multigrid::solve(grid, is_hole, &mut solved.values);
         solved
     }
 
@@ -94,9 +96,10 @@ impl PartialMap<'_> {
         let rows = means.par_chunks_mut(blocks).zip(shares.par_chunks_mut(blocks)).enumerate();
         rows.for_each(|(row, (means, shares))| {
             interrupt::check();
-            for row in row * block..((row + 1) * block).min(height) {
-                for (column, fraction) in of_columns.iter().enumerate() {
-                    let (share, fraction) = (self.seen[[row, column]], fraction * of_rows[row]);
+            let rows = row * block..((row + 1) * block).min(height);
+            for (row, of_row) in rows.clone().zip(&of_rows[rows]) {
+                for (column, of_column) in of_columns.iter().enumerate() {
+                    let (share, fraction) = (self.seen[[row, column]], of_row * of_column);
                     means[column / block] += fraction * dim(self.pixel(row, column), most * share);
                     shares[column / block] += fraction * share;
                 }
@@ -122,7 +125,7 @@ mod tests {
 
     const SIZE: (usize, usize) = (64, 128);
 
-    /// A map of this radiance, of which `seen` is shown, after its unseen part is filled in `columns` columns.
+    /// A map of this radiance and share `seen`, after its unseen part is filled in `columns` columns.
     fn fill(
         radiance: impl Fn(usize, usize) -> f32,
         seen: impl Fn(usize, usize) -> f32,

@@ -30,8 +30,9 @@ impl Selection {
     /// For each selected light, true if any of its `parts` is; all are false if `parts` is empty.
     pub fn any_of_parts(&self, parts: &[bool]) -> Vec<bool> {
         let mut any = vec![false; self.lights.len()];
-        for (light, _) in self.part_of.iter().zip(parts).filter(|(_, part)| **part) {
-            light.iter().for_each(|&light| any[light] = true);
+        let chosen = self.part_of.iter().zip(parts).filter(|(_, part)| **part);
+        for light in chosen.filter_map(|(light, _)| *light) {
+            any[light] = true;
         }
         any
     }

@@ -48,7 +48,9 @@ impl SeenPart {
                     shares[column / block] += rows[row] * fraction * (1.0 - seen[[row, column]]);
                 }
             }
-            shares.iter_mut().for_each(|share| *share = share_of(*share));
+            for share in shares {
+                *share = share_of(*share);
+            }
         });
         let (bands, widths) = (band_heights(&grid.theta_edges), grid.widths());
         let solid_angle_of = |(row, band): (&[f32], &f64)| {

@@ -363,7 +363,7 @@ mod tests {
         }
     }
 
-    /// A map of seven octaves, of which the upper half repeats in the lower one.
+    /// A map of seven octaves, whose upper half repeats in the lower one.
     fn mirrored_map() -> Array3<f32> {
         Array3::from_shape_fn((64, 128, 3), |(y, x, _)| {
             let row = y.min(63 - y);
