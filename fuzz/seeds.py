@@ -47,7 +47,7 @@ def png(colours: int, depth: int, *, interlaced: bool) -> bytes:
     header = struct.pack(">2I5B", width, height, depth, colours, 0, 0, interlaced)
     chunks = [chunk(b"IHDR", header), chunk(b"gAMA", struct.pack(">I", 45455))]
     if colours == 3:
-        palette = bytes(range(3 * (1 << depth))[:768]) if depth < 8 else bytes(768)
+        palette = bytes(range(48))[: 3 << depth] if depth < 8 else bytes(768)
         chunks += [chunk(b"PLTE", palette), chunk(b"tRNS", b"\0\x80")]
     elif depth == 8:
         chunks += [chunk(b"sRGB", b"\0"), chunk(b"cICP", bytes([1, 13, 0, 1]))]
