@@ -63,7 +63,7 @@ class Picture(NamedTuple):
     histogram: np.ndarray
 
 
-def compressed(codes, quality):
+def compress(codes, quality):
     """Codes after JPEG compression with halved colour."""
     if not quality:
         return codes
@@ -93,9 +93,7 @@ def is_clipped(is_beyond):
 def renderings(radiance):
     """Curve, level and codes of each picture of a map; level 0 if nothing is clipped."""
     middle = np.median(radiance.max(axis=2)) or radiance.mean()
-    for exposure, (curve, level) in itertools.product(
-        EXPOSURES, itertools.product(CURVES, LEVELS)
-    ):
+    for exposure, (curve, level) in itertools.product(EXPOSURES, itertools.product(CURVES, LEVELS)):
         coded = CURVES[curve](radiance * (exposure / middle))
         # Every other picture is scaled to its level, the rest cut off there.
         scale = level if (exposure == EXPOSURES[0]) == (curve == "sRGB") else 255
@@ -114,7 +112,7 @@ def pictures(maps, name, radiance):
     for curve, level, codes in renderings(radiance):
         codes = codes.astype(np.uint8)
         for quality in QUALITIES:
-            histogram = histogram_of(compressed(codes, quality))
+            histogram = histogram_of(compress(codes, quality))
             yield Picture(maps, name, curve, level, quality, histogram)
 
 
