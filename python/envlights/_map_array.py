@@ -57,8 +57,7 @@ def _rgb(array: NDArray[Any], notes: list[str], what: str) -> ImageArray:
         notes.append("the only channel was read as grey")
         return ImageArray(np.repeat(array, 3, axis=-1), None)
     raise EnvLightsError(
-        f"{what} must have the shape (height, width, 3), or (height, width) for grey;"
-        f" got {shape}"
+        f"{what} must have the shape (height, width, 3), or (height, width) for grey; got {shape}"
     )
 
 

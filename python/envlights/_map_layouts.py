@@ -16,9 +16,9 @@ from envlights._native import EnvLightsError
 from envlights._peaks import spread_peaks
 from envlights.io.images import MOST_PIXELS
 from envlights.layouts import layout as layouts
+from envlights.layouts.conventions import CONVENTIONS
 from envlights.layouts.layout import MAPPINGS, Layout
 from envlights.layouts.picture import Picture, picture_of
-from envlights.layouts.conventions import CONVENTIONS
 
 if TYPE_CHECKING:
     from typing_extensions import Self

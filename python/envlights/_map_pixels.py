@@ -304,9 +304,7 @@ def checked_width(width: int) -> int:
     """Columns of a map, or a refusal."""
     columns = count("width", width, least=4)
     if columns % 2 or columns * columns > 2 * MOST_PIXELS:
-        raise EnvLightsError(
-            f"width must be an even number of columns, up to 32768; got {columns}"
-        )
+        raise EnvLightsError(f"width must be an even number of columns, up to 32768; got {columns}")
     return columns
 
 

@@ -13,7 +13,7 @@ from envlights.io.signature import kind_of
 from envlights.io.source import named_source
 from envlights.layouts import Arguments, recognise
 from envlights.layouts.faces import arranged_faces, stored_faces
-from envlights.layouts.layout import MIRRORED, PBRT
+from envlights.layouts.layout import MIRRORED
 from tests.layouts.files import dds, jpeg_with
 from tests.layouts.worlds import smooth, upright_directions
 

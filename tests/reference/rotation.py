@@ -91,7 +91,9 @@ def _place(direction, height, width):
     """Row and column of a direction, as real numbers."""
     theta = np.arctan2(np.hypot(direction[0], direction[2]), direction[1])
     phi = np.arctan2(direction[0], -direction[2]) % (2 * np.pi)
-    return np.minimum([theta * height / np.pi, phi * width / (2 * np.pi)], [height - 1e-9, width - 1e-9])
+    return np.minimum(
+        [theta * height / np.pi, phi * width / (2 * np.pi)], [height - 1e-9, width - 1e-9]
+    )
 
 
 def _bilinear(row, column, matrix, height, width, side):
@@ -123,7 +125,7 @@ def moment(row, column, height, width):
 
 
 def _tilt(cells, weights, centre, height, width, areas):
-    """Factors of the weights of cells, with which their centroid is a given one; ones if none is."""
+    """Factors of the weights of cells, with which their centroid is `centre`."""
     moments = np.array([moment(y, x, height, width) / areas[y, 0] for y, x in cells])
     first = np.cross(centre, [1, 0, 0] if abs(centre[0]) < 0.9 else [0, 1, 0])
     first /= np.linalg.norm(first)
