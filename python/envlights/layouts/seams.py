@@ -162,10 +162,9 @@ def log_luminance(samples: NDArray[Any]) -> NDArray[np.float32]:
     if samples.shape[-1] >= 3:
         weights = LUMINANCE.astype(np.float32)
         shape = samples.shape[:-1]
-        with np.errstate(invalid="ignore"):  # infinity times 0
-            # Samples beyond single precision become infinite.
-    with np.errstate(over="ignore", invalid="ignore"):
-        grey = in_blocks(shape, lambda at: samples[at][..., :3].astype(np.float32) @ weights)
+        # Samples beyond single precision become infinite, and infinity times 0 is NaN.
+        with np.errstate(over="ignore", invalid="ignore"):
+            grey = in_blocks(shape, lambda at: samples[at][..., :3].astype(np.float32) @ weights)
     else:
         grey = samples[..., 0].astype(np.float32)
     grey = np.nan_to_num(grey, nan=0.0, posinf=1e30, neginf=0.0).clip(0, 1e30)
