@@ -16,6 +16,16 @@ test:
 fuzz:
 	ENVLIGHTS_FUZZ=1 $(PYTHON) -m pytest -s tests/test_fuzz.py tests/test_calls.py tests/test_saves.py
 
+.PHONY: fuzz-native  ## Coverage-guided fuzzing of decoders and reduction, SECONDS for each; needs cargo-fuzz
+SECONDS ?= 600
+fuzz-native:
+	$(PYTHON) fuzz/seeds.py
+	for target in decode rows; do \
+	  mkdir -p fuzz/corpus/$$target; \
+	  cargo fuzz run --sanitizer none $$target fuzz/corpus/$$target fuzz/seeds/$$target -- \
+	    -max_total_time=$(SECONDS) -max_len=4096 -timeout=8 -rss_limit_mb=1024 || exit 1; \
+	done
+
 .PHONY: lint  ## Everything that needs no judgement
 lint:
 	cargo fmt --check

@@ -43,7 +43,7 @@ def radiance_of(height):
     """A real map with noise, so that it packs like a photograph; a generated one without maps."""
     folder = os.environ.get("ENVLIGHTS_MAPS")
     small = el.EnvMap.open(Path(folder) / REAL_MAP) if folder else el.synthetic.hard(3, 1024)
-    times = height // small.height
+    times = height // len(small.radiance)
     large = small.radiance.repeat(times, axis=0).repeat(times, axis=1)
     noise = np.random.default_rng(7).normal(1.0, 0.004, large.shape).astype(np.float32)
     return large * noise

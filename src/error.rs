@@ -18,6 +18,13 @@ pub enum Error {
         shape: Vec<usize>,
     },
 
+    /// Numbers of a layout that no picture has.
+    #[error("{what}")]
+    NoSuchLayout {
+        /// Condition that does not hold.
+        what: &'static str,
+    },
+
     /// An array does not have the columns that it must have.
     #[error("{what} must have the shape (n, {columns}); got {shape:?}")]
     WrongColumns {

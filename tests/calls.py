@@ -31,6 +31,7 @@ from tests.call_values import (
     MODEL,
     NORMALS,
     PAPER,
+    PHOTOGRAPHS,
     PIXELS,
     RIG,
     RIGS,
@@ -120,8 +121,10 @@ CALLS = {
             "relative": FLAG,
             "move_to_maximum": FLAG,
             "sphere": FLAG,
+            "sampling": st.sampled_from(["hammersley", "halton"]),
         },
     ),
+    "detect_photograph": (el.detect_photograph, PHOTOGRAPHS),
     "fit": (
         el.fit,
         {
@@ -221,7 +224,7 @@ CALLS = {
         {"rig": RIGS, "path": st.just("no-folder/rig.json"), **ENGINE},
     ),
     **dict(call for target in export.TARGETS for call in exports_of(target)),
-    "kernels.blur": (kernels.blur, {"image": GREY, "sigma": SMALL}),
+    "kernels.blur": (kernels.blur, {"image": GREY, "sigma": SMALL, "wrap": FLAG}),
     "kernels.bresenham_line": (
         kernels.bresenham_line,
         {"start": st.tuples(SEED, SEED), "end": st.tuples(SEED, SEED)},
@@ -296,7 +299,7 @@ CALLS = {
     ),
     "kernels.resize_bilinear": (
         kernels.resize_bilinear,
-        {"image": GREY, "height": SIZE, "width": SIZE},
+        {"image": GREY, "height": SIZE, "width": SIZE, "wrap": FLAG},
     ),
     "kernels.rig_irradiance": (
         kernels.rig_irradiance,
@@ -357,6 +360,8 @@ LEFT_OUT = {
     "FitReport": "comes from fit",
     "MitsubaScene": "is Mitsuba's answer to a scene",
     "PaperFit": "comes from fit_paper",
+    "PhotographLight": "comes from detect_photograph",
+    "PhotographLights": "comes from detect_photograph",
     "Rig": "comes from fit",
     "Split": "comes from split",
     "StopReason": "is an enumeration",

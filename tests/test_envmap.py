@@ -101,7 +101,9 @@ def test_arrays_that_are_no_map_are_refused(array, message):
         el.EnvMap(array)
 
 
-@pytest.mark.parametrize(("name", "wanted"), [("projection", "cube"), ("registration", "middle")])
+@pytest.mark.parametrize(
+    ("name", "wanted"), [("projection", "spherical"), ("registration", "middle")]
+)
 def test_unknown_choices_are_refused(name, wanted):
     with pytest.raises(el.EnvLightsError, match=rf"{name} must be .*; got '{wanted}'"):
         el.EnvMap(np.ones((4, 8, 3)), **{name: wanted})

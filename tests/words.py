@@ -267,7 +267,7 @@ def main() -> int:
     arguments = parser.parse_args()
     if arguments.count:
         print_sizes()
-    folders = ("src", "python", "tests", "benchmarks", "docs", "notebooks")
+    folders = ("src", "python", "tests", "benchmarks", "docs", "notebooks", "fuzz/fuzz_targets")
     everything = [*ROOT.glob("*.md"), *(ROOT / folder for folder in folders)]
     paths = files_in(arguments.paths or everything)
     violations = [violation for path in paths for violation in violations_in(path)]

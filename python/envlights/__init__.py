@@ -17,6 +17,8 @@ from envlights.detection.component_tree import detect_tree
 from envlights.detection.detect import detect
 from envlights.detection.lights import DetectedLights, DetectionReport
 from envlights.detection.loghin import detect_article
+from envlights.detection.photograph import detect_photograph
+from envlights.detection.photograph_lights import PhotographLight, PhotographLights
 from envlights.detection.removed_lights import RemovedLights
 from envlights.detection.split import Split, split
 from envlights.envmap import EnvMap
@@ -40,6 +42,8 @@ __all__ = [
     "MissingFileError",
     "MitsubaScene",
     "PaperFit",
+    "PhotographLight",
+    "PhotographLights",
     "RemovedLights",
     "Rig",
     "Split",
@@ -50,6 +54,7 @@ __all__ = [
     "bake",
     "detect",
     "detect_article",
+    "detect_photograph",
     "detect_tree",
     "fit",
     "fit_paper",

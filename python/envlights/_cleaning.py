@@ -39,9 +39,12 @@ def linear(array: NDArray[Any], notes: list[str]) -> NDArray[np.float32]:
 
 
 def clean(
-    radiance: NDArray[np.float32], notes: list[str]
+    radiance: NDArray[np.float32], notes: list[str], *, wrap: bool = True
 ) -> tuple[NDArray[np.float32], float | None]:
-    """Radiance without NaN, negative and infinite samples, and the clip level of infinite ones."""
+    """Radiance without NaN, negative and infinite samples, and the clip level of infinite ones.
+
+    The outer pixels of a row are neighbours if `wrap` is true, as in a map.
+    """
     nan, infinite, negative = _native.unusable(radiance)
     if not (nan or infinite or negative):
         return radiance, None
@@ -53,10 +56,10 @@ def clean(
     if negative:
         notes.append(note_of_negative(negative))
     if infinite:
-        _replace_infinite(cleaned, level)
+        _replace_infinite(cleaned, level, wrap)
         notes.append(f"{_samples(infinite, 'infinite')} set to {level:g} and counted as clipped")
     if nan:
-        brightest = _replace_nan(cleaned)
+        brightest = _replace_nan(cleaned, wrap)
         where = " in the brightest light" if brightest > _BRIGHT * cleaned.max() else ""
         notes.append(f"{_samples(nan, 'NaN')}{where} set to the mean of the neighbours")
     return cleaned, level if infinite else None
@@ -76,26 +79,30 @@ def _largest_finite(radiance: NDArray[np.float32]) -> float:
     parts = (radiance[rows] for rows in blocks(radiance.shape))
     largest = max(part.max(where=np.isfinite(part), initial=-np.inf) for part in parts)
     if largest == -np.inf:
-        raise EnvLightsError("the map holds no finite sample; is it damaged?")
+        raise EnvLightsError("the image holds no finite sample; is it damaged?")
     return max(float(largest), 0.0)
 
 
 def _neighbours(
-    image: NDArray[Any], rows: NDArray[np.intp], columns: NDArray[np.intp]
+    image: NDArray[Any], rows: NDArray[np.intp], columns: NDArray[np.intp], wrap: bool
 ) -> NDArray[Any]:
-    """The eight pixels around each pixel, (n, 8, ...); the outer ones of a row are neighbours."""
+    """The eight pixels around each pixel, (n, 8, ...), across the seam if `wrap` is true."""
     height, width = image.shape[:2]
     steps = [(y, x) for y in (-1, 0, 1) for x in (-1, 0, 1) if (y, x) != (0, 0)]
-    near = [image[np.clip(rows + y, 0, height - 1), (columns + x) % width] for y, x in steps]
+
+    def column(x: int) -> NDArray[np.intp]:
+        return (columns + x) % width if wrap else np.clip(columns + x, 0, width - 1)
+
+    near = [image[np.clip(rows + y, 0, height - 1), column(x)] for y, x in steps]
     return np.stack(near, axis=1)
 
 
-def _replace_infinite(radiance: NDArray[np.float32], level: float) -> None:
+def _replace_infinite(radiance: NDArray[np.float32], level: float, wrap: bool) -> None:
     """Put infinite samples at `level`, from the border of an infinite region to its middle."""
     is_open: NDArray[np.bool_] = np.all(np.isposinf(radiance), axis=2)
     for _ in range(_REACH):
         rows, columns = np.nonzero(is_open)
-        near = _neighbours(radiance, rows, columns)
+        near = _neighbours(radiance, rows, columns, wrap)
         is_usable = np.isfinite(near).all(axis=2) & (near.max(axis=2, initial=0) > 0)
         mean = np.where(is_usable[..., None], near, 0).sum(axis=1, dtype=np.float64)
         has_hue = mean.max(axis=1, initial=0) > 0
@@ -107,13 +114,13 @@ def _replace_infinite(radiance: NDArray[np.float32], level: float) -> None:
     radiance[np.isposinf(radiance)] = level
 
 
-def _replace_nan(radiance: NDArray[np.float32]) -> float:
+def _replace_nan(radiance: NDArray[np.float32], wrap: bool) -> float:
     """Put the mean of the finite neighbours into NaN samples, and return the largest mean.
 
     Samples without such neighbours become 0.
     """
     rows, columns, channels = np.nonzero(np.isnan(radiance))
-    near = _neighbours(radiance, rows, columns)
+    near = _neighbours(radiance, rows, columns, wrap)
     with np.errstate(invalid="ignore"):  # of signalling NaN
         near = np.take_along_axis(near, channels[:, None, None], axis=2)[..., 0].astype(np.float64)
     count = np.isfinite(near).sum(axis=1)

@@ -1,4 +1,4 @@
-"""Arrays of maps as RGB, and the share of each pixel that they show."""
+"""Arrays of maps and photographs as RGB, and the share of each pixel that they show."""
 
 from __future__ import annotations
 
@@ -10,56 +10,54 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._native import EnvLightsError
 
 
-class MapArray(NamedTuple):
-    """Samples of a map as they were given, with three channels."""
+class ImageArray(NamedTuple):
+    """Samples of an image as they were given, with three channels."""
 
     samples: NDArray[Any]
-    """Red, green and blue, (height, 2 * height, 3)."""
+    """Red, green and blue, (height, width, 3) or (6, n, n, 3)."""
 
     seen: NDArray[np.float32] | None
-    """Share of each pixel that alpha and mask show, (height, 2 * height); None if all is seen."""
+    """Share of each pixel that alpha and mask show, without channels; None if all is seen."""
 
 
-def map_array(radiance: ArrayLike, notes: list[str]) -> MapArray:
-    """`radiance` as an array (height, 2 * height, 3), or a refusal of other shapes.
+def image_array(image: ArrayLike, notes: list[str], what: str) -> ImageArray:
+    """`image` as an array (height, width, 3), or a refusal that says `what` it must be.
 
-    Grey arrays and arrays with alpha are converted like files; `notes` says so.
+    Grey arrays and arrays with alpha are converted like files; `notes` says so. Six squares stay an
+    array (6, n, n, 3).
     """
     try:
-        array = np.asarray(radiance)
+        array = np.asarray(image)
     except ValueError as error:
-        raise EnvLightsError(f"a map must be an array of numbers; {error}") from None
+        raise EnvLightsError(f"{what} must be an array of numbers; {error}") from None
     if array.dtype.kind == "O":
-        raise EnvLightsError(f"a map must be an array of numbers; got {type(radiance).__name__}")
+        raise EnvLightsError(f"{what} must be an array of numbers; got {type(image).__name__}")
     is_coded = array.dtype.kind == "u" and array.dtype.itemsize <= 2  # in either byte order
     if array.dtype.kind != "f" and not is_coded:
         raise EnvLightsError(
-            f"a map must be floating point, uint8 or uint16; got the dtype {array.dtype}"
+            f"{what} must be floating point, uint8 or uint16; got the dtype {array.dtype}"
         )
-    samples, seen = _rgb(array, notes)
-    height, width, _ = samples.shape
-    if width != 2 * height:
-        raise EnvLightsError(
-            f"an equirectangular map is twice as wide as high; got {width}x{height} pixels"
-        )
-    if height < 2:
-        raise EnvLightsError(f"a map needs at least 4x2 pixels; got {width}x{height}")
-    return MapArray(samples, _without_masked(radiance, seen))
+    samples, seen = _rgb(array, notes, what)
+    return ImageArray(samples, _without_masked(image, seen))
 
 
-def _rgb(array: NDArray[Any], notes: list[str]) -> MapArray:
+def _rgb(array: NDArray[Any], notes: list[str], what: str) -> ImageArray:
     """Three channels, grey ones repeated, and straight alpha."""
-    channels = 1 if array.ndim == 2 else array.shape[2] if array.ndim == 3 else 0
+    shape = array.shape
+    is_grey_cube = array.ndim == 3 and array.shape[0] == 6 and array.shape[1] == array.shape[2] > 4
+    if array.ndim == 2 or is_grey_cube:
+        array = array[..., None]
+    is_cube = array.ndim == 4 and array.shape[0] == 6
+    channels = array.shape[-1] if array.ndim == 3 or is_cube else 0
     if channels == 3:
-        return MapArray(array, None)
+        return ImageArray(array, None)
     if channels == 4:
-        return MapArray(array[..., :3], _share_of_alpha(array[..., 3]))
+        return ImageArray(array[..., :3], _share_of_alpha(array[..., 3]))
     if channels == 1:
         notes.append("the only channel was read as grey")
-        return MapArray(np.repeat(array.reshape(*array.shape[:2], 1), 3, axis=2), None)
+        return ImageArray(np.repeat(array, 3, axis=-1), None)
     raise EnvLightsError(
-        "a map must have the shape (height, width, 3), or (height, width) for grey;"
-        f" got {array.shape}"
+        f"{what} must have the shape (height, width, 3), or (height, width) for grey; got {shape}"
     )
 
 
@@ -80,6 +78,6 @@ def _without_masked(
     mask = np.asarray(isinstance(radiance, np.ndarray) and getattr(radiance, "mask", False))
     if not mask.any():
         return seen
-    hidden = mask if mask.ndim == 2 else mask.any(axis=2)
+    hidden = mask if mask.ndim == 2 else mask.any(axis=-1)
     share = np.ones(hidden.shape, np.float32) if seen is None else seen
     return np.where(hidden, np.float32(0), share)

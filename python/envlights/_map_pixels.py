@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -12,16 +12,22 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights import _cleaning, _html, _map_text, _native, _thumbnails, _visibility, resampling
 from envlights._arrays import convert
-from envlights._check import amount, check_choice, describe, texts
-from envlights._map_array import map_array
+from envlights._check import amount, count, describe, texts
+from envlights._map_array import image_array
 from envlights._native import EnvLightsError
 from envlights._white import white_of_codes
+from envlights.io.hints import NO_HINTS, Hints
+from envlights.io.images import MOST_PIXELS
+from envlights.layouts.layout import equirectangular
+from envlights.layouts.recognition import recognise
+from envlights.layouts.records import REGISTRATIONS, Arguments, ArrangedPicture, Source
+from envlights.layouts.sources import faces_of_mapping
 
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-PROJECTIONS = ("equirectangular",)
-REGISTRATIONS = ("cell-centred", "border-sampled")
+#: Projection of the pixels of every map.
+PROJECTION = "equirectangular"
 
 
 class MapPixels:
@@ -29,30 +35,34 @@ class MapPixels:
 
     def __init__(
         self,
-        radiance: ArrayLike,
+        radiance: ArrayLike | Mapping[str, ArrayLike],
         *,
-        projection: str = "equirectangular",
-        registration: str = "cell-centred",
+        projection: str | None = None,
+        faces: str | None = None,
+        registration: str | None = None,
+        mapping: str | None = None,
+        fov: float | None = None,
+        horizon: float | None = None,
+        circle: ArrayLike | None = None,
+        towards: ArrayLike | None = None,
+        eye: str | None = None,
+        width: int | None = None,
         notes: str | Iterable[str] = (),
         white: float | None = None,
         seen: ArrayLike | None = None,
     ) -> None:
-        check_choice("projection", projection, PROJECTIONS)
-        check_choice("registration", registration, REGISTRATIONS)
+        arguments = Arguments(
+            projection, faces, registration, mapping, fov, horizon, circle, towards, eye
+        )
+        arguments.check()
         self._white = None if white is None else checked_white(white)
-        self._clipped: tuple[float, float] | None = None
         self._notes = texts("notes", notes)
-        self._projection, self._registration = projection, registration
         if isinstance(radiance, str | os.PathLike):
             raise EnvLightsError(
                 "a map must be an array; `EnvMap.open` reads files; got"
                 f" {describe(os.fspath(radiance))}"
             )
-        array = map_array(radiance, self._notes)
-        linear = self._with_seen(self._linear(array.samples, array.seen), array.seen, seen)
-        cleaned, level = _cleaning.clean(linear, self._notes)
-        self._white = level if self._white is None else self._white
-        self._radiance = _read_only(cleaned)
+        self._set_pixels(radiance, seen, NO_HINTS, arguments, width)
 
     @classmethod
     def unchecked(
@@ -66,13 +76,77 @@ class MapPixels:
     ) -> Self:
         """Map without a check of its samples, for arrays that a kernel checks or has made."""
         env = cls.__new__(cls)
-        env._notes = list(notes)
-        env._projection, env._registration = PROJECTIONS[0], registration
-        env._white, env._clipped = white, None
-        array = map_array(radiance, env._notes)
+        env._notes, env._white = list(notes), white
+        array = image_array(radiance, env._notes, "a map")
+        if array.samples.ndim == 4 or array.samples.shape[1] != 2 * array.samples.shape[0]:
+            return cls(radiance, registration=registration, notes=notes, white=white, seen=seen)
         linear = env._linear(array.samples, array.seen)
-        env._radiance = _read_only(env._with_seen(linear, array.seen, seen))
+        linear, share = env._seen_light(linear, array.seen, seen)
+        border_sampled = registration == REGISTRATIONS[1]
+        layout = equirectangular(*linear.shape[:2], border_sampled=border_sampled)
+        source = Source(PROJECTION, linear.shape[:2], "", registration, "shape", layout)
+        env._keep(linear, share, border_sampled, source)
         return env
+
+    def _set_pixels(
+        self,
+        radiance: ArrayLike | Mapping[str, ArrayLike],
+        seen: ArrayLike | None,
+        hints: Hints,
+        arguments: Arguments,
+        width: int | None,
+    ) -> None:
+        """Set all pixels from a picture in any layout."""
+        columns = None if width is None else checked_width(width)
+        picture, given = self._arranged(radiance, seen, hints, arguments)
+        linear = self._linear(picture.samples, picture.seen)
+        linear, share = self._seen_light(linear, picture.seen, given)
+        cleaned, level = _cleaning.clean(linear, self._notes)
+        self._white = level if self._white is None else self._white
+        image, share, is_border = resampling.on_sphere(cleaned, share, picture.layout, columns)
+        if image.shape != cleaned.shape:
+            self._notes += _note_of_conversion(picture.source, image)
+            if self._white is not None:
+                image = np.minimum(image, np.float32(self._white))
+        self._keep(image, share, is_border, picture.source)
+
+    def _arranged(
+        self,
+        radiance: ArrayLike | Mapping[str, ArrayLike],
+        seen: ArrayLike | None,
+        hints: Hints,
+        arguments: Arguments,
+    ) -> tuple[ArrangedPicture, NDArray[np.float32] | None]:
+        """Picture with its layout and the share of its alpha, and the share that is given."""
+        if isinstance(radiance, Mapping):
+            radiance, order = faces_of_mapping(radiance)
+            hints = hints._replace(order=order)
+        array = image_array(radiance, self._notes, "a map")
+        picture = recognise(array.samples, hints, arguments, array.seen)
+        self._notes += picture.notes
+        if seen is None:
+            return picture, None
+        share = _visibility.checked_seen(seen, array.samples.shape[:-1])
+        return picture, recognise(array.samples, hints, arguments, share).seen
+
+    def _keep(
+        self,
+        radiance: NDArray[np.float32],
+        seen: NDArray[np.float32] | None,
+        is_border: bool,
+        source: Source,
+    ) -> None:
+        """Keep the pixels of the map, and note what is not seen."""
+        self._clipped: tuple[float, float] | None = None
+        self._registration, self._source = REGISTRATIONS[is_border], source
+        self._seen: NDArray[np.float32] | None = None
+        self._radiance = _read_only(radiance)
+        if seen is None or (share := _visibility.checked_seen(seen, radiance.shape[:2])) is None:
+            return
+        self._seen = _read_only(share)
+        note = _visibility.note_of_unseen(self.seen_share)
+        if note not in self._notes:
+            self._notes.append(note)
 
     @property
     def radiance(self) -> NDArray[np.float32]:
@@ -81,8 +155,13 @@ class MapPixels:
 
     @property
     def projection(self) -> str:
-        """Layout of the sphere in the image."""
-        return self._projection
+        """Layout of the sphere in `radiance`: "equirectangular"; `source` has that of the input."""
+        return PROJECTION
+
+    @property
+    def source(self) -> Source:
+        """Picture from which the map was made: its layout, and how it was recognised."""
+        return self._source
 
     @property
     def registration(self) -> str:
@@ -150,12 +229,12 @@ class MapPixels:
         return self._radiance
 
     def __repr__(self) -> str:
-        layout = f"{self.width}x{self.height} {self._projection}, {self._registration}"
+        layout = f"{self.width}x{self.height} {PROJECTION}, {self._registration}"
         notes = f", notes: {'; '.join(self._notes)}" if self._notes else ""
         return f"{type(self).__name__}({layout}{self._clipped_in_words()}{notes})"
 
     def __str__(self) -> str:
-        layout = f"{self.width}x{self.height} pixels, {self._projection}, {self._registration}"
+        layout = f"{self.width}x{self.height} pixels, {PROJECTION}, {self._registration}"
         white = f"clip level {self._white:g}{self._clipped_in_words()}" if self._white else ""
         return _map_text.paragraph(self._radiance, layout, white, self._notes)
 
@@ -187,9 +266,9 @@ class MapPixels:
         return convert(self._radiance, dtype, copy)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        layout = {"projection": self._projection, "registration": self._registration}
+        layout = {"projection": PROJECTION, "registration": self._registration}
         build = partial(type(self), **layout, notes=self._notes, white=self._white, seen=self._seen)
-        return build, (self._radiance,)
+        return build, (self._radiance,), {"_source": self._source}
 
     def _clipped_shares(self) -> tuple[float, float]:
         if self._clipped is None:
@@ -198,37 +277,41 @@ class MapPixels:
             )
         return self._clipped
 
-    def _with_seen(
+    def _seen_light(
         self,
         linear: NDArray[np.float32],
         of_array: NDArray[np.float32] | None,
-        seen: ArrayLike | None,
-    ) -> NDArray[np.float32]:
-        """Set the seen share, and return radiance that is black where nothing is seen."""
-        self._seen: NDArray[np.float32] | None = None
+        given: NDArray[np.float32] | None,
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32] | None]:
+        """Radiance that is black where nothing is seen, and the seen share."""
         if of_array is not None:
             linear = _visibility.multiply_by_share(linear, of_array)
         share = of_array
-        if seen is not None:
-            given = _visibility.checked_seen(seen, linear.shape[:2])
-            share = given if share is None else share if given is None else share * given
-        if share is None:
-            return linear
-        self._seen = _visibility.checked_seen(share, linear.shape[:2])
-        if self._seen is None:
-            return linear
-        self._seen.flags.writeable = False
-        note = _visibility.note_of_unseen(self.seen_share)
-        if note not in self._notes:
-            self._notes.append(note)
-        return _visibility.multiply_by_share(linear, np.float32(1) * (self._seen > 0))
+        if given is not None:
+            share = given if share is None else share * given
+        if share is None or (share == 1).all():
+            return linear, None
+        return _visibility.multiply_by_share(linear, np.float32(1) * (share > 0)), share
 
     def _linear(self, array: NDArray[Any], seen: NDArray[np.float32] | None) -> NDArray[np.float32]:
         """Linear samples of `array`; the clip level of codes is that of pixels that are seen."""
         if array.dtype.kind != "f" and self._white is None:
-            codes = array if seen is None else np.where(seen[..., None] > 0, array, 0)
-            self._white = white_of_codes(codes.astype(array.dtype, copy=False), self._notes)
+            self._white = white_of_codes(array, seen, self._notes)
         return _cleaning.linear(array, self._notes)
+
+
+def checked_width(width: int) -> int:
+    """Columns of a map, or a refusal."""
+    columns = count("width", width, least=4)
+    if columns % 2 or columns * columns > 2 * MOST_PIXELS:
+        raise EnvLightsError(f"width must be an even number of columns, up to 32768; got {columns}")
+    return columns
+
+
+def _note_of_conversion(source: Source, image: NDArray[np.float32]) -> list[str]:
+    """Note on the layout and the size of the picture from which a map was made."""
+    (rows, columns), (height, width) = source.size, image.shape[:2]
+    return [f"{source.projection} of {columns}x{rows} pixels, converted to {width}x{height} cells"]
 
 
 def _read_only(array: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -56,6 +56,7 @@ __all__ = [
     "pack_lights",
     "pixel_directions",
     "pixel_solid_angles",
+    "plane_threshold",
     "probe_jacobian",
     "probe_model",
     "probe_residual",
@@ -67,7 +68,6 @@ __all__ = [
     "relative_rms",
     "resize_bilinear",
     "rig_irradiance",
-    "rotate_map",
     "split_map",
     "sum_over_sources",
     "suppress",
@@ -198,7 +198,7 @@ def apply_matrix(image: _Image, matrix: list[list[float]]) -> tuple[_Image, int]
 def are_clipped(
     radiance: _Image, pixels: _Indices, reach: int, sphere: bool, white: float | None
 ) -> NDArray[np.bool_]: ...
-def blur(image: _Image, sigma: float) -> _Image: ...
+def blur(image: _Image, sigma: float, wrap: bool) -> _Image: ...
 def bresenham_line(start: list[int], end: list[int]) -> _Indices: ...
 def clipped_depth(
     radiance: _Image, border_sampled: bool, white: float, working_columns: int, gap: float
@@ -248,6 +248,7 @@ def pixel_directions(
     height: int, width: int, border_sampled: bool, top: int, bottom: int
 ) -> _Reals: ...
 def pixel_solid_angles(height: int, width: int, border_sampled: bool) -> _Reals: ...
+def plane_threshold(luminance: _Image) -> float: ...
 def probe_jacobian(
     x: _Reals,
     normals: _Reals,
@@ -273,7 +274,7 @@ def reduce_radiance(
 ) -> ReducedMap: ...
 def reduced_luminance(radiance: _Image, columns: int, border_sampled: bool) -> _Image: ...
 def relative_rms(seen: _Reals, wanted: _Reals, weights: _Reals) -> float: ...
-def resize_bilinear(image: _Image, height: int, width: int) -> _Image: ...
+def resize_bilinear(image: _Image, height: int, width: int, wrap: bool) -> _Image: ...
 def rig_irradiance(
     normals: _Reals,
     ambient: _Reals,
@@ -282,7 +283,6 @@ def rig_irradiance(
     radii: _Reals,
     floor: bool,
 ) -> _Reals: ...
-def rotate_map(radiance: _Image, matrix: _Reals) -> _Image: ...
 def split_map(radiance: _Image, border_sampled: bool, lights: _LightPixels) -> MapSplit: ...
 def sum_over_sources(
     normals: _Reals,

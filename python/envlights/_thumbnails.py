@@ -26,8 +26,10 @@ _SIDE, _IMAGES, _GAP = 96, 4, 4
 _MOST_LIGHTS = 64
 
 
-def white_of(radiance: NDArray[np.floating]) -> tuple[float, float]:
+def white_of(radiance: NDArray[np.floating], *, is_plane: bool = False) -> tuple[float, float]:
     """Luminance drawn as white in a picture of a map, and the fraction of the sphere below it.
+
+    In a plane picture all pixels count the same.
 
     Only lamps exceed it; an even sky does not, because white is a multiple of the median. Of large
     maps every n-th row and column is sampled.
@@ -36,7 +38,7 @@ def white_of(radiance: NDArray[np.floating]) -> tuple[float, float]:
     radiance = radiance[::step, ::step]
     height = radiance.shape[0]
     luminance = radiance @ LUMINANCE
-    bands = np.sin(np.pi * (np.arange(height) + 0.5) / height)
+    bands = np.ones(height) if is_plane else np.sin(np.pi * (np.arange(height) + 0.5) / height)
     weights = np.broadcast_to(bands[:, None], luminance.shape).ravel()
     order = np.argsort(luminance, axis=None)
     values = luminance.ravel()[order]
@@ -72,6 +74,21 @@ def of_map(radiance: NDArray[np.floating]) -> NDArray[np.uint8]:
     """Codes of a picture of a map, exposed so that its lamps are visible."""
     small = shrink(radiance, _COLUMNS)
     return expose(small, white_of(small)[0])
+
+
+def of_photograph(
+    radiance: NDArray[np.floating], longest: int, white: float | None
+) -> NDArray[np.uint8]:
+    """Codes of a photograph of at most `longest` pixels; `white` is its clip level, if known."""
+    step = -(-max(radiance.shape[:2]) // longest)
+    small = radiance[::step, ::step]
+    return expose(small, white_of(small, is_plane=True)[0] if white is None else white)
+
+
+def nearest_columns(codes: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Codes of a picture at the size of a thumbnail, by every n-th pixel."""
+    step = -(-codes.shape[1] // _COLUMNS)
+    return codes[::step, ::step]
 
 
 def of_lights(

@@ -6,25 +6,25 @@ import os
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, TypeVar
 
-import numpy as np
 from numpy.typing import ArrayLike
 
-from envlights import resampling
-from envlights._check import rotation
+from envlights._map_layouts import MapLayouts
 from envlights._map_light import MapLight
-from envlights._map_pixels import REGISTRATIONS
+from envlights._map_pixels import checked_white
 from envlights._native import EnvLightsError, UnusableSamplesError
 from envlights.io.colour import ColourArgument
 from envlights.io.exposures import merge_exposures
 from envlights.io.image_output import COMPRESSIONS, map_suffix, write_exr, write_hdr
-from envlights.io.images import MOST_PIXELS, read_image
+from envlights.io.images import MOST_PIXELS
 from envlights.io.source import AnySource, is_source, name_of
+from envlights.layouts.records import REGISTRATIONS, Arguments
+from envlights.layouts.sources import PictureSource, read_picture
 from envlights.repair import repair
 
 _T = TypeVar("_T")
 
 
-class EnvMap(MapLight):
+class EnvMap(MapLight, MapLayouts):
     r"""An environment map: radiance from every direction.
 
     Frame: right-handed, +y up. The centre of the image looks along +z, its left quarter along +x,
@@ -39,23 +39,45 @@ class EnvMap(MapLight):
         channel is grey. NaN becomes the mean of its neighbours, negative samples become 0. Infinite
         ones count as clipped, at 65504 or at twice the largest finite sample. `notes` lists every
         change. A C-contiguous float32 array without such samples is not copied, so do
-        not change it afterwards.
-    projection : {"equirectangular"}
-        Layout of the sphere in the image. Others are refused.
-    registration : {"cell-centred", "border-sampled"}
+        not change it afterwards. Other layouts have other shapes; the faces of a cube may be an
+        array (6, n, n, 3), or a mapping from names like "px" to arrays.
+    projection : str, optional
+        "equirectangular", "cube", "octahedral", "octahedral-equal-area", "angular" (light probe),
+        "mirror-ball", "fisheye", "cylinder" or "planar" (a photograph). When left out, shape and
+        content decide, or a refusal lists the candidates. Other layouts than equirectangular are
+        converted to it; see `source`.
+    faces : str, optional
+        Order of the faces of a cube: "opengl" (also of DirectX, Vulkan, Unity), "openexr",
+        "py360convert", "pannellum", "directxtex", or the name of a cross. When left out, their
+        edges decide.
+    registration : {"cell-centred", "border-sampled"}, optional
         "cell-centred": a pixel covers the cell around its centre, as in most files.
         "border-sampled": the outer pixels lie on the seam and the poles, as in OpenEXR files with
         the `envmap` attribute.
+    mapping : {"equidistant", "equisolid", "stereographic", "orthographic"}, optional
+        Mapping of a fisheye.
+    fov : float, optional
+        Field of view in degrees: horizontally, or across the circle of a fisheye.
+    horizon : float, optional
+        Row of elevation 0 in a cylinder or a part of a panorama; the middle when left out.
+    circle : array_like, shape (3,), optional
+        Centre x, centre y and radius of a fisheye or mirror ball, in pixels.
+    towards : array_like, shape (3,), optional
+        Direction of the centre of a circle or a photograph; +z when left out.
+    eye : {"left", "right"}, optional
+        Half of a stereo panorama.
+    width : int, optional
+        Columns of the map. When left out, 4 times the side of a cube's face, or such that its cells
+        are as large as the pixels of the picture.
     notes : str or iterable of str
         Remarks on the map's origin.
     white : float, optional
         Clip level: the largest value that the radiance could hold, such as 1.0 for a linearised
         picture. Known for uint8 and uint16. Detection treats pixels at the clip level as lights of
         unknown brightness; see `detect_tree`.
-    seen : array_like, shape (height, 2 * height), optional
-        Share of each pixel that the map shows, from 0 to 1. The radiance is multiplied by it
-        already; pixels of share 0 become
-        black. `filled` has radiance for them.
+    seen : array_like, shape of the array without channels, optional
+        Share of each pixel that the picture shows, from 0 to 1. The radiance is multiplied by it
+        already; pixels of share 0 become black. `filled` has radiance for them.
 
     Raises
     ------
@@ -74,9 +96,18 @@ class EnvMap(MapLight):
     @classmethod
     def open(
         cls,
-        path: AnySource,
+        path: PictureSource,
         *,
+        projection: str | None = None,
+        faces: str | None = None,
         registration: str | None = None,
+        mapping: str | None = None,
+        fov: float | None = None,
+        horizon: float | None = None,
+        circle: ArrayLike | None = None,
+        towards: ArrayLike | None = None,
+        eye: str | None = None,
+        width: int | None = None,
         white: float | None = None,
         colour: ColourArgument | None = None,
         part: str | int | None = None,
@@ -84,7 +115,7 @@ class EnvMap(MapLight):
         max_pixels: int = MOST_PIXELS,
         any_format: bool = False,
     ) -> EnvMap:
-        """Read a map from a file.
+        """Read a map from a file, or a cube from six.
 
         Parameters
         ----------
@@ -93,8 +124,10 @@ class EnvMap(MapLight):
             input; addresses like ``s3://`` are read by fsspec, if it is installed. The colour space
             of the file is converted to linear Rec.709: transfer curve, ICC profile, primaries.
             Integers without a statement are sRGB. What alpha or a crop hides is black; see `seen`.
-        registration : {"cell-centred", "border-sampled"}, optional
-            See `EnvMap`. When left out, the metadata of the file decides.
+            Six faces of a cube: a list, a mapping, a folder, or a name like ``sky_{face}.hdr``.
+        projection, faces, registration, mapping, fov, horizon, circle, towards, eye, width
+            Layout of the picture; see `EnvMap`. When left out, the metadata of the file decide,
+            then names, shape and content.
         white : float, optional
             Clip level; see `EnvMap`. Known for files of integers, from their own histogram.
         colour : str, bytes or path-like, optional
@@ -109,20 +142,25 @@ class EnvMap(MapLight):
             Files with more pixels are refused before memory is allocated. The default is
             32768x16384.
         any_format : bool
-            True: try all formats of OpenImageIO on other files. Not for files of strangers, because
-            these readers had memory faults.
+            True: try all formats of OpenImageIO on other files, DDS among them. Not for files of
+            strangers, because these readers had memory faults.
 
         Returns
         -------
         EnvMap
-            With `notes` on everything that was assumed.
+            With `notes` on everything that was assumed, and the layout of the file in `source`.
 
         Raises
         ------
         EnvLightsError
-            If the file cannot be read or holds no equirectangular map.
+            If the file cannot be read, or its layout is not known; then the sentence lists the
+            candidates.
         """
-        image = read_image(
+        arguments = Arguments(
+            projection, faces, registration, mapping, fov, horizon, circle, towards, eye
+        )
+        arguments.check()
+        image = read_picture(
             path,
             colour=colour,
             part=part,
@@ -130,18 +168,14 @@ class EnvMap(MapLight):
             max_pixels=max_pixels,
             any_format=any_format,
         )
-        if registration is None:
-            registration = REGISTRATIONS[image.border_sampled]
+        env = cls.__new__(cls)
+        env._notes = list(image.notes)
+        env._white = image.white if white is None else checked_white(white)
         try:
-            return cls(
-                image.pixels,
-                registration=registration,
-                notes=image.notes,
-                white=image.white if white is None else white,
-                seen=image.seen,
-            )
+            env._set_pixels(image.pixels, image.seen, image.hints, arguments, width)
         except EnvLightsError as refusal:
             raise EnvLightsError(f"{name_of(path)}: {refusal}") from None
+        return env
 
     @classmethod
     def from_exposures(
@@ -234,51 +268,8 @@ class EnvMap(MapLight):
             self._radiance,
             half=half,
             compression=compression,
-            border_sampled=self.is_border_sampled,
+            environment="latlong" if self.is_border_sampled else "",
             comments=self._notes,
-        )
-
-    def rotated(self, matrix: ArrayLike) -> EnvMap:
-        """Rotate the map, so that the radiance from d comes from ``matrix @ d``.
-
-        Parameters
-        ----------
-        matrix : array_like, shape (3, 3)
-            A rotation, in the frame of the map.
-
-        Returns
-        -------
-        EnvMap
-            Map of the same size. Rotations about the pole by whole columns lose nothing. Other
-            rotations average samples of each pixel, keep the flux of the map and of each bright
-            pixel, and make a border-sampled map cell-centred.
-
-        See Also
-        --------
-        Rig.rotated : the same for a rig.
-
-        Examples
-        --------
-        A quarter turn about the pole, from +z to +x:
-
-        >>> env = EnvMap(np.eye(8)[:4, :, None] * np.ones(3))
-        >>> turned = env.rotated([[0, 0, 1], [0, 1, 0], [-1, 0, 0]])
-        >>> np.array_equal(turned.radiance, np.roll(env.radiance, -2, axis=1))
-        True
-        """
-        radiance, is_border = resampling.rotate(
-            self._radiance, rotation(matrix), border_sampled=self.is_border_sampled
-        )
-        registration = REGISTRATIONS[is_border]
-        seen = self._seen
-        if seen is not None:
-            grey = np.repeat(seen[..., None], 3, axis=2)
-            turned, _ = resampling.rotate(
-                grey, rotation(matrix), border_sampled=self.is_border_sampled
-            )
-            seen = turned[..., 0].clip(0, 1)
-        return EnvMap(
-            radiance, registration=registration, notes=self._notes, white=self._white, seen=seen
         )
 
     def repaired(self, *, irradiance: float | None = None, ratio: float | None = None) -> EnvMap:

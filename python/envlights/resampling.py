@@ -1,6 +1,7 @@
-"""Resampling of maps: rotation, and cells in place of samples on the border.
+"""Resampling of maps: other layouts, rotation, and cells in place of samples on the border.
 
-A map is constant in each pixel, as in the exact probe. Flux is preserved.
+A map is constant in each pixel, as in the exact probe. Flux is preserved, and so are the flux and
+the direction of each bright pixel.
 """
 
 from __future__ import annotations
@@ -11,20 +12,96 @@ from numpy.typing import NDArray
 from envlights import _native
 from envlights._blocks import in_blocks
 from envlights.kernels import sphere
+from envlights.layouts import layout as layouts
+from envlights.layouts.layout import Layout
+
+#: Rotation that leaves everything in its place.
+UNTURNED = np.eye(3)
 
 #: Tolerance of a rotation by whole columns.
 _TOLERANCE = 1e-6
 
 
 def rotate(
-    radiance: NDArray[np.float32], matrix: NDArray[np.float64], *, border_sampled: bool
-) -> tuple[NDArray[np.float32], bool]:
-    """Rotated radiance, and True if its outer pixels still lie on the seam and the poles."""
+    radiance: NDArray[np.float32],
+    seen: NDArray[np.float32] | None,
+    matrix: NDArray[np.float64],
+    *,
+    border_sampled: bool,
+) -> tuple[NDArray[np.float32], NDArray[np.float32] | None, bool]:
+    """Rotated radiance and seen share, and True if the outer pixels still lie on seam and poles."""
     shifted = turned_by_columns(radiance, matrix, border_sampled=border_sampled)
     if shifted is not None:
-        return shifted, border_sampled
-    cells = cells_of_borders(radiance) if border_sampled else radiance
-    return _native.rotate_map(cells, matrix), False
+        share = None
+        if seen is not None:
+            share = turned_by_columns(seen, matrix, border_sampled=border_sampled)
+        return shifted, share, border_sampled
+    source = layouts.equirectangular(*radiance.shape[:2], border_sampled=border_sampled)
+    target = source._replace(border_sampled=False)
+    return *resample(radiance, seen, source, target, matrix), False
+
+
+def resample(
+    radiance: NDArray[np.float32],
+    seen: NDArray[np.float32] | None,
+    source: Layout,
+    target: Layout,
+    matrix: NDArray[np.float64] = UNTURNED,
+) -> tuple[NDArray[np.float32], NDArray[np.float32] | None]:
+    """Picture in another layout, with light from d coming from ``matrix @ d``.
+
+    Parameters
+    ----------
+    radiance : ndarray of float32, shape (source.height, source.width, 3)
+        Multiplied by `seen`.
+    seen : ndarray of float32, shape (source.height, source.width), optional
+        Share of each pixel that is seen.
+    source, target : Layout
+        Layouts; `target` has cells if it is equirectangular.
+    matrix : ndarray, shape (3, 3)
+        A rotation.
+
+    Returns
+    -------
+    radiance, seen : ndarray of float32
+        In the layout `target`; `seen` is None if all is seen.
+    """
+    if source.kind == "equirectangular" and source.border_sampled:
+        radiance, source = cells_of_borders(radiance), source._replace(border_sampled=False)
+        seen = None if seen is None else cells_of_borders(seen[..., None])[..., 0]
+    if source == target and np.array_equal(matrix, UNTURNED):
+        return radiance, seen
+    image, share = _native.resample(radiance, seen, source, target, matrix)
+    return image, None if share is None or (share == 1).all() else share.clip(0, 1)
+
+
+def default_width(layout: Layout) -> int:
+    """Columns of a map whose cells on the equator are as large as the mean pixel of a picture."""
+    if layout.kind == "equirectangular":
+        return 2 * (layout.whole[0] if layout.whole else layout.height)
+    if layout.kind == "cube":
+        return max(4 * layout.width, 4)
+    angles = _native.projection_solid_angles(layout)
+    whole_sphere = 4 * np.pi * np.count_nonzero(angles) / angles.sum()
+    return max(2 * round(np.sqrt(np.pi * whole_sphere) / 2), 4)
+
+
+def on_sphere(
+    radiance: NDArray[np.float32],
+    seen: NDArray[np.float32] | None,
+    layout: Layout,
+    width: int | None,
+) -> tuple[NDArray[np.float32], NDArray[np.float32] | None, bool]:
+    """Equirectangular radiance and seen share of any picture, and True if it is border-sampled.
+
+    A whole equirectangular picture stays as it is, unless another `width` is given.
+    """
+    is_map = layout.is_whole_sphere and layout.width == 2 * layout.height
+    if is_map and width in (None, layout.width):
+        return radiance, seen, layout.border_sampled
+    columns = default_width(layout) if width is None else width
+    target = layouts.equirectangular(columns // 2)
+    return *resample(radiance, seen, layout, target), False
 
 
 def turned_by_columns(
@@ -44,11 +121,11 @@ def turned_by_columns(
 
 
 def cells_of_borders(radiance: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Convert a border-sampled map to cells; each is the mean over its area.
+    """Convert a border-sampled map of any number of channels to cells, the means over their areas.
 
     Rows and columns are averaged one after the other, over the cosine and over the azimuth.
     """
-    height, width, _ = radiance.shape
+    height, width = radiance.shape[:2]
     rows = _shares(np.cos(np.pi * _border_edges(height)), np.cos(np.pi * _cell_edges(height)))
     columns = _shares(_border_edges(width), _cell_edges(width))
 

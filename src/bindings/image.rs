@@ -1,7 +1,6 @@
 //! `kernels::image` for Python.
 
-use glam::DMat3;
-use numpy::{Element, IntoPyArray, PyArray1, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
+use numpy::{Element, PyArray1, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 
 use super::output::fill;
@@ -55,18 +54,6 @@ pub fn apply_matrix<'py>(
 ) -> PyResult<(Bound<'py, PyArray3<f32>>, usize)> {
     let image = image.as_array();
     fill(py, image.dim().into(), |converted| image::apply_matrix(image, &matrix, converted))
-}
-
-/// See `envlights.EnvMap.rotated`; `matrix` has its rows in order.
-#[pyfunction]
-pub fn rotate_map<'py>(
-    py: Python<'py>,
-    radiance: PyReadonlyArray3<'py, f32>,
-    matrix: [[f64; 3]; 3],
-) -> PyResult<Bound<'py, PyArray3<f32>>> {
-    let (radiance, rotation) = (radiance.as_array(), DMat3::from_cols_array_2d(&matrix).transpose());
-    let radiance = interruptible(py, || image::rotate(radiance, rotation))?;
-    Ok(radiance.into_pyarray(py))
 }
 
 /// Clip level of a picture as one of 256 codes, from the solid angle of each code of the largest channel.

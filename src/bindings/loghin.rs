@@ -10,6 +10,7 @@ use crate::kernels::detect::loghin::{
     blur as smoothing, map_luminance, means, merge_samples, neighbours, resize, suppress as suppression,
     uv_pixels, window_clipping,
 };
+use crate::kernels::detect::plane_threshold as of_plane;
 
 /// See `envlights.kernels.luminance`.
 #[pyfunction]
@@ -29,9 +30,10 @@ pub fn resize_bilinear<'py>(
     image: PyReadonlyArray2<'py, f32>,
     height: usize,
     width: usize,
+    wrap: bool,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let view = image.as_array();
-    let out = interruptible(py, || resize::resize_bilinear(view, height, width))?;
+    let out = interruptible(py, || resize::resize_bilinear(view, height, width, wrap))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -41,10 +43,18 @@ pub fn blur<'py>(
     py: Python<'py>,
     image: PyReadonlyArray2<'py, f32>,
     sigma: f64,
+    wrap: bool,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let view = image.as_array();
-    let out = interruptible(py, || smoothing::blur(view, sigma))?;
+    let out = interruptible(py, || smoothing::blur(view, sigma, wrap))?;
     Ok(out.into_pyarray(py))
+}
+
+/// Threshold of a plane luminance image; see `envlights.detect_photograph`.
+#[pyfunction]
+pub fn plane_threshold(py: Python<'_>, luminance: PyReadonlyArray2<'_, f32>) -> PyResult<f64> {
+    let view = luminance.as_array();
+    interruptible(py, || of_plane::plane_threshold(view))
 }
 
 /// See `envlights.kernels.uv_to_pixel`.

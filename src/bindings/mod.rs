@@ -16,6 +16,7 @@ mod madsen;
 mod output;
 mod pool;
 mod probe;
+mod projection;
 mod reduction;
 mod repair;
 mod sampling;
@@ -54,13 +55,12 @@ mod _native {
     use super::harmonics::{harmonic_irradiance, harmonic_radiance};
     #[pymodule_export]
     use super::image::{
-        apply_matrix, code_histogram_8, code_histogram_16, decode_8, decode_16, rotate_map, unusable,
-        white_code,
+        apply_matrix, code_histogram_8, code_histogram_16, decode_8, decode_16, unusable, white_code,
     };
     #[pymodule_export]
     use super::loghin::{
-        are_clipped, blur, bresenham_line, luminance, merge_along_lines, neighbour_maximum, resize_bilinear,
-        suppress, uv_to_pixel, weighted_means,
+        are_clipped, blur, bresenham_line, luminance, merge_along_lines, neighbour_maximum, plane_threshold,
+        resize_bilinear, suppress, uv_to_pixel, weighted_means,
     };
     #[pymodule_export]
     use super::madsen::{
@@ -70,6 +70,8 @@ mod _native {
     use super::pool::threads;
     #[pymodule_export]
     use super::probe::{disc_map, irradiance, sum_over_sources, working_irradiance};
+    #[pymodule_export]
+    use super::projection::{projection_directions, projection_places, projection_solid_angles, resample};
     #[pymodule_export]
     use super::reduction::{PyRowReducer, ReducedMap, reduce_map, reduce_radiance};
     #[pymodule_export]

@@ -3,7 +3,7 @@
 use std::io::Cursor;
 
 use ndarray::Array3;
-use png::{BitDepth, DecodeOptions, Decoder, DecodingError, Info, Reader, Transformations};
+use png::{BitDepth, ColorType, DecodeOptions, Decoder, DecodingError, Info, Reader, Transformations};
 
 use crate::error::{Error, Result};
 use crate::formats::input::{check_size, damage, zeros};
@@ -146,7 +146,21 @@ fn open(bytes: &[u8], max_pixels: usize) -> Result<Reader<Cursor<&[u8]>>> {
     decoder.set_transformations(Transformations::EXPAND);
     let info = decoder.read_header_info().map_err(|error| refusal(&error))?;
     check_size(info.height as usize, info.width as usize, max_pixels)?;
-    decoder.read_info().map_err(|error| refusal(&error))
+    let reader = decoder.read_info().map_err(|error| refusal(&error))?;
+    check_palette(reader.info())?;
+    Ok(reader)
+}
+
+/// Refuse a palette of other than 1 to 256 whole colours, on which the crate (0.18.1) panics.
+fn check_palette(info: &Info<'_>) -> Result<()> {
+    let palette = info.palette.as_deref().filter(|_| info.color_type == ColorType::Indexed);
+    let length = palette.map_or(3, <[u8]>::len);
+    if length.is_multiple_of(3) && (1..=256).contains(&(length / 3)) {
+        return Ok(());
+    }
+    Err(damage(format!(
+        "the PNG file is damaged: its palette has {length} bytes; wanted 1 to 256 colours of 3 bytes"
+    )))
 }
 
 /// Sentence about the damage that the crate found.

@@ -6,11 +6,12 @@
 //! | vectors of the processor's width               | `lanes.rs`     |
 //! | directions, pixels, solid angles               | `sphere.rs`    |
 //! | integrals of the direction over a cell         | `cell_integrals.rs` |
+//! | layouts of the sphere in a picture             | `projection/`  |
 //! | low-discrepancy points, icospheres             | `sampling.rs`  |
 //! | spherical harmonics, and irradiance under them | `harmonics.rs` |
 //! | irradiance of a disc of uniform radiance       | `disc.rs`      |
 //! | drawing of discs into a map                    | `disc_map.rs`  |
-//! | unusable samples, reduction, rotation          | `image/`       |
+//! | unusable samples, reduction, resampling        | `image/`       |
 //! | exact irradiance of a white probe              | `probe/`       |
 //! | a map in spherical harmonics                   | `expansion/`   |
 //! | smooth radiance for pixels without any         | `fill/`        |
@@ -34,6 +35,7 @@ pub mod image;
 mod lanes;
 pub mod madsen;
 pub mod probe;
+pub mod projection;
 pub mod repair;
 pub mod sampling;
 pub mod sphere;

@@ -298,3 +298,48 @@ def test_repair_writes_the_map_with_the_light_that_was_cut_off(tmp_path):
     expected = el.EnvMap.open(picture).repaired(irradiance=2.0)
     np.testing.assert_allclose(el.EnvMap.open(repaired).radiance, expected.radiance, rtol=1e-3)
     assert "suffix must be one of .exr, .hdr" in run("repair", picture, "-o", picture).stderr
+
+
+@pytest.fixture(scope="module")
+def street(tmp_path_factory):
+    """A photograph of a lamp, of an aspect that no map has."""
+    codes = np.full((90, 130, 3), 40, np.uint8)
+    codes[30:40, 60:80] = 255
+    path = tmp_path_factory.mktemp("photographs") / "street.png"
+    imsave(path, codes)
+    return path
+
+
+def test_photograph_prints_places_and_draws_them(street, tmp_path):
+    picture = tmp_path / "lights.png"
+    result = run("photograph", street, "-o", picture)
+    assert result.exit_code == 0, result.output
+    assert "threshold 0.8 (relative to the clip level" in result.stdout
+    assert "no field of view is known" in result.stdout
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("options", [(), ("--fov", 60), ("--absolute", "--sampling", "hammersley")])
+def test_photograph_prints_what_the_function_finds(street, options):
+    result = run("photograph", street, "--json", *options)
+    assert result.exit_code == 0, result.output
+    keywords = {"relative": False, "sampling": "hammersley"} if "--absolute" in options else {}
+    wanted = el.detect_photograph(street, 60 if "--fov" in options else None, **keywords)
+    assert json.loads(result.stdout) == json.loads(json.dumps(wanted.to_dict()))
+
+
+def test_detect_names_the_subcommand_of_photographs(street):
+    result = run("detect", street)
+    assert result.exit_code == 2
+    assert "detect_photograph" in result.stderr
+    assert "`envlights photograph`" in result.stderr
+
+
+def test_detect_takes_a_sampling_of_the_article(hall):
+    result = run("detect", hall, "--method", "article", "--sampling", "halton", "--json")
+    assert result.exit_code == 0, result.output
+    wanted = el.detect(hall, method="article", sampling="halton")
+    assert json.loads(result.stdout) == json.loads(json.dumps(wanted.to_dict()))
+    refused = run("detect", hall, "--sampling", "halton")
+    assert refused.exit_code == 2
+    assert "--sampling is an option of --method article" in refused.stderr

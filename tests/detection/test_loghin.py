@@ -26,6 +26,7 @@ OPTIONS = [
     {"sphere": True},
     {"sphere": True, "move_to_maximum": True, "merge_cap_deg": 20.0},
     {"merge_cap_deg": 20.0, "relative": True},
+    {"sampling": "halton"},
 ]
 
 

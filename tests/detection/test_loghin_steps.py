@@ -138,12 +138,24 @@ def test_luminance_and_a_resize_of_a_ramp_are_exact():
     np.testing.assert_allclose(kernels.luminance(rgb), rgb @ [0.2126, 0.7152, 0.0722], rtol=1e-6)
 
 
-def test_a_blur_is_that_of_scipy():
+@pytest.mark.parametrize(("wrap", "mode"), [(False, "nearest"), (True, "wrap")])
+def test_a_blur_is_that_of_scipy(wrap, mode):
     ndimage = pytest.importorskip("scipy.ndimage")
     image = random_image(4)
-    across = ndimage.gaussian_filter1d(image, 1.5, axis=1, mode="wrap", truncate=10 / 3)
+    across = ndimage.gaussian_filter1d(image, 1.5, axis=1, mode=mode, truncate=10 / 3)
     wanted = ndimage.gaussian_filter1d(across, 1.5, axis=0, mode="nearest", truncate=10 / 3)
-    np.testing.assert_allclose(kernels.blur(image, 1.5), wanted, atol=2e-6)
+    np.testing.assert_allclose(kernels.blur(image, 1.5, wrap=wrap), wanted, atol=2e-6)
+
+
+@pytest.mark.parametrize("wrap", [False, True])
+def test_a_resize_at_the_border_mixes_with_the_other_side_only_if_it_wraps(wrap):
+    """An impulse in the last column, in closed form: three quarters and one quarter."""
+    image = np.zeros((1, 8), np.float32)
+    image[0, -1] = 1.0
+    wanted = np.zeros(16)
+    wanted[13:] = 0.25, 0.75, 0.75 if wrap else 1.0
+    wanted[0] = 0.25 if wrap else 0.0
+    np.testing.assert_allclose(kernels.resize_bilinear(image, 1, 16, wrap=wrap)[0], wanted)
 
 
 def test_pixels_are_those_of_numpy():

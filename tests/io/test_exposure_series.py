@@ -205,7 +205,7 @@ def test_a_shift_between_shots_is_removed(shift):
 def test_a_motion_is_recovered():
     rng = np.random.default_rng(0)
     noise = rng.uniform(0.05, 0.7, (256, 512)).astype(np.float32)
-    field = el.EnvMap(np.repeat(el.kernels.blur(noise, 3.0)[..., None], 3, axis=2))
+    field = el.EnvMap(np.repeat(el.kernels.blur(noise, 3.0, wrap=True)[..., None], 3, axis=2))
     for turn in np.deg2rad([[0.0, 1.0, 0.0], [0.7, 0.3, -1.1], [0, 0, 0.8]]):
         moved = field.rotated(alignment.rotation(turn)).radiance
         found = alignment.motion(field.radiance, moved, 0.0, 1.0)

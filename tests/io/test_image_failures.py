@@ -74,7 +74,7 @@ def test_a_step_of_the_library_that_fails_leaves_the_old_file(
     use(monkeypatch, None if failing == "create" else FailingFile(failing))
     is_tiled = failing == "write_tiles"
     with pytest.raises(el.EnvLightsError, match=rf"cannot write .*map\.exr: {reason}$"):
-        io.write_exr(target, RADIANCE, border_sampled=is_tiled)
+        io.write_exr(target, RADIANCE, environment="latlong" if is_tiled else "")
     assert [path.name for path in tmp_path.iterdir()] == ["map.exr"]
     assert target.read_bytes() == b"old"
 

@@ -300,7 +300,6 @@ def test_real_maps_open_clean(path):
     "loader_tests/damaged/*",
     "loader_tests/*YC.exr",
     "loader_tests/*Trunks.exr",  # a deep image
-    "openexr_envmaps/*Cube.exr",
     all_quick=True,
 )
 def test_damaged_and_other_files_are_refused(path):

@@ -160,6 +160,14 @@ def test_damaged_png_files_are_refused(damage):
         PngFile(SIGNATURE + chunks, MOST).read()
 
 
+@pytest.mark.parametrize("length", [0, 1, 4, 8, 767, 769, 771, 774])
+def test_palettes_of_parts_of_a_colour_are_refused(length):
+    head = header(depth=8, colours=3) + chunk(b"PLTE", bytes(length))
+    body = chunk(b"IDAT", zlib.compress(bytes(2 * 5)))
+    with pytest.raises(EnvLightsError, match=f"palette has {length} bytes|damaged: .*PLTE"):
+        PngFile(SIGNATURE + head + body + END, MOST).read()
+
+
 def test_sizes_are_limited():
     with pytest.raises(EnvLightsError, match="up to 7 pixels; got 2 rows of 4"):
         PngFile(SIGNATURE + header() + PIXELS + END, 7)

@@ -11,6 +11,7 @@ from envlights.fitting.reduction import POINT_SHARE
 from envlights.io.reduced_file import reduce_file
 from envlights.kernels.probe import WORKING_COLUMNS
 from tests.conftest import real_maps
+from tests.layouts.files import jpeg_with
 
 FORMATS = {
     "map.hdr": ("float", {}),
@@ -119,3 +120,21 @@ def test_lights_of_real_files_are_those_of_their_maps(path):
         return
     with pytest.raises(el.EnvLightsError, match=reason):
         el.fit(path)
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        {"GPano__ProjectionType": "cylindrical"},
+        {"GSpherical__StereoMode": "left-right"},
+        {"GPano__ProjectionType": "equirectangular"},
+    ],
+)
+def test_rows_of_other_projections_are_left_to_the_whole_map(tmp_path, said):
+    path = jpeg_with(tmp_path / "map.jpg", scene(64), **said)
+    assert (cells_of(path) is None) is ("equirectangular" not in said.values())
+
+
+def test_cubes_are_left_to_the_whole_map(tmp_path):
+    said = {"textureformat": "CubeFace Environment"}
+    assert cells_of(save(tmp_path / "cube.exr", "half", said, scene(64))) is None

@@ -41,11 +41,23 @@ def radical_inverse(i: int) -> float:
     return int(f"{i:032b}"[::-1], 2) / 2**32
 
 
-def samples(n: int, height: int, width: int) -> list[tuple[int, int]]:
-    """Steps 3 and 4: pixels of n Hammersley points on the sphere, in the frame of the package."""
+def inverse_of_thirds(i: int) -> float:
+    """Digits of `i` in base 3, behind the point in reverse order."""
+    value, unit = 0.0, 1 / 3
+    while i:
+        i, digit = divmod(i, 3)
+        value, unit = value + digit * unit, unit / 3
+    return value
+
+
+def samples(n: int, height: int, width: int, sampling: str) -> list[tuple[int, int]]:
+    """Steps 3 and 4: pixels of n points on the sphere, in the frame of the package."""
     pixels = []
     for i in range(n):
-        cosine, phi = 1 - 2 * i / n, 2 * math.pi * radical_inverse(i)
+        u, v = i / n, radical_inverse(i)
+        if sampling == "halton":
+            u, v = radical_inverse(i), inverse_of_thirds(i)
+        cosine, phi = 1 - 2 * u, 2 * math.pi * v
         sine = math.sqrt(max(1 - cosine * cosine, 0))
         x, y, z = sine * math.sin(phi), cosine, -sine * math.cos(phi)
         u = math.atan2(x, -z) / (2 * math.pi) % 1.0
@@ -167,7 +179,15 @@ def position(luminance, pixels, sphere):
     return tuple(x / math.hypot(*mean) for x in mean)
 
 
-def detect(luminance, *, unit=1.0, move_to_maximum=False, sphere=False, merge_cap_deg=None):
+def detect(
+    luminance,
+    *,
+    unit=1.0,
+    move_to_maximum=False,
+    sphere=False,
+    merge_cap_deg=None,
+    sampling="hammersley",
+):
     """All steps: pixels of the samples that passed, their lights, and the lights' directions.
 
     `unit` is the luminance that corresponds to the article's 1.
@@ -184,7 +204,7 @@ def detect(luminance, *, unit=1.0, move_to_maximum=False, sphere=False, merge_ca
         return within and is_bright(luminance, one, other, unit, sphere)
 
     kept = []
-    for pixel in samples(int(0.006 * width * height), height, width):
+    for pixel in samples(int(0.006 * width * height), height, width, sampling):
         brightest, place = brightest_around(luminance, pixel, reach, sphere)
         if brightest > unit * 0.8:
             kept.append(place if move_to_maximum else pixel)

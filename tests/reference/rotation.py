@@ -4,13 +4,13 @@ import numpy as np
 
 from envlights.kernels import sphere
 
-#: Samples along each side of a cell, and of one that holds a part of a bright cell.
-_SIDE, _FINE_SIDE = 3, 16
+#: Samples along each side of a cell.
+_SIDE = 3
+#: Least and largest number of places along each side of a bright cell.
+_LEAST_PLACES, _MOST_PLACES = 4, 64
 #: A cell with more than this share of the flux of any channel, and this many times the mean
 #: radiance, is bright: it keeps its own flux.
 _BRIGHT_SHARE, _BRIGHT_CONTRAST = 1e-4, 10
-#: Fewer hits do not tell the area of a cell: it is smaller than the new ones.
-_ENOUGH_HITS = 64
 #: Samples that are turned at once.
 _BLOCK = 2**18
 
@@ -18,8 +18,9 @@ _BLOCK = 2**18
 def rotate(radiance, matrix):
     """A map of cells after any rotation: what was in the direction d is then in matrix @ d.
 
-    Each new cell is the mean over a grid of samples. Bright cells, which small lights are made of,
-    are sampled more finely and scaled so that each keeps its flux; then all the rest is.
+    Each new cell is the mean over a grid of samples, and the whole is scaled to its flux. Bright
+    cells, which small lights are made of, are left out at first. Then each is distributed
+    bilinearly, with weights that are tilted so that its centroid is right.
     """
     areas = sphere.pixel_solid_angles(*radiance.shape[:2])[..., None]
     flux = (radiance * areas).sum(axis=(0, 1))
@@ -29,7 +30,8 @@ def rotate(radiance, matrix):
     new = _sample_means(rest, matrix)
     seen, wanted = (new * areas).sum(axis=(0, 1)), (rest * areas).sum(axis=(0, 1))
     new *= wanted / np.where(seen > 0, seen, 1)
-    _add_bright(new, radiance, is_bright, matrix)
+    for row, column in np.argwhere(is_bright):
+        _add_bright(new, radiance, row, column, matrix)
     return new.astype(np.float32)
 
 
@@ -69,76 +71,67 @@ def _old_cells(places, matrix, height, width, side):
     return old.reshape(len(places), side * side)
 
 
-def _add_bright(
-    new,
-    radiance,
-    is_bright,
-    matrix,
-):
-    """Add the bright cells to the turned map, each with its flux."""
-    if not is_bright.any():
-        return
+def _add_bright(new, radiance, row, column, matrix):
+    """Add one bright cell with its flux."""
     height, width, _ = radiance.shape
-    areas = sphere.pixel_solid_angles(height, width).ravel()
-    places = _places_of(is_bright, matrix)
-    step = max(_BLOCK // _FINE_SIDE**2, 1)
-    blocks = [places[start : start + step] for start in range(0, len(places), step)]
-    # Measure how often each bright cell is met, and over what solid angle.
-    number = np.full(height * width, -1)
-    cells = np.flatnonzero(is_bright)
-    number[cells] = np.arange(len(cells))
-    hits, seen = np.zeros(len(cells)), np.zeros(len(cells))
-    met = []
-    for block in blocks:
-        old = number[_old_cells(block, matrix, height, width, _FINE_SIDE)]
-        sample, _ = np.nonzero(old >= 0)
-        cell = old[old >= 0]
-        hits += np.bincount(cell, minlength=len(cells))
-        seen += np.bincount(cell, areas[block[sample]] / _FINE_SIDE**2, minlength=len(cells))
-        met.append((block[sample], cell))
-    # Scale the cells to their flux; those that were hardly met are dropped in from where they were.
-    is_met = hits >= _ENOUGH_HITS
-    factors = np.where(is_met, areas[cells] / np.where(is_met, seen, 1), 0)
-    colours = radiance.reshape(-1, 3)[cells] * factors[:, None] / _FINE_SIDE**2
-    flat = new.reshape(-1, 3)
-    for block, cell in met:
-        _scatter(flat, block, colours[cell])
-    few = cells[~is_met]
-    back = _old_cells(few, matrix.T, height, width, _FINE_SIDE)
-    flux = radiance.reshape(-1, 3)[few] * areas[few, None] / _FINE_SIDE**2
-    _scatter(flat, back.ravel(), flux.repeat(_FINE_SIDE**2, axis=0) / areas[back.ravel(), None])
+    areas = sphere.pixel_solid_angles(height, width)
+    centre = matrix @ moment(row, column, height, width)
+    centre /= np.linalg.norm(centre)
+    near = areas[_place(centre, height, width).astype(int)[0]][0]
+    side = int(np.clip(np.ceil(2 * np.sqrt(areas[row, 0] / near)), _LEAST_PLACES, _MOST_PLACES))
+    weights = _bilinear(row, column, matrix, height, width, side)
+    cells = np.argwhere(weights > 0)
+    weights = weights[weights > 0]
+    weights = weights * _tilt(cells, weights, centre, height, width, areas)
+    for (y, x), weight in zip(cells, weights / weights.sum(), strict=True):
+        new[y, x] += radiance[row, column] * weight * areas[row, 0] / areas[y, 0]
 
 
-def _scatter(flat, places, colours):
-    """Add colours to cells, where a cell may come more than once."""
-    for channel in range(3):
-        flat[:, channel] += np.bincount(places, colours[:, channel], minlength=len(flat))
+def _place(direction, height, width):
+    """Row and column of a direction, as real numbers."""
+    theta = np.arctan2(np.hypot(direction[0], direction[2]), direction[1])
+    phi = np.arctan2(direction[0], -direction[2]) % (2 * np.pi)
+    return np.minimum(
+        [theta * height / np.pi, phi * width / (2 * np.pi)], [height - 1e-9, width - 1e-9]
+    )
 
 
-def _places_of(is_bright, matrix):
-    """New cells that may hold a part of a bright cell: those around the turned corners."""
-    height, width = is_bright.shape
-    row, column = np.nonzero(is_bright)
-    marked = np.zeros((height, width), bool)
-    for down, across in np.ndindex(3, 3):
-        uv = np.stack([(column + across / 2) / width, (row + down / 2) / height], axis=1)
-        turned = sphere.uv_to_direction(uv) @ matrix.T
-        turned /= np.linalg.norm(turned, axis=1, keepdims=True)
-        u, v = sphere.direction_to_uv(turned).T
-        _mark(marked, v * height, u * width)
-    return np.flatnonzero(marked)
+def _bilinear(row, column, matrix, height, width, side):
+    """Fraction of a cell in each new cell: even places, each in the four nearest cells."""
+    weights = np.zeros((height, width))
+    for down, across in np.ndindex(side, side):
+        theta = np.pi * (row + (down + 0.5) / side) / height
+        phi = 2 * np.pi * (column + (across + 0.5) / side) / width
+        old = [np.sin(phi) * np.sin(theta), np.cos(theta), -np.cos(phi) * np.sin(theta)]
+        y, x = _place(matrix @ old, height, width) - 0.5
+        top, left = int(np.floor(y)), int(np.floor(x))
+        for i, j in np.ndindex(2, 2):
+            share = (1 - abs(y - top - i)) * (1 - abs(x - left - j))
+            cell_row, cell_column = top + i, left + j
+            if not 0 <= cell_row < height:  # beyond a pole
+                cell_row, cell_column = (-1 - cell_row) % height, cell_column + width // 2
+            weights[cell_row, cell_column % width] += share * np.sin(theta)
+    return weights / weights.sum()
 
 
-def _mark(marked, row, column):
-    """Mark the cells within one row of each place, and as far along the rows."""
-    height, width = marked.shape
-    for step in (-1, 0, 1):
-        rows = np.clip(row.astype(np.int64) + step, 0, height - 1)
-        # Cells of a row are as narrow as its sine: of rows at the poles, all are near.
-        reach = np.ceil(1.5 / np.sin(np.pi * (rows + 0.5) / height)).astype(np.int64)
-        for each in np.unique(rows):
-            own = rows == each
-            wide = min(int(reach[own][0]), width // 2)
-            offsets = np.arange(-wide, wide + 1)
-            columns = np.unique(column[own].astype(np.int64))[:, None] + offsets
-            marked[each, columns.ravel() % width] = True
+def moment(row, column, height, width):
+    """Integral of the direction over a cell, by a fine grid."""
+    theta = np.pi * (row + (np.arange(200) + 0.5) / 200)[:, None] / height
+    phi = 2 * np.pi * (column + (np.arange(200) + 0.5) / 200) / width
+    x, z = np.sin(phi) * np.sin(theta) ** 2, -np.cos(phi) * np.sin(theta) ** 2
+    y = np.cos(theta) * np.sin(theta) + 0 * phi
+    step = np.pi / height * 2 * np.pi / width / 200**2
+    return np.array([x.sum(), y.sum(), z.sum()]) * step
+
+
+def _tilt(cells, weights, centre, height, width, areas):
+    """Factors of the weights of cells, with which their centroid is `centre`."""
+    moments = np.array([moment(y, x, height, width) / areas[y, 0] for y, x in cells])
+    first = np.cross(centre, [1, 0, 0] if abs(centre[0]) < 0.9 else [0, 1, 0])
+    first /= np.linalg.norm(first)
+    offsets = moments @ np.stack([first, np.cross(centre, first)], axis=1)
+    second = (weights[:, None] * offsets).T @ offsets
+    if np.linalg.det(second) < 1e-12 * np.trace(second) ** 2:
+        return np.ones(len(weights))
+    factors = 1 - offsets @ np.linalg.solve(second, weights @ offsets)
+    return factors if factors.min() >= 0 else np.ones(len(weights))

@@ -17,6 +17,7 @@ _COMMANDS = {
     "export": "Write a rig or lights for other programs.",
     "fit": "Fit an ambient term and a few lights to a map.",
     "merge": "Merge exposures into one map.",
+    "photograph": "Find the lights of a photograph.",
     "repair": "Estimate the clipped light of a picture.",
     "split": "Remove the lights from a map.",
     "transfer": "Learn indirect light from pairs of images, and predict it.",

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import click
 
+from envlights._native import EnvLightsError
 from envlights.cli.map_input import MapFile, map_argument
 from envlights.cli.outputs import (
     OUTPUTS,
@@ -17,6 +18,7 @@ from envlights.cli.outputs import (
     say_written,
     verbose_option,
 )
+from envlights.detection.article_steps import SAMPLINGS
 from envlights.detection.detect import METHODS, detect
 from envlights.detection.lights import DetectedLights
 from envlights.envmap import EnvMap
@@ -39,6 +41,11 @@ from envlights.io.files import PICTURES
     show_default=True,
     help="Method of detection; article: the steps of Loghin (2021).",
 )
+@click.option(
+    "--sampling",
+    type=click.Choice(list(SAMPLINGS)),
+    help="Sequence of the samples of --method article; hammersley by default.",
+)
 @output_option(OUTPUTS)
 @verbose_option()
 @click.option("--json", "as_json", is_flag=True, help="Print the lights as JSON.")
@@ -46,6 +53,7 @@ def command(
     map_file: MapFile,
     max_lights: int | None,
     method: str,
+    sampling: str | None,
     outputs: Sequence[str],
     verbose: bool,
     as_json: bool,
@@ -53,8 +61,11 @@ def command(
     """Find the lights of MAP (.hdr, .exr, .png, .jpg, .tif)."""
     for output in outputs:
         check_output(output, (*SUFFIXES, *PICTURES), {"the map": map_file.path})
+    if sampling is not None and method != "article":
+        raise EnvLightsError(f"--sampling is an option of --method article; got {method}")
     env = map_file.open()
-    lights = detect(env, method, max_lights=max_lights)
+    options = {} if sampling is None else {"sampling": sampling}
+    lights = detect(env, method, max_lights=max_lights, **options)
     for output in outputs:
         _write(env, lights, output)
     text = lights.verbose() if verbose else str(lights)

@@ -1,10 +1,16 @@
-"""Lights of a map.
+"""Lights of a map or a photograph.
 
 | step                                                   | file                |
 |--------------------------------------------------------|---------------------|
 | lights with their measurements, and the report         | `lights.py`         |
 | detection by the component tree                        | `component_tree.py` |
 | detection by the steps of Loghin (2021)                | `loghin.py`         |
+| - steps 3 to 9, for maps and photographs               | `article_steps.py`  |
+| detection in a photograph by these steps               | `photograph.py`     |
+| - pixels of a photograph                               | `photograph_pixels.py` |
+| - camera of a photograph                               | `pinhole.py`        |
+| - measurement of its lights                            | `photograph_measure.py` |
+| - lights of a photograph                               | `photograph_lights.py` |
 | pixels of the lights                                   | `members.py`        |
 | lights whose colour may be damaged                     | `colour_casts.py`   |
 | sentences of the reports                               | `wording.py`        |

@@ -57,6 +57,7 @@ def detect(
     relative: bool = ...,
     move_to_maximum: bool = ...,
     sphere: bool = ...,
+    sampling: str = ...,
 ) -> DetectedLights: ...
 
 
@@ -84,7 +85,7 @@ def detect(env: AnyMap, method: str = "tree", **options: Any) -> DetectedLights:
         Luminance above which a pixel is bright. By default the tree chooses it from the map, and
         the article has 0.8.
     reduction, blur_px, samples_per_pixel, window_px, suppression_deg, tolerance, \
-ceiling, merge_cap_deg, relative, move_to_maximum, sphere
+ceiling, merge_cap_deg, relative, move_to_maximum, sphere, sampling
         Options of the article: samples, levels and merging; see `detect_article`.
 
     Returns

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,29 +12,25 @@ from envlights import _native
 from envlights._check import amount, check_choice, count, flag
 from envlights._srgb import encode_srgb
 from envlights.detection import wording
+from envlights.detection.article_steps import (
+    BrightSamples,
+    MergedSamples,
+    MergeRule,
+    bright_samples,
+    merged_samples,
+    square_points,
+    sums_of_lights,
+)
 from envlights.detection.component_tree import detect_tree
 from envlights.detection.lights import DetectedLights, DetectionReport
 from envlights.detection.members import Members
 from envlights.envmap import AnyMap, EnvMap, as_envmap
 from envlights.kernels import image as images
-from envlights.kernels import loghin, sampling
+from envlights.kernels import sampling as sampling_kernels
 from envlights.kernels.sphere import direction_to_uv, pixel_solid_angles, uv_to_direction
 
 #: Divisor in place of a flux of 0.
 _TINY = np.finfo(float).tiny
-
-
-@dataclass(frozen=True)
-class _Samples:
-    """Samples near a bright pixel, brightest first."""
-
-    pixel: NDArray[np.int64]
-    luminance: NDArray[np.float32]
-    own_pixel: NDArray[np.int64]
-    """Pixel of each sample before it moved to a maximum."""
-
-    total: int
-    """Number of all samples, dark ones included."""
 
 
 def detect_article(
@@ -55,10 +50,11 @@ def detect_article(
     relative: bool = False,
     move_to_maximum: bool = False,
     sphere: bool = False,
+    sampling: str = "hammersley",
 ) -> DetectedLights:
     """Lights of a map by the steps of Loghin (2021).
 
-    The sphere is sampled with Hammersley points. Samples near a bright pixel are retained, samples
+    The sphere is sampled evenly. Samples near a bright pixel are retained, samples
     near a brighter sample are suppressed, and samples that a bright line joins are merged. The
     defaults are those of the article, with its errors corrected: 32-bit masks, a line check that
     ends, ``sum(w p) / sum(w)``, only survivors suppress and merge, pixel centres, the frame of
@@ -98,6 +94,8 @@ def detect_article(
     sphere : bool
         If true, windows, distances, lines and means are those on the sphere, across the seam. In
         the article they are those on the image.
+    sampling : {"hammersley", "halton"}
+        Sequence of points, mapped to the sphere at equal solid angles.
 
     Returns
     -------
@@ -131,31 +129,24 @@ def detect_article(
     image = _working_image(env, working_width, reduction, blur_px)
     height, width = image.shape
     reach = int(count("window_px", window_px) * width / 1024) // 2
-    samples = _bright_samples(image, samples_per_pixel, reach, level, move_to_maximum, sphere)
+    uv = direction_to_uv(
+        sampling_kernels.uniform_sphere(square_points(sampling, image, samples_per_pixel))
+    )
+    pixel = images.uv_to_pixel(uv, height, width)
+    samples = bright_samples(image, pixel, reach, level, move_to_maximum, sphere)
     samples = _seen_samples(env, image.shape, samples)
-    points = _points(samples.pixel, image.shape, sphere)
-    apart = _distance("suppression_deg", suppression_deg, width, sphere)
-    survivor_of = loghin.suppress(points, apart)
-    survivors = np.unique(survivor_of)
     farthest = np.inf
     if merge_cap_deg is not None:
         farthest = _distance("merge_cap_deg", merge_cap_deg, width, sphere)
-    merged_into = loghin.merge_along_lines(
-        image,
-        samples.pixel[survivors],
+    rule = MergeRule(
+        apart=_distance("suppression_deg", suppression_deg, width, sphere),
+        farthest=farthest,
         tolerance=unit * amount("tolerance", tolerance),
         ceiling=unit * amount("ceiling", ceiling),
         bright=unit,
-        points=points[survivors],
-        farthest=farthest,
-        sphere=sphere,
     )
-    means = loghin.weighted_means(points[survivors], samples.luminance[survivors], merged_into)
-    peaks, light = np.unique(merged_into, return_inverse=True)
-    merged = _MergedSamples(
-        direction=_directions(means, image.shape),
-        peak=samples.pixel[survivors[peaks]],
-        light=light[np.searchsorted(survivors, survivor_of)],
+    merged = merged_samples(
+        image, samples, _points(samples.pixel, image.shape, sphere), rule, sphere
     )
     report = DetectionReport(
         method="article",
@@ -170,15 +161,6 @@ def detect_article(
     return lights if max_lights is None else lights[: count("max_lights", max_lights, least=1)]
 
 
-@dataclass(frozen=True)
-class _MergedSamples:
-    """Lights as groups of samples, and the light of each sample."""
-
-    direction: NDArray[np.float64]
-    peak: NDArray[np.int64]
-    light: NDArray[np.int64]
-
-
 def _working_image(env: EnvMap, width: int, reduction: str, blur_px: float) -> NDArray[np.float32]:
     """Steps 1 and 2: luminance in at most `width` columns."""
     check_choice("reduction", reduction, ("bilinear", "area"))
@@ -189,15 +171,16 @@ def _working_image(env: EnvMap, width: int, reduction: str, blur_px: float) -> N
     else:
         image = images.luminance(env.radiance)
         if width < env.width:
-            image = images.resize_bilinear(image, width // 2, width)
-    return images.blur(image, blur_px) if amount("blur_px", blur_px) > 0 else image
+            image = images.resize_bilinear(image, width // 2, width, wrap=True)
+    return images.blur(image, blur_px, wrap=True) if amount("blur_px", blur_px) > 0 else image
 
 
 def _reason(env: EnvMap, level: float, relative: bool) -> str:
     """Rule that set the threshold."""
+    rule = "chosen by the tree method's rule" if relative else ""
     share = 0.0 if env.white is None else min(level / env.white, 1.0)
     code = 255 * float(encode_srgb(np.array(share)))
-    return wording.reason_of_article(relative, level, env.white, code)
+    return wording.reason_of_article(rule, level, env.white, code)
 
 
 def _registration_notes(env: EnvMap) -> tuple[str, ...]:
@@ -215,40 +198,15 @@ def _unit_of_luminance(env: EnvMap, threshold: float) -> float:
     return level / threshold if level > 0 and threshold > 0 else 1.0
 
 
-def _bright_samples(
-    image: NDArray[np.float32],
-    samples_per_pixel: float,
-    reach: int,
-    threshold: float,
-    move_to_maximum: bool,
-    sphere: bool,
-) -> _Samples:
-    """Steps 3 to 6: samples whose window holds a pixel above the threshold, brightest first."""
-    height, width = image.shape
-    total = int(amount("samples_per_pixel", samples_per_pixel, most=1.0) * width * height)
-    directions = sampling.uniform_sphere(sampling.hammersley(total))
-    pixel = images.uv_to_pixel(direction_to_uv(directions), height, width)
-    brightest, place = loghin.neighbour_maximum(image, pixel, reach, sphere=sphere)
-    is_bright = brightest > threshold
-    own_pixel, pixel = pixel[is_bright], (place if move_to_maximum else pixel)[is_bright]
-    luminance = image[pixel[:, 0], pixel[:, 1]]
-    order = np.argsort(-luminance, kind="stable")
-    return _Samples(pixel[order], luminance[order], own_pixel[order], total)
-
-
-def _seen_samples(env: EnvMap, size: tuple[int, ...], samples: _Samples) -> _Samples:
+def _seen_samples(env: EnvMap, size: tuple[int, ...], samples: BrightSamples) -> BrightSamples:
     """Samples in the seen part of the map."""
     if env.seen is None:
         return samples
     uv = (samples.own_pixel[:, ::-1] + 0.5) / (size[1], size[0])
     row, column = images.uv_to_pixel(uv, env.height, env.width).T
     is_seen = env.seen[row, column] > 0
-    return _Samples(
-        samples.pixel[is_seen],
-        samples.luminance[is_seen],
-        samples.own_pixel[is_seen],
-        samples.total,
-    )
+    arrays = (samples.pixel, samples.luminance, samples.own_pixel, samples.maximum)
+    return BrightSamples(*(each[is_seen] for each in arrays), total=samples.total)
 
 
 def _points(pixel: NDArray[np.int64], size: tuple[int, ...], sphere: bool) -> NDArray[np.float64]:
@@ -274,29 +232,30 @@ def _directions(means: NDArray[np.float64], size: tuple[int, ...]) -> NDArray[np
 def _lights(
     env: EnvMap,
     image: NDArray[np.float32],
-    samples: _Samples,
-    merged: _MergedSamples,
+    samples: BrightSamples,
+    merged: MergedSamples,
     report: DetectionReport,
     reach: int,
     sphere: bool,
 ) -> DetectedLights:
     """Measure each light on its samples; each has 4 pi / n steradians."""
-    lights, each = len(merged.direction), 4 * np.pi / max(samples.total, 1)
+    direction = _directions(merged.means, image.shape)
+    lights, each = len(direction), 4 * np.pi / max(samples.total, 1)
     # Measure each sample at its first position. All samples around a lamp may have moved to its
     # maximum, where a lamp of 2 degrees would count four times.
     first = _points(samples.own_pixel, image.shape, sphere=True)
     place = images.uv_to_pixel(direction_to_uv(first), env.height, env.width)
     radiance = env.radiance[place[:, 0], place[:, 1]].astype(np.float64)
-    flux = each * _sums(radiance, merged.light, lights)
-    vectors = _sums((radiance @ images.LUMINANCE)[:, None] * first, merged.light, lights)
+    flux = each * sums_of_lights(radiance, merged.light, lights)
+    vectors = sums_of_lights((radiance @ images.LUMINANCE)[:, None] * first, merged.light, lights)
     towards = each * np.linalg.norm(vectors, axis=1) / np.maximum(flux @ images.LUMINANCE, _TINY)
     is_bright = image[samples.own_pixel[:, 0], samples.own_pixel[:, 1]] > report.threshold
     bright = np.bincount(merged.light, is_bright, minlength=lights)
-    elongation, orientation = _shapes(first, merged)
+    elongation, orientation = _shapes(first, direction, merged.light)
     bands = pixel_solid_angles(image.shape[0], 2)[:, 0] * 2 / image.shape[1]
     total = float(image.sum(axis=1) @ bands) or 1.0
     return DetectedLights(
-        merged.direction,
+        direction,
         flux * towards[:, None],
         flux=flux,
         peak_direction=_points(merged.peak, image.shape, sphere=True),
@@ -312,7 +271,7 @@ def _lights(
 
 
 def _are_clipped(
-    env: EnvMap, size: tuple[int, ...], merged: _MergedSamples, reach: int, sphere: bool
+    env: EnvMap, size: tuple[int, ...], merged: MergedSamples, reach: int, sphere: bool
 ) -> NDArray[np.bool_]:
     """True for each light with a flat top at the maximum, in the window of its brightest sample.
 
@@ -325,26 +284,18 @@ def _are_clipped(
     return _native.are_clipped(env.radiance, place, reach_in_map, sphere, env.white)
 
 
-def _sums(
-    values: NDArray[np.float64], light: NDArray[np.int64], lights: int
-) -> NDArray[np.float64]:
-    """Sum of the rows of `values` over each light."""
-    columns = [np.bincount(light, column, minlength=lights) for column in values.T]
-    return np.stack(columns, axis=1)
-
-
 def _shapes(
-    first: NDArray[np.float64], merged: _MergedSamples
+    first: NDArray[np.float64], direction: NDArray[np.float64], light: NDArray[np.int64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Elongation and long axis of each light, from the second moments of its samples."""
-    offset = first - merged.direction[merged.light]
+    offset = first - direction[light]
     moments = (offset[:, :, None] * offset[:, None, :]).reshape(-1, 9)
-    matrices = _sums(moments, merged.light, len(merged.direction)).reshape(-1, 3, 3)
+    matrices = sums_of_lights(moments, light, len(direction)).reshape(-1, 3, 3)
     values, axes = np.linalg.eigh(matrices)
     with np.errstate(invalid="ignore", divide="ignore"):
         elongation = np.sqrt(values[:, 2] / values[:, 1])
     along = axes[:, :, 2]
-    along = along - np.sum(along * merged.direction, axis=1, keepdims=True) * merged.direction
+    along = along - np.sum(along * direction, axis=1, keepdims=True) * direction
     return np.where(values[:, 1] > 1e-12, elongation, 1.0), _unit(along)
 
 

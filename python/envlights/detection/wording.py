@@ -95,11 +95,12 @@ def _tiles(detection: _native.TreeDetection) -> list[str]:
     return [f"{dark} of {tiles} tiles ({100 * dark / tiles:.3g} %) are dark and were not searched"]
 
 
-def reason_of_article(is_relative: bool, level: float, white: float | None, code: float) -> str:
-    """Origin of the article's threshold, and its code in an 8-bit file."""
-    reason = (
-        "chosen by the tree method's rule" if is_relative else "a fixed value, as in the article"
-    )
+def reason_of_article(relative: str, level: float, white: float | None, code: float) -> str:
+    """Origin of the article's threshold, and its code in an 8-bit file.
+
+    `relative` is the rule of a relative threshold, and empty for an absolute one.
+    """
+    reason = relative or "a fixed value, as in the article"
     if white is None:
         return reason
     if level >= white:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
-from envlights._native import EnvLightsError
+from envlights.io.source import printable
 
-#: Projections that mean a whole or cropped equirectangular picture.
-_EQUIRECTANGULAR = {"", "equirectangular"}
 #: Relative difference of two ratios that rounding to whole pixels explains.
 _ROUNDING = 0.01
 #: Angles of the camera, in degrees, which are noted and not applied.
@@ -31,14 +30,49 @@ class Crop:
     """First row of the picture."""
 
 
-def check_projection(name: str, said: dict[str, str]) -> None:
-    """Refuse a projection that is not equirectangular."""
-    projection = said.get("GPano:ProjectionType", "")
-    if projection.lower() not in _EQUIRECTANGULAR:
-        raise EnvLightsError(
-            f"cannot read {name}: its GPano projection is {projection[:40]!r};"
-            " give an equirectangular panorama"
-        )
+class View(NamedTuple):
+    """Projection of a picture, and what a cylinder shows."""
+
+    projection: str
+    """Projection in lower case; empty if there is none."""
+
+    field_of_view: float | None = None
+    """Azimuth that a cylinder covers, in degrees."""
+
+    horizon: float | None = None
+    """Row of elevation 0 of a cylinder."""
+
+    stereo: str = ""
+    """Stereo mode in lower case; empty for one eye."""
+
+
+#: View of a picture without such properties.
+NO_VIEW: View = View("")
+
+
+def view(said: dict[str, str], height: int) -> View:
+    """Projection and stereo mode; of a cylinder its field of view and its horizon.
+
+    The top of a cropped cylinder is counted from the horizon, so it is negative. A positive one is
+    counted from the top of the whole picture.
+    """
+    projection = printable(said.get("GPano:ProjectionType", "").lower()[:40])
+    stereo = printable(said.get("GSpherical:StereoMode", "").lower()[:40])
+    mode = "" if stereo == "mono" else stereo
+    if projection != "cylindrical":
+        return View(projection, stereo=mode)
+    full_width, full_height, crop_width, crop_height, _, top = (
+        _number(said, f"{key}Pixels") for key in _KEYS
+    )
+    degrees = 360 * crop_width / full_width if full_width and crop_width else None
+    scale = height / crop_height if crop_height else 1.0
+    horizon = None
+    if top is not None and top < 0:
+        horizon = -top * scale
+    elif top is not None and full_height:
+        horizon = (full_height / 2 - top) * scale
+    is_usable = degrees is not None and 0 < degrees <= 360
+    return View(projection, degrees if is_usable else None, horizon, mode)
 
 
 def pose_notes(said: dict[str, str]) -> list[str]:

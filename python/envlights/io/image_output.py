@@ -22,6 +22,8 @@ COMPRESSIONS = ("zip", "piz", "rle", "none")
 _TILE = 64
 #: A multiple of that, and of the rows that OpenEXR compresses together.
 _ROWS_AT_ONCE = 128
+#: Names of OpenImageIO for the values of the attribute `envmap`.
+_TEXTURE_FORMATS = {"latlong": "LatLong Environment", "cube": "CubeFace Environment"}
 _LARGEST_HALF = float(np.finfo(np.float16).max)
 #: Radiance files hold mantissas up to 255 with the exponent 127; this would be rounded to 256.
 _END_OF_RGBE = 255.5 * 2.0**119
@@ -33,7 +35,7 @@ def write_exr(
     *,
     half: bool = False,
     compression: str = COMPRESSIONS[0],
-    border_sampled: bool = False,
+    environment: str = "",
     comments: Iterable[str] = (),
 ) -> None:
     """Write linear Rec.709 RGB, (height, width, 3), as an OpenEXR file.
@@ -46,13 +48,14 @@ def write_exr(
         16 instead of 32 bits for each sample: 11 digits in binary, up to 65504.
     compression : {"zip", "piz", "rle", "none"}
         All keep every bit.
-    border_sampled : bool
-        Whether the outer pixels lie on the seam and the poles. Such a map, and no other, has the
-        attribute ``envmap``: readers take its outer pixels so.
+    environment : {"", "latlong", "cube"}
+        Attribute ``envmap``, for maps whose outer pixels lie on the seam and the poles, or on the
+        edges of six faces in the order of OpenEXR: readers take the pixels so.
     comments : iterable of str
         Lines of the attribute ``comments``.
     """
     check_choice("compression", compression, COMPRESSIONS)
+    check_choice("environment", environment, ("", *_TEXTURE_FORMATS))
     if flag("half", half) and radiance.max(initial=0) > _LARGEST_HALF:
         raise EnvLightsError(
             f"cannot write {path} with half floats: its largest sample is {radiance.max():g},"
@@ -64,8 +67,8 @@ def write_exr(
         # OpenImageIO writes this as the attribute `comments`.
         spec.attribute("ImageDescription", "\n".join(lines))
     spec.attribute("chromaticities", oiio.TypeDesc("float[8]"), REC709)
-    if border_sampled:
-        spec.attribute("textureformat", "LatLong Environment")
+    if environment:
+        spec.attribute("textureformat", _TEXTURE_FORMATS[environment])
         spec.attribute("openexr:levelmode", 0)  # one level, no pyramid
         spec.tile_width = spec.tile_height = _TILE
     _write(path, spec, radiance)
@@ -180,6 +183,6 @@ def _fill(file: oiio.ImageOutput, radiance: NDArray[np.float32]) -> bool:
 def _check_whole(path: Path) -> None:
     """Read the file back, because OpenImageIO does not report a full disk for the last bytes."""
     try:
-        read_image(path)
+        read_image(path, any_projection=True)
     except EnvLightsError:
         raise OSError("not all of it could be written; is the disk full?") from None

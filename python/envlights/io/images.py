@@ -16,6 +16,7 @@ from envlights._white import CodeHistogram, white_of
 from envlights.io.alpha import seen_of_alpha, straight_codes, visible
 from envlights.io.channels import Choice, choose
 from envlights.io.colour import ColourArgument, ColourConversion, conversion
+from envlights.io.hints import NO_HINTS, Hints
 from envlights.io.linear import Linear
 from envlights.io.native import open_png, open_radiance
 from envlights.io.openimageio import check_size, open_with_openimageio
@@ -51,6 +52,9 @@ class Image:
     seen: NDArray[np.float32] | None = None
     """Share of each pixel that the file shows, (height, width); None if all is seen."""
 
+    hints: Hints = NO_HINTS
+    """Statements of the file about its projection."""
+
 
 @dataclass(frozen=True)
 class OpenImage:
@@ -76,6 +80,19 @@ class OpenImage:
         """Remarks of all steps."""
         notes = (*self.choice.notes, *self.raw.header.notes, *self.colour.notes)
         return (*notes, *self.place.notes)
+
+    @property
+    def hints(self) -> Hints:
+        """Statements of the file about its projection."""
+        header, view = self.raw.header, self.place.view
+        return Hints(
+            self.name,
+            header.kind,
+            header.environment,
+            header.cube_sides,
+            header.border_sampled,
+            *view,
+        )
 
     def samples(self) -> Iterator[tuple[int, NDArray[Any], NDArray[Any]]]:
         """First row, colours and alpha of some rows at a time, in the type of the file."""
@@ -120,6 +137,7 @@ class OpenImage:
             (*self.notes, *linear.notes, *notes),
             white,
             None if seen is None else self.place.apply(seen, border=1),
+            self.hints,
         )
 
     def _white(
@@ -164,13 +182,14 @@ class _Rows:
 
 @contextlib.contextmanager
 def open_image(
-    source: AnySource,
+    source: AnySource | Source,
     *,
     colour: ColourArgument | None = None,
     part: str | int | None = None,
     channels: str | Sequence[str] | None = None,
     max_pixels: int = MOST_PIXELS,
     any_format: bool = False,
+    any_projection: bool = False,
 ) -> Iterator[OpenImage]:
     """Open file as `read_image` reads it, for callers who take its rows one by one."""
     count("max_pixels", max_pixels, least=1)
@@ -180,9 +199,21 @@ def open_image(
         choice = choose(named.name, file.parts, part, channels)
         names = (*choice.colours, choice.alpha) if choice.alpha else choice.colours
         raw = file.image(choice.part, names)
-        place = placement(named.name, raw.header)
+        place = placement(raw.header)
         check_size(named.name, *place.size, max_pixels)
-        yield OpenImage(named.name, raw, choice, conversion(raw.header, colour), place)
+        opened = OpenImage(named.name, raw, choice, conversion(raw.header, colour), place)
+        if not any_projection:
+            _check_projection(opened.hints)
+        yield opened
+
+
+def _check_projection(hints: Hints) -> None:
+    """Refuse a picture whose metadata name a projection other than equirectangular."""
+    if other := hints.names_other_projection:
+        raise EnvLightsError(
+            f"cannot read {hints.name}: its metadata say that it is a {other}; give an"
+            " equirectangular map"
+        )
 
 
 @contextlib.contextmanager
@@ -198,13 +229,14 @@ def _reader(named: Source, kind: str, max_pixels: int) -> Iterator[ImageFile]:
 
 
 def read_image(
-    source: AnySource,
+    source: AnySource | Source,
     *,
     colour: ColourArgument | None = None,
     part: str | int | None = None,
     channels: str | Sequence[str] | None = None,
     max_pixels: int = MOST_PIXELS,
     any_format: bool = False,
+    any_projection: bool = False,
 ) -> Image:
     """Read an image at full size, as linear Rec.709.
 
@@ -224,6 +256,9 @@ def read_image(
         Files with more pixels are refused before memory is allocated.
     any_format : bool
         Try all formats of OpenImageIO on other files. Do not set it for files of strangers.
+    any_projection : bool
+        Read a cube, a cylinder and other projections as they are stored; `layouts.recognise`
+        arranges them. False: refuse files whose metadata name one.
 
     Returns
     -------
@@ -241,6 +276,7 @@ def read_image(
     """
     options: dict[str, Any] = {"colour": colour, "part": part, "channels": channels}
     options |= {"max_pixels": max_pixels, "any_format": any_format}
+    options["any_projection"] = any_projection
     with open_image(source, **options) as file:
         try:
             return file.image()

@@ -43,6 +43,7 @@ _SUFFIXES = {
     "png": ".png",
     "jpeg": ".jpg",
     "tiff": ".tif",
+    "dds": ".dds",
 }
 #: Rows of one read, or more if tiles are taller.
 _ROWS_AT_ONCE = 128
@@ -174,8 +175,10 @@ class OpenImageIOFile:
         kind = "radiance" if kind == "hdr" else kind
         data: Window = (spec.x, spec.y, spec.width, spec.height)
         display: Window = (spec.full_x, spec.full_y, spec.full_width, spec.full_height)
-        # Only OpenEXR has windows; offsets of PNG and TIFF are places on a page.
-        has_windows = kind == "openexr" and data != display
+        environment = _environment(spec)
+        # Only OpenEXR has windows; offsets of PNG and TIFF are places on a page. The display window
+        # of a cube is one face.
+        has_windows = kind == "openexr" and data != display and environment != "cube"
         is_applied = kind == "jpeg" and dtype.kind == "f"
         return Header(
             width=spec.width,
@@ -189,6 +192,8 @@ class OpenImageIOFile:
             display_window=display if has_windows else None,
             alpha=_alpha(spec),
             border_sampled=bool(spec.getattribute("oiio:sampleborder")),
+            environment=environment,
+            cube_sides=_text(spec, "dds:CubeMapSides"),
             xmp=self._xmp or _text(spec, "xmp").encode(),
             has_gain_map=is_applied,
             notes=(*_notes(kind), *self._gain_map_notes(is_applied=is_applied)),
@@ -205,6 +210,14 @@ class OpenImageIOFile:
         """Value of an attribute of the first part; None if there is none."""
         self._file.seek_subimage(0, 0)
         return self._file.spec().getattribute(name)
+
+    def number(self, name: str, least: float = 0.0) -> float | None:
+        """Value of a numeric attribute above `least`; None if there is none."""
+        value = self.attribute(name)
+        if isinstance(value, tuple):
+            value = value[0] / value[1] if len(value) == 2 and value[1] else None
+        is_number = isinstance(value, int | float) and np.isfinite(value) and value > least
+        return float(value) if is_number else None
 
     def close(self) -> None:
         """Close the file."""
@@ -247,10 +260,6 @@ def _check_spec(name: str, spec: oiio.ImageSpec, max_pixels: int) -> None:
         ),
         (spec.depth > 1, f"it is a volume of {spec.depth} slices; give a flat image"),
         (spec.deep, "it is a deep image; give a flattened one"),
-        (
-            "CubeFace" in _text(spec, "textureformat"),
-            "it is a cube map; give an equirectangular one",
-        ),
     ]
     for is_so, reason in refusals:
         if is_so:
@@ -278,6 +287,12 @@ def _colour(spec: oiio.ImageSpec) -> FileColour:
         chromaticities=tuple(float(value) for value in primaries) if primaries else None,
         name=_text(spec, "oiio:ColorSpace"),
     )
+
+
+def _environment(spec: oiio.ImageSpec) -> str:
+    """Environment attribute: "latlong", "cube", or empty."""
+    said = _text(spec, "textureformat")
+    return "cube" if "CubeFace" in said else "latlong" if "LatLong" in said else ""
 
 
 def _orientation(spec: oiio.ImageSpec) -> int:

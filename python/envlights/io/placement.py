@@ -33,6 +33,9 @@ class Placement:
     size: tuple[int, int] = (0, 0)
     """Columns and rows of the result."""
 
+    view: gpano.View = gpano.NO_VIEW
+    """Projection of the picture."""
+
     notes: list[str] = field(default_factory=list)
     """Remarks on the steps."""
 
@@ -52,8 +55,8 @@ class Placement:
         return samples if self.crop is None else _in_sphere(samples, self.crop)
 
 
-def placement(name: str, header: Header) -> Placement:
-    """Placement that a header asks for, or a refusal of a projection."""
+def placement(header: Header) -> Placement:
+    """Placement of the samples of a header; a crop applies to equirectangular pictures."""
     notes: list[str] = []
     size, data, display = (header.width, header.height), header.data_window, header.display_window
     if data == display:
@@ -71,12 +74,13 @@ def placement(name: str, header: Header) -> Placement:
             " header"
         )
     said = xmp.properties(header.xmp)
-    gpano.check_projection(name, said)
-    crop, crop_notes = gpano.crop(said, *size)
+    view = gpano.view(said, size[1])
+    is_plain = view.projection in ("", "equirectangular")
+    crop, crop_notes = gpano.crop(said, *size) if is_plain else (None, [])
     if crop:
         size = (crop.full_width, crop.full_height)
     notes += crop_notes + gpano.pose_notes(said)
-    return Placement(data, display, header.orientation, crop, size, notes)
+    return Placement(data, display, header.orientation, crop, size, view, notes)
 
 
 def _in_window(

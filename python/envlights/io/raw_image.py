@@ -84,6 +84,12 @@ class Header:
     border_sampled: bool = False
     """True if the outer pixels lie on the seam and the poles."""
 
+    environment: str = ""
+    """Environment attribute: "latlong", "cube", or empty."""
+
+    cube_sides: str = ""
+    """Sides of a DDS cube, in the order of the file: "+x -x +y -y +z -z"."""
+
     xmp: bytes = b""
     """XMP packet."""
 

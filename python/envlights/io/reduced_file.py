@@ -64,7 +64,7 @@ def reduce_file(
         True if a floor hides all light from below the horizon.
     """
     cells = _Cells(columns, source_share, floor)
-    with open_image(source) as file:
+    with open_image(source, any_projection=True) as file:
         if not _is_plain(file):
             return None
         try:
@@ -84,6 +84,8 @@ def _is_plain(file: OpenImage) -> bool:
         and header.height > 1
         and header.alpha == "none"
         and file.place.is_plain
+        and not file.hints.names_other_projection
+        and not file.hints.stereo
         and colour.matrix is None
         and not header.has_gain_map
         and (header.dtype.kind == "u" or (colour.curve is None and colour.white is None))

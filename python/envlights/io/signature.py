@@ -20,7 +20,8 @@ _READ = (
     ("tiff", b"MM\0+"),
 )
 
-#: Name, place and bytes of other images, which are read on request.
+#: Name, place and bytes of other images, which are read on request. DDS is among them, though cubes
+#: are often stored so: its reader had memory faults (CVE-2022-41838, CVE-2022-41999).
 _ON_REQUEST = (
     ("GIF image", 0, b"GIF8"),
     ("WebP image", 8, b"WEBP"),
@@ -30,7 +31,6 @@ _ON_REQUEST = (
     ("AVIF image", 4, b"ftypavif"),
     ("Canon raw file", 4, b"ftypcrx"),
     ("DDS texture", 0, b"DDS "),
-    ("KTX texture", 1, b"KTX "),
     ("BMP image", 0, b"BM"),
     ("JPEG XL image", 0, b"\xff\x0a"),
     ("JPEG XL image", 4, b"JXL "),
@@ -49,8 +49,15 @@ _ON_REQUEST = (
     ("IFF image", 0, b"FOR4"),
 )
 
+#: Way out for textures that no library of ours reads.
+_KTX = (
+    "KTX texture, which no reader here decodes; `ktx extract` of KTX-Software writes its six faces"
+    " as PNG or OpenEXR: give those"
+)
+
 #: Name, place and bytes of files that are no images.
 _NO_IMAGE = (
+    (_KTX, 1, b"KTX "),
     ("web page", 0, b"<!DOCTYPE html"),
     ("web page", 0, b"<!doctype html"),
     ("web page", 0, b"<html"),
@@ -78,8 +85,9 @@ def kind_of(source: Source, *, any_format: bool) -> str:
     for kind, start in _READ:
         if head.startswith(start):
             return kind
-    if any_format:
-        return ""
+    if any_format and not head.startswith(b"KTX ", 1):
+        # DDS has its own reader, so no other reader tries the file.
+        return "dds" if head.startswith(b"DDS ") else ""
     name = _name(head, _ON_REQUEST)
     if name:
         raise EnvLightsError(

@@ -90,6 +90,8 @@ def name_of(source: Any) -> str:
 
 def named_source(source: Any) -> Source:
     """Source of any kind, or a refusal of one that holds nothing."""
+    if isinstance(source, Source):
+        return source
     if isinstance(source, bytes | bytearray | memoryview):
         return _of_bytes(name_of(source), bytes(source))
     if hasattr(source, "read"):

@@ -7,6 +7,7 @@ from xml.parsers import expat
 #: Name spaces whose properties are used, by their usual prefix.
 _SPACES = {
     "http://ns.google.com/photos/1.0/panorama/": "GPano",
+    "http://ns.google.com/videos/1.0/spherical/": "GSpherical",
     "http://ns.adobe.com/hdr-gain-map/1.0/": "hdrgm",
     "http://ns.apple.com/HDRGainMap/1.0/": "HDRGainMap",
 }

@@ -38,7 +38,9 @@ def luminance(radiance: ArrayLike) -> NDArray[np.float32]:
     return _native.luminance(float_image("radiance", radiance, 3))
 
 
-def resize_bilinear(image: ArrayLike, height: int, width: int) -> NDArray[np.float32]:
+def resize_bilinear(
+    image: ArrayLike, height: int, width: int, *, wrap: bool = False
+) -> NDArray[np.float32]:
     """Resize an image by bilinear interpolation; Loghin (2021), step 1.
 
     A reduction by more than 2 skips pixels, so small lights may vanish, unlike in
@@ -47,9 +49,11 @@ def resize_bilinear(image: ArrayLike, height: int, width: int) -> NDArray[np.flo
     Parameters
     ----------
     image : array_like, shape (rows, columns)
-        Columns wrap around at the seam, as in an equirectangular map.
     height, width : int
         The new size.
+    wrap : bool
+        True: columns wrap around at the seam, as in an equirectangular map. False: the outer pixels
+        continue beyond the borders, as in a plane image, which is the default of all steps.
 
     Returns
     -------
@@ -62,11 +66,13 @@ def resize_bilinear(image: ArrayLike, height: int, width: int) -> NDArray[np.flo
 
     Examples
     --------
-    >>> resize_bilinear([[0, 2, 4, 2]], 1, 2)
-    array([[1., 3.]], dtype=float32)
+    >>> resize_bilinear([[0, 4]], 1, 4)
+    array([[0., 1., 3., 4.]], dtype=float32)
+    >>> resize_bilinear([[0, 4]], 1, 4, wrap=True)
+    array([[1., 1., 3., 3.]], dtype=float32)
     """
     size = count("height", height, least=1), count("width", width, least=1)
-    return _native.resize_bilinear(float_image("image", image, 2), *size)
+    return _native.resize_bilinear(float_image("image", image, 2), *size, flag("wrap", wrap))
 
 
 def reduced_luminance(
@@ -105,16 +111,18 @@ def reduced_luminance(
     )
 
 
-def blur(image: ArrayLike, sigma: float) -> NDArray[np.float32]:
+def blur(image: ArrayLike, sigma: float, *, wrap: bool = False) -> NDArray[np.float32]:
     """Gaussian blur; Loghin (2021), optional in step 2.
 
     Parameters
     ----------
     image : array_like, shape (height, width)
-        Columns wrap around at the seam; rows do not.
     sigma : float
         Standard deviation in pixels: 1 to 2 at a width of 1024. The time grows with it; resize
         before a blur over hundreds of pixels.
+    wrap : bool
+        True: columns wrap around at the seam, as in an equirectangular map. False: the outer pixels
+        continue beyond the borders, as in a plane image.
 
     Returns
     -------
@@ -130,7 +138,8 @@ def blur(image: ArrayLike, sigma: float) -> NDArray[np.float32]:
     >>> blur([[0, 0, 1, 0, 0, 0, 0, 0]], 1.0).round(2)
     array([[0.05, 0.24, 0.4 , 0.24, 0.05, 0.  , 0.  , 0.  ]], dtype=float32)
     """
-    return _native.blur(float_image("image", image, 2), amount("sigma", sigma))
+    size = amount("sigma", sigma)
+    return _native.blur(float_image("image", image, 2), size, flag("wrap", wrap))
 
 
 def uv_to_pixel(uv: ArrayLike, height: int, width: int) -> NDArray[np.int64]:

@@ -6,6 +6,7 @@
 | a map, its lights, and the map without them                    | `split.py`    |
 | several rigs of a map; the error against the number of lights  | `compare.py`  |
 | clipped regions of a map, and the lights in them               | `plateau.py`  |
+| a photograph with its lights, and the steps that lead to them  | `photograph.py` |
 | lights on the sphere                                           | `globe.py`    |
 | the steps of Loghin (2021)                                     | `article.py`  |
 | a scene under a map and under rigs, with Mitsuba               | `scene.py`    |
@@ -14,8 +15,8 @@
 | our axes in other programs                                     | `axes.py`     |
 | the basis of a transfer model and its spectrum                 | `basis.py`    |
 
-They share `figure.py`, `ground.py` (the exposed map), `markers.py` (lights on it), `outlines.py`,
-`ball.py` and `probe.py`.
+They share `figure.py`, `ground.py` (the exposed map), `markers.py` (lights on it), `steps.py`
+(samples and their links), `outlines.py`, `ball.py` and `probe.py`.
 """
 
 from envlights.plot.article import article_picture
@@ -25,6 +26,7 @@ from envlights.plot.compare import error_picture, rigs_picture
 from envlights.plot.figure import Picture, save
 from envlights.plot.globe import sphere_picture
 from envlights.plot.maps import detection_picture, map_picture, picture
+from envlights.plot.photograph import photograph
 from envlights.plot.plateau import plateau_picture
 from envlights.plot.room import room_picture
 from envlights.plot.scene import scene
@@ -39,6 +41,7 @@ __all__ = [
     "detection_picture",
     "error_picture",
     "map_picture",
+    "photograph",
     "picture",
     "plateau_picture",
     "rigs_picture",

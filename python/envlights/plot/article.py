@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
 from numpy.typing import NDArray
 
+from envlights.detection.article_steps import square_points
 from envlights.detection.lights import DetectedLights
 from envlights.detection.loghin import detect_article
 from envlights.envmap import AnyMap, EnvMap, as_envmap
@@ -19,9 +19,10 @@ from envlights.plot.figure import Picture
 from envlights.plot.globe import draw_globe, on_page
 from envlights.plot.ground import degrees, draw_ground, expose, working
 from envlights.plot.markers import RIM, area, draw_discs, draw_numbers
+from envlights.plot.steps import LEFT, draw_bright, draw_links, draw_survivors
 
-#: Colour of selected and of rejected samples.
-_KEPT, _LEFT = "gold", "deepskyblue"
+#: Width in degrees of links that cross the seam.
+_SEAM = 180.0
 #: Smallest number of points on the page for a degree of a map.
 _POINTS = 1.1
 #: View direction of the sphere.
@@ -83,8 +84,9 @@ def article_picture(env: AnyMap, **options: Any) -> Picture:
     for axes in (bright, survivors, merged):
         draw_ground(axes, ground.codes)
         axes.set(xlabel="", ylabel="")
-    _draw_bright(bright, steps)
-    _draw_survivors(survivors, steps)
+    at = degrees(steps.bright)
+    draw_bright(bright, at, degrees(steps.maxima), _SEAM)
+    draw_survivors(survivors, at, at, steps.survivor, _SEAM)
     _draw_lights(merged, lights, steps)
     figure.suptitle(f"the steps of Loghin (2021): threshold {lights.report.threshold:.3g}")
     return figure
@@ -98,18 +100,17 @@ def _parameters() -> dict[str, inspect.Parameter]:
 def _steps(env: EnvMap, lights: DetectedLights, options: dict[str, Any]) -> _Steps:
     """Recompute the intermediate directions of `detect_article`."""
     height, width = lights.report.working_size
-    total = int(options["samples_per_pixel"] * width * height)
-    samples = sampling.uniform_sphere(sampling.hammersley(total))
+    luminance = images.resize_bilinear(images.luminance(env.radiance), height, width, wrap=True)
+    points = square_points(options["sampling"], luminance, options["samples_per_pixel"])
     # The members are the bright samples; find the brightest pixel around each.
     pixel = lights.members.pixel
-    luminance = images.resize_bilinear(images.luminance(env.radiance), height, width)
     reach = int(options["window_px"] * width / 1024) // 2
     _, maxima = loghin.neighbour_maximum(luminance, pixel, reach, sphere=options["sphere"])
     order = np.argsort(-luminance[pixel[:, 0], pixel[:, 1]], kind="stable")
     bright = _directions(pixel[order], height, width)
     apart = 2 * np.sin(np.deg2rad(options["suppression_deg"]) / 2)
     return _Steps(
-        samples,
+        sampling.uniform_sphere(points),
         bright,
         _directions(maxima[order], height, width),
         loghin.suppress(bright, apart),
@@ -125,40 +126,14 @@ def _draw_samples(axes: Axes, env: EnvMap, steps: _Steps) -> None:
     eye = _EYE / np.linalg.norm(_EYE)
     draw_globe(axes, env, eye)
     at, is_near = on_page(steps.samples, eye)
-    axes.plot(*at[is_near].T, ".", ms=2, color=_LEFT)
+    axes.plot(*at[is_near].T, ".", ms=2, color=LEFT)
     axes.set_title(f"1. samples: {len(steps.samples)}, of equal solid angle")
-
-
-def _draw_bright(axes: Axes, steps: _Steps) -> None:
-    at, maxima = degrees(steps.bright), degrees(steps.maxima)
-    _draw_links(axes, at, maxima, _LEFT)
-    axes.plot(*at.T, ".", ms=4, color=_KEPT)
-    axes.plot(*maxima.T, "x", ms=4, mew=0.8, color=RIM)
-    axes.set_title(f"2. bright samples: {len(at)}, with the brightest pixel near each")
-
-
-def _draw_survivors(axes: Axes, steps: _Steps) -> None:
-    at = degrees(steps.bright)
-    kept = np.unique(steps.survivor)
-    _draw_links(axes, at, at[steps.survivor], _LEFT)
-    axes.plot(*at.T, ".", ms=3, color=_LEFT)
-    axes.plot(*at[kept].T, "o", ms=5, mec="black", mew=0.5, color=_KEPT)
-    axes.set_title(f"3. survivors: {len(kept)}, with the samples that they suppress")
 
 
 def _draw_lights(axes: Axes, lights: DetectedLights, steps: _Steps) -> None:
     at, areas = degrees(lights.direction), area(lights.share) / 2
     kept = np.unique(steps.survivor)
-    _draw_links(axes, degrees(steps.bright[kept]), at[steps.light[kept]], RIM)
+    draw_links(axes, degrees(steps.bright[kept]), at[steps.light[kept]], RIM, _SEAM)
     draw_discs(axes, at, areas, lights.irradiance)
     draw_numbers(axes, at, areas, _POINTS)
     axes.set_title(f"4. lights: {len(lights)}, merged along bright lines")
-
-
-def _draw_links(
-    axes: Axes, start: NDArray[np.float64], end: NDArray[np.float64], colour: str
-) -> None:
-    """Draw lines between directions, except across the seam."""
-    is_near = np.abs(start[:, 0] - end[:, 0]) < 180
-    links = np.stack([start, end], axis=1)[is_near]
-    axes.add_collection(LineCollection(list(links), colors=colour, lw=0.7))

@@ -27,6 +27,8 @@ RIM = "#ff2bd6"
 _FONT, _LETTER, _LINE = 9, 5.8, 10.2
 #: Smallest number of points on the page for a degree of a map that fills the page.
 _POINTS = 1.6
+#: Largest radius of a disc that numbers avoid, and their gap from discs, as fractions of the width.
+_WIDEST_DISC, _GAP = 12 / 360, 0.8 / 360
 #: Largest number of numbers on one map.
 _MOST_NUMBERS = 40
 
@@ -96,19 +98,24 @@ def _rim(direction: NDArray[np.float64], radius: float) -> NDArray[np.float64]:
 
 
 def draw_numbers(
-    axes: Axes, at: NDArray[np.float64], areas: NDArray[np.float64], points: float = _POINTS
+    axes: Axes,
+    at: NDArray[np.float64],
+    areas: NDArray[np.float64],
+    points: float = _POINTS,
+    extent: tuple[float, float, float, float] = EXTENT,
 ) -> None:
     """Number lights beside their discs if there is room, the brightest first.
 
-    A number neither covers another, nor any disc, nor leaves the map.
+    A number neither covers another, nor any disc, nor leaves the picture. A unit of the axes, a
+    degree of a map, takes `points` of the page.
     """
     radii = np.sqrt(_ring(areas) / np.pi) / points
     size = np.array([_LETTER, _LINE]) / points
-    reach = np.minimum(radii, 12)[:, None]
+    reach = np.minimum(radii, _WIDEST_DISC * (extent[1] - extent[0]))[:, None]
     occupied = np.hstack([at - reach, at + reach])
     for k in range(min(len(at), _MOST_NUMBERS)):
         others = np.delete(occupied, k, axis=0)
-        box = _free_box(f"{k + 1}", size, at[k], radii[k], others)
+        box = _free_box(f"{k + 1}", size, at[k], radii[k], others, extent)
         if box is None:
             continue
         occupied = np.vstack([occupied, box])
@@ -131,18 +138,19 @@ def _free_box(
     at: NDArray[np.float64],
     radius: float,
     occupied: NDArray[np.float64],
+    extent: tuple[float, float, float, float],
 ) -> NDArray[np.float64] | None:
     """Left, bottom, right and top of free space for `text` beside a disc, or None.
 
-    `size` is that of a letter in degrees.
+    `size` is that of a letter in units of the axes.
     """
-    half = size * (len(text), 1) / 2
+    half, gap = size * (len(text), 1) / 2, _GAP * (extent[1] - extent[0])
     for across, up in ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1)):
-        middle = at + np.array([across, up]) * (radius + half + 0.8)
+        middle = at + np.array([across, up]) * (radius + half + gap)
         box = np.concatenate([middle - half, middle + half])
-        inside = box[0] >= EXTENT[0] and box[2] <= EXTENT[1] and box[1] >= EXTENT[2]
+        inside = box[0] >= extent[0] and box[2] <= extent[1] and box[1] >= extent[2]
         apart = (box[2:] <= occupied[:, :2]).any(axis=1) | (box[:2] >= occupied[:, 2:]).any(axis=1)
-        if inside and box[3] <= EXTENT[3] and apart.all():
+        if inside and box[3] <= extent[3] and apart.all():
             return box
     return None
 

@@ -18,11 +18,14 @@
 //! | measure lights in the map's own pixels              | `segment/measure.rs`        | same                          |
 //! | join the panes of one window                        | `segment/bars.rs`           | same                          |
 //! | drop the weakest lights, merge neighbours           | `segment/merge.rs`          | same                          |
+//!
+//! `plane_threshold.rs` is the threshold for a plane image, such as a photograph.
 
 pub mod clipped;
 pub mod clipping;
 pub mod detection_options;
 pub mod loghin;
+pub mod plane_threshold;
 pub mod segment;
 
 use ndarray::{ArrayView2, ArrayView3};

@@ -1,4 +1,4 @@
-//! Preparation of a map: samples, cells, reduction, rotation.
+//! Preparation of a map: samples, reduction, resampling.
 //!
 //! | step                                          | file           |
 //! |-----------------------------------------------|----------------|
@@ -17,14 +17,13 @@
 //! | - samples in the type of a file               | `sample_types.rs` |
 //! | - pixels of the largest codes                 | `top_codes.rs` |
 //! | means over blocks of pixels                   | `block_rows.rs`, `block_layout.rs` |
-//! | a map after a rotation                        | `rotate.rs`    |
-//! | - the cell that holds a direction             | `cells.rs`     |
+//! | a picture in another layout, or rotated       | `resample.rs`  |
+//! | - bright pixels, each with its flux           | `splat.rs`     |
 
 mod block_layout;
 mod block_rows;
 mod buffers;
 mod cell_flux;
-mod cells;
 mod codes;
 mod colour;
 mod grid;
@@ -32,10 +31,11 @@ mod luminance;
 mod parts;
 mod pixel_rows;
 mod reduce;
-mod rotate;
+mod resample;
 mod row_reducer;
 mod sample_types;
 mod samples;
+mod splat;
 mod top_codes;
 mod white;
 
@@ -47,7 +47,7 @@ pub use luminance::{LUMINANCE, LUMINANCE_F32, luminance, luminance_f32};
 pub use parts::{MOST_PARTS, Part};
 pub use pixel_rows::PixelRows;
 pub use reduce::{WorkingMap, reduce, reduce_rows};
-pub use rotate::rotate;
+pub use resample::{Picture, resample};
 pub use row_reducer::{ReducedRows, ReductionOptions, RowReducer};
 pub use sample_types::Sample;
 pub use samples::{Unusable, unusable};

@@ -12,7 +12,7 @@ from envlights._check import amount, describe
 from envlights._native import EnvLightsError
 from envlights.io import raw
 from envlights.io.images import MOST_PIXELS
-from envlights.io.openimageio import OpenImageIOFile, open_with_openimageio
+from envlights.io.openimageio import open_with_openimageio
 from envlights.io.signature import kind_of
 from envlights.io.source import named_source
 
@@ -79,24 +79,15 @@ def _tags(path: str | os.PathLike[str]) -> dict[str, float]:
     source = named_source(path)
     kind = kind_of(source, any_format=False)
     with open_with_openimageio(source, kind, MOST_PIXELS) as file:
-        aperture = _number(file, "FNumber")
+        aperture = file.number("FNumber")
         if not aperture:
-            apex = _number(file, "Exif:ApertureValue", least=-np.inf)
+            apex = file.number("Exif:ApertureValue", least=-np.inf)
             aperture = None if apex is None else 2 ** (apex / 2)
-        time = _number(file, "ExposureTime")
+        time = file.number("ExposureTime")
         if not time:
-            apex = _number(file, "Exif:ShutterSpeedValue", least=-np.inf)
+            apex = file.number("Exif:ShutterSpeedValue", least=-np.inf)
             time = None if apex is None else 2.0**-apex
         tags = ("Exif:PhotographicSensitivity", "Exif:ISOSpeedRatings")
-        speed = max((number for tag in tags if (number := _number(file, tag))), default=None)
+        speed = max((number for tag in tags if (number := file.number(tag))), default=None)
     found = {"time": time, "speed": speed, "aperture": aperture}
     return {key: float(value) for key, value in found.items() if value}
-
-
-def _number(file: OpenImageIOFile, tag: str, least: float = 0.0) -> float | None:
-    """Value of a numeric tag above `least`; None if there is none."""
-    value = file.attribute(tag)
-    if isinstance(value, tuple):
-        value = value[0] / value[1] if len(value) == 2 and value[1] else None
-    is_number = isinstance(value, int | float) and np.isfinite(value) and value > least
-    return float(value) if is_number else None

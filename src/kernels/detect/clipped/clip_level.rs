@@ -9,6 +9,9 @@ use super::super::segment::seen_part::SeenPart;
 use super::super::segment::working_image::{TILE, WorkingImage};
 
 /// Settings of the clip level of a map that ends below the largest possible value.
+///
+/// The rule of histograms, `white_of`, does not replace it. Without a peak, the brightest light is found in 76 instead
+/// of 100 % of the pictures with Reinhard's curve (`benchmarks/clipped_maps.py`), and 4 of 17 have no light.
 struct PeakSettings {
     /// A map whose maximum is below this fraction of the largest possible value is not clipped.
     least_end: f64,

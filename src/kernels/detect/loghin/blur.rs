@@ -8,13 +8,15 @@ use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::kernels::sphere::check_memory;
 
-/// A Gaussian blur of standard deviation `sigma` pixels. Columns meet at the seam, rows end.
+/// A Gaussian blur of standard deviation `sigma` pixels.
+///
+/// Columns meet at the seam if `wrap` is true. Beyond an end, the outer pixel continues.
 ///
 /// # Errors
 ///
 /// [`Error::EmptyImage`], [`Error::BadPixel`], [`Error::OutOfRange`] for a `sigma` beyond the width,
 /// [`Error::NoMemory`].
-pub fn blur(image: ArrayView2<'_, f32>, sigma: f64) -> Result<Array2<f32>> {
+pub fn blur(image: ArrayView2<'_, f32>, sigma: f64, wrap: bool) -> Result<Array2<f32>> {
     let samples = image.as_standard_layout();
     let image = Image::new("image", samples.view())?;
     if !(0.0..=image.width as f64).contains(&sigma) {
@@ -23,24 +25,34 @@ pub fn blur(image: ArrayView2<'_, f32>, sigma: f64) -> Result<Array2<f32>> {
     // Two images of 4 bytes a pixel.
     check_memory(&[image.height, image.width])?;
     let weights = gaussian(sigma);
-    let across = along_rows(&image, &weights);
+    let across = along_rows(&image, &weights, wrap);
     Ok(along_columns(&across, &weights))
 }
 
-fn along_rows(image: &Image<'_>, weights: &[f32]) -> Array2<f32> {
+fn along_rows(image: &Image<'_>, weights: &[f32], wrap: bool) -> Array2<f32> {
     let reach = weights.len() / 2;
     let mut out = Array2::zeros((image.height, image.width));
     out.outer_iter_mut().into_par_iter().enumerate().for_each(|(row, mut out)| {
         let row = image.row(row);
-        // Extend the row across the seam, several times around if the blur reaches that far.
-        let first = (image.width - reach % image.width) % image.width;
-        let around: Vec<f32> = row.iter().cycle().skip(first).take(row.len() + 2 * reach).copied().collect();
+        let around = if wrap { around_seam(row, reach) } else { beyond_ends(row, reach) };
         for (window, weight) in around.windows(row.len()).zip(weights) {
             interrupt::check();
             out.iter_mut().zip(window).for_each(|(out, value)| *out += weight * value);
         }
     });
     out
+}
+
+/// A row with `reach` more pixels on both sides: those across the seam, several times around if it must be.
+fn around_seam(row: &[f32], reach: usize) -> Vec<f32> {
+    let first = (row.len() - reach % row.len()) % row.len();
+    row.iter().cycle().skip(first).take(row.len() + 2 * reach).copied().collect()
+}
+
+/// A row with `reach` more pixels on both sides, each a copy of the outer one.
+fn beyond_ends(row: &[f32], reach: usize) -> Vec<f32> {
+    let last = row.len() - 1;
+    (0..row.len() + 2 * reach).map(|column| row[column.saturating_sub(reach).min(last)]).collect()
 }
 
 fn along_columns(image: &Array2<f32>, weights: &[f32]) -> Array2<f32> {
@@ -62,4 +74,41 @@ fn gaussian(sigma: f64) -> Vec<f32> {
     let weight = |offset: isize| (-0.5 * (offset as f64 / sigma.max(1e-9)).powi(2)).exp();
     let sum: f64 = (-reach..=reach).map(weight).sum();
     (-reach..=reach).map(|offset| (weight(offset) / sum) as f32).collect()
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use approx::assert_relative_eq;
+    use ndarray::Array2;
+
+    use super::*;
+
+    /// Blurred image of one lit pixel at the left border of 9 columns.
+    fn blurred_impulse(wrap: bool) -> Array2<f32> {
+        let mut image = Array2::zeros((1, 9));
+        image[[0, 0]] = 1.0;
+        blur(image.view(), 1.0, wrap).unwrap()
+    }
+
+    #[test]
+    fn an_impulse_at_the_border_stays_at_its_side_in_closed_form() {
+        let weights = gaussian(1.0);
+        let out = blurred_impulse(false);
+        // The outer pixel continues: column x gets the weights from x to the reach.
+        for column in 0..9 {
+            let expected: f32 = weights.iter().skip(3 + column).sum();
+            assert_relative_eq!(out[[0, column]], expected, epsilon = 1e-6);
+        }
+        assert!(out[[0, 8]] <= 0.0);
+    }
+
+    #[test]
+    fn across_the_seam_the_same_impulse_is_a_whole_gaussian() {
+        let weights = gaussian(1.0);
+        let out = blurred_impulse(true);
+        for (offset, &weight) in weights.iter().enumerate() {
+            assert_relative_eq!(out[[0, (offset + 6) % 9]], weight, epsilon = 1e-6);
+        }
+    }
 }

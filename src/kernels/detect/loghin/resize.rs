@@ -12,12 +12,19 @@ use crate::kernels::sphere::check_memory;
 const MOST_PIXELS: usize = 1 << 30;
 
 /// An image of `height` x `width` pixels: at each pixel's centre, linear between the four centres
-/// around it. Columns meet at the seam, rows end.
+/// around it.
+///
+/// Columns meet at the seam if `wrap` is true. Beyond an end, the outer pixel continues.
 ///
 /// # Errors
 ///
 /// [`Error::EmptyImage`], [`Error::BadPixel`], [`Error::HugeImage`], [`Error::NoMemory`].
-pub fn resize_bilinear(image: ArrayView2<'_, f32>, height: usize, width: usize) -> Result<Array2<f32>> {
+pub fn resize_bilinear(
+    image: ArrayView2<'_, f32>,
+    height: usize,
+    width: usize,
+    wrap: bool,
+) -> Result<Array2<f32>> {
     let samples = image.as_standard_layout();
     let image = Image::new("image", samples.view())?;
     if height == 0 || width == 0 {
@@ -27,7 +34,7 @@ pub fn resize_bilinear(image: ArrayView2<'_, f32>, height: usize, width: usize) 
         return Err(Error::HugeImage { height, width, limit: MOST_PIXELS });
     }
     // Find the old pixels around each new centre.
-    let across = between_centres(width, image.width);
+    let across = columns_between(width, image.width, wrap);
     let down = between_centres(height, image.height);
     check_memory(&[height, width.div_ceil(2)])?; // 4 bytes a pixel
     // Interpolate between them, first across and then down.
@@ -36,9 +43,7 @@ pub fn resize_bilinear(image: ArrayView2<'_, f32>, height: usize, width: usize) 
         interrupt::check();
         let above = image.row(row.max(0) as usize);
         let below = image.row((row + 1).min(image.height as isize - 1) as usize);
-        for (out, &(column, left)) in out.iter_mut().zip(&across) {
-            let first = column.rem_euclid(image.width as isize) as usize;
-            let second = (first + 1) % image.width;
+        for (out, &(first, second, left)) in out.iter_mut().zip(&across) {
             let top = above[first] + left * (above[second] - above[first]);
             let bottom = below[first] + left * (below[second] - below[first]);
             *out = top + low * (bottom - top);
@@ -47,8 +52,35 @@ pub fn resize_bilinear(image: ArrayView2<'_, f32>, height: usize, width: usize) 
     Ok(out)
 }
 
+/// For each of `new` columns the two old ones around its centre, and the fraction of the way to the second.
+fn columns_between(new: usize, old: usize, wrap: bool) -> Vec<(usize, usize, f32)> {
+    let inside = |column: isize| {
+        if wrap { column.rem_euclid(old as isize) } else { column.clamp(0, old as isize - 1) }
+    };
+    let pairs = between_centres(new, old).into_iter();
+    pairs.map(|(column, part)| (inside(column) as usize, inside(column + 1) as usize, part)).collect()
+}
+
 /// For each of `new` pixels the last old one before its centre, and the fraction of the way to the next.
 fn between_centres(new: usize, old: usize) -> Vec<(isize, f32)> {
     let at = |i: usize| (i as f64 + 0.5) * old as f64 / new as f64 - 0.5;
     (0..new).map(|i| (at(i).floor() as isize, (at(i) - at(i).floor()) as f32)).collect()
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use ndarray::arr2;
+
+    use super::*;
+
+    #[test]
+    fn the_border_is_mixed_with_the_other_side_only_across_the_seam() {
+        // Centres of the new pixels lie a quarter of an old pixel beyond and before the old centres.
+        let image = arr2(&[[0.0_f32, 4.0]]);
+        let plane = resize_bilinear(image.view(), 1, 4, false).unwrap();
+        assert_eq!(plane, arr2(&[[0.0, 1.0, 3.0, 4.0]]));
+        let map = resize_bilinear(image.view(), 1, 4, true).unwrap();
+        assert_eq!(map, arr2(&[[1.0, 1.0, 3.0, 3.0]]));
+    }
 }

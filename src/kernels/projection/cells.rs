@@ -32,10 +32,6 @@ impl Cells {
         }
     }
 
-    pub fn area(&self, cell: usize) -> f64 {
-        self.areas[cell / self.width]
-    }
-
     /// The cell of a direction with these [`diamonds`].
     #[inline(always)]
     pub fn at(&self, [polar, azimuth]: [f64; 2]) -> usize {

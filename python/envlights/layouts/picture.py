@@ -1,0 +1,245 @@
+"""A picture in any projection, and its files."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights import _html, _thumbnails
+from envlights._check import check_choice
+from envlights._native import EnvLightsError
+from envlights.io.files import as_path
+from envlights.io.image_output import COMPRESSIONS, MAP_SUFFIXES, map_suffix, write_exr, write_hdr
+from envlights.layouts.conventions import CONVENTIONS
+from envlights.layouts.faces import ARRANGEMENTS, arranged_faces, stored_faces, upright_faces
+from envlights.layouts.layout import Layout
+
+#: Placeholder for the name of a face in a path.
+PLACEHOLDER = "{face}"
+#: Textures that no library of ours writes, and a program that does.
+_TEXTURES = {
+    ".dds": "`texassemble cube` of DirectXTex makes one of six files",
+    ".ktx": "`toktx --cubemap` of KTX-Software makes one of six files",
+    ".ktx2": "`ktx create --cubemap` of KTX-Software makes one of six files",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """A picture of radiance in any projection.
+
+    `numpy.asarray(picture)` gives the samples as they are saved.
+
+    Examples
+    --------
+    >>> from envlights.layouts.layout import cube
+    >>> picture = picture_of(np.ones((48, 8, 3)), cube(8), faces="opengl")
+    >>> picture
+    Picture(8x48 cube, cell-centred, faces in the order of OpenGL)
+    """
+
+    array: NDArray[np.float32]
+    """Linear RGB, (height, width, 3); of a cube the stack of its faces, in the order of `faces`."""
+
+    layout: Layout
+    """Projection; that of a cube describes its upright faces, front right back left up down."""
+
+    faces: str = ""
+    """Convention of the faces of a cube; empty for other projections."""
+
+    seen: NDArray[np.float32] | None = None
+    """Share of each sample that is seen, (height, width); None if all is."""
+
+    notes: tuple[str, ...] = ()
+    """Remarks on the origin; they become comments of a file."""
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        """Samples, for `numpy.asarray`."""
+        if copy:
+            return np.array(self.array, dtype)
+        return np.asarray(self.array, dtype)
+
+    def __repr__(self) -> str:
+        height, width, _ = self.array.shape
+        parts = [f"{width}x{height} {self.layout.kind}"]
+        if self.layout.kind in ("cube", "equirectangular"):
+            parts.append("border-sampled" if self.layout.border_sampled else "cell-centred")
+        if self.layout.mapping:
+            parts.append(self.layout.mapping)
+        if self.faces:
+            parts.append(f"faces in the order of {CONVENTIONS[self.faces].title}")
+        return f"Picture({', '.join(parts)})"
+
+    def _repr_html_(self) -> str:
+        drawn = self.array
+        if self.faces:
+            drawn = arranged_faces(self._upright(), self.faces, "horizontal-cross")
+        shown = _html.picture(_thumbnails.of_map(drawn), f"picture: {self.layout.kind}")
+        return _html.block("Picture", repr(self)[len("Picture(") : -1], shown)
+
+    def save(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        arrangement: str = "stack",
+        half: bool = False,
+        compression: str = COMPRESSIONS[0],
+    ) -> tuple[Path, ...]:
+        """Write one OpenEXR (.exr) or Radiance (.hdr) file, or one for each face of a cube.
+
+        Parameters
+        ----------
+        path : path-like
+            A file with the suffix ``.exr`` or ``.hdr``. With ``{face}`` in its name, or for a
+            folder, six files, named as usual for the order of the faces: ``px nx py ny pz nz``.
+        arrangement : {"stack", "strip", "horizontal-cross", "vertical-cross", ...}
+            Arrangement of the faces of a cube in one file: 1:6, 6:1, 4:3 or 3:4.
+        half, compression
+            For .exr; see `EnvMap.save`.
+
+        Returns
+        -------
+        tuple of Path
+            The written files.
+
+        Raises
+        ------
+        EnvLightsError
+            If the suffix is another, or a file cannot be written.
+
+        Notes
+        -----
+        The stack of a border-sampled cube in the order of OpenEXR, and a border-sampled
+        equirectangular picture, get the attribute ``envmap`` of OpenEXR.
+        """
+        check_choice("arrangement", arrangement, ARRANGEMENTS)
+        options: dict[str, Any] = {"half": half, "compression": compression}
+        files = self._face_files(path)
+        if files:
+            if arrangement != "stack":
+                raise EnvLightsError(
+                    f"arrangement={arrangement!r} is of one file; got {path}, which names six"
+                )
+            stored = self.array.reshape(6, self.layout.width, self.layout.width, 3)
+            for file, face in zip(files, stored, strict=True):
+                _write(file, face, self._comments(), options)
+            return files
+        environment = self._environment(arrangement)
+        _write(path, self._arranged_array(arrangement), self._comments(), options, environment)
+        return (as_path(path),)
+
+    def _face_files(self, path: str | os.PathLike[str]) -> tuple[Path, ...]:
+        """Paths of six files; none if `path` names one file."""
+        target = as_path(path)
+        if target.is_dir():
+            target = target / f"{PLACEHOLDER}.exr"
+        if PLACEHOLDER not in target.name:
+            return ()
+        if not self.faces:
+            raise EnvLightsError(
+                f"cannot save a picture of the projection {self.layout.kind} as {path}: six files"
+                " are of cubes; give the name of one file"
+            )
+        names = CONVENTIONS[self.faces].names
+        return tuple(target.with_name(target.name.replace(PLACEHOLDER, name)) for name in names)
+
+    def _arranged_array(self, arrangement: str) -> NDArray[np.float32]:
+        if arrangement == "stack":
+            return self.array
+        if not self.faces:
+            raise EnvLightsError(
+                f"arrangement={arrangement!r} is of cubes; got a picture of the projection"
+                f" {self.layout.kind}; leave it out"
+            )
+        return np.ascontiguousarray(arranged_faces(self._upright(), self.faces, arrangement))
+
+    def _upright(self) -> NDArray[np.float32]:
+        """Upright faces, (6, n, n, 3), in our order."""
+        n = self.layout.width
+        return upright_faces(self.array.reshape(6, n, n, 3), self.faces)
+
+    def _environment(self, arrangement: str) -> str:
+        """Environment attribute that describes the file; empty if none does."""
+        if not self.layout.border_sampled:
+            return ""
+        if self.layout.is_whole_sphere and self.array.shape[1] == 2 * self.array.shape[0]:
+            return "latlong"
+        is_stack = arrangement == "stack" and self.faces == "openexr"
+        return "cube" if is_stack else ""
+
+    def _comments(self) -> tuple[str, ...]:
+        return (repr(self), *self.notes)
+
+
+def picture_of(
+    samples: NDArray[Any],
+    layout: Layout,
+    *,
+    faces: str = "opengl",
+    seen: NDArray[Any] | None = None,
+    notes: tuple[str, ...] = (),
+) -> Picture:
+    """Picture of samples that are arranged for a layout.
+
+    Parameters
+    ----------
+    samples : ndarray, shape (layout.height, layout.width, 3)
+        Linear RGB; of a cube, upright faces in our order.
+    layout : Layout
+        Projection of the samples.
+    faces : str
+        Convention of a cube's faces in the picture: one of `CONVENTIONS`.
+    seen : ndarray, optional
+        Share of each sample that is seen.
+    notes : tuple of str
+        Remarks on the origin.
+    """
+    array = np.ascontiguousarray(samples, np.float32)
+    share = None if seen is None else np.ascontiguousarray(seen, np.float32)
+    if layout.kind != "cube":
+        return Picture(array, layout, "", share, notes)
+    check_choice("faces", faces, tuple(CONVENTIONS))
+    array = _in_order(array, layout.width, faces)
+    share = None if share is None else _in_order(share, layout.width, faces)
+    return Picture(array, layout, faces, share, notes)
+
+
+def _in_order(stack: NDArray[Any], n: int, faces: str) -> NDArray[Any]:
+    """Stack of faces as a convention stores them."""
+    stored = stored_faces(stack.reshape(6, n, n, *stack.shape[2:]), faces)
+    return np.ascontiguousarray(stored).reshape(stack.shape)
+
+
+def check_picture_path(path: str | os.PathLike[str]) -> None:
+    """Refuse a path whose suffix is of no file that `Picture.save` writes."""
+    target = as_path(path)
+    suffix = target.suffix.lower()
+    if suffix in _TEXTURES:
+        raise EnvLightsError(
+            f"cannot save a picture as {path}: the libraries here do not write {suffix} textures;"
+            f" save six .exr files, and {_TEXTURES[suffix]}"
+        )
+    if not target.is_dir():
+        map_suffix(target)
+
+
+def _write(
+    path: str | os.PathLike[str],
+    array: NDArray[np.float32],
+    comments: tuple[str, ...],
+    options: dict[str, Any],
+    environment: str = "",
+) -> None:
+    """Write one file by its suffix."""
+    check_picture_path(path)
+    if map_suffix(path) == MAP_SUFFIXES[0]:
+        write_exr(path, array, environment=environment, comments=comments, **options)
+        return
+    if options["half"] or options["compression"] != COMPRESSIONS[0]:
+        raise EnvLightsError(f"cannot save {path}: half and compression are of .exr files")
+    write_hdr(path, array, comments=comments)

@@ -1,0 +1,51 @@
+"""Panels of the steps of Loghin (2021) in page coordinates, for maps and photographs."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from numpy.typing import NDArray
+
+from envlights.plot.markers import RIM
+
+#: Colour of selected and of rejected samples.
+KEPT, LEFT = "gold", "deepskyblue"
+
+
+def draw_bright(
+    axes: Axes, at: NDArray[np.float64], maxima: NDArray[np.float64], widest: float = np.inf
+) -> None:
+    """Draw bright samples, (k, 2), linked to the brightest pixel near each, (k, 2)."""
+    draw_links(axes, at, maxima, LEFT, widest)
+    axes.plot(*at.T, ".", ms=4, color=KEPT)
+    axes.plot(*maxima.T, "x", ms=4, mew=0.8, color=RIM)
+    axes.set_title(f"2. bright samples: {len(at)}, with the brightest pixel near each")
+
+
+def draw_survivors(
+    axes: Axes,
+    at: NDArray[np.float64],
+    first: NDArray[np.float64],
+    survivor: NDArray[np.int64],
+    widest: float = np.inf,
+) -> None:
+    """Draw surviving samples `at` their places, linked to those they suppress, at `first`."""
+    kept = np.unique(survivor)
+    draw_links(axes, first, at[survivor], LEFT, widest)
+    axes.plot(*first.T, ".", ms=3, color=LEFT)
+    axes.plot(*at[kept].T, "o", ms=5, mec="black", mew=0.5, color=KEPT)
+    axes.set_title(f"3. survivors: {len(kept)}, with the samples that they suppress")
+
+
+def draw_links(
+    axes: Axes,
+    start: NDArray[np.float64],
+    end: NDArray[np.float64],
+    colour: str,
+    widest: float = np.inf,
+) -> None:
+    """Draw lines between places, except those `widest` or wider, which cross the seam of a map."""
+    is_near = np.abs(start[:, 0] - end[:, 0]) < widest
+    links = np.stack([start, end], axis=1)[is_near]
+    axes.add_collection(LineCollection(list(links), colors=colour, lw=0.7))

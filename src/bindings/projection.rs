@@ -1,0 +1,204 @@
+//! `kernels::projection` and the resampling between layouts for Python.
+
+use std::f64::consts::PI;
+
+use glam::{DMat3, DVec2, DVec3};
+use numpy::ndarray::Array2;
+use numpy::{IntoPyArray, PyArray2, PyArray3, PyReadonlyArray2, PyReadonlyArray3};
+use pyo3::prelude::*;
+
+use super::output::fill;
+use super::pool::interruptible;
+use crate::error::{Error, Result};
+use crate::kernels::image::{Picture, resample as resample_picture};
+use crate::kernels::projection::{
+    Azimuthal, AzimuthalMapping, Cube, Cylinder, EqualArea, Equirectangular, Layout, Octahedral, Planar,
+};
+use crate::kernels::sphere::{check_rows, unit_vectors};
+
+/// The named tuple of `envlights.layouts.layout`.
+#[derive(FromPyObject)]
+pub struct PictureLayout {
+    kind: String,
+    height: usize,
+    width: usize,
+    border_sampled: bool,
+    whole: Option<[usize; 2]>,
+    corner: [usize; 2],
+    field_of_view: f64,
+    horizon: Option<f64>,
+    mapping: String,
+    reach: f64,
+    circle: Option<(f64, f64, f64)>,
+    /// Forward, right and up of the picture.
+    axes: [[f64; 3]; 3],
+}
+
+impl PictureLayout {
+    /// The layout, or a refusal of numbers that no such picture has.
+    fn layout(&self) -> Result<Layout> {
+        let size @ [height, width] = [self.height, self.width];
+        check(height > 0 && width > 0, "a layout needs at least one row and column")?;
+        match self.kind.as_str() {
+            "equirectangular" => self.equirectangular(),
+            "cylinder" => {
+                let fov = self.field_of_view;
+                check(fov > 0.0 && fov <= 2.0 * PI, "a cylinder covers an azimuth above 0, up to 2 pi")?;
+                let horizon = self.horizon.unwrap_or(0.5 * height as f64);
+                check(horizon.is_finite(), "the horizon of a cylinder must be finite")?;
+                Ok(Layout::Cylinder(Cylinder::new(size, fov, horizon)))
+            }
+            "cube" => {
+                check(height == 6 * width, "a cube is a column of six square faces")?;
+                check(
+                    !self.border_sampled || width > 1,
+                    "a face with samples on its border has two or more",
+                )?;
+                Ok(Layout::Cube(Cube::new(width, self.border_sampled)))
+            }
+            "octahedral" => {
+                check(height == width && width.is_multiple_of(2), "an octahedral square has an even side")?;
+                Ok(Layout::Octahedral(Octahedral::new(width)))
+            }
+            "octahedral-equal-area" => {
+                check(height == width, "an octahedral picture is a square")?;
+                Ok(Layout::EqualArea(EqualArea::new(width)))
+            }
+            "azimuthal" => self.azimuthal(),
+            "planar" => {
+                let fov = self.field_of_view;
+                check(fov > 0.0 && fov < PI, "a photograph has a field of view between 0 and pi")?;
+                Ok(Layout::Planar(Planar::new(size, fov)))
+            }
+            _ => Err(Error::NoSuchLayout { what: "the kind of a layout is not known" }),
+        }
+    }
+
+    fn equirectangular(&self) -> Result<Layout> {
+        let size = [self.height, self.width];
+        check(!self.border_sampled, "samples on the border must be converted to cells first")?;
+        let whole = self.whole.unwrap_or(size);
+        let [bottom, _] = [0, 1].map(|i| size[i] + self.corner[i]);
+        check(
+            bottom <= whole[0] && size[1] <= whole[1] && self.corner[1] < whole[1],
+            "a crop must lie inside of its panorama",
+        )?;
+        Ok(Layout::Equirectangular(Equirectangular::cropped(size, whole, self.corner)))
+    }
+
+    fn azimuthal(&self) -> Result<Layout> {
+        let (mapping, most) = match self.mapping.as_str() {
+            "equidistant" => (AzimuthalMapping::Equidistant, PI),
+            "equisolid" => (AzimuthalMapping::Equisolid, PI),
+            "stereographic" => (AzimuthalMapping::Stereographic, 0.999 * PI),
+            "orthographic" => (AzimuthalMapping::Orthographic, 0.5 * PI),
+            _ => return Err(Error::NoSuchLayout { what: "the mapping of a circle is not known" }),
+        };
+        check(self.reach > 0.0 && self.reach <= most, "the reach of a circle is beyond its mapping")?;
+        let (half_height, half_width) = (0.5 * self.height as f64, 0.5 * self.width as f64);
+        let (x, y, radius) = self.circle.unwrap_or((half_width, half_height, half_height.min(half_width)));
+        let is_finite = x.is_finite() && y.is_finite() && radius.is_finite();
+        check(is_finite && radius > 0.0, "the circle needs a centre and a radius above 0")?;
+        let size = [self.height, self.width];
+        Ok(Layout::Azimuthal(Azimuthal::new(size, mapping, self.reach, (DVec2::new(x, y), radius))))
+    }
+
+    /// Matrix from the frame of the picture to that of the world: a rotation, also with a mirror.
+    fn to_world(&self) -> Result<DMat3> {
+        let [forward, right, up] = self.axes.map(DVec3::from_array);
+        let axes = DMat3::from_cols(-right, up, forward);
+        let error = axes.transpose() * axes - DMat3::IDENTITY;
+        let is_orthonormal = error.to_cols_array().iter().all(|value| value.abs() < 1e-6);
+        check(is_orthonormal, "the axes of a picture must be orthogonal unit vectors")?;
+        Ok(axes)
+    }
+}
+
+fn check(is_valid: bool, what: &'static str) -> Result<()> {
+    if is_valid { Ok(()) } else { Err(Error::NoSuchLayout { what }) }
+}
+
+type Resampled<'py> = (Bound<'py, PyArray3<f32>>, Option<Bound<'py, PyArray2<f32>>>);
+
+/// See `envlights.layouts.resampling`; `matrix` has its rows in order.
+#[pyfunction]
+pub fn resample<'py>(
+    py: Python<'py>,
+    radiance: PyReadonlyArray3<'py, f32>,
+    seen: Option<PyReadonlyArray2<'py, f32>>,
+    source: PictureLayout,
+    target: PictureLayout,
+    matrix: [[f64; 3]; 3],
+) -> PyResult<Resampled<'py>> {
+    let rotation = DMat3::from_cols_array_2d(&matrix).transpose();
+    let (from, to, rotation) = interruptible(py, || {
+        let rotation = target.to_world()?.transpose() * rotation * source.to_world()?;
+        Ok((source.layout()?, target.layout()?, rotation))
+    })?;
+    let (from, to) = (from.projection(), to.projection());
+    let (radiance, seen) = (radiance.as_array(), seen.as_ref().map(PyReadonlyArray2::as_array));
+    let picture = Picture { radiance, seen, layout: from };
+    let [height, width] = to.size();
+    let (image, seen) = fill(py, [height, width, 3], |out| resample_picture(&picture, to, rotation, out))?;
+    Ok((image, seen.map(|seen| seen.into_pyarray(py))))
+}
+
+/// Solid angle of each pixel of a layout.
+#[pyfunction]
+pub fn projection_solid_angles(py: Python<'_>, layout: PictureLayout) -> PyResult<Bound<'_, PyArray2<f64>>> {
+    let angles = interruptible(py, || {
+        let layout = layout.layout()?;
+        let projection = layout.projection();
+        let [height, width] = projection.size();
+        Ok(Array2::from_shape_fn((height, width), |(row, column)| {
+            projection.solid_angle(row * width + column)
+        }))
+    })?;
+    Ok(angles.into_pyarray(py))
+}
+
+/// Directions of places (x, y) of a layout, (n, 3); NaN outside of the picture.
+#[pyfunction]
+pub fn projection_directions<'py>(
+    py: Python<'py>,
+    layout: PictureLayout,
+    places: PyReadonlyArray2<'py, f64>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let places = places.as_array();
+    let directions = interruptible(py, || {
+        let (layout, to_world) = (layout.layout()?, layout.to_world()?);
+        let [height, width] = layout.projection().size().map(|pixels| pixels as f64);
+        let direction = |x: f64, y: f64| {
+            let is_inside = (0.0..=width).contains(&x) && (0.0..=height).contains(&y);
+            to_world * layout.projection().direction(x, y).filter(|_| is_inside).unwrap_or(DVec3::NAN)
+        };
+        check_rows("places", places, 2)?;
+        Ok(rows(places.nrows(), |i| direction(places[[i, 0]], places[[i, 1]]).to_array()))
+    })?;
+    Ok(directions.into_pyarray(py))
+}
+
+/// Places (x, y) of unit directions in a layout, (n, 2); NaN for those that it does not show.
+#[pyfunction]
+pub fn projection_places<'py>(
+    py: Python<'py>,
+    layout: PictureLayout,
+    directions: PyReadonlyArray2<'py, f64>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let directions = directions.as_array();
+    let places = interruptible(py, || {
+        let (layout, to_world) = (layout.layout()?, layout.to_world()?);
+        let directions = unit_vectors("direction", directions)?;
+        let place = |i: usize| {
+            let own = to_world.transpose() * directions[i].normalize();
+            layout.projection().place(own).unwrap_or(DVec2::NAN)
+        };
+        Ok(rows(directions.len(), |i| place(i).to_array()))
+    })?;
+    Ok(places.into_pyarray(py))
+}
+
+fn rows<const N: usize>(count: usize, row: impl Fn(usize) -> [f64; N]) -> Array2<f64> {
+    let rows: Vec<[f64; N]> = (0..count).map(row).collect();
+    Array2::from_shape_fn((count, N), |(i, j)| rows[i][j])
+}

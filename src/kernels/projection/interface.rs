@@ -1,0 +1,98 @@
+//! The common interface of all layouts, and the search for the pixels of many directions.
+
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
+
+use glam::{DMat3, DVec2, DVec3};
+use pulp::{Arch, Simd, WithSimd};
+
+use super::directions::{Directions, Places};
+
+/// Number in place of a pixel for a direction that the picture does not show.
+pub const NO_PIXEL: u32 = u32::MAX;
+
+/// Layout of the sphere, or of a part of it, in a picture.
+pub trait Projection: Sync {
+    /// Rows and columns.
+    fn size(&self) -> [usize; 2];
+
+    /// Unit direction of a place; `None` outside of the picture of the sphere.
+    fn direction(&self, x: f64, y: f64) -> Option<DVec3>;
+
+    /// Place of a unit direction; `None` if the picture does not show it.
+    fn place(&self, direction: DVec3) -> Option<DVec2>;
+
+    /// Solid angle for each unit of area in the picture, at a place inside of it.
+    fn density(&self, x: f64, y: f64) -> f64;
+
+    /// Exact solid angle of a pixel, by its number: row after row.
+    fn solid_angle(&self, pixel: usize) -> f64;
+
+    /// True if the picture shows the whole sphere.
+    fn is_whole(&self) -> bool;
+
+    /// Number of the pixel whose centre continues the grid beyond the border; `None` if the picture ends there.
+    fn beyond(&self, _row: isize, _column: isize) -> Option<usize> {
+        None
+    }
+
+    /// Number of the pixel some rows below and columns to the right of another; `None` if the picture ends there.
+    fn neighbour(&self, pixel: usize, [down, right]: [isize; 2]) -> Option<usize> {
+        let [height, width] = self.size();
+        let (row, column) = ((pixel / width) as isize + down, (pixel % width) as isize + right);
+        let is_inside = (0..height as isize).contains(&row) && (0..width as isize).contains(&column);
+        if is_inside { Some(row as usize * width + column as usize) } else { self.beyond(row, column) }
+    }
+
+    /// Number of the pixel that shows a direction of any length, or [`NO_PIXEL`].
+    #[inline(always)]
+    fn pixel(&self, direction: [f64; 3]) -> u32 {
+        let [height, width] = self.size();
+        let place = self.place(DVec3::from_array(direction).normalize());
+        place.map_or(NO_PIXEL, |place| {
+            let (row, column) = ((place.y as usize).min(height - 1), (place.x as usize).min(width - 1));
+            (row * width + column) as u32
+        })
+    }
+
+    /// Numbers of the pixels that show directions of any length; NaN becomes [`NO_PIXEL`].
+    fn pixels(&self, directions: &Directions, pixels: &mut [u32]);
+
+    /// Places on a grid of `side` x `side` in each pixel, as directions multiplied by `turn`.
+    fn places(&self, side: usize, turn: DMat3) -> Box<dyn Places + '_>;
+
+    /// Mean solid angle of the pixels that show a part of the sphere.
+    fn mean_solid_angle(&self) -> f64 {
+        let [height, width] = self.size();
+        let angles = (0..height * width).map(|pixel| self.solid_angle(pixel));
+        let (sum, count) = angles
+            .fold((0.0, 0_usize), |(sum, count), angle| (sum + angle, count + usize::from(angle > 0.0)));
+        sum / count.max(1) as f64
+    }
+
+    /// Integral of the direction over a pixel.
+    fn moment(&self, pixel: usize) -> DVec3;
+}
+
+/// Search for the pixels of directions, with the vectors of the processor.
+pub fn search<P: Projection>(projection: &P, directions: &Directions, pixels: &mut [u32]) {
+    Arch::new().dispatch(PixelSearch { projection, directions, pixels });
+}
+
+struct PixelSearch<'a, P> {
+    projection: &'a P,
+    directions: &'a Directions,
+    pixels: &'a mut [u32],
+}
+
+impl<P: Projection> WithSimd for PixelSearch<'_, P> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let [x, y, z] = self.directions.components();
+        for (((&x, &y), &z), pixel) in x.iter().zip(y).zip(z).zip(self.pixels) {
+            let found = self.projection.pixel([x, y, z]);
+            *pixel = if x.is_nan() { NO_PIXEL } else { found };
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! Layouts of the sphere in a picture: directions of places, places of directions, solid angles of pixels.
+//!
+//! Every layout has its own frame: forward is +z, right of the picture -x, up of it +y. Callers rotate.
+//!
+//! Coordinates of a picture: x to the right, y down, (0, 0) at the corner of the first pixel, whose centre is (0.5, 0.5).
+//!
+//! | layout                                           | file                 |
+//! |--------------------------------------------------|----------------------|
+//! | equirectangular, whole or cropped                | `equirectangular.rs` |
+//! | - the cell that holds a direction                | `cells.rs`           |
+//! | cylinder                                         | `cylinder.rs`        |
+//! | cube: six faces, one above the other             | `cube.rs`            |
+//! | octahedron, unfolded                             | `octahedral.rs`      |
+//! | octahedron of equal areas                        | `equal_area.rs`      |
+//! | angular map, mirror ball, fisheye                | `azimuthal.rs`       |
+//! | photograph                                       | `planar.rs`          |
+//! | the common interface                             | `interface.rs`       |
+//! | - arrays of directions, lines of places          | `directions.rs`      |
+//! | rectangles of a plane, seen from outside         | `plane_angles.rs`    |
+//! | places on a grid in each pixel                   | `places.rs`          |
+
+mod azimuthal;
+mod cells;
+mod cube;
+mod cylinder;
+mod directions;
+mod equal_area;
+mod equirectangular;
+mod interface;
+mod octahedral;
+mod places;
+mod planar;
+mod plane_angles;
+
+pub use azimuthal::{Azimuthal, AzimuthalMapping};
+pub use cube::Cube;
+pub use cylinder::Cylinder;
+pub use directions::{Directions, Line, Places};
+pub use equal_area::EqualArea;
+pub use equirectangular::Equirectangular;
+pub use interface::{NO_PIXEL, Projection};
+pub use octahedral::Octahedral;
+pub(crate) use places::even_nodes;
+pub use planar::Planar;
+
+/// Any layout.
+pub enum Layout {
+    /// Equirectangular, whole or cropped.
+    Equirectangular(Equirectangular),
+    /// Cylinder.
+    Cylinder(Cylinder),
+    /// Cube.
+    Cube(Cube),
+    /// Octahedron.
+    Octahedral(Octahedral),
+    /// Octahedron of equal areas.
+    EqualArea(EqualArea),
+    /// Angular map, mirror ball, fisheye.
+    Azimuthal(Azimuthal),
+    /// Photograph.
+    Planar(Planar),
+}
+
+impl Layout {
+    /// Layout of any kind behind its common interface.
+    pub fn projection(&self) -> &dyn Projection {
+        match self {
+            Self::Equirectangular(layout) => layout,
+            Self::Cylinder(layout) => layout,
+            Self::Cube(layout) => layout,
+            Self::Octahedral(layout) => layout,
+            Self::EqualArea(layout) => layout,
+            Self::Azimuthal(layout) => layout,
+            Self::Planar(layout) => layout,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
