@@ -266,7 +266,7 @@ class MapPixels:
         return convert(self._radiance, dtype, copy)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        layout = {"projection": PROJECTION, "registration": self._registration}
+        layout: dict[str, Any] = {"projection": PROJECTION, "registration": self._registration}
         build = partial(type(self), **layout, notes=self._notes, white=self._white, seen=self._seen)
         return build, (self._radiance,), {"_source": self._source}
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from envlights.detection.component_tree import TreeOptions
 from envlights.fitting.options import FitOptions
 from envlights.kernels.loghin import LineRule
+from envlights.layouts.layout import Layout
 
 __all__ = [
     "BASIS_SHARE",
@@ -60,14 +61,19 @@ __all__ = [
     "probe_jacobian",
     "probe_model",
     "probe_residual",
+    "projection_directions",
+    "projection_places",
+    "projection_solid_angles",
     "radiance_rows",
     "radical_inverse",
     "reduce_map",
     "reduce_radiance",
     "reduced_luminance",
     "relative_rms",
+    "resample",
     "resize_bilinear",
     "rig_irradiance",
+    "rotate_map",
     "split_map",
     "sum_over_sources",
     "suppress",
@@ -266,6 +272,9 @@ def probe_residual(
 ) -> _Reals: ...
 def radiance_rows(radiance: _Image, rounds: bool) -> bytes: ...
 def radical_inverse(index: int, base: int) -> float: ...
+def projection_directions(layout: Layout, places: _Reals) -> _Reals: ...
+def projection_places(layout: Layout, directions: _Reals) -> _Reals: ...
+def projection_solid_angles(layout: Layout) -> _Reals: ...
 def reduce_map(
     radiance: _Image, border_sampled: bool, columns: int, source_share: float, floor: bool
 ) -> ReducedMap: ...
@@ -283,6 +292,10 @@ def rig_irradiance(
     radii: _Reals,
     floor: bool,
 ) -> _Reals: ...
+def resample(
+    radiance: _Image, seen: _Image | None, source: Layout, target: Layout, matrix: _Reals
+) -> tuple[_Image, _Image | None]: ...
+def rotate_map(radiance: _Image, matrix: _Reals) -> _Image: ...
 def split_map(radiance: _Image, border_sampled: bool, lights: _LightPixels) -> MapSplit: ...
 def sum_over_sources(
     normals: _Reals,

@@ -82,8 +82,8 @@ def default_width(layout: Layout) -> int:
     if layout.kind == "cube":
         return max(4 * layout.width, 4)
     angles = _native.projection_solid_angles(layout)
-    whole_sphere = 4 * np.pi * np.count_nonzero(angles) / angles.sum()
-    return max(2 * round(np.sqrt(np.pi * whole_sphere) / 2), 4)
+    whole_sphere = 4 * np.pi * np.count_nonzero(angles) / float(angles.sum())
+    return max(2 * round(float(np.sqrt(np.pi * whole_sphere)) / 2), 4)
 
 
 def on_sphere(

@@ -71,7 +71,9 @@ mod _native {
     #[pymodule_export]
     use super::probe::{disc_map, irradiance, sum_over_sources, working_irradiance};
     #[pymodule_export]
-    use super::projection::{projection_directions, projection_places, projection_solid_angles, resample};
+    use super::projection::{
+        projection_directions, projection_places, projection_solid_angles, resample, rotate_map,
+    };
     #[pymodule_export]
     use super::reduction::{PyRowReducer, ReducedMap, reduce_map, reduce_radiance};
     #[pymodule_export]

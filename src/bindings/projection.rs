@@ -10,9 +10,9 @@ use pyo3::prelude::*;
 use super::output::fill;
 use super::pool::interruptible;
 use crate::error::{Error, Result};
-use crate::kernels::image::{Picture, resample as resample_picture};
+use crate::kernels::image::{SourcePicture, resample as resample_picture};
 use crate::kernels::projection::{
-    Azimuthal, AzimuthalMapping, Cube, Cylinder, EqualArea, Equirectangular, Layout, Octahedral, Planar,
+    AzimuthalCircle, AzimuthalMapping, Cube, Cylinder, EqualArea, Equirectangular, Layout, Octahedral, Planar,
 };
 use crate::kernels::sphere::{check_rows, unit_vectors};
 
@@ -83,7 +83,7 @@ impl PictureLayout {
             bottom <= whole[0] && size[1] <= whole[1] && self.corner[1] < whole[1],
             "a crop must lie inside of its panorama",
         )?;
-        Ok(Layout::Equirectangular(Equirectangular::cropped(size, whole, self.corner)))
+        Ok(Layout::Equirectangular(Equirectangular::crop(size, whole, self.corner)))
     }
 
     fn azimuthal(&self) -> Result<Layout> {
@@ -100,7 +100,7 @@ impl PictureLayout {
         let is_finite = x.is_finite() && y.is_finite() && radius.is_finite();
         check(is_finite && radius > 0.0, "the circle needs a centre and a radius above 0")?;
         let size = [self.height, self.width];
-        Ok(Layout::Azimuthal(Azimuthal::new(size, mapping, self.reach, (DVec2::new(x, y), radius))))
+        Ok(Layout::Azimuthal(AzimuthalCircle::new(size, mapping, self.reach, (DVec2::new(x, y), radius))))
     }
 
     /// Matrix from the frame of the picture to that of the world: a rotation, also with a mirror.
@@ -118,7 +118,7 @@ fn check(is_valid: bool, what: &'static str) -> Result<()> {
     if is_valid { Ok(()) } else { Err(Error::NoSuchLayout { what }) }
 }
 
-type Resampled<'py> = (Bound<'py, PyArray3<f32>>, Option<Bound<'py, PyArray2<f32>>>);
+type ResampleResult<'py> = (Bound<'py, PyArray3<f32>>, Option<Bound<'py, PyArray2<f32>>>);
 
 /// See `envlights.layouts.resampling`; `matrix` has its rows in order.
 #[pyfunction]
@@ -129,7 +129,7 @@ pub fn resample<'py>(
     source: PictureLayout,
     target: PictureLayout,
     matrix: [[f64; 3]; 3],
-) -> PyResult<Resampled<'py>> {
+) -> PyResult<ResampleResult<'py>> {
     let rotation = DMat3::from_cols_array_2d(&matrix).transpose();
     let (from, to, rotation) = interruptible(py, || {
         let rotation = target.to_world()?.transpose() * rotation * source.to_world()?;
@@ -137,10 +137,28 @@ pub fn resample<'py>(
     })?;
     let (from, to) = (from.projection(), to.projection());
     let (radiance, seen) = (radiance.as_array(), seen.as_ref().map(PyReadonlyArray2::as_array));
-    let picture = Picture { radiance, seen, layout: from };
+    let picture = SourcePicture { radiance, seen, layout: from };
     let [height, width] = to.size();
     let (image, seen) = fill(py, [height, width, 3], |out| resample_picture(&picture, to, rotation, out))?;
     Ok((image, seen.map(|seen| seen.into_pyarray(py))))
+}
+
+/// Rotate a cell-centred map; see `resample`.
+#[pyfunction]
+pub fn rotate_map<'py>(
+    py: Python<'py>,
+    radiance: PyReadonlyArray3<'py, f32>,
+    matrix: [[f64; 3]; 3],
+) -> PyResult<Bound<'py, PyArray3<f32>>> {
+    let rotation = DMat3::from_cols_array_2d(&matrix).transpose();
+    let radiance = radiance.as_array();
+    let (height, width, channels) = radiance.dim();
+    let (rotated, _) = fill(py, [height, width, channels], |out| {
+        let layout = Equirectangular::new([height, width]);
+        let picture = SourcePicture { radiance, seen: None, layout: &layout };
+        resample_picture(&picture, &layout, rotation, out)
+    })?;
+    Ok(rotated)
 }
 
 /// Solid angle of each pixel of a layout.
@@ -157,7 +175,7 @@ pub fn projection_solid_angles(py: Python<'_>, layout: PictureLayout) -> PyResul
     Ok(angles.into_pyarray(py))
 }
 
-/// Directions of places (x, y) of a layout, (n, 3); NaN outside of the picture.
+/// DirectionArrays of places (x, y) of a layout, (n, 3); NaN outside of the picture.
 #[pyfunction]
 pub fn projection_directions<'py>(
     py: Python<'py>,

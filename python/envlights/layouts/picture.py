@@ -88,7 +88,7 @@ class Picture:
         *,
         arrangement: str = "stack",
         half: bool = False,
-        compression: str = COMPRESSIONS[0],
+        compression: str = "zip",
     ) -> tuple[Path, ...]:
         """Write one OpenEXR (.exr) or Radiance (.hdr) file, or one for each face of a cube.
 

@@ -6,7 +6,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +25,7 @@ _WILDCARDS = ("{face}", "%", "*")
 
 #: One file, or six: a sequence, a mapping from names to files, a folder, or a name with "{face}",
 #: "*" or "%".
-PictureSource = AnySource | Sequence[AnySource] | Mapping[str, AnySource]
+PictureSource: TypeAlias = AnySource | Sequence[AnySource] | Mapping[str, AnySource]
 
 
 class _Files(NamedTuple):

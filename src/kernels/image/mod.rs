@@ -47,7 +47,7 @@ pub use luminance::{LUMINANCE, LUMINANCE_F32, luminance, luminance_f32};
 pub use parts::{MOST_PARTS, Part};
 pub use pixel_rows::PixelRows;
 pub use reduce::{WorkingMap, reduce, reduce_rows};
-pub use resample::{Picture, resample};
+pub use resample::{SourcePicture, resample};
 pub use row_reducer::{ReducedRows, ReductionOptions, RowReducer};
 pub use sample_types::Sample;
 pub use samples::{Unusable, unusable};

@@ -13,7 +13,7 @@ use super::samples::check_rgb;
 use super::splat::{BrightPixel, splat};
 use crate::error::{Error, Result};
 use crate::interrupt;
-use crate::kernels::projection::{Directions, Line, NO_PIXEL, Places, Projection};
+use crate::kernels::projection::{DirectionArrays, Line, NO_PIXEL, Places, SphereProjection};
 use crate::kernels::sphere;
 
 /// Settings of a resampling.
@@ -39,13 +39,13 @@ const RESAMPLING: ResamplingSettings = ResamplingSettings {
 };
 
 /// Picture of radiance with its layout.
-pub struct Picture<'a> {
+pub struct SourcePicture<'a> {
     /// Radiance, (height, width, 3), multiplied by `seen`.
     pub radiance: ArrayView3<'a, f32>,
     /// Share of each pixel that is seen, (height, width); `None` if all is.
     pub seen: Option<ArrayView2<'a, f32>>,
     /// Layout of the pixels.
-    pub layout: &'a dyn Projection,
+    pub layout: &'a dyn SphereProjection,
 }
 
 /// Write `picture` in the layout `to`, so that light from the direction d comes from `rotation * d`.
@@ -56,8 +56,8 @@ pub struct Picture<'a> {
 ///
 /// [`Error::NotAMap`], [`Error::WrongShape`], [`Error::NoMemory`].
 pub fn resample(
-    picture: &Picture<'_>,
-    to: &dyn Projection,
+    picture: &SourcePicture<'_>,
+    to: &dyn SphereProjection,
     rotation: DMat3,
     out: ArrayViewMut3<'_, f32>,
 ) -> Result<Option<Array2<f32>>> {
@@ -82,8 +82,8 @@ fn check_size(shape: &[usize], [height, width]: [usize; 2]) -> Result<()> {
 
 /// Resample a picture of the whole sphere.
 fn whole(
-    picture: &Picture<'_>,
-    to: &dyn Projection,
+    picture: &SourcePicture<'_>,
+    to: &dyn SphereProjection,
     rotation: DMat3,
     mut out: ArrayViewMut3<'_, f32>,
 ) -> Result<Option<Array2<f32>>> {
@@ -104,10 +104,10 @@ fn whole(
     Ok(None)
 }
 
-/// Resample a picture of which a part may be unseen, and the share that is seen.
+/// Resample a picture with unseen parts, and the share that is seen.
 fn with_shares(
-    picture: &Picture<'_>,
-    to: &dyn Projection,
+    picture: &SourcePicture<'_>,
+    to: &dyn SphereProjection,
     rotation: DMat3,
     mut out: ArrayViewMut3<'_, f32>,
 ) -> Result<Array2<f32>> {
@@ -151,13 +151,18 @@ fn rgb_of<'a>(out: &'a mut ArrayViewMut3<'_, f32>) -> Result<&'a mut [[f32; 3]]>
 /// Means of old pixels over grids of samples in each new pixel.
 struct Gather<'a, const N: usize> {
     old: &'a [[f32; N]],
-    from: &'a dyn Projection,
+    from: &'a dyn SphereProjection,
     places: Box<dyn Places + 'a>,
     side: usize,
 }
 
 impl<'a, const N: usize> Gather<'a, N> {
-    fn new(old: &'a [[f32; N]], from: &'a dyn Projection, to: &'a dyn Projection, rotation: DMat3) -> Self {
+    fn new(
+        old: &'a [[f32; N]],
+        from: &'a dyn SphereProjection,
+        to: &'a dyn SphereProjection,
+        rotation: DMat3,
+    ) -> Self {
         let old_pixels = (to.mean_solid_angle() / from.mean_solid_angle()).sqrt();
         let side = RESAMPLING.side.max((RESAMPLING.samples_per_pixel * old_pixels).ceil() as usize);
         Self { old, from, places: to.places(side, rotation.transpose()), side }
@@ -166,7 +171,7 @@ impl<'a, const N: usize> Gather<'a, N> {
     /// Set each pixel of a new row from the mean of its samples, 0 for those that the old picture does not show.
     fn row(&self, row: usize, line: &mut [[f32; 3]], mut set: impl FnMut(&mut [f32; 3], [f64; N])) {
         let most = RESAMPLING.columns_at_once.div_ceil(self.side);
-        let mut directions = Directions::new(most * self.side);
+        let mut directions = DirectionArrays::new(most * self.side);
         let mut pixels = vec![NO_PIXEL; most * self.side];
         for (block, line) in line.chunks_mut(most).enumerate() {
             interrupt::check();
@@ -193,7 +198,7 @@ impl<'a, const N: usize> Gather<'a, N> {
 struct Lights(Vec<BrightPixel>);
 
 impl Lights {
-    fn of(old: &[[f32; 3]], layout: &dyn Projection) -> Self {
+    fn of(old: &[[f32; 3]], layout: &dyn SphereProjection) -> Self {
         let (width, total) = (layout.size()[1], flux(old, layout));
         let sphere = layout.mean_solid_angle() * old.len() as f64;
         let in_row = |(row, line): (usize, &[[f32; 3]])| -> Vec<BrightPixel> {
@@ -233,7 +238,13 @@ impl Lights {
         rest
     }
 
-    fn add_to(&self, new: &mut [[f32; 3]], from: &dyn Projection, to: &dyn Projection, rotation: DMat3) {
+    fn add_to(
+        &self,
+        new: &mut [[f32; 3]],
+        from: &dyn SphereProjection,
+        to: &dyn SphereProjection,
+        rotation: DMat3,
+    ) {
         for (pixel, radiance) in splat(&self.0, from, to, rotation) {
             let mut sum = new[pixel].map(f64::from);
             add(&mut sum, radiance);
@@ -243,7 +254,7 @@ impl Lights {
 }
 
 /// Flux of the channels of light, summed by rows and then in their order.
-fn flux<const N: usize>(map: &[[f32; N]], layout: &dyn Projection) -> [f64; 3] {
+fn flux<const N: usize>(map: &[[f32; N]], layout: &dyn SphereProjection) -> [f64; 3] {
     let width = layout.size()[1];
     let rows = map.par_chunks(width).enumerate().map(|(row, line)| {
         interrupt::check();
@@ -296,7 +307,7 @@ mod tests {
     fn rotate(map: &Array3<f32>, rotation: DMat3) -> Array3<f32> {
         let (height, width, _) = map.dim();
         let layout = Equirectangular::new([height, width]);
-        let picture = Picture { radiance: map.view(), seen: None, layout: &layout };
+        let picture = SourcePicture { radiance: map.view(), seen: None, layout: &layout };
         let mut new = Array3::zeros(map.dim());
         resample(&picture, &layout, rotation, new.view_mut()).unwrap();
         new

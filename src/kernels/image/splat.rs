@@ -14,7 +14,7 @@ use glam::{DMat2, DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 
 use crate::interrupt;
-use crate::kernels::projection::{Projection, even_nodes};
+use crate::kernels::projection::{SphereProjection, even_nodes};
 use crate::kernels::sphere;
 
 /// Least and largest number of places along the side of a pixel.
@@ -34,8 +34,8 @@ pub struct BrightPixel {
 /// New pixels with the radiance to add to each, in the order of the bright ones.
 pub fn splat(
     bright: &[BrightPixel],
-    from: &dyn Projection,
-    to: &dyn Projection,
+    from: &dyn SphereProjection,
+    to: &dyn SphereProjection,
     rotation: DMat3,
 ) -> Vec<(usize, [f64; 3])> {
     let of_one = |bright: &BrightPixel| -> Vec<(usize, [f64; 3])> {
@@ -51,7 +51,12 @@ pub fn splat(
 }
 
 /// Fraction of a bright pixel's flux in each new pixel, by their numbers.
-fn weights(pixel: usize, from: &dyn Projection, to: &dyn Projection, rotation: DMat3) -> Vec<(usize, f64)> {
+fn weights(
+    pixel: usize,
+    from: &dyn SphereProjection,
+    to: &dyn SphereProjection,
+    rotation: DMat3,
+) -> Vec<(usize, f64)> {
     let centroid = rotation * from.moment(pixel).normalize();
     let near = to.place(centroid).map_or(f64::INFINITY, |place| to.solid_angle(pixel_of(to, place)));
     let new_pixels = PLACES_PER_PIXEL * (from.solid_angle(pixel) / near).sqrt();
@@ -68,13 +73,13 @@ fn weights(pixel: usize, from: &dyn Projection, to: &dyn Projection, rotation: D
 }
 
 /// Number of the pixel around a place.
-fn pixel_of(layout: &dyn Projection, place: DVec2) -> usize {
+fn pixel_of(layout: &dyn SphereProjection, place: DVec2) -> usize {
     let [height, width] = layout.size();
     (place.y as usize).min(height - 1) * width + (place.x as usize).min(width - 1)
 }
 
 /// Add the four pixels around a place, with the weight of each.
-fn bilinear(to: &dyn Projection, place: DVec2, weight: f64, shares: &mut Vec<(usize, f64)>) {
+fn bilinear(to: &dyn SphereProjection, place: DVec2, weight: f64, shares: &mut Vec<(usize, f64)>) {
     let own = pixel_of(to, place);
     // Position in the pixel from -0.5 to 0.5.
     let offset = place - DVec2::new((own % to.size()[1]) as f64, (own / to.size()[1]) as f64) - 0.5;
@@ -94,7 +99,7 @@ fn bilinear(to: &dyn Projection, place: DVec2, weight: f64, shares: &mut Vec<(us
 }
 
 /// Weights whose centroid is `centroid`; the sum is unchanged.
-fn tilt(mut weights: Vec<(usize, f64)>, to: &dyn Projection, centroid: DVec3) -> Vec<(usize, f64)> {
+fn tilt(mut weights: Vec<(usize, f64)>, to: &dyn SphereProjection, centroid: DVec3) -> Vec<(usize, f64)> {
     let tangents = sphere::tangents(centroid);
     let offset = |pixel: usize| {
         let mean = to.moment(pixel) / to.solid_angle(pixel);

@@ -14,8 +14,8 @@
 
 use glam::{DMat3, DVec2, DVec3};
 
-use super::directions::{Directions, Places};
-use super::interface::{Projection, search};
+use super::directions::{DirectionArrays, Places};
+use super::interface::{SphereProjection, search};
 use super::places::{EvenPlaces, moment};
 use super::plane_angles::{plane_angles, plane_density};
 
@@ -115,7 +115,7 @@ impl Cube {
     }
 }
 
-impl Projection for Cube {
+impl SphereProjection for Cube {
     fn size(&self) -> [usize; 2] {
         [6 * self.side, self.side]
     }
@@ -168,7 +168,7 @@ impl Projection for Cube {
         (face as u32 * self.side as u32 + y) * self.side as u32 + x
     }
 
-    fn pixels(&self, directions: &Directions, pixels: &mut [u32]) {
+    fn pixels(&self, directions: &DirectionArrays, pixels: &mut [u32]) {
         search(self, directions, pixels);
     }
 

@@ -6,8 +6,8 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DMat3, DVec2, DVec3};
 
-use super::directions::{Directions, Places};
-use super::interface::{Projection, search};
+use super::directions::{DirectionArrays, Places};
+use super::interface::{SphereProjection, search};
 use super::places::{EvenPlaces, moment};
 
 /// Panorama on a cylinder; its centre looks along +z.
@@ -37,7 +37,7 @@ impl Cylinder {
     }
 }
 
-impl Projection for Cylinder {
+impl SphereProjection for Cylinder {
     fn size(&self) -> [usize; 2] {
         self.size
     }
@@ -77,7 +77,7 @@ impl Projection for Cylinder {
         (is_ring && (0..height).contains(&row)).then_some((row * width + column.rem_euclid(width)) as usize)
     }
 
-    fn pixels(&self, directions: &Directions, pixels: &mut [u32]) {
+    fn pixels(&self, directions: &DirectionArrays, pixels: &mut [u32]) {
         search(self, directions, pixels);
     }
 

@@ -2,11 +2,11 @@
 
 use glam::DVec3;
 
-/// Directions, component by component.
+/// DirectionArrays, component by component.
 #[derive(Default)]
-pub struct Directions([Vec<f64>; 3]);
+pub struct DirectionArrays([Vec<f64>; 3]);
 
-impl Directions {
+impl DirectionArrays {
     /// Space for a number of directions.
     pub fn new(count: usize) -> Self {
         Self(std::array::from_fn(|_| vec![f64::NAN; count]))
@@ -46,5 +46,5 @@ pub struct Line {
 /// Grid of places in all pixels of a picture, as directions.
 pub trait Places: Sync {
     /// Write the directions of a line, which stand for equal solid angles or nearly so; NaN outside of the picture.
-    fn directions(&self, line: &Line, out: &mut Directions);
+    fn directions(&self, line: &Line, out: &mut DirectionArrays);
 }

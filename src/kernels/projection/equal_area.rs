@@ -7,8 +7,8 @@ use std::f64::consts::{FRAC_PI_4, PI};
 
 use glam::{DMat3, DVec2, DVec3};
 
-use super::directions::{Directions, Places};
-use super::interface::{Projection, search};
+use super::directions::{DirectionArrays, Places};
+use super::interface::{SphereProjection, search};
 use super::octahedral::{beyond_fold, pixel_of_square};
 use super::places::{EvenPlaces, moment};
 
@@ -24,7 +24,7 @@ impl EqualArea {
     }
 }
 
-impl Projection for EqualArea {
+impl SphereProjection for EqualArea {
     fn size(&self) -> [usize; 2] {
         [self.side; 2]
     }
@@ -74,7 +74,7 @@ impl Projection for EqualArea {
         pixel_of_square(self.side, self.place(direction / direction.length()))
     }
 
-    fn pixels(&self, directions: &Directions, pixels: &mut [u32]) {
+    fn pixels(&self, directions: &DirectionArrays, pixels: &mut [u32]) {
         search(self, directions, pixels);
     }
 

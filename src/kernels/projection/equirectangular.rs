@@ -8,8 +8,8 @@ use std::ops::Range;
 use glam::{DMat3, DVec2, DVec3};
 
 use super::cells::{Cells, diamonds};
-use super::directions::{Directions, Line, Places};
-use super::interface::{NO_PIXEL, Projection, search};
+use super::directions::{DirectionArrays, Line, Places};
+use super::interface::{NO_PIXEL, SphereProjection, search};
 use super::places::EvenPlaces;
 use crate::kernels::cell_integrals::{ColumnIntegrals, RowIntegrals};
 use crate::kernels::sphere::{self, Registration};
@@ -28,11 +28,11 @@ pub struct Equirectangular {
 impl Equirectangular {
     /// Whole map of this many rows and columns.
     pub fn new(size: [usize; 2]) -> Self {
-        Self::cropped(size, size, [0, 0])
+        Self::crop(size, size, [0, 0])
     }
 
     /// Rectangle of `size` at a `corner` of the map `whole`; its columns may cross the seam.
-    pub fn cropped(size: [usize; 2], whole: [usize; 2], corner: [usize; 2]) -> Self {
+    pub fn crop(size: [usize; 2], whole: [usize; 2], corner: [usize; 2]) -> Self {
         let [height, width] = whole;
         Self {
             cells: Cells::new(height, width),
@@ -54,7 +54,7 @@ impl Equirectangular {
     }
 }
 
-impl Projection for Equirectangular {
+impl SphereProjection for Equirectangular {
     fn size(&self) -> [usize; 2] {
         self.size
     }
@@ -112,7 +112,7 @@ impl Projection for Equirectangular {
         if is_inside { (row * self.size[1] + column) as u32 } else { NO_PIXEL }
     }
 
-    fn pixels(&self, directions: &Directions, pixels: &mut [u32]) {
+    fn pixels(&self, directions: &DirectionArrays, pixels: &mut [u32]) {
         search(self, directions, pixels);
     }
 
@@ -153,7 +153,7 @@ impl<'a> Parallels<'a> {
 }
 
 impl Places for Parallels<'_> {
-    fn directions(&self, line: &Line, out: &mut Directions) {
+    fn directions(&self, line: &Line, out: &mut DirectionArrays) {
         let (top, bottom) = (self.cells.cosines[line.row], self.cells.cosines[line.row + 1]);
         let cosine = top + (bottom - top) * (line.line as f64 + 0.5) / self.side as f64;
         let sine = (1.0 - cosine * cosine).max(0.0).sqrt();

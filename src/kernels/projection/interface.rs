@@ -5,13 +5,13 @@
 use glam::{DMat3, DVec2, DVec3};
 use pulp::{Arch, Simd, WithSimd};
 
-use super::directions::{Directions, Places};
+use super::directions::{DirectionArrays, Places};
 
 /// Number in place of a pixel for a direction that the picture does not show.
 pub const NO_PIXEL: u32 = u32::MAX;
 
 /// Layout of the sphere, or of a part of it, in a picture.
-pub trait Projection: Sync {
+pub trait SphereProjection: Sync {
     /// Rows and columns.
     fn size(&self) -> [usize; 2];
 
@@ -55,7 +55,7 @@ pub trait Projection: Sync {
     }
 
     /// Numbers of the pixels that show directions of any length; NaN becomes [`NO_PIXEL`].
-    fn pixels(&self, directions: &Directions, pixels: &mut [u32]);
+    fn pixels(&self, directions: &DirectionArrays, pixels: &mut [u32]);
 
     /// Places on a grid of `side` x `side` in each pixel, as directions multiplied by `turn`.
     fn places(&self, side: usize, turn: DMat3) -> Box<dyn Places + '_>;
@@ -74,17 +74,17 @@ pub trait Projection: Sync {
 }
 
 /// Search for the pixels of directions, with the vectors of the processor.
-pub fn search<P: Projection>(projection: &P, directions: &Directions, pixels: &mut [u32]) {
+pub fn search<P: SphereProjection>(projection: &P, directions: &DirectionArrays, pixels: &mut [u32]) {
     Arch::new().dispatch(PixelSearch { projection, directions, pixels });
 }
 
 struct PixelSearch<'a, P> {
     projection: &'a P,
-    directions: &'a Directions,
+    directions: &'a DirectionArrays,
     pixels: &'a mut [u32],
 }
 
-impl<P: Projection> WithSimd for PixelSearch<'_, P> {
+impl<P: SphereProjection> WithSimd for PixelSearch<'_, P> {
     type Output = ();
 
     #[inline(always)]

@@ -12,15 +12,15 @@
 //! | cube: six faces, one above the other             | `cube.rs`            |
 //! | octahedron, unfolded                             | `octahedral.rs`      |
 //! | octahedron of equal areas                        | `equal_area.rs`      |
-//! | angular map, mirror ball, fisheye                | `azimuthal.rs`       |
+//! | angular map, mirror ball, fisheye                | `circle.rs`          |
 //! | photograph                                       | `planar.rs`          |
 //! | the common interface                             | `interface.rs`       |
 //! | - arrays of directions, lines of places          | `directions.rs`      |
 //! | rectangles of a plane, seen from outside         | `plane_angles.rs`    |
 //! | places on a grid in each pixel                   | `places.rs`          |
 
-mod azimuthal;
 mod cells;
+mod circle;
 mod cube;
 mod cylinder;
 mod directions;
@@ -32,13 +32,13 @@ mod places;
 mod planar;
 mod plane_angles;
 
-pub use azimuthal::{Azimuthal, AzimuthalMapping};
+pub use circle::{AzimuthalCircle, AzimuthalMapping};
 pub use cube::Cube;
 pub use cylinder::Cylinder;
-pub use directions::{Directions, Line, Places};
+pub use directions::{DirectionArrays, Line, Places};
 pub use equal_area::EqualArea;
 pub use equirectangular::Equirectangular;
-pub use interface::{NO_PIXEL, Projection};
+pub use interface::{NO_PIXEL, SphereProjection};
 pub use octahedral::Octahedral;
 pub(crate) use places::even_nodes;
 pub use planar::Planar;
@@ -56,14 +56,14 @@ pub enum Layout {
     /// Octahedron of equal areas.
     EqualArea(EqualArea),
     /// Angular map, mirror ball, fisheye.
-    Azimuthal(Azimuthal),
+    Azimuthal(AzimuthalCircle),
     /// Photograph.
     Planar(Planar),
 }
 
 impl Layout {
     /// Layout of any kind behind its common interface.
-    pub fn projection(&self) -> &dyn Projection {
+    pub fn projection(&self) -> &dyn SphereProjection {
         match self {
             Self::Equirectangular(layout) => layout,
             Self::Cylinder(layout) => layout,

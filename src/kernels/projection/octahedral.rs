@@ -5,8 +5,8 @@
 
 use glam::{DMat3, DVec2, DVec3};
 
-use super::directions::{Directions, Places};
-use super::interface::{Projection, search};
+use super::directions::{DirectionArrays, Places};
+use super::interface::{SphereProjection, search};
 use super::places::{EvenPlaces, moment};
 
 /// Square of an even number of pixels.
@@ -69,7 +69,7 @@ pub(super) fn beyond_fold(side: usize, row: isize, column: isize) -> Option<usiz
     Some((row * (last + 1) + column) as usize)
 }
 
-impl Projection for Octahedral {
+impl SphereProjection for Octahedral {
     fn size(&self) -> [usize; 2] {
         [self.side; 2]
     }
@@ -112,7 +112,7 @@ impl Projection for Octahedral {
         pixel_of_square(self.side, self.place(DVec3::from_array(direction)))
     }
 
-    fn pixels(&self, directions: &Directions, pixels: &mut [u32]) {
+    fn pixels(&self, directions: &DirectionArrays, pixels: &mut [u32]) {
         search(self, directions, pixels);
     }
 

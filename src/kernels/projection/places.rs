@@ -2,8 +2,8 @@
 
 use glam::{DMat3, DVec3};
 
-use super::directions::{Directions, Line, Places};
-use super::interface::Projection;
+use super::directions::{DirectionArrays, Line, Places};
+use super::interface::SphereProjection;
 
 /// Places that are even in x and y.
 pub struct EvenPlaces<'a, P> {
@@ -12,8 +12,8 @@ pub struct EvenPlaces<'a, P> {
     pub turn: DMat3,
 }
 
-impl<P: Projection> Places for EvenPlaces<'_, P> {
-    fn directions(&self, line: &Line, out: &mut Directions) {
+impl<P: SphereProjection> Places for EvenPlaces<'_, P> {
+    fn directions(&self, line: &Line, out: &mut DirectionArrays) {
         let step = 1.0 / self.side as f64;
         let y = line.row as f64 + (line.line as f64 + 0.5) * step;
         for index in 0..line.columns * self.side {
@@ -36,28 +36,28 @@ pub struct Node {
 }
 
 /// Integral of the direction over a pixel.
-pub fn moment<P: Projection>(projection: &P, pixel: usize) -> DVec3 {
+pub fn moment<P: SphereProjection>(projection: &P, pixel: usize) -> DVec3 {
     let nodes = nodes(projection, pixel);
     let sum: DVec3 = nodes.iter().map(|node| node.weight * node.direction).sum();
     sum * projection.solid_angle(pixel)
 }
 
 /// Nodes of Gauss and Legendre in a pixel, for accurate integrals; see [`nodes_of`].
-pub fn nodes<P: Projection + ?Sized>(projection: &P, pixel: usize) -> Vec<Node> {
+pub fn nodes<P: SphereProjection + ?Sized>(projection: &P, pixel: usize) -> Vec<Node> {
     let nodes = nodes_of(projection, pixel, &gauss_legendre(4));
     let is_cut = nodes.len() < 16;
     if is_cut { nodes_of(projection, pixel, &gauss_legendre(CUT_SIDE)) } else { nodes }
 }
 
 /// Nodes on a grid of equal cells in a pixel, for even distributions; see [`nodes_of`].
-pub fn even_nodes<P: Projection + ?Sized>(projection: &P, pixel: usize, side: usize) -> Vec<Node> {
+pub fn even_nodes<P: SphereProjection + ?Sized>(projection: &P, pixel: usize, side: usize) -> Vec<Node> {
     let step = 1.0 / side as f64;
     let rule: Vec<_> = (0..side).map(|i| ((i as f64 + 0.5) * step, step)).collect();
     nodes_of(projection, pixel, &rule)
 }
 
 /// Nodes of a pixel by a rule for both sides, those outside of the picture left out; their weights sum to 1.
-fn nodes_of<P: Projection + ?Sized>(projection: &P, pixel: usize, rule: &[(f64, f64)]) -> Vec<Node> {
+fn nodes_of<P: SphereProjection + ?Sized>(projection: &P, pixel: usize, rule: &[(f64, f64)]) -> Vec<Node> {
     let width = projection.size()[1];
     let (row, column) = (pixel / width, pixel % width);
     let mut nodes = Vec::with_capacity(rule.len() * rule.len());

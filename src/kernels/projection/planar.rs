@@ -4,8 +4,8 @@
 
 use glam::{DMat3, DVec2, DVec3};
 
-use super::directions::{Directions, Places};
-use super::interface::{Projection, search};
+use super::directions::{DirectionArrays, Places};
+use super::interface::{SphereProjection, search};
 use super::places::{EvenPlaces, moment};
 use super::plane_angles::{plane_angles, plane_density};
 
@@ -35,7 +35,7 @@ impl Planar {
     }
 }
 
-impl Projection for Planar {
+impl SphereProjection for Planar {
     fn size(&self) -> [usize; 2] {
         self.size
     }
@@ -67,7 +67,7 @@ impl Projection for Planar {
         false
     }
 
-    fn pixels(&self, directions: &Directions, pixels: &mut [u32]) {
+    fn pixels(&self, directions: &DirectionArrays, pixels: &mut [u32]) {
         search(self, directions, pixels);
     }
 

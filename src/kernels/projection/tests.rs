@@ -11,13 +11,13 @@ use proptest::prelude::*;
 use super::places::nodes;
 use super::*;
 
-fn azimuthal(size: [usize; 2], mapping: AzimuthalMapping, reach: f64) -> Azimuthal {
+fn azimuthal(size: [usize; 2], mapping: AzimuthalMapping, reach: f64) -> AzimuthalCircle {
     let centre = DVec2::new(size[1] as f64, size[0] as f64) * 0.5;
-    Azimuthal::new(size, mapping, reach, (centre, centre.min_element()))
+    AzimuthalCircle::new(size, mapping, reach, (centre, centre.min_element()))
 }
 
 /// Layouts of the whole sphere, by name.
-fn whole() -> Vec<(&'static str, Box<dyn Projection>)> {
+fn whole() -> Vec<(&'static str, Box<dyn SphereProjection>)> {
     vec![
         ("map", Box::new(Equirectangular::new([16, 32]))),
         ("odd map", Box::new(Equirectangular::new([9, 18]))),
@@ -35,14 +35,14 @@ fn whole() -> Vec<(&'static str, Box<dyn Projection>)> {
 }
 
 /// Layouts of a part of the sphere, by name, with the solid angle of the part.
-fn parts() -> Vec<(&'static str, Box<dyn Projection>, f64)> {
+fn parts() -> Vec<(&'static str, Box<dyn SphereProjection>, f64)> {
     let half = 2.0 * PI;
     // 8 rows above and below the horizon of a cylinder with the radius 64 / 2 pi.
     let tangent: f64 = 8.0 / (64.0 / (2.0 * PI));
     let ring = 4.0 * PI * tangent / (1.0 + tangent * tangent).sqrt();
     let photograph = 4.0 * 0.75_f64.atan2((1.0 + 1.0 + 0.75 * 0.75_f64).sqrt());
     vec![
-        ("crop over the seam", Box::new(Equirectangular::cropped([8, 16], [16, 32], [0, 24])), half / 2.0),
+        ("crop over the seam", Box::new(Equirectangular::crop([8, 16], [16, 32], [0, 24])), half / 2.0),
         ("cylinder", Box::new(Cylinder::new([16, 64], 2.0 * PI, 8.0)), ring),
         ("equisolid", Box::new(azimuthal([16, 16], AzimuthalMapping::Equisolid, PI / 2.0)), half),
         ("equidistant", Box::new(azimuthal([17, 16], AzimuthalMapping::Equidistant, PI / 2.0)), half),
@@ -52,11 +52,11 @@ fn parts() -> Vec<(&'static str, Box<dyn Projection>, f64)> {
     ]
 }
 
-fn all() -> Vec<(&'static str, Box<dyn Projection>)> {
+fn all() -> Vec<(&'static str, Box<dyn SphereProjection>)> {
     whole().into_iter().chain(parts().into_iter().map(|(name, layout, _)| (name, layout))).collect()
 }
 
-fn pixels(layout: &dyn Projection) -> std::ops::Range<usize> {
+fn pixels(layout: &dyn SphereProjection) -> std::ops::Range<usize> {
     0..layout.size()[0] * layout.size()[1]
 }
 
@@ -130,7 +130,7 @@ fn axes_edges_and_corners_have_a_place_that_leads_back() {
 
 #[test]
 fn named_places_look_where_the_convention_says() {
-    let at = |layout: &dyn Projection, x: f64, y: f64| layout.direction(x, y).unwrap().to_array();
+    let at = |layout: &dyn SphereProjection, x: f64, y: f64| layout.direction(x, y).unwrap().to_array();
     let cube = Cube::new(8, false);
     for (face, expected) in
         [DVec3::Z, DVec3::NEG_X, DVec3::NEG_Z, DVec3::X, DVec3::Y, DVec3::NEG_Y].iter().enumerate()
@@ -142,7 +142,7 @@ fn named_places_look_where_the_convention_says() {
     assert_relative_eq!(at(&cube, 4.0, 40.0)[..], at(&cube, 4.0, 7.99)[..], epsilon = 3e-3);
     let octahedral = Octahedral::new(8);
     let equal_area = EqualArea::new(8);
-    for square in [&octahedral as &dyn Projection, &equal_area] {
+    for square in [&octahedral as &dyn SphereProjection, &equal_area] {
         assert_relative_eq!(at(square, 4.0, 4.0)[..], [0.0, 0.0, 1.0][..]);
         assert_relative_eq!(at(square, 8.0, 4.0)[..], [-1.0, 0.0, 0.0][..], epsilon = 1e-15);
         assert_relative_eq!(at(square, 4.0, 8.0)[..], [0.0, -1.0, 0.0][..], epsilon = 1e-15);

@@ -1,4 +1,4 @@
-//! Directions around an axis on a circle: angular map, mirror ball, fisheye lenses.
+//! DirectionArrays around an axis on a circle: angular map, mirror ball, fisheye lenses.
 //!
 //! The radius rho in the picture, in units of the focal length, depends on the angle theta from the axis alone. The
 //! solid angle of a part of the picture is an integral along its edge, by Green's theorem:
@@ -18,8 +18,8 @@ use std::f64::consts::PI;
 use glam::{DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::directions::{Directions, Places};
-use super::interface::{NO_PIXEL, Projection, search};
+use super::directions::{DirectionArrays, Places};
+use super::interface::{NO_PIXEL, SphereProjection, search};
 use super::places::{EvenPlaces, gauss_legendre, moment};
 use crate::interrupt;
 
@@ -96,7 +96,7 @@ impl AzimuthalMapping {
 }
 
 /// Circle of directions around an axis.
-pub struct Azimuthal {
+pub struct AzimuthalCircle {
     size: [usize; 2],
     mapping: AzimuthalMapping,
     /// Angle from the axis at the circle.
@@ -111,7 +111,7 @@ pub struct Azimuthal {
     angles: Vec<f64>,
 }
 
-impl Azimuthal {
+impl AzimuthalCircle {
     /// Circle with its centre and radius in pixels.
     pub fn new(
         size: [usize; 2],
@@ -203,7 +203,7 @@ impl Azimuthal {
     }
 }
 
-impl Projection for Azimuthal {
+impl SphereProjection for AzimuthalCircle {
     fn size(&self) -> [usize; 2] {
         self.size
     }
@@ -260,7 +260,7 @@ impl Projection for Azimuthal {
         })
     }
 
-    fn pixels(&self, directions: &Directions, pixels: &mut [u32]) {
+    fn pixels(&self, directions: &DirectionArrays, pixels: &mut [u32]) {
         search(self, directions, pixels);
     }
 
