@@ -205,8 +205,13 @@ def _seen_samples(env: EnvMap, size: tuple[int, ...], samples: BrightSamples) ->
     uv = (samples.own_pixel[:, ::-1] + 0.5) / (size[1], size[0])
     row, column = images.uv_to_pixel(uv, env.height, env.width).T
     is_seen = env.seen[row, column] > 0
-    arrays = (samples.pixel, samples.luminance, samples.own_pixel, samples.maximum)
-    return BrightSamples(*(each[is_seen] for each in arrays), total=samples.total)
+    return BrightSamples(
+        pixel=samples.pixel[is_seen],
+        luminance=samples.luminance[is_seen],
+        own_pixel=samples.own_pixel[is_seen],
+        maximum=samples.maximum[is_seen],
+        total=samples.total,
+    )
 
 
 def _points(pixel: NDArray[np.int64], size: tuple[int, ...], sphere: bool) -> NDArray[np.float64]:
