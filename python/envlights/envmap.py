@@ -86,6 +86,7 @@ class EnvMap(MapLight, MapLayouts):
 
     Examples
     --------
+    >>> import numpy as np
     >>> env = EnvMap(np.ones((64, 128, 3)))
     >>> env
     EnvMap(128x64 equirectangular, cell-centred)
@@ -220,6 +221,7 @@ class EnvMap(MapLight, MapLayouts):
 
         Examples
         --------
+        >>> import numpy as np
         >>> truth = np.full((4, 8, 3), 0.05)
         >>> truth[1, 2] = 6.0
         >>> env = EnvMap.from_exposures([np.minimum(truth * t, 1) for t in (0.1, 8.0)], (0.1, 8.0))
@@ -313,6 +315,7 @@ class EnvMap(MapLight, MapLayouts):
         --------
         A clipped sun over grey ground that shows its irradiance:
 
+        >>> import numpy as np
         >>> sky = np.full((64, 128, 3), 0.1)
         >>> sky[12:14, 60:62] = 1.0
         >>> sky[32:] = 0.2 / np.pi * 2.0

@@ -160,7 +160,10 @@ def test_photographs_of_4_to_3_are_no_crosses():
     cross = arranged_faces(cube, "opengl", "horizontal-cross")
     assert recognise(cross).source[:5:2] == ("cube", "horizontal-cross", "shape")
     turned = arranged_faces(np.rot90(cube, 2, axes=(1, 2)), "opengl", "horizontal-cross")
-    assert "but their edges do not fit" in recognise(turned).notes[0]
+    with pytest.raises(el.EnvLightsError, match=r"do not fit .* or a photograph"):
+        recognise(turned)
+    named = recognise(turned, arguments=Arguments("cube"))
+    assert "but their edges do not fit" in named.notes[0]
     cross[:16, :16] = noise(16, 16)
     with pytest.raises(el.EnvLightsError, match="faces='horizontal-cross'"):
         recognise(cross)

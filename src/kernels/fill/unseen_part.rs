@@ -4,7 +4,7 @@
 //! where `H` solves Laplace's equation between the seen pixels. It is solved on means over blocks of pixels, because it
 //! is smooth, and interpolated between them.
 
-use glam::Vec3A;
+use glam::{DVec3, Vec3A};
 use ndarray::{ArrayView2, ArrayView3, ArrayViewMut3, Axis};
 use rayon::prelude::*;
 
@@ -76,8 +76,9 @@ impl PartialMap<'_> {
         let is_hole: Vec<bool> = shares.iter().map(|&share| share < least).collect();
         // Start the holes from the mean of what is known.
         let known = || means.iter().zip(&shares).zip(&is_hole).filter(|(_, is_hole)| !**is_hole);
-        let count = known().count().max(1) as f32;
-        let start = known().map(|((&mean, &share), _)| mean / share).sum::<Vec3A>() / count;
+        let count = known().count().max(1) as f64;
+        let start = known().map(|((&mean, &share), _)| (mean / share).as_dvec3()).sum::<DVec3>() / count;
+        let start = start.as_vec3a();
         let value = |((&mean, &share), &is_hole)| if is_hole { start } else { mean / share };
         let grid = pixels.in_blocks(block);
         let mut solved = Level::new(grid.clone(), Vec::new());
