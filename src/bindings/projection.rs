@@ -175,7 +175,7 @@ pub fn projection_solid_angles(py: Python<'_>, layout: PictureLayout) -> PyResul
     Ok(angles.into_pyarray(py))
 }
 
-/// DirectionArrays of places (x, y) of a layout, (n, 3); NaN outside of the picture.
+/// Directions of places (x, y) of a layout, (n, 3); NaN outside of the picture.
 #[pyfunction]
 pub fn projection_directions<'py>(
     py: Python<'py>,

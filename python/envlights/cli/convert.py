@@ -46,7 +46,7 @@ def command(
     check_picture_path(output)
     env = map_file.open()
     if rotate is not None:
-        env = _turned(env, math.radians(rotate))
+        env = _rotate(env, math.radians(rotate))
     if projection == "equirectangular":
         (env if width is None else env.resized(width)).save(output)
         say_written([output])
@@ -55,7 +55,7 @@ def command(
     say_written([str(path) for path in written])
 
 
-def _turned(env: EnvMap, angle: float) -> EnvMap:
+def _rotate(env: EnvMap, angle: float) -> EnvMap:
     """Map after a rotation about +y, from +z towards +x."""
     sine, cosine = math.sin(angle), math.cos(angle)
     return env.rotated(np.array([[cosine, 0, sine], [0, 1, 0], [-sine, 0, cosine]]))

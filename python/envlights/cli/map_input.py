@@ -23,13 +23,23 @@ class MapFile(NamedTuple):
     part: str | None
     """Part or layer by hand."""
 
+    projection: str | None = None
+    """Layout by hand."""
+
+    faces: str | None = None
+    """Order of the faces of a cube by hand."""
+
+    fov: float | None = None
+    """Field of view in degrees."""
+
     def open(self) -> EnvMap:
         """Map of the file."""
-        return EnvMap.open(self.path, colour=self.colour, part=self.part)
+        options = self._asdict()
+        return EnvMap.open(options.pop("path"), **options)
 
     def unread(self) -> str | EnvMap:
         """Path, which is read by rows; the map itself if options say how to read it."""
-        return self.open() if self.colour or self.part else self.path
+        return self.open() if any(option is not None for option in self[1:]) else self.path
 
 
 def map_argument(function: Callable[..., None]) -> Callable[..., None]:
@@ -45,11 +55,25 @@ def map_argument(function: Callable[..., None]) -> Callable[..., None]:
     @click.option(
         "--part", help="Part or layer of MAP, by name or number from 0; the finished picture else."
     )
+    @click.option(
+        "--projection",
+        metavar="LAYOUT",
+        help="Layout of MAP if it cannot be recognised: equirectangular, cube, octahedral,"
+        " octahedral-equal-area, angular, mirror-ball, fisheye, cylinder or planar.",
+    )
+    @click.option("--faces", metavar="ORDER", help="Order of the faces of a cube: opengl, ...")
+    @click.option("--fov", type=float, metavar="DEGREES", help="Horizontal field of view of MAP.")
     @functools.wraps(function)
     def command(
-        map_path: str, colour: str | None, part: str | None, *arguments: Any, **options: Any
+        map_path: str,
+        colour: str | None,
+        part: str | None,
+        projection: str | None,
+        faces: str | None,
+        fov: float | None,
+        **options: Any,
     ) -> None:
-        function(MapFile(map_path, colour, part), *arguments, **options)
+        function(MapFile(map_path, colour, part, projection, faces, fov), **options)
 
     return command
 

@@ -1,4 +1,4 @@
-//! DirectionArrays around an axis on a circle: angular map, mirror ball, fisheye lenses.
+//! Directions around an axis on a circle: angular map, mirror ball, fisheye lenses.
 //!
 //! The radius rho in the picture, in units of the focal length, depends on the angle theta from the axis alone. The
 //! solid angle of a part of the picture is an integral along its edge, by Green's theorem:
@@ -153,7 +153,9 @@ impl AzimuthalCircle {
         for (pixel, arc) in self.arcs() {
             angles[pixel] += share * arc;
         }
-        angles.iter_mut().for_each(|angle| *angle = angle.max(0.0));
+        for angle in &mut angles {
+            *angle = angle.max(0.0);
+        }
         angles
     }
 

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-/// DirectionArrays, component by component.
+/// Directions, component by component.
 #[derive(Default)]
 pub struct DirectionArrays([Vec<f64>; 3]);
 

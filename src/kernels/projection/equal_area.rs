@@ -65,7 +65,7 @@ impl SphereProjection for EqualArea {
     }
 
     fn beyond(&self, row: isize, column: isize) -> Option<usize> {
-        beyond_fold(self.side, row, column)
+        Some(beyond_fold(self.side, row, column))
     }
 
     #[inline(always)]

@@ -53,7 +53,7 @@ fn triangle(a: DVec3, b: DVec3, c: DVec3) -> f64 {
 }
 
 /// Pixel of a square whose edges are folded onto themselves, as far as one row outside of it.
-pub(super) fn beyond_fold(side: usize, row: isize, column: isize) -> Option<usize> {
+pub(super) fn beyond_fold(side: usize, row: isize, column: isize) -> usize {
     let last = side as isize - 1;
     let mirror = |at: isize, other: isize| {
         if at < 0 {
@@ -66,7 +66,7 @@ pub(super) fn beyond_fold(side: usize, row: isize, column: isize) -> Option<usiz
     };
     let (column, row) = mirror(column, row);
     let (row, column) = mirror(row, column);
-    Some((row * (last + 1) + column) as usize)
+    (row * (last + 1) + column) as usize
 }
 
 impl SphereProjection for Octahedral {
@@ -104,7 +104,7 @@ impl SphereProjection for Octahedral {
     }
 
     fn beyond(&self, row: isize, column: isize) -> Option<usize> {
-        beyond_fold(self.side, row, column)
+        Some(beyond_fold(self.side, row, column))
     }
 
     #[inline(always)]

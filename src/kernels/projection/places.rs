@@ -70,7 +70,9 @@ fn nodes_of<P: SphereProjection + ?Sized>(projection: &P, pixel: usize, rule: &[
         }
     }
     let sum: f64 = nodes.iter().map(|node| node.weight).sum();
-    nodes.iter_mut().for_each(|node| node.weight /= sum);
+    for node in &mut nodes {
+        node.weight /= sum;
+    }
     nodes
 }
 
