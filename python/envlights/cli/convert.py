@@ -18,7 +18,7 @@ from envlights.layouts.picture import check_picture_path
 @click.argument("output", metavar="OUT")
 @click.option(
     "--to",
-    "projection",
+    "layout",
     default="equirectangular",
     show_default=True,
     help="Layout of OUT: equirectangular, cube, octahedral, octahedral-equal-area, angular,"
@@ -36,7 +36,7 @@ from envlights.layouts.picture import check_picture_path
 def command(
     map_file: MapFile,
     output: str,
-    projection: str,
+    layout: str,
     width: int | None,
     rotate: float | None,
     order: str,
@@ -47,11 +47,11 @@ def command(
     env = map_file.open()
     if rotate is not None:
         env = _rotate(env, math.radians(rotate))
-    if projection == "equirectangular":
+    if layout == "equirectangular":
         (env if width is None else env.resized(width)).save(output)
         say_written([output])
         return
-    written = env.to(projection, width=width, faces=order, fov=view).save(output)
+    written = env.to(layout, width=width, faces=order, fov=view).save(output)
     say_written([str(path) for path in written])
 
 
