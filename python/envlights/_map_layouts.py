@@ -215,7 +215,7 @@ class MapLayouts(MapPixels):
         >>> float(env.radiance.max())
         65504.0
         >>> env.notes[-1]
-        'limited to 65504: 35 % of the flux was moved by up to 4 degrees'
+        'limited to 65504: 32 % of the flux was moved by up to 4.2 degrees'
         """
         level = amount("maximum", maximum)
         radiance, note = spread_peaks(self._radiance, level, self.is_border_sampled)
