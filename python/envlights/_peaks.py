@@ -82,9 +82,10 @@ def _moments(height: int, width: int, border_sampled: bool) -> NDArray[np.float6
 
 def _edges(samples: int, border_sampled: bool) -> NDArray[np.float64]:
     """Edges of the pixels along one side, from 0 to 1."""
-    if border_sampled:
-        return np.r_[0, (np.arange(samples - 1) + 0.5) / (samples - 1), 1]
-    return np.linspace(0, 1, samples + 1)
+    inner = (np.arange(samples - 1) + (0.5 if border_sampled else 1)) / (
+        samples - 1 if border_sampled else samples
+    )
+    return np.concatenate([[0.0], inner, [1.0]])
 
 
 def _check_mean(radiance: NDArray[np.float64], sphere: _Sphere, maximum: float) -> None:
