@@ -38,7 +38,9 @@ PROJECTIONS = {
     ),
     "octahedral": Projection("an octahedral map", "projection='octahedral'", ("towards",)),
     "octahedral-equal-area": Projection(
-        "an equal-area octahedral map, as of pbrt", "projection='octahedral-equal-area'", ("towards",)
+        "an equal-area octahedral map, as of pbrt",
+        "projection='octahedral-equal-area'",
+        ("towards",),
     ),
     "angular": Projection("an angular map or light probe", "projection='angular'", ("towards",)),
     "mirror-ball": Projection(
