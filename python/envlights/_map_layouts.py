@@ -127,7 +127,8 @@ class MapLayouts(MapPixels):
         Raises
         ------
         EnvLightsError
-            If the projection is not known or an argument is missing or out of its range.
+            If the projection is not known, or an argument is missing, out of its range or of
+            another projection.
 
         Examples
         --------
@@ -137,6 +138,8 @@ class MapLayouts(MapPixels):
         """
         check_choice("projection", projection, tuple(_TARGETS))
         check_choice("faces", faces, tuple(CONVENTIONS))
+        options = {"registration": registration, "mapping": mapping, "fov": fov, "towards": towards}
+        _check_options(projection, [name for name, value in options.items() if value is not None])
         is_border = CONVENTIONS[faces].border_sampled
         if registration is not None:
             check_choice("registration", registration, REGISTRATIONS)
@@ -252,6 +255,16 @@ class MapLayouts(MapPixels):
         return max(2 * round(width / 2), 2)
 
 
+def _check_options(projection: str, given: list[str]) -> None:
+    """Refuse options that a projection does not take."""
+    taken = _OPTIONS[projection]
+    if others := [name for name in given if name not in taken]:
+        allowed = f"it takes {', '.join(taken)}" if taken else "it takes none of them"
+        raise EnvLightsError(
+            f"{', '.join(others)} is no argument of the projection {projection!r}; {allowed}"
+        )
+
+
 class _Request:
     """Layout that a user asks for, in any size."""
 
@@ -332,4 +345,17 @@ _TARGETS: dict[str, Callable[[_Request, int], Layout]] = {
     "fisheye": _fisheye,
     "cylinder": _cylinder,
     "planar": _planar,
+}
+
+#: Options of each projection, beside its width and the faces of a cube.
+_OPTIONS: dict[str, tuple[str, ...]] = {
+    "equirectangular": (),
+    "cube": ("registration",),
+    "octahedral": ("towards",),
+    "octahedral-equal-area": ("towards",),
+    "angular": ("towards",),
+    "mirror-ball": (),
+    "fisheye": ("mapping", "fov", "towards"),
+    "cylinder": ("fov",),
+    "planar": ("fov", "towards"),
 }

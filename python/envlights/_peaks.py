@@ -20,7 +20,7 @@ def spread_peaks(
     """Radiance of at most a maximum, with the flux of each light around it, and a note.
 
     The excess of all pixels in a cap is distributed over the same cap in proportion to the room
-    below the maximum. The cap around a light grows until it has room.
+    below the maximum, tilted so that its direction stays. The cap grows until that is possible.
 
     Parameters
     ----------
@@ -37,9 +37,11 @@ def spread_peaks(
     new = radiance.astype(np.float64)
     _check_mean(new, sphere, maximum)
     moved, farthest = 0.0, 0.0
-    while (over := new.max(axis=2)).max() > maximum * (1 + 1e-9):
-        centre = sphere.directions.reshape(-1, 3)[int(over.argmax())]
-        flux, radius = _spread(new, sphere, centre, maximum)
+    largest = new.max(axis=2)
+    while largest.max() > maximum * (1 + 1e-9):
+        centre = sphere.directions.reshape(-1, 3)[int(largest.argmax())]
+        flux, radius, rows = _spread(new, sphere, centre, maximum)
+        largest[rows] = new[rows].max(axis=2)
         moved, farthest = moved + flux, max(farthest, radius)
     total = float((radiance * sphere.angles[..., None]).sum(dtype=np.float64))
     limit = np.float32(maximum)
@@ -57,6 +59,7 @@ class _Sphere:
     def __init__(self, height: int, width: int, border_sampled: bool) -> None:
         self.directions = pixel_directions(height, width, border_sampled=border_sampled)
         self.angles = pixel_solid_angles(height, width, border_sampled=border_sampled)
+        self.means = _moments(height, width, border_sampled) / self.angles[..., None]
         self.pixel = math.pi / height
 
     def rows(self, centre: NDArray[np.float64], radius: float) -> slice:
@@ -65,6 +68,24 @@ class _Sphere:
         theta = math.acos(float(np.clip(centre[1], -1, 1)))
         first = int((theta - radius) / self.pixel) - 1
         return slice(max(first, 0), min(int((theta + radius) / self.pixel) + 2, height))
+
+
+def _moments(height: int, width: int, border_sampled: bool) -> NDArray[np.float64]:
+    """Integral of the direction over each pixel, (height, width, 3)."""
+    theta, phi = np.pi * _edges(height, border_sampled), 2 * np.pi * _edges(width, border_sampled)
+    across, up = np.diff(theta / 2 - np.sin(2 * theta) / 4), np.diff(np.sin(theta) ** 2 / 2)
+    rows = np.stack([across, up, across], axis=1)
+    columns = np.stack([-np.diff(np.cos(phi)), np.diff(phi), -np.diff(np.sin(phi))], axis=1)
+    moments: NDArray[np.float64] = rows[:, None] * columns
+    return moments
+
+
+def _edges(samples: int, border_sampled: bool) -> NDArray[np.float64]:
+    """Edges of the pixels along one side, from 0 to 1."""
+    inner = (np.arange(samples - 1) + (0.5 if border_sampled else 1)) / (
+        samples - 1 if border_sampled else samples
+    )
+    return np.concatenate([[0.0], inner, [1.0]])
 
 
 def _check_mean(radiance: NDArray[np.float64], sphere: _Sphere, maximum: float) -> None:
@@ -78,8 +99,8 @@ def _check_mean(radiance: NDArray[np.float64], sphere: _Sphere, maximum: float) 
 
 def _spread(
     radiance: NDArray[np.float64], sphere: _Sphere, centre: NDArray[np.float64], maximum: float
-) -> tuple[float, float]:
-    """Spread the excess around a pixel, and return the moved flux and the radius of its cap."""
+) -> tuple[float, float, slice]:
+    """Spread the excess around a pixel; return the moved flux, and radius and rows of its cap."""
     radius = 1.5 * sphere.pixel
     while True:
         rows = sphere.rows(centre, radius)
@@ -89,12 +110,46 @@ def _spread(
         excess = (np.maximum(light - maximum, 0) * angle).sum(axis=0)
         room = (np.maximum(maximum - light, 0) * angle).sum(axis=0)
         # A channel without excess needs no room.
-        if radius >= math.pi or (excess <= room).all():
-            share = np.divide(excess, room, out=np.zeros(3), where=room > 0).clip(0, 1)
-            part[inside] = np.minimum(light, maximum) + share * np.maximum(maximum - light, 0)
-            return float(excess.sum()), radius
-        centre = _centroid(sphere.directions[rows][inside], light, angle, maximum, centre)
+        directions, is_last = sphere.means[rows][inside], radius >= math.pi
+        if is_last or (excess <= room).all():
+            levels = [
+                _level(light[:, channel], angle[:, 0], directions, maximum, is_last)
+                for channel in range(3)
+            ]
+            if all(level is not None for level in levels):
+                part[inside] = np.stack(levels, axis=1)  # type: ignore[arg-type]
+                return float(excess.sum()), radius, rows
+        centre = _centroid(directions, light, angle, maximum, centre)
         radius *= _GROWTH
+
+
+def _level(
+    light: NDArray[np.float64],
+    angle: NDArray[np.float64],
+    directions: NDArray[np.float64],
+    maximum: float,
+    is_last: bool,
+) -> NDArray[np.float64] | None:
+    """One channel without samples above the maximum, with the flux and the direction of before.
+
+    Each pixel gets a fraction of its room, which is linear in the tangent plane of the excess. None
+    if that leaves 0 to 1; in the last cap all pixels get the same fraction instead.
+    """
+    excess = np.maximum(light - maximum, 0) * angle
+    if not excess.any():
+        return light
+    room = np.maximum(maximum - light, 0)
+    moment = excess @ directions
+    tangents = np.linalg.svd(moment[None])[2][1:]
+    basis = np.column_stack([np.ones(len(light)), directions @ tangents.T])
+    matrix = (basis * (room * angle)[:, None]).T @ basis
+    fraction = basis @ np.linalg.lstsq(matrix, [excess.sum(), 0, 0], rcond=1e-12)[0]
+    if fraction.min() < 0 or fraction.max() > 1:
+        if not is_last:
+            return None
+        fraction = np.full(len(light), min(excess.sum() / max((room * angle).sum(), 1e-300), 1.0))
+    levelled: NDArray[np.float64] = np.minimum(light, maximum) + fraction * room
+    return levelled
 
 
 def _centroid(

@@ -18,6 +18,9 @@ from envlights.layouts.layout import Layout
 #: Rotation that leaves everything in its place.
 UNTURNED = np.eye(3)
 
+#: Most columns of a map of a photograph or a disc, unless a width is given: 400 MB of radiance.
+_MOST_COLUMNS = 8192
+
 #: Tolerance of a rotation by whole columns.
 _TOLERANCE = 1e-6
 
@@ -76,14 +79,18 @@ def resample(
 
 
 def default_width(layout: Layout) -> int:
-    """Columns of a map whose cells on the equator are as large as the mean pixel of a picture."""
+    """Columns of a map whose cells on the equator are as large as the mean pixel of a picture.
+
+    Photographs and discs give at most 8192: a camera's 24 megapixels would give a map of 6 GB.
+    """
     if layout.kind == "equirectangular":
         return 2 * (layout.whole[0] if layout.whole else layout.height)
     if layout.kind == "cube":
         return max(4 * layout.width, 4)
     angles = _native.projection_solid_angles(layout)
     whole_sphere = 4 * np.pi * np.count_nonzero(angles) / float(angles.sum())
-    return max(2 * round(float(np.sqrt(np.pi * whole_sphere)) / 2), 4)
+    columns = 2 * round(float(np.sqrt(np.pi * whole_sphere)) / 2)
+    return min(max(columns, 4), _MOST_COLUMNS)
 
 
 def on_sphere(

@@ -111,7 +111,7 @@ def crop(height: int, width: int, *, field_of_view: float, horizon: float | None
     horizon : float, optional
         Row coordinate of elevation 0; the middle when left out.
     """
-    view = amount("field_of_view", field_of_view, 1e-3, 2 * math.pi)
+    view = _view(field_of_view, 360.0)
     rows = max(round(width * math.pi / view), math.ceil(width / 2))
     rows = height if height == rows + 1 else rows
     middle = height / 2 if horizon is None else amount("horizon", horizon, -rows, 2 * rows)
@@ -139,7 +139,7 @@ def cylinder(
     horizon : float, optional
         Row coordinate of elevation 0, which may lie outside; the middle when left out.
     """
-    view = amount("field_of_view", field_of_view, 1e-3, 2 * math.pi)
+    view = _view(field_of_view, 360.0)
     row = None if horizon is None else amount("horizon", horizon, -100.0 * height, 100.0 * height)
     return Layout("cylinder", height, width, field_of_view=view, horizon=row)
 
@@ -206,7 +206,7 @@ def fisheye(
         Axes of the picture.
     """
     check_choice("mapping", mapping, MAPPINGS)
-    view = amount("field_of_view", field_of_view, 1e-3, math.radians(_WIDEST[mapping]))
+    view = _view(field_of_view, _WIDEST[mapping])
     height, width = (size, size) if isinstance(size, int) else size
     return Layout(
         "azimuthal", height, width, mapping=mapping, reach=view / 2, circle=circle, axes=axes
@@ -225,8 +225,14 @@ def planar(height: int, width: int, *, field_of_view: float, axes: Axes = FRONT)
     axes : tuple
         Axes of the picture.
     """
-    view = amount("field_of_view", field_of_view, 1e-3, math.radians(179.0))
+    view = _view(field_of_view, 179.0)
     return Layout("planar", height, width, field_of_view=view, axes=axes)
+
+
+def _view(radians: float, widest: float) -> float:
+    """Field of view in radians, or a refusal in degrees, in which users give it."""
+    amount("fov", math.degrees(amount("field_of_view", radians)), 0.05, widest * (1 + 1e-9))
+    return float(radians)
 
 
 def looking(towards: ArrayLike) -> Axes:

@@ -224,8 +224,14 @@ def check_picture_path(path: str | os.PathLike[str]) -> None:
             f"cannot save a picture as {path}: the libraries here do not write {suffix} textures;"
             f" save six .exr files, and {_TEXTURES[suffix]}"
         )
-    if not target.is_dir():
-        map_suffix(target)
+    if target.is_dir():
+        return
+    if not suffix:
+        raise EnvLightsError(
+            f"cannot save a picture as {path}: there is no such folder; make it first, or give the"
+            " name of an .exr or .hdr file"
+        )
+    map_suffix(target)
 
 
 def _write(
