@@ -61,8 +61,14 @@ def test_a_crop_has_the_scale_of_its_panorama():
         (lambda: layouts.octahedral(0), "n must be a whole number, 2 or more"),
         (lambda: layouts.fisheye(8, "mercator", 1.0), "mapping must be 'equidistant' or"),
         (lambda: layouts.fisheye(8, "orthographic", 4.0), "from 0.05 to 180"),
-        (lambda: layouts.fisheye(8, "stereographic", 6.28), "fov must be a finite number, from 0.05 to"),
-        (lambda: layouts.planar(4, 4, field_of_view=math.pi), "fov must be a finite number, from 0.05 to"),
+        (
+            lambda: layouts.fisheye(8, "stereographic", 6.28),
+            "fov must be a finite number, from 0.05 to",
+        ),
+        (
+            lambda: layouts.planar(4, 4, field_of_view=math.pi),
+            "fov must be a finite number, from 0.05 to",
+        ),
         (lambda: layouts.cylinder(4, 4, field_of_view=7), "from 0.05 to 360"),
         (lambda: layouts.cylinder(4, 4, field_of_view=1, horizon=math.nan), "horizon must be"),
         (lambda: layouts.crop(9, 9, field_of_view=6), "reaches beyond a pole"),
