@@ -11,14 +11,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights import resampling
 from envlights._check import amount, check_choice, count, rotation
-from envlights._map_pixels import REGISTRATIONS, MapPixels, checked_width
+from envlights._map_pixels import MapPixels, checked_width
 from envlights._native import EnvLightsError
 from envlights._peaks import spread_peaks
 from envlights.io.images import MOST_PIXELS
 from envlights.layouts import layout as layouts
+from envlights.layouts.conventions import CONVENTIONS
 from envlights.layouts.layout import MAPPINGS, Layout
 from envlights.layouts.picture import Picture, picture_of
-from envlights.layouts.conventions import CONVENTIONS
+from envlights.layouts.records import REGISTRATIONS
 
 if TYPE_CHECKING:
     from typing_extensions import Self
