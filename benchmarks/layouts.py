@@ -7,7 +7,8 @@ Suns: a cube of 64 with a sun of one pixel over an even world, one picture for e
 in sides of the pixel: median and worst. `flux` is that of a sun over its own, `lost` counts those
 below a hundredth, `whole` is the change of the flux of the even world with all suns.
 Time: processor time over that of `EnvMap.rotated` of a map of the same size, the median of rounds
-in one process; py360convert keeps its coordinates from call to call. Memory: the peak of opening a cube over the bytes of the cube and its map.
+in one process; py360convert caches its coordinates. Memory: the peak of opening a cube over the
+bytes of the cube and its map.
 
 The peers are optional: py360convert is of the extra `peers`; skylibs is LGPL and installed by hand.
 """

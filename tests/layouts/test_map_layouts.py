@@ -1,0 +1,34 @@
+"""Arguments and defaults of maps in other layouts."""
+
+import numpy as np
+import pytest
+
+import envlights as el
+from envlights import resampling
+from envlights.layouts import layout as layouts
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        ({"projection": "cube", "towards": (1, 0, 0)}, "towards is no argument of the projection"),
+        ({"projection": "cube", "mapping": "equisolid", "fov": 90}, "mapping, fov is no argument"),
+        ({"projection": "equirectangular", "registration": "border-sampled"}, "takes none of them"),
+        ({"projection": "fisheye", "mapping": "stereographic", "fov": 360}, "to 355; got 360"),
+        ({"projection": "planar"}, "needs fov=, in degrees"),
+    ],
+)
+def test_options_of_other_projections_are_refused(options, sentence):
+    with pytest.raises(el.EnvLightsError, match=sentence):
+        el.EnvMap(np.ones((16, 32, 3))).to(**options)
+
+
+def test_a_photograph_of_a_camera_makes_no_giant_map():
+    layout = layouts.planar(4000, 6000, field_of_view=np.deg2rad(65))
+    assert resampling.default_width(layout) == 8192
+
+
+def test_a_missing_folder_is_named(tmp_path):
+    picture = el.EnvMap(np.ones((16, 32, 3))).to("cube", width=8)
+    with pytest.raises(el.EnvLightsError, match="there is no such folder; make it first"):
+        picture.save(tmp_path / "faces")
