@@ -60,7 +60,7 @@ class MapLight(MapPixels):
             Radiance of the unseen part. "black": none. "harmonic": a smooth continuation of the
             pixels around it, which solves Laplace's equation on the sphere. "ground": above the
             horizon the same, of radiance up to 8 times the median luminance; below it, diffuse
-            ground under the sky above. A number or RGB: this radiance. Default: "harmonic" if 90 %
+            ground under the sky above. A number or RGB: this radiance. Default: "harmonic" if 85 %
             or more of the sphere is seen; with less, a choice is required.
         albedo : float
             Albedo of the "ground", from 0 to 1: its radiance is the albedo times the irradiance of
@@ -75,7 +75,7 @@ class MapLight(MapPixels):
         Raises
         ------
         EnvLightsError
-            If `unseen` is none of these or left out with less than 90 % seen, or `albedo` is not
+            If `unseen` is none of these or left out with less than 85 % seen, or `albedo` is not
             from 0 to 1.
 
         Notes

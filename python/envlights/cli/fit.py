@@ -57,7 +57,7 @@ from envlights.rig import Rig
     "--unseen",
     metavar="CHOICE",
     help="Radiance where MAP shows nothing (alpha, a crop): black, harmonic, ground, a number, or"
-    " R,G,B. Needed if less than 90 % of the sphere is seen.",
+    " R,G,B. Needed if less than 85 % of the sphere is seen.",
 )
 @output_option(OUTPUTS)
 @verbose_option()

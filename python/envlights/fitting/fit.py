@@ -106,7 +106,7 @@ def fit(
         if the floor is in its scene.
 
     unseen : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
-        Radiance where the map shows nothing; see `EnvMap.filled`. Needed if less than 90 % of the
+        Radiance where the map shows nothing; see `EnvMap.filled`. Needed if less than 85 % of the
         sphere is seen, or over a `floor` of its upper half. `report.unseen_spread` holds how much
         the choice may change the probe.
 
