@@ -1,6 +1,7 @@
 """Maps after any rotation, in NumPy, slow and plain."""
 
 import numpy as np
+from scipy.optimize import minimize
 
 from envlights.kernels import sphere
 
@@ -77,8 +78,8 @@ def _add_bright(new, radiance, row, column, matrix):
     areas = sphere.pixel_solid_angles(height, width)
     centre = matrix @ moment(row, column, height, width)
     centre /= np.linalg.norm(centre)
-    near = areas[_place(centre, height, width).astype(int)[0]][0]
-    side = int(np.clip(np.ceil(2 * np.sqrt(areas[row, 0] / near)), _LEAST_PLACES, _MOST_PLACES))
+    near = _narrow_side(_place(centre, height, width).astype(int), height, width)
+    side = int(np.clip(np.ceil(2 * np.sqrt(areas[row, 0]) / near), _LEAST_PLACES, _MOST_PLACES))
     weights = _bilinear(row, column, matrix, height, width, side)
     cells = np.argwhere(weights > 0)
     weights = weights[weights > 0]
@@ -130,8 +131,23 @@ def _tilt(cells, weights, centre, height, width, areas):
     first = np.cross(centre, [1, 0, 0] if abs(centre[0]) < 0.9 else [0, 1, 0])
     first /= np.linalg.norm(first)
     offsets = moments @ np.stack([first, np.cross(centre, first)], axis=1)
-    second = (weights[:, None] * offsets).T @ offsets
-    if np.linalg.det(second) < 1e-12 * np.trace(second) ** 2:
-        return np.ones(len(weights))
-    factors = 1 - offsets @ np.linalg.solve(second, weights @ offsets)
-    return factors if factors.min() >= 0 else np.ones(len(weights))
+    scale = np.linalg.norm(offsets, axis=1).max()
+    offsets = offsets / scale
+
+    def cost(g):
+        return np.log(weights @ np.exp(offsets @ g))
+
+    found = minimize(cost, np.zeros(2), method="BFGS", options={"gtol": 1e-9})
+    return np.exp(offsets @ found.x) if np.linalg.norm(found.jac) < 1e-6 else np.ones(len(weights))
+
+
+def _narrow_side(place, height, width):
+    """Distance of a cell to the nearer of its neighbours below and to the right."""
+    row, column = place
+    areas = sphere.pixel_solid_angles(height, width)
+    below = (row + 1, column) if row + 1 < height else (row, (column + width // 2) % width)
+    units = [
+        moment(y, x, height, width) for y, x in ((row, column), below, (row, (column + 1) % width))
+    ]
+    own, *others = [unit / np.linalg.norm(unit) for unit in units]
+    return min(np.sqrt(areas[row, 0]), *(np.linalg.norm(own - other) for other in others))

@@ -1,7 +1,7 @@
 //! Conversion of a picture of the sphere to another layout, which preserves its flux and that of each bright pixel.
 //!
-//! A picture is constant in each pixel, as in the exact probe. Each new pixel is the mean over a grid of samples, and
-//! the result is scaled to the flux of the old picture. Bright pixels, which small lights consist of, are left out at
+//! A picture is constant in each pixel, as in the exact probe. Each new pixel is the mean over a grid of samples. The
+//! result is scaled to the flux of the old picture if both show the whole sphere. Bright pixels, which small lights consist of, are left out at
 //! first; then `splat.rs` adds each with its own flux and direction.
 
 use glam::DMat3;
@@ -105,6 +105,8 @@ fn whole(
 }
 
 /// Resample a picture with unseen parts, and the share that is seen.
+///
+/// Samples cut off radiance and share at the same border, so the rest needs no factor: an even picture stays even.
 fn with_shares(
     picture: &SourcePicture<'_>,
     to: &dyn SphereProjection,
@@ -131,12 +133,12 @@ fn with_shares(
             }
         });
     });
-    // A picture that is smaller than the old one loses what it does not show.
-    if to.is_whole() {
-        let factors = ratio(flux(&rest, picture.layout), flux(new, to));
-        scale(new, width, factors);
+    // A pixel with light is seen at least in a part.
+    let least = 1.0 / (gather.side * gather.side) as f32;
+    for pixel in lights.add_to(new, picture.layout, to, rotation) {
+        let share = &mut seen[[pixel / width, pixel % width]];
+        *share = share.max(least);
     }
-    lights.add_to(new, picture.layout, to, rotation);
     Ok(seen)
 }
 
@@ -152,6 +154,9 @@ fn rgb_of<'a>(out: &'a mut ArrayViewMut3<'_, f32>) -> Result<&'a mut [[f32; 3]]>
 struct Gather<'a, const N: usize> {
     old: &'a [[f32; N]],
     from: &'a dyn SphereProjection,
+    to: &'a dyn SphereProjection,
+    /// Rotation from new directions to old ones.
+    back: DMat3,
     places: Box<dyn Places + 'a>,
     side: usize,
 }
@@ -165,30 +170,58 @@ impl<'a, const N: usize> Gather<'a, N> {
     ) -> Self {
         let old_pixels = (to.mean_solid_angle() / from.mean_solid_angle()).sqrt();
         let side = RESAMPLING.side.max((RESAMPLING.samples_per_pixel * old_pixels).ceil() as usize);
-        Self { old, from, places: to.places(side, rotation.transpose()), side }
+        let back = rotation.transpose();
+        Self { old, from, to, back, places: to.places(side, back), side }
+    }
+
+    /// Add the old pixels of some samples, and count the samples outside of the new picture, whose `xs` are NaN.
+    fn add(&self, (sum, outside): &mut ([f64; N], usize), pixels: &[u32], xs: &[f64]) {
+        for (&pixel, x) in pixels.iter().zip(xs) {
+            if pixel != NO_PIXEL {
+                add(sum, self.old[pixel as usize].map(f64::from));
+            } else if x.is_nan() {
+                *outside += 1;
+            }
+        }
+    }
+
+    /// Mean of the samples inside of the new picture; of a pixel without any, the value at its centroid.
+    fn mean(&self, sum: [f64; N], inside: usize, pixel: usize) -> [f64; N] {
+        if inside > 0 {
+            return sum.map(|value| value / inside as f64);
+        }
+        if self.to.solid_angle(pixel) <= 0.0 {
+            return sum;
+        }
+        match self.from.pixel((self.back * self.to.moment(pixel)).to_array()) {
+            NO_PIXEL => sum,
+            old => self.old[old as usize].map(f64::from),
+        }
     }
 
     /// Set each pixel of a new row from the mean of its samples, 0 for those that the old picture does not show.
+    ///
+    /// Samples outside of the new picture do not count.
     fn row(&self, row: usize, line: &mut [[f32; 3]], mut set: impl FnMut(&mut [f32; 3], [f64; N])) {
         let most = RESAMPLING.columns_at_once.div_ceil(self.side);
         let mut directions = DirectionArrays::new(most * self.side);
         let mut pixels = vec![NO_PIXEL; most * self.side];
         for (block, line) in line.chunks_mut(most).enumerate() {
             interrupt::check();
-            let mut sums = vec![[0.0; N]; line.len()];
+            let mut sums = vec![([0.0; N], 0_usize); line.len()];
             for number in 0..self.side {
                 let place = Line { row, line: number, first: block * most, columns: line.len() };
                 self.places.directions(&place, &mut directions);
                 let pixels = &mut pixels[..line.len() * self.side];
                 self.from.pixels(&directions, pixels);
-                for (sum, pixels) in sums.iter_mut().zip(pixels.chunks(self.side)) {
-                    let shown = pixels.iter().filter(|&&pixel| pixel != NO_PIXEL);
-                    shown.for_each(|&pixel| add(sum, self.old[pixel as usize].map(f64::from)));
+                let xs = directions.components()[0].chunks(self.side);
+                for ((sum, pixels), xs) in sums.iter_mut().zip(pixels.chunks(self.side)).zip(xs) {
+                    self.add(sum, pixels, xs);
                 }
             }
-            let samples = (self.side * self.side) as f64;
-            for (rgb, sum) in line.iter_mut().zip(sums) {
-                set(rgb, sum.map(|value| value / samples));
+            let first = row * self.to.size()[1] + block * most;
+            for (index, (rgb, (sum, outside))) in line.iter_mut().zip(sums).enumerate() {
+                set(rgb, self.mean(sum, self.side * self.side - outside, first + index));
             }
         }
     }
@@ -200,14 +233,14 @@ struct Lights(Vec<BrightPixel>);
 impl Lights {
     fn of(old: &[[f32; 3]], layout: &dyn SphereProjection) -> Self {
         let (width, total) = (layout.size()[1], flux(old, layout));
-        let sphere = layout.mean_solid_angle() * old.len() as f64;
+        let (extent, _) = layout.extent();
         let in_row = |(row, line): (usize, &[[f32; 3]])| -> Vec<BrightPixel> {
             interrupt::check();
             let pixels = line.iter().enumerate().filter_map(|(column, &radiance)| {
                 let pixel = row * width + column;
                 let solid_angle = layout.solid_angle(pixel);
                 let most =
-                    (RESAMPLING.bright_fraction / solid_angle).max(RESAMPLING.bright_contrast / sphere);
+                    (RESAMPLING.bright_fraction / solid_angle).max(RESAMPLING.bright_contrast / extent);
                 let is_bright =
                     radiance.iter().zip(total).any(|(&value, flux)| f64::from(value) > most * flux);
                 let flux = radiance.map(|value| f64::from(value) * solid_angle);
@@ -238,18 +271,21 @@ impl Lights {
         rest
     }
 
+    /// Add the bright pixels to a result, and return the pixels that they reach.
     fn add_to(
         &self,
         new: &mut [[f32; 3]],
         from: &dyn SphereProjection,
         to: &dyn SphereProjection,
         rotation: DMat3,
-    ) {
-        for (pixel, radiance) in splat(&self.0, from, to, rotation) {
+    ) -> Vec<usize> {
+        let parts = splat(&self.0, from, to, rotation);
+        for &(pixel, radiance) in &parts {
             let mut sum = new[pixel].map(f64::from);
             add(&mut sum, radiance);
             new[pixel] = finite(sum);
         }
+        parts.into_iter().map(|(pixel, _)| pixel).collect()
     }
 }
 

@@ -4,11 +4,12 @@
 //! pixels. The weights w of all new pixels are then tilted, so that their centroid is that of the old pixel:
 //!
 //! ```text
-//!   w <- w (1 - g . t),   sum of w (1 - g . t) t = 0
+//!   w <- w exp(g . t),   sum of w exp(g . t) t = 0
 //! ```
 //!
-//! with t the centroid of each new pixel in the tangent plane of the direction. Weights that would become negative stay as
-//! they are.
+//! with t the centroid of each new pixel in the tangent plane of the direction. Newton's method finds g, because the
+//! sum of w exp(g . t) is convex. All weights stay positive. If the new pixels do not surround the direction, as on the
+//! rim of a picture, the weights stay as they are.
 
 use glam::{DMat2, DMat3, DVec2, DVec3};
 use rayon::prelude::*;
@@ -21,6 +22,11 @@ use crate::kernels::sphere;
 const SIDES: (usize, usize) = (4, 64);
 /// Places along the side of an old pixel, for each new pixel along it: places must not leave new pixels out.
 const PLACES_PER_PIXEL: f64 = 2.0;
+
+/// Steps of Newton's method; most pixels need 3.
+const NEWTON_STEPS: usize = 30;
+/// Accuracy of a centroid, in distances to the farthest new pixel.
+const CENTROID_TOLERANCE: f64 = 1e-9;
 
 /// Pixel whose own flux is preserved.
 #[derive(Clone, Copy, Debug)]
@@ -58,8 +64,8 @@ fn weights(
     rotation: DMat3,
 ) -> Vec<(usize, f64)> {
     let centroid = rotation * from.moment(pixel).normalize();
-    let near = to.place(centroid).map_or(f64::INFINITY, |place| to.solid_angle(pixel_of(to, place)));
-    let new_pixels = PLACES_PER_PIXEL * (from.solid_angle(pixel) / near).sqrt();
+    let near = to.place(centroid).map_or(f64::INFINITY, |place| narrow_side(to, pixel_of(to, place)));
+    let new_pixels = PLACES_PER_PIXEL * from.solid_angle(pixel).sqrt() / near;
     let mut shares = Vec::new();
     for node in even_nodes(from, pixel, (new_pixels.ceil() as usize).clamp(SIDES.0, SIDES.1)) {
         if let Some(place) = to.place(rotation * node.direction) {
@@ -72,6 +78,18 @@ fn weights(
     tilt(weights, to, centroid)
 }
 
+/// Distance of a pixel to the nearer of its neighbours below and to the right.
+fn narrow_side(layout: &dyn SphereProjection, pixel: usize) -> f64 {
+    if layout.solid_angle(pixel) <= 0.0 {
+        return f64::INFINITY;
+    }
+    let own = layout.moment(pixel).normalize();
+    let neighbours = [[0, 1], [1, 0]].into_iter().filter_map(|step| layout.neighbour(pixel, step));
+    let visible = neighbours.filter(|&other| other != pixel && layout.solid_angle(other) > 0.0);
+    let distances = visible.map(|other| own.distance(layout.moment(other).normalize()));
+    distances.fold(layout.solid_angle(pixel).sqrt(), f64::min)
+}
+
 /// Number of the pixel around a place.
 fn pixel_of(layout: &dyn SphereProjection, place: DVec2) -> usize {
     let [height, width] = layout.size();
@@ -81,6 +99,8 @@ fn pixel_of(layout: &dyn SphereProjection, place: DVec2) -> usize {
 /// Add the four pixels around a place, with the weight of each.
 fn bilinear(to: &dyn SphereProjection, place: DVec2, weight: f64, shares: &mut Vec<(usize, f64)>) {
     let own = pixel_of(to, place);
+    // The rim of a picture may touch a pixel in one point.
+    let visible = largest_near(to, own);
     // Position in the pixel from -0.5 to 0.5.
     let offset = place - DVec2::new((own % to.size()[1]) as f64, (own / to.size()[1]) as f64) - 0.5;
     let step = |offset: f64| if offset < 0.0 { -1 } else { 1 };
@@ -94,37 +114,60 @@ fn bilinear(to: &dyn SphereProjection, place: DVec2, weight: f64, shares: &mut V
     ];
     for (offset, share) in corners {
         let pixel = to.neighbour(own, offset).filter(|&pixel| to.solid_angle(pixel) > 0.0);
-        shares.push((pixel.unwrap_or(own), weight * share));
+        shares.push((pixel.unwrap_or(visible), weight * share));
     }
+}
+
+/// The pixel itself, or its largest neighbour if the picture shows nothing of it.
+fn largest_near(layout: &dyn SphereProjection, pixel: usize) -> usize {
+    if layout.solid_angle(pixel) > 0.0 {
+        return pixel;
+    }
+    let steps = (0..9).map(|i| [i / 3 - 1, i % 3 - 1]);
+    let near = steps.filter_map(|step| layout.neighbour(pixel, step));
+    near.max_by(|&a, &b| layout.solid_angle(a).total_cmp(&layout.solid_angle(b))).unwrap_or(pixel)
 }
 
 /// Weights whose centroid is `centroid`; the sum is unchanged.
 fn tilt(mut weights: Vec<(usize, f64)>, to: &dyn SphereProjection, centroid: DVec3) -> Vec<(usize, f64)> {
     let tangents = sphere::tangents(centroid);
-    let offset = |pixel: usize| {
+    let offset = |&(pixel, weight): &(usize, f64)| {
         let mean = to.moment(pixel) / to.solid_angle(pixel);
-        DVec2::new(mean.dot(tangents[0]), mean.dot(tangents[1]))
+        (DVec2::new(mean.dot(tangents[0]), mean.dot(tangents[1])), weight)
     };
-    let offsets: Vec<DVec2> = weights.iter().map(|&(pixel, _)| offset(pixel)).collect();
-    // Solve for g with the second and the first moment of the offsets.
-    let (mut second, mut first) = (DMat2::ZERO, DVec2::ZERO);
-    for (&(_, weight), &t) in weights.iter().zip(&offsets) {
-        second += DMat2::from_cols(weight * t.x * t, weight * t.y * t);
-        first += weight * t;
-    }
-    let trace = second.x_axis.x + second.y_axis.y;
-    if second.determinant() < 1e-12 * trace * trace {
-        return weights;
-    }
-    let g = second.inverse() * first;
-    let factors: Vec<f64> = offsets.iter().map(|t| 1.0 - g.dot(*t)).collect();
-    if factors.iter().any(|&factor| factor < 0.0) {
-        return weights;
-    }
-    let total: f64 = weights.iter().map(|&(_, weight)| weight).sum();
-    let tilted: f64 = weights.iter().zip(&factors).map(|(&(_, weight), factor)| weight * factor).sum();
-    for ((_, weight), factor) in weights.iter_mut().zip(factors) {
-        *weight *= factor * total / tilted;
+    let offsets: Vec<(DVec2, f64)> = weights.iter().map(offset).collect();
+    let Some(g) = exponent(&offsets) else { return weights };
+    let factor = |t: DVec2| g.dot(t).exp();
+    let total: f64 = offsets.iter().map(|&(_, weight)| weight).sum();
+    let tilted: f64 = offsets.iter().map(|&(t, weight)| weight * factor(t)).sum();
+    for ((_, weight), (t, _)) in weights.iter_mut().zip(&offsets) {
+        *weight *= factor(*t) * total / tilted;
     }
     weights
+}
+
+/// Vector g with a zero sum of w exp(g . t) t over offsets t and weights w; `None` if Newton's method finds none.
+fn exponent(offsets: &[(DVec2, f64)]) -> Option<DVec2> {
+    let reach = offsets.iter().map(|(t, _)| t.length()).fold(0.0, f64::max);
+    let mut g = DVec2::ZERO;
+    for _ in 0..NEWTON_STEPS {
+        let (mut sum, mut first, mut second) = (0.0, DVec2::ZERO, DMat2::ZERO);
+        for &(t, weight) in offsets {
+            let weight = weight * g.dot(t).exp();
+            sum += weight;
+            first += weight * t;
+            second += DMat2::from_cols(weight * t.x * t, weight * t.y * t);
+        }
+        if first.length() <= CENTROID_TOLERANCE * reach * sum {
+            return Some(g);
+        }
+        let trace = second.x_axis.x + second.y_axis.y;
+        if second.determinant() <= 1e-12 * trace * trace {
+            return None;
+        }
+        let step = second.inverse() * first;
+        // A long step would overflow the exponentials.
+        g -= step * (1.0 / (step.length() * reach)).min(1.0);
+    }
+    None
 }

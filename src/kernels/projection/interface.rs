@@ -60,12 +60,16 @@ pub trait SphereProjection: Sync {
     /// Places on a grid of `side` x `side` in each pixel, as directions multiplied by `turn`.
     fn places(&self, side: usize, turn: DMat3) -> Box<dyn Places + '_>;
 
-    /// Mean solid angle of the pixels that show a part of the sphere.
-    fn mean_solid_angle(&self) -> f64 {
+    /// Solid angle of the picture, and the number of the pixels that show a part of the sphere.
+    fn extent(&self) -> (f64, usize) {
         let [height, width] = self.size();
         let angles = (0..height * width).map(|pixel| self.solid_angle(pixel));
-        let (sum, count) = angles
-            .fold((0.0, 0_usize), |(sum, count), angle| (sum + angle, count + usize::from(angle > 0.0)));
+        angles.fold((0.0, 0), |(sum, count), angle| (sum + angle, count + usize::from(angle > 0.0)))
+    }
+
+    /// Mean solid angle of the pixels that show a part of the sphere.
+    fn mean_solid_angle(&self) -> f64 {
+        let (sum, count) = self.extent();
         sum / count.max(1) as f64
     }
 

@@ -45,15 +45,24 @@ pub fn moment<P: SphereProjection>(projection: &P, pixel: usize) -> DVec3 {
 /// Nodes of Gauss and Legendre in a pixel, for accurate integrals; see [`nodes_of`].
 pub fn nodes<P: SphereProjection + ?Sized>(projection: &P, pixel: usize) -> Vec<Node> {
     let nodes = nodes_of(projection, pixel, &gauss_legendre(4));
-    let is_cut = nodes.len() < 16;
-    if is_cut { nodes_of(projection, pixel, &gauss_legendre(CUT_SIDE)) } else { nodes }
+    if nodes.len() == 16 {
+        return nodes;
+    }
+    let fine = nodes_of(projection, pixel, &gauss_legendre(CUT_SIDE));
+    // The picture may show a sliver at the edge of the pixel only.
+    let closed = || (0..=CUT_SIDE).map(|i| (i as f64 / CUT_SIDE as f64, 1.0)).collect::<Vec<_>>();
+    if fine.is_empty() { nodes_of(projection, pixel, &closed()) } else { fine }
 }
 
 /// Nodes on a grid of equal cells in a pixel, for even distributions; see [`nodes_of`].
+///
+/// A pixel that is cut by the edge of the picture gets the nodes of [`nodes`].
 pub fn even_nodes<P: SphereProjection + ?Sized>(projection: &P, pixel: usize, side: usize) -> Vec<Node> {
     let step = 1.0 / side as f64;
     let rule: Vec<_> = (0..side).map(|i| ((i as f64 + 0.5) * step, step)).collect();
-    nodes_of(projection, pixel, &rule)
+    let even = nodes_of(projection, pixel, &rule);
+    let is_cut = even.len() < rule.len() * rule.len();
+    if is_cut { nodes(projection, pixel) } else { even }
 }
 
 /// Nodes of a pixel by a rule for both sides, those outside of the picture left out; their weights sum to 1.

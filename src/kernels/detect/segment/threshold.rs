@@ -4,7 +4,7 @@
 //!   T = 2 q90                      twice the luminance that 90 % of the sphere does not exceed
 //! ```
 //!
-//! Of a map that shows a part of the sphere, only this part counts.
+//! Only the seen part of a map counts.
 //!
 //! If q90 is more than 12 times the median (a bright sky over a dark ground, a wall of windows), the
 //! brightest tenth of the sphere is itself light. Then the flux-weighted cut of Otsu (1979) in log
