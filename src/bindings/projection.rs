@@ -12,7 +12,8 @@ use super::pool::interruptible;
 use crate::error::{Error, Result};
 use crate::kernels::image::{SourcePicture, resample as resample_picture};
 use crate::kernels::projection::{
-    AzimuthalCircle, AzimuthalMapping, Cube, Cylinder, EqualArea, Equirectangular, Layout, Octahedral, Planar,
+    AzimuthalCircle, AzimuthalMapping, Cube, Cylinder, EqualArea, Equirectangular, Octahedral, Planar,
+    SphereProjection,
 };
 use crate::kernels::sphere::{check_rows, unit_vectors};
 
@@ -36,7 +37,7 @@ pub struct PictureLayout {
 
 impl PictureLayout {
     /// The layout, or a refusal of numbers that no such picture has.
-    fn layout(&self) -> Result<Layout> {
+    fn layout(&self) -> Result<Box<dyn SphereProjection>> {
         let size @ [height, width] = [self.height, self.width];
         check(height > 0 && width > 0, "a layout needs at least one row and column")?;
         match self.kind.as_str() {
@@ -46,7 +47,7 @@ impl PictureLayout {
                 check(fov > 0.0 && fov <= 2.0 * PI, "a cylinder covers an azimuth above 0, up to 2 pi")?;
                 let horizon = self.horizon.unwrap_or(0.5 * height as f64);
                 check(horizon.is_finite(), "the horizon of a cylinder must be finite")?;
-                Ok(Layout::Cylinder(Cylinder::new(size, fov, horizon)))
+                Ok(Box::new(Cylinder::new(size, fov, horizon)))
             }
             "cube" => {
                 check(height == 6 * width, "a cube is a column of six square faces")?;
@@ -54,27 +55,27 @@ impl PictureLayout {
                     !self.border_sampled || width > 1,
                     "a face with samples on its border has two or more",
                 )?;
-                Ok(Layout::Cube(Cube::new(width, self.border_sampled)))
+                Ok(Box::new(Cube::new(width, self.border_sampled)))
             }
             "octahedral" => {
                 check(height == width && width.is_multiple_of(2), "an octahedral square has an even side")?;
-                Ok(Layout::Octahedral(Octahedral::new(width)))
+                Ok(Box::new(Octahedral::new(width)))
             }
             "octahedral-equal-area" => {
                 check(height == width, "an octahedral picture is a square")?;
-                Ok(Layout::EqualArea(EqualArea::new(width)))
+                Ok(Box::new(EqualArea::new(width)))
             }
             "azimuthal" => self.azimuthal(),
             "planar" => {
                 let fov = self.field_of_view;
                 check(fov > 0.0 && fov < PI, "a photograph has a field of view between 0 and pi")?;
-                Ok(Layout::Planar(Planar::new(size, fov)))
+                Ok(Box::new(Planar::new(size, fov)))
             }
             _ => Err(Error::NoSuchLayout { what: "the kind of a layout is not known" }),
         }
     }
 
-    fn equirectangular(&self) -> Result<Layout> {
+    fn equirectangular(&self) -> Result<Box<dyn SphereProjection>> {
         let size = [self.height, self.width];
         check(!self.border_sampled, "samples on the border must be converted to cells first")?;
         let whole = self.whole.unwrap_or(size);
@@ -83,10 +84,10 @@ impl PictureLayout {
             bottom <= whole[0] && size[1] <= whole[1] && self.corner[1] < whole[1],
             "a crop must lie inside of its panorama",
         )?;
-        Ok(Layout::Equirectangular(Equirectangular::crop(size, whole, self.corner)))
+        Ok(Box::new(Equirectangular::crop(size, whole, self.corner)))
     }
 
-    fn azimuthal(&self) -> Result<Layout> {
+    fn azimuthal(&self) -> Result<Box<dyn SphereProjection>> {
         let (mapping, most) = match self.mapping.as_str() {
             "equidistant" => (AzimuthalMapping::Equidistant, PI),
             "equisolid" => (AzimuthalMapping::Equisolid, PI),
@@ -100,7 +101,7 @@ impl PictureLayout {
         let is_finite = x.is_finite() && y.is_finite() && radius.is_finite();
         check(is_finite && radius > 0.0, "the circle needs a centre and a radius above 0")?;
         let size = [self.height, self.width];
-        Ok(Layout::Azimuthal(AzimuthalCircle::new(size, mapping, self.reach, (DVec2::new(x, y), radius))))
+        Ok(Box::new(AzimuthalCircle::new(size, mapping, self.reach, (DVec2::new(x, y), radius))))
     }
 
     /// Matrix from the frame of the picture to that of the world: a rotation, also with a mirror.
@@ -135,11 +136,10 @@ pub fn resample<'py>(
         let rotation = target.to_world()?.transpose() * rotation * source.to_world()?;
         Ok((source.layout()?, target.layout()?, rotation))
     })?;
-    let (from, to) = (from.projection(), to.projection());
     let (radiance, seen) = (radiance.as_array(), seen.as_ref().map(PyReadonlyArray2::as_array));
-    let picture = SourcePicture { radiance, seen, layout: from };
+    let picture = SourcePicture { radiance, seen, layout: &*from };
     let [height, width] = to.size();
-    let (image, seen) = fill(py, [height, width, 3], |out| resample_picture(&picture, to, rotation, out))?;
+    let (image, seen) = fill(py, [height, width, 3], |out| resample_picture(&picture, &*to, rotation, out))?;
     Ok((image, seen.map(|seen| seen.into_pyarray(py))))
 }
 
@@ -166,11 +166,8 @@ pub fn rotate_map<'py>(
 pub fn projection_solid_angles(py: Python<'_>, layout: PictureLayout) -> PyResult<Bound<'_, PyArray2<f64>>> {
     let angles = interruptible(py, || {
         let layout = layout.layout()?;
-        let projection = layout.projection();
-        let [height, width] = projection.size();
-        Ok(Array2::from_shape_fn((height, width), |(row, column)| {
-            projection.solid_angle(row * width + column)
-        }))
+        let [height, width] = layout.size();
+        Ok(Array2::from_shape_fn((height, width), |(row, column)| layout.solid_angle(row * width + column)))
     })?;
     Ok(angles.into_pyarray(py))
 }
@@ -185,10 +182,10 @@ pub fn projection_directions<'py>(
     let places = places.as_array();
     let directions = interruptible(py, || {
         let (layout, to_world) = (layout.layout()?, layout.to_world()?);
-        let [height, width] = layout.projection().size().map(|pixels| pixels as f64);
+        let [height, width] = layout.size().map(|pixels| pixels as f64);
         let direction = |x: f64, y: f64| {
             let is_inside = (0.0..=width).contains(&x) && (0.0..=height).contains(&y);
-            to_world * layout.projection().direction(x, y).filter(|_| is_inside).unwrap_or(DVec3::NAN)
+            to_world * layout.direction(x, y).filter(|_| is_inside).unwrap_or(DVec3::NAN)
         };
         check_rows("places", places, 2)?;
         Ok(rows(places.nrows(), |i| direction(places[[i, 0]], places[[i, 1]]).to_array()))
@@ -209,7 +206,7 @@ pub fn projection_places<'py>(
         let directions = unit_vectors("direction", directions)?;
         let place = |i: usize| {
             let own = to_world.transpose() * directions[i].normalize();
-            layout.projection().place(own).unwrap_or(DVec2::NAN)
+            layout.place(own).unwrap_or(DVec2::NAN)
         };
         Ok(rows(directions.len(), |i| place(i).to_array()))
     })?;

@@ -32,6 +32,9 @@ class MapFile(NamedTuple):
     fov: float | None = None
     """Field of view in degrees."""
 
+    mapping: str | None = None
+    """Mapping of a fisheye by hand."""
+
     def open(self) -> EnvMap:
         """Map of the file."""
         options = self._asdict()
@@ -63,6 +66,11 @@ def map_argument(function: Callable[..., None]) -> Callable[..., None]:
     )
     @click.option("--faces", metavar="ORDER", help="Order of the faces of a cube: opengl, ...")
     @click.option("--fov", type=float, metavar="DEGREES", help="Horizontal field of view of MAP.")
+    @click.option(
+        "--mapping",
+        metavar="NAME",
+        help="Mapping of a fisheye: equidistant, equisolid, stereographic or orthographic.",
+    )
     @functools.wraps(function)
     def command(
         map_path: str,
@@ -71,9 +79,10 @@ def map_argument(function: Callable[..., None]) -> Callable[..., None]:
         projection: str | None,
         faces: str | None,
         fov: float | None,
+        mapping: str | None,
         **options: Any,
     ) -> None:
-        function(MapFile(map_path, colour, part, projection, faces, fov), **options)
+        function(MapFile(map_path, colour, part, projection, faces, fov, mapping), **options)
 
     return command
 

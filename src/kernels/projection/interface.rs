@@ -11,7 +11,7 @@ use super::directions::{DirectionArrays, Places};
 pub const NO_PIXEL: u32 = u32::MAX;
 
 /// Layout of the sphere, or of a part of it, in a picture.
-pub trait SphereProjection: Sync {
+pub trait SphereProjection: Send + Sync {
     /// Rows and columns.
     fn size(&self) -> [usize; 2];
 

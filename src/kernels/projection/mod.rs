@@ -43,38 +43,5 @@ pub use octahedral::Octahedral;
 pub(crate) use places::even_nodes;
 pub use planar::Planar;
 
-/// Any layout.
-pub enum Layout {
-    /// Equirectangular, whole or cropped.
-    Equirectangular(Equirectangular),
-    /// Cylinder.
-    Cylinder(Cylinder),
-    /// Cube.
-    Cube(Cube),
-    /// Octahedron.
-    Octahedral(Octahedral),
-    /// Octahedron of equal areas.
-    EqualArea(EqualArea),
-    /// Angular map, mirror ball, fisheye.
-    Azimuthal(AzimuthalCircle),
-    /// Photograph.
-    Planar(Planar),
-}
-
-impl Layout {
-    /// Layout of any kind behind its common interface.
-    pub fn projection(&self) -> &dyn SphereProjection {
-        match self {
-            Self::Equirectangular(layout) => layout,
-            Self::Cylinder(layout) => layout,
-            Self::Cube(layout) => layout,
-            Self::Octahedral(layout) => layout,
-            Self::EqualArea(layout) => layout,
-            Self::Azimuthal(layout) => layout,
-            Self::Planar(layout) => layout,
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests;
