@@ -35,7 +35,7 @@ const RESAMPLING: ResamplingSettings = ResamplingSettings {
     samples_per_pixel: 2.0,
     bright_fraction: 1e-4,
     bright_contrast: 10.0,
-    columns_at_once: 128,
+    columns_at_once: 768,
 };
 
 /// Picture of radiance with its layout.
@@ -176,13 +176,15 @@ impl<'a, const N: usize> Gather<'a, N> {
 
     /// Add the old pixels of some samples, and count the samples outside of the new picture, whose `xs` are NaN.
     fn add(&self, (sum, outside): &mut ([f64; N], usize), pixels: &[u32], xs: &[f64]) {
+        let mut part = *sum;
         for (&pixel, x) in pixels.iter().zip(xs) {
             if pixel != NO_PIXEL {
-                add(sum, self.old[pixel as usize].map(f64::from));
+                add(&mut part, self.old[pixel as usize].map(f64::from));
             } else if x.is_nan() {
                 *outside += 1;
             }
         }
+        *sum = part;
     }
 
     /// Mean of the samples inside of the new picture; of a pixel without any, the value at its centroid.
@@ -236,16 +238,17 @@ impl Lights {
         let (extent, _) = layout.extent();
         let in_row = |(row, line): (usize, &[[f32; 3]])| -> Vec<BrightPixel> {
             interrupt::check();
-            let pixels = line.iter().enumerate().filter_map(|(column, &radiance)| {
-                let pixel = row * width + column;
-                let solid_angle = layout.solid_angle(pixel);
-                let most =
-                    (RESAMPLING.bright_fraction / solid_angle).max(RESAMPLING.bright_contrast / extent);
-                let is_bright =
-                    radiance.iter().zip(total).any(|(&value, flux)| f64::from(value) > most * flux);
-                let flux = radiance.map(|value| f64::from(value) * solid_angle);
-                is_bright.then_some(BrightPixel { pixel, flux })
-            });
+            let angles = layout.solid_angles_of_row(row).into_iter();
+            let pixels =
+                line.iter().zip(angles).enumerate().filter_map(|(column, (&radiance, solid_angle))| {
+                    let pixel = row * width + column;
+                    let most =
+                        (RESAMPLING.bright_fraction / solid_angle).max(RESAMPLING.bright_contrast / extent);
+                    let is_bright =
+                        radiance.iter().zip(total).any(|(&value, flux)| f64::from(value) > most * flux);
+                    let flux = radiance.map(|value| f64::from(value) * solid_angle);
+                    is_bright.then_some(BrightPixel { pixel, flux })
+                });
             pixels.collect()
         };
         Self(old.par_chunks(width).enumerate().flat_map_iter(in_row).collect())
@@ -295,8 +298,7 @@ fn flux<const N: usize>(map: &[[f32; N]], layout: &dyn SphereProjection) -> [f64
     let rows = map.par_chunks(width).enumerate().map(|(row, line)| {
         interrupt::check();
         let mut sum = [0.0; 3];
-        for (column, samples) in line.iter().enumerate() {
-            let solid_angle = layout.solid_angle(row * width + column);
+        for (samples, solid_angle) in line.iter().zip(layout.solid_angles_of_row(row)) {
             add(&mut sum, [0, 1, 2].map(|i| f64::from(samples[i]) * solid_angle));
         }
         sum

@@ -6,10 +6,11 @@ use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
 use glam::{DMat3, DVec2, DVec3};
+use pulp::{Arch, Simd, WithSimd};
 
 use super::cells::{Cells, diamonds};
 use super::directions::{DirectionArrays, Line, Places};
-use super::interface::{NO_PIXEL, SphereProjection, search};
+use super::interface::{NO_PIXEL, SphereProjection};
 use super::places::EvenPlaces;
 use crate::kernels::cell_integrals::{ColumnIntegrals, RowIntegrals};
 use crate::kernels::sphere::{self, Registration};
@@ -47,6 +48,20 @@ impl Equirectangular {
         [self.cells.height as f64, self.cells.width as f64]
     }
 
+    /// Pixel of the cell with these [`diamonds`], or [`NO_PIXEL`].
+    #[inline(always)]
+    fn pixel_of(&self, angles: [f64; 2]) -> u32 {
+        let cell = self.cells.at(angles);
+        if self.is_whole() {
+            return cell as u32;
+        }
+        let (row, column) = (cell / self.cells.width, cell % self.cells.width);
+        let row = row.wrapping_sub(self.corner[0]);
+        let column = (column + self.cells.width - self.corner[1]) % self.cells.width;
+        let is_inside = row < self.size[0] && column < self.size[1];
+        if is_inside { (row * self.size[1] + column) as u32 } else { NO_PIXEL }
+    }
+
     /// Row and column in the whole map.
     fn in_whole(&self, pixel: usize) -> [usize; 2] {
         let (row, column) = (pixel / self.size[1], pixel % self.size[1]);
@@ -81,6 +96,10 @@ impl SphereProjection for Equirectangular {
         self.cells.areas[self.in_whole(pixel)[0]]
     }
 
+    fn solid_angles_of_row(&self, row: usize) -> Vec<f64> {
+        vec![self.cells.areas[row + self.corner[0]]; self.size[1]]
+    }
+
     fn is_whole(&self) -> bool {
         self.size == [self.cells.height, self.cells.width]
     }
@@ -99,21 +118,17 @@ impl SphereProjection for Equirectangular {
         Some((row * width + column.rem_euclid(width)) as usize)
     }
 
-    #[inline(always)]
     fn pixel(&self, direction: [f64; 3]) -> u32 {
-        let cell = self.cells.at(diamonds(direction));
-        if self.is_whole() {
-            return cell as u32;
-        }
-        let (row, column) = (cell / self.cells.width, cell % self.cells.width);
-        let row = row.wrapping_sub(self.corner[0]);
-        let column = (column + self.cells.width - self.corner[1]) % self.cells.width;
-        let is_inside = row < self.size[0] && column < self.size[1];
-        if is_inside { (row * self.size[1] + column) as u32 } else { NO_PIXEL }
+        self.pixel_of(diamonds(direction))
     }
 
     fn pixels(&self, directions: &DirectionArrays, pixels: &mut [u32]) {
-        search(self, directions, pixels);
+        // Compute the angles in vectors first: the searches that follow are not done in vectors.
+        let mut angles = vec![[f64::NAN; 2]; pixels.len()];
+        Arch::new().dispatch(Diamonds { directions, angles: &mut angles });
+        for ((pixel, angles), x) in pixels.iter_mut().zip(angles).zip(directions.components()[0]) {
+            *pixel = if x.is_nan() { NO_PIXEL } else { self.pixel_of(angles) };
+        }
     }
 
     fn places(&self, side: usize, turn: DMat3) -> Box<dyn Places + '_> {
@@ -126,6 +141,24 @@ impl SphereProjection for Equirectangular {
     fn moment(&self, pixel: usize) -> DVec3 {
         let [row, column] = self.in_whole(pixel);
         self.rows[row].direction(&self.columns[column])
+    }
+}
+
+/// Diamond angles of many directions, with the vectors of the processor.
+struct Diamonds<'a> {
+    directions: &'a DirectionArrays,
+    angles: &'a mut [[f64; 2]],
+}
+
+impl WithSimd for Diamonds<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let [x, y, z] = self.directions.components();
+        for (((&x, &y), &z), angles) in x.iter().zip(y).zip(z).zip(self.angles) {
+            *angles = diamonds([x, y, z]);
+        }
     }
 }
 

@@ -4,6 +4,7 @@
 
 use glam::{DMat3, DVec2, DVec3};
 use pulp::{Arch, Simd, WithSimd};
+use rayon::prelude::*;
 
 use super::directions::{DirectionArrays, Places};
 
@@ -62,9 +63,18 @@ pub trait SphereProjection: Send + Sync {
 
     /// Solid angle of the picture, and the number of the pixels that show a part of the sphere.
     fn extent(&self) -> (f64, usize) {
-        let [height, width] = self.size();
-        let angles = (0..height * width).map(|pixel| self.solid_angle(pixel));
-        angles.fold((0.0, 0), |(sum, count), angle| (sum + angle, count + usize::from(angle > 0.0)))
+        let rows = (0..self.size()[0]).into_par_iter().map(|row| {
+            let angles = self.solid_angles_of_row(row);
+            (angles.iter().sum::<f64>(), angles.iter().filter(|&&angle| angle > 0.0).count())
+        });
+        let add = |(sum, count), (angle, pixels)| (sum + angle, count + pixels);
+        rows.collect::<Vec<_>>().into_iter().fold((0.0, 0), add)
+    }
+
+    /// Exact solid angles of the pixels of a row.
+    fn solid_angles_of_row(&self, row: usize) -> Vec<f64> {
+        let width = self.size()[1];
+        (row * width..(row + 1) * width).map(|pixel| self.solid_angle(pixel)).collect()
     }
 
     /// Mean solid angle of the pixels that show a part of the sphere.
