@@ -25,6 +25,13 @@ pub enum Error {
         what: &'static str,
     },
 
+    /// Vertices and faces that are no convex polyhedron.
+    #[error("{what}")]
+    NoSuchSolid {
+        /// Condition that does not hold.
+        what: &'static str,
+    },
+
     /// An array does not have the columns that it must have.
     #[error("{what} must have the shape (n, {columns}); got {shape:?}")]
     WrongColumns {

@@ -13,6 +13,7 @@ mod harmonics;
 mod image;
 mod loghin;
 mod madsen;
+mod occluder;
 mod output;
 mod pool;
 mod probe;
@@ -66,6 +67,8 @@ mod _native {
     use super::madsen::{
         face_radiance, pack_lights, probe_jacobian, probe_model, probe_residual, unpack_lights,
     };
+    #[pymodule_export]
+    use super::occluder::{form_factors, hidden_shares, reflected_irradiance};
     #[pymodule_export]
     use super::pool::threads;
     #[pymodule_export]

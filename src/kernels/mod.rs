@@ -11,6 +11,7 @@
 //! | spherical harmonics, and irradiance under them | `harmonics.rs` |
 //! | irradiance of a disc of uniform radiance       | `disc.rs`      |
 //! | drawing of discs into a map                    | `disc_map.rs`  |
+//! | light hidden by balls and convex polyhedra     | `occluder/`    |
 //! | unusable samples, reduction, resampling        | `image/`       |
 //! | exact irradiance of a white probe              | `probe/`       |
 //! | a map in spherical harmonics                   | `expansion/`   |
@@ -34,6 +35,7 @@ pub mod harmonics;
 pub mod image;
 mod lanes;
 pub mod madsen;
+pub mod occluder;
 pub mod probe;
 pub mod projection;
 pub mod repair;
