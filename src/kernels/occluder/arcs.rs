@@ -28,6 +28,10 @@ impl Arcs {
 
     /// Keep the parts in the arc from `start` over `length`, which is at most a whole turn.
     pub fn intersect(&mut self, start: f64, length: f64) {
+        if let [(_, TAU)] = self.0[..] {
+            self.0[0] = (start, length);
+            return;
+        }
         let parts = self.0.iter().flat_map(|&(first, extent)| {
             // Angles are counted from `start`; the arc lies in the first turn, and may reach the second.
             let from = (first - start).rem_euclid(TAU);

@@ -8,7 +8,7 @@
 //!   n . (w x dw) = [sin^2 a (n . c) - sin a cos a (n . u cos p + n . v sin p)] dp
 //! ```
 
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::DVec3;
 
@@ -47,8 +47,9 @@ impl Cone {
 
     /// False if no direction is in both cones.
     pub fn touches(&self, other: &Self) -> bool {
-        // The cosine of the sum of the angles, which is at most 180 degrees.
-        self.axis.dot(other.axis) > self.cos * other.cos - self.sin * other.sin
+        // The cosine of the sum of the angles, unless that is more than 180 degrees.
+        let is_wide = self.angle + other.angle >= PI;
+        is_wide || self.axis.dot(other.axis) > self.cos * other.cos - self.sin * other.sin
     }
 }
 

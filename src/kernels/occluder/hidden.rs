@@ -151,14 +151,14 @@ impl Silhouette {
     pub fn contains(&self, direction: DVec3) -> bool {
         match self {
             Self::All => true,
-            Self::Cones(cones) => cones.iter().all(|cone| cone.contains(direction)),
+            Self::Cones(cones, _) => cones.iter().all(|cone| cone.contains(direction)),
         }
     }
 
     /// Integral over the directions in `cones` and in the silhouette, whose cones are added to them.
     fn integral(&self, normal: DVec3, cones: &mut Vec<Cone>) -> f64 {
-        if let Self::Cones(own) = self {
-            if own.iter().any(|cone| cones.iter().any(|known| !cone.touches(known))) {
+        if let Self::Cones(own, bound) = self {
+            if cones.iter().any(|known| !bound.touches(known)) {
                 return 0.0;
             }
             cones.extend(own);

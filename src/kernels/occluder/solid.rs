@@ -1,5 +1,7 @@
 //! Balls and convex polyhedra, and the cones of directions in which a point sees them.
 
+use std::f64::consts::PI;
+
 use glam::DVec3;
 
 use super::cone::Cone;
@@ -55,8 +57,8 @@ struct SolidEdge {
 pub enum Silhouette {
     /// All directions: the point is inside.
     All,
-    /// Directions in all of these cones.
-    Cones(Vec<Cone>),
+    /// Directions in all of these cones, and a cone around all of them.
+    Cones(Vec<Cone>, Cone),
 }
 
 impl Solid {
@@ -79,15 +81,20 @@ impl Solid {
 
 impl Ball {
     fn silhouette(&self, point: DVec3) -> Silhouette {
+        self.cone(point).map_or(Silhouette::All, |cone| Silhouette::Cones(vec![cone], cone))
+    }
+
+    /// Directions from `point` to the ball; none if it is inside.
+    fn cone(&self, point: DVec3) -> Option<Cone> {
         let away = self.centre - point;
         let distance = away.length();
         if distance < self.radius * (1.0 - IN_PLANE) {
-            return Silhouette::All;
+            return None;
         }
         let sin = (self.radius / distance).min(1.0);
         // The tangent length, without the cancellation of 1 - sin^2 near the surface.
         let cos = ((distance - self.radius).max(0.0) * (distance + self.radius)).sqrt() / distance;
-        Silhouette::Cones(vec![Cone { axis: away / distance, angle: sin.atan2(cos), cos, sin }])
+        Some(Cone { axis: away / distance, angle: sin.atan2(cos), cos, sin })
     }
 }
 
@@ -150,7 +157,10 @@ impl Polyhedron {
                 cones.push(cone);
             }
         }
-        Silhouette::Cones(cones)
+        // Half-spaces of directions bound nothing; a ball around the solid does, from outside.
+        let around = Ball { centre: self.centre, radius: self.size }.cone(point);
+        let bound = around.unwrap_or(Cone { axis: DVec3::Y, angle: PI, cos: -1.0, sin: 0.0 });
+        Silhouette::Cones(cones, bound)
     }
 
     /// Half-space of directions on the side of the centre of the plane through an edge and `point`.
