@@ -329,6 +329,8 @@ def _text(spec: oiio.ImageSpec, key: str) -> str:
 
 def _number(value: Any, least: float = 0.0) -> float | None:
     """`value` of an attribute, a number or a fraction, as a float above `least`; else None."""
+    if isinstance(value, tuple) and len(value) == 1:  # the sensitivity of a TIFF
+        value = value[0]
     if isinstance(value, tuple):
         value = value[0] / value[1] if len(value) == 2 and value[1] else None
     is_number = isinstance(value, int | float) and np.isfinite(value) and value > least
