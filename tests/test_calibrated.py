@@ -181,9 +181,10 @@ def test_the_exposure_of_a_photograph_is_in_its_exif(tmp_path):
 def test_the_exposure_of_a_tiff_is_in_its_exif(tmp_path):
     """A library other than ours writes it: OpenImageIO leaves the sensitivity out."""
     image = pytest.importorskip("PIL.Image")
+    fraction = pytest.importorskip("PIL.TiffImagePlugin").IFDRational
     exif = image.Exif()
     camera = exif.get_ifd(0x8769)
-    camera.update({0x829A: 1 / 125, 0x829D: 8.0, 0x8827: 200})
+    camera.update({0x829A: fraction(1, 125), 0x829D: fraction(8, 1), 0x8827: 200})
     exif[0x8769] = camera
     image.new("RGB", (16, 8), (128, 128, 128)).save(tmp_path / "map.tif", exif=exif)
     assert el.EnvMap.open(tmp_path / "map.tif").ev100 == pytest.approx(EV100, abs=1e-4)
