@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._blocks import in_blocks
+from envlights._capabilities import ROWS
 from envlights._check import describe
 from envlights._native import EnvLightsError
 from envlights._units import PHOTOMETRIC
@@ -17,9 +18,6 @@ from envlights.export.units import UNITS
 from envlights.io.source import is_source
 from envlights.lights import Lights
 from envlights.rig import Rig
-
-#: Rows of the map for an ambient term that is not constant; it changes slowly over the sphere.
-ROWS = 128
 
 
 class Scene(NamedTuple):
