@@ -13,10 +13,10 @@ from envlights.export.own_json import save_json
 from envlights.export.pbrt import save_pbrt
 from envlights.export.radiance import save_radiance
 from envlights.export.three import save_three
+from envlights.export.units import UNITS
 from envlights.export.usd import save_usd
 
-#: Targets in the order of the help.
-TARGETS = (
+_TARGETS = (
     Target(
         "json",
         "envlights itself",
@@ -40,7 +40,6 @@ TARGETS = (
             sizes="none",
             harmonics="none",
             environment=False,
-            units="lux",
             remark="no ambient light: set the one in `extras` by hand; sizes are in `extras` too",
             source="Khronos, KHR_lights_punctual: a directional light has no size",
         ),
@@ -52,7 +51,6 @@ TARGETS = (
         save_three,
         Capabilities(
             sizes="none",
-            units="lux, nits for ambient light",
             remark="sizes are in `userData`",
             source="three.js, src/lights: DirectionalLight, HemisphereLight, LightProbe",
         ),
@@ -64,7 +62,6 @@ TARGETS = (
         save_usd,
         Capabilities(
             harmonics="map",
-            units="nits",
             remark="Storm, the viewer of usdview, ignores `angle`",
             source="OpenUSD, UsdLux: DistantLight, inputs:angle",
         ),
@@ -85,7 +82,6 @@ TARGETS = (
         save_blender,
         Capabilities(
             harmonics="map",
-            units="W/m2",
             remark="for Cycles; a map has no shadows in EEVEE",
             source="Blender manual, Cycles: Sun Light, Angle",
         ),
@@ -115,7 +111,7 @@ TARGETS = (
         save_unity,
         Capabilities(
             sizes="soften",
-            units="lux in HDRP, radiance elsewhere",
+            remark="other pipelines than HDRP use `intensity_without_pi`",
             source="Unity manual, HDRP: Light, Angular Diameter",
         ),
     ),
@@ -127,12 +123,22 @@ TARGETS = (
         Capabilities(
             sizes="soften",
             harmonics="map",
-            units="lux",
             remark="set the rotation of the map by hand",
             source="Unreal Engine documentation: Directional Light, Source Angle",
         ),
     ),
 )
+
+
+def _with_units(target: Target) -> Target:
+    """`target` with its units from their own table; our own files keep those of the map."""
+    if target.name not in UNITS:
+        return target
+    return target._replace(shows=target.shows._replace(units=UNITS[target.name].in_short()))
+
+
+#: Targets in the order of the help.
+TARGETS = tuple(map(_with_units, _TARGETS))
 
 register(TARGETS)
 

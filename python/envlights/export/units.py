@@ -35,6 +35,10 @@ class TargetUnits(NamedTuple):
         """Number in the file for 1 lux or 1 cd/m2."""
         return 1.0 / self.lumens
 
+    def in_short(self) -> str:
+        """Words for the table of targets."""
+        return f"{self.irradiance} and {self.radiance} of a calibrated map"
+
     def statement(self, units: str) -> str:
         """Sentence for the file of a map in `units`."""
         if units != PHOTOMETRIC:
@@ -69,6 +73,12 @@ UNITS = {
     ),
     "unreal": TargetUnits(
         1.0, "lux", "cd/m2", "Unreal Engine, Physical Lighting Units: directional lights are in lux"
+    ),
+    "mujoco": TargetUnits(
+        1.0, "lux, times its scale", "cd/m2, times its scale", "MuJoCo's lights have no units"
+    ),
+    "godot": TargetUnits(
+        1.0, "lux (energy: over pi)", "cd/m2", "Godot 4: energies have no units by default"
     ),
     "engine": TargetUnits(1.0, "lux", "cd/m2", "the numbers of the map"),
 }
