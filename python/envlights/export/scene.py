@@ -12,9 +12,12 @@ from envlights._check import describe
 from envlights._native import EnvLightsError
 from envlights.ambient import ambient_rows
 from envlights.envmap import EnvMap, as_envmap
+from envlights.kernels.sphere import pixel_solid_angles
 from envlights.lights import Lights
 from envlights.rig import Rig
 
+#: Lights that cast shadows, the brightest, in renderers that draw the scene again for each of them.
+CASTERS = 3
 #: Rows of the map for an ambient term that is not constant; it changes slowly over the sphere.
 ROWS = 128
 
@@ -58,6 +61,33 @@ def scene_of(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) -
         rows = ambient_rows(ambient, ROWS, floor)
         return Scene(lights, None, EnvMap(in_blocks((ROWS, 2 * ROWS, 3), rows)))
     return Scene(lights, ambient, None)
+
+
+def at_most(scene: Scene, count: int) -> Scene:
+    """Scene with its `count` brightest lights; the others become part of the ambient term.
+
+    Averaged over all normals, a light gives a quarter of its irradiance, as a constant radiance of
+    1 / (4 pi) of it does.
+    """
+    surplus = scene.lights[count:]
+    if not len(surplus):
+        return scene
+    added = surplus.irradiance.sum(axis=0) / (4 * np.pi)
+    if scene.environment is None:
+        ambient = added if scene.ambient is None else added + scene.ambient
+        return Scene(scene.lights[:count], ambient, None)
+    radiance = scene.environment.radiance + added.astype(np.float32)
+    return Scene(scene.lights[:count], None, EnvMap(radiance))
+
+
+def mean_radiance(scene: Scene) -> NDArray[np.float64]:
+    """Mean radiance of the ambient term or of the map over all directions, (3,)."""
+    if scene.environment is None:
+        return np.zeros(3) if scene.ambient is None else scene.ambient
+    radiance = scene.environment.radiance
+    rows = pixel_solid_angles(len(radiance), 2).sum(axis=1) / (4 * np.pi)
+    mean: NDArray[np.float64] = rows @ radiance.mean(axis=1, dtype=np.float64)
+    return mean
 
 
 def check_rig(rig: Rig | Lights) -> Lights:

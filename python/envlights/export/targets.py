@@ -7,7 +7,9 @@ from envlights.export.blender import save_blender
 from envlights.export.csv import save_csv
 from envlights.export.engine import save_unity, save_unreal
 from envlights.export.gltf import save_gltf
+from envlights.export.godot import save_godot
 from envlights.export.mitsuba import save_mitsuba
+from envlights.export.mujoco import save_mujoco
 from envlights.export.own_json import save_json
 from envlights.export.pbrt import save_pbrt
 from envlights.export.radiance import save_radiance
@@ -96,6 +98,24 @@ TARGETS = (
         True,
         "lights, sizes from 0.7 degrees, ambient, harmonics, floor, map",
         "smaller sizes, negative parts of harmonics",
+    ),
+    Target(
+        "mujoco",
+        "MuJoCo",
+        (".mujoco.xml",),
+        save_mujoco,
+        True,
+        "7 lights, the mean of the ambient term or of a map",
+        "sizes; more lights and what an ambient term has beside its mean",
+    ),
+    Target(
+        "godot",
+        "Godot 4",
+        (".tscn",),
+        save_godot,
+        True,
+        "8 lights, sizes up to 1.5 degrees, ambient, harmonics, floor (as a map), map",
+        "larger sizes, negative parts of harmonics",
     ),
     Target(
         "unity",
