@@ -156,7 +156,7 @@ def light_at(index):
 def exports_of(target):
     """The functions of a target: its own form, and a file of it."""
     arguments = {"rig": RIGS}
-    if target.takes_map:
+    if target.shows.environment:
         arguments["environment"] = st.one_of(st.none(), IMAGE)
     file = {"path": st.just(f"no-folder/rig{target.suffixes[0]}")}
     for name, more in ((target.name, {}), (f"save_{target.name}", file)):

@@ -184,11 +184,39 @@ class Rig(Result):
         environment : EnvMap or array_like, optional
             Map that replaces the ambient term, for formats that accept one.
 
+        Warns
+        -----
+        UserWarning
+            If the target shows the rig with a larger error, such as lights with a size as points.
+
         See Also
         --------
         envlights.export : functions that return dictionaries and text.
         """
         _targets.save(self, path, environment)
+
+    def error_in(self, target: str) -> float:
+        """Relative RMS error of the irradiance as a target shows the rig.
+
+        Parameters
+        ----------
+        target : str
+            Name from `el.export.TARGETS`, such as "three".
+
+        Returns
+        -------
+        float
+            `error` if the target shows all of the rig. For a target that shows lights with a size
+            as points, the error measured by `fit`. For other losses, or without a fit, the root of
+            the sum of the squares of `error` and of the change in irradiance.
+
+        Examples
+        --------
+        >>> rig = Rig([0.1, 0.1, 0.1], Lights([[0, 1, 0]], [[2, 2, 2]], [0.5]), error=0.01)
+        >>> round(rig.error_in("blender"), 3), round(rig.error_in("three"), 3)
+        (0.01, 0.062)
+        """
+        return _targets.error_in(self, target)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Rig:

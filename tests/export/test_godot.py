@@ -9,7 +9,7 @@ import pytest
 import envlights as el
 from envlights._srgb import encode_srgb
 from envlights.export import AXES
-from envlights.export.godot import LAMPS
+from envlights.export.godot import DIRECTIONAL_LIGHTS as LAMPS
 from tests.export import godot
 from tests.export.balls import SIDE, SIDES, SQUARE, normals_of
 from tests.export.rigs import DISCS, POINTS, environment, relative, rigs
@@ -73,14 +73,20 @@ def radiance_of(scene, sky=None):
     return total
 
 
+def irradiance_of_file(path):
+    """Irradiance at `NORMALS` from a scene and the map beside it."""
+    scene = path.read_text(encoding="utf-8")
+    places = [heading["path"] for kind, heading, _ in sections(scene) if kind == "ext_resource"]
+    sky = el.EnvMap.open(path.parent / places[0]) if places else None
+    return np.pi * radiance_of(scene, sky)
+
+
 @pytest.mark.parametrize("name", RIGS)
 def test_by_formula_a_file_lights_as_the_rig_does(name, tmp_path):
     RIGS[name].save(tmp_path / "rig.tscn")
-    scene = (tmp_path / "rig.tscn").read_text(encoding="utf-8")
-    places = [heading["path"] for kind, heading, _ in sections(scene) if kind == "ext_resource"]
-    sky = el.EnvMap.open(tmp_path / places[0]) if places else None
-    assert len(places) == (name in ("floor", "harmonics"))
-    assert relative(np.pi * radiance_of(scene, sky), RIGS[name].probe(NORMALS)) < 1e-4
+    assert relative(irradiance_of_file(tmp_path / "rig.tscn"), RIGS[name].probe(NORMALS)) < 1e-4
+    is_map = name in ("floor", "harmonics")
+    assert (tmp_path / "rig.ambient.exr").exists() == is_map
 
 
 def test_a_sun_has_its_size_and_wide_lamps_are_points():
@@ -173,7 +179,10 @@ def picture(text):
 def test_the_ball_shows_the_irradiance_of_the_rig(name, pictures):
     """Within 2 codes; within 4 where sRGB has a steep slope, at the edge of a lamp alone."""
     rig = RENDERED[name]
-    lamps, rest = rig.lights[:LAMPS], rig.lights[LAMPS:].irradiance.sum(axis=0) / 4
+    lamps, rest = (
+        rig.lights[:LAMPS],
+        rig.lights[LAMPS:].irradiance.sum(axis=0) / 4,
+    )
     shown = el.Rig([0, 0, 0], el.Lights(lamps.direction, lamps.irradiance), 0.0)
     for k, side in enumerate(SIDES):
         normals, is_ball = normals_of(side)

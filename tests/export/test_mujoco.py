@@ -103,13 +103,13 @@ def test_other_ambient_terms_and_further_lights_give_their_mean(mujoco, tmp_path
 
 
 def as_lamps(rig):
-    """Irradiance of the brightest lights as points, and the mean of all else."""
+    """Irradiance of the brightest lights as points, and the mean of all else; no floor."""
     normals, areas = el.kernels.icosphere(5120)
-    lamps = el.Rig(
-        [0, 0, 0], el.Lights(rig.lights.direction[:LAMPS], rig.lights.irradiance[:LAMPS]), 0.0
-    )
-    rest = areas @ (rig.probe(normals) - lamps.probe(normals)) / areas.sum()
-    return lambda those: lamps.probe(those) + rest
+    points = el.Lights(rig.lights.direction, rig.lights.irradiance)
+    lamps = el.Rig([0, 0, 0], points[:LAMPS], 0.0)
+    rest = el.Rig(rig.ambient, points[LAMPS:], 0.0).probe(normals)
+    mean = areas @ rest / areas.sum()
+    return lambda those: lamps.probe(those) + mean
 
 
 def test_a_white_surface_just_fills_the_range(mujoco, tmp_path):

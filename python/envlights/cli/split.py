@@ -9,7 +9,13 @@ from pathlib import Path
 import click
 
 from envlights.cli.map_input import MapFile, map_argument
-from envlights.cli.outputs import check_output, output_option, say_written, verbose_option
+from envlights.cli.outputs import (
+    check_output,
+    output_option,
+    save_lights,
+    say_written,
+    verbose_option,
+)
 from envlights.detection.split import Split, split
 from envlights.envmap import EnvMap
 from envlights.export.targets import SUFFIXES
@@ -65,7 +71,7 @@ def _write(env: EnvMap, parts: Split, output: str) -> None:
     if suffix in MAPS:
         parts.rest.save(output)
     elif suffix not in PICTURES:
-        parts.lights.save(output)
+        save_lights(parts.lights, output, strict=False)
     else:
         from envlights import plot
 

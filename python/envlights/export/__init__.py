@@ -18,7 +18,7 @@
 | discs in a map, for targets whose lights have no size    | `discs.py`     |
 | Radiance                                                 | `radiance.py`  |
 | pbrt-v4                                                  | `pbrt.py`      |
-| table of targets: suffixes, what each keeps and loses    | `targets.py`   |
+| table of targets: suffixes, and what each can show     | `targets.py`   |
 
 Each target has a file with two functions: one with its name, which returns the target's own form,
 and one with `save_` and its name, which writes a file. `save` selects the target by the suffix.

@@ -17,7 +17,7 @@ from envlights.lights import Lights
 from envlights.rig import Rig
 
 #: Directional lights that Godot draws; it drops any others.
-LAMPS = 8
+DIRECTIONAL_LIGHTS = 8
 #: Largest angular size that is written, in degrees. Godot adds 1 minus its cosine to the cosine of
 #: each surface, which adds 0.07 % to the flux here, and 27 % for a lamp of 30 degrees.
 _WIDEST = 1.5
@@ -75,7 +75,7 @@ def godot(
     >>> [line for line in scene.splitlines() if line.startswith("light_")]
     ['light_color = Color(1.0, 0.0, 0.0, 1)', 'light_energy = 1.0']
     """
-    return _text(at_most(scene_of(rig, environment), LAMPS), texture)
+    return _text(at_most(scene_of(rig, environment), DIRECTIONAL_LIGHTS), texture)
 
 
 def save_godot(
@@ -84,7 +84,7 @@ def save_godot(
     environment: EnvMap | ArrayLike | None = None,
 ) -> None:
     """Write `godot` at `path`, and its map beside it, if it has one."""
-    scene, name = at_most(scene_of(rig, environment), LAMPS), texture_name(path)
+    scene, name = at_most(scene_of(rig, environment), DIRECTIONAL_LIGHTS), texture_name(path)
     textures = {} if scene.environment is None else {name: scene.environment.radiance}
     save_scene(path, _text(scene, name), textures)
 

@@ -18,7 +18,7 @@ from envlights._check import amount
 from envlights.envmap import EnvMap
 from envlights.export.axes import AXES
 from envlights.export.files import save_scene
-from envlights.export.scene import CASTERS, Scene, at_most, mean_radiance, scene_of
+from envlights.export.scene import CASTERS, Scene, at_most, check_rig, mean_radiance
 from envlights.kernels.sampling import icosphere
 from envlights.lights import Lights
 from envlights.rig import Rig
@@ -58,7 +58,8 @@ def mujoco(
 
     Kept: directions, irradiances, the mean of the ambient term or of the map. The three brightest
     lights cast shadows; each is a further pass of 8 bits, so that seven would lose 3 of 255 codes.
-    Lost: sizes. Beyond seven lights, the others become part of the ambient term.
+    Lost: sizes; an ambient term over a floor also comes from below. Beyond seven lights, the
+    others become part of the ambient term.
 
     Parameters
     ----------
@@ -93,9 +94,10 @@ def mujoco(
     >>> lamp.get("dir"), lamp.get("diffuse")
     ('-1.0 0.0 0.0', '1.0 0.5 0.25')
     """
-    scene = at_most(scene_of(rig, environment), LAMPS)
-    ambient = np.pi * mean_radiance(scene)
-    factor = _largest_scale(scene, ambient) if scale is None else amount("scale", scale)
+    scene = at_most(Scene(check_rig(rig).discs(), mean_radiance(rig, environment), None), LAMPS)
+    ambient = np.pi * np.asarray(scene.ambient)
+    lights = scene.lights
+    factor = _largest_scale(lights, ambient) if scale is None else amount("scale", scale)
     root = ElementTree.Element("mujoco", model="envlights")
     root.append(ElementTree.Comment(_COMMENT))
     custom = ElementTree.SubElement(root, "custom")
@@ -104,7 +106,7 @@ def mujoco(
     colours = {"ambient": _numbers(factor * ambient), "diffuse": "0 0 0", "specular": "0 0 0"}
     ElementTree.SubElement(ElementTree.SubElement(root, "visual"), "headlight", colours)
     world = ElementTree.SubElement(root, "worldbody")
-    for j, attributes in enumerate(_lamps(scene.lights, factor)):
+    for j, attributes in enumerate(_lamps(lights, factor)):
         ElementTree.SubElement(world, "light", {"name": f"envlights_{j}", **attributes})
     ElementTree.indent(root)
     return ElementTree.tostring(root, encoding="unicode") + "\n"
@@ -138,11 +140,11 @@ def _lamps(lights: Lights, factor: float) -> list[dict[str, str]]:
     ]
 
 
-def _largest_scale(scene: Scene, ambient: NDArray[np.float64]) -> float:
+def _largest_scale(lights: Lights, ambient: NDArray[np.float64]) -> float:
     """Scale at which the brightest channel of the brightest white surface is 1."""
-    towards = scene.lights.direction
+    towards = lights.direction
     normals = np.concatenate([towards, icosphere(_NORMALS)[0]])
-    lit = np.maximum(normals @ towards.T, 0) @ scene.lights.irradiance + ambient
+    lit = np.maximum(normals @ towards.T, 0) @ lights.irradiance + ambient
     return float(1 / (lit.max() or 1.0))
 
 

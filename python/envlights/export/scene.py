@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._blocks import in_blocks
+from envlights._capabilities import HARMONIC_MEAN, ROWS
 from envlights._check import describe
 from envlights._native import EnvLightsError
 from envlights.ambient import ambient_rows
@@ -18,8 +19,6 @@ from envlights.rig import Rig
 
 #: Lights that cast shadows, the brightest, in renderers that draw the scene again for each of them.
 CASTERS = 3
-#: Rows of the map for an ambient term that is not constant; it changes slowly over the sphere.
-ROWS = 128
 
 
 class Scene(NamedTuple):
@@ -80,11 +79,12 @@ def at_most(scene: Scene, count: int) -> Scene:
     return Scene(scene.lights[:count], None, EnvMap(radiance))
 
 
-def mean_radiance(scene: Scene) -> NDArray[np.float64]:
-    """Mean radiance of the ambient term or of the map over all directions, (3,)."""
-    if scene.environment is None:
-        return np.zeros(3) if scene.ambient is None else scene.ambient
-    radiance = scene.environment.radiance
+def mean_radiance(rig: Any, environment: EnvMap | ArrayLike | None = None) -> NDArray[np.float64]:
+    """Mean radiance of a map, or of the ambient term of a rig, (3,); that over a floor is whole."""
+    if environment is None:
+        ambient = np.asarray(getattr(rig, "ambient", np.zeros(3)))
+        return HARMONIC_MEAN * ambient[0] if ambient.ndim == 2 else ambient
+    radiance = as_envmap(environment).cells()
     rows = pixel_solid_angles(len(radiance), 2).sum(axis=1) / (4 * np.pi)
     mean: NDArray[np.float64] = rows @ radiance.mean(axis=1, dtype=np.float64)
     return mean

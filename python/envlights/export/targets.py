@@ -1,18 +1,20 @@
-"""Table of the targets: suffixes, writer, and the parts of a rig that each keeps and loses."""
+"""Table of the targets: suffixes, writer, and the parts of a rig that each can show."""
 
 from __future__ import annotations
 
+from envlights._capabilities import Capabilities
 from envlights._targets import Target, register
 from envlights.export.blender import save_blender
 from envlights.export.csv import save_csv
 from envlights.export.engine import save_unity, save_unreal
 from envlights.export.gltf import save_gltf
-from envlights.export.godot import save_godot
+from envlights.export.godot import DIRECTIONAL_LIGHTS, save_godot
 from envlights.export.mitsuba import save_mitsuba
-from envlights.export.mujoco import save_mujoco
+from envlights.export.mujoco import LAMPS, save_mujoco
 from envlights.export.own_json import save_json
 from envlights.export.pbrt import save_pbrt
 from envlights.export.radiance import save_radiance
+from envlights.export.scene import CASTERS
 from envlights.export.three import save_three
 from envlights.export.usd import save_usd
 
@@ -23,117 +25,146 @@ TARGETS = (
         "envlights itself",
         (".json",),
         save_json,
-        False,
-        "everything",
-        "nothing",
+        Capabilities(environment=False, remark="lossless"),
     ),
     Target(
         "csv",
         "a table of numbers",
         (".csv",),
         save_csv,
-        False,
-        "lights, sizes, ambient, harmonics, error, floor",
-        "report, notes",
+        Capabilities(environment=False, remark="without report and notes"),
     ),
     Target(
         "gltf",
         "glTF 2.0",
         (".gltf",),
         save_gltf,
-        False,
-        "lights",
-        "sizes and the ambient term (they are in the extras)",
+        Capabilities(
+            sizes="none",
+            harmonics="none",
+            environment=False,
+            units="lux",
+            remark="no ambient light: set the one in `extras` by hand; sizes are in `extras` too",
+            source="Khronos, KHR_lights_punctual: a directional light has no size",
+        ),
     ),
     Target(
         "three",
         "three.js",
         (".three.json",),
         save_three,
-        True,
-        "lights, ambient, harmonics, floor, map",
-        "sizes (they are in userData)",
+        Capabilities(
+            sizes="none",
+            units="lux, nits for ambient light",
+            remark="sizes are in `userData`",
+            source="three.js, src/lights: DirectionalLight, HemisphereLight, LightProbe",
+        ),
     ),
     Target(
         "usd",
         "OpenUSD",
         (".usda", ".usdc", ".usd"),
         save_usd,
-        True,
-        "lights, sizes, ambient, harmonics (as a map), floor, map",
-        "negative parts of harmonics",
+        Capabilities(
+            harmonics="map",
+            units="nits",
+            remark="Storm, the viewer of usdview, ignores `angle`",
+            source="OpenUSD, UsdLux: DistantLight, inputs:angle",
+        ),
     ),
     Target(
         "mitsuba",
         "Mitsuba 3",
         (".xml",),
         save_mitsuba,
-        True,
-        "lights, sizes (in a map), ambient, harmonics (as a map), floor, map",
-        "negative parts of harmonics",
+        Capabilities(
+            harmonics="map", remark="sizes are in a map", source="Mitsuba 3, plugins: envmap"
+        ),
     ),
     Target(
         "blender",
         "Blender, a script",
         (".py",),
         save_blender,
-        True,
-        "lights, sizes, ambient, harmonics, floor, map",
-        "negative parts of harmonics",
+        Capabilities(
+            harmonics="map",
+            units="W/m2",
+            remark="for Cycles; a map has no shadows in EEVEE",
+            source="Blender manual, Cycles: Sun Light, Angle",
+        ),
     ),
     Target(
         "radiance",
         "Radiance",
         (".rad",),
         save_radiance,
-        True,
-        "lights, sizes, ambient, harmonics, floor, map",
-        "negative parts of harmonics",
+        Capabilities(harmonics="map", source="Radiance, The RADIANCE Lighting Simulation: source"),
     ),
     Target(
         "pbrt",
         "pbrt-v4",
         (".pbrt",),
         save_pbrt,
-        True,
-        "lights, sizes from 0.7 degrees, ambient, harmonics, floor, map",
-        "smaller sizes, negative parts of harmonics",
+        Capabilities(
+            harmonics="map",
+            remark="sizes below 0.7 degrees are points, others are in a map",
+            source="pbrt-v4 file format: infinite and distant lights",
+        ),
     ),
     Target(
         "mujoco",
         "MuJoCo",
         (".mujoco.xml",),
         save_mujoco,
-        True,
-        "7 lights, the mean of the ambient term or of a map",
-        "sizes; more lights and what an ambient term has beside its mean",
+        Capabilities(
+            sizes="none",
+            harmonics="none",
+            floor=False,
+            lights=LAMPS,
+            casters=CASTERS,
+            units="pixel values, `envlights_scale` times irradiance",
+            remark="of a map, the mean alone; for the classic renderer",
+            source="MuJoCo 3.12, src/render/classic/render_gl3.c: eight lights of OpenGL",
+        ),
     ),
     Target(
         "godot",
         "Godot 4",
         (".tscn",),
         save_godot,
-        True,
-        "8 lights, sizes up to 1.5 degrees, ambient, harmonics, floor (as a map), map",
-        "larger sizes, negative parts of harmonics",
+        Capabilities(
+            sizes="soften",
+            harmonics="map",
+            lights=DIRECTIONAL_LIGHTS,
+            casters=CASTERS,
+            units="radiance of a white surface",
+            remark="sizes above 1.5 degrees are points; a map needs Forward+ or Mobile",
+            source="Godot 4, scene_forward_lights_inc.glsl, light_storage.cpp",
+        ),
     ),
     Target(
         "unity",
         "Unity",
         (".unity.json",),
         save_unity,
-        True,
-        "lights, sizes, ambient, harmonics, floor (as a map), map",
-        "nothing that Unity has",
+        Capabilities(
+            sizes="soften",
+            units="lux in HDRP, radiance elsewhere",
+            source="Unity manual, HDRP: Light, Angular Diameter",
+        ),
     ),
     Target(
         "unreal",
         "Unreal Engine",
         (".unreal.json",),
         save_unreal,
-        True,
-        "lights, sizes, ambient, harmonics, floor (as a map), map",
-        "rotation of the map (set it by hand)",
+        Capabilities(
+            sizes="soften",
+            harmonics="map",
+            units="lux",
+            remark="set the rotation of the map by hand",
+            source="Unreal Engine documentation: Directional Light, Source Angle",
+        ),
     ),
 )
 

@@ -37,6 +37,8 @@ def rig_of(
         stop_reason=_stop_reason(answer, request),
         channel_errors=tuple(answer.channel_errors),
         max_error=answer.max_error,
+        points_error=answer.points_error,
+        fitted_points_error=answer.fitted_points_error,
         condition=answer.condition,
         direction_errors=_reorder(answer.direction_errors, order),
         irradiance_errors=_reorder_rgb(answer.irradiance_errors, order, scale),
