@@ -83,7 +83,7 @@ def irradiance_of_file(path):
 
 @pytest.mark.parametrize("name", RIGS)
 def test_by_formula_a_file_lights_as_the_rig_does(name, tmp_path):
-    RIGS[name].save(tmp_path / "rig.tscn")
+    el.export.save_godot(RIGS[name], tmp_path / "rig.tscn")
     assert relative(irradiance_of_file(tmp_path / "rig.tscn"), RIGS[name].probe(NORMALS)) < 1e-4
     is_map = name in ("floor", "harmonics")
     assert (tmp_path / "rig.ambient.exr").exists() == is_map
@@ -133,7 +133,7 @@ def pictures(tmp_path_factory):
     """Pictures that Godot renders of each rig and of a sky, as codes from 0 to 255."""
     folder, files = tmp_path_factory.mktemp("godot"), {}
     for name, rig in RENDERED.items():
-        rig.save(folder / f"{name}.tscn")
+        el.export.save_godot(rig, folder / f"{name}.tscn")
         # The renderer Compatibility adds lights with shadows as sRGB codes.
         scene = (folder / f"{name}.tscn").read_text(encoding="utf-8")
         files[f"{name}.tscn"] = scene.replace("shadow_enabled = true", "")

@@ -81,7 +81,7 @@ def worst_code(mujoco, folder, irradiance):
 @pytest.mark.parametrize("axis", range(3))
 def test_a_lamp_on_an_axis_lights_the_ball_from_there(mujoco, axis, tmp_path):
     lamp = el.Lights(np.eye(3)[[axis]], [[3, 2, 1]])
-    lamp.save(tmp_path / "rig.mujoco.xml")
+    el.export.save_mujoco(lamp, tmp_path / "rig.mujoco.xml")
 
     def irradiance(normals):
         return np.maximum(normals[:, [axis]], 0) * np.array([3, 2, 1])
@@ -92,13 +92,13 @@ def test_a_lamp_on_an_axis_lights_the_ball_from_there(mujoco, axis, tmp_path):
 @pytest.mark.parametrize("name", ["none", "constant"])
 def test_the_ball_shows_the_irradiance_of_the_rig(mujoco, name, tmp_path):
     rig = rigs(POINTS)[name]
-    rig.save(tmp_path / "rig.mujoco.xml")
+    el.export.save_mujoco(rig, tmp_path / "rig.mujoco.xml")
     assert worst_code(mujoco, tmp_path, rig.probe) < WORST
 
 
 def test_other_ambient_terms_and_further_lights_give_their_mean(mujoco, tmp_path):
     for rig in (*rigs(POINTS).values(), el.Rig([0.1, 0.2, 0.3], MANY, 0.0)):
-        rig.save(tmp_path / "rig.mujoco.xml")
+        el.export.save_mujoco(rig, tmp_path / "rig.mujoco.xml")
         assert worst_code(mujoco, tmp_path, as_lamps(rig)) < WORST
 
 
@@ -114,7 +114,7 @@ def as_lamps(rig):
 
 def test_a_white_surface_just_fills_the_range(mujoco, tmp_path):
     rig = rigs(POINTS)["constant"]
-    rig.save(tmp_path / "rig.mujoco.xml")
+    el.export.save_mujoco(rig, tmp_path / "rig.mujoco.xml")
     _, scale = pictures(mujoco, tmp_path)
     assert scale * rig.probe(el.kernels.icosphere(20480)[0]).max() == pytest.approx(1, abs=1e-3)
 
@@ -150,7 +150,7 @@ def test_the_three_brightest_lights_cast_shadows(mujoco, tmp_path):
 
 
 def test_a_file_is_a_model_of_its_own(mujoco, tmp_path):
-    DISCS.save(tmp_path / "rig.mujoco.xml")
+    el.export.save_mujoco(DISCS, tmp_path / "rig.mujoco.xml")
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "rig.mujoco.xml"))
     np.testing.assert_allclose(
         -model.light_dir, AXES["mujoco"].to_target(DISCS.direction), atol=1e-7
