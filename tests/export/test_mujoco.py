@@ -149,6 +149,19 @@ def test_the_three_brightest_lights_cast_shadows(mujoco, tmp_path):
     np.testing.assert_allclose(seen, lit.sum() - lit * [1, 1, 1, 0], atol=3)
 
 
+def test_what_is_high_above_the_origin_casts_a_shadow_too(mujoco, tmp_path):
+    el.export.save_mujoco(el.Lights([[0, 1, 0]], [[1, 1, 1]]), tmp_path / "rig.mujoco.xml")
+    things = (
+        '<geom type="plane" size="9 9 1" pos="0 0 -3" material="matte"/>'
+        '<geom type="sphere" size="0.5" pos="2 0 4" material="matte"/>'
+    )
+    # Below the small ball, and in the open; seen from above and behind.
+    up, feet = [0, 0.1**0.5, -(0.9**0.5)], [(0, -3, 2), (3, -3, -2)]
+    below = [camera(f"at{k}", [1, 0, 0], up, 0.4, foot) for k, foot in enumerate(feet)]
+    shown, _ = pictures(mujoco, tmp_path, things + "".join(below))
+    assert [image[SIDE // 2, SIDE // 2, 0] for image in shown] == [0, 255]
+
+
 def test_a_file_is_a_model_of_its_own(mujoco, tmp_path):
     el.export.save_mujoco(DISCS, tmp_path / "rig.mujoco.xml")
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "rig.mujoco.xml"))
