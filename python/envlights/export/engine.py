@@ -62,7 +62,7 @@ def engine(
 
     Examples
     --------
-    Godot is right-handed and looks along -z:
+    An engine that is right-handed and looks along -z, as OpenGL does:
 
     >>> import envlights as el
     >>> lamp = el.Lights([[0, 0, 1]], [[3, 2, 1]])

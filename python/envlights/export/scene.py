@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._blocks import in_blocks
-from envlights._capabilities import ROWS
+from envlights._capabilities import HARMONIC_MEAN, ROWS
 from envlights._check import describe
 from envlights._native import EnvLightsError
 from envlights._units import PHOTOMETRIC
@@ -16,8 +16,12 @@ from envlights.ambient import ambient_rows
 from envlights.envmap import EnvMap, as_envmap
 from envlights.export.units import UNITS
 from envlights.io.source import is_source
+from envlights.kernels.sphere import pixel_solid_angles
 from envlights.lights import Lights
 from envlights.rig import Rig
+
+#: Lights that cast shadows, the brightest, in renderers that draw the scene again for each of them.
+CASTERS = 3
 
 
 class Scene(NamedTuple):
@@ -104,6 +108,34 @@ def _times(scene: Scene, factor: float) -> Scene:
         ambient=None if ambient is None else factor * ambient,
         environment=None if env is None else EnvMap(np.float32(factor) * env.radiance),
     )
+
+
+def at_most(scene: Scene, count: int) -> Scene:
+    """Scene with its `count` brightest lights; the others become part of the ambient term.
+
+    Averaged over all normals, a light gives a quarter of its irradiance, as a constant radiance of
+    1 / (4 pi) of it does.
+    """
+    surplus = scene.lights[count:]
+    if not len(surplus):
+        return scene
+    added = surplus.irradiance.sum(axis=0) / (4 * np.pi)
+    if scene.environment is None:
+        ambient = added if scene.ambient is None else added + scene.ambient
+        return scene._replace(lights=scene.lights[:count], ambient=ambient)
+    radiance = scene.environment.radiance + added.astype(np.float32)
+    return scene._replace(lights=scene.lights[:count], environment=EnvMap(radiance))
+
+
+def mean_radiance(rig: Any, environment: EnvMap | ArrayLike | None = None) -> NDArray[np.float64]:
+    """Mean radiance of a map, or of the ambient term of a rig, (3,); that over a floor is whole."""
+    if environment is None:
+        ambient = np.asarray(getattr(rig, "ambient", np.zeros(3)))
+        return HARMONIC_MEAN * ambient[0] if ambient.ndim == 2 else ambient
+    radiance = as_envmap(environment).cells()
+    rows = pixel_solid_angles(len(radiance), 2).sum(axis=1) / (4 * np.pi)
+    mean: NDArray[np.float64] = rows @ radiance.mean(axis=1, dtype=np.float64)
+    return mean
 
 
 def check_rig(rig: Rig | Lights) -> Lights:

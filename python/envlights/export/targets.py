@@ -8,10 +8,13 @@ from envlights.export.blender import save_blender
 from envlights.export.csv import save_csv
 from envlights.export.engine import save_unity, save_unreal
 from envlights.export.gltf import save_gltf
+from envlights.export.godot import DIRECTIONAL_LIGHTS, save_godot
 from envlights.export.mitsuba import save_mitsuba
+from envlights.export.mujoco import LAMPS, save_mujoco
 from envlights.export.own_json import save_json
 from envlights.export.pbrt import save_pbrt
 from envlights.export.radiance import save_radiance
+from envlights.export.scene import CASTERS
 from envlights.export.three import save_three
 from envlights.export.units import UNITS
 from envlights.export.usd import save_usd
@@ -102,6 +105,35 @@ _TARGETS = (
             harmonics="map",
             remark="sizes below 0.7 degrees are points, others are in a map",
             source="pbrt-v4 file format: infinite and distant lights",
+        ),
+    ),
+    Target(
+        "mujoco",
+        "MuJoCo",
+        (".mujoco.xml",),
+        save_mujoco,
+        Capabilities(
+            sizes="none",
+            harmonics="none",
+            floor=False,
+            lights=LAMPS,
+            casters=CASTERS,
+            remark="of a map, the mean alone; for the classic renderer",
+            source="MuJoCo 3.12, src/render/classic/render_gl3.c: eight lights of OpenGL",
+        ),
+    ),
+    Target(
+        "godot",
+        "Godot 4",
+        (".tscn",),
+        save_godot,
+        Capabilities(
+            sizes="soften",
+            harmonics="map",
+            lights=DIRECTIONAL_LIGHTS,
+            casters=CASTERS,
+            remark="sizes above 1.5 degrees are points; a map needs Forward+ or Mobile",
+            source="Godot 4, scene_forward_lights_inc.glsl, light_storage.cpp",
         ),
     ),
     Target(
