@@ -25,6 +25,7 @@ from envlights.envmap import EnvMap
 from envlights.fitting.fit import fit, fit_probe
 from envlights.io.errors import DamagedFileError, MissingFileError
 from envlights.lights import Lights
+from envlights.excess import Limit, limit
 from envlights.report import FitReport, StopReason
 from envlights.rig import Rig
 
@@ -39,6 +40,7 @@ __all__ = [
     "FilePairs",
     "FitReport",
     "Lights",
+    "Limit",
     "MissingFileError",
     "MitsubaScene",
     "PaperFit",
@@ -60,6 +62,7 @@ __all__ = [
     "fit_paper",
     "fit_probe",
     "kernels",
+    "limit",
     "read_pairs",
     "split",
     "synthetic",

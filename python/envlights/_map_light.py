@@ -11,6 +11,7 @@ from envlights import _unseen, _visibility
 from envlights._check import amount, one_or_more
 from envlights._map_pixels import MapPixels
 from envlights._unseen import PartialMap, Unseen
+from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import irradiance
 
 if TYPE_CHECKING:
@@ -112,4 +113,16 @@ class MapLight(MapPixels):
             registration=self._registration,
             notes=[*notes, _unseen.note_of_fill(choice, share, albedo)],
             white=self._white,
+            source=self._source,
         )
+
+    def _upward_from_unseen(self, unseen: Unseen) -> tuple[float, str]:
+        """Luminance of the irradiance that a fill adds to an upward surface, and a note."""
+        _unseen.checked_unseen(unseen)
+        if self._seen is None or not self.clipped_share:
+            return 0.0, ""
+        part = PartialMap(self._radiance, self._seen, self.is_border_sampled)
+        choice = _unseen.choice_of(unseen, _unseen.share_above_horizon(part))
+        filled = self.filled(choice)
+        upward, seen = (env.probe([0, 1, 0], unseen="black") @ LUMINANCE for env in (filled, self))
+        return float(upward - seen), f"for the irradiance of an upward surface, {filled.notes[-1]}"

@@ -12,6 +12,7 @@ from envlights._map_layouts import MapLayouts
 from envlights._map_light import MapLight
 from envlights._map_pixels import checked_white
 from envlights._native import EnvLightsError, UnusableSamplesError
+from envlights._unseen import Unseen
 from envlights.io.colour import ColourArgument
 from envlights.io.exposures import merge_exposures
 from envlights.io.image_output import COMPRESSIONS, map_suffix, write_exr, write_hdr
@@ -274,7 +275,13 @@ class EnvMap(MapLight, MapLayouts):
             comments=self._notes,
         )
 
-    def repaired(self, *, irradiance: float | None = None, ratio: float | None = None) -> EnvMap:
+    def repaired(
+        self,
+        *,
+        irradiance: float | None = None,
+        ratio: float | None = None,
+        unseen: Unseen = None,
+    ) -> EnvMap:
         r"""Map with an estimate of the clipped light.
 
         Clipped pixels are raised, each in its own colour. The amount of missing light is a number
@@ -289,19 +296,22 @@ class EnvMap(MapLight, MapLayouts):
         ratio : float, optional
             The same irradiance divided by the one without the clipped regions: two readings of a
             lux meter on the ground, in the open and with the sun shaded. It needs no scale.
+        unseen : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
+            Radiance where the map shows nothing, for the irradiance of an upward surface; see
+            `filled`. Required if less than 85 % of the upper half is seen.
 
         Returns
         -------
         EnvMap
-            Without a `white`. Its last note holds the factor by which the flux was raised, and its
-            source. If the ground gives no estimate, the map keeps its `white`, and the note says
-            why.
+            Without a `white`; what is not seen stays black. Its last note holds the factor by which
+            the flux was raised, and its source. If the ground gives no estimate, the map keeps its
+            `white`, and the note says why.
 
         Raises
         ------
         EnvLightsError
-            If both numbers are given, one is less than that of the map, or all clipped pixels lie
-            below the horizon.
+            If both numbers are given, one is less than that of the map, all clipped pixels lie
+            below the horizon, or `unseen` is required.
 
         Notes
         -----
@@ -328,14 +338,17 @@ class EnvMap(MapLight, MapLayouts):
         white = self._white
         if white is None and self.clipped_share:
             white = float(self._radiance.max())
+        upward, assumed = self._upward_from_unseen(unseen)
         radiance, note, is_open = repair(
-            self._radiance, self.is_border_sampled, white, irradiance, ratio
+            self._radiance, self.is_border_sampled, white, irradiance, ratio, self._seen, upward
         )
         white = self._white if is_open else None
-        notes = (*self._notes, note)
-        return EnvMap(
+        notes = (*self._notes, *filter(None, [assumed]), note)
+        env = EnvMap(
             radiance, registration=self._registration, notes=notes, white=white, seen=self._seen
         )
+        env._source = self._source
+        return env
 
 
 #: Map, its file as path, bytes or file object, or its radiance as an array.
