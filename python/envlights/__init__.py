@@ -22,10 +22,10 @@ from envlights.detection.photograph_lights import PhotographLight, PhotographLig
 from envlights.detection.removed_lights import RemovedLights
 from envlights.detection.split import Split, split
 from envlights.envmap import EnvMap
+from envlights.excess import Limit, limit
 from envlights.fitting.fit import fit, fit_probe
 from envlights.io.errors import DamagedFileError, MissingFileError
 from envlights.lights import Lights
-from envlights.excess import Limit, limit
 from envlights.report import FitReport, StopReason
 from envlights.rig import Rig
 

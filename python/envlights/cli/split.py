@@ -14,9 +14,9 @@ from envlights.cli.map_input import MapFile, map_argument
 from envlights.cli.outputs import check_output, output_option, say_written, verbose_option
 from envlights.detection.split import Split, split
 from envlights.envmap import EnvMap
+from envlights.excess import Limit, limit
 from envlights.export.targets import SUFFIXES
 from envlights.io.files import PICTURES
-from envlights.excess import Limit, limit
 
 #: Formats of the map without the lights.
 MAPS = (".exr", ".hdr")

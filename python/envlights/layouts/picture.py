@@ -240,8 +240,8 @@ def picture_of(
         return Picture(array, layout, "", share, notes)
     check_choice("faces", faces, tuple(CONVENTIONS))
     check_choice("arrangement", arrangement, ARRANGEMENTS)
-    array = _stored(array, faces, arrangement)
-    share = None if share is None else _stored(share, faces, arrangement)
+    array = _in_arrangement(array, faces, arrangement)
+    share = None if share is None else _in_arrangement(share, faces, arrangement)
     return Picture(array, layout, faces, share, notes, arrangement)
 
 
@@ -258,7 +258,7 @@ def straight(picture: Picture) -> Picture:
     return replace(picture, array=array, seen=None if known.all() else known.astype(np.float32))
 
 
-def _stored(stack: NDArray[Any], faces: str, arrangement: str) -> NDArray[Any]:
+def _in_arrangement(stack: NDArray[Any], faces: str, arrangement: str) -> NDArray[Any]:
     """Stack of upright faces as a convention or a cross arranges them."""
     return np.ascontiguousarray(arranged_faces(split_strip(stack), faces, arrangement))
 
