@@ -87,13 +87,14 @@ def test_regions_are_joined_across_the_seam_and_the_poles():
     radiance = sky()
     radiance[5, [0, 63]] = 9  # beside each other
     radiance[6, 1] = 9  # and below one, in the corner
+    radiance[12, 0] = radiance[13, 63] = 4  # in the corner across the seam
     radiance[0, [10, 40]] = 8  # both touch the pole
     radiance[31, 7] = 7
     radiance[31, 9] = 7  # both touch the other pole
     radiance[20, 5] = 6
     radiance[20, 7] = 5
     lights, _ = el.limit(radiance, 1)
-    assert len(lights) == 5
+    assert len(lights) == 6
     assert angle_deg(lights.direction, [0, 1, 0]).min() < 1
     assert angle_deg(lights.direction, [0, -1, 0]).min() < 4
 
