@@ -21,7 +21,7 @@ def partial(seen, **options):
     return el.EnvMap(picture(**options) * seen[..., None], white=1.0, seen=seen)
 
 
-def added(env, **options):
+def gain(env, **options):
     repaired = env.repaired(**options)
     np.testing.assert_array_equal(repaired.seen, env.seen)
     assert not repaired.radiance[env.seen == 0].any()
@@ -31,7 +31,7 @@ def added(env, **options):
 
 def test_unseen_ground_is_no_dark_ground():
     whole = el.EnvMap(picture(ground=0.06), white=1.0)
-    assert added(partial(NO_NADIR, ground=0.06)) == pytest.approx(
+    assert gain(partial(NO_NADIR, ground=0.06)) == pytest.approx(
         (flux(whole.repaired().radiance) - flux(whole.radiance)) @ LUMINANCE, rel=1e-3
     )
 
@@ -41,9 +41,9 @@ def test_unseen_sky_is_no_dark_sky(unseen):
     whole = el.EnvMap(picture(ground=0.04), white=1.0)
     expected = (flux(whole.repaired().radiance) - flux(whole.radiance)) @ LUMINANCE
     half = partial(HALF, ground=0.04)
-    assert added(half, unseen=unseen) == pytest.approx(expected, rel=0.1)
+    assert gain(half, unseen=unseen) == pytest.approx(expected, rel=0.1)
     # Black gives a higher estimate: less light explains the ground.
-    assert added(half, unseen="black") > 1.4 * expected
+    assert gain(half, unseen="black") > 1.4 * expected
 
 
 @pytest.mark.parametrize("unseen", ["harmonic", "ground", "black", 0.3])
