@@ -135,6 +135,13 @@ def test_notes_and_parts_of_the_sphere_are_kept():
     assert rest.notes == (*env.notes, "limited to 2: 15 % of the flux is in 1 light")
 
 
+def test_units_are_kept():
+    radiance = sky()
+    radiance[10, 9] = 70
+    lights, rest = el.limit(el.EnvMap(radiance, units="cd/m2"), 2)
+    assert (lights.units, rest.units) == ("cd/m2", "cd/m2")
+
+
 def test_half_a_sphere_is_no_light():
     radiance = sky()
     radiance[:20] = 3

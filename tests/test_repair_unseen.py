@@ -62,7 +62,7 @@ def test_an_upward_surface_gets_the_measured_irradiance(unseen):
 
 def test_the_notes_name_the_fill():
     *_, fill, factor = partial(NO_NADIR * (TOWARDS[..., 1] < 0.99)).repaired(irradiance=3).notes
-    assert fill.startswith("for the irradiance of an upward surface, the 2")
+    assert fill.startswith("for the irradiance of the surface, the 2")
     assert fill.endswith("was filled from its border by Laplace's equation")
     assert factor.startswith("the flux was raised by a factor of")
 
@@ -92,4 +92,4 @@ def test_the_command_line_takes_the_choice(tmp_path):
     assert refused.exit_code == 2
     done = CliRunner().invoke(main, ["repair", str(path), "-o", str(out), "--unseen", "harmonic"])
     assert done.exit_code == 0, done.output
-    assert "for the irradiance of an upward surface" in done.output
+    assert "for the irradiance of the surface" in done.output

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -242,7 +243,7 @@ class MapLayouts(MapPixels):
         white = self._white
         if white is not None:
             radiance = np.minimum(radiance, np.float32(white))
-        return type(self).unchecked(
+        env = type(self).unchecked(
             radiance,
             registration=registration,
             notes=self._notes,
@@ -250,14 +251,16 @@ class MapLayouts(MapPixels):
             seen=seen,
             source=self._source,
         )
+        return self._of_same_scale(env)
 
     def _picture(self, layout: Layout, faces: str, arrangement: str = "stack") -> Picture:
         image, seen = self._radiance, self._seen
         if layout != self._layout():
             image, seen = resampling.resample(image, seen, self._layout(), layout)
-        return picture_of(
+        picture = picture_of(
             image, layout, faces=faces, seen=seen, notes=self.notes, arrangement=arrangement
         )
+        return replace(picture, units=self._units)
 
     def _in_layout_of_source(self) -> Picture:
         source = self._source

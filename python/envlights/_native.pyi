@@ -170,6 +170,8 @@ class FitAnswer:
     lights: int
     angular_radii: list[float]
     shadow_error: float
+    points_error: float
+    fitted_points_error: float
     channels: int
     errors: list[tuple[int, float]]
     error: float

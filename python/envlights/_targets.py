@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
 from numpy.typing import ArrayLike
 
+from envlights._capabilities import Capabilities, common
+from envlights._check import check_choice, describe
 from envlights._native import EnvLightsError
 from envlights.envmap import EnvMap
 from envlights.io.files import PICTURES, as_path
@@ -26,17 +29,14 @@ class Target(NamedTuple):
     """Suffixes in lower case, the usual one first."""
 
     save: Callable[..., None]
-    """Writer: takes a rig or lights, a path, and an `environment` map if it accepts one."""
+    """Writer: takes a rig or lights, a path, and an `environment` map if it shows one."""
 
-    takes_map: bool
-    """True if the ambient term can be a map."""
+    shows: Capabilities
+    """Parts of a rig that it can show."""
 
-    keeps: str
-    """Parts of a rig that it keeps."""
 
-    loses: str
-    """Parts of a rig that it loses."""
-
+#: Errors of a file that nobody sees, and by which factor a larger one may exceed that of the rig.
+_SMALL_ERROR, _SAME_ERROR = 1e-3, 1.1
 
 _TARGETS: list[Target] = []
 _LOADERS: list[Callable[[], object]] = []
@@ -86,6 +86,31 @@ def target_of(path: str | os.PathLike[str]) -> Target:
     return max(fits, key=lambda fit: fit[0])[1]
 
 
+def target_named(name: str) -> Target:
+    """Target of a name, such as "three"."""
+    named = {target.name: target for target in targets()}
+    check_choice("target", name, tuple(named))
+    return named[name]
+
+
+def target_names(target: str | Iterable[str] | None) -> tuple[str, ...]:
+    """Checked names of one target or of several."""
+    names = (target,) if isinstance(target, str) else () if target is None else target
+    if not isinstance(names, Iterable):
+        raise EnvLightsError(f"target must be a name, such as 'three'; got {describe(target)}")
+    return tuple(target_named(name).name for name in names)
+
+
+def shown_by(names: Iterable[str]) -> Capabilities:
+    """Parts of a rig that all of the named targets can show."""
+    return common(target_named(name).shows for name in names)
+
+
+def error_in(rig: Any, target: str) -> float:
+    """Relative RMS error of a rig as a target shows it; of lights alone, the change by it."""
+    return target_named(target).shows.error(rig)
+
+
 def save(
     rig: Any,
     path: str | os.PathLike[str],
@@ -106,11 +131,46 @@ def save(
     EnvLightsError
         If the suffix is unknown, the target accepts no map but `environment` is one, or the file
         cannot be written.
+
+    Warns
+    -----
+    UserWarning
+        If the target shows the rig with a larger error, such as lights with a size as points.
     """
     target = target_of(path)
     if environment is None:
+        _warn_of_losses(rig, target)
         target.save(rig, path)
-    elif target.takes_map:
+    elif target.shows.environment:
+        # The map replaces the ambient term, so only the lights can change.
+        _warn_of_losses(getattr(rig, "lights", rig), target)
         target.save(rig, path, environment)
     else:
         raise EnvLightsError(f"cannot write {path}: {target.title} accepts no environment map")
+
+
+def _warn_of_losses(rig: Any, target: Target) -> None:
+    """Warn if the error in the file is larger than that of the rig, with both figures."""
+    if not hasattr(getattr(rig, "lights", rig), "discs"):
+        return  # The writer refuses it.
+    losses, told = target.shows.losses(rig), getattr(rig, "error", 0.0)
+    if not losses:
+        return
+    error = target.shows.error(rig)
+    if error > max(_SAME_ERROR * told, _SMALL_ERROR):
+        lost = f"{target.title} shows {' and '.join(losses)}"
+        warnings.warn(f"{lost}: {_figures(rig, target, error)}", stacklevel=4)
+
+
+def _figures(rig: Any, target: Target, error: float) -> str:
+    """Error in the file, that of the rig, and that of a fit for the target."""
+    if not hasattr(rig, "error"):
+        return f"the irradiance changes by {_percent(error)}"
+    fitted = rig.report.fitted_points_error
+    told = f"the error in the file is {_percent(error)}, not {_percent(rig.error)}"
+    refit = "" if fitted is None else f" has at most {_percent(fitted)} with as many lights"
+    return f"{told}; `fit(env, target={target.name!r})`{refit or ' is made for it'}"
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.3g} %"

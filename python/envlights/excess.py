@@ -83,7 +83,7 @@ def limit(env: AnyMap, maximum: float) -> Limit:
     excess = env.radiance[rows, columns].astype(np.float64) - radiance[rows, columns]
     integrals = PixelIntegrals(env.height, env.width, env.is_border_sampled).of(rows, columns)
     regions = _regions(rows, columns, env.radiance.shape[:2])
-    lights = _lights(excess, integrals, regions, level)
+    lights = _lights(excess, integrals, regions, level, env.units)
     notes = env.notes
     if len(lights):
         percent = 100 * (excess * integrals[:, 3:]).sum() / _flux(env)
@@ -96,6 +96,7 @@ def limit(env: AnyMap, maximum: float) -> Limit:
         white=env.white,
         seen=env.seen,
         source=env.source,
+        units=env.units,
     )
     return Limit(lights, rest)
 
@@ -111,6 +112,7 @@ def _lights(
     integrals: NDArray[np.float64],
     regions: NDArray[np.intp],
     maximum: float,
+    units: str,
 ) -> Lights:
     """Disc of the excess of each region."""
     count = int(regions.max(initial=-1)) + 1
@@ -126,7 +128,7 @@ def _lights(
             " sphere, which is no light; give a larger maximum"
         )
     radius = np.arccos(np.minimum(2 * cosine - 1, 1))
-    return Lights(vector / length[:, None], flux * cosine[:, None], radius)
+    return Lights(vector / length[:, None], flux * cosine[:, None], radius, units=units)
 
 
 def _regions(

@@ -79,6 +79,15 @@ class FitReport(Result):
     It is the error of the irradiance at every normal with everything behind a plane hidden,
     integrated over all planes. Each pixel of the map is a square of one radiance."""
 
+    points_error: float | None = None
+    """Relative RMS error of the rig in a target that shows its lights as points."""
+
+    fitted_points_error: float | None = None
+    """Relative RMS error of as many lights fitted as points, with the same ambient term."""
+
+    target: tuple[str, ...] = ()
+    """Names of the targets that the rig was fitted for; see `el.export.TARGETS`."""
+
     direction_tolerances: tuple[float, ...] = ()
     """Radians by which each light of a map can move before the error grows by 10 %.
 
@@ -139,6 +148,9 @@ class FitReport(Result):
             "channel_errors": list(self.channel_errors),
             "max_error": self.max_error,
             "shadow_error": self.shadow_error,
+            "points_error": self.points_error,
+            "fitted_points_error": self.fitted_points_error,
+            "target": list(self.target),
             "direction_tolerances": list(self.direction_tolerances),
             "condition": _finite(self.condition),
             "direction_errors": [_finite(error) for error in self.direction_errors],
@@ -168,6 +180,9 @@ class FitReport(Result):
             channel_errors=tuple(amount("channel_errors", e) for e in data["channel_errors"]),
             max_error=amount("max_error", data["max_error"]),
             shadow_error=_optional("shadow_error", data.get("shadow_error")),
+            points_error=_optional("points_error", data.get("points_error")),
+            fitted_points_error=_optional("fitted_points_error", data.get("fitted_points_error")),
+            target=tuple(str(name) for name in data.get("target", ())),
             direction_tolerances=tuple(
                 amount("direction_tolerances", t) for t in data.get("direction_tolerances", ())
             ),
@@ -211,7 +226,8 @@ class FitReport(Result):
         """Lines for users, below the error of each number of lights."""
         # A rig shows the stop reason of its fit itself.
         unfitted = "" if self.errors else self.stop_reason.value
-        return [*self._choice(), self._unseen(), self.fewer_lights, unfitted]
+        made_for = f"fitted for {', '.join(self.target)}" if self.target else ""
+        return [*self._choice(), made_for, self._unseen(), self.fewer_lights, unfitted]
 
     def _details(self) -> list[str]:
         """Lines for developers."""

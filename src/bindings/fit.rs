@@ -58,6 +58,18 @@ impl FitAnswer {
         self.result.shadow_error
     }
 
+    /// Relative RMS error of the rig in a program that shows its lights as points.
+    #[getter]
+    fn points_error(&self) -> f64 {
+        self.result.points_error
+    }
+
+    /// Relative RMS error of as many lights, fitted as points.
+    #[getter]
+    fn fitted_points_error(&self) -> f64 {
+        self.result.fitted_points_error
+    }
+
     /// Relative RMS error by number of lights.
     #[getter]
     fn errors(&self) -> Vec<(usize, f64)> {

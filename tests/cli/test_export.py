@@ -1,5 +1,7 @@
 """`envlights export`, and -o with every suffix."""
 
+import json
+
 import pytest
 from click.testing import CliRunner
 
@@ -34,7 +36,9 @@ def folder(tmp_path_factory):
 def test_all_files_of_lights_can_be_exported(folder, tmp_path, name):
     result = run("export", folder / name, tmp_path / "a.usda", tmp_path / "a.gltf")
     assert result.exit_code == 0, result.output
-    assert result.stderr == f"wrote {tmp_path / 'a.usda'}\nwrote {tmp_path / 'a.gltf'}\n"
+    warning, *written = result.stderr.splitlines()
+    assert warning.startswith(f"warning: {tmp_path / 'a.gltf'}: glTF 2.0 shows lights as points: ")
+    assert written == [f"wrote {tmp_path / 'a.usda'}", f"wrote {tmp_path / 'a.gltf'}"]
     assert (tmp_path / "a.usda").read_text().count("DistantLight") >= 2
 
 
@@ -68,12 +72,44 @@ def test_a_map_in_place_of_the_ambient_term(folder, tmp_path):
     assert "accepts no environment map" in refused.stderr
 
 
-def test_the_help_lists_what_each_target_keeps_and_loses():
+def test_strict_refuses_a_file_that_would_lose_the_sizes(folder, tmp_path):
+    result = run("export", folder / "rig.json", tmp_path / "a.gltf", "--strict")
+    assert result.exit_code == 2
+    assert "with --strict: glTF 2.0 shows lights as points" in result.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_fit_makes_points_for_a_program_without_sizes(folder, tmp_path):
+    result = run("fit", folder / "hall.exr", "-n", 2, "-o", tmp_path / "a.gltf", "--strict")
+    assert result.exit_code == 0, result.output
+    assert result.stderr == f"wrote {tmp_path / 'a.gltf'}\n"
+    assert "fitted for gltf" in result.output
+    assert "radius" not in result.output
+
+
+@pytest.mark.parametrize(
+    ("outputs", "options", "target"),
+    [
+        (["a.json", "a.csv"], [], []),
+        (["a.json", "a.gltf", "a.usda"], [], ["gltf", "usd"]),
+        (["a.gltf"], ["--target", "three"], ["three"]),
+    ],
+)
+def test_fit_takes_its_targets_from_the_files_or_by_name(
+    folder, tmp_path, outputs, options, target
+):
+    files = [argument for name in outputs for argument in ("-o", tmp_path / name)]
+    result = run("fit", folder / "hall.exr", "-n", 2, "--json", *files, *options)
+    assert result.exit_code == 0, result.output
+    report = json.loads(result.stdout)["report"]
+    assert report["target"] == target
+
+
+def test_the_help_lists_what_each_target_shows():
     text = " ".join(run("export", "-h").output.split())
     for target in TARGETS:
         assert f"{target.name}: {target.title} ({', '.join(target.suffixes)})" in text
-        assert f"keeps {target.keeps}" in text
-        assert f"loses {target.loses}" in text
+        assert " ".join(target.shows.lines()) in text
 
 
 @pytest.mark.parametrize(

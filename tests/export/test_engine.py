@@ -47,7 +47,7 @@ def test_in_the_axes_of_the_engine_normals_receive_the_same(make, name):
 @pytest.mark.parametrize("name", ["floor", "harmonics"])
 def test_a_file_has_its_map_beside_it(target, name, tmp_path):
     rig = RIGS[name]
-    rig.save(tmp_path / f"scene.{target}.json")
+    el.Rig(rig.ambient, POINTS, 0.0, floor=rig.floor).save(tmp_path / f"scene.{target}.json")
     scene = json.loads((tmp_path / f"scene.{target}.json").read_text())
     env = el.EnvMap.open(tmp_path / scene["map"])
     ambient = el.Rig(rig.ambient, POINTS[:0], 0.0, floor=rig.floor)

@@ -136,6 +136,7 @@ def test_all_that_keeps_the_world_keeps_its_source():
         env.resized(32),
         env.rotated([[0, 0, 1], [0, 1, 0], [-1, 0, 0]]),
         env.filled(),
+        env.calibrated(lux=9),
     ):
         assert kept.source == env.source
     for kept in (part.filled("harmonic"), el.split(part).rest, part.repaired(unseen="black")):

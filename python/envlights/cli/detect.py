@@ -15,6 +15,7 @@ from envlights.cli.outputs import (
     check_output,
     default_of,
     output_option,
+    save_lights,
     say_written,
     verbose_option,
 )
@@ -75,7 +76,7 @@ def command(
 
 def _write(env: EnvMap, lights: DetectedLights, output: str) -> None:
     if Path(output).suffix.lower() not in PICTURES:
-        lights.save(output)
+        save_lights(lights, output, strict=False)
         return
     from envlights import plot
 

@@ -10,8 +10,7 @@ from pathlib import Path
 import click
 
 from envlights._native import EnvLightsError
-from envlights._targets import save
-from envlights.cli.outputs import check_output, say_written
+from envlights.cli.outputs import check_output, save_lights, say_written, strict_option
 from envlights.detection.lights import DetectedLights
 from envlights.envmap import EnvMap
 from envlights.export.targets import SUFFIXES, TARGETS
@@ -28,13 +27,10 @@ _READERS: dict[str, Callable[[str], Lights]] = {
 
 def _table() -> str:
     """List of targets for the help."""
-    lines = ["\b", "Targets, and the parts of a rig that each keeps and loses:"]
+    lines = ["\b", "Targets, and the parts of a rig that each shows:"]
     for target in TARGETS:
-        lines += [
-            f"  {target.name}: {target.title} ({', '.join(target.suffixes)})",
-            f"      keeps {target.keeps}",
-            f"      loses {target.loses}",
-        ]
+        lines.append(f"  {target.name}: {target.title} ({', '.join(target.suffixes)})")
+        lines += [f"      {line}" for line in target.shows.lines()]
     return "\n".join(lines)
 
 
@@ -42,7 +38,8 @@ def _table() -> str:
 @click.argument("rig_path", metavar="RIG")
 @click.argument("targets", metavar="TARGET...", nargs=-1, required=True)
 @click.option("--environment", metavar="MAP", help="Map that replaces the ambient term.")
-def command(rig_path: str, targets: Sequence[str], environment: str | None) -> None:
+@strict_option()
+def command(rig_path: str, targets: Sequence[str], environment: str | None, strict: bool) -> None:
     """Write RIG, a file of `fit` or `detect` (.json, .csv), for other programs.
 
     TARGET is a file, whose suffix selects the program, or the name of a target. If TARGET is only a
@@ -55,7 +52,7 @@ def command(rig_path: str, targets: Sequence[str], environment: str | None) -> N
     rig = _load(rig_path)
     env = None if environment is None else EnvMap.open(environment)
     for output in outputs:
-        save(rig, output, env)
+        save_lights(rig, output, strict, env)
     say_written(outputs)
 
 

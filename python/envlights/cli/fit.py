@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from envlights._targets import target_of
 from envlights.cli.map_input import MapFile, map_argument, radiance_or_name, unseen_option
 from envlights.cli.outputs import (
     OUTPUTS,
@@ -14,7 +15,9 @@ from envlights.cli.outputs import (
     default_of,
     output_option,
     print_rig,
+    save_lights,
     say_written,
+    strict_option,
     verbose_option,
 )
 from envlights.envmap import EnvMap
@@ -46,15 +49,23 @@ from envlights.rig import Rig
 @click.option(
     "--ambient",
     type=click.Choice([*AMBIENTS, AUTO]),
-    default=default_of(fit, "ambient"),
-    show_default=True,
-    help="Light from all directions; sh2: smooth, 9 spherical harmonics; auto: the best of them.",
+    help="Light from all directions; sh2: smooth, 9 spherical harmonics; auto: the best of them."
+    " Default: constant, or auto for programs that show harmonics.",
+)
+@click.option(
+    "--target",
+    "targets",
+    multiple=True,
+    metavar="NAME",
+    help="Program that will show the lights (list: envlights export -h). Can be repeated. Default:"
+    " the programs of -o.",
 )
 @click.option(
     "--floor", is_flag=True, help="The scene has a floor, which hides light from below the horizon."
 )
 @unseen_option()
 @output_option(OUTPUTS)
+@strict_option()
 @verbose_option()
 @click.option("--json", "as_json", is_flag=True, help="Print the rig as JSON.")
 def command(
@@ -63,10 +74,12 @@ def command(
     error: float | None,
     shadow_error: float | None,
     sizes: bool,
-    ambient: str,
+    ambient: str | None,
+    targets: Sequence[str],
     floor: bool,
     unseen: str | None,
     outputs: Sequence[str],
+    strict: bool,
     verbose: bool,
     as_json: bool,
 ) -> None:
@@ -85,9 +98,10 @@ def command(
         ambient=ambient,
         floor=floor,
         unseen=choice,
+        target=targets or _targets_of(outputs),
     )
     for output in outputs:
-        _write(env and env.filled(choice), rig, output)
+        _write(env and env.filled(choice), rig, output, strict)
     print_rig(rig, as_json, verbose)
     say_written(outputs)
 
@@ -96,9 +110,15 @@ def _is_picture(output: str) -> bool:
     return Path(output).suffix.lower() in PICTURES
 
 
-def _write(env: EnvMap | None, rig: Rig, output: str) -> None:
+def _targets_of(outputs: Sequence[str]) -> tuple[str, ...]:
+    """Names of the programs that will show the rig; our own files limit nothing."""
+    named = {target_of(output).name for output in outputs if not _is_picture(output)}
+    return tuple(sorted(named - {"json", "csv"}))
+
+
+def _write(env: EnvMap | None, rig: Rig, output: str, strict: bool) -> None:
     if env is None or not _is_picture(output):
-        rig.save(output)
+        save_lights(rig, output, strict)
         return
     # Importing Matplotlib takes a second.
     from envlights import plot

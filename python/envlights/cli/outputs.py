@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import inspect
 import json
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import click
 
+from envlights import _targets
 from envlights._native import EnvLightsError
+from envlights.envmap import EnvMap
 from envlights.io.files import check_writable
+from envlights.lights import Lights
 from envlights.rig import Rig
 
 #: Help of ``-o`` for subcommands that write lights.
@@ -34,6 +38,29 @@ def output_option(help_text: str) -> Callable[[Any], Any]:
 def verbose_option() -> Callable[[Any], Any]:
     """Option ``--verbose``."""
     return click.option("-v", "--verbose", is_flag=True, help="Print all details of the report.")
+
+
+def strict_option() -> Callable[[Any], Any]:
+    """Option ``--strict``."""
+    return click.option(
+        "--strict",
+        is_flag=True,
+        help="Write no file whose program shows the lights with a larger error than printed.",
+    )
+
+
+def save_lights(
+    rig: Rig | Lights, output: str, strict: bool, environment: EnvMap | None = None
+) -> None:
+    """Write a rig or lights for the program of the suffix; print its losses, or refuse them."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("error" if strict else "always", UserWarning)
+        try:
+            _targets.save(rig, output, environment)
+        except UserWarning as loss:
+            raise EnvLightsError(f"cannot write {output} with --strict: {loss}") from None
+    for each in caught:
+        click.echo(f"warning: {output}: {each.message}", err=True)
 
 
 def check_output(output: str, suffixes: tuple[str, ...], inputs: Mapping[str, str]) -> None:

@@ -11,7 +11,13 @@ import click
 from envlights._native import EnvLightsError
 from envlights.cli.convert import layout_option, write_map
 from envlights.cli.map_input import MapFile, map_argument
-from envlights.cli.outputs import check_output, output_option, say_written, verbose_option
+from envlights.cli.outputs import (
+    check_output,
+    output_option,
+    save_lights,
+    say_written,
+    verbose_option,
+)
 from envlights.detection.split import Split, split
 from envlights.envmap import EnvMap
 from envlights.excess import Limit, limit
@@ -90,7 +96,7 @@ def _write(env: EnvMap, parts: Split | Limit, output: str, layout: str) -> list[
     if suffix in MAPS:
         return write_map(parts.rest, output, layout)
     if suffix not in PICTURES:
-        parts.lights.save(output)
+        save_lights(parts.lights, output, strict=False)
     elif isinstance(parts, Limit):
         raise EnvLightsError(
             f"cannot write {output}: pictures show lights of a split without --limit"

@@ -172,6 +172,7 @@ def split(
         white=env.white,
         seen=env.seen,
         source=env.source,
+        units=env.units,
     )
     return Split(removed, rest)
 

@@ -4,6 +4,7 @@
 |----------------------------------------------------------|----------------|
 | lights, and a constant or a map around them              | `scene.py`     |
 | from our frame to the target's                           | `axes.py`      |
+| from lux and cd/m2 to the target's units                 | `units.py`     |
 | textures beside the file, and the file last              | `files.py`     |
 | the package's own JSON                                   | `own_json.py`  |
 | a table of numbers                                       | `csv.py`       |
@@ -16,7 +17,7 @@
 | discs in a map, for targets whose lights have no size    | `discs.py`     |
 | Radiance                                                 | `radiance.py`  |
 | pbrt-v4                                                  | `pbrt.py`      |
-| table of targets: suffixes, what each keeps and loses    | `targets.py`   |
+| table of targets: suffixes, and what each can show     | `targets.py`   |
 
 Each target has a file with two functions: one with its name, which returns the target's own form,
 and one with `save_` and its name, which writes a file. `save` selects the target by the suffix.

@@ -1,7 +1,8 @@
-"""Table of the targets: suffixes, writer, and the parts of a rig that each keeps and loses."""
+"""Table of the targets: suffixes, writer, and the parts of a rig that each can show."""
 
 from __future__ import annotations
 
+from envlights._capabilities import Capabilities
 from envlights._targets import Target, register
 from envlights.export.blender import save_blender
 from envlights.export.csv import save_csv
@@ -12,110 +13,132 @@ from envlights.export.own_json import save_json
 from envlights.export.pbrt import save_pbrt
 from envlights.export.radiance import save_radiance
 from envlights.export.three import save_three
+from envlights.export.units import UNITS
 from envlights.export.usd import save_usd
 
-#: Targets in the order of the help.
-TARGETS = (
+_TARGETS = (
     Target(
         "json",
         "envlights itself",
         (".json",),
         save_json,
-        False,
-        "everything",
-        "nothing",
+        Capabilities(environment=False, remark="lossless"),
     ),
     Target(
         "csv",
         "a table of numbers",
         (".csv",),
         save_csv,
-        False,
-        "lights, sizes, ambient, harmonics, error, floor",
-        "report, notes",
+        Capabilities(environment=False, remark="without report and notes"),
     ),
     Target(
         "gltf",
         "glTF 2.0",
         (".gltf",),
         save_gltf,
-        False,
-        "lights",
-        "sizes and the ambient term (they are in the extras)",
+        Capabilities(
+            sizes="none",
+            harmonics="none",
+            environment=False,
+            remark="no ambient light: set the one in `extras` by hand; sizes are in `extras` too",
+            source="Khronos, KHR_lights_punctual: a directional light has no size",
+        ),
     ),
     Target(
         "three",
         "three.js",
         (".three.json",),
         save_three,
-        True,
-        "lights, ambient, harmonics, floor, map",
-        "sizes (they are in userData)",
+        Capabilities(
+            sizes="none",
+            remark="sizes are in `userData`",
+            source="three.js, src/lights: DirectionalLight, HemisphereLight, LightProbe",
+        ),
     ),
     Target(
         "usd",
         "OpenUSD",
         (".usda", ".usdc", ".usd"),
         save_usd,
-        True,
-        "lights, sizes, ambient, harmonics (as a map), floor, map",
-        "negative parts of harmonics",
+        Capabilities(
+            harmonics="map",
+            remark="Storm, the viewer of usdview, ignores `angle`",
+            source="OpenUSD, UsdLux: DistantLight, inputs:angle",
+        ),
     ),
     Target(
         "mitsuba",
         "Mitsuba 3",
         (".xml",),
         save_mitsuba,
-        True,
-        "lights, sizes (in a map), ambient, harmonics (as a map), floor, map",
-        "negative parts of harmonics",
+        Capabilities(
+            harmonics="map", remark="sizes are in a map", source="Mitsuba 3, plugins: envmap"
+        ),
     ),
     Target(
         "blender",
         "Blender, a script",
         (".py",),
         save_blender,
-        True,
-        "lights, sizes, ambient, harmonics, floor, map",
-        "negative parts of harmonics",
+        Capabilities(
+            harmonics="map",
+            remark="for Cycles; a map has no shadows in EEVEE",
+            source="Blender manual, Cycles: Sun Light, Angle",
+        ),
     ),
     Target(
         "radiance",
         "Radiance",
         (".rad",),
         save_radiance,
-        True,
-        "lights, sizes, ambient, harmonics, floor, map",
-        "negative parts of harmonics",
+        Capabilities(harmonics="map", source="Radiance, The RADIANCE Lighting Simulation: source"),
     ),
     Target(
         "pbrt",
         "pbrt-v4",
         (".pbrt",),
         save_pbrt,
-        True,
-        "lights, sizes from 0.7 degrees, ambient, harmonics, floor, map",
-        "smaller sizes, negative parts of harmonics",
+        Capabilities(
+            harmonics="map",
+            remark="sizes below 0.7 degrees are points, others are in a map",
+            source="pbrt-v4 file format: infinite and distant lights",
+        ),
     ),
     Target(
         "unity",
         "Unity",
         (".unity.json",),
         save_unity,
-        True,
-        "lights, sizes, ambient, harmonics, floor (as a map), map",
-        "nothing that Unity has",
+        Capabilities(
+            sizes="soften",
+            remark="other pipelines than HDRP use `intensity_without_pi`",
+            source="Unity manual, HDRP: Light, Angular Diameter",
+        ),
     ),
     Target(
         "unreal",
         "Unreal Engine",
         (".unreal.json",),
         save_unreal,
-        True,
-        "lights, sizes, ambient, harmonics, floor (as a map), map",
-        "rotation of the map (set it by hand)",
+        Capabilities(
+            sizes="soften",
+            harmonics="map",
+            remark="set the rotation of the map by hand",
+            source="Unreal Engine documentation: Directional Light, Source Angle",
+        ),
     ),
 )
+
+
+def _with_units(target: Target) -> Target:
+    """`target` with its units from their own table; our own files keep those of the map."""
+    if target.name not in UNITS:
+        return target
+    return target._replace(shows=target.shows._replace(units=UNITS[target.name].in_short()))
+
+
+#: Targets in the order of the help.
+TARGETS = tuple(map(_with_units, _TARGETS))
 
 register(TARGETS)
 

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from time import perf_counter
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
+from envlights._capabilities import Capabilities
 from envlights._check import check_choice, flag, reals
 from envlights._native import EnvLightsError, FitAnswer
+from envlights._targets import shown_by, target_names
 from envlights._unseen import Unseen, checked_unseen
 from envlights.envmap import AnyMap, EnvMap, apply_to_map
 from envlights.fitting import wording
@@ -43,11 +45,12 @@ def fit(
     shadow_error: float | None = None,
     sizes: bool = True,
     objective: str = "mixed",
-    ambient: str = "constant",
+    ambient: str | None = None,
     start: str | Rig | Lights = "greedy",
     fixed: ArrayLike | Lights | None = None,
     floor: bool = False,
     unseen: Unseen = None,
+    target: str | Iterable[str] | None = None,
 ) -> Rig:
     """Fit an ambient term and a few lights that light a scene as `env` does.
 
@@ -83,12 +86,13 @@ def fit(
     objective : {"mixed", "shadows", "probe"}
         Error that the discs minimise: with shadows, without ("probe"), or a mean of both, which is
         nearly as good as either.
-    ambient : {"constant", "none", "sh2", "auto"}
-        "constant": one radiance from everywhere. "none": lights only. "sh2": nine spherical
-        harmonics, as real-time engines use them, with irradiance that is nowhere negative. "auto":
+    ambient : {"constant", "none", "sh2", "auto"}, optional
+        "constant", the default without a `target`: one radiance from everywhere. "none": lights
+        only. "sh2": nine spherical harmonics, as real-time engines use them, with irradiance that
+        is nowhere negative. "auto":
         the one of these three that reaches `error` with the fewest lights, or has the least error
         without a requested one; if several are equal, the simplest. `report.ambients` holds the
-        results of each.
+        results of each. "auto" is the default for a `target` that shows harmonics as they are.
     start : {"greedy", "detect", "even"}, Rig or Lights
         "greedy": the full search. All others descend from start directions and add lights where
         the residual is largest. "detect": the lights of `detect`, so that each light stays with its
@@ -109,6 +113,10 @@ def fit(
         Radiance where the map shows nothing; see `EnvMap.filled`. Needed if less than 85 % of the
         sphere is seen, or over a `floor` of its upper half. `report.unseen_spread` holds how much
         the choice may change the probe.
+    target : str or iterable of str, optional
+        Names of targets from `el.export.TARGETS`, such as "three". The rig is what they can show:
+        points where they ignore sizes, and at most as many lights as they have. So the error of the
+        rig is that of its file.
 
     Returns
     -------
@@ -152,14 +160,18 @@ def fit(
     >>> rig.error < 0.01
     True
     """
-    check_choice("ambient", ambient, (*AMBIENTS, AUTO))
     check_choice("objective", objective, OBJECTIVES)
-    request = request_of(lights, error, start, fixed, shadow_error=shadow_error)
-    of_discs = objective if flag("sizes", sizes) else None
+    target = target_names(target)
+    shows = shown_by(target)
+    request = request_of(
+        lights, error, start, fixed, shadow_error=shadow_error, most_lights=shows.lights
+    )
+    of_discs = objective if flag("sizes", sizes) and shows.sizes == "spread" else None
     checked_unseen(unseen)
+    ambient = _ambient_for(ambient, bool(target), shows)
     if flag("floor", floor):
-        _check_over_floor(ambient, request)
-    names = tuple(AMBIENTS)[: 2 if floor else 3] if ambient == AUTO else (ambient,)
+        _check_over_floor(ambient, request, shows)
+    names = _ambient_names(floor, shows) if ambient == AUTO else (ambient,)
     clock = _Clock()
 
     def answers_under(world: EnvMap) -> tuple[Reduction, dict[str, FitAnswer]]:
@@ -188,6 +200,7 @@ def fit(
         answer,
         request,
         notes=(*reduction.notes, *wording.clipping(reduction.clipped_flux_share)),
+        units=reduction.units,
         floor=floor,
         # With a requested error, all numbers of lights have sizes.
         sized_error=answer.error if of_discs and answer.lights and not request.has_goal else None,
@@ -195,6 +208,7 @@ def fit(
         seconds=clock.laps,
         measured_on=wording.measured_on(answer.evaluation_normals, floor),
         shadow_error=answer.shadow_error,
+        target=target,
         ambient=chosen,
         ambients={name: (one.lights, one.error) for name, one in answers.items()}
         if ambient == AUTO
@@ -318,8 +332,27 @@ class _Clock:
         self._last = now
 
 
-def _check_over_floor(ambient: str, request: Request) -> None:
+def _ambient_for(ambient: str | None, has_target: bool, shows: Capabilities) -> str:
+    """Checked name of an ambient term, or the default for a target."""
+    if ambient is None:
+        return AUTO if has_target and shows.harmonics == "exact" else "constant"
+    check_choice("ambient", ambient, (*AMBIENTS, AUTO))
+    if ambient == "sh2" and shows.harmonics == "none":
+        raise EnvLightsError("ambient must not be 'sh2' for a target that shows no harmonics")
+    return ambient
+
+
+def _ambient_names(floor: bool, shows: Capabilities) -> tuple[str, ...]:
+    """Ambient terms that "auto" compares, the simplest first."""
+    return tuple(name for name in shows.ambients() if not (floor and name == "sh2"))
+
+
+def _check_over_floor(ambient: str, request: Request, shows: Capabilities) -> None:
     """Refuse arguments that a floor makes impossible."""
+    if not shows.floor:
+        raise EnvLightsError(
+            "floor must be False for a target that shows no light from above alone"
+        )
     if ambient == "sh2":
         raise EnvLightsError(
             "ambient must be 'none' or 'constant' or 'auto' where there is a floor, because"

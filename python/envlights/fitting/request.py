@@ -99,8 +99,12 @@ def request_of(
     fixed: ArrayLike | Lights | None,
     starts: tuple[str, ...] = STARTS,
     shadow_error: float | None = None,
+    most_lights: int | None = None,
 ) -> Request:
-    """Check the arguments of a fit; `starts` are the allowed names for `start`."""
+    """Check the arguments of a fit; `starts` are the allowed names for `start`.
+
+    `most_lights` is the limit of a target, if it has one.
+    """
     fixed_directions, start_directions = _fixed(fixed), _NO_DIRECTIONS
     if isinstance(start, Rig | Lights):
         start_directions = (start.lights if isinstance(start, Rig) else start).direction
@@ -112,6 +116,12 @@ def request_of(
     has_goal = error is not None or shadow_error is not None
     placed = len(fixed_directions) + len(start_directions)
     most = _most_lights(lights, has_goal, len(fixed_directions), placed)
+    if most_lights is not None and most > most_lights:
+        if lights is not None or placed > most_lights:
+            raise EnvLightsError(
+                f"the target shows at most {most_lights} lights; got {max(most, placed)}"
+            )
+        most = most_lights
     return Request(most, error, shadow_error, fixed_directions, start_directions, start)
 
 

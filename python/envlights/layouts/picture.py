@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from envlights import _html, _thumbnails
 from envlights._check import check_choice
 from envlights._native import EnvLightsError
+from envlights._units import OWN_SCALE
 from envlights.io.files import as_path
 from envlights.io.image_output import COMPRESSIONS, MAP_SUFFIXES, map_suffix, write_exr, write_hdr
 from envlights.layouts.conventions import CONVENTIONS, CROSSES
@@ -69,6 +70,9 @@ class Picture:
 
     arrangement: str = ARRANGEMENTS[0]
     """Arrangement of the faces of a cube in `array`: "stack", "strip" or a cross."""
+
+    units: str = OWN_SCALE
+    """Unit of the samples; see `EnvMap.units`."""
 
     @property
     def shape(self) -> tuple[int, int, int]:
@@ -149,6 +153,7 @@ class Picture:
         if arrangement is not None:
             check_choice("arrangement", arrangement, ARRANGEMENTS)
         options: dict[str, Any] = {"half": half, "compression": compression}
+        options["units"] = self.units
         files = self._face_files(path)
         if files:
             if arrangement not in (None, "stack"):

@@ -22,6 +22,10 @@ pub struct FitResult {
     pub probe_error: Judged,
     /// Relative RMS error of the irradiance with shadows, under a map: `discs/`.
     pub shadow_error: f64,
+    /// Relative RMS error of the rig in a program that shows its lights as points.
+    pub points_error: f64,
+    /// Relative RMS error of as many lights, fitted as points.
+    pub fitted_points_error: f64,
     /// Number of normals at which the error is evaluated.
     pub evaluation_normals: usize,
     /// Relative RMS error by number of lights: of points, unless an error ended the search.
@@ -94,6 +98,8 @@ impl Evaluator<'_> {
         let of_points = || self.sizes.as_ref().map(|_| tolerances(&problem.descent(), &trial.state, cost));
         let tolerances = sized.tolerances.or_else(of_points).unwrap_or_default();
         FitResult {
+            points_error: self.samples.error(&sized.rig),
+            fitted_points_error: self.samples.error(&trial.state.rig(problem.objective.reference())),
             rig: sized.rig,
             radii: sized.radii,
             probe_error,
