@@ -93,3 +93,14 @@ def test_the_command_line_takes_the_choice(tmp_path):
     done = CliRunner().invoke(main, ["repair", str(path), "-o", str(out), "--unseen", "harmonic"])
     assert done.exit_code == 0, done.output
     assert "for the irradiance of the surface" in done.output
+
+
+def test_a_lux_meter_in_sun_and_shade_counts_the_unseen_sky():
+    env = partial(HALF).calibrated(lux=5000, shaded=1000, unseen=0.1)
+    # The unseen sky is as bright as the seen one, also after the calibration.
+    unseen = float(env.radiance[1, 64, 0])
+    received = env.probe([[0, 1, 0]], unseen=unseen)[0] @ LUMINANCE
+    assert received == pytest.approx(5000, rel=1e-3)
+    assert not env.radiance[HALF == 0].any()
+    with pytest.raises(el.EnvLightsError, match="say what is there by unseen="):
+        partial(HALF).calibrated(lux=5000, shaded=1000)
