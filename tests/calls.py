@@ -127,6 +127,7 @@ CALLS = {
             "share": st.one_of(st.none(), SHARE),
         },
     ),
+    "limit": (el.limit, {"env": IMAGE, "maximum": SMALL}),
     "detect_article": (
         el.detect_article,
         {
@@ -382,6 +383,7 @@ LEFT_OUT = {
     "MissingFileError": "is a refusal",
     "FilePairs": "comes from read_pairs",
     "FitReport": "comes from fit",
+    "Limit": "comes from limit",
     "MitsubaScene": "is Mitsuba's answer to a scene",
     "PaperFit": "comes from fit_paper",
     "PhotographLight": "comes from detect_photograph",

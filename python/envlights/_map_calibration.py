@@ -116,11 +116,13 @@ class MapCalibration(MapLight):
         if ratio is None:
             measured = float(self.probe(facing, unseen=unseen) @ LUMINANCE)
             return self._scaled(lux, measured, source)
-        sunlit = self._with_sun(ratio, facing, readings)
+        sunlit = self._with_sun(ratio, facing, readings, unseen)
         measured = float(sunlit.probe(facing, unseen=unseen) @ LUMINANCE)
         return sunlit._scaled(lux, measured, f"{source}, {readings.shaded:g} in the shade")
 
-    def _with_sun(self, ratio: float, facing: NDArray[np.float64], readings: Readings) -> Self:
+    def _with_sun(
+        self, ratio: float, facing: NDArray[np.float64], readings: Readings, unseen: Unseen
+    ) -> Self:
         """Map with the clipped light that two readings show; see `repaired`."""
         if not self.clipped_share:
             raise EnvLightsError(
@@ -128,21 +130,30 @@ class MapCalibration(MapLight):
                 " true ratio to the sky; leave shaded out"
             )
         white = float(self._radiance.max()) if self._white is None else self._white
+        received, assumed = self._from_unseen(unseen, facing)
         try:
-            repaired = repair(self._radiance, self.is_border_sampled, white, None, ratio, facing)
+            repaired = repair(
+                self._radiance,
+                self.is_border_sampled,
+                white,
+                None,
+                ratio,
+                facing,
+                seen=self._seen,
+                from_unseen=received,
+            )
         except EnvLightsError as refusal:
             raise EnvLightsError(
                 f"lux and shaded, {readings.lux:g} and {readings.shaded:g}, contradict the map:"
                 f" {refusal}"
             ) from None
-        env = type(self).unchecked(
+        return type(self).unchecked(
             repaired.radiance,
             registration=self._registration,
-            notes=[*self._notes, repaired.note],
+            notes=[*self._notes, *filter(None, [assumed]), repaired.note],
             seen=self._seen,
+            source=self._source,
         )
-        env._source = self._source
-        return env
 
     def _by_luminance(self, nits: float, at: ArrayLike, diameter: float) -> Self:
         """Map whose disc has the luminance that a meter shows."""
@@ -169,16 +180,15 @@ class MapCalibration(MapLight):
     def _scaled(self, wanted: float, measured: float, source: str) -> Self:
         """Map in cd/m2, whose own `measured` becomes `wanted`."""
         radiance, factor, note = _calibration.in_nits(self._radiance, wanted, measured, source)
-        env = type(self).unchecked(
+        return type(self).unchecked(
             radiance,
             registration=self._registration,
             notes=[*_calibration.other_notes(self._notes), note],
             white=None if self._white is None else factor * self._white,
             seen=self._seen,
             units=PHOTOMETRIC,
+            source=self._source,
         )
-        env._source = self._source
-        return env
 
 
 def _numbers(vector: NDArray[np.float64]) -> str:

@@ -79,9 +79,13 @@ class MapPixels:
         notes: Iterable[str] = (),
         white: float | None = None,
         seen: NDArray[np.float32] | None = None,
+        source: Source | None = None,
         units: str = OWN_SCALE,
     ) -> Self:
-        """Map without a check of its samples, for arrays that a kernel checks or has made."""
+        """Map without a check of its samples, for arrays that a kernel checks or has made.
+
+        `source` is that of the map from which the array was made.
+        """
         env = cls.__new__(cls)
         env._notes, env._white, env._units = list(notes), white, units
         array = image_array(radiance, env._notes, "a map")
@@ -92,8 +96,8 @@ class MapPixels:
         linear, share = env._seen_light(linear, array.seen, seen)
         border_sampled = registration == REGISTRATIONS[1]
         layout = equirectangular(*linear.shape[:2], border_sampled=border_sampled)
-        source = Source(PROJECTION, linear.shape[:2], "", registration, "shape", layout)
-        env._keep(linear, share, border_sampled, source)
+        itself = Source(PROJECTION, linear.shape[:2], "", registration, "shape", layout)
+        env._keep(linear, share, border_sampled, source or itself)
         return env
 
     def _set_pixels(

@@ -12,6 +12,7 @@ from envlights._map_calibration import MapCalibration
 from envlights._map_layouts import MapLayouts
 from envlights._map_pixels import checked_white
 from envlights._native import EnvLightsError, UnusableSamplesError
+from envlights._unseen import Unseen
 from envlights.io.colour import ColourArgument
 from envlights.io.exposures import merge_exposures
 from envlights.io.image_output import COMPRESSIONS, map_suffix, write_exr, write_hdr
@@ -281,7 +282,13 @@ class EnvMap(MapCalibration, MapLayouts):
             units=self._units,
         )
 
-    def repaired(self, *, irradiance: float | None = None, ratio: float | None = None) -> EnvMap:
+    def repaired(
+        self,
+        *,
+        irradiance: float | None = None,
+        ratio: float | None = None,
+        unseen: Unseen = None,
+    ) -> EnvMap:
         r"""Map with an estimate of the clipped light.
 
         Clipped pixels are raised, each in its own colour. The amount of missing light is a number
@@ -296,19 +303,22 @@ class EnvMap(MapCalibration, MapLayouts):
         ratio : float, optional
             The same irradiance divided by the one without the clipped regions: two readings of a
             lux meter on the ground, in the open and with the sun shaded. It needs no scale.
+        unseen : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
+            Radiance where the map shows nothing, for the irradiance of an upward surface; see
+            `filled`. Required if less than 85 % of the upper half is seen.
 
         Returns
         -------
         EnvMap
-            Without a `white`. Its last note holds the factor by which the flux was raised, and its
-            source. If the ground gives no estimate, the map keeps its `white`, and the note says
-            why.
+            Without a `white`; what is not seen stays black. Its last note holds the factor by which
+            the flux was raised, and its source. If the ground gives no estimate, the map keeps its
+            `white`, and the note says why.
 
         Raises
         ------
         EnvLightsError
-            If both numbers are given, one is less than that of the map, or all clipped pixels lie
-            below the horizon.
+            If both numbers are given, one is less than that of the map, all clipped pixels lie
+            below the horizon, or `unseen` is required.
 
         Notes
         -----
@@ -335,14 +345,22 @@ class EnvMap(MapCalibration, MapLayouts):
         white = self._white
         if white is None and self.clipped_share:
             white = float(self._radiance.max())
+        received, assumed = self._from_unseen(unseen)
         radiance, note, is_open = repair(
-            self._radiance, self.is_border_sampled, white, irradiance, ratio
+            self._radiance,
+            self.is_border_sampled,
+            white,
+            irradiance,
+            ratio,
+            seen=self._seen,
+            from_unseen=received,
         )
         white = self._white if is_open else None
-        notes = (*self._notes, note)
+        notes = (*self._notes, *filter(None, [assumed]), note)
         env = EnvMap(
             radiance, registration=self._registration, notes=notes, white=white, seen=self._seen
         )
+        env._source = self._source
         return self._of_same_scale(env)
 
 

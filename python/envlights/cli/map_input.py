@@ -106,6 +106,16 @@ def map_argument(function: Callable[..., None]) -> Callable[..., None]:
     return command
 
 
+def unseen_option() -> Callable[[Any], Any]:
+    """Option ``--unseen``; its value is for `radiance_or_name`."""
+    return click.option(
+        "--unseen",
+        metavar="CHOICE",
+        help="Radiance where MAP shows nothing (alpha, a crop): black, harmonic, ground, a number,"
+        " or R,G,B. Needed if less than 85 % of the sphere is seen.",
+    )
+
+
 def radiance_or_name(text: str | None) -> str | list[float] | float | None:
     """Value of ``--unseen``: a number, RGB between commas, or the name of a fill."""
     if text is None:

@@ -1,4 +1,4 @@
-"""`envlights split`: `envlights.split` on a file."""
+"""`envlights split`: `envlights.split` or `envlights.limit` on a file."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from pathlib import Path
 
 import click
 
+from envlights._native import EnvLightsError
+from envlights.cli.convert import layout_option, write_map
 from envlights.cli.map_input import MapFile, map_argument
 from envlights.cli.outputs import (
     check_output,
@@ -18,6 +20,7 @@ from envlights.cli.outputs import (
 )
 from envlights.detection.split import Split, split
 from envlights.envmap import EnvMap
+from envlights.excess import Limit, limit
 from envlights.export.targets import SUFFIXES
 from envlights.io.files import PICTURES
 
@@ -39,6 +42,15 @@ MAPS = (".exr", ".hdr")
     help="Remove the fewest lights that together give this fraction of the flux of all lights, such"
     " as 0.9.",
 )
+@click.option(
+    "--limit",
+    "maximum",
+    type=float,
+    metavar="MAXIMUM",
+    help="Remove only the radiance above this value, such as 65504 for half floats: one light for"
+    " each region.",
+)
+@layout_option("the map without the lights")
 @output_option(
     "File to write: the map without the lights (.exr, .hdr), the lights for the program of the"
     " suffix (list: envlights export -h) or a picture (.png, .pdf, .svg). Can be repeated."
@@ -49,6 +61,8 @@ def command(
     map_file: MapFile,
     lights: int | None,
     share: float | None,
+    maximum: float | None,
+    layout: str,
     outputs: Sequence[str],
     verbose: bool,
     as_json: bool,
@@ -57,22 +71,38 @@ def command(
     for output in outputs:
         check_output(output, (*SUFFIXES, *MAPS, *PICTURES), {"the map": map_file.path})
     env = map_file.open()
-    parts = split(env, lights, share=share)
-    for output in outputs:
-        _write(env, parts, output)
+    parts = _parts(env, lights, share, maximum)
+    written = [name for output in outputs for name in _write(env, parts, output, layout)]
     removed = parts.lights
     text = removed.verbose() if verbose else str(removed)
     click.echo(json.dumps(removed.to_dict(), indent=2) if as_json else text)
-    say_written(outputs)
+    say_written(written)
 
 
-def _write(env: EnvMap, parts: Split, output: str) -> None:
+def _parts(
+    env: EnvMap, lights: int | None, share: float | None, maximum: float | None
+) -> Split | Limit:
+    """Lights and rest, of detection or above a maximum."""
+    if maximum is None:
+        return split(env, lights, share=share)
+    if lights is not None or share is not None:
+        raise EnvLightsError("--limit takes all radiance above it; leave out --lights and --share")
+    return limit(env, maximum)
+
+
+def _write(env: EnvMap, parts: Split | Limit, output: str, layout: str) -> list[str]:
+    """Write one output; return the names of its files."""
     suffix = Path(output).suffix.lower()
     if suffix in MAPS:
-        parts.rest.save(output)
-    elif suffix not in PICTURES:
+        return write_map(parts.rest, output, layout)
+    if suffix not in PICTURES:
         save_lights(parts.lights, output, strict=False)
+    elif isinstance(parts, Limit):
+        raise EnvLightsError(
+            f"cannot write {output}: pictures show lights of a split without --limit"
+        )
     else:
         from envlights import plot
 
         plot.save(plot.split_picture(env, parts), output)
+    return [output]

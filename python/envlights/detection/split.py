@@ -128,6 +128,9 @@ def split(
     away, are dimmed: the clouds around a sun, or the dim part of a softbox. A luminance of y
     thresholds, with y above 1.5, becomes 2 - 1/4 / (y - 1) thresholds.
 
+    Of a map that shows a part of the sphere (`EnvMap.seen`), only what is seen is removed and
+    counted, and nothing is filled from unseen pixels. They stay black in the rest.
+
     The irradiance of a clipped light is a lower bound, because the map has lost the radiance above
     its clip level.
 
@@ -159,7 +162,7 @@ def split(
     if chosen is lights:
         _check_peaks(chosen, pixels)
     is_border = env.registration == "border-sampled"
-    parts = _native.split_map(env.radiance, is_border, pixels)
+    parts = _native.split_map(env.radiance, is_border, pixels, env.seen)
     removed = _removed_lights(chosen, parts, _report(chosen, len(found), perf_counter() - start))
     notes = (*env.notes, *_notes(removed))
     rest = EnvMap.unchecked(
@@ -168,6 +171,7 @@ def split(
         notes=notes,
         white=env.white,
         seen=env.seen,
+        source=env.source,
         units=env.units,
     )
     return Split(removed, rest)
@@ -283,4 +287,11 @@ def _notes(removed: RemovedLights) -> tuple[str, ...]:
     if not len(removed):
         return ()
     percent = 100 * removed.flux_share.sum()
-    return (f"{removed.in_short()} with {percent:.3g} % of the flux removed",)
+    notes = [f"{removed.in_short()} with {percent:.3g} % of the flux removed"]
+    if cut := int(removed.is_cut.sum()):
+        lights = "light lies" if cut == 1 else "lights lie"
+        notes.append(
+            f"{cut} removed {lights} at the border of what the map shows, so only the seen part was"
+            " removed, and the flux is that of this part"
+        )
+    return tuple(notes)
