@@ -99,6 +99,7 @@ def test_lights_are_sorted_and_sliced():
         "direction": [[0, 1, 0]],
         "irradiance": [[1, 1, 1]],
         "angular_radius": [0],
+        "scale": "the map's own scale",
     }
     with pytest.raises(ValueError, match="read-only"):
         lights.direction[0] = 0
@@ -157,8 +158,8 @@ def test_the_table_says_where_each_light_is_and_how_wrong_the_rig_is():
     ("change", "message"),
     [
         ({"format": "another"}, "is not a rig"),
-        ({"version": 1}, "version 1; this package reads 2 and 3"),
-        ({"version": 4}, "version 4; this package reads 2 and 3"),
+        ({"version": 1}, "version 1; this package reads 2 and 3 and 4"),
+        ({"version": 5}, "version 5; this package reads 2 and 3 and 4"),
         ({"floor": 1}, "floor must be True or False; got 1"),
         (
             {"lights": {**a_rig().lights.to_dict(), "angular_radius": [0.1]}},

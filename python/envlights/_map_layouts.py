@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -242,11 +243,12 @@ class MapLayouts(MapPixels):
             radiance, registration=registration, notes=self._notes, white=white, seen=seen
         )
         env._source = self._source
-        return env
+        return self._of_same_scale(env)
 
     def _picture(self, layout: Layout, faces: str) -> Picture:
         image, seen = resampling.resample(self._radiance, self._seen, self._layout(), layout)
-        return picture_of(image, layout, faces=faces, seen=seen, notes=self.notes)
+        picture = picture_of(image, layout, faces=faces, seen=seen, notes=self.notes)
+        return replace(picture, units=self._units)
 
     def _width_of(self, request: _Request) -> int:
         """Columns of a picture whose mean pixel is as large as a cell of the equator."""

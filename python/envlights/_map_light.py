@@ -107,9 +107,10 @@ class MapLight(MapPixels):
         choice = _unseen.choice_of(unseen, share)
         of_unseen = _visibility.note_of_unseen(share)
         notes = [note for note in self._notes if note != of_unseen]
-        return type(self).unchecked(
+        env = type(self).unchecked(
             _unseen.fill(part, choice, albedo),
             registration=self._registration,
             notes=[*notes, _unseen.note_of_fill(choice, share, albedo)],
             white=self._white,
         )
+        return self._of_same_scale(env)

@@ -8,8 +8,8 @@ from typing import Any, TypeVar
 
 from numpy.typing import ArrayLike
 
+from envlights._map_calibration import MapCalibration
 from envlights._map_layouts import MapLayouts
-from envlights._map_light import MapLight
 from envlights._map_pixels import checked_white
 from envlights._native import EnvLightsError, UnusableSamplesError
 from envlights.io.colour import ColourArgument
@@ -24,7 +24,7 @@ from envlights.repair import repair
 _T = TypeVar("_T")
 
 
-class EnvMap(MapLight, MapLayouts):
+class EnvMap(MapCalibration, MapLayouts):
     r"""An environment map: radiance from every direction.
 
     Frame: right-handed, +y up. The centre of the image looks along +z, its left quarter along +x,
@@ -78,6 +78,8 @@ class EnvMap(MapLight, MapLayouts):
     seen : array_like, shape of the array without channels, optional
         Share of each pixel that the picture shows, from 0 to 1. The radiance is multiplied by it
         already; pixels of share 0 become black. `filled` has radiance for them.
+    units : {"the map's own scale", "cd/m2"}
+        Unit of the radiance; "cd/m2" is that of its luminance. `calibrated` makes it so.
 
     Raises
     ------
@@ -172,6 +174,7 @@ class EnvMap(MapLight, MapLayouts):
         env = cls.__new__(cls)
         env._notes = list(image.notes)
         env._white = image.white if white is None else checked_white(white)
+        env._units, env._ev100 = image.units, image.ev100
         try:
             env._set_pixels(image.pixels, image.seen, image.hints, arguments, width)
         except EnvLightsError as refusal:
@@ -230,9 +233,11 @@ class EnvMap(MapLight, MapLayouts):
         """
         merged = merge_exposures(pictures, times, response)
         registration = REGISTRATIONS[merged.border_sampled]
-        return cls(
+        env = cls(
             merged.radiance, registration=registration, notes=merged.notes, white=merged.white
         )
+        env._ev100 = merged.ev100
+        return env
 
     def save(
         self,
@@ -256,9 +261,10 @@ class EnvMap(MapLight, MapLayouts):
 
         Notes
         -----
-        Primaries are those of Rec.709. A border-sampled map gets the attribute ``envmap``. A .hdr
-        file cannot hold that, so such a map is converted to cells, and a sample above 1.7e38 is
-        refused. The notes of the map become comments of the file.
+        Primaries are those of Rec.709. A border-sampled map gets the attribute ``envmap``, and one
+        in cd/m2 the attribute ``whiteLuminance``, which `open` reads. A .hdr file cannot hold them,
+        so such a map is converted to cells and loses its units; a sample above 1.7e38 is refused.
+        The notes of the map become comments of the file.
         """
         if map_suffix(path) == ".hdr":
             if half or compression != COMPRESSIONS[0]:
@@ -272,6 +278,7 @@ class EnvMap(MapLight, MapLayouts):
             compression=compression,
             environment="latlong" if self.is_border_sampled else "",
             comments=self._notes,
+            units=self._units,
         )
 
     def repaired(self, *, irradiance: float | None = None, ratio: float | None = None) -> EnvMap:
@@ -284,8 +291,8 @@ class EnvMap(MapLight, MapLayouts):
         Parameters
         ----------
         irradiance : float, optional
-            Measured luminance of the irradiance on an upward surface, in W m\ :sup:`-2` on the
-            scale of the map; of a lux meter only if you know that scale.
+            Measured luminance of the irradiance on an upward surface, on the scale of the map:
+            lux, if `units` is "cd/m2"; see `calibrated`.
         ratio : float, optional
             The same irradiance divided by the one without the clipped regions: two readings of a
             lux meter on the ground, in the open and with the sun shaded. It needs no scale.
@@ -333,9 +340,10 @@ class EnvMap(MapLight, MapLayouts):
         )
         white = self._white if is_open else None
         notes = (*self._notes, note)
-        return EnvMap(
+        env = EnvMap(
             radiance, registration=self._registration, notes=notes, white=white, seen=self._seen
         )
+        return self._of_same_scale(env)
 
 
 #: Map, its file as path, bytes or file object, or its radiance as an array.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
@@ -19,6 +19,7 @@ from envlights._lobes import SphericalGaussians, lobes
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights._tables import MOST_ROWS, Table
+from envlights._units import OWN_SCALE, checked_units, in_lux
 from envlights.envmap import EnvMap
 from envlights.io.csv_table import read_csv
 from envlights.io.files import as_path
@@ -63,6 +64,8 @@ class Lights(Result):
     angular_radius : array_like, shape (n,), optional
         Radians from 0 to pi / 2. The light is a disc of uniform radiance: its irradiance divided by
         :math:`\pi \sin^2 a`. 0 is a point. Default: all are points.
+    units : {"the map's own scale", "cd/m2"}
+        Unit of the radiance of the map; with "cd/m2", the luminance of `irradiance` is in lux.
 
     Examples
     --------
@@ -79,8 +82,10 @@ class Lights(Result):
     irradiance: NDArray[np.float64]
     # The constructor replaces None.
     angular_radius: NDArray[np.float64] = None  # type: ignore[assignment]
+    units: str = field(default=OWN_SCALE, kw_only=True)
 
     def __post_init__(self) -> None:
+        checked_units(self.units)
         direction, irradiance = light_arrays(self.direction, self.irradiance)
         radius = radii(self.angular_radius, len(direction))
         order = brightest_first(irradiance)
@@ -94,12 +99,14 @@ class Lights(Result):
         direction: NDArray[np.float64],
         irradiance: NDArray[np.float64],
         angular_radius: NDArray[np.float64],
+        units: str,
     ) -> Lights:
         """Lights from the arrays of a kernel, brightest first, without checks."""
         lights = cls.__new__(cls)
         object.__setattr__(lights, "direction", seal(direction))
         object.__setattr__(lights, "irradiance", seal(irradiance))
         object.__setattr__(lights, "angular_radius", seal(angular_radius))
+        object.__setattr__(lights, "units", units)
         return lights
 
     def __len__(self) -> int:
@@ -116,7 +123,8 @@ class Lights(Result):
         rows = rows_of(which, len(self))
         if rows is None:
             return self._light(row_of(which, len(self)))
-        return Lights(self.direction[rows], self.irradiance[rows], self.angular_radius[rows])
+        arrays = self.direction, self.irradiance, self.angular_radius
+        return Lights(*(array[rows] for array in arrays), units=self.units)
 
     def _light(self, row: int) -> Light:
         radius, share = float(self.angular_radius[row]), float(self.share[row])
@@ -176,7 +184,7 @@ class Lights(Result):
         """Column names, and cells of the first dozen lights."""
         has_sizes = self.angular_radius.any()
         sizes = ["radius"] if has_sizes else []
-        columns = ["light", "azimuth", "elevation", "share", *sizes, "irradiance (R, G, B)"]
+        columns = ["light", "azimuth", "elevation", "share", *sizes, rgb_heading(self.units)]
         rows = [
             [
                 *place_cells(self, row),
@@ -221,6 +229,7 @@ class Lights(Result):
             "direction": self.direction.tolist(),
             "irradiance": self.irradiance.tolist(),
             "angular_radius": self.angular_radius.tolist(),
+            "scale": self.units,
         }
 
     def save(
@@ -248,8 +257,9 @@ class Lights(Result):
         """
         if as_path(path).suffix.lower() == ".csv":
             table = read_csv(path)
-            return Lights(table.direction, table.irradiance, table.angular_radius)
-        return read_json(path, "lights", (1,), lights_of)
+            arrays = table.direction, table.irradiance, table.angular_radius
+            return Lights(*arrays, units=table.units)
+        return read_json(path, "lights", (1, 2), lights_of)
 
     def discs(self) -> Lights:
         """Lights as discs of uniform radiance: these lights themselves."""
@@ -298,7 +308,7 @@ class Lights(Result):
         """
         discs = self.discs()
         arrays = discs.direction, discs.irradiance, discs.angular_radius
-        return EnvMap(disc_map(height, *arrays))
+        return EnvMap(disc_map(height, *arrays), units=self.units)
 
     def spherical_gaussians(self) -> SphericalGaussians:
         r"""Convert the lights to spherical Gaussians, for engines that use them.
@@ -345,6 +355,11 @@ def place_cells(lights: Lights, row: int) -> list[str]:
     ]
 
 
+def rgb_heading(units: str) -> str:
+    """Name of the columns of `rgb_cell`."""
+    return f"irradiance{in_lux(units)} (R, G, B)"
+
+
 def rgb_cell(irradiance: NDArray[np.float64]) -> str:
     """Red, green and blue in separate columns."""
     return "  ".join(f"{value:>9.4g}" for value in irradiance)
@@ -356,4 +371,5 @@ def lights_of(data: dict[str, Any]) -> Lights:
     direction = np.reshape(data["direction"], (-1, 3))
     irradiance = np.reshape(data["irradiance"], (-1, 3))
     radius: Any = data.get("angular_radius")
-    return Lights(direction, irradiance, radius)
+    # Version 1 had no scale.
+    return Lights(direction, irradiance, radius, units=data.get("scale", OWN_SCALE))

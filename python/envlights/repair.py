@@ -14,7 +14,7 @@ numbers were chosen on pictures of HDR maps; `benchmarks/clipped_repair.py` meas
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +24,7 @@ from envlights import _native
 from envlights._check import amount
 from envlights._native import EnvLightsError
 from envlights.kernels.image import LUMINANCE
+from envlights.kernels.probe import irradiance as surface_irradiance
 from envlights.kernels.sphere import pixel_solid_angles
 
 #: Albedo of the ground.
@@ -66,8 +67,12 @@ def repair(
     white: float | None,
     irradiance: float | None,
     ratio: float | None,
+    facing: NDArray[np.float64] | None = None,
 ) -> Repair:
-    """Add the light that was clipped at `white`: a measured amount, or an estimate."""
+    """Add the light that was clipped at `white`: a measured amount, or an estimate.
+
+    The amount is measured on a surface that faces a unit vector; upward when left out.
+    """
     if irradiance is not None and ratio is not None:
         raise EnvLightsError("give irradiance or ratio, not both")
     irradiance = None if irradiance is None else amount("irradiance", irradiance)
@@ -80,6 +85,8 @@ def repair(
     if not share.any():
         return Repair(radiance, "nothing was added: no pixel is clipped", is_estimate)
     light = _measure(radiance, share, level, border_sampled)
+    if facing is not None and not is_estimate:
+        light = _as_seen_from(light, facing, radiance, share, level, border_sampled)
     missing, source = light.estimate(level) if is_estimate else light.up_to(irradiance, ratio)
     if missing == 0:
         note = f"nothing was added for the clipped light: {source}"
@@ -150,7 +157,7 @@ class _Light:
             )
         if self.upward_share == 0:
             raise EnvLightsError(
-                "all clipped pixels lie below the horizon and cannot light an upward surface; leave"
+                "all clipped pixels lie below the horizon of the surface and cannot light it; leave"
                 f" {name} out"
             )
         unit = self.upward_unclipped if ratio is not None else 1.0
@@ -209,6 +216,30 @@ def _measure(
         clipped=clipped,
         ground=ground_flux / (whole_ground or 1.0),
         unclipped_ground=whole_ground / all_ground,
+    )
+
+
+def _as_seen_from(
+    light: _Light,
+    facing: NDArray[np.float64],
+    radiance: NDArray[np.float32],
+    share: NDArray[np.float32],
+    white: float,
+    border_sampled: bool,
+) -> _Light:
+    """Measurements of a surface that faces another direction than up."""
+    is_whole = (radiance < _native.LEAST_WHITE * white).all(axis=2, keepdims=True)
+
+    def on_surface(image: NDArray[np.float32]) -> float:
+        values = surface_irradiance(image, facing[None], border_sampled=border_sampled)
+        return float(values[0] @ LUMINANCE)
+
+    grey = np.repeat(np.asarray(share, np.float32)[..., None], 3, axis=2)
+    return replace(
+        light,
+        upward=on_surface(radiance),
+        upward_unclipped=on_surface(np.where(is_whole, radiance, np.float32(0))),
+        upward_share=on_surface(grey),
     )
 
 

@@ -15,6 +15,7 @@ from envlights._blocks import in_blocks
 from envlights._check import amount, flag, one_or_more, rotation
 from envlights._native import EnvLightsError
 from envlights._result import Result
+from envlights._units import in_nits, statement
 from envlights.ambient import ambient_rows, turned_ambient
 from envlights.envmap import EnvMap
 from envlights.io.csv_table import read_csv
@@ -26,9 +27,9 @@ from envlights.lights import Lights, lights_of
 from envlights.report import FitReport, StopReason
 
 _KIND = "rig"
-_VERSION = 3
-#: Version 2 had neither sizes nor floors.
-_READABLE_VERSIONS = (2, 3)
+_VERSION = 4
+#: Version 2 had neither sizes nor floors, version 3 no scale.
+_READABLE_VERSIONS = (2, 3, 4)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -69,6 +70,14 @@ class Rig(Result):
         if flag("floor", self.floor) and self.ambient.ndim == 2:
             raise EnvLightsError("ambient must be one radiance where there is a floor; got (9, 3)")
         object.__setattr__(self, "error", amount("error", self.error))
+
+    @property
+    def units(self) -> str:
+        """Unit of the ambient radiance: "cd/m2" for its luminance, or "the map's own scale".
+
+        It is that of `lights`. In a rig in cd/m2, irradiance has a luminance in lux.
+        """
+        return self.lights.units
 
     def probe(self, normals: ArrayLike) -> NDArray[np.float64]:
         """Irradiance under the rig.
@@ -125,7 +134,8 @@ class Rig(Result):
         """
         discs = self.lights.to_map(height).radiance
         sky = ambient_rows(self.ambient, height, self.floor)
-        return EnvMap(in_blocks(discs.shape, lambda rows: discs[rows] + sky(rows)))
+        radiance = in_blocks(discs.shape, lambda rows: discs[rows] + sky(rows))
+        return EnvMap(radiance, units=self.units)
 
     def rotated(self, matrix: ArrayLike) -> Rig:
         """Rotate the rig, so that a light from d comes from ``matrix @ d``.
@@ -161,7 +171,7 @@ class Rig(Result):
             "version": _VERSION,
             "frame": FRAME,
             "units": "ambient: radiance; irradiance: at normal incidence; linear Rec.709 RGB;"
-            " angular_radius: radians",
+            f" angular_radius: radians; {statement(self.units)}",
             "ambient": self.ambient.tolist(),
             "lights": self.lights.to_dict(),
             "error": self.error,
@@ -233,7 +243,8 @@ class Rig(Result):
                 raise EnvLightsError(
                     f"{path} holds lights without an ambient term; use `Lights.load`"
                 )
-            lights = Lights(table.direction, table.irradiance, table.angular_radius)
+            arrays = table.direction, table.irradiance, table.angular_radius
+            lights = Lights(*arrays, units=table.units)
             return cls(table.ambient, lights, table.error, floor=table.floor)
         return read_json(path, _KIND, _READABLE_VERSIONS, _from_dict)
 
@@ -251,7 +262,7 @@ class Rig(Result):
         """Lines below the table of lights."""
         stop = self.report.stop_reason
         lines = [
-            *_ambient_lines(self.ambient),
+            *_ambient_lines(self.ambient, in_nits(self.units)),
             "a floor hides ambient light from below the horizon" if self.floor else "",
             error_line(self),
             "" if stop.is_success or stop is StopReason.NOT_FITTED else f"note: {stop.value}",
@@ -287,13 +298,13 @@ def _ambient(values: ArrayLike) -> NDArray[np.float64]:
     return rows.reshape(np.shape(values))
 
 
-def _ambient_lines(ambient: NDArray[np.float64]) -> list[str]:
+def _ambient_lines(ambient: NDArray[np.float64], unit: str) -> list[str]:
     rows = [" ".join(f"{value:>11.4g}" for value in row) for row in np.atleast_2d(ambient)]
     if len(rows) == 1:
-        return ["ambient radiance  " + "  ".join(rows[0].split())]
+        return [f"ambient radiance{unit}  " + "  ".join(rows[0].split())]
     names = ("1", "y", "z", "x", "xy", "yz", "3zz-1", "xz", "xx-yy")
     table = [f"  {name:<5} {row}" for name, row in zip(names, rows, strict=True)]
-    return ["ambient radiance, spherical harmonics (R, G, B):", *table]
+    return [f"ambient radiance{unit}, spherical harmonics (R, G, B):", *table]
 
 
 def _from_dict(data: dict[str, Any]) -> Rig:

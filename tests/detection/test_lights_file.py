@@ -46,7 +46,7 @@ def test_all_but_the_times_comes_back(name, tmp_path):
 def test_the_file_says_what_it_is(tmp_path):
     FOUND["tree"].save(tmp_path / "lights.json")
     data = json.loads((tmp_path / "lights.json").read_text())
-    assert (data["format"], data["version"]) == ("envlights detected lights", 2)
+    assert (data["format"], data["version"]) == ("envlights detected lights", 3)
     assert "+y up" in data["frame"]
     assert "flux" in data["units"]
 

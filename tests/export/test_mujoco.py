@@ -196,6 +196,12 @@ def test_by_formula_a_file_lights_as_it_says(name):
     assert relative(irradiance, as_lamps(rig)(NORMALS)) < 1e-3
 
 
+def test_files_state_their_units():
+    root = ElementTree.fromstring(el.export.mujoco(POINTS))
+    assert "not calibrated" in root.find("custom/text").get("data")
+    assert 'metadata/units = "the scale is that of the map' in el.export.godot(POINTS)
+
+
 def test_without_lights_and_without_light():
     for rig in (POINTS[:0], el.Lights([[0, 1, 0]], [[0, 0, 0]])):
         irradiance, count = by_formula(el.export.mujoco(rig))

@@ -17,16 +17,19 @@ from envlights._light_arrays import light_arrays, rotate, row_of, rows_of
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights._tables import MOST_ROWS
+from envlights._units import OWN_SCALE, checked_units, statement
 from envlights.detection.members import Members
 from envlights.io.own_json import read_json
 from envlights.kernels.sphere import FRAME
 from envlights.light import DetectedLight
-from envlights.lights import Lights, Rows, brightest_first, place_cells, rgb_cell
+from envlights.lights import Lights, Rows, brightest_first, place_cells, rgb_cell, rgb_heading
 
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-_KIND, _VERSION = "detected lights", 2
+_KIND, _VERSION = "detected lights", 3
+#: Version 2 had no scale.
+_READABLE_VERSIONS = (2, 3)
 _UNITS = (
     "irradiance: at normal incidence, above the local background; flux: integral of radiance over"
     " the light; both linear Rec.709 RGB; solid_angle: steradians; other angles: radians;"
@@ -207,6 +210,7 @@ class DetectedLights(Lights):
     Its irradiance and flux are then lower bounds. `detect_article` flags no light."""
 
     def __post_init__(self) -> None:
+        checked_units(self.units)
         if self.is_cut is None:
             object.__setattr__(self, "is_cut", np.zeros(len(np.asarray(self.flux)), bool))
         arrays = {name: np.asarray(getattr(self, name)) for name in self._array_names()}
@@ -244,7 +248,7 @@ class DetectedLights(Lights):
             return self._light(row_of(which, len(self)))
         arrays: dict[str, Any] = {name: getattr(self, name)[kept] for name in self._array_names()}
         members = self.members.of(kept, len(self))
-        return type(self)(**arrays, members=members, report=self.report)
+        return type(self)(**arrays, members=members, report=self.report, units=self.units)
 
     def _light(self, row: int) -> DetectedLight:
         arrays = {each.name: getattr(self, each.name) for each in fields(DetectedLight)}
@@ -275,7 +279,7 @@ class DetectedLights(Lights):
         A light of more than half the sphere becomes a disc of half the sphere.
         """
         radius = np.minimum(self.angular_radius, np.pi / 2)
-        return Lights(self.direction, self.irradiance, radius)
+        return Lights(self.direction, self.irradiance, radius, units=self.units)
 
     @property
     def is_broad(self) -> NDArray[np.bool_]:
@@ -292,8 +296,9 @@ class DetectedLights(Lights):
             "format": f"envlights {_KIND}",
             "version": _VERSION,
             "frame": FRAME,
-            "units": _UNITS,
+            "units": f"{_UNITS}; {statement(self.units)}",
             **arrays,
+            "scale": self.units,
             "members": self.members.to_runs(),
             "report": self.report.to_dict(),
         }
@@ -307,7 +312,7 @@ class DetectedLights(Lights):
         EnvLightsError
             If the file is missing, has another kind or version, or holds impossible lights.
         """
-        return read_json(path, _KIND, (_VERSION,), _from_dict)
+        return read_json(path, _KIND, _READABLE_VERSIONS, _from_dict)
 
     def __str__(self) -> str:
         return f"{self._heading()}\n{self.report}"
@@ -338,7 +343,7 @@ class DetectedLights(Lights):
             ]
             for row in range(min(len(self), MOST_ROWS))
         ]
-        return [*columns, "irradiance (R, G, B)", ""], rows
+        return [*columns, rgb_heading(self.units), ""], rows
 
     def _remarks(self, row: int) -> str:
         """Remarks in the table's last column."""
@@ -360,7 +365,7 @@ class DetectedLights(Lights):
     def _array_names(self) -> tuple[str, ...]:
         """Names of the constructor's arrays with a row for each light."""
         names = (each.name for each in fields(self) if each.init)
-        arrays = (name for name in names if name not in ("members", "report"))
+        arrays = (name for name in names if name not in ("members", "report", "units"))
         return tuple(name for name in arrays if getattr(self, name) is not None)
 
 
@@ -379,6 +384,7 @@ def _from_dict(data: dict[str, Any]) -> DetectedLights:
         is_cut=np.array(cut, bool),
         members=Members.from_runs(data["members"], lights, report.working_size),
         report=report,
+        units=data.get("scale", OWN_SCALE),
     )
 
 

@@ -272,6 +272,7 @@ def _lights(
         is_clipped=_are_clipped(env, image.shape, merged, reach, sphere),
         members=Members(samples.pixel, merged.light),
         report=report,
+        units=env.units,
     )
 
 

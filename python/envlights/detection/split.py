@@ -163,7 +163,12 @@ def split(
     removed = _removed_lights(chosen, parts, _report(chosen, len(found), perf_counter() - start))
     notes = (*env.notes, *_notes(removed))
     rest = EnvMap.unchecked(
-        parts.rest, registration=env.registration, notes=notes, white=env.white, seen=env.seen
+        parts.rest,
+        registration=env.registration,
+        notes=notes,
+        white=env.white,
+        seen=env.seen,
+        units=env.units,
     )
     return Split(removed, rest)
 

@@ -4,6 +4,7 @@
 |----------------------------------------------------------|----------------|
 | lights, and a constant or a map around them              | `scene.py`     |
 | from our frame to the target's                           | `axes.py`      |
+| from lux and cd/m2 to the target's units                 | `units.py`     |
 | textures beside the file, and the file last              | `files.py`     |
 | the package's own JSON                                   | `own_json.py`  |
 | a table of numbers                                       | `csv.py`       |

@@ -26,6 +26,7 @@ import os
 import bpy
 from mathutils import Vector
 
+# Units: @UNITS@.
 # Direction towards the light (z up), irradiance at normal incidence, full angle in radians.
 LIGHTS = [
 @LIGHTS@]
@@ -103,9 +104,10 @@ def blender(
     another way: rotate imported objects by 90 degrees about the vertical.
 
     Units: the strength of a sun lamp is irradiance at normal incidence in W/m², its colour is a
-    factor, and `angle` is the full angle of the disc. The background is radiance. Exposure is a
-    setting of the scene, in Color Management; the view transform "Standard" shows the map's colours
-    unchanged.
+    factor, and `angle` is the full angle of the disc. The background is radiance. After
+    `EnvMap.calibrated` the numbers are lux and cd/m² over 683 lm/W, as Blender's glTF importer
+    converts them, so that a glTF of the rig gives the same lamps. Exposure is a setting of the
+    scene, in Color Management; the view transform "Standard" shows the map's colours unchanged.
 
     Kept: directions, irradiances, sizes; a constant ambient term as background, harmonics and an
     ambient term over a floor as a small map. Lost: harmonics where they are negative.
@@ -133,7 +135,7 @@ def blender(
     >>> next(line for line in script.splitlines() if line.startswith("    ("))
     '    ([0.0, 0.0, 1.0], [3.0, 2.0, 1.0], 0.5),'
     """
-    return _script(scene_of(rig, environment), texture)
+    return _script(scene_of(rig, environment, target="blender"), texture)
 
 
 def save_blender(
@@ -142,7 +144,7 @@ def save_blender(
     environment: EnvMap | ArrayLike | None = None,
 ) -> None:
     """Write `blender` at `path`, and its map beside it, if it has one."""
-    scene, name = scene_of(rig, environment), texture_name(path)
+    scene, name = scene_of(rig, environment, target="blender"), texture_name(path)
     save_scene(path, _script(scene, name), _textures(scene, name))
 
 
@@ -181,6 +183,7 @@ def _script(scene: Scene, name: str) -> str:
     written = "".join(f"    ({there}, {at}, {2 * radius}),\n" for there, at, radius in rows)
     ambient = np.zeros(3) if scene.ambient is None else scene.ambient
     parts = {
+        "@UNITS@": scene.statement,
         "@LIGHTS@": written,
         "@AMBIENT@": str(ambient.tolist()),
         "@MAP@": "None" if scene.environment is None else ascii(name),

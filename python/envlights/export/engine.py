@@ -71,7 +71,7 @@ def engine(
     ([0.0, 0.0, -1.0], 'right')
     """
     axes = Axes(matrix_of(right, up, forward))
-    scene = scene_of(rig, environment)
+    scene = scene_of(rig, environment, target="engine")
     # A map replaces the harmonics.
     harmonics = getattr(rig, "ambient", ()) if environment is None else ()
     described = {"right": right, "up": up, "forward": forward}
@@ -81,7 +81,7 @@ def engine(
         "axes": described,
         "handedness": "right" if axes.handedness > 0 else "left",
         "matrix": [list(row) for row in axes.matrix],
-        "units": _UNITS,
+        "units": f"{_UNITS}; {scene.statement}",
         "lights": _lights(scene, axes),
         **_ambient(scene, harmonics, axes, texture),
     }
@@ -161,7 +161,7 @@ def save_engine(
     """Write `engine` as JSON; a map goes beside it, ``scene.ambient.exr``."""
     axes = {"right": right, "up": up, "forward": forward}
     scene = engine(rig, environment, **axes, texture=texture_name(path))
-    _save(scene, scene_of(rig, environment), path)
+    _save(scene, scene_of(rig, environment, target="engine"), path)
 
 
 def save_unity(
@@ -171,7 +171,7 @@ def save_unity(
 ) -> None:
     """Write `unity` as JSON; a map goes beside it."""
     scene = unity(rig, environment, texture=texture_name(path))
-    _save(scene, scene_of(rig, environment), path)
+    _save(scene, scene_of(rig, environment, target="unity"), path)
 
 
 def save_unreal(
@@ -181,7 +181,7 @@ def save_unreal(
 ) -> None:
     """Write `unreal` as JSON; a map goes beside it."""
     scene = unreal(rig, environment, texture=texture_name(path))
-    _save(scene, scene_of(rig, environment), path)
+    _save(scene, scene_of(rig, environment, target="unreal"), path)
 
 
 def matrix_of(right: str, up: str, forward: str) -> Matrix:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from envlights.export.axes import AXES
 from envlights.export.files import save_scene
 from envlights.export.scene import check_rig
+from envlights.export.units import UNITS
 from envlights.lights import Lights
 from envlights.rig import Rig
 
@@ -31,10 +32,10 @@ def gltf(rig: Rig | Lights) -> dict[str, Any]:
     Axes: +y up and front +z, as in envlights. A directional light shines along the local -z of its
     node.
 
-    Units: `intensity` times `color` is irradiance at normal incidence. In glTF its unit is lux. The
-    numbers here have the scale of the map. If that is W/m² and your viewer expects lux, multiply
-    the intensities by 683 lm/W, or by the luminous efficacy of your white. Blender's importer
-    divides by 683 unless its lighting mode is "Unitless"; three.js uses the numbers unchanged.
+    Units: `intensity` times `color` is irradiance at normal incidence, in lux after
+    `EnvMap.calibrated`; the numbers of other maps have the scale of the map. The extras of `asset`
+    say which. Blender's importer divides by 683 lm/W unless its lighting mode is "Unitless";
+    three.js uses the numbers unchanged.
 
     Kept: directions, irradiances. Lost: glTF has neither sizes nor an ambient light. The `extras`
     hold them for programs that read them: `angular_radius` in radians, `ambient` in radiance.
@@ -62,7 +63,9 @@ def gltf(rig: Rig | Lights) -> dict[str, Any]:
     lights = check_rig(rig).discs()
     towards = AXES["gltf"].to_target(lights.direction)
     scene: dict[str, Any] = {"name": "envlights"}
-    asset: dict[str, Any] = {"asset": {"version": "2.0", "generator": "envlights"}, "scene": 0}
+    extras = {"units": UNITS["gltf"].statement(lights.units)}
+    about = {"version": "2.0", "generator": "envlights", "extras": extras}
+    asset: dict[str, Any] = {"asset": about, "scene": 0}
     asset["scenes"] = [scene]
     # An empty list is not valid.
     if len(lights):

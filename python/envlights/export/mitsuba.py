@@ -43,6 +43,8 @@ def mitsuba(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) ->
 
     Notes
     -----
+    After `EnvMap.calibrated` the numbers are lux and cd/m2, and so are the pixels of an image.
+
     Mitsuba picks one emitter at random for each path. Many emitters give noise. Rendering each
     alone and adding the images avoids it.
 
@@ -53,7 +55,7 @@ def mitsuba(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) ->
     >>> emitters["light_0"]["direction"], emitters["light_0"]["irradiance"]["value"]
     ([0.0, -1.0, 0.0], [3.0, 2.0, 1.0])
     """
-    scene = scene_of(rig, environment)
+    scene = scene_of(rig, environment, target="mitsuba")
     emitters = directional(scene.lights)
     radiance = _map_of(scene, is_sharp=environment is not None)
     if radiance is not None:
@@ -72,9 +74,10 @@ def save_mitsuba(
 
     A map goes beside it, ``scene.ambient.mitsuba.exr``, with its rows as Mitsuba reads them.
     """
-    scene = scene_of(rig, environment)
+    scene = scene_of(rig, environment, target="mitsuba")
     radiance = _map_of(scene, is_sharp=environment is not None)
     root = ElementTree.Element("scene", version="3.0.0")
+    root.append(ElementTree.Comment(f" {scene.statement} "))
     for name, light in directional(scene.lights).items():
         emitter = ElementTree.SubElement(root, "emitter", type="directional", id=name)
         x, y, z = map(repr, light["direction"])

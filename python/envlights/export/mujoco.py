@@ -18,7 +18,7 @@ from envlights._check import amount
 from envlights.envmap import EnvMap
 from envlights.export.axes import AXES
 from envlights.export.files import save_scene
-from envlights.export.scene import CASTERS, Scene, at_most, check_rig, mean_radiance
+from envlights.export.scene import CASTERS, Scene, at_most, mean_radiance, scene_of
 from envlights.kernels.sampling import icosphere
 from envlights.lights import Lights
 from envlights.rig import Rig
@@ -73,7 +73,8 @@ def mujoco(
     Returns
     -------
     str
-        XML; its ``numeric`` element ``envlights_scale`` has the scale.
+        XML; its ``numeric`` element ``envlights_scale`` has the scale, its ``text`` element
+        ``envlights_units`` the units of the irradiance.
 
     Raises
     ------
@@ -94,14 +95,14 @@ def mujoco(
     >>> lamp.get("dir"), lamp.get("diffuse")
     ('-1.0 0.0 0.0', '1.0 0.5 0.25')
     """
-    scene = at_most(Scene(check_rig(rig).discs(), mean_radiance(rig, environment), None), LAMPS)
-    ambient = np.pi * np.asarray(scene.ambient)
-    lights = scene.lights
+    scene = _scene(rig, scene_of(rig, environment, target="mujoco"), environment is not None)
+    lights, ambient = scene.lights, np.pi * np.asarray(scene.ambient)
     factor = _largest_scale(lights, ambient) if scale is None else amount("scale", scale)
     root = ElementTree.Element("mujoco", model="envlights")
     root.append(ElementTree.Comment(_COMMENT))
     custom = ElementTree.SubElement(root, "custom")
     ElementTree.SubElement(custom, "numeric", name="envlights_scale", data=repr(factor))
+    ElementTree.SubElement(custom, "text", name="envlights_units", data=scene.statement)
     # Its other parts would light what the camera sees from the camera.
     colours = {"ambient": _numbers(factor * ambient), "diffuse": "0 0 0", "specular": "0 0 0"}
     ElementTree.SubElement(ElementTree.SubElement(root, "visual"), "headlight", colours)
@@ -121,6 +122,12 @@ def save_mujoco(
 ) -> None:
     """Write `mujoco` at `path`."""
     save_scene(path, mujoco(rig, environment, scale=scale))
+
+
+def _scene(rig: Rig | Lights, scene: Scene, is_map: bool) -> Scene:
+    """Scene with the lights that MuJoCo shows, and one radiance around them."""
+    mean = mean_radiance(rig, scene.environment if is_map else None)
+    return at_most(scene._replace(ambient=mean, environment=None), LAMPS)
 
 
 def _lamps(lights: Lights, factor: float) -> list[dict[str, str]]:

@@ -23,7 +23,7 @@ _NARROW = 4 * np.pi / 1024
 _SIDE = 1.25
 #: Samples along a side of each of its pixels, which are averaged.
 _SAMPLES = 3
-_HEADER = "# Lights of envlights for pbrt-v4: Include this file after WorldBegin.\n"
+_HEADER = "# Lights of envlights for pbrt-v4: Include this file after WorldBegin."
 
 
 def pbrt(
@@ -38,7 +38,8 @@ def pbrt(
     right-handed (``Scale -1 1 1``), the lights are mirrored with it.
 
     Units: ``rgb L`` of a distant light is irradiance at normal incidence; that of an infinite light
-    is radiance, and so are the pixels of its map. The film sets the exposure with ``iso`` and
+    is radiance, and so are the pixels of its map. pbrt scales an RGB of 1 to 1 lux or 1 cd/m2, so
+    after `EnvMap.calibrated` the numbers are those. The film sets the exposure with ``iso`` and
     ``exposuretime``.
 
     Kept: directions, irradiances; a constant ambient term; harmonics, an ambient term over a floor,
@@ -63,7 +64,7 @@ def pbrt(
     >>> print(el.export.pbrt(el.Lights([[0, 1, 0]], [[3, 2, 1]])).splitlines()[-1])
     LightSource "distant" "rgb L" [3 2 1] "point3 from" [0 0 1] "point3 to" [0 0 0]
     """
-    return _sources(*_parts(scene_of(rig, environment)), texture)
+    return _sources(*_parts(scene_of(rig, environment, target="pbrt")), texture)
 
 
 def save_pbrt(
@@ -72,7 +73,7 @@ def save_pbrt(
     environment: EnvMap | ArrayLike | None = None,
 ) -> None:
     """Write `pbrt` at `path`, and the map of an infinite light beside it, if there is one."""
-    lights, scene = _parts(scene_of(rig, environment))
+    lights, scene = _parts(scene_of(rig, environment, target="pbrt"))
     name = texture_name(path, "ambient.pbrt")
     textures = {} if scene.environment is None else {name: _equal_area(scene.environment)}
     save_scene(path, _sources(lights, scene, name), textures)
@@ -95,7 +96,7 @@ def _sources(lights: Lights, scene: Scene, name: str) -> str:
         lines.append(f'LightSource "infinite" "string filename" {json.dumps(name)}')
     elif scene.ambient is not None:
         lines.append(f'LightSource "infinite" "rgb L" {_numbers(scene.ambient)}')
-    return "\n".join([_HEADER, *lines]) + "\n"
+    return "\n".join([_HEADER, f"# Units: {scene.statement}.", *lines]) + "\n"
 
 
 def _equal_area(env: EnvMap) -> NDArray[np.float32]:

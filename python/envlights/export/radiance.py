@@ -26,7 +26,7 @@ _POINT = 1e-4
 #: Column and row of the picture in a direction of the sky; the centre looks along +x.
 _LOOK_UP = "1-atan2(Dy,Dx)/PI 0.5+atan2(Dz,sqrt(Dx*Dx+Dy*Dy))/PI"
 _HEADER = """\
-# Lights of envlights, z up. Irradiance and radiance on the scale of the map.
+# Lights of envlights, z up. Units: @UNITS@.
 # rtrace and rpict: -ab 1 or more for the ambient term and wide lights, -dj 1 for soft shadows.
 """
 
@@ -42,8 +42,10 @@ def radiance(
     east, along +x.
 
     Units: a source has radiance and the full angle of its disc in degrees; the radiance is
-    irradiance over :math:`\pi \sin^2 a` for the angular radius a. The numbers have the scale of
-    the map. Radiance reads them as W/m²/sr; `pfilt` and `ximage` set the exposure of a picture.
+    irradiance over :math:`\pi \sin^2 a` for the angular radius a. Radiance reads the numbers as
+    W/m²/sr. After `EnvMap.calibrated` they are cd/m² over Radiance's 179 lm/W: 179 times the result
+    of `rtrace -I` is lux, with the weights 0.2126, 0.7152 and 0.0722 of Rec.709. The numbers of
+    other maps have the scale of the map; `pfilt` and `ximage` set the exposure of a picture.
 
     Kept: directions, irradiances, sizes; a constant ambient term as `glow`; harmonics, an ambient
     term over a floor, and lights wider than 11 degrees in radius as a picture on a `glow`, which is
@@ -77,7 +79,7 @@ def radiance(
     0
     4 0 0 1 11.4591559
     """
-    return _description(*_parts(scene_of(rig, environment)), texture)
+    return _description(*_parts(scene_of(rig, environment, target="radiance")), texture)
 
 
 def save_radiance(
@@ -86,7 +88,7 @@ def save_radiance(
     environment: EnvMap | ArrayLike | None = None,
 ) -> None:
     """Write `radiance` at `path`, and the picture of the sky beside it, if there is one."""
-    lights, scene = _parts(scene_of(rig, environment))
+    lights, scene = _parts(scene_of(rig, environment, target="radiance"))
     name = str(PurePath(texture_name(path)).with_suffix(".hdr"))
     textures = {} if scene.environment is None else {name: scene.environment.radiance}
     save_scene(path, _description(lights, scene, name), textures)
@@ -108,7 +110,8 @@ def _description(lights: Lights, scene: Scene, name: str) -> str:
         _source("light", f"light_{j}", rgb, direction, 2 * angle)
         for j, (rgb, direction, angle) in enumerate(zip(seen, towards, radius, strict=True))
     ]
-    return "\n".join([_HEADER, *sources, *_glow(scene, name)])
+    header = _HEADER.replace("@UNITS@", scene.statement)
+    return "\n".join([header, *sources, *_glow(scene, name)])
 
 
 def _sky(scene: Scene, lights: Lights) -> NDArray[np.float64]:

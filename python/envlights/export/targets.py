@@ -16,10 +16,10 @@ from envlights.export.pbrt import save_pbrt
 from envlights.export.radiance import save_radiance
 from envlights.export.scene import CASTERS
 from envlights.export.three import save_three
+from envlights.export.units import UNITS
 from envlights.export.usd import save_usd
 
-#: Targets in the order of the help.
-TARGETS = (
+_TARGETS = (
     Target(
         "json",
         "envlights itself",
@@ -43,7 +43,6 @@ TARGETS = (
             sizes="none",
             harmonics="none",
             environment=False,
-            units="lux",
             remark="no ambient light: set the one in `extras` by hand; sizes are in `extras` too",
             source="Khronos, KHR_lights_punctual: a directional light has no size",
         ),
@@ -55,7 +54,6 @@ TARGETS = (
         save_three,
         Capabilities(
             sizes="none",
-            units="lux, nits for ambient light",
             remark="sizes are in `userData`",
             source="three.js, src/lights: DirectionalLight, HemisphereLight, LightProbe",
         ),
@@ -67,7 +65,6 @@ TARGETS = (
         save_usd,
         Capabilities(
             harmonics="map",
-            units="nits",
             remark="Storm, the viewer of usdview, ignores `angle`",
             source="OpenUSD, UsdLux: DistantLight, inputs:angle",
         ),
@@ -88,7 +85,6 @@ TARGETS = (
         save_blender,
         Capabilities(
             harmonics="map",
-            units="W/m2",
             remark="for Cycles; a map has no shadows in EEVEE",
             source="Blender manual, Cycles: Sun Light, Angle",
         ),
@@ -122,8 +118,7 @@ TARGETS = (
             floor=False,
             lights=LAMPS,
             casters=CASTERS,
-            units="pixel values, `envlights_scale` times irradiance",
-            remark="of a map, the mean alone; for the classic renderer",
+            remark="of a map, the mean alone; pixels of its classic renderer are linear",
             source="MuJoCo 3.12, src/render/classic/render_gl3.c: eight lights of OpenGL",
         ),
     ),
@@ -137,7 +132,6 @@ TARGETS = (
             harmonics="map",
             lights=DIRECTIONAL_LIGHTS,
             casters=CASTERS,
-            units="radiance of a white surface",
             remark="sizes above 1.5 degrees are points; a map needs Forward+ or Mobile",
             source="Godot 4, scene_forward_lights_inc.glsl, light_storage.cpp",
         ),
@@ -149,7 +143,7 @@ TARGETS = (
         save_unity,
         Capabilities(
             sizes="soften",
-            units="lux in HDRP, radiance elsewhere",
+            remark="other pipelines than HDRP use `intensity_without_pi`",
             source="Unity manual, HDRP: Light, Angular Diameter",
         ),
     ),
@@ -161,12 +155,22 @@ TARGETS = (
         Capabilities(
             sizes="soften",
             harmonics="map",
-            units="lux",
             remark="set the rotation of the map by hand",
             source="Unreal Engine documentation: Directional Light, Source Angle",
         ),
     ),
 )
+
+
+def _with_units(target: Target) -> Target:
+    """`target` with its units from their own table; our own files keep those of the map."""
+    if target.name not in UNITS:
+        return target
+    return target._replace(shows=target.shows._replace(units=UNITS[target.name].in_short()))
+
+
+#: Targets in the order of the help.
+TARGETS = tuple(map(_with_units, _TARGETS))
 
 register(TARGETS)
 

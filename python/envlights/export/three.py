@@ -47,8 +47,9 @@ def three(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) -> d
 
     Units: colour times intensity of a directional light is irradiance at normal incidence.
     `AmbientLight` and `HemisphereLight` have irradiance too, pi times our radiance; `LightProbe`
-    and environments have radiance. Since release 155 this needs no setting. The renderer's
-    ``toneMappingExposure`` sets the exposure.
+    and environments have radiance. Since release 155 this needs no setting. After
+    `EnvMap.calibrated` the numbers are lux and cd/m². The renderer's ``toneMappingExposure`` sets
+    the exposure.
 
     Kept: directions, irradiances; a constant ambient term as `AmbientLight`, harmonics as
     `LightProbe`, an ambient term over a floor as `HemisphereLight`; a map as the scene's
@@ -73,11 +74,11 @@ def three(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) -> d
     >>> light["type"], light["intensity"], light["matrix"][12:15]
     ('DirectionalLight', 3.0, [10.0, 0.0, 0.0])
     """
-    scene = scene_of(rig, environment)
+    scene = scene_of(rig, environment, target="three")
     lights = scene.lights
     rows = zip(lights.direction, lights.irradiance, lights.angular_radius, strict=True)
     children = [_light(j, *row) for j, row in enumerate(rows)]
-    root = _thing("Scene", "envlights", children=children)
+    root = _thing("Scene", "envlights", children=children, userData={"units": scene.statement})
     written: dict[str, Any] = {"metadata": _VERSION}
     if environment is not None and scene.environment is not None:
         image, texture = _map(scene.environment)

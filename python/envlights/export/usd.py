@@ -22,7 +22,7 @@ from envlights.rig import Rig
 _HEAD = """#usda 1.0
 (
     defaultPrim = "rig"
-    doc = "Lights: irradiance at normal incidence; dome: radiance; linear Rec.709 RGB"
+    doc = "Lights: irradiance at normal incidence; dome: radiance; linear Rec.709 RGB; @UNITS@"
     metersPerUnit = 1
     upAxis = "Y"
 )
@@ -54,7 +54,8 @@ def usd(
         ``DistantLight``: along its local -z, `angle` is the full angle in degrees, and `normalize`
         makes intensity times color our irradiance, in W m\ :sup:`-2`, whatever the angle.
         ``DomeLight``: intensity times color is our radiance; or a latlong texture with our
-        orientation. The stage has +y up.
+        orientation. The stage has +y up. After `EnvMap.calibrated` the numbers are lux and cd/m2,
+        the units of UsdLux at exposure 0.
 
     Examples
     --------
@@ -63,7 +64,7 @@ def usd(
     >>> "float inputs:intensity = 3.0" in text, "color3f inputs:color = (1.0, 0.5, 0.0)" in text
     (True, True)
     """
-    return _text(scene_of(rig, environment), texture)
+    return _text(scene_of(rig, environment, target="usd"), texture)
 
 
 def save_usd(
@@ -75,7 +76,7 @@ def save_usd(
 
     A map goes beside it, ``scene.ambient.exr``.
     """
-    scene = scene_of(rig, environment)
+    scene = scene_of(rig, environment, target="usd")
     name = texture_name(path)
     text = _text(scene, name)
     content = _crate(text) if as_path(path).suffix.lower() == ".usdc" else text
@@ -95,7 +96,7 @@ def _text(scene: Scene, texture: str) -> str:
         prims.append(_prim("DomeLight", "ambient", ["float inputs:intensity = 1.0", *file]))
     elif scene.ambient is not None:
         prims.append(_prim("DomeLight", "ambient", _colour(scene.ambient)))
-    return _HEAD + "\n".join(prims) + "}\n"
+    return _HEAD.replace("@UNITS@", scene.statement) + "\n".join(prims) + "}\n"
 
 
 def _light(

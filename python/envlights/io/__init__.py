@@ -15,6 +15,7 @@
 | convert primaries to Rec.709                  | `primaries.py`                                   |
 | the steps in order                            | `images.py`                                      |
 | reduce a file row by row for a fit            | `reduced_file.py`                                |
+| exposure and focal length of EXIF             | `exif_exposure.py`, `focal_length.py`            |
 | merge exposures into one image                | `exposures/`                                     |
 | read raw files of cameras                     | `raw.py`                                         |
 | write images                                  | `image_output.py`                                |

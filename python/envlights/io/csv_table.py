@@ -10,10 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._native import EnvLightsError
+from envlights._units import OWN_SCALE, PHOTOMETRIC
 from envlights.io.files import as_path
 
 FORMAT = "# envlights CSV, version 1"
 
+#: End of the second line, before the unit; files without it have the map's own scale.
+SCALE = "; scale: "
 HEADER = "kind,x,y,z,red,green,blue,angular_radius"
 _RIG = re.compile(r"# relative RMS error (\S+)(, over a floor)?")
 #: First cells of the rows of an ambient term: constant, or nine harmonics.
@@ -37,6 +40,9 @@ class Table(NamedTuple):
 
     error: float | None
     """Relative RMS error of the rig."""
+
+    units: str
+    """Unit of the radiance; see `EnvMap.units`."""
 
     floor: bool
     """True if a floor hides the ambient light from below."""
@@ -69,7 +75,8 @@ def read_csv(path: str | os.PathLike[str]) -> Table:
     if (ambient is None) != (rms is None):
         raise EnvLightsError(f"{path} is not a complete rig: ambient and error go together")
     floor = bool(header and header[2])
-    return Table(lights[:, :3], lights[:, 3:6], lights[:, 6], ambient, rms, floor)
+    units = PHOTOMETRIC if lines[1].endswith(f"{SCALE}{PHOTOMETRIC}") else OWN_SCALE
+    return Table(lights[:, :3], lights[:, 3:6], lights[:, 6], ambient, rms, units, floor)
 
 
 def _rows(lines: list[str]) -> list[list[str]]:

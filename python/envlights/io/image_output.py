@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from envlights import _native
 from envlights._check import check_choice, flag
 from envlights._native import EnvLightsError
+from envlights._units import OWN_SCALE, PHOTOMETRIC
 from envlights.io.files import as_path, write_atomically
 from envlights.io.images import REC709, read_image
-from envlights.io.openimageio import failure, oiio
+from envlights.io.openimageio import WHITE_LUMINANCE, failure, oiio
 
 #: Lossless compressions of OpenEXR.
 COMPRESSIONS = ("zip", "piz", "rle", "none")
@@ -37,6 +38,7 @@ def write_exr(
     compression: str = COMPRESSIONS[0],
     environment: str = "",
     comments: Iterable[str] = (),
+    units: str = OWN_SCALE,
 ) -> None:
     """Write linear Rec.709 RGB, (height, width, 3), as an OpenEXR file.
 
@@ -53,6 +55,8 @@ def write_exr(
         edges of six faces in the order of OpenEXR: readers take the pixels so.
     comments : iterable of str
         Lines of the attribute ``comments``.
+    units : str
+        "cd/m2" becomes the attribute ``whiteLuminance``: the luminance of RGB (1, 1, 1).
     """
     check_choice("compression", compression, COMPRESSIONS)
     check_choice("environment", environment, ("", *_TEXTURE_FORMATS))
@@ -67,6 +71,8 @@ def write_exr(
         # OpenImageIO writes this as the attribute `comments`.
         spec.attribute("ImageDescription", "\n".join(lines))
     spec.attribute("chromaticities", oiio.TypeDesc("float[8]"), REC709)
+    if units == PHOTOMETRIC:
+        spec.attribute(WHITE_LUMINANCE, 1.0)
     if environment:
         spec.attribute("textureformat", _TEXTURE_FORMATS[environment])
         spec.attribute("openexr:levelmode", 0)  # one level, no pyramid

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from envlights._check import count
 from envlights._native import EnvLightsError
+from envlights._units import OWN_SCALE, PHOTOMETRIC
 from envlights._white import CodeHistogram, white_of
 from envlights.io.alpha import seen_of_alpha, straight_codes, visible
 from envlights.io.channels import Choice, choose
@@ -55,6 +56,12 @@ class Image:
     hints: Hints = NO_HINTS
     """Statements of the file about its projection."""
 
+    units: str = OWN_SCALE
+    """Unit of the pixels; see `EnvMap.units`."""
+
+    ev100: float | None = None
+    """Exposure value at ISO 100 of a single exposure; None if unknown."""
+
 
 @dataclass(frozen=True)
 class OpenImage:
@@ -93,6 +100,11 @@ class OpenImage:
             header.border_sampled,
             *view,
         )
+
+    @property
+    def units(self) -> str:
+        """Unit of the linear samples."""
+        return PHOTOMETRIC if self.raw.header.has_luminance else OWN_SCALE
 
     def samples(self) -> Iterator[tuple[int, NDArray[Any], NDArray[Any]]]:
         """First row, colours and alpha of some rows at a time, in the type of the file."""
@@ -138,6 +150,8 @@ class OpenImage:
             white,
             None if seen is None else self.place.apply(seen, border=1),
             self.hints,
+            self.units,
+            header.ev100,
         )
 
     def _white(

@@ -38,6 +38,9 @@ class ReducedFile(NamedTuple):
     clipped_flux_share: float
     """Fraction of the flux in clipped pixels; 0 for a file without a clip level."""
 
+    units: str
+    """Unit of the cells; see `EnvMap.units`."""
+
 
 class _Cells(NamedTuple):
     """Size of the reduced map."""
@@ -70,7 +73,7 @@ def reduce_file(
         try:
             if file.raw.radiance is not None:
                 reduced = _native.reduce_radiance(file.raw.radiance, *cells)
-                return ReducedFile(reduced, file.raw.header.width, file.notes, 0.0)
+                return ReducedFile(reduced, file.raw.header.width, file.notes, 0.0, file.units)
             return _of_rows(file, cells)
         except UnusableSamplesError:
             return None
@@ -110,7 +113,7 @@ def _of_rows(file: OpenImage, cells: _Cells) -> ReducedFile | None:
         return None
     if reducer.negative:
         notes.append(note_of_negative(reducer.negative))
-    return ReducedFile(reduced, header.width, (*file.notes, *notes), share)
+    return ReducedFile(reduced, header.width, (*file.notes, *notes), share, file.units)
 
 
 def _clipped(

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from envlights import _html, _thumbnails
 from envlights._check import check_choice
 from envlights._native import EnvLightsError
+from envlights._units import OWN_SCALE
 from envlights.io.files import as_path
 from envlights.io.image_output import COMPRESSIONS, MAP_SUFFIXES, map_suffix, write_exr, write_hdr
 from envlights.layouts.conventions import CONVENTIONS
@@ -57,6 +58,9 @@ class Picture:
 
     notes: tuple[str, ...] = ()
     """Remarks on the origin; they become comments of a file."""
+
+    units: str = OWN_SCALE
+    """Unit of the samples; see `EnvMap.units`."""
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
         """Samples, for `numpy.asarray`."""
@@ -119,6 +123,7 @@ class Picture:
         """
         check_choice("arrangement", arrangement, ARRANGEMENTS)
         options: dict[str, Any] = {"half": half, "compression": compression}
+        options["units"] = self.units
         files = self._face_files(path)
         if files:
             if arrangement != "stack":

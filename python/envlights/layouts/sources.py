@@ -179,8 +179,21 @@ def _stack_of(name: str, order: str, images: list[Image]) -> Image:
         notes=tuple(notes),
         white=_white(images),
         seen=seen,
+        ev100=first.ev100 if len({image.ev100 for image in images}) == 1 else None,
+        units=_units(images),
         hints=first.hints._replace(name=name, order=order, border_sampled=False),
     )
+
+
+def _units(images: list[Image]) -> str:
+    """Unit of all images, or a refusal of several units."""
+    units = {image.units for image in images}
+    if len(units) > 1:
+        raise EnvLightsError(
+            "the faces of a cube must have one scale; some files have luminance in cd/m2"
+            " (whiteLuminance), others do not; give files of one origin"
+        )
+    return units.pop()
 
 
 def _share(image: Image) -> NDArray[np.float32]:
