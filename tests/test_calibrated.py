@@ -127,7 +127,7 @@ def test_readings_that_contradict_the_map_are_refused_with_the_figures():
         ({"lux": 1, "facing": (0, 2, 0)}, "length"),
         ({"lux": 1, "shaded": 2}, "shaded must be below lux.*2 lux in the shade and 1 in the sun"),
         ({"lux": 2, "shaded": 1}, "no pixel is clipped"),
-        ({"nits": 1, "at": (16, 0)}, "16 rows and 32 columns; got .16, 0"),
+        ({"nits": 1, "at": (16, 0)}, "16 rows and 32 columns; got \\(16, 0"),
         ({"nits": 1, "at": (1, 2, 3, 4)}, "got 4 numbers"),
         ({"ev100": 1000}, "ev100 must be a finite number"),
         ({"lux": 1e300}, "single precision"),

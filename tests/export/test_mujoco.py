@@ -197,8 +197,7 @@ def test_by_formula_a_file_lights_as_it_says(name):
 
 
 def test_files_state_their_units():
-    root = ElementTree.fromstring(el.export.mujoco(POINTS))
-    assert "not calibrated" in root.find("custom/text").get("data")
+    assert "the scale is that of the map, which is not calibrated" in el.export.mujoco(POINTS)
     assert 'metadata/units = "the scale is that of the map' in el.export.godot(POINTS)
 
 

@@ -39,7 +39,7 @@ class MapFile(NamedTuple):
     """Measured illuminance of a horizontal surface."""
 
     shaded: float | None = None
-    """The same with the sun shaded."""
+    """Second reading with the sun shaded."""
 
     ev100: float | None = None
     """Exposure value at ISO 100."""
@@ -93,7 +93,7 @@ def map_argument(function: Callable[..., None]) -> Callable[..., None]:
         "--shaded",
         type=float,
         metavar="LUX",
-        help="The same with the sun shaded, if it is clipped.",
+        help="Second reading with the sun shaded, if the sun is clipped.",
     )
     @click.option(
         "--ev100", type=float, metavar="EV", help="Exposure value of MAP at ISO 100, for lux."

@@ -92,7 +92,7 @@ def save_godot(
 
 def _text(scene: Scene, texture: str) -> str:
     parts = ["[gd_scene format=3]", *_environment(scene, texture)]
-    units = json.dumps(scene.statement)
+    units = json.dumps(scene.statement, ensure_ascii=False)
     parts.append(f'[node name="envlights" type="Node3D"]\nmetadata/units = {units}')
     parts.append(
         '[node name="environment" type="WorldEnvironment" parent="."]\n'

@@ -35,6 +35,7 @@ _COMMENT = """
   Lights of envlights for the classic renderer of MuJoCo. z is up; the centre of the map is along x.
   A white matte surface has the pixel value envlights_scale times its irradiance in the map's unit,
   linear and from 0 to 1: apply the sRGB curve to the picture for a display.
+  @UNITS@
 """
 
 
@@ -73,8 +74,7 @@ def mujoco(
     Returns
     -------
     str
-        XML; its ``numeric`` element ``envlights_scale`` has the scale, its ``text`` element
-        ``envlights_units`` the units of the irradiance.
+        XML; its ``numeric`` element ``envlights_scale`` has the scale.
 
     Raises
     ------
@@ -99,10 +99,9 @@ def mujoco(
     lights, ambient = scene.lights, np.pi * np.asarray(scene.ambient)
     factor = _largest_scale(lights, ambient) if scale is None else amount("scale", scale)
     root = ElementTree.Element("mujoco", model="envlights")
-    root.append(ElementTree.Comment(_COMMENT))
+    root.append(ElementTree.Comment(_COMMENT.replace("@UNITS@", scene.statement)))
     custom = ElementTree.SubElement(root, "custom")
     ElementTree.SubElement(custom, "numeric", name="envlights_scale", data=repr(factor))
-    ElementTree.SubElement(custom, "text", name="envlights_units", data=scene.statement)
     # Its other parts would light what the camera sees from the camera.
     colours = {"ambient": _numbers(factor * ambient), "diffuse": "0 0 0", "specular": "0 0 0"}
     ElementTree.SubElement(ElementTree.SubElement(root, "visual"), "headlight", colours)

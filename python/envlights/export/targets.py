@@ -118,7 +118,7 @@ _TARGETS = (
             floor=False,
             lights=LAMPS,
             casters=CASTERS,
-            remark="of a map, the mean alone; pixels of its classic renderer are linear",
+            remark="of a map, the mean alone; for the classic renderer",
             source="MuJoCo 3.12, src/render/classic/render_gl3.c: eight lights of OpenGL",
         ),
     ),
