@@ -196,6 +196,11 @@ def test_by_formula_a_file_lights_as_it_says(name):
     assert relative(irradiance, as_lamps(rig)(NORMALS)) < 1e-3
 
 
+def test_files_state_their_units():
+    assert "the scale is that of the map, which is not calibrated" in el.export.mujoco(POINTS)
+    assert 'metadata/units = "the scale is that of the map' in el.export.godot(POINTS)
+
+
 def test_without_lights_and_without_light():
     for rig in (POINTS[:0], el.Lights([[0, 1, 0]], [[0, 0, 0]])):
         irradiance, count = by_formula(el.export.mujoco(rig))

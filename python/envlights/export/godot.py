@@ -73,7 +73,7 @@ def godot(
     >>> import envlights as el
     >>> scene = el.export.godot(el.Lights([[0, 0, 1]], [[3.141592653589793, 0, 0]]))
     >>> [line for line in scene.splitlines() if line.startswith("light_")]
-    ['light_color = Color(1.0, 0.0, 0.0, 1)', 'light_energy = 1.0']
+    ['light_color = Color(1, 0, 0, 1)', 'light_energy = 1.0']
     """
     return _text(at_most(scene_of(rig, environment, target="godot"), DIRECTIONAL_LIGHTS), texture)
 
@@ -84,10 +84,8 @@ def save_godot(
     environment: EnvMap | ArrayLike | None = None,
 ) -> None:
     """Write `godot` at `path`, and its map beside it, if it has one."""
-    scene, name = (
-        at_most(scene_of(rig, environment, target="godot"), DIRECTIONAL_LIGHTS),
-        texture_name(path),
-    )
+    scene = at_most(scene_of(rig, environment, target="godot"), DIRECTIONAL_LIGHTS)
+    name = texture_name(path)
     textures = {} if scene.environment is None else {name: scene.environment.radiance}
     save_scene(path, _text(scene, name), textures)
 
@@ -166,5 +164,6 @@ def _basis(towards: NDArray[np.float64]) -> str:
 def _colour(values: NDArray[np.float64]) -> tuple[str, float]:
     """Colour in sRGB codes, and energy; the product of energy and linear colour is `values`."""
     most = float(values.max())
-    red, green, blue = encode_srgb(values / (most or 1.0)).tolist()
-    return f"Color({red}, {green}, {blue}, 1)", most
+    # Godot has colours in 32 bits.
+    codes = ", ".join(f"{code:.9g}" for code in encode_srgb(values / (most or 1.0)).tolist())
+    return f"Color({codes}, 1)", most

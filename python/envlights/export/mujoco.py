@@ -18,8 +18,7 @@ from envlights._check import amount
 from envlights.envmap import EnvMap
 from envlights.export.axes import AXES
 from envlights.export.files import save_scene
-from envlights.export.scene import CASTERS, Scene, at_most, check_rig, mean_radiance
-from envlights.export.units import UNITS
+from envlights.export.scene import CASTERS, Scene, at_most, mean_radiance, scene_of
 from envlights.kernels.sampling import icosphere
 from envlights.lights import Lights
 from envlights.rig import Rig
@@ -96,9 +95,8 @@ def mujoco(
     >>> lamp.get("dir"), lamp.get("diffuse")
     ('-1.0 0.0 0.0', '1.0 0.5 0.25')
     """
-    scene = _scene(rig, environment)
-    ambient = np.pi * np.asarray(scene.ambient)
-    lights = scene.lights
+    scene = _scene(rig, scene_of(rig, environment, target="mujoco"), environment is not None)
+    lights, ambient = scene.lights, np.pi * np.asarray(scene.ambient)
     factor = _largest_scale(lights, ambient) if scale is None else amount("scale", scale)
     root = ElementTree.Element("mujoco", model="envlights")
     root.append(ElementTree.Comment(_COMMENT.replace("@UNITS@", scene.statement)))
@@ -125,11 +123,10 @@ def save_mujoco(
     save_scene(path, mujoco(rig, environment, scale=scale))
 
 
-def _scene(rig: Rig | Lights, environment: EnvMap | ArrayLike | None) -> Scene:
-    """At most seven lights, and the mean radiance of all else."""
-    lights = check_rig(rig).discs()
-    units = UNITS["mujoco"].statement(lights.units)
-    return at_most(Scene(lights, mean_radiance(rig, environment), None, units), LAMPS)
+def _scene(rig: Rig | Lights, scene: Scene, is_map: bool) -> Scene:
+    """Scene with the lights that MuJoCo shows, and one radiance around them."""
+    mean = mean_radiance(rig, scene.environment if is_map else None)
+    return at_most(scene._replace(ambient=mean, environment=None), LAMPS)
 
 
 def _lamps(lights: Lights, factor: float) -> list[dict[str, str]]:

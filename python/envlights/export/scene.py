@@ -119,20 +119,20 @@ def at_most(scene: Scene, count: int) -> Scene:
     surplus = scene.lights[count:]
     if not len(surplus):
         return scene
-    added = surplus.irradiance.sum(axis=0) / (4 * np.pi)
+    added, lights = surplus.irradiance.sum(axis=0) / (4 * np.pi), scene.lights[:count]
     if scene.environment is None:
         ambient = added if scene.ambient is None else added + scene.ambient
-        return scene._replace(lights=scene.lights[:count], ambient=ambient)
+        return scene._replace(lights=lights, ambient=ambient)
     radiance = scene.environment.radiance + added.astype(np.float32)
-    return scene._replace(lights=scene.lights[:count], environment=EnvMap(radiance))
+    return scene._replace(lights=lights, environment=EnvMap(radiance))
 
 
-def mean_radiance(rig: Any, environment: EnvMap | ArrayLike | None = None) -> NDArray[np.float64]:
+def mean_radiance(rig: Any, environment: EnvMap | None) -> NDArray[np.float64]:
     """Mean radiance of a map, or of the ambient term of a rig, (3,); that over a floor is whole."""
     if environment is None:
         ambient = np.asarray(getattr(rig, "ambient", np.zeros(3)))
         return HARMONIC_MEAN * ambient[0] if ambient.ndim == 2 else ambient
-    radiance = as_envmap(environment).cells()
+    radiance = environment.cells()
     rows = pixel_solid_angles(len(radiance), 2).sum(axis=1) / (4 * np.pi)
     mean: NDArray[np.float64] = rows @ radiance.mean(axis=1, dtype=np.float64)
     return mean
