@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import click
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from envlights.cli.map_input import MapFile, map_argument
 from envlights.cli.outputs import say_written
 from envlights.envmap import EnvMap
+from envlights.io.image_output import MAP_SUFFIXES
 from envlights.layouts.picture import check_picture_path
 
 
@@ -42,12 +44,12 @@ def command(
     order: str,
     view: float | None,
 ) -> None:
-    """Write MAP in another layout to OUT (.exr, .hdr; sky_{face}.exr for six files)."""
+    """Write MAP in another layout to OUT (.exr, .hdr, .tif, .png; sky_{face}.exr for six files)."""
     check_picture_path(output)
     env = map_file.open()
     if rotate is not None:
         env = _rotate(env, math.radians(rotate))
-    if layout == "equirectangular":
+    if layout == "equirectangular" and Path(output).suffix.lower() in MAP_SUFFIXES:
         (env if width is None else env.resized(width)).save(output)
         say_written([output])
         return

@@ -85,6 +85,7 @@ def _is_plain(file: OpenImage) -> bool:
         and header.alpha == "none"
         and file.place.is_plain
         and not file.hints.names_other_projection
+        and not file.hints.layout
         and not file.hints.stereo
         and colour.matrix is None
         and not header.has_gain_map

@@ -179,7 +179,7 @@ def _stack_of(name: str, order: str, images: list[Image]) -> Image:
         notes=tuple(notes),
         white=_white(images),
         seen=seen,
-        hints=first.hints._replace(name=name, order=order, border_sampled=False),
+        hints=first.hints._replace(name=name, order=order, border_sampled=False, layout=""),
     )
 
 
