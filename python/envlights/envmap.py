@@ -16,9 +16,9 @@ from envlights.io.colour import ColourArgument
 from envlights.io.exposures import merge_exposures
 from envlights.io.image_output import COMPRESSIONS, map_suffix, write_exr, write_hdr
 from envlights.io.images import MOST_PIXELS
-from envlights.io.source import AnySource, is_source, name_of
+from envlights.io.source import name_of
 from envlights.layouts.records import REGISTRATIONS, Arguments
-from envlights.layouts.sources import PictureSource, read_picture
+from envlights.layouts.sources import PictureSource, is_picture_source, read_picture
 from envlights.repair import repair
 
 _T = TypeVar("_T")
@@ -338,13 +338,13 @@ class EnvMap(MapLight, MapLayouts):
         )
 
 
-#: Map, its file as path, bytes or file object, or its radiance as an array.
-AnyMap = EnvMap | AnySource | ArrayLike
+#: Map, its file as path, bytes or file object, six files of a cube, or radiance as an array.
+AnyMap = EnvMap | PictureSource | ArrayLike
 
 
 def as_envmap(env: Any) -> EnvMap:
     """Map of an `AnyMap`; a map is returned as it is."""
-    if is_source(env):
+    if is_picture_source(env):
         return EnvMap.open(env)
     return env if isinstance(env, EnvMap) else EnvMap(env)
 
@@ -357,7 +357,7 @@ def apply_to_map(env: Any, work: Callable[[EnvMap], _T]) -> tuple[EnvMap, _T]:
     Kernels read every sample anyway and refuse those that are not radiance, so the usual array
     needs no check of its own.
     """
-    if isinstance(env, EnvMap) or is_source(env):
+    if isinstance(env, EnvMap) or is_picture_source(env):
         world = as_envmap(env)
         return world, work(world)
     world = EnvMap.unchecked(env)

@@ -1,6 +1,5 @@
 """Detection in photographs: against the slow reference, in closed form, and on views of maps."""
 
-
 import numpy as np
 import pytest
 from hypothesis import given
