@@ -1,5 +1,6 @@
 """Pictures that we save open again without arguments, in the layout in which they were saved."""
 
+import contextlib
 import json
 import math
 
@@ -125,6 +126,29 @@ def test_a_picture_that_was_resized_in_proportion_opens(tmp_path):
     assert small.write(str(tmp_path / "small.exr"))
     env = el.EnvMap.open(tmp_path / "small.exr")
     assert env.source.layout == picture.layout._replace(height=12, width=12)
+    assert oiio.ImageBuf(str(file)).write(str(tmp_path / "a.jpg"))
+    assert el.EnvMap.open(tmp_path / "a.jpg").source.layout == picture.layout
+
+
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
+    lambda each: st.lists(each, max_size=3) | st.dictionaries(st.text(max_size=5), each),
+    max_leaves=9,
+)
+PARTS = {
+    "version": st.just(1) | JSON,
+    "projection": st.sampled_from(sorted({name for name, _ in REQUESTS.values()})) | JSON,
+    "size": st.just([24, 24]) | JSON,
+}
+ARGUMENTS = dict.fromkeys(Arguments._fields[1:], JSON)
+
+
+@given(st.fixed_dictionaries(PARTS, optional=ARGUMENTS))
+@settings(max_examples=300, deadline=None)
+def test_any_statement_gives_a_layout_or_a_refusal(data):
+    line = (LAYOUT + json.dumps(data),)
+    with contextlib.suppress(el.EnvLightsError):
+        assert layout_of(line, np.ones((24, 24, 3))).width <= 24
 
 
 def test_arguments_of_the_user_go_before_the_statement(tmp_path):

@@ -20,7 +20,7 @@ from envlights._tables import MOST_ROWS
 from envlights.detection.members import Members
 from envlights.io.own_json import read_json
 from envlights.kernels.sphere import FRAME
-from envlights.light import DetectedLight
+from envlights.light import DetectedLight, remarks_of
 from envlights.lights import Lights, Rows, brightest_first, place_cells, rgb_cell
 
 if TYPE_CHECKING:
@@ -334,20 +334,11 @@ class DetectedLights(Lights):
                 f"{np.rad2deg(self.angular_radius[row]):.2f}°",
                 f"{self.peak_luminance[row]:.4g}",
                 rgb_cell(self.irradiance[row]),
-                self._remarks(row),
+                "  ".join(remarks_of(self._light(row))),
             ]
             for row in range(min(len(self), MOST_ROWS))
         ]
         return [*columns, "irradiance (R, G, B)", ""], rows
-
-    def _remarks(self, row: int) -> str:
-        """Remarks in the table's last column."""
-        remarks = ["clipped"] if self.is_clipped[row] else []
-        remarks += ["cut off"] if self.is_cut[row] else []
-        remarks += ["wide"] if self.is_broad[row] else []
-        if self.direction_uncertainty is not None:
-            remarks.append(f"direction ± {np.rad2deg(self.direction_uncertainty[row]):.2f}°")
-        return "  ".join(remarks)
 
     def _columns(self) -> dict[str, NDArray[Any]]:
         arrays = {name: getattr(self, name) for name in (*self._array_names(), "is_broad")}

@@ -139,7 +139,7 @@ def _arguments_of_statement(text: str, size: tuple[int, int]) -> Arguments:
         return _in_pixels_of(arguments, data["size"], size)
     except EnvLightsError as refusal:
         raise _refusal(str(refusal)) from None
-    except (KeyError, TypeError, ValueError):
+    except (KeyError, OverflowError, TypeError, ValueError):
         raise _refusal(f"a value is missing or of another type in {describe(text)}") from None
 
 
