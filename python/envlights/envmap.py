@@ -127,8 +127,8 @@ class EnvMap(MapLight, MapLayouts):
             Integers without a statement are sRGB. What alpha or a crop hides is black; see `seen`.
             Six faces of a cube: a list, a mapping, a folder, or a name like ``sky_{face}.hdr``.
         projection, faces, registration, mapping, fov, horizon, circle, towards, eye, width
-            Layout of the picture; see `EnvMap`. When left out, the metadata of the file decide,
-            then names, shape and content.
+            Layout of the picture; see `EnvMap`. When left out, the statement of `Picture.save` or
+            other metadata of the file decide, then names, shape and content.
         white : float, optional
             Clip level; see `EnvMap`. Known for files of integers, from their own histogram.
         colour : str, bytes or path-like, optional

@@ -4,8 +4,10 @@ import json
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 import envlights as el
+from envlights.cli import main
 from envlights.io.image_output import write_png
 
 IMAGE = np.random.default_rng(3).random((90, 150, 3), dtype=np.float32) ** 12
@@ -107,3 +109,20 @@ def test_its_dictionary_is_json():
     assert (
         json.loads(json.dumps(el.detect_photograph(np.ones((9, 9))).to_dict()))["direction"] is None
     )
+
+
+def test_the_command_writes_lights_and_reads_with_a_colour_space(tmp_path):
+    image = np.full((60, 80, 3), 0.01, np.float32)
+    image[18:24, 28:50] = 0.5
+    write_png(tmp_path / "a.png", image)
+    lights, table = str(tmp_path / "lights.json"), str(tmp_path / "lights.csv")
+    options = ["--colour", "linear", "-o", lights, "-o", table]
+    said = CliRunner().invoke(main, ["photograph", str(tmp_path / "a.png"), *options])
+    assert said.exit_code == 0, said.output
+    assert el.PhotographLights.load(lights) == el.detect_photograph(
+        tmp_path / "a.png", colour="linear"
+    )
+    assert "photograph" in (tmp_path / "lights.csv").read_text().splitlines()[0]
+    refused = CliRunner().invoke(main, ["photograph", str(tmp_path / "a.png"), "-o", "a.usda"])
+    assert refused.exit_code == 2
+    assert "give fov=" in refused.output

@@ -96,6 +96,19 @@ def test_the_statement_of_a_fisheye_keeps_its_layout(mapping, fov, towards, circ
     assert again._replace(reach=0) == made._replace(reach=0)
 
 
+@pytest.mark.parametrize("axes", [layouts.FRONT, layouts.UP, layouts.PBRT, layouts.MIRRORED])
+def test_the_statement_keeps_any_axes(axes):
+    for made in (
+        layouts.octahedral(24, axes=axes),
+        layouts.octahedral(24, equal_area=True, axes=axes),
+        layouts.angular_map(24, axes=axes),
+        layouts.planar(24, 24, field_of_view=1.0, axes=axes),
+        layouts.fisheye(24, "equisolid", 2 * math.pi, axes=axes),
+    ):
+        again = layout_of(line_of(made, (24, 24)), np.ones((24, 24, 3)))
+        assert again._replace(field_of_view=1.0) == made._replace(field_of_view=1.0)
+
+
 @given(st.floats(1, 178), st.floats(-50, 50) | st.none(), st.sampled_from(["planar", "cylinder"]))
 @settings(max_examples=100, deadline=None)
 def test_the_statement_of_a_photograph_or_cylinder_keeps_its_layout(fov, horizon, kind):
