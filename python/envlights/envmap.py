@@ -17,9 +17,9 @@ from envlights.io.colour import ColourArgument
 from envlights.io.exposures import merge_exposures
 from envlights.io.image_output import COMPRESSIONS, map_suffix, write_exr, write_hdr
 from envlights.io.images import MOST_PIXELS
-from envlights.io.source import AnySource, is_source, name_of
+from envlights.io.source import name_of
 from envlights.layouts.records import REGISTRATIONS, Arguments
-from envlights.layouts.sources import PictureSource, read_picture
+from envlights.layouts.sources import PictureSource, is_picture_source, read_picture
 from envlights.repair import repair
 
 _T = TypeVar("_T")
@@ -130,8 +130,8 @@ class EnvMap(MapCalibration, MapLayouts):
             Integers without a statement are sRGB. What alpha or a crop hides is black; see `seen`.
             Six faces of a cube: a list, a mapping, a folder, or a name like ``sky_{face}.hdr``.
         projection, faces, registration, mapping, fov, horizon, circle, towards, eye, width
-            Layout of the picture; see `EnvMap`. When left out, the metadata of the file decide,
-            then names, shape and content.
+            Layout of the picture; see `EnvMap`. When left out, the statement of `Picture.save` or
+            other metadata of the file decide, then names, shape and content.
         white : float, optional
             Clip level; see `EnvMap`. Known for files of integers, from their own histogram.
         colour : str, bytes or path-like, optional
@@ -364,13 +364,13 @@ class EnvMap(MapCalibration, MapLayouts):
         return self._of_same_scale(env)
 
 
-#: Map, its file as path, bytes or file object, or its radiance as an array.
-AnyMap = EnvMap | AnySource | ArrayLike
+#: Map, its file as path, bytes or file object, six files of a cube, or radiance as an array.
+AnyMap = EnvMap | PictureSource | ArrayLike
 
 
 def as_envmap(env: Any) -> EnvMap:
     """Map of an `AnyMap`; a map is returned as it is."""
-    if is_source(env):
+    if is_picture_source(env):
         return EnvMap.open(env)
     return env if isinstance(env, EnvMap) else EnvMap(env)
 
@@ -383,7 +383,7 @@ def apply_to_map(env: Any, work: Callable[[EnvMap], _T]) -> tuple[EnvMap, _T]:
     Kernels read every sample anyway and refuse those that are not radiance, so the usual array
     needs no check of its own.
     """
-    if isinstance(env, EnvMap) or is_source(env):
+    if isinstance(env, EnvMap) or is_picture_source(env):
         world = as_envmap(env)
         return world, work(world)
     world = EnvMap.unchecked(env)

@@ -16,9 +16,8 @@ from envlights._arrays import seal
 from envlights._check import rotation
 from envlights._light_arrays import light_arrays, radii, rotate, row_of, rows_of
 from envlights._lobes import SphericalGaussians, lobes
-from envlights._native import EnvLightsError
 from envlights._result import Result
-from envlights._tables import MOST_ROWS, Table
+from envlights._tables import MOST_ROWS, Table, frame_of
 from envlights._units import OWN_SCALE, checked_units, in_lux
 from envlights.envmap import EnvMap
 from envlights.io.csv_table import read_csv
@@ -204,13 +203,7 @@ class Lights(Result):
             Columns that end in ``_deg`` are angles in degrees. Each component of a vector or colour
             has a column.
         """
-        try:
-            import pandas as pd
-        except ImportError:
-            raise EnvLightsError(
-                "to_frame needs pandas: pip install 'envlights[frame]', or pip install pandas"
-            ) from None
-        return pd.DataFrame(self._columns())
+        return frame_of(self._columns())
 
     def _columns(self) -> dict[str, NDArray[Any]]:
         """Columns of the data frame."""

@@ -105,7 +105,7 @@ def test_a_picture_is_an_array_and_a_page():
     [
         ("a.dds", {}, r"do not write \.dds textures; save six \.exr files, and `texassemble"),
         ("a.ktx2", {}, "ktx create --cubemap"),
-        ("a.png", {}, r"the suffix must be one of \.exr, \.hdr"),
+        ("a.jpg", {}, r"save a picture as .*the suffix must be one of \.exr, \.hdr, \.tif"),
         ("a_{face}.jpg", {}, "the suffix must be one of"),
         ("a.hdr", {"half": True}, r"half and compression are of \.exr files"),
         ("a.exr", {"arrangement": "dice"}, "arrangement must be 'stack' or 'strip'"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import click
@@ -13,6 +14,7 @@ from envlights._map_pixels import PROJECTION
 from envlights.cli.map_input import MapFile, map_argument
 from envlights.cli.outputs import say_written
 from envlights.envmap import EnvMap
+from envlights.io.image_output import MAP_SUFFIXES
 from envlights.layouts.picture import check_picture_path
 
 
@@ -58,7 +60,7 @@ def command(
     view: float | None,
     limit: float | None,
 ) -> None:
-    """Write MAP in another layout to OUT (.exr, .hdr; sky_{face}.exr for six files)."""
+    """Write MAP in another layout to OUT (.exr, .hdr, .tif, .png; sky_{face}.exr for six files)."""
     check_picture_path(output)
     env = map_file.open()
     if rotate is not None:
@@ -72,7 +74,7 @@ def write_map(
     env: EnvMap, output: str, layout: str, *, width: int | None = None, **options: Any
 ) -> list[str]:
     """Write a map in a layout of `EnvMap.to`; return the names of the files."""
-    if layout == PROJECTION:
+    if layout == PROJECTION and Path(output).suffix.lower() in MAP_SUFFIXES:
         (env if width is None else env.resized(width)).save(output)
         return [output]
     return [str(path) for path in env.to(layout, width=width, **options).save(output)]

@@ -21,7 +21,7 @@ from envlights._units import OWN_SCALE, checked_units, statement
 from envlights.detection.members import Members
 from envlights.io.own_json import read_json
 from envlights.kernels.sphere import FRAME
-from envlights.light import DetectedLight
+from envlights.light import DetectedLight, remarks_of
 from envlights.lights import Lights, Rows, brightest_first, place_cells, rgb_cell, rgb_heading
 
 if TYPE_CHECKING:
@@ -347,12 +347,7 @@ class DetectedLights(Lights):
 
     def _remarks(self, row: int) -> str:
         """Remarks in the table's last column."""
-        remarks = ["clipped"] if self.is_clipped[row] else []
-        remarks += ["cut off"] if self.is_cut[row] else []
-        remarks += ["wide"] if self.is_broad[row] else []
-        if self.direction_uncertainty is not None:
-            remarks.append(f"direction ± {np.rad2deg(self.direction_uncertainty[row]):.2f}°")
-        return "  ".join(remarks)
+        return "  ".join(remarks_of(self._light(row)))
 
     def _columns(self) -> dict[str, NDArray[Any]]:
         arrays = {name: getattr(self, name) for name in (*self._array_names(), "is_broad")}

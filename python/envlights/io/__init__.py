@@ -8,6 +8,7 @@
 | read all other kinds by OpenImageIO           | `openimageio.py`                                 |
 | - size and XMP of JPEG, tags of TIFF          | `jpeg_segments.py`, `tiff_tags.py`               |
 | choose a part and its channels                | `channels.py`                                    |
+| find the layout that our own files state      | `description.py`                                 |
 | place the picture on the sphere               | `placement.py`, `gpano.py`, `xmp.py`             |
 | find what alpha hides                         | `alpha.py`                                       |
 | choose among a file's statements on colour    | `colour.py`, `colour_spaces.py`, `icc.py`        |

@@ -99,6 +99,7 @@ class OpenImage:
             header.cube_sides,
             header.border_sampled,
             *view,
+            layout=header.layout,
         )
 
     @property
@@ -225,7 +226,7 @@ def _check_projection(hints: Hints) -> None:
     """Refuse a picture whose metadata name a projection other than equirectangular."""
     if other := hints.names_other_projection:
         raise EnvLightsError(
-            f"cannot read {hints.name}: its metadata say that it is a {other}; give an"
+            f"cannot read {hints.name}: its metadata name the projection {other}; give an"
             " equirectangular map"
         )
 

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._native import EnvLightsError
+from envlights.io.description import layout_of_description
 from envlights.io.errors import DamagedFileError
 from envlights.io.exif_exposure import ev100_of, exposure_tags
 from envlights.io.jpeg_segments import Segments, segments
@@ -209,6 +210,7 @@ class OpenImageIOFile:
             environment=environment,
             cube_sides=_text(spec, "dds:CubeMapSides"),
             xmp=self._xmp or _text(spec, "xmp").encode(),
+            layout=layout_of_description(_text(spec, "ImageDescription")),
             has_gain_map=is_applied,
             notes=(*_notes(kind, nits), *self._gain_map_notes(is_applied=is_applied)),
         )

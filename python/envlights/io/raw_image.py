@@ -101,6 +101,9 @@ class Header:
     xmp: bytes = b""
     """XMP packet."""
 
+    layout: str = ""
+    """Statement of our own files on their layout; see `description`."""
+
     has_gain_map: bool = False
     """True if the samples are those of a gain map, which ends at a largest value."""
 

@@ -235,6 +235,18 @@ def _view(radians: float, widest: float) -> float:
     return float(radians)
 
 
+def checked_axes(axes: ArrayLike) -> Axes:
+    """Axes of a picture, or a refusal of vectors that are not orthonormal."""
+    matrix = reals("axes", axes, 2)
+    if matrix.shape != (3, 3) or not np.allclose(matrix @ matrix.T, np.eye(3), atol=1e-6):
+        raise EnvLightsError(
+            "axes must be three orthonormal vectors, forward, right and up; got"
+            f" {np.asarray(axes).tolist()}"
+        )
+    rows = [tuple(row) for row in matrix.tolist()]
+    return (rows[0], rows[1], rows[2])
+
+
 def looking(towards: ArrayLike, name: str = "towards") -> Axes:
     """Axes of a level camera that looks along a direction.
 

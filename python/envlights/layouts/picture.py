@@ -15,7 +15,16 @@ from envlights._check import check_choice
 from envlights._native import EnvLightsError
 from envlights._units import OWN_SCALE
 from envlights.io.files import as_path
-from envlights.io.image_output import COMPRESSIONS, MAP_SUFFIXES, map_suffix, write_exr, write_hdr
+from envlights.io.image_output import (
+    COMPRESSIONS,
+    PICTURE_SUFFIXES,
+    map_suffix,
+    write_exr,
+    write_hdr,
+    write_png,
+    write_tiff,
+)
+from envlights.layouts.attribute import line_of
 from envlights.layouts.conventions import CONVENTIONS, CROSSES
 from envlights.layouts.faces import (
     ARRANGEMENTS,
@@ -122,13 +131,14 @@ class Picture:
         half: bool = False,
         compression: str = "zip",
     ) -> tuple[Path, ...]:
-        """Write one OpenEXR (.exr) or Radiance (.hdr) file, or one for each face of a cube.
+        """Write one file, or one for each face of a cube.
 
         Parameters
         ----------
         path : path-like
-            A file with the suffix ``.exr`` or ``.hdr``. With ``{face}`` in its name, or for a
-            folder, six files, named as usual for the order of the faces: ``px nx py ny pz nz``.
+            A file with the suffix ``.exr``, ``.hdr``, ``.tif`` (32-bit floats) or ``.png`` (16-bit
+            sRGB, for radiance up to 1). With ``{face}`` in its name, or for a folder, six files,
+            named as usual for the order of the faces: ``px nx py ny pz nz``.
         arrangement : {"stack", "strip", "horizontal-cross", "vertical-cross", ...}
             Arrangement of the faces of a cube in one file: 1:6, 6:1, 4:3 or 3:4. When left out,
             that of the picture.
@@ -143,10 +153,14 @@ class Picture:
         Raises
         ------
         EnvLightsError
-            If the suffix is another, or a file cannot be written.
+            If the suffix is another, a sample is too large for the format, or a file cannot be
+            written.
 
         Notes
         -----
+        A line of the file's description, ``envlights:layout=...``, states the layout, so that
+        `EnvMap.open` reads a single file without arguments.
+
         The stack of a border-sampled cube in the order of OpenEXR, and a border-sampled
         equirectangular picture, get the attribute ``envmap`` of OpenEXR.
         """
@@ -162,11 +176,13 @@ class Picture:
                 )
             stored = stored_faces(self._upright(), self.faces)
             for file, face in zip(files, stored, strict=True):
-                _write(file, face, self._comments(), options)
+                _write(file, face, (repr(self), *self.notes), options)
             return files
         arrangement = self.arrangement if arrangement is None else arrangement
-        environment = self._environment(arrangement)
-        _write(path, self._arranged_array(arrangement), self._comments(), options, environment)
+        environment, array = self._environment(arrangement), self._arranged_array(arrangement)
+        faces = arrangement if arrangement in CROSSES else self.faces
+        stated = line_of(self.layout, array.shape[:2], faces)
+        _write(path, array, (repr(self), *stated, *self.notes), options, environment)
         return (as_path(path),)
 
     def _face_files(self, path: str | os.PathLike[str]) -> tuple[Path, ...]:
@@ -208,9 +224,6 @@ class Picture:
             return "latlong"
         is_stack = arrangement == "stack" and self.faces == "openexr"
         return "cube" if is_stack else ""
-
-    def _comments(self) -> tuple[str, ...]:
-        return (repr(self), *self.notes)
 
 
 def picture_of(
@@ -282,9 +295,9 @@ def check_picture_path(path: str | os.PathLike[str]) -> None:
     if not suffix:
         raise EnvLightsError(
             f"cannot save a picture as {path}: there is no such folder; make it first, or give the"
-            " name of an .exr or .hdr file"
+            " name of a file"
         )
-    map_suffix(target)
+    map_suffix(target, PICTURE_SUFFIXES, "a picture")
 
 
 def _write(
@@ -296,9 +309,11 @@ def _write(
 ) -> None:
     """Write one file by its suffix."""
     check_picture_path(path)
-    if map_suffix(path) == MAP_SUFFIXES[0]:
+    suffix = as_path(path).suffix.lower()
+    if suffix == ".exr":
         write_exr(path, array, environment=environment, comments=comments, **options)
         return
     if options["half"] or options["compression"] != COMPRESSIONS[0]:
         raise EnvLightsError(f"cannot save {path}: half and compression are of .exr files")
-    write_hdr(path, array, comments=comments)
+    write = {".hdr": write_hdr, ".png": write_png}.get(suffix, write_tiff)
+    write(path, array, comments=comments)
