@@ -12,6 +12,9 @@ from envlights._native import EnvLightsError
 from envlights.envmap import EnvMap
 from envlights.io.files import PICTURES, as_path
 
+#: End of the name of a map that a program reads as a panorama in our axes.
+PANORAMA = ".ambient.exr"
+
 
 class Target(NamedTuple):
     """Program or format that rigs can be exported to."""
@@ -36,6 +39,11 @@ class Target(NamedTuple):
 
     loses: str
     """Parts of a rig that it loses."""
+
+    texture: str = ""
+    """End of the name of the map beside a file; empty if there is no such map.
+
+    For `PANORAMA` the writer accepts the keyword `texture`, the name of an existing map."""
 
 
 _TARGETS: list[Target] = []

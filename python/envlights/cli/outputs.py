@@ -42,6 +42,11 @@ def check_output(output: str, suffixes: tuple[str, ...], inputs: Mapping[str, st
     if not Path(output).name[1:].lower().endswith(suffixes):
         wanted = f"one of {', '.join(suffixes)}" if suffixes[1:] else suffixes[0]
         raise EnvLightsError(f"cannot write {output}: the suffix must be {wanted}")
+    check_source(output, inputs)
+
+
+def check_source(output: str, inputs: Mapping[str, str]) -> None:
+    """Refuse an output that cannot be written, or that would overwrite an input."""
     target = check_writable(output)
     for what, path in inputs.items():
         if _is_same(target, Path(path)):

@@ -10,17 +10,29 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights._targets import PANORAMA
+from envlights.envmap import EnvMap
 from envlights.io.files import as_path, check_writable, write_atomically
 from envlights.io.image_output import write_exr, write_hdr
 
 
-def texture_name(path: str | os.PathLike[str], kind: str = "ambient") -> str:
+def texture_name(path: str | os.PathLike[str], end: str = PANORAMA) -> str:
     """Name of a texture beside `path`: ``scene.ambient.exr`` beside ``scene.usda``.
 
-    A map that only one target can read has its own `kind`, such as "ambient.mitsuba", so that
+    A map that only one target can read has its own `end`, such as ".ambient.mitsuba.exr", so that
     files for several targets can share a folder.
     """
-    return f"{as_path(path).stem}.{kind}.exr"
+    return as_path(path).stem + end
+
+
+def panorama(
+    path: str | os.PathLike[str], environment: EnvMap | None, texture: str | None
+) -> tuple[str, dict[str, NDArray[np.float32]]]:
+    """Name of the map of a scene at `path`, and its radiance unless it is the file `texture`."""
+    if texture is not None:
+        return texture, {}
+    name = texture_name(path)
+    return name, {} if environment is None else {name: environment.cells()}
 
 
 def save_scene(

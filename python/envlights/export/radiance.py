@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from pathlib import PurePath
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,6 +24,8 @@ _WIDE = 0.2
 _POINT = 1e-4
 #: Column and row of the picture in a direction of the sky; the centre looks along +x.
 _LOOK_UP = "1-atan2(Dy,Dx)/PI 0.5+atan2(Dz,sqrt(Dx*Dx+Dy*Dy))/PI"
+#: End of the name of a picture whose mantissas are rounded as Radiance reads them.
+TEXTURE = ".ambient.hdr"
 _HEADER = """\
 # Lights of envlights, z up. Irradiance and radiance on the scale of the map.
 # rtrace and rpict: -ab 1 or more for the ambient term and wide lights, -dj 1 for soft shadows.
@@ -87,7 +88,7 @@ def save_radiance(
 ) -> None:
     """Write `radiance` at `path`, and the picture of the sky beside it, if there is one."""
     lights, scene = _parts(scene_of(rig, environment))
-    name = str(PurePath(texture_name(path)).with_suffix(".hdr"))
+    name = texture_name(path, TEXTURE)
     textures = {} if scene.environment is None else {name: scene.environment.radiance}
     save_scene(path, _description(lights, scene, name), textures)
 

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from envlights._targets import Target, register
+from envlights._targets import PANORAMA, Target, register
 from envlights.export.blender import save_blender
 from envlights.export.csv import save_csv
 from envlights.export.engine import save_unity, save_unreal
 from envlights.export.gltf import save_gltf
+from envlights.export.mitsuba import TEXTURE as MITSUBA_TEXTURE
 from envlights.export.mitsuba import save_mitsuba
 from envlights.export.own_json import save_json
+from envlights.export.pbrt import TEXTURE as PBRT_TEXTURE
 from envlights.export.pbrt import save_pbrt
+from envlights.export.radiance import TEXTURE as RADIANCE_TEXTURE
 from envlights.export.radiance import save_radiance
 from envlights.export.three import save_three
 from envlights.export.usd import save_usd
@@ -39,9 +42,10 @@ TARGETS = (
         "glTF 2.0",
         (".gltf",),
         save_gltf,
-        False,
+        True,
         "lights",
-        "sizes and the ambient term (they are in the extras)",
+        "sizes, the ambient term and a map (they are in the extras)",
+        PANORAMA,
     ),
     Target(
         "three",
@@ -60,6 +64,7 @@ TARGETS = (
         True,
         "lights, sizes, ambient, harmonics (as a map), floor, map",
         "negative parts of harmonics",
+        PANORAMA,
     ),
     Target(
         "mitsuba",
@@ -69,6 +74,7 @@ TARGETS = (
         True,
         "lights, sizes (in a map), ambient, harmonics (as a map), floor, map",
         "negative parts of harmonics",
+        MITSUBA_TEXTURE,
     ),
     Target(
         "blender",
@@ -78,6 +84,7 @@ TARGETS = (
         True,
         "lights, sizes, ambient, harmonics, floor, map",
         "negative parts of harmonics",
+        PANORAMA,
     ),
     Target(
         "radiance",
@@ -87,6 +94,7 @@ TARGETS = (
         True,
         "lights, sizes, ambient, harmonics, floor, map",
         "negative parts of harmonics",
+        RADIANCE_TEXTURE,
     ),
     Target(
         "pbrt",
@@ -96,6 +104,7 @@ TARGETS = (
         True,
         "lights, sizes from 0.7 degrees, ambient, harmonics, floor, map",
         "smaller sizes, negative parts of harmonics",
+        PBRT_TEXTURE,
     ),
     Target(
         "unity",
@@ -105,6 +114,7 @@ TARGETS = (
         True,
         "lights, sizes, ambient, harmonics, floor (as a map), map",
         "nothing that Unity has",
+        PANORAMA,
     ),
     Target(
         "unreal",
@@ -114,6 +124,7 @@ TARGETS = (
         True,
         "lights, sizes, ambient, harmonics, floor (as a map), map",
         "rotation of the map (set it by hand)",
+        PANORAMA,
     ),
 )
 
