@@ -64,6 +64,13 @@ def test_the_khronos_validator_has_nothing_to_say(name, lights, tmp_path):
 
 
 @node.needs("gltf-validator")
+def test_the_validator_has_nothing_to_say_of_a_map(tmp_path):
+    DISCS.save(tmp_path / "rig.gltf", environment=np.ones((4, 8, 3), np.float32))
+    found = node.report("validate_gltf.mjs", tmp_path / "rig.gltf")
+    assert found["issues"]["messages"] == []
+
+
+@node.needs("gltf-validator")
 def test_the_validator_does_see_errors(tmp_path):
     asset = gltf(POINTS)
     asset["nodes"][0]["rotation"] = [1, 1, 0, 0]

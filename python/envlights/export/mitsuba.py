@@ -53,13 +53,14 @@ def mitsuba(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) ->
 
     Notes
     -----
-    Mitsuba picks one emitter at random at each surface. `sampling_weight` makes bright emitters
-    more probable, in proportion to the irradiance of the surface that each lights most. With 128 paths per pixel, the noise of four points and an
-    ambient term is @NOISE@ of that with equal weights, in the same time. Rendering each emitter
-    alone, with paths in the same proportion, and adding the images lowers it further, to @ALONE@ of
-    that with weights. The weights have a mean of 1, the weight of other emitters.
+    Mitsuba picks one emitter at random at each surface. `sampling_weight` makes an emitter more
+    probable in proportion to the irradiance of the surface that it lights most; the mean is 1, the
+    weight of other emitters. For four points and their surroundings, the noise is 0.27 to 0.75
+    times that of equal weights (128 paths per pixel, three maps). Rendering each emitter alone,
+    with paths in the same proportion, and adding the images lowers it again, by a factor of 0.52
+    to 0.95.
 
-    ``hide_emitters=True`` of the integrator hides the surroundings from the camera.
+    ``"hide_emitters": True`` in the integrator hides the surroundings from the camera.
 
     Examples
     --------
