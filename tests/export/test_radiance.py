@@ -109,13 +109,13 @@ def test_each_pixel_of_a_map_is_seen_in_its_direction(folder):
 
 @pytest.mark.slow
 def test_the_parts_of_a_split_map_light_as_the_map(folder):
-    env = el.Rig([0.2, 0.3, 0.5], DISCS[:2], error=0.0).to_map(128)
+    env = el.Rig([0.2, 0.3, 0.5], DISCS[:1], error=0.0).to_map(128)
     el.split(env).save(folder / "sun.rad")
-    normals = NORMALS[::4]
+    normals = NORMALS[::2]
     ambient = ["-dj", "1", "-ab", "1", "-ad", "4096", *AMBIENT[4:]]
     found = irradiance(folder / "sun.rad", ambient, 8, normals)
     assert relative(found, env.probe(normals)) < 0.01
-    np.testing.assert_allclose(found.mean(axis=0), env.probe(normals).mean(axis=0), rtol=1e-3)
+    np.testing.assert_allclose(found.mean(axis=0), env.probe(normals).mean(axis=0), rtol=3e-3)
 
 
 BALLS = """

@@ -89,7 +89,7 @@ class Split(NamedTuple):
         --------
         >>> import tempfile
         >>> import envlights as el
-        >>> parts = el.split(el.synthetic.plain(0, 64).radiance)
+        >>> parts = el.split(el.synthetic.plain(0, 128).radiance)
         >>> with tempfile.TemporaryDirectory() as folder:
         ...     paths = Path(folder, "rest.exr"), Path(folder, "sun.py")
         ...     [path.name for path in parts.save(*paths)]
