@@ -214,7 +214,7 @@ def test_lights_and_environment_of_two_scales_are_refused(tmp_path):
     with pytest.raises(el.EnvLightsError, match="calibrate both"):
         own.save(tmp_path / "rig.usda", environment=env.calibrated(lux=3))
     RIG.save(tmp_path / "rig.rad", environment=np.full((8, 16, 3), SKY))
-    sky = el.EnvMap.open(tmp_path / "rig.ambient.hdr").radiance
+    sky = el.io.read_image(tmp_path / "rig.ambient.hdr").pixels
     np.testing.assert_allclose(sky, SKY / 179, rtol=0.01)
     assert not list(tmp_path.glob("*.usda"))
 

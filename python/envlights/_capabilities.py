@@ -79,7 +79,7 @@ class Capabilities(NamedTuple):
 
     def losses(self, rig: Any) -> tuple[str, ...]:
         """Parts of a rig, or of lights, that are shown in another way."""
-        lights, ambient = _lights(rig), _ambient(rig)
+        ambient = _ambient(rig)
         harmonics = {
             "exact": "",
             "map": "harmonics only where they are positive",
@@ -87,17 +87,18 @@ class Capabilities(NamedTuple):
         }
         floor = getattr(rig, "floor", False) and not self.floor
         lost = (
-            f"the {self.lights} brightest of {len(lights)} lights, the others as ambient light"
-            if self._has_surplus(rig)
-            else "",
-            _AS_POINTS if self.sizes != "spread" and lights.angular_radius.any() else "",
+            self._surplus(rig),
+            _AS_POINTS if self.sizes != "spread" and _lights(rig).angular_radius.any() else "",
             harmonics[self.harmonics] if len(ambient) == 9 else "",
             "ambient light from below the floor too" if floor and ambient.any() else "",
         )
         return tuple(filter(None, lost))
 
-    def _has_surplus(self, rig: Any) -> bool:
-        return self.lights is not None and len(_lights(rig)) > self.lights
+    def _surplus(self, rig: Any) -> str:
+        """Loss of the lights beyond the limit; empty if there are none."""
+        if self.lights is None or len(_lights(rig)) <= self.lights:
+            return ""
+        return f"the {self.lights} brightest of {len(_lights(rig))} lights, the others as ambient light"
 
     def irradiance(self, rig: Any, normals: NDArray[np.float64]) -> NDArray[np.float64]:
         """Irradiance at `normals` as the target shows a rig, or lights, (n, 3)."""

@@ -10,7 +10,8 @@ from pathlib import Path
 import click
 
 from envlights._native import EnvLightsError
-from envlights.cli.outputs import check_output, save_lights, say_written, strict_option
+from envlights._targets import save
+from envlights.cli.outputs import check_output, print_losses, say_written, strict_option
 from envlights.detection.lights import DetectedLights
 from envlights.envmap import EnvMap
 from envlights.export.targets import SUFFIXES, TARGETS
@@ -52,7 +53,8 @@ def command(rig_path: str, targets: Sequence[str], environment: str | None, stri
     rig = _load(rig_path)
     env = None if environment is None else EnvMap.open(environment)
     for output in outputs:
-        save_lights(rig, output, strict, env)
+        with print_losses(strict=strict):
+            save(rig, output, env)
     say_written(outputs)
 
 

@@ -14,8 +14,8 @@ from envlights.cli.outputs import (
     check_output,
     default_of,
     output_option,
+    print_losses,
     print_rig,
-    save_lights,
     say_written,
     strict_option,
     verbose_option,
@@ -118,7 +118,8 @@ def _targets_of(outputs: Sequence[str]) -> tuple[str, ...]:
 
 def _write(env: EnvMap | None, rig: Rig, output: str, strict: bool) -> None:
     if env is None or not _is_picture(output):
-        save_lights(rig, output, strict)
+        with print_losses(strict=strict):
+            rig.save(output)
         return
     # Importing Matplotlib takes a second.
     from envlights import plot

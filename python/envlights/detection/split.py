@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import fields, replace
+from pathlib import Path
 from time import perf_counter
 from typing import Any, NamedTuple
 
@@ -11,6 +13,7 @@ from numpy.typing import NDArray
 
 from envlights import _native
 from envlights._check import amount, count, describe
+from envlights._links import save_with_map
 from envlights._native import EnvLightsError
 from envlights.detection.component_tree import detect_with_luminance
 from envlights.detection.lights import DetectedLights, DetectionReport
@@ -56,6 +59,45 @@ class Split(NamedTuple):
 
     rest: EnvMap
     """The map without them, of the same size and nowhere negative."""
+
+    def save(self, *paths: str | os.PathLike[str]) -> tuple[Path, ...]:
+        """Write the lights with the rest around them, for one program or several.
+
+        A scene loads the rest by a relative name. Blender, OpenUSD, Unity and Unreal name the file
+        of the rest among `paths`, or one that is written beside the first scene,
+        ``sun.ambient.exr`` beside ``sun.usda``; glTF names it in its extras. Mitsuba, pbrt and
+        Radiance get a map of their own form beside the scene; three.js has it in its file. JSON and
+        CSV hold the lights alone.
+
+        Parameters
+        ----------
+        *paths : path-like
+            Scenes (`el.export.TARGETS` lists the suffixes), and files of the rest (.exr, .hdr).
+
+        Returns
+        -------
+        tuple of Path
+            All written files.
+
+        Raises
+        ------
+        EnvLightsError
+            If there is no path, a suffix is unknown, two files have the same path, or one cannot be
+            written.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> import envlights as el
+        >>> parts = el.split(el.synthetic.plain(0, 128).radiance)
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     paths = Path(folder, "rest.exr"), Path(folder, "sun.py")
+        ...     [path.name for path in parts.save(*paths)]
+        ['rest.exr', 'sun.py']
+        """
+        if not paths:
+            raise EnvLightsError("there is no path; give one or several, such as 'sun.usda'")
+        return save_with_map(self.lights, self.rest, paths)
 
     def __str__(self) -> str:
         return f"{self.lights}\n\nthe map without these lights: {self.rest}"

@@ -7,12 +7,12 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from envlights._native import EnvLightsError
 from envlights.envmap import EnvMap
 from envlights.export.axes import AXES
-from envlights.export.files import save_scene, texture_name
+from envlights.export.files import panorama, save_scene
 from envlights.export.scene import Scene, scene_of
 from envlights.lights import Lights
 from envlights.rig import Rig
@@ -72,7 +72,7 @@ def beside(name):
     places = [os.path.join(os.path.dirname(path), name) for path in (__file__, *texts)]
     found = [path for path in places if os.path.isfile(path)]
     if not found:
-        raise FileNotFoundError(f"{name} must be in the folder of this script")
+        raise FileNotFoundError(f"the map {name} must be beside this script, at {places[0]}")
     return os.path.abspath(found[0])
 
 
@@ -142,10 +142,13 @@ def save_blender(
     rig: Rig | Lights,
     path: str | os.PathLike[str],
     environment: EnvMap | ArrayLike | None = None,
+    *,
+    texture: str | None = None,
 ) -> None:
-    """Write `blender` at `path`, and its map beside it, if it has one."""
-    scene, name = scene_of(rig, environment, target="blender"), texture_name(path)
-    save_scene(path, _script(scene, name), _textures(scene, name))
+    """Write `blender` at `path`, and its map beside it, unless the map is the file `texture`."""
+    scene = scene_of(rig, environment, target="blender")
+    name, textures = panorama(path, scene.environment, texture)
+    save_scene(path, _script(scene, name), textures)
 
 
 def add_to_blender(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) -> None:
@@ -192,7 +195,3 @@ def _script(scene: Scene, name: str) -> str:
     for mark, text in parts.items():
         script = script.replace(mark, text)
     return script
-
-
-def _textures(scene: Scene, name: str) -> dict[str, NDArray[np.float32]]:
-    return {} if scene.environment is None else {name: scene.environment.radiance}

@@ -7,11 +7,12 @@ import os
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from envlights.envmap import EnvMap
 from envlights.export.axes import AXES
-from envlights.export.files import save_scene
-from envlights.export.scene import check_rig
+from envlights.export.files import panorama, save_scene
+from envlights.export.scene import check_rig, scene_of
 from envlights.export.units import UNITS
 from envlights.lights import Lights
 from envlights.rig import Rig
@@ -25,8 +26,19 @@ _NOTE = (
     " 1, y, z, x, xy, yz, 3zz-1, xz, xx-yy."
 )
 
+_MAP_NOTE = (
+    "glTF has no environment map: load the file of `environment`, whose name is relative to this"
+    " one. It is an equirectangular map of radiance; its centre is along +z, its left quarter along"
+    " +x."
+)
 
-def gltf(rig: Rig | Lights) -> dict[str, Any]:
+
+def gltf(
+    rig: Rig | Lights,
+    environment: EnvMap | ArrayLike | None = None,
+    *,
+    texture: str = "ambient.exr",
+) -> dict[str, Any]:
     """A glTF 2.0 asset: a node for each light.
 
     Axes: +y up and front +z, as in envlights. A directional light shines along the local -z of its
@@ -38,11 +50,16 @@ def gltf(rig: Rig | Lights) -> dict[str, Any]:
     three.js uses the numbers unchanged.
 
     Kept: directions, irradiances. Lost: glTF has neither sizes nor an ambient light. The `extras`
-    hold them for programs that read them: `angular_radius` in radians, `ambient` in radiance.
+    hold them for programs that read them: `angular_radius` in radians, `ambient` in radiance, or
+    the name of a map as `environment`.
 
     Parameters
     ----------
     rig : Rig or Lights
+    environment : EnvMap or array_like, optional
+        Map that replaces the ambient term.
+    texture : str
+        Name of the map's file, if there is a map; `save_gltf` writes it.
 
     Returns
     -------
@@ -82,14 +99,25 @@ def gltf(rig: Rig | Lights) -> dict[str, Any]:
         found = [_light(j, *row) for j, row in enumerate(rows)]
         asset["extensions"] = {_EXTENSION: {"lights": found}}
         asset["extensionsUsed"] = [_EXTENSION]
-    if np.any(getattr(rig, "ambient", 0)):
+    if environment is not None:
+        scene["extras"] = {"environment": texture, "note": _MAP_NOTE}
+    elif np.any(getattr(rig, "ambient", 0)):
         scene["extras"] = _extras(rig)
     return asset
 
 
-def save_gltf(rig: Rig | Lights, path: str | os.PathLike[str]) -> None:
-    """Write `gltf` at `path`."""
-    save_scene(path, json.dumps(gltf(rig), indent=2, allow_nan=False) + "\n")
+def save_gltf(
+    rig: Rig | Lights,
+    path: str | os.PathLike[str],
+    environment: EnvMap | ArrayLike | None = None,
+    *,
+    texture: str | None = None,
+) -> None:
+    """Write `gltf` at `path`; a map goes beside it, unless it is the file `texture`."""
+    around = None if environment is None else scene_of(rig, environment, target="gltf").environment
+    name, textures = panorama(path, around, texture)
+    asset = gltf(rig, environment, texture=name)
+    save_scene(path, json.dumps(asset, indent=2, allow_nan=False) + "\n", textures)
 
 
 def _light(j: int, irradiance: NDArray[np.float64], radius: float) -> dict[str, Any]:

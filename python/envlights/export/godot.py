@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._srgb import encode_srgb
 from envlights.envmap import EnvMap
 from envlights.export.axes import AXES
-from envlights.export.files import save_scene, texture_name
+from envlights.export.files import panorama, save_scene
 from envlights.export.scene import CASTERS, Scene, at_most, scene_of
 from envlights.lights import Lights
 from envlights.rig import Rig
@@ -82,11 +82,17 @@ def save_godot(
     rig: Rig | Lights,
     path: str | os.PathLike[str],
     environment: EnvMap | ArrayLike | None = None,
+    *,
+    texture: str | None = None,
 ) -> None:
-    """Write `godot` at `path`, and its map beside it, if it has one."""
-    scene = at_most(scene_of(rig, environment, target="godot"), DIRECTIONAL_LIGHTS)
-    name = texture_name(path)
-    textures = {} if scene.environment is None else {name: scene.environment.radiance}
+    """Write `godot` at `path`; a map goes beside it, unless it is the file `texture`.
+
+    With more lights than Godot draws, the map holds the others, so it is never that file.
+    """
+    every = scene_of(rig, environment, target="godot")
+    scene = at_most(every, DIRECTIONAL_LIGHTS)
+    is_whole = len(scene.lights) == len(every.lights)
+    name, textures = panorama(path, scene.environment, texture if is_whole else None)
     save_scene(path, _text(scene, name), textures)
 
 

@@ -23,6 +23,8 @@ _NARROW = 4 * np.pi / 1024
 _SIDE = 1.25
 #: Samples along a side of each of its pixels, which are averaged.
 _SAMPLES = 3
+#: End of the name of an equal-area map.
+TEXTURE = ".ambient.pbrt.exr"
 _HEADER = "# Lights of envlights for pbrt-v4: Include this file after WorldBegin."
 
 
@@ -74,7 +76,7 @@ def save_pbrt(
 ) -> None:
     """Write `pbrt` at `path`, and the map of an infinite light beside it, if there is one."""
     lights, scene = _parts(scene_of(rig, environment, target="pbrt"))
-    name = texture_name(path, "ambient.pbrt")
+    name = texture_name(path, TEXTURE)
     textures = {} if scene.environment is None else {name: _equal_area(scene.environment)}
     save_scene(path, _sources(lights, scene, name), textures)
 

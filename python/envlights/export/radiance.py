@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from pathlib import PurePath
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,8 +22,8 @@ from envlights.rig import Rig
 _WIDE = 0.2
 #: Angular radius of a point; a source must have one.
 _POINT = 1e-4
-#: Column and row of the picture in a direction of the sky; the centre looks along +x.
-_LOOK_UP = "1-atan2(Dy,Dx)/PI 0.5+atan2(Dz,sqrt(Dx*Dx+Dy*Dy))/PI"
+#: End of the name of a picture whose mantissas are rounded as Radiance reads them.
+TEXTURE = ".ambient.hdr"
 _HEADER = """\
 # Lights of envlights, z up. Units: @UNITS@.
 # rtrace and rpict: -ab 1 or more for the ambient term and wide lights, -dj 1 for soft shadows.
@@ -50,7 +49,8 @@ def radiance(
     Kept: directions, irradiances, sizes; a constant ambient term as `glow`; harmonics, an ambient
     term over a floor, and lights wider than 11 degrees in radius as a picture on a `glow`, which is
     sampled with the ambient light. A source hides the sky behind it, so the radiance of the sky
-    is added to it. Lost: negative parts of harmonics, and up to 0.4 % in each sample of a picture.
+    is added to it. Lost: negative parts of harmonics, and up to 0.8 % in each sample of a picture,
+    without bias.
 
     Parameters
     ----------
@@ -89,8 +89,8 @@ def save_radiance(
 ) -> None:
     """Write `radiance` at `path`, and the picture of the sky beside it, if there is one."""
     lights, scene = _parts(scene_of(rig, environment, target="radiance"))
-    name = str(PurePath(texture_name(path)).with_suffix(".hdr"))
-    textures = {} if scene.environment is None else {name: scene.environment.radiance}
+    name = texture_name(path, TEXTURE)
+    textures = {} if scene.environment is None else {name: _picture(scene.environment)}
     save_scene(path, _description(lights, scene, name), textures)
 
 
@@ -125,11 +125,31 @@ def _glow(scene: Scene, name: str) -> list[str]:
     """A source in all directions with a constant or a picture; none for a black sky."""
     up, around = np.array([0, 0, 1]), 2 * np.pi
     if scene.environment is not None:
-        picture = f"void colorpict sky_map\n7 red green blue {name} . {_LOOK_UP}\n0\n0\n"
+        where = _look_up(scene.environment)
+        picture = f"void colorpict sky_map\n7 red green blue {name} . {where}\n0\n0\n"
         return [picture + _source("glow", "sky", np.ones(3), up, around, "sky_map")]
     if scene.ambient is not None:
         return [_source("glow", "sky", scene.ambient, up, around)]
     return []
+
+
+def _picture(env: EnvMap) -> NDArray[np.float32]:
+    """Pixels of a map with one more pixel on each side, because Radiance does not wrap pictures."""
+    rows = np.pad(env.radiance, ((1, 1), (0, 0), (0, 0)), "edge")
+    return np.pad(rows, ((0, 0), (1, 1), (0, 0)), "wrap")
+
+
+def _look_up(env: EnvMap) -> str:
+    """Column and row of `_picture` in a direction of the sky; the centre looks along +x.
+
+    Radiance interpolates between pixels; the outer ones lie on the edges of the picture, at 0 and
+    1, or at the aspect ratio along the longer side.
+    """
+    width, height = env.width, env.height
+    aspect = (width + 2) / (height + 2)
+    column = f"{aspect!r}*({width / 2!r}*(1-atan2(Dy,Dx)/PI)+0.5)/{width + 1}"
+    row = f"({height}*(0.5+atan2(Dz,sqrt(Dx*Dx+Dy*Dy))/PI)+0.5)/{height + 1}"
+    return f"{column} {row}"
 
 
 def _source(

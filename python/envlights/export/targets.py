@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from envlights._capabilities import Capabilities
-from envlights._targets import Target, register
+from envlights._targets import PANORAMA, Target, register
 from envlights.export.blender import save_blender
 from envlights.export.csv import save_csv
 from envlights.export.engine import save_unity, save_unreal
 from envlights.export.gltf import save_gltf
 from envlights.export.godot import DIRECTIONAL_LIGHTS, save_godot
+from envlights.export.mitsuba import TEXTURE as MITSUBA_TEXTURE
 from envlights.export.mitsuba import save_mitsuba
 from envlights.export.mujoco import LAMPS, save_mujoco
 from envlights.export.own_json import save_json
+from envlights.export.pbrt import TEXTURE as PBRT_TEXTURE
 from envlights.export.pbrt import save_pbrt
+from envlights.export.radiance import TEXTURE as RADIANCE_TEXTURE
 from envlights.export.radiance import save_radiance
 from envlights.export.scene import CASTERS
 from envlights.export.three import save_three
@@ -42,10 +45,10 @@ _TARGETS = (
         Capabilities(
             sizes="none",
             harmonics="none",
-            environment=False,
-            remark="no ambient light: set the one in `extras` by hand; sizes are in `extras` too",
+            remark="set ambient light or map of `extras` by hand; sizes are there too",
             source="Khronos, KHR_lights_punctual: a directional light has no size",
         ),
+        PANORAMA,
     ),
     Target(
         "three",
@@ -68,6 +71,7 @@ _TARGETS = (
             remark="Storm, the viewer of usdview, ignores `angle`",
             source="OpenUSD, UsdLux: DistantLight, inputs:angle",
         ),
+        PANORAMA,
     ),
     Target(
         "mitsuba",
@@ -77,6 +81,7 @@ _TARGETS = (
         Capabilities(
             harmonics="map", remark="sizes are in a map", source="Mitsuba 3, plugins: envmap"
         ),
+        MITSUBA_TEXTURE,
     ),
     Target(
         "blender",
@@ -88,6 +93,7 @@ _TARGETS = (
             remark="for Cycles; a map has no shadows in EEVEE",
             source="Blender manual, Cycles: Sun Light, Angle",
         ),
+        PANORAMA,
     ),
     Target(
         "radiance",
@@ -95,6 +101,7 @@ _TARGETS = (
         (".rad",),
         save_radiance,
         Capabilities(harmonics="map", source="Radiance, The RADIANCE Lighting Simulation: source"),
+        RADIANCE_TEXTURE,
     ),
     Target(
         "pbrt",
@@ -106,6 +113,7 @@ _TARGETS = (
             remark="sizes below 0.7 degrees are points, others are in a map",
             source="pbrt-v4 file format: infinite and distant lights",
         ),
+        PBRT_TEXTURE,
     ),
     Target(
         "mujoco",
@@ -135,6 +143,7 @@ _TARGETS = (
             remark="sizes above 1.5 degrees are points; a map needs Forward+ or Mobile",
             source="Godot 4, scene_forward_lights_inc.glsl, light_storage.cpp",
         ),
+        PANORAMA,
     ),
     Target(
         "unity",
@@ -146,6 +155,7 @@ _TARGETS = (
             remark="other pipelines than HDRP use `intensity_without_pi`",
             source="Unity manual, HDRP: Light, Angular Diameter",
         ),
+        PANORAMA,
     ),
     Target(
         "unreal",
@@ -158,6 +168,7 @@ _TARGETS = (
             remark="set the rotation of the map by hand",
             source="Unreal Engine documentation: Directional Light, Source Angle",
         ),
+        PANORAMA,
     ),
 )
 

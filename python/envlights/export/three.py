@@ -35,6 +35,8 @@ _TEXTURE = {
     "flipY": True,
     "generateMipmaps": False,
 }
+#: Columns of the largest map: as text, it has 20 MB; one of 4096 columns has 16 times as many.
+_COLUMNS = 1024
 _VERSION = {"version": 4.7, "type": "Object", "generator": "envlights"}
 
 
@@ -59,7 +61,7 @@ def three(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) -> d
     ----------
     rig : Rig or Lights
     environment : EnvMap or array_like, optional
-        Map that replaces the ambient term. It is written as text: reduce large maps.
+        Map that replaces the ambient term. It is written as text, with up to 1024 columns.
 
     Returns
     -------
@@ -81,7 +83,7 @@ def three(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) -> d
     root = _thing("Scene", "envlights", children=children, userData={"units": scene.statement})
     written: dict[str, Any] = {"metadata": _VERSION}
     if environment is not None and scene.environment is not None:
-        image, texture = _map(scene.environment)
+        image, texture = _map(_at_most(scene.environment))
         written |= {"images": [image], "textures": [texture]}
         root |= {"environment": texture["uuid"], "background": texture["uuid"]}
     elif scene.ambient is not None or scene.environment is not None:
@@ -131,6 +133,10 @@ def _colour(values: NDArray[np.float64]) -> dict[str, Any]:
     hue, lightness, saturation = colorsys.rgb_to_hls(*codes.tolist())
     colour = f"hsl({360 * hue:.12f},{100 * saturation:.12f}%,{100 * lightness:.12f}%)"
     return {"color": colour, "intensity": most}
+
+
+def _at_most(env: EnvMap) -> EnvMap:
+    return env if env.width <= _COLUMNS else env.resized(_COLUMNS)
 
 
 def _map(env: EnvMap) -> tuple[dict[str, Any], dict[str, Any]]:

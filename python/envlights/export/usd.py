@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._native import EnvLightsError
 from envlights.envmap import EnvMap
 from envlights.export.axes import AXES
-from envlights.export.files import save_scene, texture_name
+from envlights.export.files import panorama, save_scene
 from envlights.export.scene import Scene, scene_of
 from envlights.io.files import as_path
 from envlights.lights import Lights
@@ -71,16 +71,17 @@ def save_usd(
     rig: Rig | Lights,
     path: str | os.PathLike[str],
     environment: EnvMap | ArrayLike | None = None,
+    *,
+    texture: str | None = None,
 ) -> None:
     """Write `usd` as text (.usda, .usd), or as a crate (.usdc), which needs the extra `usd`.
 
-    A map goes beside it, ``scene.ambient.exr``.
+    A map goes beside it, ``scene.ambient.exr``, unless it is the file `texture`.
     """
     scene = scene_of(rig, environment, target="usd")
-    name = texture_name(path)
+    name, textures = panorama(path, scene.environment, texture)
     text = _text(scene, name)
     content = _crate(text) if as_path(path).suffix.lower() == ".usdc" else text
-    textures = {} if scene.environment is None else {name: scene.environment.cells()}
     save_scene(path, content, textures)
 
 
@@ -90,13 +91,18 @@ def _text(scene: Scene, texture: str) -> str:
     prims = [_light(f"light_{j}", *row) for j, row in enumerate(rows)]
     if scene.environment is not None:
         file = [
-            f"asset inputs:texture:file = @./{texture}@",
+            f"asset inputs:texture:file = @{_asset_path(texture)}@",
             'token inputs:texture:format = "latlong"',
         ]
         prims.append(_prim("DomeLight", "ambient", ["float inputs:intensity = 1.0", *file]))
     elif scene.ambient is not None:
         prims.append(_prim("DomeLight", "ambient", _colour(scene.ambient)))
     return _HEAD.replace("@UNITS@", scene.statement) + "\n".join(prims) + "}\n"
+
+
+def _asset_path(name: str) -> str:
+    """A name that OpenUSD looks up beside the stage, not in its search paths."""
+    return name if name.startswith("../") else f"./{name}"
 
 
 def _light(
