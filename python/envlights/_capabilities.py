@@ -98,7 +98,8 @@ class Capabilities(NamedTuple):
         """Loss of the lights beyond the limit; empty if there are none."""
         if self.lights is None or len(_lights(rig)) <= self.lights:
             return ""
-        return f"the {self.lights} brightest of {len(_lights(rig))} lights, the others as ambient light"
+        shown = f"the {self.lights} brightest of {len(_lights(rig))} lights"
+        return f"{shown}, the others as ambient light"
 
     def irradiance(self, rig: Any, normals: NDArray[np.float64]) -> NDArray[np.float64]:
         """Irradiance at `normals` as the target shows a rig, or lights, (n, 3)."""
