@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights import _html, _targets, _thumbnails
 from envlights._arrays import seal
 from envlights._check import rotation
-from envlights._light_arrays import light_arrays, radii, rotate, row_of, rows_of
+from envlights._light_arrays import LARGEST_LIGHT, light_arrays, radii, rotate, row_of, rows_of
 from envlights._lobes import SphericalGaussians, lobes
 from envlights._native import EnvLightsError
 from envlights._result import Result
@@ -297,8 +297,13 @@ class Lights(Result):
         array([[3., 2., 1.]])
         """
         discs = self.discs()
-        arrays = discs.direction, discs.irradiance, discs.angular_radius
-        return EnvMap(disc_map(height, *arrays))
+        drawn = disc_map(height, discs.direction, discs.irradiance, discs.angular_radius)
+        if not np.isfinite(drawn.max(initial=0)):
+            raise EnvLightsError(
+                f"a light is too bright for a map of single precision (up to {LARGEST_LIGHT:.3g});"
+                " scale the lights"
+            )
+        return EnvMap(drawn)
 
     def spherical_gaussians(self) -> SphericalGaussians:
         r"""Convert the lights to spherical Gaussians, for engines that use them.

@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from envlights import _html, _targets
 from envlights._arrays import freeze
 from envlights._blocks import in_blocks
-from envlights._check import amount, flag, one_or_more, rotation
+from envlights._check import amount, flag, one_or_more, rotation, texts
+from envlights._light_arrays import LARGEST_LIGHT
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights.ambient import ambient_rows, turned_ambient
@@ -26,9 +27,9 @@ from envlights.lights import Lights, lights_of
 from envlights.report import FitReport, StopReason
 
 _KIND = "rig"
-_VERSION = 3
-#: Version 2 had neither sizes nor floors.
-_READABLE_VERSIONS = (2, 3)
+_VERSION = 4
+#: Version 2 had neither sizes nor floors; version 3 had wall times.
+_READABLE_VERSIONS = (2, 3, 4)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -252,8 +253,10 @@ def error_line(rig: Rig) -> str:
 def _ambient(values: ArrayLike) -> NDArray[np.float64]:
     """Check an ambient term, and keep its shape."""
     rows = probe.coefficients(values)
-    if not np.isfinite(rows).all():
-        raise EnvLightsError(f"ambient must be finite; got {rows.tolist()}")
+    if not (np.abs(rows) <= LARGEST_LIGHT).all():
+        raise EnvLightsError(
+            f"ambient must be finite, and at most {LARGEST_LIGHT:.3g}; got {rows.tolist()}"
+        )
     if len(rows) == 1 and (rows < 0).any():
         raise EnvLightsError(f"ambient must not be negative; got {rows[0].tolist()}")
     return rows.reshape(np.shape(values))
@@ -274,6 +277,6 @@ def _from_dict(data: dict[str, Any]) -> Rig:
         lights_of(data["lights"]),
         data["error"],
         FitReport.from_dict(data["report"]),
-        tuple(data["notes"]),
+        tuple(texts("notes", data["notes"])),
         data.get("floor", False),
     )

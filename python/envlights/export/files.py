@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
+from unicodedata import category
 
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights._check import describe
+from envlights._native import EnvLightsError
 from envlights.io.files import as_path, check_writable, write_atomically
 from envlights.io.image_output import write_exr, write_hdr
 
@@ -21,6 +24,29 @@ def texture_name(path: str | os.PathLike[str], kind: str = "ambient") -> str:
     files for several targets can share a folder.
     """
     return f"{as_path(path).stem}.{kind}.exr"
+
+
+def check_link(name: str, target: str, refused: Iterable[str] = ()) -> None:
+    """Refuse the name of a texture that `target` would not read back from a scene.
+
+    Parameters
+    ----------
+    name : str
+        Name or path of the texture, as the scene holds it.
+    target : str
+        Title of the program, for the refusal.
+    refused : iterable of str
+        Characters or words that mean something else in the files of this program. No program
+        reads control characters and undecodable bytes in all of its versions.
+    """
+    # Control characters, and halves of surrogate pairs, in which Python keeps undecodable bytes.
+    bad = [letter for letter in name if category(letter) in ("Cc", "Cs")]
+    bad += [each for each in refused if each in name]
+    if bad:
+        raise EnvLightsError(
+            f"{target} cannot read a texture whose name holds {bad[0]!a}; got"
+            f" {describe(name)}; give the scene another name"
+        )
 
 
 def save_scene(

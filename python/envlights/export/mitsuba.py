@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._native import EnvLightsError
 from envlights.envmap import EnvMap
 from envlights.export.discs import MOST_ROWS, rows_for, split_by_size
-from envlights.export.files import save_scene, texture_name
+from envlights.export.files import check_link, save_scene, texture_name
 from envlights.export.scene import Scene, scene_of
 from envlights.lights import Lights
 from envlights.rig import Rig
@@ -83,6 +83,8 @@ def save_mitsuba(
     textures = {}
     if radiance is not None:
         name = texture_name(path, "ambient.mitsuba")
+        # A dollar sign begins the name of a parameter; XML forbids the other two.
+        check_link(name, "Mitsuba", "$\ufffe\uffff")
         emitter = ElementTree.SubElement(root, "emitter", type="envmap", id="ambient")
         ElementTree.SubElement(emitter, "string", name="filename", value=name)
         textures[name] = radiance

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 
 import numpy as np
@@ -11,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights.envmap import EnvMap
 from envlights.export.axes import AXES
 from envlights.export.discs import looked_up, split_by_size, with_discs
-from envlights.export.files import save_scene, texture_name
+from envlights.export.files import check_link, save_scene, texture_name
 from envlights.export.scene import Scene, scene_of
 from envlights.lights import Lights
 from envlights.rig import Rig
@@ -92,10 +91,17 @@ def _sources(lights: Lights, scene: Scene, name: str) -> str:
         for direction, irradiance in zip(towards, lights.irradiance, strict=True)
     ]
     if scene.environment is not None:
-        lines.append(f'LightSource "infinite" "string filename" {json.dumps(name)}')
+        lines.append(f'LightSource "infinite" "string filename" {_string(name)}')
     elif scene.ambient is not None:
         lines.append(f'LightSource "infinite" "rgb L" {_numbers(scene.ambient)}')
     return "\n".join([_HEADER, *lines]) + "\n"
+
+
+def _string(name: str) -> str:
+    """A name in quotes; pbrt knows few escapes, and none for letters beyond ASCII."""
+    check_link(name, "pbrt")
+    escaped = name.replace("\\", r"\\").replace('"', r"\"")
+    return f'"{escaped}"'
 
 
 def _equal_area(env: EnvMap) -> NDArray[np.float32]:

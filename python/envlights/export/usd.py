@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._native import EnvLightsError
 from envlights.envmap import EnvMap
 from envlights.export.axes import AXES
-from envlights.export.files import save_scene, texture_name
+from envlights.export.files import check_link, save_scene, texture_name
 from envlights.export.scene import Scene, scene_of
 from envlights.io.files import as_path
 from envlights.lights import Lights
@@ -89,13 +89,24 @@ def _text(scene: Scene, texture: str) -> str:
     prims = [_light(f"light_{j}", *row) for j, row in enumerate(rows)]
     if scene.environment is not None:
         file = [
-            f"asset inputs:texture:file = @./{texture}@",
+            f"asset inputs:texture:file = {_asset(texture)}",
             'token inputs:texture:format = "latlong"',
         ]
         prims.append(_prim("DomeLight", "ambient", ["float inputs:intensity = 1.0", *file]))
     elif scene.ambient is not None:
         prims.append(_prim("DomeLight", "ambient", _colour(scene.ambient)))
     return _HEAD + "\n".join(prims) + "}\n"
+
+
+def _asset(texture: str) -> str:
+    """A path beside the stage as a literal.
+
+    <UDIM> would stand for the numbers of many files, and a backslash for a slash.
+    """
+    check_link(texture, "OpenUSD", ["<UDIM>", "\\"])
+    if "@" not in texture:
+        return f"@./{texture}@"
+    return "@@@./" + texture.replace("@@@", r"\@@@") + "@@@"
 
 
 def _light(
