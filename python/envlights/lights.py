@@ -298,7 +298,7 @@ class Lights(Result):
         """
         discs = self.discs()
         drawn = disc_map(height, discs.direction, discs.irradiance, discs.angular_radius)
-        if not np.isfinite(drawn.max(initial=0)):
+        if drawn.max(initial=0) > LARGEST_LIGHT:
             raise EnvLightsError(
                 f"a light is too bright for a map of single precision (up to {LARGEST_LIGHT:.3g});"
                 " scale the lights"
