@@ -191,8 +191,8 @@ def test_the_table_says_where_each_light_is_and_how_wrong_the_rig_is():
     ("change", "message"),
     [
         ({"format": "another"}, "is not a rig"),
-        ({"version": 1}, "version 1; this package reads 2 and 3 and 4"),
-        ({"version": 5}, "version 5; this package reads 2 and 3 and 4"),
+        ({"version": 1}, "version 1; this package reads 2, 3, 4"),
+        ({"version": 5}, "version 5; this package reads 2, 3, 4"),
         ({"floor": 1}, "floor must be True or False; got 1"),
         (
             {"lights": {**a_rig().lights.to_dict(), "angular_radius": [0.1]}},

@@ -20,15 +20,26 @@ from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights._tables import MOST_ROWS, Table
 from envlights.envmap import EnvMap
-from envlights.io.csv_table import read_csv
+from envlights.io.csv_table import Table as CsvTable
+from envlights.io.csv_table import load_csv
 from envlights.io.files import as_path
 from envlights.io.own_json import read_json
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import disc_map
+from envlights.kernels.sphere import FRAME
 from envlights.light import Light, azimuths, elevations
 
 if TYPE_CHECKING:
     import pandas as pd
+
+
+#: Header of a file of lights. `Lights.to_dict` holds only arrays, as a part of a rig.
+LIGHTS_HEADER = {
+    "format": "envlights lights",
+    "version": 1,
+    "frame": FRAME,
+    "units": "irradiance: at normal incidence; linear Rec.709 RGB; angular_radius: radians",
+}
 
 
 def brightest_first(irradiance: NDArray[np.float64]) -> NDArray[np.intp]:
@@ -247,8 +258,7 @@ class Lights(Result):
             If the file is missing, has another kind or version, or holds impossible lights.
         """
         if as_path(path).suffix.lower() == ".csv":
-            table = read_csv(path)
-            return Lights(table.direction, table.irradiance, table.angular_radius)
+            return load_csv(path, lights_of_table)
         return read_json(path, "lights", (1,), lights_of)
 
     def discs(self) -> Lights:
@@ -362,3 +372,8 @@ def lights_of(data: dict[str, Any]) -> Lights:
     irradiance = np.reshape(data["irradiance"], (-1, 3))
     radius: Any = data.get("angular_radius")
     return Lights(direction, irradiance, radius)
+
+
+def lights_of_table(table: CsvTable) -> Lights:
+    """Lights of a CSV file."""
+    return Lights(table.direction, table.irradiance, table.angular_radius)

@@ -154,7 +154,10 @@ class FitReport(Result):
     def from_dict(cls, data: Mapping[str, Any]) -> FitReport:
         """Report that `to_dict` wrote; fields that an older version did not write get defaults."""
         return cls(
-            errors={int(n): amount("errors", error) for n, error in data["errors"].items()},
+            errors={
+                count("lights", int(n)): amount("errors", error)
+                for n, error in data["errors"].items()
+            },
             sized_error=_optional("sized_error", data.get("sized_error")),
             steps=count("steps", data["steps"]),
             stop_reason=_stop_reason(data["stop_reason"]),

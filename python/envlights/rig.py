@@ -18,12 +18,12 @@ from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights.ambient import ambient_rows, turned_ambient
 from envlights.envmap import EnvMap
-from envlights.io.csv_table import read_csv
+from envlights.io.csv_table import Table, load_csv
 from envlights.io.files import as_path
 from envlights.io.own_json import read_json
 from envlights.kernels import probe
 from envlights.kernels.sphere import FRAME
-from envlights.lights import Lights, lights_of
+from envlights.lights import Lights, lights_of, lights_of_table
 from envlights.report import FitReport, StopReason
 
 _KIND = "rig"
@@ -201,13 +201,7 @@ class Rig(Result):
             If the file is missing, has another kind or version, or holds impossible lights.
         """
         if as_path(path).suffix.lower() == ".csv":
-            table = read_csv(path)
-            if table.ambient is None or table.error is None:
-                raise EnvLightsError(
-                    f"{path} holds lights without an ambient term; use `Lights.load`"
-                )
-            lights = Lights(table.direction, table.irradiance, table.angular_radius)
-            return cls(table.ambient, lights, table.error, floor=table.floor)
+            return load_csv(path, _of_table)
         return read_json(path, _KIND, _READABLE_VERSIONS, _from_dict)
 
     def verbose(self) -> str:
@@ -269,6 +263,12 @@ def _ambient_lines(ambient: NDArray[np.float64]) -> list[str]:
     names = ("1", "y", "z", "x", "xy", "yz", "3zz-1", "xz", "xx-yy")
     table = [f"  {name:<5} {row}" for name, row in zip(names, rows, strict=True)]
     return ["ambient radiance, spherical harmonics (R, G, B):", *table]
+
+
+def _of_table(table: Table) -> Rig:
+    if table.ambient is None or table.error is None:
+        raise EnvLightsError("it holds lights without an ambient term; use `Lights.load`")
+    return Rig(table.ambient, lights_of_table(table), table.error, floor=table.floor)
 
 
 def _from_dict(data: dict[str, Any]) -> Rig:

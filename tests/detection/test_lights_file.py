@@ -88,7 +88,7 @@ def change_file(change):
             lambda path: el.Rig([0, 0, 0], FOUND["tree"].discs(), 0.0).save(path),
             "is not a list of detected lights: it does not say 'format': 'envlights detected",
         ),
-        (change_file(lambda d: d.update(version=9)), "of version 9; this package reads 2 and 3"),
+        (change_file(lambda d: d.update(version=9)), "of version 9; this package reads 2, 3"),
         (change_file(lambda d: d.pop("elongation")), "the key 'elongation' is missing"),
         (
             change_file(lambda d: d["elongation"].pop()),

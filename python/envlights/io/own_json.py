@@ -52,7 +52,7 @@ def _check_version(path: object, kind: str, versions: tuple[int, ...], data: Any
     if not isinstance(data, dict) or data.get("format") != name:
         raise EnvLightsError(f"{path} is not {_one(kind)}: it does not say 'format': '{name}'")
     if data.get("version") not in versions:
-        version, read = describe(data.get("version")), " and ".join(map(str, versions))
+        version, read = describe(data.get("version")), ", ".join(map(str, versions))
         raise EnvLightsError(
             f"{path} is {_one(kind)} of version {version}; this package reads {read}"
         )

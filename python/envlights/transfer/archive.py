@@ -135,7 +135,7 @@ def _check_version(path: object, archive: zipfile.ZipFile) -> None:
         raise EnvLightsError(f"{path} is not a model: it does not say 'format': '{_FORMAT}'")
     if said["version"] not in map(str, _READABLE_VERSIONS):
         found = f"of version {said['version']}" if said["version"] else "without a readable version"
-        wanted = " and ".join(map(str, _READABLE_VERSIONS))
+        wanted = ", ".join(map(str, _READABLE_VERSIONS))
         raise EnvLightsError(f"{path} is a model {found}; this package reads {wanted}")
 
 
