@@ -16,6 +16,9 @@ from envlights._native import EnvLightsError
 from envlights.io.files import as_path, check_writable, write_atomically
 from envlights.io.image_output import write_exr, write_hdr
 
+#: Control characters of ASCII and of Latin 1.
+CONTROLS = tuple(map(chr, (*range(32), *range(127, 160))))
+
 
 def texture_name(path: str | os.PathLike[str], kind: str = "ambient") -> str:
     """Name of a texture beside `path`: ``scene.ambient.exr`` beside ``scene.usda``.
@@ -36,11 +39,11 @@ def check_link(name: str, target: str, refused: Iterable[str] = ()) -> None:
     target : str
         Title of the program, for the refusal.
     refused : iterable of str
-        Characters or words that mean something else in the files of this program. No program
-        reads control characters and undecodable bytes in all of its versions.
+        Characters or words that mean something else in the files of this program. Bytes that are
+        not UTF-8 are refused for all programs.
     """
-    # Control characters, and halves of surrogate pairs, in which Python keeps undecodable bytes.
-    bad = [letter for letter in name if category(letter) in ("Cc", "Cs")]
+    # Python keeps undecodable bytes as halves of surrogate pairs.
+    bad = [letter for letter in name if category(letter) == "Cs"]
     bad += [each for each in refused if each in name]
     if bad:
         raise EnvLightsError(

@@ -23,6 +23,9 @@ from envlights.export.scene import Scene, scene_of
 from envlights.lights import Lights
 from envlights.rig import Rig
 
+#: A dollar sign begins the name of a parameter; XML forbids the others.
+_REFUSED = ("$", "\ufffe", "\uffff", *(chr(c) for c in range(32) if chr(c) not in "\t\n\r"))
+
 
 def mitsuba(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) -> dict[str, Any]:
     r"""The emitters of a rig, to be merged into the dictionary of a scene.
@@ -83,8 +86,7 @@ def save_mitsuba(
     textures = {}
     if radiance is not None:
         name = texture_name(path, "ambient.mitsuba")
-        # A dollar sign begins the name of a parameter; XML forbids the other two.
-        check_link(name, "Mitsuba", "$\ufffe\uffff")
+        check_link(name, "Mitsuba", _REFUSED)
         emitter = ElementTree.SubElement(root, "emitter", type="envmap", id="ambient")
         ElementTree.SubElement(emitter, "string", name="filename", value=name)
         textures[name] = radiance

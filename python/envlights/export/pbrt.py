@@ -22,6 +22,13 @@ _NARROW = 4 * np.pi / 1024
 _SIDE = 1.25
 #: Samples along a side of each of its pixels, which are averaged.
 _SAMPLES = 3
+#: Escapes of pbrt in a string.
+_ESCAPES = str.maketrans(
+    {
+        **{"\\": r"\\", '"': r"\""},
+        **{"\b": r"\b", "\f": r"\f", "\n": r"\n", "\r": r"\r", "\t": r"\t"},
+    }
+)
 _HEADER = "# Lights of envlights for pbrt-v4: Include this file after WorldBegin.\n"
 
 
@@ -100,8 +107,7 @@ def _sources(lights: Lights, scene: Scene, name: str) -> str:
 def _string(name: str) -> str:
     """A name in quotes; pbrt knows few escapes, and none for letters beyond ASCII."""
     check_link(name, "pbrt")
-    escaped = name.replace("\\", r"\\").replace('"', r"\"")
-    return f'"{escaped}"'
+    return f'"{name.translate(_ESCAPES)}"'
 
 
 def _equal_area(env: EnvMap) -> NDArray[np.float32]:

@@ -14,7 +14,7 @@ from envlights._native import EnvLightsError
 from envlights.envmap import EnvMap
 from envlights.export.axes import AXES
 from envlights.export.discs import looked_up, split_by_size, with_discs
-from envlights.export.files import check_link, save_scene, texture_name
+from envlights.export.files import CONTROLS, check_link, save_scene, texture_name
 from envlights.export.scene import Scene, scene_of
 from envlights.lights import Lights
 from envlights.rig import Rig
@@ -135,7 +135,8 @@ def _glow(scene: Scene, name: str) -> list[str]:
 
 def _word(name: str) -> str:
     """File name as one word of a description, in quotes where that is necessary."""
-    check_link(name, "Radiance")
+    # Versions that know no quotes would run what follows a line break and an exclamation mark.
+    check_link(name, "Radiance", CONTROLS)
     quotes = [quote for quote in "\"'" if quote not in name]
     if not quotes or name.startswith("~"):
         raise EnvLightsError(

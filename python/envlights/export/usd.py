@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._native import EnvLightsError
 from envlights.envmap import EnvMap
 from envlights.export.axes import AXES
-from envlights.export.files import check_link, save_scene, texture_name
+from envlights.export.files import CONTROLS, check_link, save_scene, texture_name
 from envlights.export.scene import Scene, scene_of
 from envlights.io.files import as_path
 from envlights.lights import Lights
@@ -103,7 +103,7 @@ def _asset(texture: str) -> str:
 
     <UDIM> would stand for the numbers of many files, and a backslash for a slash.
     """
-    check_link(texture, "OpenUSD", ["<UDIM>", "\\"])
+    check_link(texture, "OpenUSD", ["<UDIM>", "\\", *CONTROLS])
     if "@" not in texture:
         return f"@./{texture}@"
     return "@@@./" + texture.replace("@@@", r"\@@@") + "@@@"
