@@ -120,7 +120,7 @@ def save_on_full_disk(name, times):
 def main(times):
     """Print the counts of each kind."""
     for name in SAVES:
-        # Two drawings of one picture differ, so a complete one cannot be recognised.
+        # To draw takes longer than a process lives.
         kills = "" if name in PICTURES else f"killed {dict(kill_saves(name, times))}, "
         print(f"{name:<12} {kills}full {dict(save_on_full_disk(name, times))}")
 

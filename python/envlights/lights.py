@@ -14,21 +14,33 @@ from numpy.typing import ArrayLike, NDArray
 from envlights import _html, _targets, _thumbnails
 from envlights._arrays import seal
 from envlights._check import rotation
-from envlights._light_arrays import light_arrays, radii, rotate, row_of, rows_of
+from envlights._light_arrays import LARGEST_LIGHT, light_arrays, radii, rotate, row_of, rows_of
 from envlights._lobes import SphericalGaussians, lobes
+from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights._tables import MOST_ROWS, Table, frame_of
 from envlights._units import OWN_SCALE, checked_units, in_lux
 from envlights.envmap import EnvMap
-from envlights.io.csv_table import read_csv
+from envlights.io.csv_table import Table as CsvTable
+from envlights.io.csv_table import load_csv
 from envlights.io.files import as_path
 from envlights.io.own_json import read_json
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import disc_map
+from envlights.kernels.sphere import FRAME
 from envlights.light import Light, azimuths, elevations
 
 if TYPE_CHECKING:
     import pandas as pd
+
+
+#: Header of a file of lights. `Lights.to_dict` holds only arrays, as a part of a rig.
+LIGHTS_HEADER = {
+    "format": "envlights lights",
+    "version": 2,
+    "frame": FRAME,
+    "units": "irradiance: at normal incidence; linear Rec.709 RGB; angular_radius: radians",
+}
 
 
 def brightest_first(irradiance: NDArray[np.float64]) -> NDArray[np.intp]:
@@ -249,9 +261,7 @@ class Lights(Result):
             If the file is missing, has another kind or version, or holds impossible lights.
         """
         if as_path(path).suffix.lower() == ".csv":
-            table = read_csv(path)
-            arrays = table.direction, table.irradiance, table.angular_radius
-            return Lights(*arrays, units=table.units)
+            return load_csv(path, lights_of_table)
         return read_json(path, "lights", (1, 2), lights_of)
 
     def discs(self) -> Lights:
@@ -300,8 +310,13 @@ class Lights(Result):
         array([[3., 2., 1.]])
         """
         discs = self.discs()
-        arrays = discs.direction, discs.irradiance, discs.angular_radius
-        return EnvMap(disc_map(height, *arrays), units=self.units)
+        drawn = disc_map(height, discs.direction, discs.irradiance, discs.angular_radius)
+        if drawn.max(initial=0) > LARGEST_LIGHT:
+            raise EnvLightsError(
+                f"a light is too bright for a map of single precision (up to {LARGEST_LIGHT:.3g});"
+                " scale the lights"
+            )
+        return EnvMap(drawn, units=self.units)
 
     def spherical_gaussians(self) -> SphericalGaussians:
         r"""Convert the lights to spherical Gaussians, for engines that use them.
@@ -366,3 +381,9 @@ def lights_of(data: dict[str, Any]) -> Lights:
     radius: Any = data.get("angular_radius")
     # Version 1 had no scale.
     return Lights(direction, irradiance, radius, units=data.get("scale", OWN_SCALE))
+
+
+def lights_of_table(table: CsvTable) -> Lights:
+    """Lights of a CSV file."""
+    arrays = table.direction, table.irradiance, table.angular_radius
+    return Lights(*arrays, units=table.units)

@@ -12,23 +12,24 @@ from numpy.typing import ArrayLike, NDArray
 from envlights import _html, _targets
 from envlights._arrays import freeze
 from envlights._blocks import in_blocks
-from envlights._check import amount, flag, one_or_more, rotation
+from envlights._check import amount, flag, one_or_more, rotation, texts
+from envlights._light_arrays import LARGEST_LIGHT
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights._units import in_nits, statement
 from envlights.ambient import ambient_rows, turned_ambient
 from envlights.envmap import EnvMap
-from envlights.io.csv_table import read_csv
+from envlights.io.csv_table import Table, load_csv
 from envlights.io.files import as_path
 from envlights.io.own_json import read_json
 from envlights.kernels import probe
 from envlights.kernels.sphere import FRAME
-from envlights.lights import Lights, lights_of
+from envlights.lights import Lights, lights_of, lights_of_table
 from envlights.report import FitReport, StopReason
 
 _KIND = "rig"
 _VERSION = 4
-#: Version 2 had neither sizes nor floors, version 3 no scale.
+#: Version 2 had neither sizes nor floors; version 3 had wall times, and no scale.
 _READABLE_VERSIONS = (2, 3, 4)
 
 
@@ -238,14 +239,7 @@ class Rig(Result):
             If the file is missing, has another kind or version, or holds impossible lights.
         """
         if as_path(path).suffix.lower() == ".csv":
-            table = read_csv(path)
-            if table.ambient is None or table.error is None:
-                raise EnvLightsError(
-                    f"{path} holds lights without an ambient term; use `Lights.load`"
-                )
-            arrays = table.direction, table.irradiance, table.angular_radius
-            lights = Lights(*arrays, units=table.units)
-            return cls(table.ambient, lights, table.error, floor=table.floor)
+            return load_csv(path, _of_table)
         return read_json(path, _KIND, _READABLE_VERSIONS, _from_dict)
 
     def verbose(self) -> str:
@@ -291,8 +285,10 @@ def error_line(rig: Rig) -> str:
 def _ambient(values: ArrayLike) -> NDArray[np.float64]:
     """Check an ambient term, and keep its shape."""
     rows = probe.coefficients(values)
-    if not np.isfinite(rows).all():
-        raise EnvLightsError(f"ambient must be finite; got {rows.tolist()}")
+    if not (np.abs(rows) <= LARGEST_LIGHT).all():
+        raise EnvLightsError(
+            f"ambient must be finite, and at most {LARGEST_LIGHT:.3g}; got {rows.tolist()}"
+        )
     if len(rows) == 1 and (rows < 0).any():
         raise EnvLightsError(f"ambient must not be negative; got {rows[0].tolist()}")
     return rows.reshape(np.shape(values))
@@ -307,12 +303,18 @@ def _ambient_lines(ambient: NDArray[np.float64], unit: str) -> list[str]:
     return [f"ambient radiance{unit}, spherical harmonics (R, G, B):", *table]
 
 
+def _of_table(table: Table) -> Rig:
+    if table.ambient is None or table.error is None:
+        raise EnvLightsError("it holds lights without an ambient term; use `Lights.load`")
+    return Rig(table.ambient, lights_of_table(table), table.error, floor=table.floor)
+
+
 def _from_dict(data: dict[str, Any]) -> Rig:
     return Rig(
         data["ambient"],
         lights_of(data["lights"]),
         data["error"],
         FitReport.from_dict(data["report"]),
-        tuple(data["notes"]),
+        tuple(texts("notes", data["notes"])),
         data.get("floor", False),
     )

@@ -105,6 +105,24 @@ def test_fit_takes_its_targets_from_the_files_or_by_name(
     assert report["target"] == target
 
 
+@pytest.mark.parametrize("rig", ["", ".", "/", "..", "\x1b[31m.json"])
+@pytest.mark.parametrize("target", ["usd", "out.usda", "", ".", "/"])
+def test_what_names_no_file_is_refused_in_a_sentence(tmp_path, monkeypatch, rig, target):
+    monkeypatch.chdir(tmp_path)
+    result = run("export", rig, target)
+    assert isinstance(result.exception, SystemExit)
+    assert (result.exit_code, result.stderr.count("\n")) == (2, 1)
+    assert "\x1b" not in result.stderr
+
+
+@pytest.mark.parametrize("content", ['{"format": [1]}', '{"format": {}}', "[]", "3", "null"])
+def test_a_file_of_another_kind_is_refused_in_a_sentence(tmp_path, content):
+    (tmp_path / "rig.json").write_text(content)
+    result = run("export", tmp_path / "rig.json", tmp_path / "out.usda")
+    assert (result.exit_code, result.stderr.count("\n")) == (2, 1)
+    assert "is not a rig: it does not say 'format'" in result.stderr
+
+
 def test_the_help_lists_what_each_target_shows():
     text = " ".join(run("export", "-h").output.split())
     for target in TARGETS:

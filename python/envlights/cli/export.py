@@ -66,6 +66,10 @@ def _place(rig_path: str, target: str) -> str:
             wanted = f"a target ({', '.join(suffixes)}) or a file with a suffix"
             raise EnvLightsError(f"cannot write {target}: it must be the name of {wanted}")
         return target
+    if not Path(rig_path).name:
+        raise EnvLightsError(
+            f"cannot write {target} beside '{rig_path}', which names no file; give a file of a rig"
+        )
     return str(Path(rig_path).with_suffix(suffixes[target]))
 
 
@@ -76,5 +80,5 @@ def _load(path: str) -> Rig | Lights:
     kind = None
     with contextlib.suppress(OSError, ValueError, RecursionError, AttributeError):
         kind = json.loads(Path(path).read_text(encoding="utf-8")).get("format")
-    reader = _READERS.get(kind or "")
+    reader = _READERS.get(kind) if isinstance(kind, str) else None
     return reader(path) if reader else Rig.load(path)

@@ -13,6 +13,7 @@ from typing import Any
 import click
 
 from envlights._native import EnvLightsError
+from envlights._printable import printable
 from envlights.io.files import check_writable
 from envlights.rig import Rig
 
@@ -90,4 +91,4 @@ def print_rig(rig: Rig, as_json: bool, verbose: bool) -> None:
 def say_written(paths: Sequence[str]) -> None:
     """Name the written files at the end, so that a closed pipe does not prevent writing."""
     for path in paths:
-        click.echo(f"wrote {path}", err=True)
+        click.echo(f"wrote {printable(path)}", err=True)

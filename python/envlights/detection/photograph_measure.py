@@ -41,7 +41,8 @@ def measure(
     values = radiance[first[:, 0], first[:, 1]].astype(np.float64)
     each = height * width / max(samples.total, 1)
     flux = each * sums_of_lights(values, merged.light, lights)
-    total = float(luminance.sum(dtype=np.float64)) or 1.0
+    # A sample may stand for more pixels than are bright around it.
+    total = max(float(luminance.sum(dtype=np.float64)), float((flux @ images.LUMINANCE).sum()))
     place = _pixels_at(merged.peak, size, radiance.shape)
     reach_in_photograph = math.ceil((reach + 0.5) * to_photograph.max())
     position = ((merged.means + 0.5) * to_photograph)[:, ::-1]
@@ -52,7 +53,7 @@ def measure(
         "pixel_flux": flux,
         "peak_pixel": place,
         "peak_luminance": working[merged.peak[:, 0], merged.peak[:, 1]].astype(np.float64),
-        "flux_share": flux @ images.LUMINANCE / total,
+        "flux_share": flux @ images.LUMINANCE / (total or 1.0),
         "is_clipped": _native.are_clipped(
             radiance, place, reach_in_photograph, False, photograph.white
         ),

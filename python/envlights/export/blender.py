@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from envlights._native import EnvLightsError
 from envlights.envmap import EnvMap
 from envlights.export.axes import AXES
-from envlights.export.files import panorama, save_scene
+from envlights.export.files import check_link, panorama, save_scene
 from envlights.export.scene import Scene, scene_of
 from envlights.lights import Lights
 from envlights.rig import Rig
@@ -180,6 +180,9 @@ def add_to_blender(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = N
 
 
 def _script(scene: Scene, name: str) -> str:
+    if scene.environment is not None:
+        # Blender takes backslashes in paths for slashes on all systems.
+        check_link(name, "Blender", "\\")
     lights = scene.lights
     towards = AXES["blender"].to_target(lights.direction).tolist()
     rows = zip(towards, lights.irradiance.tolist(), lights.angular_radius.tolist(), strict=True)

@@ -19,7 +19,7 @@ from envlights._native import EnvLightsError
 from envlights.ambient import turned_ambient
 from envlights.envmap import EnvMap
 from envlights.export.axes import AXES, Axes, Matrix
-from envlights.export.files import panorama, save_scene
+from envlights.export.files import check_link, panorama, save_scene
 from envlights.export.scene import Scene, scene_of
 from envlights.lights import Lights
 from envlights.rig import Rig
@@ -238,6 +238,7 @@ def _ambient(scene: Scene, harmonics: ArrayLike, axes: Axes, texture: str) -> di
         return {"ambient": scene.ambient.tolist()}
     if scene.environment is None:
         return {}
+    check_link(texture, "a reader of JSON")
     coefficients = np.asarray(harmonics, np.float64)
     if coefficients.ndim < 2:
         return {"map": texture}

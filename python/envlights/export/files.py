@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
+from unicodedata import category
 
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights._check import describe
+from envlights._native import EnvLightsError
 from envlights._targets import PANORAMA
 from envlights.envmap import EnvMap
 from envlights.io.files import as_path, check_writable, write_atomically
 from envlights.io.image_output import write_exr, write_hdr
+
+#: Control characters of ASCII and of Latin 1.
+CONTROLS = tuple(map(chr, (*range(32), *range(127, 160))))
 
 
 def texture_name(path: str | os.PathLike[str], end: str = PANORAMA) -> str:
@@ -33,6 +39,29 @@ def panorama(
         return texture, {}
     name = texture_name(path)
     return name, {} if environment is None else {name: environment.cells()}
+
+
+def check_link(name: str, target: str, refused: Iterable[str] = ()) -> None:
+    """Refuse the name of a texture that `target` would not read back from a scene.
+
+    Parameters
+    ----------
+    name : str
+        Name or path of the texture, as the scene holds it.
+    target : str
+        Title of the program, for the refusal.
+    refused : iterable of str
+        Characters or words that mean something else in the files of this program. Bytes that are
+        not UTF-8 are refused for all programs.
+    """
+    # Python keeps undecodable bytes as halves of surrogate pairs.
+    bad = [letter for letter in name if category(letter) == "Cs"]
+    bad += [each for each in refused if each in name]
+    if bad:
+        raise EnvLightsError(
+            f"{target} cannot read a texture whose name holds {bad[0]!a}; got"
+            f" {describe(name)}; give the scene another name"
+        )
 
 
 def save_scene(

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights.envmap import EnvMap
 from envlights.export.axes import AXES
-from envlights.export.files import panorama, save_scene
+from envlights.export.files import check_link, panorama, save_scene
 from envlights.export.scene import check_rig, scene_of
 from envlights.export.units import UNITS
 from envlights.lights import Lights
@@ -100,6 +100,7 @@ def gltf(
         asset["extensions"] = {_EXTENSION: {"lights": found}}
         asset["extensionsUsed"] = [_EXTENSION]
     if environment is not None:
+        check_link(texture, "a reader of JSON")
         scene["extras"] = {"environment": texture, "note": _MAP_NOTE}
     elif np.any(getattr(rig, "ambient", 0)):
         scene["extras"] = _extras(rig)

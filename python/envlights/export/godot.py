@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._srgb import encode_srgb
 from envlights.envmap import EnvMap
 from envlights.export.axes import AXES
-from envlights.export.files import panorama, save_scene
+from envlights.export.files import CONTROLS, check_link, panorama, save_scene
 from envlights.export.scene import CASTERS, Scene, at_most, scene_of
 from envlights.lights import Lights
 from envlights.rig import Rig
@@ -116,6 +116,7 @@ def _environment(scene: Scene, texture: str) -> list[str]:
     if scene.environment is None:
         ambient = np.zeros(3) if scene.ambient is None else scene.ambient
         return [_colour_environment(ambient)]
+    check_link(texture, "Godot", ("\\", *CONTROLS))
     name = json.dumps(texture, ensure_ascii=False)
     return [
         f'[ext_resource type="Texture2D" path={name} id="map"]',

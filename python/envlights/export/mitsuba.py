@@ -19,13 +19,15 @@ from envlights import kernels
 from envlights._native import EnvLightsError
 from envlights.envmap import EnvMap
 from envlights.export.discs import MOST_ROWS, rows_for, split_by_size
-from envlights.export.files import save_scene, texture_name
+from envlights.export.files import check_link, save_scene, texture_name
 from envlights.export.scene import Scene, scene_of
 from envlights.lights import Lights
 from envlights.rig import Rig
 
 #: End of the name of a map with its rows as Mitsuba reads them.
 TEXTURE = ".ambient.mitsuba.exr"
+#: A dollar sign begins the name of a parameter; XML forbids the others.
+_REFUSED = ("$", "\ufffe", "\uffff", *(chr(c) for c in range(32) if chr(c) not in "\t\n\r"))
 
 #: Normals among which the one with most light is searched.
 _NORMALS = kernels.pixel_directions(8, 16).reshape(-1, 3)
@@ -103,6 +105,7 @@ def save_mitsuba(
     textures = {}
     if radiance is not None:
         name = texture_name(path, TEXTURE)
+        check_link(name, "Mitsuba", _REFUSED)
         emitter = ElementTree.SubElement(root, "emitter", type="envmap", id="ambient")
         ElementTree.SubElement(emitter, "string", name="filename", value=name)
         textures[name] = radiance

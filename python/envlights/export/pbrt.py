@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 
 import numpy as np
@@ -11,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights.envmap import EnvMap
 from envlights.export.axes import AXES
 from envlights.export.discs import looked_up, split_by_size, with_discs
-from envlights.export.files import save_scene, texture_name
+from envlights.export.files import check_link, save_scene, texture_name
 from envlights.export.scene import Scene, scene_of
 from envlights.lights import Lights
 from envlights.rig import Rig
@@ -25,6 +24,13 @@ _SIDE = 1.25
 _SAMPLES = 3
 #: End of the name of an equal-area map.
 TEXTURE = ".ambient.pbrt.exr"
+#: Escapes of pbrt in a string.
+_ESCAPES = str.maketrans(
+    {
+        **{"\\": r"\\", '"': r"\""},
+        **{"\b": r"\b", "\f": r"\f", "\n": r"\n", "\r": r"\r", "\t": r"\t"},
+    }
+)
 _HEADER = "# Lights of envlights for pbrt-v4: Include this file after WorldBegin."
 
 
@@ -95,10 +101,16 @@ def _sources(lights: Lights, scene: Scene, name: str) -> str:
         for direction, irradiance in zip(towards, lights.irradiance, strict=True)
     ]
     if scene.environment is not None:
-        lines.append(f'LightSource "infinite" "string filename" {json.dumps(name)}')
+        lines.append(f'LightSource "infinite" "string filename" {_string(name)}')
     elif scene.ambient is not None:
         lines.append(f'LightSource "infinite" "rgb L" {_numbers(scene.ambient)}')
     return "\n".join([_HEADER, f"# Units: {scene.statement}.", *lines]) + "\n"
+
+
+def _string(name: str) -> str:
+    """A name in quotes; pbrt knows few escapes, and none for letters beyond ASCII."""
+    check_link(name, "pbrt")
+    return f'"{name.translate(_ESCAPES)}"'
 
 
 def _equal_area(env: EnvMap) -> NDArray[np.float32]:

@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._check import describe
+from envlights._light_arrays import LARGEST_LIGHT
 from envlights._native import EnvLightsError
 from envlights.envmap import EnvMap
 from envlights.export.axes import AXES
 from envlights.export.discs import looked_up, split_by_size, with_discs
-from envlights.export.files import save_scene, texture_name
+from envlights.export.files import CONTROLS, check_link, save_scene, texture_name
 from envlights.export.scene import Scene, scene_of
 from envlights.lights import Lights
 from envlights.rig import Rig
@@ -101,10 +102,13 @@ def _parts(scene: Scene) -> tuple[Lights, Scene]:
 
 
 def _description(lights: Lights, scene: Scene, name: str) -> str:
-    if scene.environment is not None and any(letter.isspace() for letter in name):
-        raise EnvLightsError(f"Radiance cannot read a file name with a space; got {describe(name)}")
     radius = np.maximum(lights.angular_radius, _POINT)
     seen = lights.irradiance / (np.pi * np.sin(radius) ** 2)[:, None] + _sky(scene, lights)
+    if seen.max(initial=0) > LARGEST_LIGHT:
+        raise EnvLightsError(
+            f"Radiance has single precision (up to {LARGEST_LIGHT:.3g}), and a light has the"
+            f" radiance {seen.max():.3g}; scale the rig, or give its lights a size"
+        )
     towards = AXES["radiance"].to_target(lights.direction)
     sources = [
         _source("light", f"light_{j}", rgb, direction, 2 * angle)
@@ -125,8 +129,8 @@ def _glow(scene: Scene, name: str) -> list[str]:
     """A source in all directions with a constant or a picture; none for a black sky."""
     up, around = np.array([0, 0, 1]), 2 * np.pi
     if scene.environment is not None:
-        where = _look_up(scene.environment)
-        picture = f"void colorpict sky_map\n7 red green blue {name} . {where}\n0\n0\n"
+        where = f"{_word(name)} . {_look_up(scene.environment)}"
+        picture = f"void colorpict sky_map\n7 red green blue {where}\n0\n0\n"
         return [picture + _source("glow", "sky", np.ones(3), up, around, "sky_map")]
     if scene.ambient is not None:
         return [_source("glow", "sky", scene.ambient, up, around)]
@@ -150,6 +154,20 @@ def _look_up(env: EnvMap) -> str:
     column = f"{aspect!r}*({width / 2!r}*(1-atan2(Dy,Dx)/PI)+0.5)/{width + 1}"
     row = f"({height}*(0.5+atan2(Dz,sqrt(Dx*Dx+Dy*Dy))/PI)+0.5)/{height + 1}"
     return f"{column} {row}"
+
+
+def _word(name: str) -> str:
+    """File name as one word of a description, in quotes where that is necessary."""
+    # Versions that know no quotes would run what follows a line break and an exclamation mark.
+    check_link(name, "Radiance", CONTROLS)
+    quotes = [quote for quote in "\"'" if quote not in name]
+    if not quotes or name.startswith("~"):
+        raise EnvLightsError(
+            "Radiance cannot read the name of a picture that begins with ~ or holds both kinds of"
+            f" quotes; got {describe(name)}; give the scene another name"
+        )
+    is_plain = len(quotes) == 2 and not any(letter.isspace() for letter in name)
+    return name if is_plain else f"{quotes[0]}{name}{quotes[0]}"
 
 
 def _source(

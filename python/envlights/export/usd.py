@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._native import EnvLightsError
 from envlights.envmap import EnvMap
 from envlights.export.axes import AXES
-from envlights.export.files import panorama, save_scene
+from envlights.export.files import CONTROLS, check_link, panorama, save_scene
 from envlights.export.scene import Scene, scene_of
 from envlights.io.files import as_path
 from envlights.lights import Lights
@@ -91,7 +91,7 @@ def _text(scene: Scene, texture: str) -> str:
     prims = [_light(f"light_{j}", *row) for j, row in enumerate(rows)]
     if scene.environment is not None:
         file = [
-            f"asset inputs:texture:file = @{_asset_path(texture)}@",
+            f"asset inputs:texture:file = {_asset(texture)}",
             'token inputs:texture:format = "latlong"',
         ]
         prims.append(_prim("DomeLight", "ambient", ["float inputs:intensity = 1.0", *file]))
@@ -100,9 +100,16 @@ def _text(scene: Scene, texture: str) -> str:
     return _HEAD.replace("@UNITS@", scene.statement) + "\n".join(prims) + "}\n"
 
 
-def _asset_path(name: str) -> str:
-    """A name that OpenUSD looks up beside the stage, not in its search paths."""
-    return name if name.startswith("../") else f"./{name}"
+def _asset(texture: str) -> str:
+    """A path as a literal, which OpenUSD looks up beside the stage, not in its search paths.
+
+    <UDIM> would stand for the numbers of many files, and a backslash for a slash.
+    """
+    check_link(texture, "OpenUSD", ["<UDIM>", "\\", *CONTROLS])
+    path = texture if texture.startswith("../") else f"./{texture}"
+    if "@" not in path:
+        return f"@{path}@"
+    return "@@@" + path.replace("@@@", r"\@@@") + "@@@"
 
 
 def _light(

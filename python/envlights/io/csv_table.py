@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import re
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,8 @@ from numpy.typing import NDArray
 from envlights._native import EnvLightsError
 from envlights._units import OWN_SCALE, PHOTOMETRIC
 from envlights.io.files import as_path
+
+_T = TypeVar("_T")
 
 FORMAT = "# envlights CSV, version 1"
 
@@ -77,6 +80,15 @@ def read_csv(path: str | os.PathLike[str]) -> Table:
     floor = bool(header and header[2])
     units = PHOTOMETRIC if lines[1].endswith(f"{SCALE}{PHOTOMETRIC}") else OWN_SCALE
     return Table(lights[:, :3], lights[:, 3:6], lights[:, 6], ambient, rms, units, floor)
+
+
+def load_csv(path: str | os.PathLike[str], build: Callable[[Table], _T]) -> _T:
+    """Result of `build` for the table in a file, or a refusal that names the file."""
+    table = read_csv(path)
+    try:
+        return build(table)
+    except EnvLightsError as error:
+        raise EnvLightsError(f"{path} holds impossible lights: {error}") from None
 
 
 def _rows(lines: list[str]) -> list[list[str]]:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from envlights._check import count
 from envlights._native import EnvLightsError
+from envlights._printable import printable
 from envlights._units import OWN_SCALE, PHOTOMETRIC
 from envlights._white import CodeHistogram, white_of
 from envlights.io.alpha import seen_of_alpha, straight_codes, visible
@@ -86,7 +87,8 @@ class OpenImage:
     def notes(self) -> tuple[str, ...]:
         """Remarks of all steps."""
         notes = (*self.choice.notes, *self.raw.header.notes, *self.colour.notes)
-        return (*notes, *self.place.notes)
+        # Names of channels and colour spaces may hold any characters.
+        return tuple(map(printable, (*notes, *self.place.notes)))
 
     @property
     def hints(self) -> Hints:

@@ -18,12 +18,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._native import EnvLightsError
+from envlights._printable import printable
 from envlights.io.description import layout_of_description
 from envlights.io.errors import DamagedFileError
 from envlights.io.exif_exposure import ev100_of, exposure_tags
 from envlights.io.jpeg_segments import Segments, segments
 from envlights.io.raw_image import FileColour, Header, Part, RawImage, Window
-from envlights.io.source import WANTED, Source, printable
+from envlights.io.source import WANTED, Source
 from envlights.io.tiff_tags import tags
 
 if TYPE_CHECKING:
