@@ -93,3 +93,15 @@ def sphere_to_square(directions):
     u, v = np.where(below, 1 - v, u), np.where(below, 1 - u, v)
     uv = np.copysign(np.stack([u, v], axis=1), directions[:, :2])
     return (uv + 1) / 2
+
+
+def square_directions(side):
+    """Directions of the pixels of an equal-area map, (side * side, 3), by rows (Clarberg 2008)."""
+    grid = 2 * (np.arange(side) + 0.5) / side - 1
+    u, v = (each.ravel() for each in np.meshgrid(grid, grid))
+    inside = 1 - np.abs(u) - np.abs(v)
+    r = 1 - np.abs(inside)
+    azimuth = ((np.abs(v) - np.abs(u)) / np.maximum(r, np.finfo(float).tiny) + 1) * np.pi / 4
+    planar = r * np.sqrt(2 - r**2)
+    x, y = np.copysign(planar * np.cos(azimuth), u), np.copysign(planar * np.sin(azimuth), v)
+    return np.stack([x, y, np.copysign(1 - r**2, inside)], axis=1)

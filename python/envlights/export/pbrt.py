@@ -9,10 +9,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights.envmap import EnvMap
 from envlights.export.axes import AXES
-from envlights.export.discs import looked_up, split_by_size, with_discs
+from envlights.export.discs import split_by_size, with_discs
 from envlights.export.files import check_link, save_scene, texture_name
 from envlights.export.scene import Scene, scene_of
+from envlights.layouts.layout import Layout, equirectangular
 from envlights.lights import Lights
+from envlights.resampling import resample
 from envlights.rig import Rig
 
 #: Angular radius in radians below which a light has no size in pbrt: 0.7 degrees, which is four
@@ -20,8 +22,9 @@ from envlights.rig import Rig
 _NARROW = 4 * np.pi / 1024
 #: Pixels along a side of pbrt's map for each row of ours: about the same at the horizon.
 _SIDE = 1.25
-#: Samples along a side of each of its pixels, which are averaged.
-_SAMPLES = 3
+#: Directions of the centre, of the right and of the upper edge of that map, which has +z of pbrt in
+#: its centre.
+_SQUARE = ((0.0, 1.0, 0.0), (0.0, 0.0, -1.0), (-1.0, 0.0, 0.0))
 #: End of the name of an equal-area map.
 TEXTURE = ".ambient.pbrt.exr"
 #: Escapes of pbrt in a string.
@@ -116,33 +119,8 @@ def _string(name: str) -> str:
 def _equal_area(env: EnvMap) -> NDArray[np.float32]:
     """A map in the form of pbrt: a square of pixels with equal solid angles."""
     side = int(np.ceil(_SIDE * env.height))
-    centres = (np.arange(side * _SAMPLES) + 0.5) / (side * _SAMPLES)
-    found = np.empty((side, side, 3), np.float32)
-    for row in range(side):
-        v = centres[row * _SAMPLES : (row + 1) * _SAMPLES]
-        uv = np.stack(np.meshgrid(centres, v), axis=-1).reshape(-1, 2)
-        samples = looked_up(env, AXES["pbrt"].from_target(_square_to_sphere(uv)))
-        parts = samples.reshape(_SAMPLES, side, _SAMPLES, 3)
-        found[row] = parts.mean(axis=(0, 2), dtype=np.float64)
-    return found
-
-
-def _square_to_sphere(uv: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Unit vectors, z up, of points of the unit square (Clarberg 2008, the equal-area octahedron).
-
-    The square inscribed on its edges' centres is the upper half; its corners fold to the nadir.
-    """
-    u, v = 2 * uv.T - 1
-    across = np.abs(u) + np.abs(v)
-    inside = 1 - across
-    r = 1 - np.abs(inside)
-    z = np.copysign(1 - r**2, inside)
-    # r is 0 at the zenith and in the corners, where the azimuth does not matter.
-    azimuth = ((np.abs(v) - np.abs(u)) / np.maximum(r, np.finfo(float).tiny) + 1) * np.pi / 4
-    planar = r * np.sqrt(2 - r**2)
-    x = np.copysign(planar * np.cos(azimuth), u)
-    y = np.copysign(planar * np.sin(azimuth), v)
-    return np.stack([x, y, z], axis=1)
+    square = Layout("octahedral-equal-area", side, side, axes=_SQUARE)
+    return resample(env.radiance, None, equirectangular(env.height), square)[0]
 
 
 def _numbers(values: NDArray[np.float64]) -> str:
