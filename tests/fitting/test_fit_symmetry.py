@@ -116,7 +116,6 @@ import envlights as el
 for radiance in (el.synthetic.hall(256).radiance, el.synthetic.hard(1000, 512).radiance):
     for options in ({}, {"ambient": "sh2"}, {"floor": True}, {"error": 0.01}):
         rig = el.fit(radiance, None if "error" in options else 6, **options).to_dict()
-        del rig["report"]["seconds"]
         print(rig)
 """
 

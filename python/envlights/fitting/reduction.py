@@ -7,6 +7,7 @@ from typing import NamedTuple, TypeGuard
 
 from envlights import _native
 from envlights._native import ReducedMap
+from envlights._units import OWN_SCALE
 from envlights._unseen import Unseen
 from envlights.envmap import AnyMap, EnvMap
 from envlights.fitting.unseen_part import fill_for_fit
@@ -42,6 +43,9 @@ class Reduction(NamedTuple):
     unseen_spread: float = 0.0
     """Relative RMS difference of the probe between two fills of the unseen part."""
 
+    units: str = OWN_SCALE
+    """Unit of the map; see `EnvMap.units`."""
+
 
 def reduction_of(env: EnvMap, floor: bool, unseen: Unseen = None) -> Reduction:
     """Reduction of a map in memory, after its unseen part is filled."""
@@ -51,7 +55,8 @@ def reduction_of(env: EnvMap, floor: bool, unseen: Unseen = None) -> Reduction:
         env.radiance, env.is_border_sampled, WORKING_COLUMNS, POINT_SHARE, floor
     )
     share = 0.0 if env.white is None else env.clipped_flux_share
-    return Reduction(cells, env.width, env.notes, share, part.seen_share, part.unseen_spread)
+    unseen_part = part.seen_share, part.unseen_spread
+    return Reduction(cells, env.width, env.notes, share, *unseen_part, env.units)
 
 
 def is_file(env: AnyMap) -> TypeGuard[str | os.PathLike[str] | bytes]:
@@ -67,4 +72,4 @@ def reduction_of_file(path: str | os.PathLike[str] | bytes, floor: bool) -> Redu
     It equals that of `EnvMap.open`.
     """
     reduced = reduce_file(path, WORKING_COLUMNS, POINT_SHARE, floor)
-    return None if reduced is None else Reduction(*reduced)
+    return None if reduced is None else Reduction(*reduced[:-1], units=reduced.units)
