@@ -31,6 +31,9 @@ MODELS = [
 ]
 
 
+SHADOWS = [el.shadow_overlay(rig, el.Ball((0, 0.5, 0), 0.5), columns=64) for rig in RIGS]
+
+
 #: For each kind the name of its file, and how the first or the second thing is saved there.
 SAVES = {
     **{
@@ -45,6 +48,10 @@ SAVES = {
     "tif": ("image.tif", lambda path, which: write_tiff(path, IMAGES[which])),
     "codes": ("image.png", lambda path, which: write_png(path, IMAGES[which].clip(0, 1))),
     "places": ("photograph.csv", lambda path, which: PHOTOGRAPHS[which].save(path)),
+    **{
+        f"overlay {suffix}": (f"shadow{suffix}", lambda path, which: SHADOWS[which].save(path))
+        for suffix in (".exr", ".png")
+    },
     **{
         suffix: (f"picture{suffix}", lambda path, which: el.plot.save(FIGURES[which], path))
         for suffix in PICTURES

@@ -47,6 +47,7 @@ LEFT_OUT = {
     "StopReason": "is an enumeration",
     "Surface": "comes from a scene",
     "RemovedLights": "comes from split",
+    "ShadowOverlay": "comes from shadow_overlay",
     "TransferReport": "comes from TransferModel.fit",
     "bake": "renders, by Mitsuba",
     "export.add_to_blender": "needs Blender",

@@ -47,7 +47,8 @@ def write_exr(
     Parameters
     ----------
     path : path-like
-    radiance : ndarray, shape (height, width, 3)
+    radiance : ndarray, shape (height, width, 3) or (height, width, 4)
+        The fourth channel is alpha, by which the colour is multiplied.
     half : bool
         16 instead of 32 bits for each sample: 11 digits in binary, up to 65504.
     compression : {"zip", "piz", "rle", "none"}
@@ -77,6 +78,14 @@ def write_exr(
         spec.attribute("openexr:levelmode", 0)  # one level, no pyramid
         spec.tile_width = spec.tile_height = _TILE
     _write(path, spec, radiance)
+
+
+def write_codes(path: str | os.PathLike[str], codes: NDArray[np.uint8]) -> None:
+    """Write sRGB codes, (height, width, 3 or 4), as a PNG file; alpha is not in the colour."""
+    spec = _spec(codes, oiio.UINT8)
+    spec.attribute("oiio:UnassociatedAlpha", 1)
+    spec.attribute("oiio:ColorSpace", "sRGB")
+    _write(path, spec, codes)
 
 
 def write_hdr(
@@ -200,7 +209,7 @@ def map_suffix(
 
 
 def _spec(
-    radiance: NDArray[np.float32], sample: oiio.BASETYPE, comments: Iterable[str]
+    radiance: NDArray[Any], sample: oiio.BASETYPE, comments: Iterable[str] = ()
 ) -> oiio.ImageSpec:
     height, width, channels = radiance.shape
     spec = oiio.ImageSpec(width, height, channels, sample)
