@@ -5,13 +5,14 @@ void main() { gl_Position = vec4(vec2((gl_VertexID << 1) & 2, gl_VertexID & 2) *
 const PRESENT = `#version 300 es
 precision highp float;
 uniform sampler2D map;
+uniform vec2 size;
 out vec4 colour;
 void main() {
-  vec3 x = texelFetch(map, ivec2(gl_FragCoord.xy), 0).rgb;
+  vec3 x = texture(map, gl_FragCoord.xy / size).rgb;
   colour = vec4(mix(1.055 * pow(x, vec3(1.0 / 2.4)) - 0.055, 12.92 * x, lessThanEqual(x, vec3(0.0031308))), 1);
 }`;
 const SHADOWS = { none: 0, paper: 1, exact: 2 };
-const MAP = 0, POINTS = 1, NORMALS = 2, SUM = 3, WHOLE = 5;
+const MAP = 0, POINTS = 1, NORMALS = 2, SUM = 3, WHOLE = 4, SMALL = 5, OWN = 6;
 const MOST = 8;
 
 /** What the picture shows at first; `data.state` overrides it. */
@@ -21,6 +22,12 @@ export const START = {
   ball: [-0.62, 0.1, 0.5], box: [0.65, -0.1, 0.42, 0.42, 0.42, 30], albedo: 0.7, shine: 0, roughness: 0.35,
   cameraHeight: 1.6, dome: 12, flatFloor: false, probes: true,
 };
+
+/** Ball and box as the camera at an azimuth sees them first: side by side. */
+export function arranged(azimuth) {
+  const cos = Math.cos(azimuth), sin = Math.sin(azimuth), at = (x, z) => [cos * x + sin * z, cos * z - sin * x];
+  return { ball: [...at(-0.62, 0.12), 0.5], box: [...at(0.62, -0.1), 0.42, 0.42, 0.42, (30 + azimuth * 180 / Math.PI) % 90] };
+}
 
 /** Eye and axes (right, up, forward) of the camera; azimuth 0 is +z, a quarter turn +x. */
 export function view(s) {
@@ -46,8 +53,9 @@ export class Scene {
   constructor(canvas, data) {
     const gl = canvas.getContext("webgl2", { antialias: false, alpha: false, preserveDrawingBuffer: true });
     if (!gl) throw new Error("This page needs WebGL 2, which this browser does not offer or has switched off.");
-    Object.assign(this, { canvas, data, gl, programs: new Map(), textures: [], frames: 0 });
-    this.refines = Boolean(gl.getExtension("EXT_color_buffer_float"));
+    Object.assign(this, { canvas, data, gl, programs: new Map(), textures: [], targets: [], frames: 0, row: 0 });
+    this.hasFloats = Boolean(gl.getExtension("EXT_color_buffer_float"));
+    this.buffer = gl.createFramebuffer();
     gl.bindVertexArray(gl.createVertexArray());
   }
 
@@ -131,31 +139,43 @@ export class Scene {
     gl.drawArrays(gl.TRIANGLES, 0, 3);
   }
 
-  // One frame of the canvas. Frames of a picture that does not change are averaged, each with another offset in the pixel.
-  frame(s, keeps) {
-    const { gl, canvas } = this, size = [canvas.width, canvas.height];
-    gl.viewport(0, 0, ...size);
-    this.frames = keeps ? this.frames + 1 : 1;
-    if (!this.refines) this.draw(s, 0, size, { floats: false });
-    else {
-      this.target(SUM, gl.RGBA16F, ...size);
-      gl.enable(gl.BLEND);
-      gl.blendFunc(gl.CONSTANT_ALPHA, gl.ONE_MINUS_CONSTANT_ALPHA);
-      gl.blendColor(0, 0, 0, 1 / this.frames);
-      this.draw(s, 0, size, { jitter: this.frames > 1 ? offset(this.frames - 1) : [0, 0] });
-      gl.disable(gl.BLEND);
-      gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-    }
-    this.present(s, size);
+  // A first look at a smaller size; the frames start anew.
+  preview(s, size) {
+    this.target(SMALL, this.format(), ...size);
+    this.frames = this.row = 0;
+    this.draw(s, 0, size);
+    this.present(s, SMALL);
   }
 
-  present(s, size) {
-    const { gl } = this;
-    if (this.refines) {
-      this.use(PRESENT, {});
-      this.set({ map: SUM });
-      gl.drawArrays(gl.TRIANGLES, 0, 3);
-    }
+  // The next rows of a frame at full size. Frames are averaged, each with another offset in the pixel.
+  rows(s, count) {
+    const { gl, canvas } = this, size = [canvas.width, canvas.height];
+    this.target(SUM, this.format(), ...size);
+    gl.enable(gl.SCISSOR_TEST);
+    gl.scissor(0, this.row, size[0], count);
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.CONSTANT_ALPHA, gl.ONE_MINUS_CONSTANT_ALPHA);
+    gl.blendColor(0, 0, 0, 1 / (this.frames + 1));
+    this.draw(s, 0, size, { jitter: offset(this.frames) });
+    gl.disable(gl.BLEND);
+    gl.disable(gl.SCISSOR_TEST);
+    this.row += count;
+    if (this.row < size[1]) return;
+    this.row = 0;
+    this.frames++;
+    this.present(s, SUM);
+  }
+
+  format() { return this.hasFloats ? this.gl.RGBA16F : this.gl.SRGB8_ALPHA8; }
+
+  // Show a texture of linear values, and the probes.
+  present(s, unit) {
+    const { gl, canvas } = this, size = [canvas.width, canvas.height];
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    gl.viewport(0, 0, ...size);
+    this.use(PRESENT, {});
+    this.set({ map: unit, size });
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
     if (!s.probes || !s.inset) return;
     const [left, bottom, width, height] = s.inset.map(Math.round);
     gl.viewport(left, bottom, width, height);
@@ -165,25 +185,36 @@ export class Scene {
     gl.disable(gl.BLEND);
   }
 
+  // Call `then` with the milliseconds since `start` when all is drawn.
+  finished(start, then) {
+    const { gl } = this, fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
+    const wait = () => {
+      if (gl.getSyncParameter(fence, gl.SYNC_STATUS) !== gl.SIGNALED) return void setTimeout(wait, 4);
+      gl.deleteSync(fence);
+      then(performance.now() - start);
+    };
+    setTimeout(wait, 0);
+  }
+
   // Draw into a texture of its own.
   target(unit, format, width, height) {
     const { gl } = this, key = `${width} ${height} ${format}`;
-    if (this.targets?.[unit] !== key) {
-      this.texture(unit, gl.NEAREST);
+    if (this.targets[unit] !== key) {
+      this.texture(unit, unit === OWN ? gl.NEAREST : gl.LINEAR);
       gl.texStorage2D(gl.TEXTURE_2D, 1, format, width, height);
-      this.targets = { ...this.targets, [unit]: key };
-      this.buffer ??= gl.createFramebuffer();
+      this.targets[unit] = key;
     }
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.buffer);
     gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, this.textures[unit], 0);
+    gl.viewport(0, 0, width, height);
   }
 
   // RGBA of a task without the canvas, rows from below: floats, or codes of one sample for each pixel.
   read(s, task, width, height, extra = {}) {
     const { gl } = this, pixels = new Float32Array(4 * width * height);
-    if (!this.refines) throw new Error("This browser cannot draw into float textures.");
-    this.target(SUM + 1, gl.RGBA32F, width, height);
-    gl.viewport(0, 0, width, height);
+    if (!this.hasFloats) throw new Error("This browser cannot draw into float textures.");
+    this.target(OWN, gl.RGBA32F, width, height);
     this.draw(s, task, [width, height], { floats: true, ...extra });
     gl.readPixels(0, 0, width, height, gl.RGBA, gl.FLOAT, pixels);
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);

@@ -2,6 +2,9 @@
 
 const SMEARED = "The map was photographed from one point. What stands near it is smeared over the ground, inside the dome.";
 
+// Milliseconds of the first look at a change, and of a step of a full frame; frames of a smooth picture.
+const FIRST = 60, STEP = 120, FRAMES = 16;
+
 function node(tag, properties = {}, ...children) {
   const made = Object.assign(document.createElement(tag), properties);
   made.append(...children);
@@ -15,7 +18,7 @@ export async function render({ model, el }) {
   const stage = node("div", { className: "stage" }, canvas), root = node("div", { className: "envlights" }, stage);
   el.append(root);
   try {
-    const scene = new Scene(canvas, data), state = { ...structuredClone(START), ...data.state };
+    const scene = new Scene(canvas, data), state = { ...structuredClone(START), ...arranged(data.state.azimuth), ...data.state };
     await scene.load();
     return new Page({ root, stage, canvas, scene, state, data });
   } catch (error) {
@@ -27,7 +30,7 @@ export default { render };
 
 class Page {
   constructor(parts) {
-    Object.assign(this, parts, { due: false, dragged: null, kept: false, fingers: new Map() });
+    Object.assign(this, parts, { due: false, dragged: null, changed: true, pace: 1e-3, fingers: new Map() });
     this.labels = ["under the map", "under the lights", "difference × 4"].map((text) => node("span", { textContent: text }));
     this.caption = node("div", { className: "probes" }, ...this.labels);
     this.stage.append(this.caption, node("p", { className: "hint", textContent: "Drag to look around, drag a thing to move it" }));
@@ -38,36 +41,44 @@ class Page {
     this.redraw();
   }
 
-  // Draw soon: after a change from the start, else one more frame of the same picture.
-  redraw(keeps = false) {
-    this.kept = keeps && (this.kept || !this.due);
+  // Draw soon, from the start.
+  redraw() {
+    this.changed = true;
     if (this.due) return;
     this.due = true;
-    requestAnimationFrame(() => { this.due = false; this.draw(); });
+    requestAnimationFrame(() => this.draw());
   }
 
+  // A first look within the time of a frame; then full frames by rows, until the picture is smooth. `pace` is what
+  // the last step needed, in milliseconds for each pixel.
   draw() {
-    const { canvas, scene, state, dragged } = this, ratio = Math.min(devicePixelRatio, 2) * (dragged ? 0.5 : 1);
+    const { canvas, scene, state } = this, ratio = Math.min(devicePixelRatio, 2), start = performance.now();
     const width = Math.max(Math.round(canvas.clientWidth * ratio), 1), height = Math.max(Math.round(canvas.clientHeight * ratio), 1);
-    if (canvas.width !== width || canvas.height !== height) { Object.assign(canvas, { width, height }); this.kept = false; }
-    const box = this.caption.getBoundingClientRect(), outer = canvas.getBoundingClientRect();
-    state.inset = [box.left - outer.left, outer.bottom - box.top, box.width, box.width / 3].map((x) => x * ratio);
-    state.inset[1] -= state.inset[3];
-    scene.frame(state, this.kept);
+    if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+    let drawn;
+    if (this.changed) {
+      this.changed = false;
+      this.place(ratio);
+      const scale = Math.min(Math.sqrt(FIRST / (this.pace * width * height)), this.dragged ? 0.5 : 1), size = [width, height].map((x) => Math.max(Math.round(x * scale), 16));
+      scene.preview(state, size);
+      drawn = size[0] * size[1];
+    } else {
+      const count = Math.min(Math.max(Math.round(STEP / (this.pace * width)), 8), height - scene.row);
+      scene.rows(state, count);
+      drawn = count * width;
+    }
     canvas.setAttribute("aria-label", this.text());
-    if (scene.refines && scene.frames < 16 && !dragged) this.afterwards();
+    scene.finished(start, (time) => {
+      this.pace = time / drawn;
+      this.due = this.changed || (!this.dragged && scene.frames < FRAMES);
+      if (this.due) requestAnimationFrame(() => this.draw());
+    });
   }
 
-  // Refine the picture when the last frame is on the screen and nothing has changed.
-  afterwards() {
-    const { gl, frames } = this.scene, fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
-    gl.flush();
-    const wait = () => {
-      if (gl.getSyncParameter(fence, gl.SYNC_STATUS) !== gl.SIGNALED) return void setTimeout(wait, 8);
-      gl.deleteSync(fence);
-      if (!this.due && this.scene.frames === frames) this.redraw(true);
-    };
-    setTimeout(wait, 8);
+  // Put the probes where their captions are.
+  place(ratio) {
+    const box = this.caption.getBoundingClientRect(), outer = this.canvas.getBoundingClientRect(), side = box.width / 3;
+    this.state.inset = [box.left - outer.left, outer.bottom - box.top - side, box.width, side].map((x) => x * ratio);
   }
 
   text() {
