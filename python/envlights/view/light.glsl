@@ -85,7 +85,7 @@ float edge(vec3 n, Cap k, vec3 a, vec3 b, vec3 m, inout bool behind) {
   vec3 p = a - ha * k.axis, q = b - hb * k.axis, along = cross(m, k.axis);
   bool inA = ha > 0.0 && dot(p, p) <= s2, inB = hb > 0.0 && dot(q, q) <= s2;
   behind = behind && offset < 0.0;
-  bool hits = root > 0.0 && (inA || dot(p, along) < 0.0) && (inB || dot(q, along) > 0.0);
+  bool hits = root > 0.0 && (inA || inB || (dot(p, along) < 0.0 && dot(q, along) > 0.0));
   float sum = 0.0, rim = s2 / (1.0 + k.cosine);
   WHEN(!hits) sum = s2 * c * turn(k.axis, offset, p, q);
   WHEN(hits) {
