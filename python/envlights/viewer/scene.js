@@ -41,8 +41,10 @@ export function view(s) {
 /** Lights and ambient term that a state shows. */
 export function rigOf(data, s) {
   const rigs = data.rigs[`${s.ambient} ${s.shape}`], rig = rigs[Math.min(s.count, rigs.length) - 1];
-  return { ...rig, lights: rig.lights.map(([x, y, z, r, g, b, radius]) => ({ direction: [x, y, z], irradiance: [r, g, b], radius })) };
+  return unpack(rig);
 }
+
+const unpack = (rig) => ({ ...rig, lights: rig.lights.map(([x, y, z, r, g, b, radius]) => ({ direction: [x, y, z], irradiance: [r, g, b], radius })) });
 
 /** Tangent of half the angle across the picture: `fov` is the angle of its shorter side. */
 export function spread(s, width, height) {
@@ -119,7 +121,7 @@ export class Scene {
 
   // Draw with the program of a task into the current target.
   draw(s, task, size, extra = {}) {
-    const { gl, data } = this, rig = extra.rig ?? rigOf(data, s), on = rig.lights.filter((_, k) => !s.off.includes(k));
+    const { gl, data } = this, rig = extra.rig ? unpack(extra.rig) : rigOf(data, s), on = rig.lights.filter((_, k) => !s.off.includes(k));
     const soft = on.some((light) => light.radius > 3e-4), harmonic = rig.ambient.length > 1;
     this.use(data.shaders.scene, {
       task, shadows: SHADOWS[s.shadows], soft, harmonic, glossy: s.shine > 0, floats: Boolean(extra.floats),
