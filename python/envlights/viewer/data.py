@@ -28,6 +28,8 @@ _COLUMNS = 2048
 _HEADROOM = 4.0
 #: Quality of WebP: mean error of 1.4 codes. Of JPEG: the same error.
 _WEBP_QUALITY, _JPEG_QUALITY = 90, 92
+#: Rows of the map that is drawn for a rig without a map, and the albedo of its ground.
+_ROWS_OF_RIG, _GROUND_OF_RIG = 512, 0.25
 #: Rows of the table of the map's irradiance over all normals, which is smooth.
 _ROWS = 20
 #: Degrees below the horizon between which the ground is measured: above are things, below a tripod.
@@ -67,6 +69,16 @@ def rigs_of(rig: Rig) -> dict[str, list[Rig]]:
     return rigs
 
 
+def map_of(rig: Rig) -> EnvMap:
+    """Map of the lights of a rig; over a floor, with a grey ground that they light."""
+    env = rig.to_map(_ROWS_OF_RIG)
+    if not rig.floor:
+        return env
+    radiance = env.radiance.copy()
+    radiance[_ROWS_OF_RIG // 2 :] = _GROUND_OF_RIG / np.pi * rig.probe([0.0, 1.0, 0.0])
+    return EnvMap(radiance)
+
+
 def rig_data(rig: Rig) -> dict[str, Any]:
     """Rig as the page takes it: radiance or harmonics of irradiance, and seven numbers a light."""
     ambient = np.atleast_2d(rig.ambient)
@@ -81,8 +93,8 @@ def rig_data(rig: Rig) -> dict[str, Any]:
 
 
 def _digits(rows: NDArray[np.float64]) -> list[list[float]]:
-    """Rows of numbers, each with 6 digits."""
-    return [[float(f"{value:.6g}") for value in row] for row in rows]
+    """Rows of numbers, each with 5 digits."""
+    return [[float(f"{value:.5g}") for value in row] for row in rows]
 
 
 def picture(env: EnvMap) -> dict[str, Any]:
@@ -107,15 +119,18 @@ def _encode(codes: NDArray[np.uint8]) -> tuple[str, bytes]:
     return kind, file.getvalue()
 
 
-def irradiance_table(env: EnvMap, over_floor: bool) -> dict[str, Any]:
-    """Irradiance of the map over all normals as half floats; over a floor, of its upper half."""
+def irradiance_table(env: EnvMap, unit: float, over_floor: bool) -> dict[str, Any]:
+    """Irradiance over all normals in units of `unit`, as half floats; of the upper half if wanted.
+
+    Half floats end at 65504, which a sun in physical units exceeds.
+    """
     radiance = env.radiance
     if over_floor:
         radiance = radiance.copy()
         radiance[env.height // 2 :] = 0
     normals = sphere.pixel_directions(_ROWS, 2 * _ROWS).reshape(-1, 3)
     values, _ = working_irradiance(radiance, normals, border_sampled=env.is_border_sampled)
-    halves = values.astype("<f2").tobytes()
+    halves = (values / unit).astype("<f2").tobytes()
     return {"size": [2 * _ROWS, _ROWS], "halves": base64.b64encode(halves).decode()}
 
 

@@ -21,8 +21,6 @@ from envlights.io.source import is_source, name_of
 from envlights.rig import Rig
 from envlights.viewer import data
 
-#: Rows of the map that is drawn for a rig without a map.
-_ROWS = 512
 #: Endings of a page.
 SUFFIXES = (".html", ".htm")
 #: Note of a page whose rig was fitted without a floor.
@@ -122,7 +120,7 @@ def view(
     if isinstance(env, Rig):
         if rig is not None:
             raise EnvLightsError("view takes a map and a rig, or one of them; got two rigs")
-        return view(env.to_map(_ROWS), env, title="A rig" if title is None else title)
+        return view(data.map_of(env), env, title="A rig" if title is None else title)
     _check_rig(rig)
     world = as_envmap(env).filled(unseen)
     rigs = data.fitted_rigs(world) if rig is None else data.rigs_of(rig)
@@ -148,14 +146,15 @@ def _title(env: AnyMap, title: object) -> str:
 
 def _data(world: EnvMap, rigs: dict[str, list[Rig]], title: str) -> dict[str, Any]:
     floor, notes = data.floor_albedo(world)
+    picture = data.picture(world)
     if not any(rig.floor for some in rigs.values() for rig in some):
         notes.append(_WITHOUT_FLOOR)
     return {
         "title": title,
-        **data.picture(world),
+        **picture,
         "irradiance": {
-            "floor": data.irradiance_table(world, over_floor=True),
-            "whole": data.irradiance_table(world, over_floor=False),
+            "floor": data.irradiance_table(world, picture["white"], over_floor=True),
+            "whole": data.irradiance_table(world, picture["white"], over_floor=False),
         },
         "floor": floor.tolist(),
         "rigs": {name: [data.rig_data(each) for each in some] for name, some in rigs.items()},
