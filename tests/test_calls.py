@@ -48,6 +48,7 @@ LEFT_OUT = {
     "Surface": "comes from a scene",
     "RemovedLights": "comes from split",
     "ShadowOverlay": "comes from shadow_overlay",
+    "View": "comes from view",
     "TransferReport": "comes from TransferModel.fit",
     "bake": "renders, by Mitsuba",
     "export.add_to_blender": "needs Blender",

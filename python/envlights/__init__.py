@@ -58,6 +58,7 @@ __all__ = [
     "Surface",
     "TransferModel",
     "TransferReport",
+    "View",
     "bake",
     "detect",
     "detect_article",
@@ -73,6 +74,7 @@ __all__ = [
     "split",
     "synthetic",
     "threads",
+    "view",
 ]
 
 #: Attributes, too. What a fit does not need is imported when it is first used, so that `import
@@ -86,6 +88,7 @@ _LATER = {
     **dict.fromkeys(("PaperFit", "fit_paper"), "fitting.madsen"),
     **dict.fromkeys(("BakedPairs", "DirectLight", "MitsubaScene", "Surface", "bake"), "scene"),
     **dict.fromkeys(("ShadowOverlay", "shadow_overlay"), "scene"),
+    **dict.fromkeys(("View", "view"), "viewer.page"),
     **dict.fromkeys(("FilePairs", "TransferModel", "TransferReport", "read_pairs"), "transfer"),
 }
 
@@ -108,6 +111,7 @@ if _typing.TYPE_CHECKING:
     from envlights.scene.bake import bake as bake
     from envlights.scene.floor_shadow import shadow_overlay as shadow_overlay
     from envlights.transfer import FilePairs, TransferModel, TransferReport, read_pairs
+    from envlights.viewer.page import View, view
 else:
 
     def __getattr__(name):
